@@ -1,0 +1,1 @@
+"""What there is to learn: finite MDPs, scenario files, Gymnasium adaptors."""

@@ -1,0 +1,47 @@
+"""How a world is drawn, as pure data. The screen has one view for each kind."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import StrEnum
+
+
+class CellKind(StrEnum):
+    """What a cell of a grid is, for its glyph and colour."""
+
+    FLOOR = "floor"
+    START = "start"
+    GOAL = "goal"
+    HOLE = "hole"
+    WALL = "wall"
+
+
+@dataclass(frozen=True, slots=True)
+class Grid:
+    """A map of rows × columns cells.
+
+    ``kinds`` holds rows · columns cells, row by row. ``cell_of_state[s]`` is the cell (row · columns +
+    column) where state s is drawn. ``directions[a]`` is the step (rows down, columns right) that action a
+    means, or None where the action is not a direction.
+    """
+
+    rows: int
+    columns: int
+    kinds: tuple[CellKind, ...]
+    cell_of_state: tuple[int, ...]
+    directions: tuple[tuple[int, int] | None, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Graph:
+    """States as nodes. ``places[s]`` is (column, row) of state s, whole numbers from 0, as in the file."""
+
+    places: tuple[tuple[int, int], ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Arms:
+    """A bandit: one bar an arm. The arms are the pairs of the only state."""
+
+
+Drawing = Grid | Graph | Arms

@@ -1,0 +1,161 @@
+"""What the values of a scenario file may be, and how pydantic's complaints become findings."""
+
+from __future__ import annotations
+
+import math
+import typing
+import unicodedata
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
+from typing import Annotated, Any, Final, TypeVar
+
+from pydantic import BaseModel, ConfigDict, GetCoreSchemaHandler, ValidationError
+from pydantic_core import CoreSchema, ErrorDetails, PydanticCustomError, core_schema
+
+from rl_tui.worlds.consistency import PROBABILITY_TOLERANCE
+from rl_tui.worlds.findings import Finding, near, shown
+
+LARGEST_NUMBER: Final = 1e12
+LONGEST_NAME: Final = 60
+_BIDIRECTIONAL: Final = frozenset("\u200e\u200f\u202a\u202b\u202c\u202d\u202e\u2066\u2067\u2068\u2069")
+
+
+class Section(BaseModel):
+    """A table of a scenario file. Keys it does not know are faults."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+AnySection = TypeVar("AnySection", bound=Section)
+
+
+@dataclass(frozen=True, slots=True)
+class Expect:
+    """Put into Annotated: refuses a raw value that fails ``test``, in the words of ``expected``."""
+
+    expected: str
+    test: Callable[[Any], bool]
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        """Test the raw value before pydantic converts it."""
+        return core_schema.no_info_before_validator_function(self._tested, handler(source))
+
+    def _tested(self, value: object) -> object:
+        if not self.test(value):
+            raise refused(shown(value), self.expected)
+        return value
+
+
+def refused(found: str, expected: str) -> PydanticCustomError:
+    """Return the error by which a validator says what it found and what it expected."""
+    return PydanticCustomError("refused", "{found}", {"found": found, "expected": expected})
+
+
+def is_number(value: object) -> bool:
+    """Tell a number from a truth value, a date and NaN."""
+    return isinstance(value, (int, float)) and not isinstance(value, bool) and value == value
+
+
+def number(low: float = -LARGEST_NUMBER, high: float = LARGEST_NUMBER) -> Expect:
+    """Expect a finite number within ``low`` .. ``high``."""
+    return Expect(
+        f"a finite number from {low:g} to {high:g}", lambda value: is_number(value) and low <= value <= high
+    )
+
+
+def whole_number(low: int, high: int) -> Expect:
+    """Expect an integer within ``low`` .. ``high``."""
+    return Expect(
+        f"a whole number from {low:,} to {high:,}",
+        lambda value: is_number(value) and isinstance(value, int) and low <= value <= high,
+    )
+
+
+def is_plain(text: str, also: str = "") -> bool:
+    """Tell whether a text has no control characters besides those in ``also``: none may reach a terminal."""
+    return not any(
+        letter not in also
+        and (unicodedata.category(letter) in ("Cc", "Cs", "Zl", "Zp") or letter in _BIDIRECTIONAL)
+        for letter in text
+    )
+
+
+def text(longest: int, lines: bool = False) -> Expect:
+    """Expect a text of at most ``longest`` characters, in one line unless ``lines``."""
+    kind = "a text" if lines else "one line of text"
+    return Expect(
+        f"{kind} of at most {longest:,} characters, none of them a control character",
+        lambda value: (
+            isinstance(value, str) and len(value) <= longest and is_plain(value, "\n\t" if lines else "")
+        ),
+    )
+
+
+def is_name(value: object) -> bool:
+    """Tell whether a value can name a state or an action."""
+    return isinstance(value, str) and 0 < len(value.strip()) <= len(value) <= LONGEST_NAME and is_plain(value)
+
+
+def is_table(value: object) -> bool:
+    """Tell whether a value is a table."""
+    return isinstance(value, dict)
+
+
+Number = Annotated[float, number()]
+Probability = Annotated[float, number(0, 1)]
+Name = Annotated[str, Expect(f"a name of 1 to {LONGEST_NAME} characters", is_name)]
+
+
+def sums_to_one(probabilities: Iterable[float]) -> None:
+    """Refuse probabilities whose sum is not 1 (±1e-9)."""
+    total = math.fsum(probabilities)
+    if not abs(total - 1.0) <= PROBABILITY_TOLERANCE:
+        raise refused(f"{total:.12g}", "probabilities that sum to 1 (±1e-9)")
+
+
+def parsed(section: type[AnySection], raw: object) -> tuple[AnySection | None, list[Finding]]:
+    """Return the section made of ``raw`` and no findings, or None and all that is wrong with its form."""
+    try:
+        return section.model_validate(raw), []
+    except ValidationError as error:
+        return None, [_finding(section, each) for each in error.errors(include_url=False)]
+
+
+def _finding(section: type[Section], error: ErrorDetails) -> Finding:
+    location = tuple(step for step in error["loc"] if step != "[key]")
+    if error["type"] == "refused":
+        return Finding(location, error["ctx"]["found"], error["ctx"]["expected"])
+    if error["type"] == "missing":
+        return Finding(location, "nothing", _expected_of(_section_at(section, location), str(location[-1])))
+    if error["type"] == "extra_forbidden":
+        keys = list(_section_at(section, location).model_fields)
+        return unknown_key(location, keys)
+    if error["type"] == "model_type":
+        return Finding(location, shown(error["input"]), "a table")
+    return Finding(location, shown(error["input"]), error["msg"])
+
+
+def unknown_key(location: tuple[str | int, ...], keys: Iterable[str]) -> Finding:
+    """Return the finding for a key that its table does not know."""
+    keys = list(keys)
+    return Finding(location, "an unknown key", f"one of {', '.join(keys)}{near(str(location[-1]), keys)}")
+
+
+def _section_at(section: type[Section], location: tuple[str | int, ...]) -> type[Section]:
+    """Return the section whose key the last step of ``location`` is."""
+    for step in location[:-1]:
+        field = section.model_fields.get(str(step))
+        section = next(_sections_in(field.annotation), section) if field else section
+    return section
+
+
+def _sections_in(annotation: object) -> Iterator[type[Section]]:
+    if isinstance(annotation, type) and issubclass(annotation, Section):
+        yield annotation
+    for inner in typing.get_args(annotation):
+        yield from _sections_in(inner)
+
+
+def _expected_of(section: type[Section], key: str) -> str:
+    metadata = section.model_fields[key].metadata
+    return next(each.expected for each in metadata if isinstance(each, Expect))

@@ -1,0 +1,129 @@
+"""Gymnasium environments that carry their transition table (``P``), as finite MDPs."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from contextlib import closing
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+
+from rl_tui.worlds.consistency import PROBABILITY_TOLERANCE
+from rl_tui.worlds.findings import Finding, near, one_line, shown
+from rl_tui.worlds.mdp import Outcome, Transition, tabular_mdp
+from rl_tui.worlds.toy_text_layout import Layout, layout_of
+from rl_tui.worlds.world import World
+from rl_tui.worlds.world_section import WorldRefusedError
+
+if TYPE_CHECKING:
+    from gymnasium import Env
+
+UNSUPPORTED: Final = "environments without one are not supported by this version"
+
+
+def _refusal(key: str, found: str, expected: str) -> WorldRefusedError:
+    return WorldRefusedError(Finding((key,), found, expected))
+
+
+def world_of(name: str, kwargs: Mapping[str, Any]) -> World:
+    """Return the world of the registered environment ``name`` made with ``kwargs``.
+
+    States are called "0", "1", …; the time limit is the environment's own. Raises WorldRefusedError where it
+    is not registered, cannot be made, or is no finite MDP with a table that can be read.
+    """
+    with closing(_made(name, kwargs)) as environment:
+        states, actions = _sizes(name, environment)
+        table = _table(name, environment, states, actions)
+        start = _start(name, environment, states)
+        limit = environment.spec.max_episode_steps if environment.spec else None
+        layout = layout_of(environment.unwrapped, states, actions, start)
+    try:
+        mdp = tabular_mdp(
+            [str(state) for state in range(states)],
+            layout.action_names,
+            (
+                Transition(state, action, _outcomes(table[state][action], layout, state, action))
+                for state in range(states)
+                for action in range(actions)
+            ),
+            start,
+            limit or 0,
+        )
+    except (TypeError, ValueError) as error:
+        raise _refusal(
+            "id", f"a table in which {one_line(str(error), 200)}", "a sound transition table"
+        ) from error
+    return World(mdp, layout.grid)
+
+
+def _made(name: str, kwargs: Mapping[str, Any]) -> Env[Any, Any]:
+    import gymnasium
+
+    if name not in gymnasium.registry:
+        raise _refusal(
+            "id", shown(name), f"the id of a registered environment{near(name, gymnasium.registry)}"
+        )
+    try:
+        # a map without a start divides by zero; the check of the start distribution tells that in plain words
+        with np.errstate(invalid="ignore", divide="ignore"):
+            # by its spec: looking an id up warns about newer versions, which is no concern of a scenario
+            return gymnasium.make(gymnasium.registry[name], **kwargs)
+    except Exception as error:  # whatever an environment's constructor may raise
+        reason = one_line(f"{type(error).__name__}: {error}", 200)
+        raise _refusal(
+            "kwargs" if kwargs else "id", f"what makes {name} fail ({reason})", f"what {name} takes"
+        ) from error
+
+
+def _sizes(name: str, environment: Env[Any, Any]) -> tuple[int, int]:
+    from gymnasium.spaces import Discrete
+
+    sizes = []
+    for what, space in (("states", environment.observation_space), ("actions", environment.action_space)):
+        if not isinstance(space, Discrete) or space.start != 0:
+            raise _refusal(
+                "id", f"{name}, whose {what} are {type(space).__name__}", f"discrete {what}, counted from 0"
+            )
+        sizes.append(int(space.n))
+    return sizes[0], sizes[1]
+
+
+def _table(name: str, environment: Env[Any, Any], states: int, actions: int) -> Any:
+    """Return P: ``P[state][action]`` is a list of (probability, next state, reward, terminated)."""
+    table = getattr(environment.unwrapped, "P", None)
+    if table is None:
+        raise _refusal("id", f"{name}, which has no transition table", f"one that has; {UNSUPPORTED}")
+    try:
+        complete = all(len(table[s][a]) > 0 for s in range(states) for a in range(actions))
+    except (LookupError, TypeError):
+        complete = False
+    if not complete:
+        raise _refusal("id", f"{name}, whose table has gaps", "outcomes for every state and action")
+    return table
+
+
+def _start(name: str, environment: Env[Any, Any], states: int) -> dict[int, float]:
+    distribution = getattr(environment.unwrapped, "initial_state_distrib", None)
+    if distribution is None:
+        raise _refusal(
+            "id", f"{name}, which does not tell its start", f"initial_state_distrib; {UNSUPPORTED}"
+        )
+    start = np.asarray(distribution, dtype=np.float64)
+    sound = start.shape == (states,) and bool(np.all(start >= 0.0))
+    if not sound or not abs(start.sum() - 1.0) <= PROBABILITY_TOLERANCE:
+        raise _refusal("kwargs", "a world without a start", f"probabilities to start in the {states} states")
+    return {state: float(probability) for state, probability in enumerate(start) if probability > 0.0}
+
+
+def _outcomes(entries: Sequence[Any], layout: Layout, state: int, action: int) -> list[Outcome]:
+    """Return the outcomes of one pair, kept apart even where they land alike."""
+    return [
+        Outcome(
+            probability=float(probability),
+            next_state=int(next_state),
+            reward=float(reward),
+            terminated=bool(terminated),
+            action=layout.happened(state, action, place, len(entries), int(next_state)),
+        )
+        for place, (probability, next_state, reward, terminated) in enumerate(entries)
+    ]

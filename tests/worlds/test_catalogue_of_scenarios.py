@@ -1,0 +1,122 @@
+"""Which scenarios there are and how they are found."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+
+import pytest
+
+from rl_tui.worlds import catalogue
+from rl_tui.worlds.errors import ScenarioError, UserError
+
+SHIPPED = [
+    "bandit",
+    "student",
+    "frozenlake",
+    "frozenlake-slippery",
+    "frozenlake-8x8",
+    "frozenlake-8x8-slippery",
+]
+
+
+@pytest.fixture(autouse=True)
+def own_folder(tmp_path, monkeypatch):
+    """An empty folder for the user's scenarios."""
+    folder = tmp_path / "scenarios"
+    folder.mkdir()
+    monkeypatch.setattr(catalogue, "user_folder", lambda: folder)
+    return folder
+
+
+def test_the_shipped_ones_in_teaching_order():
+    assert [scenario.id for scenario in catalogue.scenarios()] == SHIPPED
+    assert catalogue.read_catalogue().broken == []
+
+
+@pytest.mark.parametrize("name", SHIPPED)
+def test_every_shipped_one_teaches_something(name):
+    scenario = catalogue.find(name)
+    assert scenario.title != name
+    assert scenario.summary
+    assert "**Try this**" in scenario.notes
+    assert {"algorithm", "alpha", "gamma", "epsilon", "episodes"} <= scenario.defaults.keys()
+
+
+@pytest.mark.parametrize(
+    ("name", "defaults"),
+    [
+        ("bandit", {"alpha": "sample-average", "epsilon": 0.1, "gamma": 0.0, "episodes": 1000}),
+        ("student", {"alpha": 0.1, "epsilon": 0.1, "gamma": 0.9, "episodes": 500}),
+        ("frozenlake", {"alpha": 0.1, "epsilon": 0.1, "gamma": 0.99, "episodes": 10_000}),
+        ("frozenlake-slippery", {"alpha": 0.1, "epsilon": 0.1, "gamma": 0.99, "episodes": 10_000}),
+        ("frozenlake-8x8", {"alpha": 0.1, "epsilon": 0.1, "gamma": 0.99, "episodes": 10_000}),
+        ("frozenlake-8x8-slippery", {"alpha": 0.1, "epsilon": 0.1, "gamma": 0.99, "episodes": 10_000}),
+    ],
+)
+def test_shipped_defaults(name, defaults):
+    assert defaults.items() <= catalogue.find(name).defaults.items()
+
+
+def test_the_users_own_come_after_the_shipped_ones(own_folder):
+    (own_folder / "zebra.toml").write_text("order = 1\n[bandit]\narms = 2\n")
+    (own_folder / "ape.toml").write_text("[bandit]\narms = 2\n")
+    (own_folder / "readme.txt").write_text("no scenario")
+    assert [scenario.id for scenario in catalogue.scenarios()] == [*SHIPPED, "zebra", "ape"]
+    assert catalogue.find("ape").source == own_folder / "ape.toml"
+
+
+def test_a_faulty_file_leaves_only_itself_out(own_folder):
+    (own_folder / "bad.toml").write_text("[bandit]\narms = 0\n")
+    (own_folder / "good.toml").write_text("[bandit]\narms = 2\n")
+    made = catalogue.read_catalogue()
+    assert [scenario.id for scenario in made.scenarios] == [*SHIPPED, "good"]
+    (error,) = made.broken
+    assert error.faults[0].place == "bandit.arms"
+    with pytest.raises(ScenarioError, match=r"bad\.toml: bandit\.arms: found 0"):
+        catalogue.find("bad")
+
+
+def test_a_shipped_name_cannot_be_taken(own_folder):
+    (own_folder / "bandit.toml").write_text("[bandit]\narms = 2\n")
+    made = catalogue.read_catalogue()
+    assert [scenario.id for scenario in made.scenarios] == SHIPPED
+    assert made.broken[0].faults[0].expected == "another file name"
+    assert catalogue.find("bandit").source.parent == catalogue.shipped_folder()
+
+
+def test_no_folder_of_the_users_own_is_needed(own_folder):
+    own_folder.rmdir()
+    assert len(catalogue.scenarios()) == len(SHIPPED)
+
+
+def test_finds_a_file_by_its_path(tmp_path, monkeypatch):
+    (tmp_path / "mine.toml").write_text("[bandit]\narms = 2\n")
+    monkeypatch.chdir(tmp_path)
+    for path in ("mine.toml", "./mine.toml", str(tmp_path / "mine.toml")):
+        assert catalogue.find(path).id == "mine"
+    with pytest.raises(ScenarioError, match=r"^other\.toml: found no such file"):
+        catalogue.find("other.toml")
+
+
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        ("frozenlke", r'no scenario is called "frozenlke": did you mean frozenlake'),
+        ("Bandit", "did you mean bandit"),
+        ("xyz", "there are bandit, student, frozenlake, "),
+        ("a\x1b[31m", r"no scenario is called \"a\\u001b\[31m\""),
+    ],
+)
+def test_unknown_names_get_near_ones(name, message):
+    with pytest.raises(UserError, match=message):
+        catalogue.find(name)
+
+
+def test_reading_the_catalogue_loads_nothing_slow():
+    code = (
+        "import sys; from rl_tui.worlds.catalogue import scenarios; scenarios(); "
+        "print(sorted({'gymnasium', 'numba', 'scipy', 'textual', 'rich', 'click'} & set(sys.modules)))"
+    )
+    result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert result.stdout.strip() == "[]"

@@ -1,0 +1,360 @@
+"""Every fault of a scenario file gives one clear line: where, what was found, what was expected."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from rl_tui.worlds.catalogue import shipped_folder
+from rl_tui.worlds.errors import ScenarioError
+from rl_tui.worlds.scenario import read_scenario
+
+STUDENT = (shipped_folder() / "student.toml").read_text(encoding="utf-8")
+BANDIT = "[bandit]\narms = 3\n"
+LAKE = '[gymnasium]\nid = "FrozenLake-v1"\n'
+
+
+@pytest.fixture
+def faults(tmp_path):
+    """Return a function: the text of a file → its faults as (place, found, expected)."""
+
+    def faults_of(content: str | bytes) -> list[tuple[str, str, str]]:
+        path = tmp_path / "mine.toml"
+        path.write_bytes(content if isinstance(content, bytes) else content.encode())
+        with pytest.raises(ScenarioError) as error:
+            read_scenario(path)
+        assert {fault.file for fault in error.value.faults} == {str(path)}
+        assert len(str(error.value).splitlines()) == len(error.value.faults)
+        return [(fault.place, fault.found, fault.expected) for fault in error.value.faults]
+
+    return faults_of
+
+
+def student(old: str, new: str) -> str:
+    assert old in STUDENT
+    return STUDENT.replace(old, new)
+
+
+ONE_FAULT = {
+    "no world": (
+        'title = "t"\n',
+        ("", "no world", "exactly one of [gymnasium], [mdp], [bandit]"),
+    ),
+    "two worlds": (
+        BANDIT + LAKE,
+        ("", "[bandit] and [gymnasium]", "exactly one of [gymnasium], [mdp], [bandit]"),
+    ),
+    "a world that is no table": ("mdp = 3\n", ("mdp", "3", "a table")),
+    "an unknown key at the top": (
+        'sumary = "s"\n' + BANDIT,
+        ("sumary", "an unknown key", 'one of .*summary.* (did you mean "summary"?)'),
+    ),
+    "an unknown key in a world": (
+        student("time_limit", "time_limt"),
+        (
+            "mdp.time_limt",
+            "an unknown key",
+            'one of start, time_limit, place, transition (did you mean "time_limit"?)',
+        ),
+    ),
+    "an unknown key in an outcome": (
+        student("Pass = 0.8", "Pass = { p = 0.8, rewards = 1 }"),
+        ("mdp.transition[0].to.Pass.rewards", "an unknown key", 'one of p, reward (did you mean "reward"?)'),
+    ),
+    "an unknown key that needs quotes": (
+        '"a b" = 1\n' + BANDIT,
+        ('"a b"', "an unknown key", "one of .*"),
+    ),
+    "probabilities below 1": (
+        student("Pass = 0.8", "Pass = 0.7"),
+        ("mdp.transition[0].to", "0.9", "probabilities that sum to 1 (±1e-9)"),
+    ),
+    "probabilities just beyond the tolerance": (
+        student("Pass = 0.8", "Pass = 0.80000001"),
+        ("mdp.transition[0].to", "1.00000001", "probabilities that sum to 1 (±1e-9)"),
+    ),
+    "no outcome": (
+        student(
+            "{ Pass = 0.8, Class = 0.2 }",
+            '{ }\n[[mdp.transition]]\nstate = "Class"\naction = "go"\nreward = 0\nto = "Pass"',
+        ),
+        ("mdp.transition[0].to", "0", "probabilities that sum to 1 (±1e-9)"),
+    ),
+    "a probability above 1": (
+        student("Pass = 0.8, Class = 0.2", "Pass = 1.8, Class = 0.2"),
+        ("mdp.transition[0].to.Pass", "1.8", "a probability from 0 to 1, .*"),
+    ),
+    "NaN as a reward": (
+        student("reward = 10.0", "reward = nan"),
+        ("mdp.transition[4].reward", "nan", "a finite number from -1e+12 to 1e+12"),
+    ),
+    "an infinite probability": (
+        student("Class = 0.2", "Class = inf"),
+        ("mdp.transition[0].to.Class", "inf", "a probability from 0 to 1, .*"),
+    ),
+    "NaN in a table of its own": (
+        student("Class = 0.2", "Class = { p = nan }"),
+        ("mdp.transition[0].to.Class.p", "nan", "a finite number from 0 to 1"),
+    ),
+    "an infinite reward of one outcome": (
+        student("Class = 0.2", "Class = { p = 0.2, reward = -inf }"),
+        ("mdp.transition[0].to.Class.reward", "-inf", "a finite number from -1e+12 to 1e+12"),
+    ),
+    "a truth value for a number": (
+        student("reward = 10.0", "reward = true"),
+        ("mdp.transition[4].reward", "true", "a finite number from -1e+12 to 1e+12"),
+    ),
+    "a number too large to be one": (
+        student("reward = 10.0", f"reward = {10**400}"),
+        ("mdp.transition[4].reward", "1000.*…", "a finite number from -1e+12 to 1e+12"),
+    ),
+    "an unknown state in an outcome": (
+        student("Pass = 0.8", "Pas = 0.8"),
+        (
+            "mdp.transition[0].to",
+            'unknown state "Pas"',
+            'a state with transitions, or a terminal one named in mdp.place (did you mean "Pass"?)',
+        ),
+    ),
+    "an unknown state as the only outcome": (
+        student('"Sleep"', '"Nowhere"').replace("Sleep = [2, 1]", ""),
+        ("mdp.transition[4].to", 'unknown state "Nowhere"', "a state with transitions, or .*"),
+    ),
+    "an unknown state at the start": (
+        student('start = "Class"', 'start = "class"'),
+        ("mdp.start", 'unknown state "class"', 'a state with transitions (did you mean "Class"?)'),
+    ),
+    "an unknown state with a place": (
+        student("Sleep = [2, 1]", "Sleep = [2, 1]\nBed = [3, 1]"),
+        ("mdp.place.Bed", 'unknown state "Bed"', "a state that a transition mentions"),
+    ),
+    "a state that differs only in case": (
+        '[mdp]\nstart = "A"\n[[mdp.transition]]\nstate = "A"\naction = "go"\nreward = 1\nto = "a"\n',
+        ("mdp.transition[0].to", 'unknown state "a"', 'a state .*(did you mean "A"?)'),
+    ),
+    "an unreachable state": (
+        student(
+            'to = "Phone"\n\n[[mdp.transition]]\nstate = "Phone"\naction = "scroll"',
+            'to = "Class"\n\n[[mdp.transition]]\nstate = "Phone"\naction = "scroll"',
+        ),
+        (
+            "mdp.transition[2].state",
+            'state "Phone", which cannot be reached',
+            "states that can be reached from the start",
+        ),
+    ),
+    "a state reached with probability 0 only": (
+        '[mdp]\nstart = "A"\ntransition = [{ state = "A", action = "x", reward = 1, to = { B = 1, C = 0}}]\n',
+        ("mdp.transition[0].to", 'state "C", which cannot be reached', "states that .*"),
+    ),
+    "a pair given twice": (
+        student('action = "quit"', 'action = "scroll"'),
+        (
+            "mdp.transition[3]",
+            'state "Phone" with action "scroll" a second time',
+            "each state and action once (it is already mdp.transition[2])",
+        ),
+    ),
+    "no start": (
+        student('start = "Class"', ""),
+        ("mdp.start", "nothing", "the name of a state, or a table of states and probabilities"),
+    ),
+    "an empty start": (
+        student('start = "Class"', "start = {}"),
+        ("mdp.start", "0", "probabilities that sum to 1 (±1e-9)"),
+    ),
+    "a terminal start": (
+        student('start = "Class"', "start = { Class = 0.5, Sleep = 0.5 }"),
+        ("mdp.start", 'terminal state "Sleep"', "a state with transitions"),
+    ),
+    "no transition": (
+        '[mdp]\nstart = "A"\n',
+        ("mdp.transition", "nothing", "1 to 100,000 tables [[mdp.transition]]"),
+    ),
+    "no action": (
+        student('action = "sleep"\n', ""),
+        ("mdp.transition[4].action", "nothing", "a name of 1 to 60 characters"),
+    ),
+    "no reward": (
+        student("reward = 10.0\n", ""),
+        ("mdp.transition[4].reward", "nothing", "a reward, here or in every outcome"),
+    ),
+    "two states in one place": (
+        student("Sleep = [2, 1]", "Sleep = [1, 1]"),
+        ("mdp.place.Sleep", '[1, 1], where "Pass" stands', "a free place"),
+    ),
+    "a place between two": (
+        student("Sleep = [2, 1]", "Sleep = [2.5, 1]"),
+        ("mdp.place.Sleep", "[2.5, 1]", "[column, row], whole numbers from 0 to 999"),
+    ),
+    "a negative time limit": (
+        student("time_limit = 100", "time_limit = -1"),
+        ("mdp.time_limit", "-1", "a whole number from 0 to 1,000,000"),
+    ),
+    "a name with a control character": (
+        student('"Sleep"', '"Sle\\u0007ep"').replace("Sleep = [2, 1]", ""),
+        ('mdp.transition[4].to."Sle\\u0007ep"', '"Sle\\u0007ep"', "a name of 1 to 60 characters"),
+    ),
+    "no arms": ("[bandit]\narms = 0\n", ("bandit.arms", "0", "a whole number from 1 to 10,000")),
+    "half an arm": ("[bandit]\narms = 2.5\n", ("bandit.arms", "2.5", "a whole number from 1 to 10,000")),
+    "arms left out": ("[bandit]\n", ("bandit.arms", "nothing", "a whole number from 1 to 10,000, or means")),
+    "an empty list of means": ("[bandit]\nmeans = []\n", ("bandit.means", "[]", "1 to 10,000 numbers")),
+    "NaN among the means": (
+        "[bandit]\nmeans = [1, nan]\n",
+        ("bandit.means[1]", "nan", "a finite number from -1e+12 to 1e+12"),
+    ),
+    "more means than arms": (
+        BANDIT + "means = [1, 2, 3, 4]\n",
+        ("bandit.means", "4 means", "as many as there are arms (3)"),
+    ),
+    "mean and means": (
+        "[bandit]\nmeans = [1]\nmean = { normal = [0, 1] }\n",
+        ("bandit.mean", "mean beside means", "either the distribution or the means themselves"),
+    ),
+    "a negative deviation of the means": (
+        BANDIT + "mean = { normal = [0, -1] }\n",
+        ("bandit.mean.normal", "[0, -1]", "[mean, standard deviation], the second from 0 to 1e+06"),
+    ),
+    "negative noise": (BANDIT + "std = -1\n", ("bandit.std", "-1", "a finite number from 0 to 1e+06")),
+    "no pulls": (BANDIT + "budget = 0\n", ("bandit.budget", "0", "a whole number from 1 to 1,000,000,000")),
+    "an environment that is not registered": (
+        '[gymnasium]\nid = "FrozenLke-v1"\n',
+        (
+            "gymnasium.id",
+            '"FrozenLke-v1"',
+            'the id of a registered environment (did you mean "FrozenLake-v1"?)',
+        ),
+    ),
+    "an environment that is not discrete": (
+        '[gymnasium]\nid = "CartPole-v1"\n',
+        ("gymnasium.id", "CartPole-v1, whose states are Box", "discrete states, counted from 0"),
+    ),
+    "a module to import": (
+        '[gymnasium]\nid = "os:FrozenLake-v1"\n',
+        (
+            "gymnasium.id",
+            '"os:FrozenLake-v1"',
+            "the id of a registered environment, without a module to import",
+        ),
+    ),
+    "an argument that the environment refuses": (
+        LAKE + "kwargs = { slippery = true }\n",
+        ("gymnasium.kwargs", "what makes FrozenLake-v1 fail (TypeError: .*", "what FrozenLake-v1 takes"),
+    ),
+    "a window": (
+        LAKE + 'kwargs = { render_mode = "human" }\n',
+        ("gymnasium.kwargs.render_mode", '"human"', "no such argument: the world is drawn here"),
+    ),
+    "a number for an id": (
+        "[gymnasium]\nid = 3\n",
+        ("gymnasium.id", "3", "one line of text of at most 100 characters, none of them a control character"),
+    ),
+    "no id": ("[gymnasium]\n", ("gymnasium.id", "nothing", "one line of text of at most 100 characters, .*")),
+    "a control character in the title": (
+        'title = "a\\u001b[31m"\n' + BANDIT,
+        ("title", '"a\\u001b[31m"', "one line of text of at most 80 characters, .*"),
+    ),
+    "a title of two lines": (
+        'title = "a\\nb"\n' + BANDIT,
+        ("title", '"a\\nb"', "one line of text of at most 80 characters, .*"),
+    ),
+    "a number for the notes": (
+        "notes = 3\n" + BANDIT,
+        ("notes", "3", "a text of at most 20,000 characters, .*"),
+    ),
+    "defaults that are no table": ("defaults = 3\n" + BANDIT, ("defaults", "3", "a table")),
+    "TOML with a mistake": (
+        'title = "t"\narms = \n',
+        ("line 2, column 8", "invalid TOML (Invalid value)", "valid TOML"),
+    ),
+    "TOML that breaks off": ('title = "t', ("line 1", "invalid TOML (Unterminated string)", "valid TOML")),
+    "a number with too many digits": (
+        f"a = {'1' * 5000}\n",
+        ("", "invalid TOML (.*)", "valid TOML"),
+    ),
+    "tables without end": (
+        f"a = {'[' * 100_000}",
+        ("", "tables within tables, too deep to read", "TOML of a few levels"),
+    ),
+    "no UTF-8": (b'title = "t"\nsummary = "\xff"\n', ("line 2", "byte 0xff", "text in UTF-8")),
+}
+
+
+def agrees(text: str, pattern: str) -> bool:
+    """Compare literally, except that ``.*`` stands for anything."""
+    return re.fullmatch(".*".join(re.escape(part) for part in pattern.split(".*")), text) is not None
+
+
+@pytest.mark.parametrize("name", ONE_FAULT)
+def test_gives_its_one_line(name, faults):
+    content, expected = ONE_FAULT[name]
+    (found,) = faults(content)
+    for text, pattern in zip(found, expected, strict=True):
+        assert agrees(text, pattern), f"{text!r} is not {pattern!r}"
+
+
+def test_tells_all_faults_at_once_in_the_order_of_the_file(faults):
+    content = (
+        STUDENT.replace("order = 20", "order = -1")
+        .replace('start = "Class"', 'start = "Clas"')
+        .replace("Sleep = [2, 1]", "Sleep = [1, 1]")
+        .replace("Pass = 0.8", "Pass = 0.7")
+        .replace("reward = 10.0", "reward = nan")
+        + "\n[bandit]\narms = 0\nbudgets = 4\n"
+    )
+    assert [place for place, _, _ in faults(content)] == [
+        "",
+        "order",
+        "mdp.start",
+        "mdp.place.Sleep",
+        "mdp.transition[0].to",
+        "mdp.transition[4].reward",
+        "bandit.arms",
+        "bandit.budgets",
+    ]
+
+
+def test_a_fault_of_form_brings_no_faults_that_only_follow_from_it(faults):
+    assert [place for place, _, _ in faults(student("Pass = 0.8, Class = 0.2", "Pass = true"))] == [
+        "mdp.transition[0].to.Pass"
+    ]
+    assert [place for place, _, _ in faults(student('state = "Pass"', ""))] == ["mdp.transition[4].state"]
+
+
+def test_limits_the_number_of_states(faults):
+    chain = "".join(
+        f'[[mdp.transition]]\nstate = "{i}"\naction = "go"\nreward = 0\nto = "{i + 1}"\n'
+        for i in range(10_000)
+    )
+    assert faults('[mdp]\nstart = "0"\n' + chain) == [("mdp.transition", "10,001 states", "at most 10,000")]
+
+
+@pytest.mark.parametrize(
+    ("path", "found"),
+    [("missing.toml", "no such file"), (".", "a folder"), ("with\0null.toml", "control characters")],
+)
+def test_a_file_that_cannot_be_read(path, found, tmp_path):
+    with pytest.raises(ScenarioError) as error:
+        read_scenario(f"{tmp_path}/{path}")
+    (fault,) = error.value.faults
+    assert fault.found == found
+    assert "\0" not in str(fault)
+
+
+def test_a_fault_reads_as_one_line():
+    path = Path("no/such.toml")
+    with pytest.raises(ScenarioError, match=r"^no/such\.toml: found no such file; expected a TOML file$"):
+        read_scenario(path)
+
+
+def test_an_environment_that_is_not_asked_tells_when_the_world_is_built(tmp_path):
+    path = tmp_path / "mine.toml"
+    path.write_text('[gymnasium]\nid = "CartPole-v1"\n')
+    scenario = read_scenario(path, ask_environment=False)
+    with pytest.raises(ScenarioError) as error:
+        scenario.build(np.random.default_rng(0))
+    assert error.value.faults[0].place == "gymnasium.id"
+    assert error.value.faults[0].file == str(path)

@@ -1,0 +1,167 @@
+"""What is read from Gymnasium's own tables: sizes, names, drawing, slips."""
+
+from __future__ import annotations
+
+import gymnasium
+import numpy as np
+import pytest
+from gymnasium.spaces import Discrete
+
+from rl_tui.worlds.catalogue import find
+from rl_tui.worlds.drawing import CellKind, Grid
+from rl_tui.worlds.toy_text import world_of
+from rl_tui.worlds.world_section import WorldRefusedError
+
+LEFT, DOWN, RIGHT, UP = range(4)
+START, FLOOR, HOLE, GOAL = CellKind.START, CellKind.FLOOR, CellKind.HOLE, CellKind.GOAL
+
+
+def built(name):
+    return find(name).build(np.random.default_rng(0))
+
+
+@pytest.mark.parametrize(
+    ("name", "states", "live", "limit"),
+    [
+        ("frozenlake", 16, 11, 100),
+        ("frozenlake-slippery", 16, 11, 100),
+        ("frozenlake-8x8", 64, 53, 200),
+        ("frozenlake-8x8-slippery", 64, 53, 200),
+    ],
+)
+def test_sizes_and_time_limits_of_the_lakes(name, states, live, limit):
+    mdp = built(name).mdp
+    assert (mdp.states, mdp.pairs, mdp.time_limit) == (states, 4 * live, limit)
+    assert mdp.state_names == tuple(str(state) for state in range(states))
+    assert mdp.action_names == ("left", "down", "right", "up")
+    assert mdp.start_state.tolist() == [0]
+
+
+def test_holes_and_goal_of_the_small_lake_own_no_pairs():
+    mdp = built("frozenlake-slippery").mdp
+    assert [state for state in range(16) if not mdp.pairs_of(state)] == [5, 7, 11, 12, 15]
+    assert mdp.reward[mdp.next_state == 15].tolist() == [1.0] * int(np.sum(mdp.next_state == 15))
+    assert set(mdp.reward[mdp.next_state != 15]) == {0.0}
+
+
+def test_the_small_lake_is_drawn_as_its_map():
+    drawing = built("frozenlake").drawing
+    assert drawing == Grid(
+        rows=4,
+        columns=4,
+        kinds=(
+            *(START, FLOOR, FLOOR, FLOOR),
+            *(FLOOR, HOLE, FLOOR, HOLE),
+            *(FLOOR, FLOOR, FLOOR, HOLE),
+            *(HOLE, FLOOR, FLOOR, GOAL),
+        ),
+        cell_of_state=tuple(range(16)),
+        directions=((0, -1), (1, 0), (0, 1), (-1, 0)),
+    )
+
+
+def test_slips_go_to_the_sides_and_never_backwards():
+    mdp = built("frozenlake-slippery").mdp
+    for pair in range(mdp.pairs):
+        meant = int(mdp.pair_action[pair])
+        happened = [int(mdp.outcome_action[o]) for o in mdp.outcomes_of(pair)]
+        assert happened == [(meant - 1) % 4, meant, (meant + 1) % 4]
+
+
+def test_slips_that_land_alike_stay_apart():
+    mdp = built("frozenlake-slippery").mdp
+    outcomes = mdp.outcomes_of(mdp.pairs_of(0)[LEFT])
+    assert [(int(mdp.outcome_action[o]), int(mdp.next_state[o])) for o in outcomes] == [
+        (UP, 0),
+        (LEFT, 0),
+        (DOWN, 4),
+    ]
+    assert mdp.probability[outcomes[0] : outcomes[-1] + 1] == pytest.approx([1 / 3] * 3)
+
+
+def test_on_dry_ice_what_was_meant_happens():
+    mdp = built("frozenlake").mdp
+    assert mdp.outcome_action.tolist() == mdp.pair_action.tolist()
+    assert mdp.next_state[mdp.pairs_of(0)[RIGHT]] == 1
+
+
+def test_a_map_of_ones_own():
+    world = world_of("FrozenLake-v1", {"desc": ["SFG"], "is_slippery": False, "max_episode_steps": 9})
+    assert world.mdp.states == 3
+    assert world.mdp.time_limit == 9
+    assert world.drawing.rows == 1
+
+
+def test_cliff_walking_has_its_shape_and_its_own_order_of_actions():
+    world = world_of("CliffWalking-v1", {})
+    assert (world.drawing.rows, world.drawing.columns) == (4, 12)
+    assert world.mdp.action_names == ("up", "right", "down", "left")
+    assert world.mdp.time_limit == 0
+    into_the_cliff = world.mdp.outcomes_of(world.mdp.pairs_of(36)[1])[0]
+    assert world.mdp.reward[into_the_cliff] == -100.0
+    assert world.mdp.next_state[into_the_cliff] == 36
+    assert world.mdp.outcome_action[into_the_cliff] == -1, "being carried back is no direction"
+
+
+def test_a_table_without_a_map_lies_in_the_squarest_grid_that_holds_it():
+    world = world_of("Taxi-v4", {})
+    assert (world.drawing.rows, world.drawing.columns) == (22, 23)
+    assert world.drawing.directions == (None,) * 6
+    assert len(world.mdp.start_state) == 300
+    assert world.mdp.start_probability == pytest.approx(np.full(300, 1 / 300))
+
+
+@pytest.mark.parametrize(
+    ("name", "kwargs", "found"),
+    [
+        ("FrozenLake-v9", {}, '"FrozenLake-v9"'),
+        ("CartPole-v1", {}, "CartPole-v1, whose states are Box"),
+        ("Blackjack-v1", {}, "Blackjack-v1, whose states are Tuple"),
+        ("FrozenLake-v1", {"map_name": "5x5"}, "what makes FrozenLake-v1 fail (KeyError: '5x5')"),
+        ("FrozenLake-v1", {"desc": ["FF", "FG"]}, "a world without a start"),
+    ],
+)
+def test_refuses(name, kwargs, found):
+    with pytest.raises(WorldRefusedError) as refusal:
+        world_of(name, kwargs)
+    assert refusal.value.finding.found == found
+
+
+class Counting(gymnasium.Env):
+    """A discrete environment; what it lacks or has is set by the test."""
+
+    closed = 0
+
+    def __init__(self, **attributes):
+        self.observation_space = self.action_space = Discrete(2)
+        for name, value in attributes.items():
+            setattr(self, name, value)
+
+    def close(self):
+        type(self).closed += 1
+
+
+@pytest.mark.parametrize(
+    ("attributes", "found"),
+    [
+        ({}, "no transition table"),
+        ({"P": {0: {0: []}}}, "gaps"),
+        ({"P": {s: {a: [(1.0, 0, 0.0, False)] for a in (0, 1)} for s in (0, 1)}}, "does not tell its start"),
+        (
+            {
+                "P": {s: {a: [(0.5, 0, 0.0, False)] for a in (0, 1)} for s in (0, 1)},
+                "initial_state_distrib": [1.0, 0.0],
+            },
+            "probabilities sum to 0.5",
+        ),
+    ],
+)
+def test_refuses_unsound_tables_and_closes_the_environment(attributes, found):
+    gymnasium.register("Counting-v0", Counting, disable_env_checker=True)
+    before = Counting.closed
+    try:
+        with pytest.raises(WorldRefusedError, match=found):
+            world_of("Counting-v0", attributes)
+    finally:
+        del gymnasium.registry["Counting-v0"]
+    assert Counting.closed == before + 1
