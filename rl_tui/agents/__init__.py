@@ -1,0 +1,1 @@
+"""Who learns: action rules, update rules, planners and their compiled kernels."""

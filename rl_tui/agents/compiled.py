@@ -1,0 +1,133 @@
+"""The only file that knows numba: its decorators and its cache on disk."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+from collections.abc import Callable
+from contextlib import suppress
+from pathlib import Path
+from typing import Any, Final, ParamSpec, Protocol, TypeVar, cast
+
+import numba
+import platformdirs
+from numba import types
+from numba.core.caching import FunctionCache
+from numba.core.compiler import CompileResult
+from numba.extending import overload
+
+Parameters = ParamSpec("Parameters")
+Result = TypeVar("Result")
+Result_co = TypeVar("Result_co", covariant=True)
+
+
+class Compiled(Protocol[Parameters, Result_co]):
+    """A compiled function. ``py_func`` is the same function, interpreted: bit for bit the same results."""
+
+    py_func: Callable[..., Any]
+
+    def __call__(self, *args: Parameters.args, **kwargs: Parameters.kwargs) -> Result_co:
+        """Run the machine code, compiling or reading it from the cache at the first call."""
+
+
+def cache_folder() -> Path:
+    """Return the folder of compiled code, one for each state of the agents' sources, numba and Python.
+
+    Numba itself only watches the file of the function it compiles, so that an edited helper in another file
+    would leave stale code behind; the hash over all sources makes that impossible.
+    """
+    digest = hashlib.sha256()
+    package = Path(__file__).parent.parent
+    for source in sorted([*package.glob("agents/**/*.py"), *package.glob("lab/**/*.py")]):
+        digest.update(source.relative_to(package).as_posix().encode())
+        digest.update(source.read_bytes())
+    base = os.environ.get("RL_TUI_CACHE_DIR") or platformdirs.user_cache_dir("rl-tui", appauthor=False)
+    return Path(base) / "kernels" / f"{numba.__version__}-{digest.hexdigest()[:16]}"
+
+
+def _writable(folder: Path) -> bool:
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        probe = folder / f"writable-{os.getpid()}"
+        probe.touch()
+        probe.unlink()
+    except OSError:
+        return False
+    return True
+
+
+FOLDER: Final = cache_folder()
+CACHED: Final = _writable(FOLDER)
+if CACHED:
+    numba.config.CACHE_DIR = str(FOLDER)
+
+
+class _ForgivingCache(FunctionCache):  # type: ignore[misc]
+    """A cache on disk that rebuilds what it cannot read and does without where it cannot write."""
+
+    def load_overload(self, sig: Any, target_context: Any) -> CompileResult | None:
+        try:
+            return super().load_overload(sig, target_context)
+        except Exception:  # a damaged file raises whatever its bytes happen to spell
+            with suppress(OSError):
+                self.flush()  # so that the next save starts a new index
+            return None
+
+    def save_overload(self, sig: Any, data: CompileResult) -> None:
+        try:
+            super().save_overload(sig, data)
+        except Exception:  # unreadable index, full disk, folder gone: the code in memory is all we need
+            return
+
+
+def compiled(function: Callable[Parameters, Result]) -> Compiled[Parameters, Result]:
+    """Compile ``function`` at its first call: without the GIL, strict IEEE arithmetic, cached on disk."""
+    dispatcher = numba.njit(nogil=True, fastmath=False, error_model="numpy", _nrt=False)(function)
+    if CACHED and not numba.config.DISABLE_JIT:
+        dispatcher._cache = _ForgivingCache(dispatcher.py_func)
+    return cast("Compiled[Parameters, Result]", dispatcher)
+
+
+def inlined(function: Callable[Parameters, Result]) -> Callable[Parameters, Result]:
+    """Let compiled code call ``function`` by inlining it; Python calls it as it is.
+
+    A call costs two to four times the work it does, since every array's reference is counted at every call.
+    """
+
+    def implementation(*_: object) -> Callable[Parameters, Result]:
+        return function
+
+    overload(function, inline="always", strict=False)(implementation)
+    return function
+
+
+def inlined_by_type(function: Callable[Parameters, Result]) -> Callable[Parameters, Result]:
+    """Make ``function`` a family of inlined functions, one for each NamedTuple type of its first argument.
+
+    Members join with :func:`member_of`. The choice is made while compiling and costs nothing when running.
+    """
+    family: dict[type, Callable[..., Any]] = {}
+
+    def dispatch(first: Any, *rest: Any) -> Any:
+        return family[type(first)](first, *rest)
+
+    def implementation(first: Any, *_: object) -> Callable[..., Any] | None:
+        return family.get(first.instance_class) if isinstance(first, types.NamedTuple) else None
+
+    dispatch.__name__, dispatch.__qualname__ = function.__name__, function.__qualname__
+    dispatch.__doc__, dispatch.__module__ = function.__doc__, function.__module__
+    dispatch.__dict__["family"] = family
+    overload(dispatch, inline="always", strict=False)(implementation)
+    return cast("Callable[Parameters, Result]", dispatch)
+
+
+def member_of(
+    dispatch: Callable[..., Any], first_type: type
+) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
+    """Let ``dispatch`` choose the decorated function where its first argument is a ``first_type``."""
+
+    def join(function: Callable[..., Any]) -> Callable[..., Any]:
+        dispatch.__dict__["family"][first_type] = function
+        return function
+
+    return join

@@ -1,0 +1,120 @@
+"""The exact answer of a world, and exact figures of any policy in it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from rl_tui.agents.backward_induction import best_values, policy_values
+from rl_tui.agents.exact_model import ExactModel, exact_model
+from rl_tui.agents.policies import greedy_policy, uniform_over
+from rl_tui.agents.policy_evaluation import PolicyValue, ending_probability, evaluate, policy_value
+from rl_tui.agents.policy_iteration import Optimum, policy_iteration
+from rl_tui.agents.solution import NoExactAnswer, Solution
+from rl_tui.worlds.mdp import FloatArray, TabularMDP
+
+__all__ = [
+    "PolicyFigures",
+    "PolicyValue",
+    "best_expected_return",
+    "evaluate",
+    "expected_return",
+    "figures",
+    "greedy_policy",
+    "solve",
+    "uniform_over",
+]
+
+TIE: Final = 1e-9
+
+
+@dataclass(frozen=True, slots=True)
+class PolicyFigures:
+    """What a policy is worth from the start.
+
+    ``value_at_start`` is discounted and of an unlimited horizon, ``expected_return`` undiscounted and within
+    the time limit (of an unlimited horizon without one), ``greedy_ends`` the probability that the policy ends
+    (likewise). An endless part that pays nothing adds 0; one that pays makes the value (at γ = 1) and the
+    return None.
+    """
+
+    value_at_start: float | None
+    expected_return: float | None
+    greedy_ends: float
+
+
+def solve(mdp: TabularMDP, gamma: float) -> Solution:
+    """Return the optimal values and policy of ``mdp`` for ``gamma`` in [0, 1], exact to 1e-9.
+
+    Raises NoExactAnswer, in one line, where γ = 1 leaves no best value or γ < 1 is too near to 1 to compute
+    it.
+    """
+    if not 0.0 <= gamma <= 1.0:
+        raise ValueError(f"gamma is {gamma}; expected a number in [0, 1]")
+    model = exact_model(mdp)
+    optimum = policy_iteration(model, gamma)
+    advantage = optimum.advantage
+    tied = advantage >= np.repeat(model.best(advantage), model.pairs_each) - TIE
+    return Solution(
+        gamma=gamma,
+        v=optimum.v[:-1].astype(np.float64),
+        q=(optimum.v[model.pair_state] + advantage).astype(np.float64),
+        greedy=tied,
+        value_at_start=model.average_at_start(optimum.v),
+        expected_return=expected_return(mdp, uniform_over(mdp, tied)),
+        best_expected_return=_best_expected_return(model, optimum if gamma == 1.0 else None),
+        iterations=optimum.iterations,
+    )
+
+
+def figures(mdp: TabularMDP, policy: FloatArray, gamma: float) -> PolicyFigures:
+    """Return what ``policy``, [P] probabilities that sum to 1 in each state, is worth from the start."""
+    model = exact_model(mdp)
+    return PolicyFigures(
+        value_at_start=policy_value(model, policy, gamma).at_start,
+        expected_return=expected_return(mdp, policy),
+        greedy_ends=_ends_in_time(mdp, policy) if mdp.time_limit else ending_probability(model, policy),
+    )
+
+
+def expected_return(mdp: TabularMDP, policy: FloatArray) -> float | None:
+    """Return the expected undiscounted return of ``policy``, [P], from the start, within the time limit.
+
+    Without a time limit the horizon is unlimited: None where the policy may come to a part of the world that
+    it never leaves and that goes on paying.
+    """
+    if mdp.time_limit:
+        return _average_at_start(mdp, policy_values(mdp, policy, mdp.time_limit))
+    return evaluate(mdp, policy, 1.0).at_start
+
+
+def best_expected_return(mdp: TabularMDP) -> float | None:
+    """Return the expected return of the best policy that may look at the clock, within the time limit.
+
+    Without a time limit that of the best policy that ends with probability 1; None where γ = 1 has no answer.
+    """
+    return _best_expected_return(exact_model(mdp), None)
+
+
+def _best_expected_return(model: ExactModel, undiscounted: Optimum | None) -> float | None:
+    """Return :func:`best_expected_return`; ``undiscounted`` is the optimum at γ = 1 if it is at hand."""
+    mdp = model.mdp
+    if mdp.time_limit:
+        return _average_at_start(mdp, best_values(mdp, 1.0, mdp.time_limit))
+    try:
+        optimum = undiscounted or policy_iteration(model, 1.0)
+    except NoExactAnswer:
+        return None
+    return model.average_at_start(optimum.v)
+
+
+def _ends_in_time(mdp: TabularMDP, policy: FloatArray) -> float:
+    ends = mdp.terminated.astype(np.float64)
+    chance = _average_at_start(mdp, policy_values(mdp, policy, mdp.time_limit, ends))
+    return min(1.0, max(0.0, chance))
+
+
+def _average_at_start(mdp: TabularMDP, v: FloatArray) -> float:
+    return float(np.dot(mdp.start_probability, v[mdp.start_state]))

@@ -1,0 +1,126 @@
+"""Policy iteration by linear solve (Sutton & Barto, 2nd ed., section 4.3, box on page 80)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from rl_tui.agents.backward_induction import best_values
+from rl_tui.agents.exact_model import ExactModel, ExtendedArray
+from rl_tui.agents.policy_evaluation import solve_chain
+from rl_tui.agents.solution import NoExactAnswer
+from rl_tui.worlds.mdp import BoolArray, FloatArray, IntArray
+
+SMALLEST_GAIN: Final = 1e-12
+NOISE: Final = 32 * float(np.finfo(np.longdouble).eps)
+LONGEST_WARM_UP: Final = 1_000
+MOST_NAMES: Final = 6
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Optimum:
+    """The optimal values ``v``, [S+1], and q − v, [P]; ``iterations`` counts evaluations of a policy."""
+
+    v: ExtendedArray
+    advantage: ExtendedArray
+    iterations: int
+
+
+def policy_iteration(model: ExactModel, gamma: float) -> Optimum:
+    """Return the best values over an unlimited horizon.
+
+    At γ = 1 they are the best over the policies that end with probability 1: it starts from such a policy.
+    Raises NoExactAnswer, at γ = 1, naming a state that cannot reach an end or a loop that gains for ever.
+    """
+    policy = _way_out(model) if gamma == 1.0 else _far_sighted(model, gamma)
+    v = np.zeros(model.end + 1, dtype=np.longdouble)
+    seen: set[bytes] = set()
+    while True:
+        seen.add(policy.tobytes())
+        error = solve_chain(model, _probabilities(model, policy), gamma, model.is_live, v)
+        advantage = model.advantage(v, gamma)
+        better = _improved(model, policy, advantage, _least_gain(v, gamma, error))
+        # A policy that comes back is as good as the others of the circle: rounding alone tells them apart
+        if better.tobytes() in seen:
+            return Optimum(v, advantage, len(seen))
+        if gamma == 1.0:
+            _check_that_it_ends(model, better)
+        policy = better
+
+
+def _least_gain(v: ExtendedArray, gamma: float, error: float) -> float:
+    """Return the gain above which an action is changed: more than rounding can feign."""
+    noise = NOISE * float(np.abs(v).max())
+    return max(SMALLEST_GAIN, noise, 4 * error) if gamma == 1.0 else max(SMALLEST_GAIN * (1 - gamma), noise)
+
+
+def _improved(model: ExactModel, policy: IntArray, advantage: ExtendedArray, least_gain: float) -> IntArray:
+    """Return the greedy policy, [N] pairs; keep those of ``policy`` that gain no more than the least."""
+    highest = model.best(advantage)
+    best = np.flatnonzero(advantage == np.repeat(highest, model.pairs_each))
+    _, first = np.unique(model.pair_state[best], return_index=True)
+    return np.where(highest - advantage[policy] > least_gain, best[first], policy)
+
+
+def _far_sighted(model: ExactModel, gamma: float) -> IntArray:
+    """Return the greedy policy, [N], for a long finite horizon: a start that leaves little to improve."""
+    steps = min(model.mdp.states, LONGEST_WARM_UP)
+    v = np.append(best_values(model.mdp, gamma, steps), 0.0).astype(np.longdouble)
+    first = model.mdp.first_pair[model.live]
+    return _improved(model, first, model.advantage(v, gamma), 0.0)
+
+
+def _way_out(model: ExactModel) -> IntArray:
+    """Return a policy, [N], that ends with probability 1: every action may come one step nearer to an end."""
+    steps = model.steps_to([model.end], np.ones(model.mdp.pairs, dtype=np.bool_))
+    lost = model.live[steps[model.live] < 0]
+    if len(lost):
+        name = model.mdp.state_names[lost[0]]
+        raise NoExactAnswer(f"γ = 1: state {name} cannot reach an end; choose γ below 1")
+    nearness = -np.minimum.reduceat(steps[model.landing], model.mdp.first_outcome[:-1])
+    first = model.mdp.first_pair[model.live]
+    return _improved(model, first, nearness.astype(np.longdouble), 0.0)
+
+
+def _check_that_it_ends(model: ExactModel, policy: IntArray) -> None:
+    """Raise NoExactAnswer where an improvement of a policy that ends does not end.
+
+    Its loop then holds a changed action, so that its mean reward a step, the mean gain of its states, is
+    above 0.
+    """
+    usable = _probabilities(model, policy) > 0.0
+    endless = model.live[model.steps_to([model.end], usable)[model.live] < 0]
+    if len(endless):
+        loop = _names(model, _loop_from(model, usable, int(endless[0])))
+        raise NoExactAnswer(f"γ = 1: the loop through {loop} gains for ever; choose γ below 1")
+
+
+def _names(model: ExactModel, states: IntArray) -> str:
+    names = [model.mdp.state_names[state] for state in states]
+    if len(names) > MOST_NAMES:
+        names[MOST_NAMES:] = [f"{len(names) - MOST_NAMES} more"]
+    return ", ".join(names)
+
+
+def _loop_from(model: ExactModel, usable: BoolArray, state: int) -> IntArray:
+    """Return the states of a loop to which the ``usable`` pairs, [P], lead from ``state`` and never out."""
+    used = usable[model.outcome_pair]
+    source, target = model.pair_state[model.outcome_pair][used], model.landing[used]
+    while True:
+        reached = np.zeros(model.end + 1, dtype=np.bool_)
+        reached[state] = True
+        count = 0
+        while count < (count := int(reached.sum())):
+            reached[target[reached[source]]] = True
+        no_way_back = reached & (model.steps_to([state], usable) < 0)
+        if not no_way_back.any():
+            return np.flatnonzero(reached)
+        state = int(np.argmax(no_way_back))
+
+
+def _probabilities(model: ExactModel, policy: IntArray) -> FloatArray:
+    result = np.zeros(model.mdp.pairs)
+    result[policy] = 1.0
+    return result

@@ -1,0 +1,34 @@
+"""What a planner finds: the exact answer for one world and one γ."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from rl_tui.worlds.errors import UserError
+from rl_tui.worlds.mdp import BoolArray, FloatArray
+
+
+class NoExactAnswer(UserError):  # noqa: N818 - it is an answer
+    """There is no exact answer (at γ = 1: a state that cannot reach an end, a loop that gains for ever)."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Solution:
+    """The optimal values and policy for an unlimited horizon.
+
+    ``v`` is [S] (0 where a state owns no pair), ``q`` [P], ``greedy`` [P] marks the pairs within 1e-9 of the
+    best of their state. ``value_at_start`` averages v over the start distribution. ``expected_return`` is the
+    undiscounted return of the greedy policy (uniform over its ties) within the time limit,
+    ``best_expected_return`` that of the best policy that may look at the clock; without a time limit both are
+    of an unlimited horizon, None where that has no answer. ``iterations`` counts the policies that policy
+    iteration evaluated.
+    """
+
+    gamma: float
+    v: FloatArray
+    q: FloatArray
+    greedy: BoolArray
+    value_at_start: float
+    expected_return: float | None
+    best_expected_return: float | None
+    iterations: int

@@ -1,0 +1,58 @@
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+SCRIPT = """
+from rl_tui.agents.compiled import CACHED, compiled
+
+@compiled
+def double(x):
+    return 2.0 * x
+
+print(double(21.0), CACHED, sum(double.stats.cache_hits.values()))
+"""
+
+
+def run_with_cache(folder: Path, script: Path) -> str:
+    script.write_text(SCRIPT)
+    environment = os.environ | {"RL_TUI_CACHE_DIR": str(folder)}
+    finished = subprocess.run(
+        [sys.executable, "-W", "error", str(script)],
+        env=environment,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert finished.stderr == ""
+    return finished.stdout.strip()
+
+
+def test_the_second_process_reads_what_the_first_compiled(tmp_path: Path) -> None:
+    cache, script = tmp_path / "cache", tmp_path / "kernel.py"
+    assert run_with_cache(cache, script) == "42.0 True 0"
+    assert run_with_cache(cache, script) == "42.0 True 1"
+
+
+@pytest.mark.parametrize("ending", ["nbi", "nbc"])
+@pytest.mark.parametrize("damage", [b"", b"not what was written"])
+def test_a_damaged_cache_is_rebuilt(tmp_path: Path, ending: str, damage: bytes) -> None:
+    cache, script = tmp_path / "cache", tmp_path / "kernel.py"
+    run_with_cache(cache, script)
+    damaged = list(cache.rglob(f"*.{ending}"))
+    assert damaged
+    for file in damaged:
+        file.write_bytes(damage)
+    assert run_with_cache(cache, script) == "42.0 True 0"
+    assert run_with_cache(cache, script) == "42.0 True 1"
+
+
+def test_it_does_without_a_cache_where_none_can_be_written(tmp_path: Path) -> None:
+    occupied = tmp_path / "a file"
+    occupied.write_text("")
+    assert run_with_cache(occupied, tmp_path / "kernel.py") == "42.0 False 0"
+    assert occupied.read_text() == ""

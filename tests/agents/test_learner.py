@@ -1,0 +1,266 @@
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+from plain_q_learning import plain_q_learning
+from random_worlds import worlds
+
+from rl_tui.agents import loop
+from rl_tui.agents.hyperparameters import Hyperparameters, Ties
+from rl_tui.agents.learner import EPISODES_LOGGED, Learner
+from rl_tui.agents.loop import Stop
+from rl_tui.agents.planning import solve
+from rl_tui.worlds.mdp import Outcome, TabularMDP, Transition, tabular_mdp
+from rl_tui.worlds.streams import streams
+
+hyperparameters = st.builds(
+    Hyperparameters,
+    alpha=st.sampled_from([0.1, 0.5, 1.0, "sample-average"]),
+    gamma=st.sampled_from([0.0, 0.9, 1.0]),
+    epsilon=st.sampled_from([0.0, 0.1, 1.0]),
+    epsilon_min=st.sampled_from([0.0, 0.05]),
+    epsilon_decay=st.sampled_from([0.0, 0.01]),
+    initial_q=st.sampled_from([0.0, 2.5]),
+    ties=st.sampled_from(["random", "first"]),
+)
+
+
+def learner(mdp: TabularMDP, told: Hyperparameters | None = None, seed: int = 0) -> Learner:
+    return Learner(mdp, "q-learning", told or Hyperparameters(), streams(seed))
+
+
+def take(ours: Learner, steps: int) -> Stop:
+    """Take so many steps, forgetting the episodes."""
+    done = ours.step + steps
+    stop = Stop.EPISODES_FULL
+    while stop is Stop.EPISODES_FULL:
+        stop = ours.advance(done - ours.step)
+        ours.drain_episodes()
+    return stop
+
+
+def one_state(rewards: list[float], std: float = 0.0, time_limit: int = 0) -> TabularMDP:
+    """A bandit: every pull ends the episode."""
+    return tabular_mdp(
+        ["here"],
+        [str(arm) for arm in range(len(rewards))],
+        [Transition(0, arm, [Outcome(1.0, 0, reward, True, std)]) for arm, reward in enumerate(rewards)],
+        {0: 1.0},
+        time_limit,
+    )
+
+
+def endless(reward: float = 1.0, time_limit: int = 0) -> TabularMDP:
+    """One state, one action, back to itself for ever."""
+    return tabular_mdp(
+        ["here"], ["stay"], [Transition(0, 0, [Outcome(1.0, 0, reward, False)])], {0: 1.0}, time_limit
+    )
+
+
+@given(worlds(), hyperparameters, st.integers(0, 1000), st.integers(0, 300))
+@settings(max_examples=60, deadline=None)
+def test_the_kernel_does_what_the_box_says_bit_for_bit(
+    mdp: TabularMDP, told: Hyperparameters, seed: int, steps: int
+) -> None:
+    ours = learner(mdp, told, seed)
+    ours.advance(steps)
+    episodes = ours.drain_episodes()
+    q, visits, finished = plain_q_learning(mdp, told, streams(seed), steps)
+    assert ours.q.tolist() == q.tolist()
+    assert ours.visits.tolist() == visits.tolist()
+    assert list(zip(episodes.returns.tolist(), episodes.lengths.tolist(), strict=True)) == finished
+
+
+@given(worlds(), hyperparameters, st.integers(0, 1000), st.integers(0, 200))
+@settings(max_examples=40, deadline=None)
+def test_interpreted_and_compiled_give_the_same_bits(
+    mdp: TabularMDP, told: Hyperparameters, seed: int, steps: int
+) -> None:
+    compiled, interpreted = learner(mdp, told, seed), learner(mdp, told, seed)
+    compiled.advance(steps)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("rl_tui.agents.learner.advance", loop.advance.py_func)
+        interpreted.advance(steps)
+    assert_same(compiled, interpreted)
+
+
+@given(worlds(), hyperparameters, st.integers(0, 1000), st.lists(st.integers(0, 120), max_size=8))
+@settings(max_examples=60, deadline=None)
+def test_how_the_work_is_cut_does_not_matter(
+    mdp: TabularMDP, told: Hyperparameters, seed: int, chunks: list[int]
+) -> None:
+    whole, cut = learner(mdp, told, seed), learner(mdp, told, seed)
+    whole.advance(sum(chunks))
+    for chunk in chunks:
+        cut.advance(chunk)
+    assert_same(whole, cut)
+
+
+@given(worlds(), hyperparameters, st.integers(0, 100), st.integers(0, 100))
+@settings(max_examples=40, deadline=None)
+def test_a_checkpoint_brings_everything_back(
+    mdp: TabularMDP, told: Hyperparameters, before: int, after: int
+) -> None:
+    straight, rewound = learner(mdp, told), learner(mdp, told)
+    straight.advance(before + after)
+    straight.drain_episodes()
+    rewound.advance(before)
+    rewound.drain_episodes()
+    kept = rewound.checkpoint()
+    rewound.configure(Hyperparameters(alpha=1.0, epsilon=1.0))
+    rewound.advance(500)
+    rewound.restore(kept)
+    rewound.advance(after)
+    rewound.drain_episodes()
+    assert_same(straight, rewound)
+
+
+def assert_same(one: Learner, other: Learner) -> None:
+    assert one.q.tobytes() == other.q.tobytes()
+    assert one.visits.tolist() == other.visits.tolist()
+    assert (one.step, one.episodes, one.state, one.episode_step) == (
+        other.step,
+        other.episodes,
+        other.state,
+        other.episode_step,
+    )
+    assert one.episode_return == other.episode_return
+    assert one.last_step == other.last_step
+    assert one.first_reward_episode == other.first_reward_episode
+    for mine, yours in zip(one.streams, other.streams, strict=True):
+        assert mine.bit_generator.state == yours.bit_generator.state
+    for mine, yours in zip(one.drain_episodes(), other.drain_episodes(), strict=True):
+        assert mine.tobytes() == yours.tobytes()
+
+
+def test_exploration_picks_every_legal_action_equally_the_greedy_one_included() -> None:
+    pulls = 40_000
+    ours = learner(one_state([0.0, 1.0, 0.0, 0.0]), Hyperparameters(alpha=1.0, epsilon=0.4))
+    take(ours, pulls)
+    assert np.argmax(ours.q) == 1
+    for arm in (0, 2, 3):
+        expected = pulls * 0.4 / 4
+        assert abs(ours.visits[arm] - expected) < 5 * math.sqrt(expected)
+
+
+@pytest.mark.parametrize(("ties", "pulled"), [("random", [1, 1, 1, 1]), ("first", [4, 0, 0, 0])])
+def test_ties_are_broken_as_asked(ties: Ties, pulled: list[int]) -> None:
+    ours = learner(one_state([0.0] * 4), Hyperparameters(epsilon=0.0, ties=ties))
+    take(ours, 40_000)
+    assert ours.visits.tolist() == pytest.approx([share * 10_000 for share in pulled], abs=500)
+
+
+def test_only_exact_equality_is_a_tie() -> None:
+    ours = learner(one_state([0.0, 1e-15]), Hyperparameters(alpha=1.0, epsilon=0.0, initial_q=1e-15))
+    ours.advance(100)
+    assert ours.visits[0] in (0, 1)
+    assert ours.visits.sum() == 100
+
+
+def test_a_terminated_step_does_not_bootstrap_a_truncated_one_does() -> None:
+    told = Hyperparameters(alpha=1.0, gamma=0.5, initial_q=10.0)
+    truncated = learner(endless(time_limit=1), told)
+    truncated.advance(1)
+    assert truncated.q.tolist() == [1.0 + 0.5 * 10.0]
+    assert truncated.last_step is not None
+    assert truncated.last_step.truncated
+    assert not truncated.last_step.terminated
+    terminated = learner(one_state([1.0], time_limit=1), told)
+    terminated.advance(1)
+    assert terminated.q.tolist() == [1.0]
+    assert terminated.last_step is not None
+    assert terminated.last_step.terminated
+    assert not terminated.last_step.truncated
+
+
+def test_sample_average_is_the_mean_of_what_was_seen() -> None:
+    ours = learner(one_state([1.0], std=1.0), Hyperparameters(alpha="sample-average"))
+    ours.advance(1000)
+    returns = ours.drain_episodes().returns
+    assert ours.q[0] == pytest.approx(returns.mean(), abs=1e-12)
+
+
+def test_the_last_step_holds_the_numbers_of_its_update() -> None:
+    ours = learner(endless(reward=2.0), Hyperparameters(alpha=0.25, gamma=0.5, initial_q=4.0))
+    ours.advance(1)
+    last = ours.last_step
+    assert last is not None
+    assert (last.step, last.episode, last.state, last.pair, last.next_state) == (1, 1, 0, 0, 0)
+    assert (last.before, last.bootstrap, last.target, last.td_error) == (4.0, 4.0, 4.0, 0.0)
+    assert last.after == last.before + last.step_size * last.td_error
+
+
+def test_epsilon_decays_by_episode() -> None:
+    told = Hyperparameters(epsilon=1.0, epsilon_min=0.1, epsilon_decay=0.5)
+    ours = learner(one_state([1.0, 1.0]), told)
+    seen = []
+    for _ in range(4):
+        ours.advance(1)
+        assert ours.last_step is not None
+        seen.append(ours.last_step.epsilon)
+    assert seen == pytest.approx([0.1 + 0.9 * math.exp(-0.5 * n) for n in range(4)])
+    assert seen == [told.epsilon_at(n) for n in range(4)]
+
+
+def test_a_change_acts_from_the_next_step() -> None:
+    ours = learner(endless(reward=1.0), Hyperparameters(alpha=0.5, gamma=0.0))
+    ours.advance(1)
+    ours.configure(Hyperparameters(alpha=1.0, gamma=0.0))
+    ours.advance(1)
+    assert ours.q.tolist() == [1.0]
+
+
+def test_episodes_are_counted_and_never_lost() -> None:
+    ours = learner(one_state([1.0]))
+    asked = EPISODES_LOGGED + 10
+    assert ours.advance(asked) is Stop.EPISODES_FULL
+    assert ours.advance(10) is Stop.EPISODES_FULL
+    assert ours.episodes == EPISODES_LOGGED
+    assert len(ours.drain_episodes().returns) == EPISODES_LOGGED
+    assert ours.advance(asked - ours.step) is Stop.DONE
+    assert len(ours.drain_episodes().lengths) == 10
+    assert ours.advance(10**6, episodes=3) is Stop.DONE
+    assert ours.drain_episodes().lengths.tolist() == [1, 1, 1]
+
+
+def test_a_runaway_stops_and_names_its_step() -> None:
+    ours = learner(endless(reward=1e11), Hyperparameters(alpha=1.0, gamma=1.0))
+    assert ours.advance(1000) is Stop.DIVERGED
+    assert ours.step == 11
+    assert "Q(here, stay)" in ours.stop_reason
+    assert "step 11" in ours.stop_reason
+    assert ours.advance(1) is Stop.DIVERGED
+    assert ours.step == 11
+
+
+def test_an_endless_episode_stops_after_ten_million_steps() -> None:
+    ours = learner(endless(reward=0.0))
+    assert ours.advance(10**9) is Stop.ENDLESS_EPISODE
+    assert ours.step == 10**7
+    assert "episode 1 " in ours.stop_reason
+
+
+@given(worlds(most_states=4, noise=False), st.integers(0, 50))
+@settings(max_examples=15, deadline=None, derandomize=True)
+def test_it_converges_to_the_exact_answer(mdp: TabularMDP, seed: int) -> None:
+    exact = solve(mdp, 0.7)
+    ours = learner(mdp, Hyperparameters(alpha=0.5, gamma=0.7, epsilon=1.0), seed)
+    for power in range(1, 12):
+        ours.configure(Hyperparameters(alpha=0.5**power, gamma=0.7, epsilon=1.0))
+        assume(take(ours, 2_000 * 2**power) is Stop.DONE)
+    assert np.abs(ours.q - exact.q)[ours.visits > 200_000].max(initial=0.0) < 0.1
+
+
+def test_seeds_give_different_runs_and_the_same_seed_the_same() -> None:
+    mdp = one_state([0.0] * 4, std=1.0)
+    tables = []
+    for seed in (0, 1, 1):
+        ours = learner(mdp, seed=seed)
+        ours.advance(100)
+        tables.append(ours.q.tobytes())
+    assert [one == other for one, other in pairwise(tables)] == [False, True]

@@ -1,0 +1,127 @@
+"""What never ends: refusals at γ = 1 and figures that do not exist."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from exact_reference import student, world
+
+from rl_tui.agents.planning import best_expected_return, evaluate, figures, solve
+from rl_tui.agents.solution import NoExactAnswer
+
+
+def test_a_state_that_cannot_reach_an_end_is_named() -> None:
+    mdp = world(
+        ("A", "out", [(1.0, "end", 1.0)]),
+        ("A", "in", [(1.0, "Trap", 0.0)]),
+        ("Trap", "stay", [(1.0, "Trap", 0.0)]),
+    )
+    with pytest.raises(NoExactAnswer, match=r"^γ = 1: state Trap cannot reach an end; choose γ below 1$"):
+        solve(mdp, 1.0)
+    assert solve(mdp, 0.9).best_expected_return is None
+    assert best_expected_return(mdp) is None
+
+
+def test_a_loop_that_gains_for_ever_is_named() -> None:
+    mdp = world(
+        ("A", "out", [(1.0, "end", 0.0)]),
+        ("A", "in", [(1.0, "B", 3.0)]),
+        ("B", "back", [(0.5, "A", -2.9), (0.5, "C", -2.9)]),
+        ("C", "back", [(1.0, "A", 0.0)]),
+        ("C", "out", [(1.0, "end", 0.0)]),
+    )
+    with pytest.raises(
+        NoExactAnswer, match=r"^γ = 1: the loop through A, B, C gains for ever; choose γ below 1$"
+    ):
+        solve(mdp, 1.0)
+
+
+def test_only_the_loop_is_named_not_the_way_to_it() -> None:
+    mdp = world(
+        ("A", "out", [(1.0, "end", 0.0)]),
+        ("A", "on", [(1.0, "B", 0.0)]),
+        ("B", "out", [(1.0, "end", 0.0)]),
+        ("B", "stay", [(1.0, "B", 1.0)]),
+    )
+    with pytest.raises(NoExactAnswer, match="the loop through B gains"):
+        solve(mdp, 1.0)
+
+
+def test_a_long_loop_is_named_by_its_first_states() -> None:
+    ring = [(f"s{i}", "on", [(1.0, f"s{(i + 1) % 20}", 1.0)]) for i in range(20)]
+    with pytest.raises(NoExactAnswer, match="through s0, s1, s2, s3, s4, s5, 14 more gains"):
+        solve(world(*ring, ("s0", "out", [(1.0, "end", 0.0)])), 1.0)
+
+
+def test_a_loop_that_costs_nothing_is_no_obstacle() -> None:
+    mdp = student(time_limit=0)
+    solution = solve(mdp, 1.0)
+    assert solution.v == pytest.approx([7.5, 7.5, 10.0, 0.0], abs=1e-12)
+    assert solution.expected_return == solution.best_expected_return == 7.5
+
+
+def test_the_best_policy_that_ends_may_be_worse_than_one_that_does_not() -> None:
+    # Staying would cost nothing, but V* is the best over the policies that end
+    mdp = world(("A", "stay", [(1.0, "A", 0.0)]), ("A", "out", [(1.0, "end", -5.0)]))
+    assert solve(mdp, 1.0).v.tolist() == [-5.0, 0.0]
+    assert solve(mdp, 0.9).v.tolist() == [0.0, 0.0]
+
+
+def test_a_loop_that_balances_is_no_gain() -> None:
+    mdp = world(
+        ("A", "in", [(1.0, "B", 0.1)]),
+        ("A", "out", [(1.0, "end", 1.0)]),
+        ("B", "back", [(1.0, "A", -0.1)]),
+    )
+    assert solve(mdp, 1.0).v[0] == pytest.approx(1.0, abs=1e-12)
+
+
+def test_an_endless_policy_that_pays_nothing_adds_nothing() -> None:
+    mdp = world(("A", "in", [(0.5, "B", 5.0), (0.5, "end", 1.0)]), ("B", "stay", [(1.0, "B", 0.0)]))
+    found = figures(mdp, np.ones(2), 1.0)
+    assert (found.value_at_start, found.expected_return, found.greedy_ends) == (3.0, 3.0, 0.5)
+
+
+@pytest.mark.parametrize("reward", [1.0, -1.0])
+def test_an_endless_policy_that_pays_has_no_return(reward: float) -> None:
+    mdp = world(("A", "in", [(0.75, "B", 5.0), (0.25, "end", 1.0)]), ("B", "stay", [(1.0, "B", reward)]))
+    undiscounted = figures(mdp, np.ones(2), 1.0)
+    assert (undiscounted.value_at_start, undiscounted.expected_return) == (None, None)
+    assert undiscounted.greedy_ends == 0.25
+    discounted = figures(mdp, np.ones(2), 0.5)
+    assert discounted.value_at_start == pytest.approx(4.0 + 0.75 * reward, abs=1e-12)
+    assert discounted.expected_return is None
+
+
+def test_an_endless_part_that_the_policy_never_meets_does_not_matter() -> None:
+    mdp = world(
+        ("A", "out", [(1.0, "end", 2.0)]), ("A", "in", [(1.0, "B", 0.0)]), ("B", "stay", [(1.0, "B", 1.0)])
+    )
+    policy = np.array([1.0, 0.0, 1.0])
+    found = figures(mdp, policy, 1.0)
+    assert (found.value_at_start, found.expected_return, found.greedy_ends) == (2.0, 2.0, 1.0)
+    values = evaluate(mdp, policy, 1.0)
+    assert values.v[0] == values.at_start == 2.0
+    assert np.isnan(values.v[mdp.state_names.index("B")])
+
+
+def test_a_time_limit_bounds_the_return_but_not_the_value() -> None:
+    mdp = world(("A", "stay", [(1.0, "A", 1.0)]), ("A", "out", [(1.0, "end", 0.0)]), time_limit=10)
+    found = figures(mdp, np.array([1.0, 0.0]), 1.0)
+    assert (found.value_at_start, found.expected_return, found.greedy_ends) == (None, 10.0, 0.0)
+    assert best_expected_return(mdp) == 10.0
+
+
+def test_an_end_too_unlikely_for_numbers_is_refused_in_one_line() -> None:
+    mdp = world(
+        ("A", "on", [(1.0, "B", -1.0)]),
+        ("B", "back", [(1.0 - 1e-12, "A", -1.0), (1e-300, "end", -1.0)]),
+    )
+    with pytest.raises(NoExactAnswer, match="an end is too unlikely"):
+        solve(mdp, 1.0)
+
+
+def test_a_discount_one_bit_below_one_still_has_its_value() -> None:
+    gamma = 1.0 - 2.0**-53
+    mdp = world(("A", "on", [(1.0, "B", 1.0)]), ("B", "back", [(1.0, "A", 1.0)]))
+    assert solve(mdp, gamma).value_at_start == pytest.approx(2.0**53, rel=1e-12)
