@@ -1,0 +1,138 @@
+"""How fast learning is here, against the plain loop over Gymnasium that everybody writes."""
+
+from __future__ import annotations
+
+import asyncio
+import time
+from statistics import median
+from typing import Any, Final
+
+import numpy as np
+from numpy.random import Generator, default_rng
+
+from rl_tui.agents.hyperparameters import SAMPLE_AVERAGE
+from rl_tui.lab.commands import Pause, Play, Train
+from rl_tui.lab.player import Player
+from rl_tui.lab.recipe import Recipe
+from rl_tui.lab.run import Run
+from rl_tui.worlds.errors import UserError
+from rl_tui.worlds.gymnasium_section import GymnasiumSection
+from rl_tui.worlds.mdp import FloatArray
+
+KERNEL_STEPS: Final = 5_000_000
+PLAIN_STEPS: Final = 20_000
+ROUNDS: Final = 5
+FRAMES_A_SECOND: Final = 20
+LIVE_SECONDS: Final = 0.5
+LIVE_ROUNDS: Final = 5
+
+
+class PlainLoop:
+    """Q-learning as it is usually written, a step of the Gymnasium environment at a time."""
+
+    def __init__(self, recipe: Recipe, random_ties: bool) -> None:
+        import gymnasium
+
+        section = recipe.scenario.section
+        if not isinstance(section, GymnasiumSection):
+            raise UserError(
+                f"{recipe.scenario.id} is not a Gymnasium environment: choose one for the benchmark"
+            )
+        if recipe.hyperparameters.alpha == SAMPLE_AVERAGE:
+            raise UserError(
+                "the plain loop of the benchmark has a constant step size: give a number for alpha"
+            )
+        self._env: Any = gymnasium.make(section.id, **section.kwargs)
+        self._alpha = float(recipe.hyperparameters.alpha)
+        self._gamma = recipe.hyperparameters.gamma
+        self._epsilon = recipe.hyperparameters.epsilon
+        self._random_ties = random_ties
+        self._generator: Generator = default_rng(recipe.seed)
+        self._q: FloatArray = np.zeros((self._env.observation_space.n, self._env.action_space.n))
+        self._state, _ = self._env.reset(seed=recipe.seed)
+
+    def advance(self, steps: int) -> None:
+        """Take ``steps`` steps."""
+        env, q, generator = self._env, self._q, self._generator
+        alpha, gamma, epsilon = self._alpha, self._gamma, self._epsilon
+        actions, random_ties, state = q.shape[1], self._random_ties, self._state
+        for _ in range(steps):
+            if generator.random() < epsilon:
+                action = generator.integers(actions)
+            elif random_ties:
+                action = generator.choice(np.flatnonzero(q[state] == q[state].max()))
+            else:
+                action = np.argmax(q[state])
+            next_state, reward, terminated, truncated, _ = env.step(int(action))
+            bootstrap = 0.0 if terminated else np.max(q[next_state])
+            q[state, action] += alpha * (reward + gamma * bootstrap - q[state, action])
+            if terminated or truncated:
+                next_state, _ = env.reset()
+            state = next_state
+        self._state = state
+
+
+def benchmark(recipe: Recipe, rounds: int = ROUNDS) -> dict[str, Any]:
+    """Time our kernel and the plain loop, with first and with random ties, in turns; medians of steps/s.
+
+    It is the document of ``bench --json``. Raises UserError where ``recipe`` is not of a Gymnasium
+    environment.
+    """
+    first, random = PlainLoop(recipe, random_ties=False), PlainLoop(recipe, random_ties=True)
+    run = Run(recipe, evaluate=False)
+    run.warm_up()
+    run.advance(KERNEL_STEPS // 10)
+    turns: list[tuple[Run | PlainLoop, int]] = [
+        (run, KERNEL_STEPS),
+        (first, PLAIN_STEPS),
+        (random, PLAIN_STEPS),
+    ]
+    speeds = [[_speed(loop, steps) for loop, steps in turns] for _ in range(rounds)]
+    kernel, plain, plain_random = (median(column) for column in zip(*speeds, strict=True))
+    return {
+        "scenario": recipe.scenario.id,
+        "kernel_steps_per_second": kernel,
+        "gymnasium_steps_per_second": plain,
+        "ratio": kernel / plain,
+        "gymnasium_random_ties_steps_per_second": plain_random,
+        "ratio_random_ties": kernel / plain_random,
+    }
+
+
+def _speed(loop: Run | PlainLoop, steps: int) -> float:
+    start = time.perf_counter()
+    loop.advance(steps)
+    return steps / (time.perf_counter() - start)
+
+
+async def live_fraction(recipe: Recipe, rounds: int = LIVE_ROUNDS) -> float:
+    """Return which share of the headless speed a player keeps while somebody reads 20 snapshots a second.
+
+    Both are timed in turns, once they are well under way, and the medians compared.
+    """
+    run = Run(recipe, evaluate=False)
+    run.warm_up()
+    run.advance(KERNEL_STEPS)
+    player = Player(recipe, speed=None)
+    try:
+        player.send(Train(KERNEL_STEPS))
+        live, headless = [], []
+        for _ in range(rounds):
+            headless.append(_speed(run, KERNEL_STEPS))
+            live.append(await _live_speed(player))
+        return median(live) / median(headless)
+    finally:
+        player.close()
+
+
+async def _live_speed(player: Player) -> float:
+    before = await player.carried_out()
+    player.send(Play())
+    start = time.perf_counter()
+    async for _ in player.snapshots():
+        if time.perf_counter() - start >= LIVE_SECONDS:
+            break
+        await asyncio.sleep(1 / FRAMES_A_SECOND)
+    player.send(Pause())
+    after = await player.carried_out()
+    return (after.step - before.step) / (time.perf_counter() - start)

@@ -1,0 +1,41 @@
+"""One CSV row an episode: run (from 1), episode (from 1), return, length in steps."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Final, TextIO
+
+from rl_tui.worlds.errors import UserError
+from rl_tui.worlds.mdp import FloatArray, IntArray
+
+HEADER: Final = "run,episode,return,length\n"
+
+
+class EpisodeRows:
+    """Writes the episodes of one run to ``stream`` as they are finished. Returns keep all their digits."""
+
+    def __init__(self, stream: TextIO, run: int) -> None:
+        self._stream = stream
+        self._run = run
+        self._episodes = 0
+
+    def __call__(self, returns: FloatArray, lengths: IntArray, last_pairs: IntArray) -> None:
+        """Write the next episodes, [n] each."""
+        episodes = range(self._episodes + 1, self._episodes + 1 + len(returns))
+        rows = zip(episodes, returns.tolist(), lengths.tolist(), strict=True)
+        run = self._run
+        self._stream.writelines(f"{run},{episode},{total!r},{length}\n" for episode, total, length in rows)
+        self._episodes += len(returns)
+
+
+@contextmanager
+def csv_file(path: Path) -> Iterator[TextIO]:
+    """Open ``path`` with the header written. Raises UserError where it cannot be written."""
+    try:
+        with path.open("w", encoding="utf-8", newline="") as stream:
+            stream.write(HEADER)
+            yield stream
+    except OSError as error:
+        raise UserError(f"{path}: cannot be written ({error.strerror or error})") from error

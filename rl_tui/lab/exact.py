@@ -1,0 +1,103 @@
+"""The exact answers of one world, for whatever γ is in force."""
+
+from __future__ import annotations
+
+import threading
+from collections import OrderedDict
+from collections.abc import Callable
+from typing import Final, NamedTuple
+
+from rl_tui.agents.solution import NoExactAnswer, Solution
+from rl_tui.worlds.mdp import TabularMDP
+
+AT_ONCE_STATES: Final = 200
+LIVE_STATES: Final = 20_000
+KEPT: Final = 64
+
+
+class Answer(NamedTuple):
+    """The exact answer, or why there is none; both empty while it is worked out."""
+
+    solution: Solution | None
+    refused: str
+
+
+PENDING: Final = Answer(None, "")
+
+
+class ExactAnswers:
+    """Exact answers by γ: small worlds at once, larger ones in a thread, none above 20,000 states.
+
+    ``on_ready`` is called, in that thread, when an answer that was asked for has come.
+    """
+
+    def __init__(
+        self,
+        mdp: TabularMDP,
+        on_ready: Callable[[], None],
+        solve: Callable[[TabularMDP, float], Solution] | None = None,
+        at_once_states: int = AT_ONCE_STATES,
+    ) -> None:
+        if solve is None:
+            from rl_tui.agents import planning
+
+            solve = planning.solve
+        self.mdp = mdp
+        self._on_ready = on_ready
+        self._solve = solve
+        self._at_once = mdp.states <= at_once_states
+        self._lock = threading.Lock()
+        self._answers: OrderedDict[float, Answer] = OrderedDict()
+        self._wanted: float | None = None
+        self._working = False
+        self._failure: BaseException | None = None
+
+    def answer(self, gamma: float) -> Answer:
+        """Return the answer for ``gamma`` if it is known, and see to it that it will be."""
+        if self.mdp.states > LIVE_STATES:
+            return Answer(None, f"more than {LIVE_STATES:,} states: rl-tui solve has the exact answer")
+        with self._lock:
+            if self._failure is not None:
+                raise self._failure
+            known = self._answers.get(gamma)
+            if known is not None:
+                self._answers.move_to_end(gamma)
+                return known
+            if self._at_once:
+                return self._keep(gamma, self._work_out(gamma))
+            self._wanted = gamma
+            if not self._working:
+                self._working = True
+                threading.Thread(target=self._work, name="exact answers", daemon=True).start()
+        return PENDING
+
+    def _work(self) -> None:
+        """Work out the newest γ that was asked for until none is left; those overtaken are skipped."""
+        while True:
+            with self._lock:
+                gamma, self._wanted = self._wanted, None
+                if gamma is None:
+                    self._working = False
+                    return
+            try:
+                answer = self._work_out(gamma)
+            except BaseException as error:
+                with self._lock:
+                    self._failure, self._working = error, False
+                self._on_ready()
+                return
+            with self._lock:
+                self._keep(gamma, answer)
+            self._on_ready()
+
+    def _work_out(self, gamma: float) -> Answer:
+        try:
+            return Answer(self._solve(self.mdp, gamma), "")
+        except NoExactAnswer as refusal:
+            return Answer(None, str(refusal))
+
+    def _keep(self, gamma: float, answer: Answer) -> Answer:
+        self._answers[gamma] = answer
+        while len(self._answers) > KEPT:
+            self._answers.popitem(last=False)
+        return answer

@@ -1,0 +1,117 @@
+"""What came of a run, as ``train --json`` prints it."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from rl_tui.agents.planning import figures, greedy_policy, solve
+from rl_tui.agents.solution import NoExactAnswer, Solution
+from rl_tui.lab.recipe import Recipe
+from rl_tui.lab.run import Run
+from rl_tui.worlds.mdp import FloatArray, TabularMDP
+
+
+@dataclass(frozen=True, slots=True)
+class GreedyFigures:
+    """Exact figures of a run's greedy policy and estimates, None where there is no exact answer."""
+
+    value_at_start: float | None
+    optimal_value_at_start: float | None
+    expected_return: float | None
+    max_error: float | None
+    greedy_ends: float | None
+
+
+def optimum_of(mdp: TabularMDP, gamma: float) -> Solution | None:
+    """Return the exact answer, None where there is none."""
+    try:
+        return solve(mdp, gamma)
+    except NoExactAnswer:
+        return None
+
+
+def greedy_figures(run: Run, optimum: Solution | None) -> GreedyFigures:
+    """Return the figures of what ``run`` has learned, held against ``optimum`` for its γ."""
+    mdp, learner = run.world.mdp, run.learner
+    policy = greedy_policy(mdp, learner.q, learner.hyperparameters.ties)
+    try:
+        of_policy = figures(mdp, policy, learner.hyperparameters.gamma)
+    except NoExactAnswer:
+        of_policy = None
+    return GreedyFigures(
+        value_at_start=of_policy.value_at_start if of_policy else None,
+        optimal_value_at_start=optimum.value_at_start if optimum else None,
+        expected_return=of_policy.expected_return if of_policy else None,
+        max_error=float(np.abs(learner.q - optimum.q).max()) if optimum else None,
+        greedy_ends=of_policy.greedy_ends if of_policy else None,
+    )
+
+
+def head(recipe: Recipe) -> dict[str, Any]:
+    """Return what a run was made of, as JSON."""
+    return {
+        "scenario": recipe.scenario.id,
+        "algorithm": recipe.algorithm,
+        "seed": recipe.seed,
+        "hyperparameters": recipe.hyperparameters.as_dict(),
+    }
+
+
+def training_figures(run: Run, seconds: float) -> dict[str, Any]:
+    """Return what ``run`` came to in ``seconds`` of learning: the document of ``train --json``."""
+    mdp, learner = run.world.mdp, run.learner
+    exact = greedy_figures(run, optimum_of(mdp, learner.hyperparameters.gamma))
+    document: dict[str, Any] = finite(
+        {
+            **head(run.recipe),
+            "episodes": learner.episodes,
+            "steps": run.step,
+            "seconds": seconds,
+            "steps_per_second": run.step / seconds if seconds > 0.0 else None,
+            "states": list(mdp.state_names),
+            "actions": list(mdp.action_names),
+            "q": table(mdp, learner.q),
+            "visits": table(mdp, learner.visits),
+            "policy": policy_names(mdp, greedy_policy(mdp, learner.q, "random")),
+            "value_at_start": exact.value_at_start,
+            "optimal_value_at_start": exact.optimal_value_at_start,
+            "expected_return": exact.expected_return,
+            "max_error": exact.max_error,
+            "return_last_100": run.history.return_last_100,
+            "length_last_100": run.history.length_last_100,
+            "greedy_ends": exact.greedy_ends,
+            "first_reward_episode": learner.first_reward_episode or None,
+        }
+    )
+    return document
+
+
+def table(mdp: TabularMDP, values: npt.NDArray[Any]) -> list[list[Any]]:
+    """Return ``values``, [P], as S × A, None where an action is not legal."""
+    rows: list[list[Any]] = [[None] * len(mdp.action_names) for _ in range(mdp.states)]
+    places = zip(mdp.pair_state.tolist(), mdp.pair_action.tolist(), values.tolist(), strict=True)
+    for state, action, value in places:
+        rows[state][action] = value
+    return rows
+
+
+def policy_names(mdp: TabularMDP, policy: FloatArray) -> list[list[str]]:
+    """Return the names of the actions ``policy``, [P], may take in each state; none in a terminal one."""
+    names: list[list[str]] = [[] for _ in range(mdp.states)]
+    for pair in np.flatnonzero(policy).tolist():
+        names[int(mdp.pair_state[pair])].append(mdp.action_names[int(mdp.pair_action[pair])])
+    return names
+
+
+def finite(value: Any) -> Any:
+    """Return a JSON value with None in place of every number that is not finite."""
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    if isinstance(value, dict):
+        return {key: finite(each) for key, each in value.items()}
+    return [finite(each) for each in value] if isinstance(value, list) else value

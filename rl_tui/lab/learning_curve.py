@@ -1,0 +1,111 @@
+"""The mean learning curve of many runs, in bins of equal width."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any, Final, NamedTuple
+
+import numpy as np
+
+from rl_tui.agents.compiled import compiled
+from rl_tui.worlds.mdp import BoolArray, FloatArray, IntArray
+
+MOST_BINS: Final = 200
+
+
+class _Sums(NamedTuple):
+    """Sums over the episodes of each bin, [B] each: returns, lengths, and pulls of the best arm."""
+
+    returns: FloatArray
+    lengths: IntArray
+    best: IntArray
+
+
+@compiled
+def _collect(
+    sums: _Sums,
+    width: int,
+    done: int,
+    returns: FloatArray,
+    lengths: IntArray,
+    last_pairs: IntArray,
+    best_pairs: BoolArray,
+) -> None:
+    """Add episodes to their bins; the first of them comes after ``done`` others."""
+    for index in range(len(returns)):
+        here = (done + index) // width
+        sums.returns[here] += returns[index]
+        sums.lengths[here] += lengths[index]
+        sums.best[here] += best_pairs[last_pairs[index]]
+
+
+class RunCurve:
+    """The learning curve of one run over its first ``episodes`` episodes, at least one.
+
+    Call it with episodes as they are finished. ``best_pairs``, [P], marks the pairs whose share is counted
+    where an episode is one step (the truly best arms of a bandit).
+    """
+
+    def __init__(self, episodes: int, best_pairs: BoolArray) -> None:
+        self.episodes = episodes
+        self.width = math.ceil(episodes / MOST_BINS)
+        bins = math.ceil(episodes / self.width)
+        self.last_episode = np.minimum(np.arange(1, bins + 1) * self.width, episodes)
+        self.sums = _Sums(np.zeros(bins), np.zeros(bins, np.int64), np.zeros(bins, np.int64))
+        self._best_pairs = np.array(best_pairs)
+        self._done = 0
+
+    def __call__(self, returns: FloatArray, lengths: IntArray, last_pairs: IntArray) -> None:
+        """Add the next episodes, [n] each; those beyond the end of the curve are left out."""
+        part = slice(0, self.episodes - self._done)
+        _collect(
+            self.sums,
+            self.width,
+            self._done,
+            returns[part],
+            lengths[part],
+            last_pairs[part],
+            self._best_pairs,
+        )
+        self._done = min(self.episodes, self._done + len(returns))
+
+    @property
+    def means(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """The mean return, the mean length and the share of the best pairs in each bin."""
+        count = np.diff(self.last_episode, prepend=0)
+        return self.sums.returns / count, self.sums.lengths / count, self.sums.best / count
+
+
+def mean_curve(curves: Sequence[RunCurve], bandit: bool) -> dict[str, list[Any]]:
+    """Return the mean over runs of curves of equal width, as ``train --runs --json`` prints it.
+
+    The standard errors are those of the runs' means in each bin, None where there is one run.
+    """
+    returns, lengths, best = (np.array(each) for each in zip(*(curve.means for curve in curves), strict=True))
+    runs = len(curves)
+    curve: dict[str, list[Any]] = {
+        "episode": curves[0].last_episode.tolist(),
+        "return_mean": returns.mean(axis=0).tolist(),
+        "return_stderr": (
+            (returns.std(axis=0, ddof=1) / math.sqrt(runs)).tolist()
+            if runs > 1
+            else [None] * returns.shape[1]
+        ),
+        "length_mean": lengths.mean(axis=0).tolist(),
+    }
+    if bandit:
+        curve["optimal_action_rate"] = best.mean(axis=0).tolist()
+    return curve
+
+
+def no_curve(bandit: bool) -> dict[str, list[Any]]:
+    """Return the curve of runs of which one finished no episode."""
+    names = [
+        "episode",
+        "return_mean",
+        "return_stderr",
+        "length_mean",
+        *(["optimal_action_rate"] if bandit else []),
+    ]
+    return {name: [] for name in names}

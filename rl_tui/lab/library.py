@@ -1,0 +1,139 @@
+"""From a scenario to the recipe of a run: the defaults of its file and what the user asks for instead."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any, Final
+
+from rl_tui.agents.catalogue import BY_ID
+from rl_tui.agents.hyperparameters import PARAMETERS, Hyperparameters
+from rl_tui.lab.recipe import Recipe, begin
+from rl_tui.worlds import catalogue
+from rl_tui.worlds.errors import Fault, ScenarioError, UserError
+from rl_tui.worlds.findings import Finding, near, place, shown
+from rl_tui.worlds.scenario import Scenario, read_scenario
+from rl_tui.worlds.schema import unknown_key
+from rl_tui.worlds.toml_file import UnreadableError, read_toml
+
+DEFAULT_ALGORITHM: Final = "q-learning"
+DEFAULT_EPISODES: Final = 1_000
+MOST_EPISODES: Final = 10**15
+_KEYS: Final = ("algorithm", "episodes", *PARAMETERS)
+
+
+def find(name_or_path: str) -> Scenario:
+    """Return the scenario with this id, or that of a file where a path is given, its defaults checked too.
+
+    Raises ScenarioError with all faults of its file, UserError with near names where there is none.
+    """
+    scenario = catalogue.find(name_or_path)
+    faults = list(_default_faults(str(scenario.source), scenario.defaults))
+    if faults:
+        raise ScenarioError(faults)
+    return scenario
+
+
+def faults_of(path: str | Path) -> list[Fault]:
+    """Return every fault of a scenario file, of its world and of its defaults, in the order of the file."""
+    try:
+        scenario = read_scenario(path)
+        return list(_default_faults(str(path), scenario.defaults))
+    except ScenarioError as error:
+        world_faults = list(error.faults)
+    try:
+        raw = read_toml(Path(path))
+    except UnreadableError:
+        return world_faults
+    defaults = raw.get("defaults")
+    faults = list(_default_faults(str(path), defaults)) if isinstance(defaults, dict) else []
+    tables = list(raw)
+
+    def table_of(fault: Fault) -> int:
+        name = fault.place.split(".")[0].split("[")[0]
+        return tables.index(name) if name in tables else len(tables)
+
+    return sorted([*world_faults, *faults], key=table_of)
+
+
+def recipe_for(scenario: Scenario, overrides: Mapping[str, object] | None = None, seed: int = 0) -> Recipe:
+    """Return the recipe that ``scenario`` suggests, with ``overrides`` of the algorithm and hyper-parameters.
+
+    Raises ScenarioError where the file's defaults are faulty, UserError, with the range, where an override
+    is.
+    """
+    faults = list(_default_faults(str(scenario.source), scenario.defaults))
+    if faults:
+        raise ScenarioError(faults)
+    chosen = {**scenario.defaults, **(overrides or {})}
+    chosen.pop("episodes", None)
+    algorithm = chosen.pop("algorithm", DEFAULT_ALGORITHM)
+    if algorithm not in BY_ID:
+        raise UserError(
+            f"algorithm is {shown(algorithm)}; expected {_algorithms()}{near(str(algorithm), BY_ID)}"
+        )
+    if isinstance(seed, bool) or not isinstance(seed, int) or seed < 0:
+        raise UserError(f"seed is {shown(seed)}; expected a whole number, 0 or more")
+    hyperparameters = Hyperparameters()
+    for name, value in chosen.items():
+        if name not in PARAMETERS:
+            raise UserError(f"there is no hyper-parameter {shown(name)}{near(name, PARAMETERS)}")
+        try:
+            hyperparameters = hyperparameters.changed(name, value)
+        except ValueError as fault:
+            raise UserError(str(fault)) from fault
+    return Recipe(scenario, algorithm, hyperparameters, seed)
+
+
+def episodes_of(scenario: Scenario) -> int:
+    """Return how many episodes to train where the user does not say."""
+    return int(scenario.defaults.get("episodes", DEFAULT_EPISODES))
+
+
+def listing(scenario: Scenario) -> dict[str, Any]:
+    """Return the row of ``scenario`` in ``list --json``: its sizes and complete defaults. Builds its world.
+
+    Raises UserError where the world cannot be built or the defaults are faulty.
+    """
+    recipe = recipe_for(scenario)
+    mdp = begin(recipe).world.mdp
+    return {
+        "id": scenario.id,
+        "title": scenario.title,
+        "kind": scenario.kind,
+        "states": mdp.states,
+        "actions": len(mdp.action_names),
+        "pairs": mdp.pairs,
+        "time_limit": mdp.time_limit,
+        "defaults": {
+            "algorithm": recipe.algorithm,
+            "episodes": episodes_of(scenario),
+            **recipe.hyperparameters.as_dict(),
+        },
+    }
+
+
+def _default_faults(file: str, defaults: Mapping[str, Any]) -> Iterator[Fault]:
+    for key, value in defaults.items():
+        finding = _default_finding(key, value)
+        if finding is not None:
+            yield Fault(file, place(finding.inside("defaults").location), finding.found, finding.expected)
+
+
+def _default_finding(key: str, value: object) -> Finding | None:
+    if key not in _KEYS:
+        return unknown_key((key,), _KEYS)
+    if key == "algorithm":
+        known = isinstance(value, str) and value in BY_ID
+        return None if known else Finding((key,), shown(value), f"{_algorithms()}{near(str(value), BY_ID)}")
+    if key == "episodes":
+        whole = isinstance(value, int) and not isinstance(value, bool)
+        if whole and 1 <= value <= MOST_EPISODES:  # type: ignore[operator]
+            return None
+        return Finding((key,), shown(value), "a whole number, 1 or more")
+    parameter = PARAMETERS[key]
+    return None if parameter.accepts(value) else Finding((key,), shown(value), parameter.expected)
+
+
+def _algorithms() -> str:
+    return f"one of {', '.join(BY_ID)}"

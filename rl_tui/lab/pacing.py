@@ -1,0 +1,89 @@
+"""How many steps to take now, and the speed that comes of it. Times are in seconds."""
+
+from __future__ import annotations
+
+from collections import deque
+from typing import Final
+
+TICK: Final = 1 / 60
+MOST_DEBT: Final = 0.25
+CHUNK: Final = 0.015
+LARGEST_CHUNK: Final = 4_000_000
+WINDOW: Final = 1.0
+SHORTEST_MEASURE: Final = 0.2
+
+
+class Pace:
+    """When the next steps are due at a wanted speed of so many steps a second."""
+
+    def __init__(self) -> None:
+        self._speed = 1.0
+        self._origin = 0.0
+        self._taken = 0
+
+    def start(self, speed: float, now: float, at_once: bool) -> None:
+        """Aim at ``speed`` from ``now`` on; ``at_once`` makes the first step due immediately."""
+        self._speed = speed
+        self._origin = now - 1 / speed if at_once else now
+        self._taken = 0
+
+    def due(self, now: float) -> int:
+        """Return how many steps are due; a debt of more than a quarter of a second is let go."""
+        # A clock read a hair early must not put a step off by a whole wait
+        due = int((now - self._origin) * self._speed + 1e-6) - self._taken
+        if due > 1 and due / self._speed > MOST_DEBT:
+            due = max(1, int(MOST_DEBT * self._speed))
+            self._origin, self._taken = now - due / self._speed, 0
+        return due
+
+    def took(self, steps: int) -> None:
+        """Note that ``steps`` were taken."""
+        self._taken += steps
+
+    def wait(self, now: float) -> float:
+        """Return how long to wait for the next step; at high speeds, for a sixtieth of steps together."""
+        ahead = self._origin + (self._taken + 1) / self._speed - now
+        if ahead <= 0.0:
+            return 0.0
+        return max(ahead, TICK) if self._speed > 1 / TICK else ahead
+
+
+class ChunkSize:
+    """How many steps fit into one chunk, as measured, so that commands never wait long."""
+
+    def __init__(self) -> None:
+        self.steps = 1_000
+
+    def measured(self, steps: int, seconds: float) -> None:
+        """Learn from a full chunk of ``steps`` that took ``seconds``."""
+        fitting = steps * CHUNK / seconds if seconds > 0.0 else float(LARGEST_CHUNK)
+        self.steps = int(min(max(fitting, 1.0), 4.0 * self.steps, LARGEST_CHUNK))
+
+
+class SpeedMeter:
+    """Steps a second over about the last second, or the last three steps at slow speeds."""
+
+    def __init__(self) -> None:
+        self._readings: deque[tuple[float, int]] = deque()
+
+    def clear(self) -> None:
+        """Forget everything: the run stood still or was changed."""
+        self._readings.clear()
+
+    def note(self, now: float, step: int, speed: float | None) -> None:
+        """Note that the run stands at ``step``; ``speed`` is the wanted one."""
+        readings = self._readings
+        if len(readings) > 1 and now - readings[-2][0] < WINDOW / 20:
+            readings.pop()
+        readings.append((now, step))
+        window = WINDOW if speed is None else max(WINDOW, 3 / speed)
+        while len(readings) > 2 and now - readings[1][0] >= window:
+            readings.popleft()
+
+    @property
+    def steps_per_second(self) -> float | None:
+        """The measured speed; None until there is enough to measure."""
+        if len(self._readings) < 2:
+            return None
+        (first, first_step), (last, last_step) = self._readings[0], self._readings[-1]
+        return (last_step - first_step) / (last - first) if last - first >= SHORTEST_MEASURE else None

@@ -1,0 +1,225 @@
+"""The thread that owns a run while it is on screen."""
+
+from __future__ import annotations
+
+import asyncio
+import sys
+import threading
+import time
+from collections import deque
+from collections.abc import AsyncIterator, Callable
+from typing import Final
+
+from rl_tui.lab.commands import Command
+from rl_tui.lab.playback import Playback
+from rl_tui.lab.recipe import Recipe
+from rl_tui.lab.snapshot import Phase, Snapshot
+
+LONGEST_GOODBYE: Final = 0.2
+# Whoever draws holds the interpreter for up to 5 ms before the learner, back from a kernel, may have it
+# again. With less it loses less: measured, 5 % more steps a second beside a screen that draws a fifth of the
+# time.
+SWITCH_INTERVAL: Final = 0.0005
+USUAL_SWITCH_INTERVAL: Final = sys.getswitchinterval()
+START_SPEED: Final = 10.0
+
+
+class PlayerClosedError(Exception):
+    """The player was closed before it had carried out what was asked."""
+
+
+class Player:
+    """Plays a run in a thread of its own, the only one that touches it.
+
+    Everything is asked for by :meth:`send`; what came of it is read from :meth:`snapshots`, by one reader.
+    The run never waits for that reader. ``speed`` is the wanted steps a second, None for as fast as it goes.
+    With ``automatic`` off only Step, RunEpisode and Train take steps, and no speed is measured, so that what
+    snapshots show depends on the commands alone.
+    """
+
+    def __init__(
+        self,
+        recipe: Recipe,
+        *,
+        speed: float | None = START_SPEED,
+        automatic: bool = True,
+        clock: Callable[[], float] = time.perf_counter,
+    ) -> None:
+        self._playback = Playback(
+            recipe, speed=speed, automatic=automatic, clock=clock, on_exact=self._on_exact
+        )
+        self._changed = threading.Condition()  # guards everything below
+        self._commands: deque[Command | _Question] = deque()
+        self._reader: _Reader | None = None
+        self._wanted = False
+        self._outdated = True
+        self._latest: Snapshot | None = None
+        self._failure: BaseException | None = None
+        self._closing = False
+        self._thread: threading.Thread | None = None
+
+    def send(self, command: Command) -> None:
+        """Ask for something; commands are carried out in order, none is lost, and this never waits."""
+        self._post(command)
+
+    async def snapshots(self) -> AsyncIterator[Snapshot]:
+        """Yield the newest snapshot whenever it differs from the last one, until the player is closed.
+
+        The first has Phase.PREPARING, as soon as the world is there. Raises UserError where the world cannot
+        be built or a change does not fit, and whatever else made the player end.
+        """
+        reader = _Reader()
+        with self._changed:
+            self._reader, self._outdated = reader, True
+        while True:
+            with self._changed:
+                snapshot, self._latest = self._latest, None
+                if self._closing:
+                    return
+                if snapshot is None and self._failure is not None:
+                    raise self._failure
+                if snapshot is None:
+                    self._wanted = True
+                    self._start_or_wake()
+            if snapshot is None:
+                await reader.woken()
+            else:
+                yield snapshot
+
+    async def carried_out(self) -> Snapshot:
+        """Wait until all that was sent is done, episodes and training included; return the run then.
+
+        Raises PlayerClosedError if the player is closed before, or what made it end.
+        """
+        question = _Question()
+        self._post(question)
+        return await question.answer
+
+    def close(self) -> None:
+        """End the thread and the snapshots; returns at once, be it in the middle of compiling."""
+        with self._changed:
+            self._closing = True
+            self._changed.notify_all()
+            if self._reader is not None:
+                self._reader.wake()
+        if self._thread is not None:
+            self._thread.join(LONGEST_GOODBYE)
+            sys.setswitchinterval(USUAL_SWITCH_INTERVAL)
+        self._refuse_questions(PlayerClosedError())
+
+    def _post(self, item: Command | _Question) -> None:
+        with self._changed:
+            self._commands.append(item)
+            self._start_or_wake()
+            gone = self._closing or self._failure is not None
+        if gone:
+            self._refuse_questions(self._failure or PlayerClosedError())
+
+    def _start_or_wake(self) -> None:
+        if self._thread is None and not self._closing:
+            sys.setswitchinterval(SWITCH_INTERVAL)
+            self._thread = threading.Thread(target=self._live, name="player", daemon=True)
+            self._thread.start()
+        else:
+            self._changed.notify_all()
+
+    def _on_exact(self) -> None:
+        with self._changed:
+            self._outdated = True
+            self._changed.notify_all()
+
+    # From here on everything runs in the player's thread.
+
+    def _live(self) -> None:
+        try:
+            while not self._closing:
+                self._take_commands()
+                wait = self._playback.work()
+                self._publish()
+                if wait != 0.0:
+                    self._sleep(wait)
+        except BaseException as failure:  # it is raised again where the snapshots are read
+            with self._changed:
+                self._failure = failure
+                if self._reader is not None:
+                    self._reader.wake()
+            self._refuse_questions(failure)
+
+    def _take_commands(self) -> None:
+        """Carry out what was sent until now, so that whoever sends without end does not hold up the run."""
+        for _ in range(len(self._commands)):
+            with self._changed:
+                if self._playback.busy or not self._commands or self._closing:
+                    return
+                item = self._commands.popleft()
+                if isinstance(item, _Question) and self._playback.on_the_way:
+                    self._commands.appendleft(item)
+                    return
+            if isinstance(item, _Question):
+                item.reply(self._playback.snapshot())
+                self._outdated = True
+            else:
+                self._playback.handle(item)
+
+    def _publish(self) -> None:
+        """Hand over a snapshot if one is asked for and there is news; that of a new world in any case."""
+        playback = self._playback
+        preparing = playback.phase is Phase.PREPARING and playback.changed
+        if not preparing and not (self._wanted and (playback.changed or self._outdated)):
+            return
+        self._outdated = False
+        snapshot = playback.snapshot()
+        with self._changed:
+            self._latest = snapshot
+            self._wanted = False
+            if self._reader is not None:
+                self._reader.wake()
+
+    def _sleep(self, seconds: float | None) -> None:
+        with self._changed:
+            self._changed.wait_for(self._has_news, seconds)
+
+    def _has_news(self) -> bool:
+        asked = self._wanted and (self._outdated or self._playback.changed)
+        return self._closing or bool(self._commands) or asked
+
+    def _refuse_questions(self, failure: BaseException) -> None:
+        with self._changed:
+            questions = [item for item in self._commands if isinstance(item, _Question)]
+            self._commands.clear()
+        for question in questions:
+            question.refuse(failure)
+
+
+class _Reader:
+    """Wakes a coroutine from any thread."""
+
+    def __init__(self) -> None:
+        self._loop = asyncio.get_running_loop()
+        self._event = asyncio.Event()
+
+    def wake(self) -> None:
+        if not self._loop.is_closed():
+            self._loop.call_soon_threadsafe(self._event.set)
+
+    async def woken(self) -> None:
+        await self._event.wait()
+        self._event.clear()
+
+
+class _Question:
+    """Asks for a snapshot in the order of the commands; answered from any thread."""
+
+    def __init__(self) -> None:
+        self._loop = asyncio.get_running_loop()
+        self.answer: asyncio.Future[Snapshot] = self._loop.create_future()
+
+    def reply(self, snapshot: Snapshot) -> None:
+        self._settle(lambda: self.answer.set_result(snapshot))
+
+    def refuse(self, failure: BaseException) -> None:
+        self._settle(lambda: self.answer.set_exception(failure))
+
+    def _settle(self, settle: Callable[[], None]) -> None:
+        if not self._loop.is_closed():
+            self._loop.call_soon_threadsafe(lambda: None if self.answer.done() else settle())

@@ -1,0 +1,70 @@
+"""What determines a run, and the list of what was changed on the way."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+from rl_tui.agents.hyperparameters import Hyperparameters
+from rl_tui.worlds.scenario import Scenario
+from rl_tui.worlds.streams import Streams, streams
+from rl_tui.worlds.world import World
+
+
+@dataclass(frozen=True, slots=True)
+class Recipe:
+    """How a run starts: the same recipe and journal give the same bits. ``seed`` is an integer, 0 or more."""
+
+    scenario: Scenario
+    algorithm: str = "q-learning"
+    hyperparameters: Hyperparameters = field(default_factory=Hyperparameters)
+    seed: int = 0
+
+
+class Beginning(NamedTuple):
+    """A recipe's world and the streams it was drawn from, which the run goes on with."""
+
+    world: World
+    streams: Streams
+
+
+def begin(recipe: Recipe, known: World | None = None) -> Beginning:
+    """Build the world of ``recipe``; ``known`` is a world to take instead where the seed does not shape it.
+
+    Raises UserError where the world cannot be built.
+    """
+    drawn = streams(recipe.seed)
+    if known is not None and not drawn_from_seed(recipe.scenario):
+        return Beginning(known, drawn)
+    return Beginning(recipe.scenario.build(drawn.world), drawn)
+
+
+def drawn_from_seed(scenario: Scenario) -> bool:
+    """Tell whether another seed makes another world of ``scenario`` (the arms of a bandit)."""
+    return scenario.kind == "bandit"
+
+
+@dataclass(frozen=True, slots=True)
+class SetParameter:
+    """A hyper-parameter is set to a value from here on."""
+
+    name: str
+    value: float | str
+
+
+@dataclass(frozen=True, slots=True)
+class SwitchAlgorithm:
+    """Another algorithm takes over, keeping Q and visits."""
+
+    algorithm: str
+
+
+Change = SetParameter | SwitchAlgorithm
+
+
+@dataclass(frozen=True, slots=True)
+class JournalEntry:
+    """``change`` applies after ``step`` steps, before the next one; entries of one step apply in order."""
+
+    step: int
+    change: Change

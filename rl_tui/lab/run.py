@@ -1,0 +1,218 @@
+"""A run: a recipe, a journal, and all that came of them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from typing import Final
+
+from rl_tui.agents.learner import Learner, LearnerState
+from rl_tui.agents.loop import Stop
+from rl_tui.lab.bandit import bandit_figures
+from rl_tui.lab.evaluation import DEAREST_LIVE, MOST_STATES, Evaluation, GreedyReturn, MarksState, visits_of
+from rl_tui.lab.exact import PENDING, Answer
+from rl_tui.lab.history import History, HistoryState
+from rl_tui.lab.recipe import Beginning, Change, JournalEntry, Recipe, SetParameter, begin
+from rl_tui.lab.snapshot import Marks, Phase, Snapshot
+from rl_tui.worlds.errors import UserError
+from rl_tui.worlds.mdp import FloatArray, IntArray
+
+UNLIMITED: Final = 2**62
+
+OnEpisodes = Callable[[FloatArray, IntArray, IntArray], None]
+
+
+def _nobody(returns: FloatArray, lengths: IntArray, last_pairs: IntArray) -> None:
+    pass
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class RunState:
+    """A copy of all that a run knows at one step, for checkpoints."""
+
+    learner: LearnerState
+    history: HistoryState
+    marks: MarksState
+    journal: tuple[JournalEntry, ...]
+
+
+class Run:
+    """What one recipe and its journal come to, step by step: the same bits however the steps are chunked.
+
+    ``beginning`` is what :func:`begin` made of the recipe, if it is at hand. ``evaluate`` takes marks, which
+    never influence learning. ``episode_limit`` ends the run after so many episodes. ``on_episodes`` is called
+    with the returns, lengths and last pairs of finished episodes, [n] each, in order and each once.
+    """
+
+    def __init__(
+        self,
+        recipe: Recipe,
+        beginning: Beginning | None = None,
+        *,
+        evaluate: bool = True,
+        episode_limit: int | None = None,
+        on_episodes: OnEpisodes = _nobody,
+    ) -> None:
+        self.recipe = recipe
+        self.world, drawn = beginning or begin(recipe)
+        self.learner = Learner(self.world.mdp, recipe.algorithm, recipe.hyperparameters, drawn)
+        self.history = History()
+        self.episode_limit = UNLIMITED if episode_limit is None else episode_limit
+        self.stop_reason = ""
+        """Why the run broke down, naming the step; empty if it did not."""
+        self._journal: list[JournalEntry] = []
+        self._evaluate = evaluate
+        self._greedy_return = GreedyReturn(self.world.mdp)
+        self._evaluation = Evaluation(self.world.mdp, self._greedy_return)
+        self._on_episodes = on_episodes
+
+    @property
+    def step(self) -> int:
+        """How many steps were taken."""
+        return self.learner.step
+
+    @property
+    def journal(self) -> tuple[JournalEntry, ...]:
+        """What was changed on the way."""
+        return tuple(self._journal)
+
+    @property
+    def marks(self) -> Marks:
+        """The exact returns of the greedy policy on the way."""
+        return self._evaluation.marks()
+
+    @property
+    def spent(self) -> bool:
+        """Whether the episodes it may take are used up."""
+        return self.learner.episodes >= self.episode_limit
+
+    @property
+    def over(self) -> bool:
+        """Whether it takes no further step."""
+        return self.spent or bool(self.stop_reason)
+
+    def warm_up(self) -> None:
+        """Compile all that is compiled, or read it from its cache, without taking a step."""
+        self.learner.warm_up()
+        self.history.warm_up()
+        self._mark_if_due()
+
+    def advance(self, steps: int = UNLIMITED, episodes: int = UNLIMITED) -> None:
+        """Take ``steps`` steps or finish ``episodes`` episodes, whichever is first, unless it is over."""
+        learner = self.learner
+        last_step = learner.step + steps
+        last_episode = min(learner.episodes + episodes, self.episode_limit)
+        while not self.stop_reason:
+            self._mark_if_due()
+            if learner.step >= last_step or learner.episodes >= last_episode:
+                return
+            mark = self._next_mark
+            until = last_step if mark is None else min(last_step, mark)
+            stop = learner.advance(until - learner.step, last_episode - learner.episodes)
+            self._take_in_episodes()
+            if stop not in (Stop.DONE, Stop.EPISODES_FULL):
+                self.stop_reason = learner.stop_reason
+
+    def apply(self, change: Change) -> None:
+        """Change something before the next step. Raises UserError, with the range, if it does not fit."""
+        # A mark of this step belongs to what was in force until now
+        self._mark_if_due()
+        if isinstance(change, SetParameter):
+            try:
+                changed = self.learner.hyperparameters.changed(change.name, change.value)
+            except ValueError as fault:
+                raise UserError(str(fault)) from fault
+            self.learner.configure(changed)
+        else:
+            self.learner.switch(change.algorithm)
+        self._journal.append(JournalEntry(self.step, change))
+
+    def follow(self, journal: Iterable[JournalEntry], step: int) -> None:
+        """Advance to ``step``, applying each entry at its step; those beyond ``step`` are left out."""
+        for entry in journal:
+            if entry.step > step:
+                break
+            self.advance(entry.step - self.step)
+            self.apply(entry.change)
+        self.advance(step - self.step)
+
+    def checkpoint(self) -> RunState:
+        """Return a copy of where the run stands."""
+        return RunState(
+            self.learner.checkpoint(), self.history.checkpoint(), self._evaluation.checkpoint(), self.journal
+        )
+
+    def restore(self, state: RunState) -> None:
+        """Go back to what :meth:`checkpoint` returned, be it from another run of the same recipe."""
+        self.learner.restore(state.learner)
+        self.stop_reason = self.learner.stop_reason
+        self.history.restore(state.history)
+        self._evaluation.restore(state.marks)
+        self._journal = list(state.journal)
+
+    def snapshot(
+        self,
+        phase: Phase,
+        *,
+        message: str = "",
+        speed: float | None = None,
+        steps_per_second: float | None = None,
+        answer: Answer = PENDING,
+    ) -> Snapshot:
+        """Return a frozen picture of the run; what the run itself does not know is passed in."""
+        learner = self.learner
+        q, visits = learner.q.copy(), learner.visits.copy()
+        return Snapshot(
+            world=self.world,
+            recipe=self.recipe,
+            algorithm=learner.algorithm,
+            hyperparameters=learner.hyperparameters,
+            phase=phase,
+            message=message,
+            speed=speed,
+            steps_per_second=steps_per_second,
+            step=learner.step,
+            episodes=learner.episodes,
+            state=learner.state,
+            episode_step=learner.episode_step,
+            episode_return=learner.episode_return,
+            q=q,
+            visits=visits,
+            last=learner.last_step,
+            curve=self.history.curve(),
+            marks=self.marks,
+            return_last_100=self.history.return_last_100,
+            length_last_100=self.history.length_last_100,
+            greedy_return=self._live_greedy_return(),
+            exact=answer.solution,
+            exact_refused=answer.refused,
+            bandit=bandit_figures(self.world, visits, self.history.total_return),
+        )
+
+    @property
+    def _next_mark(self) -> int | None:
+        return self._evaluation.next_step if self._evaluate else None
+
+    def _mark_if_due(self) -> None:
+        if self.learner.step == self._next_mark and not self.stop_reason:
+            ties = self.learner.hyperparameters.ties
+            self._evaluation.mark(self.learner.episodes, self.learner.q, ties)
+
+    def _live_greedy_return(self) -> float | None:
+        mdp = self.world.mdp
+        if self.stop_reason or mdp.states > MOST_STATES or visits_of(mdp) > DEAREST_LIVE:
+            return None
+        return self._greedy_return(self.learner.q, self.learner.hyperparameters.ties)
+
+    def _take_in_episodes(self) -> None:
+        returns, lengths, last_pairs = self.learner.drain_episodes()
+        if len(returns):
+            self.history.add(returns, lengths)
+            self._on_episodes(returns, lengths, last_pairs)
+
+
+def replay(recipe: Recipe, journal: Iterable[JournalEntry], step: int) -> Run:
+    """Return the run of ``recipe`` and ``journal`` at ``step``."""
+    run = Run(recipe)
+    run.follow(journal, step)
+    return run

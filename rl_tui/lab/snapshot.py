@@ -1,0 +1,101 @@
+"""One frozen picture of a run: every number on screen comes from here."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import StrEnum
+
+from rl_tui.agents.hyperparameters import Hyperparameters
+from rl_tui.agents.last_step import LastStep
+from rl_tui.agents.solution import Solution
+from rl_tui.lab.recipe import Recipe
+from rl_tui.worlds.mdp import FloatArray, IntArray
+from rl_tui.worlds.world import World
+
+
+class Phase(StrEnum):
+    """What the run is doing."""
+
+    PREPARING = "preparing"  # the world is built, the kernels are compiled or read from their cache
+    PAUSED = "paused"
+    RUNNING = "running"
+    SPENT = "spent"  # the budget is used up
+    STOPPED = "stopped"  # runaway: Snapshot.message names the step
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Curve:
+    """Finished episodes in bins of equal width (the last one may be part-filled), oldest first, [B] each.
+
+    ``episode`` is the last episode (from 1) in the bin; returns are undiscounted.
+    """
+
+    episode: IntArray
+    return_mean: FloatArray
+    return_low: FloatArray
+    return_high: FloatArray
+    length_mean: FloatArray
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Marks:
+    """Exact expected return of the greedy policy at marks fixed by step number, [M] each; NaN: undefined."""
+
+    step: IntArray
+    episode: IntArray
+    expected_return: FloatArray
+
+
+@dataclass(frozen=True, slots=True)
+class BanditFigures:
+    """How a bandit's budget was spent.
+
+    ``winnings`` is the sum of rewards; ``regret`` the sum over pulls of max q* − q*(pulled arm), exact;
+    ``best_arm_rate`` the share of pulls on the truly best arm, None before the first pull; ``best_possible``
+    what as many pulls of that arm bring on average, pulls · max q*.
+    """
+
+    pulls: int
+    budget: int
+    winnings: float
+    regret: float
+    best_arm_rate: float | None
+    best_possible: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Snapshot:
+    """A run at one step. Arrays are copies that nobody writes.
+
+    ``speed`` is the wanted steps a second (None: as fast as it goes); ``steps_per_second`` the measured one
+    (None while unknown). ``episodes`` counts finished episodes; ``episode_step`` and ``episode_return``
+    belong to the one under way. ``q`` and ``visits`` are [P]. ``exact`` is the exact answer for the γ in
+    force, None while it is computed or where there is none; ``exact_refused`` then says why.
+    ``greedy_return`` is the exact expected undiscounted return of the greedy policy of this very ``q``, None
+    where it has none or is too dear to compute live.
+    """
+
+    world: World
+    recipe: Recipe
+    algorithm: str
+    hyperparameters: Hyperparameters
+    phase: Phase
+    message: str
+    speed: float | None
+    steps_per_second: float | None
+    step: int
+    episodes: int
+    state: int
+    episode_step: int
+    episode_return: float
+    q: FloatArray
+    visits: IntArray
+    last: LastStep | None
+    curve: Curve
+    marks: Marks
+    return_last_100: float | None
+    length_last_100: float | None
+    greedy_return: float | None
+    exact: Solution | None
+    exact_refused: str
+    bandit: BanditFigures | None

@@ -1,0 +1,29 @@
+"""Recipes that the tests of the lab share."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+from rl_tui.lab.figures import training_figures
+from rl_tui.lab.library import find, recipe_for
+from rl_tui.lab.recipe import Recipe
+from rl_tui.lab.run import Run
+from rl_tui.lab.training import Goal, train
+
+
+def recipe(scenario: str, seed: int = 0, **overrides: Any) -> Recipe:
+    return recipe_for(find(scenario), overrides, seed)
+
+
+def bandit(budget: int, seed: int = 0, **overrides: Any) -> Recipe:
+    """A bandit with another budget than the shipped one."""
+    scenario = find("bandit")
+    section = scenario.section.model_copy(update={"budget": budget})
+    return recipe_for(replace(scenario, section=section), overrides, seed)
+
+
+def one_run(made_from: Recipe, goal: Goal) -> dict[str, Any]:
+    """The figures of one training."""
+    run = Run(made_from, evaluate=False)
+    return training_figures(run, train(run, goal))

@@ -1,0 +1,42 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from recipes import recipe
+
+from rl_tui.lab import benchmark
+from rl_tui.lab.benchmark import PlainLoop
+from rl_tui.worlds.errors import UserError
+
+
+def test_the_plain_loop_learns_what_ours_does() -> None:
+    loop = PlainLoop(recipe("frozenlake"), random_ties=True)
+    loop.advance(20_000)
+    assert np.max(loop._q[0]) == pytest.approx(0.951, abs=0.01)
+
+
+def test_the_plain_loop_that_takes_the_first_of_equals_walks_into_the_edge() -> None:
+    loop = PlainLoop(recipe("frozenlake"), random_ties=False)
+    loop.advance(5_000)
+    assert not loop._q.any()
+
+
+def test_the_document_of_a_benchmark(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(benchmark, "KERNEL_STEPS", 10_000)
+    monkeypatch.setattr(benchmark, "PLAIN_STEPS", 100)
+    document = benchmark.benchmark(recipe("frozenlake-slippery"), rounds=2)
+    assert document["scenario"] == "frozenlake-slippery"
+    kernel, plain = document["kernel_steps_per_second"], document["gymnasium_steps_per_second"]
+    assert document["ratio"] == kernel / plain
+    assert document["gymnasium_random_ties_steps_per_second"] > 0
+
+
+async def test_the_live_share_is_a_share(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(benchmark, "KERNEL_STEPS", 10_000)
+    monkeypatch.setattr(benchmark, "LIVE_SECONDS", 0.0)
+    assert await benchmark.live_fraction(recipe("frozenlake-slippery"), rounds=1) >= 0.0
+
+
+def test_only_gymnasium_environments_can_be_raced() -> None:
+    with pytest.raises(UserError, match="student is not a Gymnasium environment"):
+        benchmark.benchmark(recipe("student"))

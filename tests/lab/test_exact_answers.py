@@ -1,0 +1,97 @@
+from __future__ import annotations
+
+import threading
+
+import pytest
+from recipes import recipe
+
+from rl_tui.agents.planning import solve
+from rl_tui.agents.solution import NoExactAnswer, Solution
+from rl_tui.lab import exact
+from rl_tui.lab.exact import PENDING, ExactAnswers
+from rl_tui.lab.recipe import begin
+from rl_tui.worlds.mdp import TabularMDP
+
+STUDENT = begin(recipe("student")).world.mdp
+
+
+def nobody() -> None:
+    """Nobody waits."""
+
+
+def test_small_worlds_are_answered_at_once_and_remembered() -> None:
+    asked: list[float] = []
+
+    def counted(mdp: TabularMDP, gamma: float) -> Solution:
+        asked.append(gamma)
+        return solve(mdp, gamma)
+
+    answers = ExactAnswers(STUDENT, nobody, counted)
+    first = answers.answer(0.9).solution
+    assert first is not None
+    assert first.v[0] == pytest.approx(5.2 / 0.82, abs=1e-9)
+    assert answers.answer(0.5).solution is not None
+    assert answers.answer(0.9).solution is first
+    assert asked == [0.9, 0.5]
+
+
+def test_a_refusal_is_kept_as_text() -> None:
+    def refusing(mdp: TabularMDP, gamma: float) -> Solution:
+        raise NoExactAnswer("a loop gains for ever")
+
+    assert ExactAnswers(STUDENT, nobody, refusing).answer(1.0) == (None, "a loop gains for ever")
+
+
+def test_larger_worlds_are_answered_later_and_overtaken_questions_skipped() -> None:
+    begun, go_on, ready = threading.Event(), threading.Event(), threading.Semaphore(0)
+    asked: list[float] = []
+
+    def slowly(mdp: TabularMDP, gamma: float) -> Solution:
+        asked.append(gamma)
+        begun.set()
+        go_on.wait()
+        return solve(mdp, gamma)
+
+    answers = ExactAnswers(STUDENT, lambda: ready.release(), slowly, at_once_states=0)
+    assert answers.answer(0.1) == PENDING
+    begun.wait()
+    for gamma in (0.2, 0.3, 0.4):
+        assert answers.answer(gamma) == PENDING
+    go_on.set()
+    ready.acquire()
+    ready.acquire()
+    assert asked == [0.1, 0.4]
+    assert answers.answer(0.4).solution is not None
+    assert answers.answer(0.1).solution is not None
+
+
+def test_an_unexpected_failure_is_raised_when_asked_again() -> None:
+    ready = threading.Event()
+
+    def failing(mdp: TabularMDP, gamma: float) -> Solution:
+        raise ZeroDivisionError
+
+    answers = ExactAnswers(STUDENT, ready.set, failing, at_once_states=0)
+    assert answers.answer(0.9) == PENDING
+    ready.wait()
+    with pytest.raises(ZeroDivisionError):
+        answers.answer(0.9)
+
+
+def test_huge_worlds_are_refused_in_words(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(exact, "LIVE_STATES", 3)
+    assert "rl-tui solve" in ExactAnswers(STUDENT, nobody).answer(0.9).refused
+
+
+def test_answers_are_kept_within_bounds() -> None:
+    asked: list[float] = []
+
+    def counted(mdp: TabularMDP, gamma: float) -> Solution:
+        asked.append(gamma)
+        return solve(mdp, 0.5)
+
+    answers = ExactAnswers(STUDENT, nobody, counted)
+    for index in range(exact.KEPT + 1):
+        answers.answer(index / 1000)
+    answers.answer(0.0)
+    assert asked.count(0.0) == 2

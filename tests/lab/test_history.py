@@ -1,0 +1,94 @@
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from rl_tui.lab.history import History
+
+ROOM = 8
+
+
+def filled(returns: np.ndarray, lengths: np.ndarray, cuts: list[int]) -> History:
+    history = History(ROOM)
+    edges = [0, *sorted(cuts), len(returns)]
+    for start, end in pairwise(edges):
+        history.add(returns[start:end].copy(), lengths[start:end].copy())
+    return history
+
+
+@st.composite
+def deliveries(draw: st.DrawFn) -> tuple[np.ndarray, np.ndarray, list[int]]:
+    count = draw(st.integers(0, 300))
+    generator = np.random.default_rng(draw(st.integers(0, 1000)))
+    cuts = draw(st.lists(st.integers(0, count), max_size=6))
+    return generator.normal(size=count), generator.integers(1, 50, count), cuts
+
+
+@settings(deadline=None)
+@given(deliveries())
+def test_how_episodes_are_delivered_does_not_show(delivery: tuple[np.ndarray, np.ndarray, list[int]]) -> None:
+    returns, lengths, cuts = delivery
+    at_once, in_parts = filled(returns, lengths, []), filled(returns, lengths, cuts)
+    for one, other in zip(at_once.checkpoint().arrays, in_parts.checkpoint().arrays, strict=True):
+        assert one.tobytes() == other.tobytes()
+    assert at_once.return_last_100 == in_parts.return_last_100
+    assert at_once.length_last_100 == in_parts.length_last_100
+
+
+@settings(deadline=None)
+@given(deliveries())
+def test_bins_hold_what_numpy_says(delivery: tuple[np.ndarray, np.ndarray, list[int]]) -> None:
+    returns, lengths, cuts = delivery
+    history = filled(returns, lengths, cuts)
+    curve = history.curve()
+    width = 1
+    while width * ROOM < len(returns):
+        width *= 2
+    parts = [slice(start, start + width) for start in range(0, len(returns), width)]
+    assert curve.episode.tolist() == [min(part.stop, len(returns)) for part in parts]
+    assert curve.return_mean == pytest.approx([returns[part].mean() for part in parts])
+    assert curve.return_low.tolist() == [returns[part].min() for part in parts]
+    assert curve.return_high.tolist() == [returns[part].max() for part in parts]
+    assert curve.length_mean == pytest.approx([lengths[part].mean() for part in parts])
+    assert history.episodes == len(returns)
+    assert history.total_return == pytest.approx(returns.sum(), abs=1e-9)
+
+
+def test_the_last_hundred_are_exact() -> None:
+    history = History()
+    assert history.return_last_100 is None
+    assert history.length_last_100 is None
+    returns = np.random.default_rng(3).normal(size=1000)
+    history.add(returns[:30], np.full(30, 7))
+    assert history.return_last_100 == math.fsum(returns[:30]) / 30
+    assert history.length_last_100 == 7.0
+    history.add(returns[30:], np.arange(970))
+    assert history.return_last_100 == math.fsum(returns[-100:]) / 100
+    assert history.length_last_100 == np.arange(870, 970).mean()
+
+
+def test_a_million_episodes_take_no_more_memory_than_ten() -> None:
+    few, many = History(), History()
+    few.add(np.ones(10), np.ones(10, np.int64))
+    many.add(np.ones(1_000_000), np.ones(1_000_000, np.int64))
+    sizes = [sum(array.nbytes for array in each.checkpoint().arrays) for each in (few, many)]
+    assert sizes[0] == sizes[1]
+    assert many.curve().episode[-1] == 1_000_000
+    assert many.total_return == 1_000_000.0
+
+
+def test_a_restored_history_goes_on_as_the_first_did() -> None:
+    returns, lengths = np.random.default_rng(1).normal(size=500), np.arange(1, 501)
+    history, other = filled(returns[:200], lengths[:200], []), History(ROOM)
+    state = history.checkpoint()
+    history.add(returns[200:], lengths[200:])
+    other.restore(state)
+    other.add(returns[200:], lengths[200:])
+    for one, two in zip(history.checkpoint().arrays, other.checkpoint().arrays, strict=True):
+        assert one.tobytes() == two.tobytes()
+    assert history.return_last_100 == other.return_last_100

@@ -1,0 +1,126 @@
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from recipes import one_run, recipe
+
+from rl_tui.lab.many_runs import FIGURES, many_runs, summary
+from rl_tui.lab.run import Run
+from rl_tui.lab.training import Goal
+from rl_tui.worlds.errors import UserError
+
+
+def timeless(document: dict[str, Any]) -> dict[str, Any]:
+    return {key: value for key, value in document.items() if key not in ("seconds", "steps_per_second")}
+
+
+def test_a_summary_of_known_numbers() -> None:
+    assert summary([1.0, 2.0, None, 3.0, 4.0]) == {
+        "mean": 2.5,
+        "stderr": pytest.approx(math.sqrt(5 / 3) / 2),
+        "min": 1.0,
+        "max": 4.0,
+        "count": 4,
+    }
+    assert summary([7.0])["stderr"] is None
+    assert summary([None]) == {"mean": None, "stderr": None, "min": None, "max": None, "count": 0}
+
+
+def test_each_run_is_the_single_run_of_its_seed() -> None:
+    document = many_runs(recipe("bandit", seed=5), 3, Goal(episodes=300))
+    assert [row["seed"] for row in document["runs"]] == [5, 6, 7]
+    for row in document["runs"]:
+        alone = one_run(recipe("bandit", seed=row["seed"]), Goal(episodes=300))
+        assert row == {name: alone[name] for name in row}
+    assert set(document["summary"]) == set(FIGURES)
+    json.dumps(document, allow_nan=False)
+
+
+@pytest.mark.parametrize("goal", [Goal(episodes=450), Goal(steps=2_000)])
+def test_the_number_of_workers_does_not_show(goal: Goal) -> None:
+    one = many_runs(recipe("student"), 4, goal, workers=1)
+    several = many_runs(recipe("student"), 4, goal, workers=4)
+    assert timeless(one) == timeless(several)
+
+
+def episodes_of_run(seed: int, episodes: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    told: list[tuple[np.ndarray, ...]] = []
+    run = Run(recipe("bandit", seed=seed), evaluate=False, on_episodes=lambda *each: told.append(each))
+    run.advance(episodes=episodes)
+    returns, lengths, pairs = (np.concatenate(each) for each in zip(*told, strict=True))
+    return returns, lengths, pairs == run.world.mdp.reward.argmax()
+
+
+def test_the_curve_is_what_numpy_says() -> None:
+    document = many_runs(recipe("bandit"), 3, Goal(episodes=450))
+    curve = document["curve"]
+    assert curve["episode"] == list(range(3, 451, 3))
+    runs = [episodes_of_run(seed, 450) for seed in range(3)]
+    means = np.array([returns.reshape(-1, 3).mean(axis=1) for returns, _, _ in runs])
+    best = np.array([pulls.reshape(-1, 3).mean(axis=1) for _, _, pulls in runs])
+    assert curve["return_mean"] == pytest.approx(means.mean(axis=0))
+    assert curve["return_stderr"] == pytest.approx(means.std(axis=0, ddof=1) / math.sqrt(3))
+    assert curve["optimal_action_rate"] == pytest.approx(best.mean(axis=0))
+    assert curve["length_mean"] == [1.0] * 150
+
+
+def test_with_steps_the_curve_ends_with_the_fewest_episodes() -> None:
+    document = many_runs(recipe("student"), 3, Goal(steps=3_000))
+    fewest = min(row["episodes"] for row in document["runs"])
+    curve = document["curve"]
+    width = math.ceil(fewest / 200)
+    assert curve["episode"] == [*range(width, fewest, width), fewest]
+    assert len(curve["return_mean"]) == len(curve["episode"]) <= 200
+    assert "optimal_action_rate" not in curve
+
+
+def test_one_run_has_no_standard_error() -> None:
+    document = many_runs(recipe("student"), 1, Goal(episodes=10))
+    assert document["curve"]["return_stderr"] == [None] * 10
+    assert document["summary"]["steps"]["stderr"] is None
+
+
+def test_without_a_finished_episode_there_is_no_curve() -> None:
+    document = many_runs(recipe("frozenlake"), 2, Goal(steps=1))
+    assert document["curve"] == {"episode": [], "return_mean": [], "return_stderr": [], "length_mean": []}
+    assert document["summary"]["return_last_100"]["count"] == 0
+
+
+def test_taking_the_first_of_equals_hardly_ever_sees_a_reward() -> None:
+    always_left = many_runs(recipe("frozenlake", ties="first"), 10, Goal(episodes=2_000))
+    at_random = many_runs(recipe("frozenlake"), 10, Goal(episodes=2_000))
+    assert always_left["summary"]["first_reward_episode"]["count"] <= 2
+    assert at_random["summary"]["first_reward_episode"]["count"] == 10
+
+
+def test_rows_come_in_the_order_of_the_runs(tmp_path: Path) -> None:
+    path = tmp_path / "rows.csv"
+    document = many_runs(recipe("student"), 3, Goal(episodes=50), path)
+    rows = [line.split(",") for line in path.read_text().splitlines()[1:]]
+    assert [(int(run), int(episode)) for run, episode, _, _ in rows] == [
+        (run, episode) for run in (1, 2, 3) for episode in range(1, 51)
+    ]
+    for run, row in enumerate(document["runs"], 1):
+        assert sum(int(length) for number, _, _, length in rows if int(number) == run) == row["steps"]
+
+
+def test_progress_is_that_of_all_runs_together() -> None:
+    told: list[tuple[int, int]] = []
+    many_runs(recipe("student"), 4, Goal(episodes=20), on_progress=lambda *each: told.append(each))
+    assert told[-1] == (80, 80)
+    assert [done for done, _ in told] == sorted(done for done, _ in told)
+
+
+def test_a_run_that_breaks_down_is_named_by_its_seed(tmp_path: Path) -> None:
+    file = tmp_path / "loop.toml"
+    file.write_text(
+        '[defaults]\nalpha = 1.0\ngamma = 1.0\n[mdp]\nstart = "A"\n'
+        '[[mdp.transition]]\nstate = "A"\naction = "loop"\nreward = 1e12\nto = "A"\n'
+    )
+    with pytest.raises(UserError, match=r"seed 3: .* at step 2"):
+        many_runs(recipe(str(file), seed=3), 4, Goal(steps=100))

@@ -1,0 +1,240 @@
+from __future__ import annotations
+
+import itertools
+
+import pytest
+from recipes import bandit, recipe
+
+from rl_tui.lab.commands import Apply, Pause, Play, Restart, RunEpisode, SetSpeed, Step, Train
+from rl_tui.lab.playback import Playback
+from rl_tui.lab.recipe import JournalEntry, Recipe, SetParameter
+from rl_tui.lab.run import replay
+from rl_tui.lab.snapshot import Phase
+from rl_tui.worlds.errors import UserError
+
+
+class Clock:
+    """A clock that only moves when told."""
+
+    def __init__(self) -> None:
+        self.now = 100.0
+
+    def __call__(self) -> float:
+        return self.now
+
+
+def nobody() -> None:
+    """Nobody waits for exact answers."""
+
+
+def ready(
+    made_from: Recipe, clock: Clock | None = None, *, speed: float | None = 10.0, automatic: bool = True
+) -> Playback:
+    playback = Playback(made_from, speed=speed, automatic=automatic, clock=clock or Clock(), on_exact=nobody)
+    while playback.busy:
+        assert playback.work() == 0.0
+    return playback
+
+
+def settle(playback: Playback) -> None:
+    for _ in itertools.takewhile(lambda _: playback.on_the_way, itertools.count()):
+        playback.work()
+
+
+def test_the_world_is_shown_before_the_learner_is_there() -> None:
+    playback = Playback(recipe("student"), speed=10.0, automatic=True, clock=Clock(), on_exact=nobody)
+    playback.work()
+    first = playback.snapshot()
+    assert first.phase is Phase.PREPARING
+    assert first.message
+    assert first.world.mdp.states == 4
+    assert first.q.tolist() == [0.0] * 5
+    assert playback.busy
+    playback.work()
+    second = playback.snapshot()
+    assert second.phase is Phase.PAUSED
+    assert second.world is first.world
+    assert second.exact is not None
+    assert second.exact.value_at_start == pytest.approx(5.2 / 0.82)
+    assert second.speed == 10.0
+
+
+def test_nothing_happens_without_being_asked() -> None:
+    playback = ready(recipe("student"))
+    playback.snapshot()
+    assert playback.work() is None
+    assert not playback.changed
+
+
+def test_a_run_keeps_the_wanted_speed() -> None:
+    clock = Clock()
+    playback = ready(recipe("student"), clock)
+    playback.handle(Play())
+    wait = playback.work()
+    assert playback.snapshot().step == 1
+    for step in range(2, 40):
+        assert wait is not None
+        clock.now += wait
+        wait = playback.work()
+        assert playback.snapshot().step == step
+    assert playback.snapshot().steps_per_second == pytest.approx(10.0)
+    assert playback.snapshot().phase is Phase.RUNNING
+
+
+def test_a_new_speed_counts_from_now_on() -> None:
+    clock = Clock()
+    playback = ready(recipe("student"), clock, speed=1.0)
+    playback.handle(Play())
+    playback.work()
+    playback.handle(SetSpeed(30.0))
+    for _ in range(30):
+        wait = playback.work()
+        assert wait is not None
+        clock.now += wait
+    playback.work()
+    assert playback.snapshot().step == 31
+    assert playback.snapshot().speed == 30.0
+
+
+def test_full_speed_never_waits_until_it_is_paused() -> None:
+    playback = ready(recipe("student"), speed=None)
+    playback.handle(Play())
+    assert [playback.work() for _ in range(3)] == [0.0, 0.0, 0.0]
+    there = playback.snapshot()
+    assert there.step > 3
+    assert there.phase is Phase.RUNNING
+    playback.handle(Pause())
+    assert playback.work() is None
+    assert playback.snapshot().step == there.step
+    assert playback.snapshot().phase is Phase.PAUSED
+
+
+def test_step_pauses_and_takes_one_step() -> None:
+    playback = ready(recipe("student"), speed=None)
+    playback.handle(Play())
+    playback.work()
+    before = playback.snapshot().step
+    playback.handle(Step())
+    after = playback.snapshot()
+    assert after.step == before + 1
+    assert after.phase is Phase.PAUSED
+    assert after.last is not None
+    assert after.last.step == after.step
+
+
+def test_an_episode_runs_to_its_end_and_pauses() -> None:
+    playback = ready(recipe("student", seed=2))
+    playback.handle(RunEpisode())
+    assert playback.snapshot().phase is Phase.RUNNING
+    settle(playback)
+    first = playback.snapshot()
+    assert (first.episodes, first.episode_step, first.phase) == (1, 0, Phase.PAUSED)
+    playback.handle(Step())
+    playback.handle(RunEpisode())
+    settle(playback)
+    assert playback.snapshot().episodes == 2
+
+
+def test_pause_breaks_off_an_episode() -> None:
+    playback = ready(recipe("student"))
+    playback.handle(RunEpisode())
+    playback.handle(Pause())
+    assert not playback.on_the_way
+    assert playback.snapshot().episodes == 0
+
+
+@pytest.mark.parametrize("automatic", [True, False])
+def test_training_takes_exactly_its_steps_before_anything_else(automatic: bool) -> None:
+    playback = ready(recipe("frozenlake-slippery"), automatic=automatic)
+    playback.handle(Train(12_345))
+    assert playback.busy
+    playback.work()
+    assert not playback.changed
+    settle(playback)
+    assert playback.changed
+    snapshot = playback.snapshot()
+    assert snapshot.step == 12_345
+    assert snapshot.phase is Phase.PAUSED
+    straight = replay(snapshot.recipe, (), 12_345)
+    assert snapshot.q.tolist() == straight.learner.q.tolist()
+
+
+def test_by_hand_play_takes_no_step_and_speed_stays_unknown() -> None:
+    clock = Clock()
+    playback = ready(recipe("student"), clock, speed=None, automatic=False)
+    playback.handle(Play())
+    assert playback.work() is None
+    playback.handle(Train(500))
+    settle(playback)
+    clock.now += 1
+    playback.handle(Train(500))
+    settle(playback)
+    snapshot = playback.snapshot()
+    assert snapshot.phase is Phase.RUNNING
+    assert snapshot.step == 1000
+    assert snapshot.steps_per_second is None
+    playback.handle(RunEpisode())
+    assert playback.busy
+    settle(playback)
+    assert playback.snapshot().phase is Phase.PAUSED
+
+
+def test_changes_are_journalled_at_the_step_they_came() -> None:
+    playback = ready(recipe("student"))
+    playback.handle(Step())
+    playback.handle(Apply(SetParameter("gamma", 0.5)))
+    playback.handle(Apply(SetParameter("alpha", 1.0)))
+    playback.handle(Step())
+    snapshot = playback.snapshot()
+    assert snapshot.hyperparameters.gamma == 0.5
+    assert snapshot.exact is not None
+    assert snapshot.exact.gamma == 0.5
+    journal = (JournalEntry(1, SetParameter("gamma", 0.5)), JournalEntry(1, SetParameter("alpha", 1.0)))
+    assert snapshot.q.tolist() == replay(snapshot.recipe, journal, 2).learner.q.tolist()
+
+
+def test_a_change_that_does_not_fit_is_refused() -> None:
+    playback = ready(recipe("student"))
+    with pytest.raises(UserError, match=r"gamma is 2; expected a number in \[0, 1\]"):
+        playback.handle(Apply(SetParameter("gamma", 2)))
+
+
+def test_a_spent_budget_ends_the_run() -> None:
+    playback = ready(bandit(100), speed=None)
+    playback.handle(Play())
+    playback.work()
+    spent = playback.snapshot()
+    assert spent.phase is Phase.SPENT
+    assert spent.bandit is not None
+    assert spent.bandit.pulls == spent.episodes == 100
+    for command in (Play(), Step(), RunEpisode(), Train(5), Pause()):
+        playback.handle(command)
+        assert playback.work() is None
+    assert playback.snapshot().episodes == 100
+    assert playback.snapshot().phase is Phase.SPENT
+
+
+def test_restarting_begins_anew_and_paused() -> None:
+    playback = ready(recipe("student"), speed=None)
+    playback.handle(Play())
+    playback.work()
+    before = playback.snapshot()
+    playback.handle(Restart(recipe("student", seed=7)))
+    again = playback.snapshot()
+    assert (again.step, again.phase, again.recipe.seed) == (0, Phase.PAUSED, 7)
+    assert again.visits.sum() == 0
+    assert again.speed is before.speed
+
+
+def test_restarting_keeps_a_world_that_no_seed_shapes_and_draws_one_that_it_does() -> None:
+    lake = recipe("student")
+    playback = ready(lake)
+    world = playback.snapshot().world
+    playback.handle(Restart(lake))
+    assert playback.snapshot().world is world
+    arms = recipe("bandit", seed=1)
+    playback.handle(Restart(arms))
+    first = playback.snapshot().world
+    playback.handle(Restart(Recipe(arms.scenario, arms.algorithm, arms.hyperparameters, seed=2)))
+    second = playback.snapshot().world
+    assert first.mdp.reward.tolist() != second.mdp.reward.tolist()

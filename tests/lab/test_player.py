@@ -1,0 +1,181 @@
+from __future__ import annotations
+
+import asyncio
+import threading
+from dataclasses import replace
+from typing import Any
+
+import pytest
+from recipes import bandit, recipe
+
+from rl_tui.lab.commands import Apply, Pause, Play, RunEpisode, SetSpeed, Step, Train
+from rl_tui.lab.player import Player, PlayerClosedError
+from rl_tui.lab.recipe import SetParameter
+from rl_tui.lab.run import replay
+from rl_tui.lab.snapshot import Phase, Snapshot
+from rl_tui.worlds.errors import UserError
+
+
+async def until(player: Player, phase: Phase) -> Snapshot:
+    async for snapshot in player.snapshots():
+        if snapshot.phase is phase:
+            return snapshot
+    raise AssertionError("the player was closed")
+
+
+async def test_the_first_snapshot_shows_the_world_and_then_the_run_stands_ready() -> None:
+    player = Player(recipe("student"))
+    phases = []
+    async for snapshot in player.snapshots():
+        phases.append(snapshot.phase)
+        if snapshot.phase is Phase.PAUSED:
+            player.close()
+    assert phases == [Phase.PREPARING, Phase.PAUSED]
+
+
+async def test_commands_are_carried_out_in_order() -> None:
+    player = Player(recipe("student"), automatic=False)
+    for command in (Train(1000), Apply(SetParameter("alpha", 0.5)), Step(), Step(), RunEpisode()):
+        player.send(command)
+    snapshot = await player.carried_out()
+    player.close()
+    assert snapshot.hyperparameters.alpha == 0.5
+    assert snapshot.phase is Phase.PAUSED
+    assert snapshot.episode_step == 0
+    assert snapshot.last is not None
+    assert snapshot.last.terminated or snapshot.last.truncated
+    assert snapshot.steps_per_second is None
+
+
+async def test_what_happens_on_screen_is_what_a_replay_gives() -> None:
+    player = Player(recipe("frozenlake-slippery"), speed=None)
+    player.send(Play())
+    seen = 0
+    async for snapshot in player.snapshots():
+        assert snapshot.step >= seen
+        seen = snapshot.step
+        if seen > 300_000:
+            break
+    player.send(Pause())
+    snapshot = await player.carried_out()
+    player.close()
+    straight = replay(snapshot.recipe, (), snapshot.step)
+    assert snapshot.q.tobytes() == straight.learner.q.tobytes()
+    assert snapshot.curve.return_mean.tobytes() == straight.history.curve().return_mean.tobytes()
+    assert snapshot.marks.expected_return.tobytes() == straight.marks.expected_return.tobytes()
+
+
+async def test_a_reader_that_sleeps_gets_the_newest_and_not_the_backlog() -> None:
+    player = Player(recipe("student"), automatic=False)
+    reader = player.snapshots()
+    await anext(reader)
+    player.send(Train(10))
+    player.send(Train(10))
+    last = await player.carried_out()
+    steps = []
+    async for snapshot in reader:
+        steps.append(snapshot.step)
+        if snapshot.step == last.step == 20:
+            break
+    player.close()
+    assert len(steps) <= 2
+
+
+async def test_a_spent_budget_is_published() -> None:
+    player = Player(bandit(5000), speed=None)
+    player.send(Play())
+    snapshot = await until(player, Phase.SPENT)
+    player.close()
+    assert snapshot.bandit is not None
+    assert snapshot.bandit.pulls == 5000
+
+
+async def test_a_world_that_cannot_be_built_reaches_the_reader(monkeypatch: pytest.MonkeyPatch) -> None:
+    broken = recipe("student")
+
+    def build(self: object, generator: object) -> None:
+        raise UserError("no such world")
+
+    monkeypatch.setattr(type(broken.scenario), "build", build)
+    player = Player(broken)
+    with pytest.raises(UserError, match="no such world"):
+        await anext(player.snapshots())
+    with pytest.raises(UserError, match="no such world"):
+        await player.carried_out()
+    with pytest.raises(UserError, match="no such world"):
+        await anext(player.snapshots())
+    player.close()
+
+
+async def test_an_unexpected_error_in_the_thread_is_not_lost() -> None:
+    player = Player(replace(recipe("student"), algorithm="no such algorithm"))
+    with pytest.raises(KeyError):
+        await player.carried_out()
+    with pytest.raises(KeyError):
+        await until(player, Phase.PAUSED)
+    player.close()
+
+
+async def test_closing_in_the_middle_of_full_speed_ends_the_thread_and_the_reader() -> None:
+    player = Player(recipe("frozenlake-slippery"), speed=None)
+    player.send(Play())
+    async for snapshot in player.snapshots():
+        if snapshot.step > 0:
+            player.close()
+    assert not any(thread.name == "player" for thread in threading.enumerate())
+    with pytest.raises(PlayerClosedError):
+        await player.carried_out()
+
+
+async def test_closing_wakes_a_reader_that_waits() -> None:
+    player = Player(recipe("student"))
+    await player.carried_out()
+
+    async def read() -> list[Phase]:
+        return [snapshot.phase async for snapshot in player.snapshots()]
+
+    reading = asyncio.create_task(read())
+    await player.carried_out()
+    player.close()
+    assert set(await reading) <= {Phase.PREPARING, Phase.PAUSED}
+
+
+async def test_closing_does_not_wait_for_a_world_that_is_being_built(monkeypatch: pytest.MonkeyPatch) -> None:
+    slow = recipe("student")
+    building, finish = threading.Event(), threading.Event()
+    build = type(slow.scenario).build
+
+    def slowly(self: Any, generator: Any) -> Any:
+        building.set()
+        finish.wait()
+        return build(self, generator)
+
+    monkeypatch.setattr(type(slow.scenario), "build", slowly)
+    player = Player(slow)
+    reading = asyncio.ensure_future(anext(player.snapshots(), None))
+    await asyncio.to_thread(building.wait)
+    player.close()
+    assert await reading is None
+    finish.set()
+
+
+async def test_an_exact_answer_that_comes_later_is_published(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("rl_tui.lab.playback.AT_ONCE_STATES", 0)
+    player = Player(recipe("student"))
+    async for snapshot in player.snapshots():
+        if snapshot.exact is not None:
+            break
+    player.close()
+    assert snapshot.exact.v[0] == pytest.approx(5.2 / 0.82)
+
+
+async def test_speed_is_measured_while_it_runs() -> None:
+    player = Player(recipe("student"), speed=1.0)
+    player.send(SetSpeed(None))
+    player.send(Play())
+    async for snapshot in player.snapshots():
+        if snapshot.steps_per_second is not None:
+            break
+    player.close()
+    assert snapshot.steps_per_second > 0
+    assert snapshot.speed is None
