@@ -18,8 +18,7 @@ MOST_MARKS: Final = 256
 FIRST_SPACING: Final = 16
 MOST_STATES: Final = 20_000
 # An evaluation within a time limit visits every outcome once for every step of it, some 10⁹ a second. One
-# that costs more than this is left out of snapshots, which must not wait. Without a time limit linear
-# equations are solved instead; they are charged as so many visits.
+# that costs more than this is left out of snapshots, which must not wait.
 DEAREST_LIVE: Final = 2_000_000
 # Without a time limit linear equations are solved instead; they are charged as so many visits.
 UNLIMITED: Final = 100

@@ -173,7 +173,7 @@ class Run:
             steps_per_second=steps_per_second,
             step=learner.step,
             episodes=learner.episodes,
-            state=learner.state,
+            state=self._seen_state(),
             episode_step=learner.episode_step,
             episode_return=learner.episode_return,
             q=q,
@@ -188,6 +188,13 @@ class Run:
             exact_refused=answer.refused,
             bandit=bandit_figures(self.world, visits, self.history.total_return),
         )
+
+    def _seen_state(self) -> int:
+        """Return where the agent is: after an episode's last step still where that step led."""
+        last = self.learner.last_step
+        if last is not None and self.learner.episode_step == 0:
+            return last.next_state
+        return self.learner.state
 
     @property
     def _next_mark(self) -> int | None:

@@ -192,3 +192,15 @@ def test_a_runaway_stops_the_run_and_names_the_step(tmp_path: Any) -> None:
     assert run.step == 2
     assert run.snapshot(Phase.STOPPED, message=run.stop_reason).greedy_return is None
     assert_same(run, replay(run.recipe, (), 2))
+
+
+def test_the_agent_is_seen_where_an_episode_ended_until_the_next_begins() -> None:
+    run = Run(recipe("student"))
+    run.advance(episodes=1)
+    ended = run.snapshot(Phase.PAUSED)
+    assert ended.last is not None
+    assert ended.state == ended.last.next_state != run.learner.state
+    run.advance(steps=1)
+    begun = run.snapshot(Phase.PAUSED)
+    assert begun.last is not None
+    assert begun.last.state == int(run.world.mdp.start_state[0])
