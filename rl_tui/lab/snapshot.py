@@ -70,10 +70,11 @@ class Snapshot:
     ``speed`` is the wanted steps a second (None: as fast as it goes); ``steps_per_second`` the measured one
     (None while unknown). ``episodes`` counts finished episodes; ``episode_step`` and ``episode_return``
     belong to the one under way. ``state`` is where the agent is; after an episode's last step still the state
-    it ended in, until the next episode begins. ``q`` and ``visits`` are [P]. ``exact`` is the exact answer for the γ in
-    force, None while it is computed or where there is none; ``exact_refused`` then says why.
-    ``greedy_return`` is the exact expected undiscounted return of the greedy policy of this very ``q``, None
-    where it has none or is too dear to compute live.
+    it ended in, until the next episode begins. ``q`` and ``visits`` are [P].
+
+    ``exact`` is the exact answer for the γ in force, None while it is computed or where there is none;
+    ``exact_refused`` then says why. ``greedy_return`` is the exact expected undiscounted return of the greedy
+    policy of this very ``q``, None where it has none or is too dear to compute live.
     """
 
     world: World
