@@ -1,0 +1,248 @@
+"""Everything a person can do, once: bindings, palette, help panel and key line derive from this list."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from enum import Flag, StrEnum, auto
+from functools import partial
+from typing import Final, Protocol, runtime_checkable
+
+from textual.binding import Binding, BindingType
+from textual.command import DiscoveryHit, Hit, Hits, Provider
+
+from rl_tui.tui.theme.look import Look
+from rl_tui.tui.written import written
+
+
+class Place(Flag):
+    """The screens on which an action applies."""
+
+    CATALOGUE = auto()
+    PLAYGROUND = auto()
+    BOTH = CATALOGUE | PLAYGROUND
+
+
+class Group(StrEnum):
+    """The headings of the help panel, in its order."""
+
+    RUN = "Run"
+    AGENT = "Agent"
+    VIEW = "View"
+    SCENARIO = "Scenario"
+    PROGRAM = "Program"
+
+
+@dataclass(frozen=True, slots=True)
+class Action:
+    """One thing a person can do.
+
+    ``keys`` are Textual's names of the keys, ``shown`` how people see them. ``label`` is a word or two for
+    the key line, ``help`` one sentence. ``command`` is the Textual action that does it: a bare name is a
+    method ``action_…`` of the screen. ``rank`` orders the key line (a lower one is kept longer where it is
+    narrow; None: not on it), and ``hint`` replaces ``shown`` and ``label`` there, for two actions that share
+    an entry.
+    """
+
+    id: str
+    keys: tuple[str, ...]
+    shown: str
+    label: str
+    help: str
+    group: Group
+    place: Place = Place.PLAYGROUND
+    command: str = ""
+    rank: int | None = None
+    hint: tuple[str, str] | None = None
+
+    @property
+    def textual_action(self) -> str:
+        """What Textual runs."""
+        return self.command or self.id
+
+    @property
+    def key_hint(self) -> tuple[str, str]:
+        """The keys and the word on the key line."""
+        return self.hint or (self.shown, self.label)
+
+
+ACTIONS: Final[tuple[Action, ...]] = (
+    Action(
+        "open", ("enter",), "enter", "open", "Open the scenario.", Group.SCENARIO, Place.CATALOGUE, rank=0
+    ),
+    Action("run", ("space",), "space", "run", "Run, or pause where it stands.", Group.RUN, rank=0),
+    Action("step", ("s",), "s", "step", "Take one step, then pause.", Group.RUN, rank=1),
+    Action(
+        "episode", ("e",), "e", "episode", "Run to the end of the episode, then pause.", Group.RUN, rank=2
+    ),
+    Action(
+        "faster",
+        ("plus", "equals_sign"),
+        "+",
+        "faster",
+        "Next higher speed: 1, 3, 10, 30 … steps a second, up to as fast as it goes.",
+        Group.RUN,
+        rank=3,
+        hint=("+ −", "speed"),
+    ),
+    Action("slower", ("minus", "underscore"), "−", "slower", "Next lower speed.", Group.RUN),
+    Action("reset", ("r",), "r", "reset", "Start again: these settings, the same seed.", Group.RUN, rank=7),
+    Action(
+        "algorithm",
+        ("a",),
+        "a",
+        "algorithm",
+        "Choose the algorithm; Q and visits are kept.",
+        Group.AGENT,
+        rank=9,
+    ),
+    Action(
+        "ties",
+        ("t",),
+        "t",
+        "ties",
+        "Break ties between equal best actions at random, or take the first.",
+        Group.AGENT,
+        rank=10,
+    ),
+    Action(
+        "initial_q",
+        ("i",),
+        "i",
+        "initial Q",
+        "Set what every estimate starts from, and start again.",
+        Group.AGENT,
+        rank=12,
+    ),
+    Action("seed", ("n",), "n", "seed", "Set the seed, and start again.", Group.AGENT, rank=13),
+    Action(
+        "layer",
+        ("v",),
+        "v",
+        "layer",
+        "Next layer of the table: Q, exact Q*, error Q−Q*, visits.",
+        Group.VIEW,
+        rank=4,
+    ),
+    Action(
+        "zoom",
+        ("f",),
+        "f",
+        "zoom",
+        "Show the focused panel (else the world) alone, and back.",
+        Group.VIEW,
+        rank=5,
+    ),
+    Action("model", ("m",), "m", "model", "Show the model: the outcomes of each pair.", Group.VIEW, rank=8),
+    Action("reveal", ("h",), "h", "reveal", "Show or hide what a bandit keeps secret.", Group.VIEW, rank=11),
+    Action(
+        "previous_scenario",
+        ("left_square_bracket",),
+        "[",
+        "previous scenario",
+        "Go to the previous scenario.",
+        Group.SCENARIO,
+        rank=6,
+        hint=("[ ]", "scenario"),
+    ),
+    Action(
+        "next_scenario",
+        ("right_square_bracket",),
+        "]",
+        "next scenario",
+        "Go to the next scenario.",
+        Group.SCENARIO,
+    ),
+    Action(
+        "back",
+        ("escape",),
+        "esc",
+        "back",
+        "Leave the zoom, or go back to the catalogue.",
+        Group.SCENARIO,
+        rank=14,
+    ),
+    Action(
+        "help",
+        ("question_mark",),
+        "?",
+        "help",
+        "Show all keys, how to read the panels, and the notes.",
+        Group.PROGRAM,
+        Place.BOTH,
+        rank=-1,
+    ),
+    Action(
+        "palette",
+        ("ctrl+p",),
+        "ctrl+p",
+        "palette",
+        "Find every action by its name, and the colour themes.",
+        Group.PROGRAM,
+        Place.BOTH,
+        command="app.command_palette",
+        rank=15,
+    ),
+    Action("quit", ("q",), "q", "quit", "Quit.", Group.PROGRAM, Place.BOTH, command="app.quit", rank=16),
+)
+
+
+def actions_of(place: Place) -> tuple[Action, ...]:
+    """Return the actions that apply in ``place``, in the order of the list."""
+    return tuple(action for action in ACTIONS if place in action.place)
+
+
+def bindings_of(place: Place) -> list[BindingType]:
+    """Return the key bindings of the screen ``place``."""
+    return [
+        Binding(
+            ",".join(action.keys),
+            action.textual_action,
+            action.label,
+            key_display=action.shown,
+            tooltip=action.help,
+            id=action.id,
+        )
+        for action in actions_of(place)
+    ]
+
+
+@runtime_checkable
+class HasPlace(Protocol):
+    """A screen of which the registry knows the actions."""
+
+    place: Place
+    look: Look
+
+
+class ActionProvider(Provider):
+    """The palette entries: every action of the screen beneath the palette, and the themes."""
+
+    async def discover(self) -> Hits:
+        """Yield every entry, for an empty search."""
+        for name, command, sentence in self._entries():
+            yield DiscoveryHit(name, command, help=sentence)
+
+    async def search(self, query: str) -> Hits:
+        """Yield the entries whose name or sentence fits ``query``."""
+        matcher = self.matcher(query)
+        for name, command, sentence in self._entries():
+            score = max(matcher.match(name), matcher.match(f"{name} {sentence}") * 0.5)
+            if score > 0:
+                yield Hit(score, matcher.highlight(name), command, help=sentence)
+
+    def _entries(self) -> Iterator[tuple[str, Callable[[], object], str]]:
+        """Yield what is listed, what is done and the sentence about it."""
+        screen = self.screen
+        if isinstance(screen, HasPlace):
+            for action in actions_of(screen.place):
+                name, sentence = (
+                    written(text, screen.look.glyphs) for text in (palette_name(action), action.help)
+                )
+                yield name, partial(self.screen.run_action, action.textual_action), sentence
+        yield "Theme", self.app.action_change_theme, "Choose the colours."
+
+
+def palette_name(action: Action) -> str:
+    """Return how the palette lists ``action``: the word and its key."""
+    return f"{action.label[0].upper()}{action.label[1:]} ({action.shown})"

@@ -1,0 +1,78 @@
+"""A sheet of character cells that turns into strips."""
+
+from __future__ import annotations
+
+from itertools import groupby
+
+from rich.cells import cell_len
+from rich.segment import Segment
+from rich.style import Style
+from textual.strip import Strip
+
+
+class Canvas:
+    """Width × height cells, blank at first. Whatever would stand outside is left out."""
+
+    def __init__(self, width: int, height: int, style: Style) -> None:
+        self.width = width
+        self.height = height
+        self._characters = [[" "] * width for _ in range(height)]
+        self._styles = [[style] * width for _ in range(height)]
+
+    def put(self, x: int, y: int, text: str, style: Style) -> None:
+        """Write ``text`` with its first cell at column ``x`` of row ``y``."""
+        if not 0 <= y < self.height:
+            return
+        cells = list(text) if cell_len(text) == len(text) else _cells(text)
+        before, cells = max(0, -x), cells[: max(0, self.width - x)]
+        cells = cells[before:]
+        x += before
+        if cells and cells[0] == "":
+            cells[0] = " "
+        if cells and cell_len(cells[-1]) > 1:
+            cells[-1] = " "
+        self._characters[y][x : x + len(cells)] = cells
+        self._styles[y][x : x + len(cells)] = [style] * len(cells)
+
+    def strips(self) -> list[Strip]:
+        """Return the rows, neighbours of one style joined."""
+        return [
+            self._strip(characters, styles)
+            for characters, styles in zip(self._characters, self._styles, strict=True)
+        ]
+
+    def _strip(self, characters: list[str], styles: list[Style]) -> Strip:
+        segments, x = [], 0
+        for style, run in groupby(styles):
+            end = x + sum(1 for _ in run)
+            segments.append(Segment("".join(characters[x:end]), style))
+            x = end
+        return Strip(segments, self.width)
+
+
+def _cells(text: str) -> list[str]:
+    """Return one string a cell; a character that takes two cells is followed by an empty one."""
+    cells: list[str] = []
+    for character in text:
+        width = cell_len(character)
+        if width == 0 and cells:
+            cells[-1] += character
+        elif width:
+            cells += [character, ""][:width]
+    return cells
+
+
+def shortened(text: str, width: int, ellipsis: str) -> str:
+    """Return ``text``, ended by ``ellipsis`` where it would take more than ``width`` cells."""
+    if cell_len(text) <= width:
+        return text
+    room = width - cell_len(ellipsis)
+    while text and cell_len(text) > room:
+        text = text[:-1]
+    return text.rstrip() + ellipsis if room >= 0 else ""
+
+
+def centred(text: str, width: int) -> str:
+    """Return ``text`` in the middle of ``width`` cells, rather left than right of it."""
+    before = max(0, width - len(text)) // 2
+    return (" " * before + text).ljust(width)

@@ -1,0 +1,127 @@
+"""Numbers for people: never wider than their room, and never a small number passed off as zero."""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+from rl_tui.tui.theme.glyphs import UNICODE, Glyphs
+
+DECIMALS: Final = 3
+NEGLIGIBLE: Final = 1e-9  # exact answers are good to this, so differences below it say nothing
+ROOM_FOR_ZERO: Final = 5  # from this width on fractions are written 0.54, below it .54
+_SCALES: Final = ((1.0, ""), (1e3, "k"), (1e6, "M"), (1e9, "G"), (1e12, "T"))
+
+
+def value(x: float, width: int, glyphs: Glyphs = UNICODE, decimals: int = DECIMALS) -> str:
+    """Return ``x`` in at most ``width`` cells, with as many decimals as fit, ``decimals`` at the most.
+
+    ``0.540``, ``.54``, ``−1.20``, ``12.3``, ``1.2e6``. A number that would round to zero is
+    written ``4e-4`` where that fits, except below 1e-9. Where nothing fits, ``width`` times ``#``.
+    """
+    if not math.isfinite(x):
+        text = "nan" if math.isnan(x) else "inf" if x > 0 else f"{glyphs.minus}inf"
+        return text if len(text) <= width else "#" * width
+    if abs(x) < NEGLIGIBLE:
+        x = 0.0
+    leading_zero = width >= ROOM_FOR_ZERO
+    plain = _widest_that_fits(
+        [fixed(x, each, glyphs, leading_zero) for each in range(decimals, -1, -1)], width
+    )
+    if plain and (x == 0.0 or _has_digits(plain)):
+        return plain
+    return _widest_that_fits(_with_exponent(x, glyphs), width) or plain or "#" * width
+
+
+def fixed(x: float, decimals: int, glyphs: Glyphs = UNICODE, leading_zero: bool = True) -> str:
+    """Return ``x`` with so many decimals; without ``leading_zero`` fractions are ``.54``. Never ``−0``."""
+    text = f"{x:.{decimals}f}"
+    negative = text.startswith("-")
+    digits = text.removeprefix("-")
+    if not _has_digits(digits):
+        negative = False
+    if not leading_zero and digits.startswith("0."):
+        digits = digits[1:]
+    return glyphs.minus + digits if negative else digits
+
+
+def signed(x: float, decimals: int, glyphs: Glyphs = UNICODE, leading_zero: bool = True) -> str:
+    """Return ``x`` like :func:`fixed`, with a + where it is not negative."""
+    text = fixed(x, decimals, glyphs, leading_zero)
+    return text if text.startswith(glyphs.minus) else f"+{text}"
+
+
+def brief(x: float, glyphs: Glyphs = UNICODE, leading_zero: bool = False, decimals: int = 6) -> str:
+    """Return ``x`` with no more decimals than it has, up to ``decimals``: ``−2``, ``.1``, ``.333333``."""
+    if abs(x) >= 1e7 or 0.0 < abs(x) < 10.0**-decimals:
+        return _exponent(x, 2, glyphs)
+    text = fixed(x, decimals, glyphs)
+    if "." in text:
+        text = text.rstrip("0").rstrip(".")
+    return text if leading_zero else _without_leading_zero(text)
+
+
+def count(n: int, width: int | None = None) -> str:
+    """Return ``n`` (0 or more) with commas; short (``12.3k``) where that is wider than ``width``."""
+    text = f"{n:,}"
+    if width is None or len(text) <= width:
+        return text
+    forms = [_scaled(n, decimals, "") for decimals in (1, 0)]
+    return next((form for form in forms if len(form) <= width), forms[-1])
+
+
+def rate(steps_per_second: float) -> str:
+    """Return a speed in short: ``38 M/s``, ``950/s``."""
+    return f"{_speed(steps_per_second, short=True)}/s"
+
+
+def long_rate(steps_per_second: float) -> str:
+    """Return a speed in words: ``37.4 M steps/s``, ``950 steps/s``."""
+    return f"{_speed(steps_per_second, short=False)} steps/s"
+
+
+def percent(share: float) -> str:
+    """Return a share (0 to 1) in whole per cent; 0 % and 100 % only where it is exactly that."""
+    whole = round(100.0 * share)
+    if whole == 100 and share < 1.0:
+        return ">99 %"
+    if whole == 0 and share > 0.0:
+        return "<1 %"
+    return f"{whole} %"
+
+
+def _speed(x: float, short: bool) -> str:
+    exact = _scaled(x, 1, " ")
+    number, _, unit = exact.partition(" ")
+    return exact if float(number) < 10 or (unit and not short) else _scaled(x, 0, " ")
+
+
+def _scaled(x: float, decimals: int, gap: str) -> str:
+    """Return ``x`` in the first unit in which it stays below 1,000, the largest if none."""
+    texts = [(f"{x / scale:.{decimals}f}", unit) for scale, unit in _SCALES]
+    text, unit = next((each for each in texts if float(each[0]) < 1_000), texts[-1])
+    return f"{text}{gap}{unit}" if unit else text
+
+
+def _with_exponent(x: float, glyphs: Glyphs) -> list[str]:
+    return [_exponent(x, decimals, glyphs) for decimals in (2, 1, 0)]
+
+
+def _exponent(x: float, decimals: int, glyphs: Glyphs) -> str:
+    mantissa, exponent = f"{x:.{decimals}e}".split("e")
+    if "." in mantissa:
+        mantissa = mantissa.rstrip("0").rstrip(".")
+    return f"{mantissa}e{int(exponent)}".replace("-", glyphs.minus, 1 if x < 0 else 0)
+
+
+def _without_leading_zero(text: str) -> str:
+    return text.replace("0.", ".", 1) if text.lstrip("−-").startswith("0.") else text
+
+
+def _widest_that_fits(forms: list[str], width: int) -> str:
+    """Return the first of ``forms`` that fits, empty if none does."""
+    return next((form for form in forms if len(form) <= width), "")
+
+
+def _has_digits(text: str) -> bool:
+    return any(digit in text for digit in "123456789")

@@ -1,0 +1,56 @@
+"""How often the playground draws: at most so many frames a second, and fewer where the terminal is slow."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable
+from time import monotonic
+
+_LOAD = 2.0  # a frame is followed by at least as much idle time as it took
+_MEMORY = 0.7  # weight of the past in the running mean of what a frame costs
+_HURRIED_FRAMES = 2  # the first may have been on its way before the key was pressed
+
+
+class Pacer:
+    """Waits between frames.
+
+    ``fps`` is the most frames a second. ``clock`` tells seconds. A frame that took long (a slow link blocks
+    the writer) stretches the wait; one that a person asked for by pressing a key is not kept waiting.
+    """
+
+    def __init__(self, fps: float, clock: Callable[[], float] = monotonic) -> None:
+        self._interval = 1.0 / fps
+        self._clock = clock
+        self._began = clock() - self._interval
+        self._cost = 0.0
+        self._hurry = asyncio.Event()
+        self._hurried = 0
+
+    def hurry(self) -> None:
+        """Let the next two frames come at once."""
+        self._hurried = _HURRIED_FRAMES
+        self._hurry.set()
+
+    def begin(self) -> None:
+        """Note that a frame is being drawn."""
+        self._hurried = max(0, self._hurried - 1)
+        if not self._hurried:
+            self._hurry.clear()
+        self._began = self._clock()
+
+    def end(self) -> None:
+        """Note that the frame has left for the terminal."""
+        self._cost = _MEMORY * self._cost + (1.0 - _MEMORY) * (self._clock() - self._began)
+
+    @property
+    def pause(self) -> float:
+        """Seconds to wait before the next frame."""
+        return max(0.0, self._began + max(self._interval, _LOAD * self._cost) - self._clock())
+
+    async def wait(self) -> None:
+        """Wait until the next frame is due or somebody is in a hurry."""
+        if self.pause > 0.0:
+            try:
+                await asyncio.wait_for(self._hurry.wait(), self.pause)
+            except TimeoutError:
+                return

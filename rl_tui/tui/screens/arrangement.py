@@ -1,0 +1,114 @@
+"""Where the panels of the playground stand: a pure function of the size and of what there is to show."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+from textual.geometry import Region, Size
+
+from rl_tui.worlds.drawing import Arms, Drawing, Grid
+
+WORLD: Final = "world"
+CURVE: Final = "curve"
+TABLE: Final = "table"
+BUDGET: Final = "budget"
+CONTROLS: Final = "controls"
+INSPECTOR: Final = "inspector"
+
+ROOMY_WIDTH: Final = 100
+ROOMY_HEIGHT: Final = 32
+
+_BORDERS = 2
+_LOOP_ROWS = 8  # the six lines of the controls, or of the last step, and their borders
+_BUDGET_ROWS = 6
+_LINES_BELOW = 3  # compact: sliders, settings, last step; a line each, without borders
+_LEAST_CURVE = 12
+_USUAL_TABLE = 15
+
+
+@dataclass(frozen=True, slots=True)
+class Shape:
+    """What the arrangement depends on besides the size; ``table_rows`` is what the whole table takes."""
+
+    drawing: Drawing | None = None
+    table_rows: int = 11
+    arms: int = 0
+
+
+def is_roomy(size: Size) -> bool:
+    """Tell whether there is room for bordered controls and a last step of several lines."""
+    return size.width >= ROOMY_WIDTH and size.height >= ROOMY_HEIGHT
+
+
+def arrangement(size: Size, shape: Shape, zoomed: str | None = None) -> dict[str, Region]:
+    """Return the region of each panel by its id; panels that are not shown are left out."""
+    if zoomed is not None:
+        return {zoomed: Region(0, 0, size.width, size.height)}
+    return _roomy(size, shape) if is_roomy(size) else _compact(size, shape)
+
+
+def _compact(size: Size, shape: Shape) -> dict[str, Region]:
+    width, height = size
+    left, body = round(width * 42 / 80), max(0, height - _LINES_BELOW)
+    world = _world_rows(shape, body, least_curve=max(5, body * 7 // 19))
+    regions = _left_column(left, world, body) | _right_column(shape, left, width - left, body)
+    regions[CONTROLS] = Region(0, body, width, 2)
+    regions[INSPECTOR] = Region(0, body + 2, width, 1)
+    return regions
+
+
+def _roomy(size: Size, shape: Shape) -> dict[str, Region]:
+    width, height = size
+    left = round(width * 62 / 120)
+    table = shape.table_rows + 1 + _BORDERS
+    if table > height - 2 * _LOOP_ROWS:
+        body = height - _LOOP_ROWS
+        world = _world_rows(shape, body, least_curve=_LEAST_CURVE)
+        regions = _left_column(left, world, body) | _right_column(shape, left, width - left, body)
+        regions[CONTROLS] = Region(0, body, left, _LOOP_ROWS)
+        regions[INSPECTOR] = Region(left, body, width - left, _LOOP_ROWS)
+        return regions
+    world = _world_rows(shape, height, least_curve=_LEAST_CURVE)
+    regions = _left_column(left, world, height)
+    table = min(max(table, min(world, _USUAL_TABLE)), height - 2 * _LOOP_ROWS - _budget_rows(shape))
+    y = 0
+    for panel, rows in (
+        (TABLE, table),
+        (CONTROLS, _LOOP_ROWS),
+        (BUDGET, _budget_rows(shape)),
+    ):
+        if rows:
+            regions[panel] = Region(left, y, width - left, rows)
+            y += rows
+    regions[INSPECTOR] = Region(left, y, width - left, height - y)
+    return regions
+
+
+def _left_column(width: int, world: int, height: int) -> dict[str, Region]:
+    return {WORLD: Region(0, 0, width, world), CURVE: Region(0, world, width, height - world)}
+
+
+def _right_column(shape: Shape, x: int, width: int, height: int) -> dict[str, Region]:
+    budget = min(_budget_rows(shape), height // 2)
+    regions = {TABLE: Region(x, 0, width, height - budget)}
+    if budget:
+        regions[BUDGET] = Region(x, height - budget, width, budget)
+    return regions
+
+
+def _budget_rows(shape: Shape) -> int:
+    return _BUDGET_ROWS if isinstance(shape.drawing, Arms) else 0
+
+
+def _world_rows(shape: Shape, height: int, least_curve: int) -> int:
+    """Return the rows of the world panel: whole rows of what it draws, and enough left for the curve."""
+    most = max(_BORDERS + 1, height - least_curve)
+    match shape.drawing:
+        case Grid(rows=rows):
+            sizes = [rows * each + _BORDERS for each in (3, 2, 1)]
+        case Arms():
+            sizes = [shape.arms * 2 + 1 + _BORDERS, shape.arms + _BORDERS]
+        case _:
+            sizes = [height * 12 // 19 if least_curve < _LEAST_CURVE else height * 20 // 38]
+    return next((rows for rows in sizes if rows <= most), most)

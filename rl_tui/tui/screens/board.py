@@ -1,0 +1,133 @@
+"""The panels of the playground and the container that arranges them."""
+
+from __future__ import annotations
+
+from textual.app import ComposeResult
+from textual.containers import Container
+from textual.geometry import NULL_OFFSET, NULL_SPACING, Size
+from textual.layout import ArrangeResult, Layout, WidgetPlacement
+from textual.widget import Widget
+from textual.widgets import Static
+
+from rl_tui.lab.recipe import Recipe
+from rl_tui.lab.snapshot import Phase, Snapshot
+from rl_tui.tui.screens.arrangement import (
+    BUDGET,
+    CONTROLS,
+    CURVE,
+    INSPECTOR,
+    TABLE,
+    WORLD,
+    Shape,
+    arrangement,
+)
+from rl_tui.tui.theme.look import Look
+from rl_tui.tui.widgets.budget import BudgetPanel
+from rl_tui.tui.widgets.controls import Controls
+from rl_tui.tui.widgets.curve import ReturnCurve
+from rl_tui.tui.widgets.inspector import Inspector
+from rl_tui.tui.widgets.q_table import QTable
+from rl_tui.tui.world_views import WorldView, world_view
+
+
+class Board(Container):
+    """Every panel, each with its name as id; one may be zoomed to cover all others.
+
+    ``show`` draws a snapshot on all of them. The world's view is made for the first one: only then is its
+    kind known.
+    """
+
+    def __init__(self, look: Look, recipe: Recipe) -> None:
+        super().__init__(id="board")
+        self.look = look
+        self.table = QTable(look, id=TABLE, classes="panel")
+        self.curve = ReturnCurve(look, id=CURVE, classes="panel")
+        self.curve.can_focus = True
+        self.budget = BudgetPanel(look, id=BUDGET, classes="panel")
+        self.controls = Controls(look, recipe, id=CONTROLS, classes="panel")
+        self.inspector = Inspector(look, id=INSPECTOR, classes="panel")
+        self.world: WorldView | None = None
+        self._arrangement = _BoardLayout()
+
+    def compose(self) -> ComposeResult:
+        """Yield the panels in the order of the tab key."""
+        preparing = Static(f"preparing {self.look.glyphs.ellipsis}", id=WORLD, classes="panel")
+        preparing.border_title = "World"
+        yield preparing
+        yield self.table
+        yield self.curve
+        yield self.budget
+        yield self.controls
+        yield self.inspector
+
+    def show(self, snapshot: Snapshot, *, revealed: bool) -> None:
+        """Draw ``snapshot``; ``revealed`` shows what a bandit keeps secret."""
+        if self.world is None:
+            self.world = world_view(snapshot.world, self.look)
+            self.world.id, self.world.can_focus = WORLD, True
+            self.world.add_class("panel")
+            self.run_worker(self._replace_placeholder(self.world))
+        self.reveal(revealed or snapshot.phase is Phase.SPENT)
+        for panel in (self.world, self.table, self.curve, self.budget, self.controls, self.inspector):
+            panel.show(snapshot)
+        world = snapshot.world
+        shape = Shape(world.drawing, self.table.rows, world.mdp.pairs)
+        if shape != self._arrangement.shape:
+            self._arrangement.shape = shape
+            self._arrange_again()
+
+    def reveal(self, revealed: bool) -> None:
+        """Show or hide what a bandit keeps secret."""
+        for panel in (self.world, self.table, self.curve, self.budget):
+            if panel is not None:
+                panel.revealed = revealed
+
+    @property
+    def zoomed(self) -> str | None:
+        """The id of the panel that covers all others."""
+        return self._arrangement.zoomed
+
+    def zoom(self, panel: str | None) -> None:
+        """Let ``panel`` cover all others; None shows all."""
+        self._arrangement.zoomed = panel
+        self._arrange_again()
+
+    def panel_of(self, widget: Widget | None) -> str:
+        """Return the id of the panel that ``widget`` stands in; of the world if in none."""
+        for node in widget.ancestors_with_self if widget else ():
+            if node.parent is self and node.id:
+                return node.id
+        return WORLD
+
+    @property
+    def layout(self) -> Layout:
+        """The arrangement, in place of one from CSS."""
+        return self._arrangement
+
+    def _arrange_again(self) -> None:
+        self.table.refresh(
+            layout=True
+        )  # a child's, since a container forgets its arrangement only for a child
+
+    async def _replace_placeholder(self, view: WorldView) -> None:
+        with self.app.batch_update():
+            await self.query_one(f"#{WORLD}").remove()
+            await self.mount(view, before=0)
+
+
+class _BoardLayout(Layout):
+    name = "board"
+
+    def __init__(self) -> None:
+        self.shape = Shape()
+        self.zoomed: str | None = None
+
+    def arrange(
+        self, parent: Widget, children: list[Widget], size: Size, greedy: bool = True
+    ) -> ArrangeResult:
+        regions = arrangement(size, self.shape, self.zoomed)
+        return [
+            WidgetPlacement(regions[child.id], NULL_OFFSET, NULL_SPACING, child)
+            for child in children
+            if child.id in regions
+        ]

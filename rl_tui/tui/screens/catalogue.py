@@ -1,0 +1,228 @@
+"""The catalogue: the scenarios, with drawing, sizes, defaults and notes of the one under the cursor."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Iterable
+from contextlib import suppress
+from importlib import import_module
+from threading import Thread
+from typing import ClassVar
+
+from textual.binding import BindingType
+from textual.containers import Container, Horizontal, VerticalScroll
+from textual.message import Message
+from textual.widget import Widget
+from textual.widgets import OptionList, Static
+from textual.widgets.option_list import Option
+from textual.worker import WorkerCancelled
+
+from rl_tui.lab.library import recipe_for
+from rl_tui.lab.recipe import Recipe
+from rl_tui.tui.actions import Place, bindings_of
+from rl_tui.tui.screens.help import HelpScreen
+from rl_tui.tui.screens.stage import Stage
+from rl_tui.tui.theme.look import Look
+from rl_tui.tui.widgets.facts import facts, faults_text
+from rl_tui.tui.widgets.notes import Notes
+from rl_tui.tui.written import separated, written
+from rl_tui.worlds.catalogue import read_catalogue
+from rl_tui.worlds.drawing import Arms, Grid
+from rl_tui.worlds.errors import ScenarioError, UserError
+from rl_tui.worlds.scenario import Scenario
+from rl_tui.worlds.streams import streams
+from rl_tui.worlds.world import World
+
+_SEED = 0
+_DETAILS = "details"
+_NEEDED_TO_PLAY = ("rl_tui.tui.screens.playground", "rl_tui.agents.learner")
+
+
+class Catalogue(Stage):
+    """Left the scenarios, right what is known of the one under the cursor.
+
+    Worlds are built in a thread after the first paint, those of Gymnasium last: importing it takes a moment.
+    """
+
+    CSS_PATH = "catalogue.tcss"
+    BINDINGS: ClassVar[list[BindingType]] = bindings_of(Place.CATALOGUE)
+    place = Place.CATALOGUE
+
+    class Opened(Message):
+        """The user wants to play."""
+
+        def __init__(self, recipe: Recipe) -> None:
+            super().__init__()
+            self.recipe = recipe
+
+    class WorldBuilt(Message):
+        """A world is ready, or could not be built."""
+
+        def __init__(self, scenario: Scenario, world: World | UserError) -> None:
+            super().__init__()
+            self.scenario = scenario
+            self.world = world
+
+    class NotImported(Message):
+        """What the playground needs cannot be imported."""
+
+        def __init__(self, reason: str) -> None:
+            super().__init__()
+            self.reason = reason
+
+    def __init__(self, look: Look, start_at: str = "", fault: UserError | None = None) -> None:
+        super().__init__(look)
+        self._scenarios, self._broken = read_catalogue()
+        self._start_at = start_at
+        self._fault = fault
+        self._worlds: dict[str, World | UserError] = {}
+        self._shown: Scenario | None = None
+        self._all_built = asyncio.Event()
+
+    def content(self) -> Iterable[Widget]:
+        """Yield the list and the details."""
+        yield Static(separated(" rl-tui · scenarios", self.look.glyphs), id="title")
+        scenarios = OptionList(*self._options(), id="scenarios", classes="panel")
+        scenarios.border_title = "Scenarios"
+        details = VerticalScroll(
+            Static(id="facts", markup=False),
+            Container(id="preview"),
+            Notes(self.look.glyphs, id="notes"),
+            id="details",
+            classes="panel",
+        )
+        details.border_subtitle = "tab, arrows: scroll"
+        yield Horizontal(scenarios, details, id="columns")
+
+    def on_mount(self) -> None:
+        """Put the cursor where the user came from; build the worlds once the first paint is done."""
+        ids = [scenario.id for scenario in self._scenarios]
+        scenarios = self.query_one("#scenarios", OptionList)
+        scenarios.highlighted = ids.index(self._start_at) if self._start_at in ids else 0
+        scenarios.focus()
+        if self._fault is not None:
+            self.notify(str(self._fault), severity="error", timeout=15, markup=False)
+        self.call_after_refresh(Thread(target=self._build_worlds, name="build worlds", daemon=True).start)
+
+    def _options(self) -> Iterable[Option]:
+        for scenario in self._scenarios:
+            yield Option(written(scenario.title, self.look.glyphs), id=scenario.id)
+        for error in self._broken:
+            yield Option(f"{error.faults[0].file.rsplit('/', 1)[-1]} (faulty)")
+
+    # In the thread: only messages leave it
+
+    def _build_worlds(self) -> None:
+        with suppress(RuntimeError):  # the program has ended meanwhile
+            for scenario in sorted(self._scenarios, key=lambda each: each.kind == "gymnasium"):
+                try:
+                    world: World | UserError = scenario.build(streams(_SEED).world)
+                except UserError as error:
+                    world = error
+                except ImportError as error:
+                    world = UserError(f"{error}")
+                self.post_message(self.WorldBuilt(scenario, world))
+            try:
+                for module in _NEEDED_TO_PLAY:
+                    import_module(module)
+            except ImportError as error:
+                self.post_message(self.NotImported(str(error)))
+
+    def on_catalogue_world_built(self, event: WorldBuilt) -> None:
+        """Fill in what was missing."""
+        self._worlds[event.scenario.id] = event.world
+        if len(self._worlds) == len(self._scenarios):
+            self._all_built.set()
+        if event.scenario is self._current:
+            self._show_current()
+
+    def on_catalogue_not_imported(self, event: NotImported) -> None:
+        """Tell why nothing can be played."""
+        self.notify(event.reason, title="cannot load", severity="error", timeout=30, markup=False)
+
+    async def settled(self) -> None:
+        """Wait until every world is built and the details are drawn."""
+        await self._all_built.wait()
+        while under_way := [each for each in self.workers if each.group == _DETAILS and not each.is_finished]:
+            with suppress(WorkerCancelled):
+                await self.workers.wait_for_complete(under_way)
+
+    # The cursor
+
+    @property
+    def _current(self) -> Scenario | ScenarioError | None:
+        entries: list[Scenario | ScenarioError] = [*self._scenarios, *self._broken]
+        highlighted = self.query_one("#scenarios", OptionList).highlighted
+        return None if highlighted is None else entries[highlighted]
+
+    def on_option_list_option_highlighted(self) -> None:
+        """Show the details of the entry under the cursor."""
+        self._show_current()
+
+    def on_option_list_option_selected(self) -> None:
+        """Open the entry."""
+        self.action_open()
+
+    def _show_current(self) -> None:
+        self.run_worker(self._show(self._current), exclusive=True, group=_DETAILS)
+
+    async def _show(self, entry: Scenario | ScenarioError | None) -> None:
+        details, about = self.query_one("#details"), self.query_one("#facts", Static)
+        notes, drawing = self.query_one(Notes), self.query_one("#preview")
+        if isinstance(entry, Scenario):
+            world = self._worlds.get(entry.id)
+            details.border_title = written(entry.title, self.look.glyphs).replace("[", r"\[")
+            about.update(facts(entry, world, self.look))
+            await self._draw(entry, world)
+            await notes.show(entry.notes)
+            if entry is not self._shown:
+                self._shown = entry
+                details.scroll_home(animate=False)
+        elif entry is not None:
+            details.border_title = "Faults"
+            about.update(faults_text(entry, self.look))
+            await drawing.remove_children()
+            await notes.show("")
+
+    async def _draw(self, scenario: Scenario, world: World | UserError | None) -> None:
+        drawing = self.query_one("#preview")
+        drawing.display = not isinstance(world, UserError)
+        await drawing.remove_children()
+        if isinstance(world, World):
+            from rl_tui.lab.preparing import preparing
+            from rl_tui.tui.world_views import world_view
+
+            view = world_view(world, self.look)
+            view.can_focus = False
+            drawing.styles.height = preview_rows(world, self.size.height)
+            await drawing.mount(view)
+            view.show(preparing(recipe_for(scenario, {}, _SEED), world, None, ""))
+        elif world is None:
+            await drawing.mount(Static(f"preparing {self.look.glyphs.ellipsis}", classes="hint"))
+
+    # Verbs
+
+    def action_open(self) -> None:
+        """Play the scenario under the cursor."""
+        if not isinstance(self._current, Scenario):
+            self.notify("this file has faults; mend them first", severity="warning")
+            return
+        try:
+            self.post_message(self.Opened(recipe_for(self._current, {}, _SEED)))
+        except UserError as fault:
+            self.notify(str(fault), severity="error", markup=False)
+
+    def action_help(self) -> None:
+        """Show the help."""
+        notes = self._current.notes if isinstance(self._current, Scenario) else ""
+        self.app.push_screen(HelpScreen(self.look, self.place, notes))
+
+
+def preview_rows(world: World, height: int) -> int:
+    """Return the rows of the drawing where the screen has ``height`` rows."""
+    match world.drawing:
+        case Grid(rows=rows):
+            return rows * 2 if rows * 2 <= height // 3 else rows
+        case Arms():
+            return world.mdp.pairs
+    return max(10, height * 2 // 5)

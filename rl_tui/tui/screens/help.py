@@ -1,0 +1,113 @@
+"""All keys, how to read the panels, and the notes of the scenario."""
+
+from __future__ import annotations
+
+from itertools import groupby
+from typing import ClassVar, Final
+
+from rich.table import Table
+from rich.text import Text
+from textual.app import ComposeResult
+from textual.binding import Binding, BindingType
+from textual.containers import Vertical, VerticalScroll
+from textual.widgets import Static
+
+from rl_tui.tui.actions import Place, actions_of
+from rl_tui.tui.screens.dialog import Dialog
+from rl_tui.tui.theme.look import Look
+from rl_tui.tui.widgets.notes import notes_markdown
+from rl_tui.tui.written import written
+
+_PANELS: Final = (
+    (
+        "World",
+        "The scenario as the agent finds it. In a grid the tint and the number are V(s), the best "
+        "estimate of the state; arrows are the greedy actions, several (or + where there is no room) "
+        "where they tie, none where nothing is known yet; ◉ is the agent, ● a hole, ★ the goal, S the "
+        "start. In a graph each edge names action, probability and reward, and the greedy action is bold. "
+        "An arm of a bandit shows its estimate and how sure it is; ▸ marks the greedy arm, ◉ the last pull.",
+    ),
+    (
+        "Q",
+        "One row a state, one column an action. The frame marks the greedy cell; the cell that the last "
+        "step updated is lit; an unvisited cell looks different from a zero. v turns to the exact Q*, "
+        "the error Q−Q* and visits.",
+    ),
+    (
+        "Return",
+        "The return of each episode as band and mean, the exact expected return of the greedy policy, "
+        "and the optimum for this γ as a line. The gap between episodes and greedy policy is mostly what "
+        "exploring costs.",
+    ),
+    (
+        "Controls",
+        "What the agent is told. Focus a slider with tab: left and right change it, digits type a value, "
+        "the mouse drags it. A change acts from the next step on; initial Q and seed start again.",
+    ),
+    (
+        "Last step",
+        "One turn of the loop with its real numbers: what was chosen and why, what the world did, and "
+        "the update. δ is the error that the update shrinks.",
+    ),
+    (
+        "Focus",
+        "tab and shift+tab go from panel to panel; arrows scroll the one in focus, and f shows it alone.",
+    ),
+)
+_LEFT = 11
+
+
+class HelpScreen(Dialog[None]):
+    """Everything that is worth knowing here, on one page that scrolls."""
+
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding("question_mark,q", "cancel", "back", id="close_help", tooltip="Close the help."),
+    ]
+
+    def __init__(self, look: Look, place: Place, notes: str = "") -> None:
+        super().__init__()
+        self._look = look
+        self._place = place
+        self._notes = notes
+
+    def compose(self) -> ComposeResult:
+        """Yield keys, panels and notes."""
+        box = Vertical(id="box", classes="tall")
+        with box, VerticalScroll():
+            yield Static(self._keys())
+            if Place.PLAYGROUND in self._place:
+                yield Static(self._panels())
+            if self._notes:
+                yield Static(Text("\nNotes", "bold"))
+                yield notes_markdown(self._notes, self._look.glyphs)
+        box.border_title = "Help"
+        box.border_subtitle = "arrows: scroll   ?: close"
+
+    def on_mount(self) -> None:
+        """Let the arrows scroll."""
+        self.query_one(VerticalScroll).focus()
+
+    def _keys(self) -> Table:
+        table = _two_columns()
+        for group, actions in groupby(actions_of(self._place), key=lambda action: action.group):
+            table.add_row(Text(group, "bold"), "")
+            for action in actions:
+                table.add_row(
+                    written(f"  {action.shown}", self._look.glyphs),
+                    Text(written(action.help, self._look.glyphs)),
+                )
+        return table
+
+    def _panels(self) -> Table:
+        table = _two_columns()
+        table.add_row(Text("\nPanels", "bold"), "")
+        for title, sentences in _PANELS:
+            table.add_row(f"  {title}", Text(written(sentences, self._look.glyphs)))
+        return table
+
+
+def _two_columns() -> Table:
+    table = Table.grid(padding=(0, 2, 0, 0))
+    table.add_column(no_wrap=True, width=_LEFT)
+    table.add_column()
+    return table

@@ -1,0 +1,304 @@
+"""The playground: one run on screen. It draws what the player publishes and sends it commands."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable, Iterable
+from dataclasses import replace
+from typing import ClassVar
+
+from textual.binding import BindingType
+from textual.message import Message
+from textual.widget import Widget
+
+from rl_tui.agents.hyperparameters import PARAMETERS
+from rl_tui.lab.commands import Apply, Command, Pause, Play, Restart, RunEpisode, SetSpeed, Step
+from rl_tui.lab.player import START_SPEED, Player
+from rl_tui.lab.recipe import Recipe, SetParameter, SwitchAlgorithm
+from rl_tui.lab.snapshot import Phase, Snapshot
+from rl_tui.tui.actions import Place, bindings_of
+from rl_tui.tui.pacing import Pacer
+from rl_tui.tui.screens.board import Board
+from rl_tui.tui.screens.choice import AlgorithmChoice
+from rl_tui.tui.screens.help import HelpScreen
+from rl_tui.tui.screens.model import ModelScreen
+from rl_tui.tui.screens.prompt import Prompt
+from rl_tui.tui.screens.stage import Stage
+from rl_tui.tui.speeds import faster, slower
+from rl_tui.tui.theme.look import Look
+from rl_tui.tui.widgets.slider import Slider
+from rl_tui.tui.widgets.status_line import StatusLine
+from rl_tui.worlds.drawing import Arms
+from rl_tui.worlds.errors import UserError
+
+
+class Playground(Stage):
+    """One run: what it looks like and what may be done with it."""
+
+    CSS_PATH = "playground.tcss"
+    BINDINGS: ClassVar[list[BindingType]] = bindings_of(Place.PLAYGROUND)
+    AUTO_FOCUS = ""
+    place = Place.PLAYGROUND
+
+    class Left(Message):
+        """The user goes back to the catalogue, or a fault ended the run."""
+
+        def __init__(self, recipe: Recipe, fault: UserError | None = None) -> None:
+            super().__init__()
+            self.recipe = recipe
+            self.fault = fault
+
+    class NeighbourWanted(Message):
+        """The user wants the scenario that stands ``offset`` places further in the catalogue."""
+
+        def __init__(self, recipe: Recipe, offset: int) -> None:
+            super().__init__()
+            self.recipe = recipe
+            self.offset = offset
+
+    def __init__(self, look: Look, recipe: Recipe, player: Player, fps: float) -> None:
+        super().__init__(look)
+        self.player = player
+        self.snapshot: Snapshot | None = None
+        self._recipe = recipe  # with every change made since: what a restart starts from
+        self._speed: float | None = START_SPEED
+        self._revealed = False
+        self._pacer = Pacer(fps)
+        self._model: ModelScreen | None = None
+        self._framed = asyncio.Event()
+
+    def content(self) -> Iterable[Widget]:
+        """Yield the status line and the board."""
+        yield StatusLine(self.look, id="status")
+        yield Board(self.look, self._recipe)
+
+    def on_mount(self) -> None:
+        """Draw whatever the player publishes."""
+        self.run_worker(self._follow(), name="follow the player")
+
+    def on_unmount(self) -> None:
+        """Let the player's thread end; nobody waits for it."""
+        self.player.close()
+
+    def send(self, command: Command) -> None:
+        """Ask the player for something; its answer is drawn without waiting for the next frame."""
+        self.player.send(command)
+        self._pacer.hurry()
+
+    async def _follow(self) -> None:
+        try:
+            async for snapshot in self.player.snapshots():
+                self._pacer.begin()
+                self._draw(snapshot)
+                await self._painted()
+                self._pacer.end()
+                self._framed.set()
+                await self._pacer.wait()
+        except UserError as fault:
+            self.post_message(self.Left(self._recipe, fault))
+
+    def _draw(self, snapshot: Snapshot) -> None:
+        self.snapshot = snapshot
+        with self.app.batch_update():
+            self.query_one(StatusLine).show(snapshot)
+            self.board.show(snapshot, revealed=self._revealed)
+            if self._model is not None:
+                self._model.show(snapshot)
+
+    async def settled(self) -> None:
+        """Wait until all that was asked for is done and on screen, the exact answer included."""
+        done = await self.player.carried_out()
+        while not (self.snapshot and _shows(self.snapshot, done)):
+            self._framed.clear()
+            await self._framed.wait()
+
+    async def _painted(self) -> None:
+        painted = asyncio.Event()
+        self.call_after_refresh(painted.set)
+        await painted.wait()
+
+    @property
+    def board(self) -> Board:
+        """The panels."""
+        return self.query_one(Board)
+
+    @property
+    def focus_chain(self) -> list[Widget]:
+        """The order of the tab key: that of the panels, wherever they stand."""
+        panels = [panel.id for panel in self.board.children]
+        return sorted(super().focus_chain, key=lambda widget: panels.index(self.board.panel_of(widget)))
+
+    # Running
+
+    def action_run(self) -> None:
+        """Run, or pause."""
+        phase = self.snapshot.phase if self.snapshot else Phase.PREPARING
+        if phase is Phase.SPENT:
+            self.notify("the budget is spent; r starts again")
+        elif phase is Phase.STOPPED and self.snapshot:
+            self.notify(f"{self.snapshot.message}; r starts again", severity="error", markup=False)
+        else:
+            self.send(Pause() if phase is Phase.RUNNING else Play())
+
+    def action_step(self) -> None:
+        """Take one step."""
+        self.send(Step())
+
+    def action_episode(self) -> None:
+        """Run to the end of the episode."""
+        self.send(RunEpisode())
+
+    def action_faster(self) -> None:
+        """Go to the next higher speed."""
+        self._set_speed(faster(self._speed))
+
+    def action_slower(self) -> None:
+        """Go to the next lower speed."""
+        self._set_speed(slower(self._speed))
+
+    def _set_speed(self, speed: float | None) -> None:
+        self._speed = speed
+        self.send(SetSpeed(speed))
+
+    def action_reset(self) -> None:
+        """Start again with the settings in force and the same seed."""
+        self._restart(self._recipe)
+
+    def _restart(self, recipe: Recipe) -> None:
+        self._recipe = recipe
+        self._revealed = False
+        self.board.controls.forget()
+        self.send(Restart(recipe))
+
+    # The agent
+
+    def on_slider_changed(self, event: Slider.Changed) -> None:
+        """Tell the running learner."""
+        self._set_parameter(event.name, event.value)
+
+    def action_ties(self) -> None:
+        """Go to the other way to break ties."""
+        ties = self._recipe.hyperparameters.ties
+        self._set_parameter("ties", "first" if ties == "random" else "random")
+
+    def _set_parameter(self, name: str, value: float | str) -> None:
+        self._recipe = replace(
+            self._recipe, hyperparameters=self._recipe.hyperparameters.changed(name, value)
+        )
+        self.send(Apply(SetParameter(name, value)))
+
+    def action_algorithm(self) -> None:
+        """Choose the algorithm."""
+        self.app.push_screen(AlgorithmChoice(self.look.glyphs, self._recipe.algorithm), self._switch)
+
+    def _switch(self, algorithm: str | None) -> None:
+        if algorithm is not None and algorithm != self._recipe.algorithm:
+            self._recipe = replace(self._recipe, algorithm=algorithm)
+            self.send(Apply(SwitchAlgorithm(algorithm)))
+
+    def action_initial_q(self) -> None:
+        """Ask what every estimate starts from, and start again."""
+        values = self._recipe.hyperparameters
+        hint = f"{PARAMETERS['initial_q'].help}; the run starts again"
+        prompt = Prompt("Initial Q", hint, f"{values.initial_q:g}", read_initial_q)
+        self._ask(prompt, lambda q: replace(self._recipe, hyperparameters=values.changed("initial_q", q)))
+
+    def action_seed(self) -> None:
+        """Ask for the seed, and start again."""
+        hint = "the same seed gives the same run; the run starts again"
+        prompt = Prompt("Seed", hint, str(self._recipe.seed), read_seed)
+        self._ask(prompt, lambda seed: replace(self._recipe, seed=int(seed)))
+
+    def _ask(self, prompt: Prompt, recipe_with: Callable[[float], Recipe]) -> None:
+        def restart(value: float | None) -> None:
+            if value is not None:
+                self._restart(recipe_with(value))
+
+        self.app.push_screen(prompt, restart)
+
+    # What is shown
+
+    def action_layer(self) -> None:
+        """Go to the next layer of the table."""
+        self.board.table.next_layer()
+
+    def action_zoom(self) -> None:
+        """Show one panel alone, or all again."""
+        self.board.zoom(None if self.board.zoomed else self.board.panel_of(self.focused))
+
+    def action_reveal(self) -> None:
+        """Show or hide what a bandit keeps secret."""
+        if self.snapshot is None or not isinstance(self.snapshot.world.drawing, Arms):
+            self.notify("nothing is hidden here; h is for bandits, whose true means it shows")
+            return
+        self._revealed = not self._revealed
+        self._draw(self.snapshot)
+
+    def action_model(self) -> None:
+        """Show the model until it is closed."""
+        if self.snapshot is None:
+            return
+        pair, last = self.board.table.cursor_pair, self.snapshot.last
+        if pair is None and last is not None:
+            pair = last.pair
+        self._model = ModelScreen(self.look, self.snapshot, pair, revealed=self._revealed)
+        self.app.push_screen(self._model, self._model_closed)
+
+    def _model_closed(self, _: None) -> None:
+        self._model = None
+
+    def action_help(self) -> None:
+        """Show the help."""
+        self.app.push_screen(HelpScreen(self.look, self.place, self._recipe.scenario.notes))
+
+    # Elsewhere
+
+    def action_previous_scenario(self) -> None:
+        """Go to the previous scenario of the catalogue."""
+        self.post_message(self.NeighbourWanted(self._recipe, -1))
+
+    def action_next_scenario(self) -> None:
+        """Go to the next scenario of the catalogue."""
+        self.post_message(self.NeighbourWanted(self._recipe, 1))
+
+    def action_back(self) -> None:
+        """Leave the zoom, or go back to the catalogue."""
+        if self.board.zoomed:
+            self.board.zoom(None)
+        else:
+            self.post_message(self.Left(self._recipe))
+
+
+def read_initial_q(text: str) -> float:
+    """Return the number in ``text``; raises ValueError naming the range."""
+    parameter = PARAMETERS["initial_q"]
+    try:
+        value = float(text)
+    except ValueError:
+        value = float("nan")
+    if not parameter.accepts(value):
+        raise ValueError(f"{text or 'nothing'} is not {parameter.expected}")
+    return value
+
+
+def read_seed(text: str) -> int:
+    """Return the whole number in ``text``; raises ValueError saying what it may be."""
+    if not (text.isascii() and text.isdigit()):
+        raise ValueError(f"{text or 'nothing'} is not a whole number of 0 or more")
+    return int(text)
+
+
+def _shows(drawn: Snapshot, done: Snapshot) -> bool:
+    """Tell whether ``drawn`` is as far as ``done`` and complete."""
+
+    def stand(snapshot: Snapshot) -> tuple[object, ...]:
+        return (
+            snapshot.step,
+            snapshot.phase,
+            snapshot.speed,
+            snapshot.recipe,
+            snapshot.algorithm,
+            snapshot.hyperparameters,
+        )
+
+    return stand(drawn) == stand(done) and (drawn.exact is not None or bool(drawn.exact_refused))

@@ -1,0 +1,50 @@
+"""Asks for one value and says at once what is wrong with it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from textual.app import ComposeResult
+from textual.containers import Vertical
+from textual.widgets import Input, Static
+
+from rl_tui.tui.screens.dialog import Dialog
+
+Reader = Callable[[str], float]
+"""Turns the typed text into the value; raises ValueError whose text says what was expected."""
+
+
+class Prompt(Dialog[float]):
+    """One line to type a value into. Answers the value that ``read`` makes of it; escape answers None."""
+
+    def __init__(self, title: str, hint: str, value: str, read: Reader) -> None:
+        super().__init__()
+        self._title = title
+        self._hint = hint
+        self._value = value
+        self._read = read
+
+    def compose(self) -> ComposeResult:
+        """Yield the line, the sentence about it, and room for a fault."""
+        with Vertical(id="box") as box:
+            yield Input(self._value, select_on_focus=True, compact=True)
+            yield Static(self._hint, classes="hint", markup=False)
+            yield Static("", classes="error", markup=False)
+        box.border_title = self._title
+        box.border_subtitle = "enter: set   esc: close"
+
+    def on_input_changed(self, event: Input.Changed) -> None:
+        """Tell what is wrong while it is typed."""
+        self.query_one(".error", Static).update(self._fault(event.value))
+
+    def on_input_submitted(self, event: Input.Submitted) -> None:
+        """Answer the value if it is one."""
+        if not self._fault(event.value):
+            self.dismiss(self._read(event.value))
+
+    def _fault(self, text: str) -> str:
+        try:
+            self._read(text)
+        except ValueError as fault:
+            return str(fault)
+        return ""

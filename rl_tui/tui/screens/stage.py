@@ -1,0 +1,70 @@
+"""What catalogue and playground share: their place in the registry, the key line, and the least size."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Final
+
+from textual.app import ComposeResult
+from textual.screen import Screen
+from textual.widget import Widget
+from textual.widgets import Static
+
+from rl_tui.tui.actions import Place
+from rl_tui.tui.screens.arrangement import ROOMY_HEIGHT, ROOMY_WIDTH
+from rl_tui.tui.theme.look import Look
+from rl_tui.tui.widgets.key_line import KeyLine
+from rl_tui.tui.written import written
+
+LEAST_WIDTH: Final = 60
+LEAST_HEIGHT: Final = 18
+_LINES_AROUND_BOARD = 2
+
+# From which width, or height, on the screen has which class: the style sheets use them
+_WIDTHS: Final = [
+    (0, "-too-narrow"),
+    (LEAST_WIDTH, "-narrow"),
+    (ROOMY_WIDTH, "-broad"),
+]
+_HEIGHTS: Final = [
+    (0, "-too-short"),
+    (LEAST_HEIGHT, "-short"),
+    (ROOMY_HEIGHT + _LINES_AROUND_BOARD, "-tall"),
+]
+
+
+class TooSmall(Static):
+    """Says that the terminal is too small, in place of everything else."""
+
+    def __init__(self, look: Look, *, id: str | None = None) -> None:  # noqa: A002
+        super().__init__(id=id, markup=False)
+        self.look = look
+
+    def on_resize(self) -> None:
+        """Name the size there is and the one that is needed."""
+        width, height = self.app.size
+        text = f"terminal too small: is {width}×{height}, needs {LEAST_WIDTH}×{LEAST_HEIGHT}"
+        self.update(written(text, self.look.glyphs))
+
+
+class Stage(Screen[None]):
+    """A screen that fills the terminal. Subclasses name their ``place`` and yield their ``content``."""
+
+    HORIZONTAL_BREAKPOINTS = _WIDTHS
+    VERTICAL_BREAKPOINTS = _HEIGHTS
+
+    place: Place
+
+    def __init__(self, look: Look) -> None:
+        super().__init__()
+        self.look = look
+
+    def compose(self) -> ComposeResult:
+        """Yield the content, the key line and what replaces them in a terminal too small."""
+        yield from self.content()
+        yield KeyLine(self.look, self.place, id="keys")
+        yield TooSmall(self.look, id="too-small")
+
+    def content(self) -> Iterable[Widget]:
+        """Yield the widgets above the key line."""
+        raise NotImplementedError

@@ -1,0 +1,1 @@
+"""Palettes by colour depth and glyph sets."""

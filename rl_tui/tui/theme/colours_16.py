@@ -1,0 +1,68 @@
+"""Palettes in the 16 named colours, whose order of luminance holds in every terminal's version of them.
+
+Ordinary text keeps the colours of the terminal, so that it is readable whatever its ground is.
+"""
+
+from __future__ import annotations
+
+from typing import Final
+
+from rich.style import Style
+
+from rl_tui.tui.theme.roles import Palette, styles
+
+DARK: Final = Palette(
+    name="16 dark",
+    values=styles("bright_white on blue", "black on cyan", "black on white", "black on bright_white"),
+    signed=styles("bright_white on red", "bright_red", "default", "bright_cyan", "bright_white on blue"),
+    unvisited=Style.parse("dim"),
+    text=Style.parse("default"),
+    dim=Style.parse("dim"),
+    strong=Style.parse("bold"),
+    accent=Style.parse("bright_cyan"),
+    agent=Style.parse("bold bright_white on red"),
+    greedy=Style.parse("bold bright_yellow"),
+    updated=Style.parse("bold bright_white on magenta"),
+    hole=Style.parse("cyan"),
+    goal=Style.parse("bold black on green"),
+    wall=Style.parse("white on white"),
+    start=Style.parse("bold underline"),
+    optimum=Style.parse("default"),
+    greedy_line=Style.parse("bright_yellow"),
+    episodes=Style.parse("bright_cyan"),
+    band=Style.parse("cyan"),
+    good=Style.parse("bright_green"),
+    bad=Style.parse("bright_red"),
+    slider_done=Style.parse("bright_cyan"),
+    slider_rest=Style.parse("dim"),
+    slider_thumb=Style.parse("bold"),
+    focus=Style.parse("bold black on bright_yellow"),
+)
+
+LIGHT: Final = Palette(
+    name="16 light",
+    values=styles("black on white", "black on cyan", "bright_white on blue", "bright_white on black"),
+    signed=styles("bright_white on red", "red", "default", "blue", "bright_white on blue"),
+    unvisited=Style.parse("dim"),
+    text=Style.parse("default"),
+    dim=Style.parse("dim"),
+    strong=Style.parse("bold"),
+    accent=Style.parse("blue"),
+    agent=Style.parse("bold bright_white on red"),
+    greedy=Style.parse("bold red"),
+    updated=Style.parse("bold bright_white on magenta"),
+    hole=Style.parse("blue"),
+    goal=Style.parse("bold black on green"),
+    wall=Style.parse("black on black"),
+    start=Style.parse("bold underline"),
+    optimum=Style.parse("default"),
+    greedy_line=Style.parse("red"),
+    episodes=Style.parse("blue"),
+    band=Style.parse("cyan"),
+    good=Style.parse("bold blue"),
+    bad=Style.parse("bold red"),
+    slider_done=Style.parse("blue"),
+    slider_rest=Style.parse("dim"),
+    slider_thumb=Style.parse("bold"),
+    focus=Style.parse("bold black on bright_yellow"),
+)

@@ -1,0 +1,101 @@
+"""Palettes in the 240 fixed colours of xterm: what a terminal behind ssh has.
+
+The first 16 are left out, for every terminal draws them as it likes; so are the greys from 247 on, because
+the way through RGB and back does not lead to the same one.
+"""
+
+from __future__ import annotations
+
+from typing import Final
+
+from rich.style import Style
+
+from rl_tui.tui.theme.roles import Palette, styles
+
+DARK: Final = Palette(
+    name="256 dark",
+    values=styles(
+        "color(231) on color(17)",
+        "color(231) on color(24)",
+        "color(16) on color(30)",
+        "color(16) on color(72)",
+        "color(16) on color(114)",
+        "color(16) on color(186)",
+        "color(16) on color(227)",
+    ),
+    signed=styles(
+        "color(16) on color(215)",
+        "color(16) on color(172)",
+        "color(231) on color(94)",
+        "color(231) on color(236)",
+        "color(231) on color(25)",
+        "color(16) on color(74)",
+        "color(16) on color(117)",
+    ),
+    unvisited=Style.parse("color(244)"),
+    text=Style.parse("color(231)"),
+    dim=Style.parse("color(246)"),
+    strong=Style.parse("bold color(231)"),
+    accent=Style.parse("color(75)"),
+    agent=Style.parse("bold color(16) on color(231)"),
+    greedy=Style.parse("bold color(222)"),
+    updated=Style.parse("bold color(16) on color(231)"),
+    hole=Style.parse("color(103) on color(16)"),
+    goal=Style.parse("bold color(16) on color(214)"),
+    wall=Style.parse("color(240) on color(240)"),
+    start=Style.parse("bold underline"),
+    optimum=Style.parse("color(231)"),
+    greedy_line=Style.parse("color(215)"),
+    episodes=Style.parse("color(75)"),
+    band=Style.parse("color(24)"),
+    good=Style.parse("color(79)"),
+    bad=Style.parse("color(209)"),
+    slider_done=Style.parse("color(75)"),
+    slider_rest=Style.parse("color(241)"),
+    slider_thumb=Style.parse("bold color(231)"),
+    focus=Style.parse("bold color(16) on color(212)"),
+)
+
+LIGHT: Final = Palette(
+    name="256 light",
+    values=styles(
+        "color(16) on color(230)",
+        "color(16) on color(193)",
+        "color(16) on color(151)",
+        "color(16) on color(73)",
+        "color(16) on color(31)",
+        "color(231) on color(25)",
+        "color(231) on color(18)",
+    ),
+    signed=styles(
+        "color(231) on color(94)",
+        "color(16) on color(172)",
+        "color(16) on color(223)",
+        "color(16) on color(231)",
+        "color(16) on color(153)",
+        "color(16) on color(74)",
+        "color(231) on color(25)",
+    ),
+    unvisited=Style.parse("color(242)"),
+    text=Style.parse("color(16)"),
+    dim=Style.parse("color(241)"),
+    strong=Style.parse("bold color(16)"),
+    accent=Style.parse("color(25)"),
+    agent=Style.parse("bold color(231) on color(16)"),
+    greedy=Style.parse("bold color(88)"),
+    updated=Style.parse("bold color(231) on color(16)"),
+    hole=Style.parse("color(24) on color(189)"),
+    goal=Style.parse("bold color(16) on color(214)"),
+    wall=Style.parse("color(246) on color(246)"),
+    start=Style.parse("bold underline"),
+    optimum=Style.parse("color(16)"),
+    greedy_line=Style.parse("color(130)"),
+    episodes=Style.parse("color(25)"),
+    band=Style.parse("color(153)"),
+    good=Style.parse("color(23)"),
+    bad=Style.parse("color(124)"),
+    slider_done=Style.parse("color(25)"),
+    slider_rest=Style.parse("color(246)"),
+    slider_thumb=Style.parse("bold color(16)"),
+    focus=Style.parse("bold color(231) on color(125)"),
+)

@@ -1,0 +1,173 @@
+"""The two sets of characters the screens are drawn with."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+
+@dataclass(frozen=True, slots=True)
+class Glyphs:
+    """Every special character that a widget may draw. Each is one column wide unless said otherwise."""
+
+    name: str
+    left: str
+    down: str
+    right: str
+    up: str
+    agent: str
+    hole: str
+    goal: str
+    wall: str
+    mark_left: str  # frames the greedy cell of a table
+    mark_right: str
+    lit_left: str  # frames the cell that was just updated, when it is greedy too
+    lit_right: str
+    cursor: str
+    track_done: str  # slider
+    track_rest: str
+    thumb: str
+    running: str  # status
+    paused: str
+    stopped: str
+    bar: str
+    axis_vertical: str
+    axis_horizontal: str
+    axis_corner: str
+    axis_tick: str
+    level: str  # the horizontal line of an optimum
+    whisker: str  # error bars
+    estimate: str
+    zero_line: str
+    thin: str  # graph edges: horizontal, vertical, then the four corners of rounded boxes
+    thin_vertical: str
+    bold: str
+    bold_vertical: str
+    round_corners: str  # ╭╮╰╯
+    double_box: str  # ═║╔╗╚╝
+    head_left: str
+    head_right: str
+    head_up: str
+    head_down: str
+    ellipsis: str
+    delta: str
+    alpha: str
+    gamma: str
+    epsilon: str
+    arrow_update: str  # ← of an assignment
+    times: str
+    minus: str
+    prime: str
+    braille: bool  # curves in braille dots; otherwise in . : ' and *
+
+    def direction(self, step: tuple[int, int]) -> str:
+        """Return the arrow for a step (rows down, columns right) along one axis."""
+        rows, columns = step
+        if rows:
+            return self.down if rows > 0 else self.up
+        return self.right if columns > 0 else self.left
+
+
+UNICODE: Final = Glyphs(
+    name="unicode",
+    left="←",
+    down="↓",
+    right="→",
+    up="↑",
+    agent="◉",
+    hole="●",
+    goal="★",
+    wall="█",
+    mark_left="▌",
+    mark_right="▐",
+    lit_left="▐",
+    lit_right="▌",
+    cursor="▸",
+    track_done="━",
+    track_rest="─",
+    thumb="●",
+    running="▶",
+    paused="❚❚",
+    stopped="■",
+    bar="█",
+    axis_vertical="│",
+    axis_horizontal="─",
+    axis_corner="└",
+    axis_tick="┤",
+    level="┈",
+    whisker="─",
+    estimate="●",
+    zero_line="┊",
+    thin="─",
+    thin_vertical="│",
+    bold="━",
+    bold_vertical="┃",
+    round_corners="╭╮╰╯",
+    double_box="═║╔╗╚╝",
+    head_left="◀",
+    head_right="▶",
+    head_up="▲",
+    head_down="▼",
+    ellipsis="…",
+    delta="δ",
+    alpha="α",
+    gamma="γ",
+    epsilon="ε",
+    arrow_update="←",
+    times="·",
+    minus="−",
+    prime="′",
+    braille=True,
+)
+
+ASCII: Final = Glyphs(
+    name="ascii",
+    left="<",
+    down="v",
+    right=">",
+    up="^",
+    agent="@",
+    hole="O",
+    goal="*",
+    wall="#",
+    mark_left="[",
+    mark_right="]",
+    lit_left="{",
+    lit_right="}",
+    cursor=">",
+    track_done="=",
+    track_rest="-",
+    thumb="o",
+    running=">",
+    paused="||",
+    stopped="#",
+    bar="#",
+    axis_vertical="|",
+    axis_horizontal="-",
+    axis_corner="+",
+    axis_tick="+",
+    level=".",
+    whisker="-",
+    estimate="o",
+    zero_line=":",
+    thin="-",
+    thin_vertical="|",
+    bold="=",
+    bold_vertical="H",
+    round_corners="++++",
+    double_box="=|++++",
+    head_left="<",
+    head_right=">",
+    head_up="^",
+    head_down="v",
+    ellipsis="~",
+    delta="delta",
+    alpha="alpha",
+    gamma="gamma",
+    epsilon="eps",
+    arrow_update="<-",
+    times="*",
+    minus="-",
+    prime="'",
+    braille=False,
+)

@@ -1,0 +1,67 @@
+"""What every palette has to say: a style for each role, and the ramps of the heat maps."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from rich.style import Style
+
+
+@dataclass(frozen=True, slots=True)
+class Palette:
+    """The styles of one colour depth on a dark or a light ground. None of them is empty.
+
+    ``values`` goes from low to high, ``signed`` (of odd length) from negative through 0 to positive; both
+    have a ground and a readable foreground where the depth has colours for it. ``unvisited`` is for estimates
+    that were never updated, which must not look like a zero. ``agent`` and ``updated`` bring their own
+    ground, so that they may be laid over any cell; the other roles are foregrounds for the ground of the
+    panel.
+    """
+
+    name: str
+    values: tuple[Style, ...]
+    signed: tuple[Style, ...]
+    unvisited: Style
+    text: Style
+    dim: Style
+    strong: Style
+    accent: Style
+    agent: Style
+    greedy: Style
+    updated: Style
+    hole: Style
+    goal: Style
+    wall: Style
+    start: Style
+    optimum: Style
+    greedy_line: Style
+    episodes: Style
+    band: Style
+    good: Style
+    bad: Style
+    slider_done: Style
+    slider_rest: Style
+    slider_thumb: Style
+    focus: Style
+
+    def value(self, fraction: float) -> Style:
+        """Return the style at ``fraction`` (0 to 1, clamped; NaN as 0) of the way from low to high."""
+        return _at(self.values, fraction)
+
+    def signed_value(self, fraction: float) -> Style:
+        """Return the style at ``fraction`` (−1 to 1, clamped; NaN as 0) of the largest magnitude."""
+        return _at(self.signed, 0.5 if math.isnan(fraction) else (fraction + 1.0) / 2.0)
+
+
+def styles(*texts: str) -> tuple[Style, ...]:
+    """Return the styles written as ``foreground on background``."""
+    return tuple(Style.parse(text) for text in texts)
+
+
+def _at(ramp: Sequence[Style], fraction: float) -> Style:
+    last = len(ramp) - 1
+    if not fraction > 0.0:
+        return ramp[0]
+    return ramp[min(last, round(fraction * last))] if fraction < 1.0 else ramp[last]

@@ -1,0 +1,59 @@
+"""The Bellman optimality equation of one pair in numbers (Sutton & Barto, 2nd ed., equation 3.20)."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from rl_tui.agents.solution import Solution
+from rl_tui.lab.snapshot import Snapshot
+from rl_tui.tui import numbers
+from rl_tui.tui.theme.look import Look
+from rl_tui.tui.widgets import names
+from rl_tui.tui.widgets.pieces import KEPT_BLANK as K
+from rl_tui.tui.widgets.pieces import Line, Piece, wrapped
+from rl_tui.tui.widgets.update_text import setting
+from rl_tui.worlds.world import World
+
+_DECIMALS: Final = 4
+_EQUALS: Final = "   = "
+_CONTINUED: Final = "     "
+SECRET: Final = "hidden until h or the end of the budget"
+
+
+def bellman_lines(snapshot: Snapshot, pair: int, look: Look, width: int, *, secret: bool) -> list[Line]:
+    """Return Q*(s,a) = Σ p [r + γ max Q*(s′,·)] in symbols and in numbers, or why there are none."""
+    palette = look.palette
+    name = names.pair_name(snapshot.world, pair, look.glyphs)
+    total = "sum of" if look.glyphs.name == "ascii" else "Σ"
+    symbols = f"Q*({name}) = {total} p · [r{K}+{K}γ{K}·{K}max{K}Q*(s′,·)]"
+    lines: list[Line] = [*wrapped(symbols, width, palette.strong, look, " ", _CONTINUED)]
+    if secret:
+        return [*lines, *wrapped(SECRET, width, palette.dim, look, f"{_EQUALS}··· ", _CONTINUED)]
+    if snapshot.exact is None:
+        why = snapshot.exact_refused or "the exact answer is being computed"
+        return [*lines, *wrapped(why, width, palette.dim, look, _CONTINUED, _CONTINUED)]
+    text = " + ".join(_terms(snapshot.world, snapshot.exact, pair, look))
+    result = numbers.fixed(float(snapshot.exact.q[pair]), _DECIMALS, look.glyphs, leading_zero=False)
+    return [
+        *lines,
+        *wrapped(text, width, palette.text, look, _EQUALS, _CONTINUED),
+        [Piece(_EQUALS, palette.text), Piece(result, palette.strong)],
+    ]
+
+
+def _terms(world: World, exact: Solution, pair: int, look: Look) -> list[str]:
+    """Return ``1/3·[0 + .99·.5420]`` for each outcome."""
+    mdp, glyphs = world.mdp, look.glyphs
+    terms = []
+    for outcome in mdp.outcomes_of(pair):
+        reward = numbers.brief(float(mdp.reward[outcome]), glyphs, decimals=_DECIMALS)
+        worth = reward
+        if not mdp.terminated[outcome]:
+            value = numbers.fixed(
+                float(exact.v[mdp.next_state[outcome]]), _DECIMALS, glyphs, leading_zero=False
+            )
+            value = f"({value})" if value.startswith(glyphs.minus) else value
+            worth = f"{reward} + {setting(exact.gamma, glyphs)}{glyphs.times}{value}"
+        chance = names.chance(float(mdp.probability[outcome]), glyphs)
+        terms.append(f"{chance}{glyphs.times}[{worth}]".replace(" ", K))
+    return terms

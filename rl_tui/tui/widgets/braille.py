@@ -1,0 +1,107 @@
+"""Curves as dots: numpy min/max decimation, then eight dots to a braille character."""
+
+from __future__ import annotations
+
+from typing import Final, NamedTuple
+
+import numpy as np
+
+from rl_tui.worlds.mdp import BoolArray, FloatArray, IntArray
+
+DOTS_ACROSS: Final = 2
+DOTS_DOWN: Final = 4
+BLANK: Final = 0x2800
+# The bit of each dot in the Unicode block "Braille Patterns", [row in the cell][column in the cell]
+_BITS: Final = np.array([[0x01, 0x08], [0x02, 0x10], [0x04, 0x20], [0x40, 0x80]], dtype=np.uint8)
+
+
+class Steps(NamedTuple):
+    """A function that is constant on each of [N] intervals ``start`` .. ``end``, which follow one another.
+
+    ``low`` and ``high`` are its smallest and largest value there, the same for a single line. NaN is a gap.
+    """
+
+    start: FloatArray
+    end: FloatArray
+    low: FloatArray
+    high: FloatArray
+
+
+class Span(NamedTuple):
+    """The dots from row ``top`` down to ``bottom`` of each dot column, [C]; none if top > bottom."""
+
+    top: IntArray
+    bottom: IntArray
+
+
+def decimated(steps: Steps, right: float, columns: int) -> tuple[FloatArray, FloatArray]:
+    """Return the smallest and largest value in each of ``columns`` equal parts of 0 .. ``right``, [C] each.
+
+    A part that no interval touches gets +∞ and −∞.
+    """
+    low, high = np.full(columns, np.inf), np.full(columns, -np.inf)
+    if not len(steps.start):
+        return low, high
+    edges = np.linspace(0.0, right, columns + 1)
+    first = np.searchsorted(steps.end, edges[:-1], side="left")
+    behind = np.searchsorted(steps.start, edges[1:], side="left")
+    touched = np.flatnonzero(first < behind)
+    if len(touched):
+        # reduceat takes pairs (first, behind); what lies between two pairs is reduced too and thrown away
+        bounds = np.column_stack((first[touched], behind[touched])).ravel()
+        low[touched] = np.minimum.reduceat(_padded(steps.low, np.inf), bounds)[::2]
+        high[touched] = np.maximum.reduceat(_padded(steps.high, -np.inf), bounds)[::2]
+    return low, high
+
+
+def _padded(values: FloatArray, filling: float) -> FloatArray:
+    return np.append(np.where(np.isnan(values), filling, values), filling)
+
+
+def span(low: FloatArray, high: FloatArray, bottom: float, top: float, dots: int) -> Span:
+    """Return which of ``dots`` rows, row 0 at ``top`` and the last at ``bottom``, the values take."""
+    scale = (dots - 1) / (top - bottom)
+    empty = low > high
+    with np.errstate(invalid="ignore"):
+        upper = np.rint((top - np.where(empty, bottom, high)) * scale).astype(np.int64)
+        lower = np.rint((top - np.where(empty, bottom, low)) * scale).astype(np.int64)
+    upper, lower = np.clip(upper, -1, dots), np.clip(lower, -1, dots)
+    upper[empty], lower[empty] = dots, -1
+    return Span(upper, lower)
+
+
+def joined(line: Span) -> Span:
+    """Return ``line`` with every column reaching up or down to the one before it."""
+    top, bottom = line.top.copy(), line.bottom.copy()
+    both = (line.top[1:] <= line.bottom[1:]) & (line.top[:-1] <= line.bottom[:-1])
+    falls = both & (line.top[1:] > line.bottom[:-1] + 1)
+    rises = both & (line.bottom[1:] < line.top[:-1] - 1)
+    top[1:][falls] = line.bottom[:-1][falls] + 1
+    bottom[1:][rises] = line.top[:-1][rises] - 1
+    return Span(top, bottom)
+
+
+def dots_of(line: Span, dots: int) -> BoolArray:
+    """Return the dots of ``line``, [dots, columns]."""
+    rows = np.arange(dots)[:, None]
+    return np.asarray((rows >= line.top) & (rows <= line.bottom))
+
+
+def stipple(dots: BoolArray) -> BoolArray:
+    """Return every eighth of ``dots``, staggered: a shade that no line is mistaken for."""
+    shade = np.zeros_like(dots)
+    for first in (0, 2):
+        shade[first::4, first::4] = dots[first::4, first::4]
+    return shade
+
+
+def braille_codes(dots: BoolArray) -> IntArray:
+    """Return the code points of the characters that show ``dots``, BLANK where there are none.
+
+    The sides of ``dots`` are multiples of 4 and 2.
+    """
+    codes = np.zeros((dots.shape[0] // DOTS_DOWN, dots.shape[1] // DOTS_ACROSS), dtype=np.uint8)
+    for row in range(DOTS_DOWN):
+        for column in range(DOTS_ACROSS):
+            codes |= dots[row::DOTS_DOWN, column::DOTS_ACROSS] * _BITS[row, column]
+    return codes + np.int64(BLANK)

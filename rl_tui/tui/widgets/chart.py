@@ -1,0 +1,259 @@
+"""The return curve as character cells: axes, lines in dots, and the names of the lines where they end."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Final, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+from rich.cells import cell_len
+from rich.style import Style
+from textual.strip import Strip
+
+from rl_tui.tui.canvas import Canvas, shortened
+from rl_tui.tui.theme.look import Look
+from rl_tui.tui.widgets import braille
+from rl_tui.tui.widgets.braille import Steps
+from rl_tui.tui.widgets.curve_data import CurveData
+from rl_tui.tui.widgets.curve_text import Label, barren_words, empty_words, label_columns, labels
+from rl_tui.tui.widgets.pieces import wrapped
+from rl_tui.tui.widgets.scale import Scale, round_range, tick_label, tick_step
+
+LEAST_WIDTH: Final = 14
+LEAST_HEIGHT: Final = 3
+_TICK_COLUMNS: Final = 11  # a labelled episode number at most every so many columns
+_UNIT_ROOM: Final = 40
+_NOTHING, _LEVEL, _BAND, _EPISODES, _GREEDY = range(5)  # what a cell shows; the more important is greater
+
+
+class _Plot(NamedTuple):
+    """Where the curves are: from column ``left``, ``columns`` × ``rows`` cells, episodes 0 .. ``right``."""
+
+    left: int
+    columns: int
+    rows: int
+    right: float
+    scale: Scale
+
+    @property
+    def top(self) -> float:
+        """The value of the uppermost dot.
+
+        The highest label has the lowest dots of its row: a line somewhat below it then has a row of its own.
+        """
+        above = braille.DOTS_DOWN - 1
+        per_dot = (self.scale.high - self.scale.low) / (self.rows * braille.DOTS_DOWN - 1 - above)
+        return self.scale.high + above * per_dot
+
+    def column(self, episode: float) -> int:
+        """Return the column, from 0, of an episode."""
+        return int(episode / self.right * self.columns)
+
+    def row(self, value: float) -> int:
+        """Return the row of ``value``, placed as dots are, so that labels stand beside their lines."""
+        last = self.rows * braille.DOTS_DOWN - 1
+        dot = round((self.top - value) / (self.top - self.scale.low) * last)
+        return min(max(dot, 0), last) // braille.DOTS_DOWN
+
+    def span(self, line: Steps, columns: int, rows: int) -> braille.Span:
+        """Return the dots of ``line`` where there are columns × rows of them."""
+        low, high = braille.decimated(line, self.right, columns)
+        return braille.span(low, high, self.scale.low, self.top, rows)
+
+
+def draw_chart(
+    data: CurveData, scale: Scale, look: Look, decimals: int, width: int, height: int
+) -> list[Strip]:
+    """Return ``height`` strips of ``width`` cells, with numbers of so many decimals beside the lines."""
+    canvas = Canvas(width, height, look.palette.text)
+    if width < LEAST_WIDTH or height < LEAST_HEIGHT:
+        return _figures_only(canvas, labels(data, look, decimals, width), look)
+    ticks = [tick_label(each, scale.step, look.glyphs) for each in scale.ticks]
+    left = max(3, *(len(tick) for tick in ticks)) + 1
+    columns = width - left
+    reserved = min(label_columns(data, look, columns), columns - 2)
+    right = round_range(data.finished, (columns - reserved) / columns, data.limit)
+    plot = _Plot(left, columns, height - 1, right, scale)
+    _draw_value_axis(canvas, plot, ticks, look)
+    _draw_episode_axis(canvas, plot, data, look)
+    _draw_lines(canvas, plot, data, look)
+    _draw_names(canvas, plot, data, labels(data, look, decimals, columns), look)
+    return canvas.strips()
+
+
+def _figures_only(canvas: Canvas, names: Sequence[Label], look: Look) -> list[Strip]:
+    for y, label in enumerate(names[: canvas.height]):
+        canvas.put(0, y, shortened(label.text, canvas.width, look.glyphs.ellipsis), label.style)
+    return canvas.strips()
+
+
+def _draw_value_axis(canvas: Canvas, plot: _Plot, ticks: Sequence[str], look: Look) -> None:
+    glyphs, style = look.glyphs, look.palette.dim
+    axis = plot.left - 1
+    for row in range(plot.rows):
+        canvas.put(axis, row, glyphs.axis_vertical, style)
+    for value, text in zip(plot.scale.ticks, ticks, strict=True):
+        row = plot.row(value)
+        canvas.put(axis - len(text), row, text, style)
+        canvas.put(axis, row, glyphs.axis_tick, style)
+
+
+def _draw_episode_axis(canvas: Canvas, plot: _Plot, data: CurveData, look: Look) -> None:
+    """Draw the axis with its labels, none beyond the last episode there can be."""
+    glyphs, style = look.glyphs, look.palette.dim
+    canvas.put(plot.left - 1, plot.rows, glyphs.axis_corner + glyphs.axis_horizontal * plot.columns, style)
+    name = " pull" if data.is_bandit else " episode" if plot.columns >= _UNIT_ROOM else " ep"
+    canvas.put(plot.left + plot.columns - len(name), plot.rows, name, style)
+    last = plot.right if data.limit is None else min(plot.right, data.limit)
+    step = tick_step(last, plot.column(last) // _TICK_COLUMNS)
+    free, end = 0, plot.columns - len(name) - 1
+    for number in range(int(last / step) + 1):
+        text = tick_label(number * step, step, glyphs)
+        start = max(0, plot.column(number * step) - len(text) // 2)
+        if start >= free and start + len(text) <= end:
+            canvas.put(plot.left + start, plot.rows, text, style)
+            free = start + len(text) + 2
+
+
+def _draw_lines(canvas: Canvas, plot: _Plot, data: CurveData, look: Look) -> None:
+    """Put every line into the plot; where they share a cell the more important shows."""
+    codes = _braille(plot, data) if look.glyphs.braille else _ascii(plot, data)
+    shown, kind = np.zeros_like(codes.greedy), np.full(codes.greedy.shape, _NOTHING)
+    blank = braille.BLANK if look.glyphs.braille else 0
+
+    def lay(over: npt.NDArray[np.int64], what: int, where: npt.NDArray[np.bool_]) -> None:
+        there = (over > blank) & where
+        shown[there], kind[there] = over[there], what
+
+    everywhere = np.ones(kind.shape, dtype=bool)
+    lay(codes.band, _BAND, everywhere)
+    if data.optimum is not None and data.finished:
+        every = 1 if look.glyphs.braille else 2
+        level = plot.row(data.optimum), slice(0, plot.column(data.finished) + 1, every)
+        shown[level], kind[level] = ord(look.glyphs.level), _LEVEL
+    lay(codes.episodes, _EPISODES, everywhere)
+    lay(codes.greedy, _GREEDY, ~codes.yielded)
+    _put_cells(canvas, plot, kind, shown, look)
+
+
+class _Codes(NamedTuple):
+    """The characters of each line, [rows, columns], and where the greedy one gives way."""
+
+    band: npt.NDArray[np.int64]
+    episodes: npt.NDArray[np.int64]
+    greedy: npt.NDArray[np.int64]
+    yielded: npt.NDArray[np.bool_]
+
+
+def _braille(plot: _Plot, data: CurveData) -> _Codes:
+    columns, rows = plot.columns * braille.DOTS_ACROSS, plot.rows * braille.DOTS_DOWN
+    band = braille.stipple(braille.dots_of(plot.span(data.band, columns, rows), rows))
+    episodes, greedy = (
+        braille.braille_codes(braille.dots_of(braille.joined(plot.span(line, columns, rows)), rows))
+        for line in (data.episodes, data.greedy)
+    )
+    yielded = taking_turns(greedy - braille.BLANK, episodes - braille.BLANK)
+    return _Codes(braille.braille_codes(band), episodes, greedy, yielded)
+
+
+def _ascii(plot: _Plot, data: CurveData) -> _Codes:
+    """Return ``'`` ``.`` ``:`` for the upper and lower half of the cells of a line, ``*`` for the greedy one.
+
+    The band is left out: without colour it could not be told from a line.
+    """
+    rows = plot.rows * 2
+    episodes, greedy = (
+        dots[::2] + 2 * dots[1::2]
+        for dots in (
+            braille.dots_of(braille.joined(plot.span(line, plot.columns, rows)), rows).astype(np.int64)
+            for line in (data.episodes, data.greedy)
+        )
+    )
+    codes = np.array([0, ord("'"), ord("."), ord(":")])[episodes]
+    stars = np.where(greedy > 0, ord("*"), 0)
+    return _Codes(np.zeros_like(codes), codes, stars, taking_turns(greedy, episodes))
+
+
+def taking_turns(first: npt.NDArray[np.int64], second: npt.NDArray[np.int64]) -> npt.NDArray[np.bool_]:
+    """Return the cells, [rows, columns], in which the first line gives way to the second.
+
+    Both are bits, one a dot. Where the lines run side by side through one row of cells, but not on the same
+    dots, every other cell shows the second.
+    """
+    shared = (first > 0) & (second & ~first > 0)
+    beside = shared.copy()
+    beside[:, 1:] &= shared[:, :-1]
+    beside[:, ::2] = False
+    return beside
+
+
+def _put_cells(
+    canvas: Canvas, plot: _Plot, kind: npt.NDArray[np.int64], codes: npt.NDArray[np.int64], look: Look
+) -> None:
+    palette = look.palette
+    styles: dict[int, Style] = {
+        _LEVEL: palette.optimum,
+        _BAND: palette.band,
+        _EPISODES: palette.episodes,
+        _GREEDY: palette.greedy_line,
+    }
+    for row in range(plot.rows):
+        kinds = kind[row]
+        ends = np.append(np.flatnonzero(np.diff(kinds)) + 1, plot.columns)
+        start = 0
+        for end in ends.tolist():
+            style = styles.get(int(kinds[start]))
+            if style is not None:
+                text = "".join(map(chr, codes[row, start:end].tolist()))
+                canvas.put(plot.left + start, row, text, style)
+            start = end
+
+
+def _draw_names(canvas: Canvas, plot: _Plot, data: CurveData, names: Sequence[Label], look: Look) -> None:
+    """Write the names of the lines beside their ends, and what is to be said where there is no line."""
+    if not data.finished:
+        _put_message(canvas, plot, empty_words(is_bandit=data.is_bandit), look, set())
+        return
+    placed = sorted(enumerate(names[: plot.rows]), key=lambda each: (-each[1].value, -each[0]))
+    names = [label for _, label in placed]  # of equals the optimum, which comes last, is above
+    rows = apart([plot.row(label.value) for label in names], plot.rows)
+    x = plot.left + plot.column(data.finished) + 2
+    for label, row in zip(names, rows, strict=True):
+        if x + cell_len(label.text) <= canvas.width:
+            canvas.put(x, row, label.text, label.style)
+    if data.barren:
+        _put_message(canvas, plot, barren_words(data), look, {*rows, plot.rows - 1})
+
+
+def _put_message(canvas: Canvas, plot: _Plot, words: Sequence[str], look: Look, taken: set[int]) -> None:
+    """Write ``words`` into rows that are not ``taken``: on one line if they fit, else on a line each."""
+    room = plot.columns - 2
+    whole = " ".join(words)
+    parts = (whole,) if len(whole) <= room else words
+    lines = [line for part in parts for line in wrapped(part, room, look.palette.text, look)]
+    middle = (plot.rows - len(lines)) / 2
+    free = [
+        row
+        for row in range(max(0, plot.rows - len(lines)) + 1)
+        if not taken.intersection(range(row, row + len(lines)))
+    ]
+    if not free:
+        return
+    first = min(free, key=lambda row: abs(row - middle))
+    for row, line in enumerate(lines[: plot.rows], first):
+        for piece in line:
+            x = plot.left + max(1, (plot.columns - cell_len(piece.text)) // 2)
+            canvas.put(x, row, piece.text, piece.style)
+
+
+def apart(wanted: Sequence[int], rows: int) -> list[int]:
+    """Return a row of its own for each of ``wanted`` (ascending, at most ``rows``), as near as they go."""
+    placed: list[int] = []
+    for row in wanted:
+        placed.append(max(row, placed[-1] + 1) if placed else max(row, 0))
+    limit = rows - 1
+    for index in reversed(range(len(placed))):
+        placed[index] = min(placed[index], limit)
+        limit = placed[index] - 1
+    return placed

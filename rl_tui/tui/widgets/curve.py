@@ -1,0 +1,54 @@
+"""Return per episode: what was earned, what the greedy policy is worth, and the best there is."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from textual.strip import Strip
+
+from rl_tui.lab.snapshot import Snapshot
+from rl_tui.tui.theme.look import Look
+from rl_tui.tui.widgets.chart import draw_chart
+from rl_tui.tui.widgets.curve_data import CurveData, curve_data
+from rl_tui.tui.widgets.curve_text import decimals_for, remark, title
+from rl_tui.tui.widgets.panel import Panel
+from rl_tui.tui.widgets.pieces import Piece, strips_of
+from rl_tui.tui.widgets.scale import Scale, settled
+
+WAITING: Final = "the world is being built"
+_ROOM_FOR_REMARK: Final = 10  # rows; with fewer the remark goes into the border
+
+
+class ReturnCurve(Panel):
+    """The curve of a run. Its vertical axis changes in steps only, and starts afresh with a new run."""
+
+    def __init__(self, look: Look, *, id: str | None = None, classes: str | None = None) -> None:  # noqa: A002
+        super().__init__(look, id=id, classes=classes)
+        self._scale: Scale | None = None
+
+    def show(self, snapshot: Snapshot) -> None:
+        """Draw ``snapshot``; one that stands earlier than the last one belongs to a new run."""
+        if self.snapshot is not None and snapshot.step < self.snapshot.step:
+            self._scale = None
+        super().show(snapshot)
+
+    def picture(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
+        """Return the picture of the curve of ``snapshot``."""
+        if snapshot is None:
+            self.heading = title(None, self.look.glyphs, 2, width)
+            return strips_of([[Piece(f" {WAITING}", self.look.palette.dim)]], width, height, self.look)
+        data = curve_data(snapshot, revealed=self.tells_all)
+        self._scale = settled(self._scale, *data.range)
+        decimals = decimals_for(self._scale.low, self._scale.high)
+        self.heading = title(data, self.look.glyphs, decimals, width)
+        said = self._remark(snapshot, data, decimals, width)
+        in_border = height < _ROOM_FOR_REMARK
+        self.footing = said if in_border else ""
+        if not said or in_border:
+            return draw_chart(data, self._scale, self.look, decimals, width, height)
+        line = [Piece(f"    {said}", self.look.palette.dim)]
+        chart = draw_chart(data, self._scale, self.look, decimals, width, height - 1)
+        return [*chart, *strips_of([line], width, 1, self.look)]
+
+    def _remark(self, snapshot: Snapshot, data: CurveData, decimals: int, width: int) -> str:
+        return self.fitting(remark(snapshot, data, self.look.glyphs, decimals), width)

@@ -1,0 +1,103 @@
+"""What the return curve shows of a snapshot, in numbers."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from rl_tui.lab.snapshot import Snapshot
+from rl_tui.tui.widgets.braille import Steps
+from rl_tui.worlds.drawing import Arms
+from rl_tui.worlds.mdp import FloatArray
+
+_SMOOTHED_SHARE: Final = 24  # a mean is taken over one in so many of the bins
+_MANY_WITHOUT_REWARD: Final = 10
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CurveData:
+    """The curves and the figures beside them.
+
+    ``episodes`` is the smoothed mean of the returns, ``band`` their lowest and highest, ``greedy`` the exact
+    expected return of the greedy policy, each over episodes from 0. ``greedy_now``, ``mean_now`` (of the
+    last 100 episodes) and ``optimum`` are the values to print, None where unknown or hidden. ``hidden`` tells
+    that greedy and optimum are kept secret, ``barren`` that there were many episodes and none had a reward.
+    """
+
+    finished: int
+    limit: int | None
+    episodes: Steps
+    band: Steps
+    greedy: Steps
+    greedy_now: float | None
+    mean_now: float | None
+    optimum: float | None
+    is_bandit: bool
+    hidden: bool
+    barren: bool
+
+    @property
+    def range(self) -> tuple[float, float]:
+        """The lowest and highest value that must be on the vertical axis; the band may stick out."""
+        values = [self.episodes.low, self.episodes.high, self.greedy.low]
+        values += [
+            np.array([each]) for each in (self.optimum, self.greedy_now, self.mean_now) if each is not None
+        ]
+        every = np.concatenate(values)
+        every = every[~np.isnan(every)]
+        return (float(every.min()), float(every.max())) if len(every) else (0.0, 0.0)
+
+
+def curve_data(snapshot: Snapshot, *, revealed: bool) -> CurveData:
+    """Return what there is to draw; of a bandit's greedy arm and optimum only if ``revealed``."""
+    is_bandit = isinstance(snapshot.world.drawing, Arms)
+    hidden = is_bandit and not revealed
+    curve = snapshot.curve
+    end = curve.episode.astype(np.float64)
+    start = np.concatenate(([0.0], end[:-1])) if len(end) else end
+    mean = smoothed(curve.return_mean)
+    nothing = Steps(np.empty(0), np.empty(0), np.empty(0), np.empty(0))
+    return CurveData(
+        finished=snapshot.episodes,
+        limit=snapshot.world.budget,
+        episodes=Steps(start, end, mean, mean),
+        band=Steps(start, end, curve.return_low, curve.return_high),
+        greedy=nothing if hidden else _greedy(snapshot),
+        greedy_now=None if hidden else snapshot.greedy_return,
+        mean_now=snapshot.return_last_100,
+        optimum=None if hidden or snapshot.exact is None else snapshot.exact.expected_return,
+        is_bandit=is_bandit,
+        hidden=hidden,
+        barren=_barren(snapshot),
+    )
+
+
+def smoothed(values: FloatArray) -> FloatArray:
+    """Return the mean of each of ``values`` and its neighbours, one in 24 of all, fewer at the ends."""
+    reach = len(values) // _SMOOTHED_SHARE // 2
+    if reach == 0:
+        return values
+    sums = np.concatenate(([0.0], np.cumsum(values)))
+    places = np.arange(len(values))
+    first, behind = np.maximum(places - reach, 0), np.minimum(places + reach + 1, len(values))
+    return np.asarray((sums[behind] - sums[first]) / (behind - first))
+
+
+def _greedy(snapshot: Snapshot) -> Steps:
+    """Return the marks, each held until the next, and the value of this very moment at the end."""
+    marks = snapshot.marks
+    now = np.nan if snapshot.greedy_return is None else snapshot.greedy_return
+    episode = np.concatenate((marks.episode.astype(np.float64), [float(snapshot.episodes)]))
+    value = np.concatenate((marks.expected_return, [now]))
+    end = np.concatenate((episode[1:], episode[-1:]))
+    return Steps(episode, end, value, value)
+
+
+def _barren(snapshot: Snapshot) -> bool:
+    """Tell whether there were many episodes without any reward, not just with rewards that cancel out."""
+    curve, rewards = snapshot.curve, snapshot.world.mdp.reward
+    one_sign = bool((rewards >= 0.0).all() or (rewards <= 0.0).all())
+    all_zero = not curve.return_low.any() and not curve.return_high.any()
+    return snapshot.episodes >= _MANY_WITHOUT_REWARD and one_sign and all_zero

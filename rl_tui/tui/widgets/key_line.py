@@ -1,0 +1,87 @@
+"""The bottom line: which keys do what, as many as fit."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from rich.segment import Segment
+from textual import events
+from textual.strip import Strip
+from textual.widget import Widget
+
+from rl_tui.tui.actions import Action, Place, actions_of
+from rl_tui.tui.theme.look import Look
+from rl_tui.tui.written import written
+
+_GAPS = (3, 2)
+
+
+def fitting(place: Place, width: int) -> tuple[tuple[Action, ...], int]:
+    """Return the actions whose hints fit into ``width`` columns, as the line shows them, and the gap between.
+
+    Entries are dropped whole, those of the highest rank first; the one of the lowest rank (help) stays in any
+    width and stands last. The gap is the wide one where that drops nothing more.
+    """
+    ranked = sorted((a for a in actions_of(place) if a.rank is not None), key=lambda a: a.rank or 0)
+    wide, narrow = (_as_many_as_fit(ranked, width, gap) for gap in _GAPS)
+    shown, gap = (wide, _GAPS[0]) if len(wide) == len(narrow) else (narrow, _GAPS[1])
+    last, *others = shown
+    return (*sorted(others, key=actions_of(place).index), last), gap
+
+
+def _as_many_as_fit(ranked: Sequence[Action], width: int, gap: int) -> tuple[Action, ...]:
+    shown: list[Action] = []
+    used = 1
+    for action in ranked:
+        used += _columns(action) + (gap if shown else 0)
+        if used > width and shown:
+            break
+        shown.append(action)
+    return tuple(shown)
+
+
+def _columns(action: Action) -> int:
+    keys, label = action.key_hint
+    return len(keys) + 1 + len(label)
+
+
+class KeyLine(Widget):
+    """Key hints of the screen it stands on; a click on one does it."""
+
+    def __init__(
+        self,
+        look: Look,
+        place: Place,
+        *,
+        id: str | None = None,  # noqa: A002
+        classes: str | None = None,
+    ) -> None:
+        super().__init__(id=id, classes=classes)
+        self.look = look
+        self._place = place
+
+    def render_line(self, y: int) -> Strip:
+        """Draw the line."""
+        palette, glyphs = self.look.palette, self.look.glyphs
+        shown, gap = fitting(self._place, self.size.width)
+        segments = [Segment(" ", palette.text)]
+        for number, action in enumerate(shown):
+            keys, label = action.key_hint
+            segments += [
+                Segment(" " * gap if number else "", palette.text),
+                Segment(written(keys, glyphs), palette.accent),
+                Segment(f" {label}", palette.text),
+            ]
+        strip = Strip(segments).adjust_cell_length(self.size.width, palette.text)
+        return strip.apply_style(self.rich_style)
+
+    async def on_click(self, event: events.Click) -> None:
+        """Do what the hint under the pointer says."""
+        shown, gap = fitting(self._place, self.size.width)
+        column = 1
+        for action in shown:
+            end = column + _columns(action)
+            if column <= event.x < end:
+                await self.screen.run_action(action.textual_action)
+                return
+            column = end + gap

@@ -1,0 +1,96 @@
+"""The values of a slider: its ends, its steps, the cells of its track, and what may be typed."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Final
+
+from rl_tui.agents.hyperparameters import SAMPLE_AVERAGE, Parameter, Range
+
+_SHORT_FORMS: Final = {"1/n": SAMPLE_AVERAGE}
+_NOISE: Final = 12  # decimals; what lies beyond is left over from adding steps
+
+
+@dataclass(frozen=True, slots=True)
+class Scale:
+    """A finite range, walked in steps of a hundredth; ``fine`` is a tenth of a step, ``coarse`` ten."""
+
+    range: Range
+
+    def __post_init__(self) -> None:
+        if not math.isfinite(self.span) or self.span <= 0.0:
+            raise ValueError(f"a slider needs a finite range, not {self.range}")
+
+    @property
+    def span(self) -> float:
+        """The width of the range."""
+        return self.range.high - self.range.low
+
+    @property
+    def step(self) -> float:
+        """What a key, or the wheel, moves."""
+        return self.span / 100.0
+
+    @property
+    def fine(self) -> float:
+        """The smallest movement."""
+        return self.span / 1000.0
+
+    @property
+    def coarse(self) -> float:
+        """The largest movement but that to an end."""
+        return self.span / 10.0
+
+    @property
+    def low(self) -> float:
+        """The lower end for keys and mouse: inside the range, a fine step above an end that is left out."""
+        return float(self.range.low + self.fine if self.range.open_low else self.range.low)
+
+    @property
+    def high(self) -> float:
+        """The upper end."""
+        return float(self.range.high)
+
+    def moved(self, value: float, by: float) -> float:
+        """Return ``value`` moved within the ends; one typed below the lower end is not raised to it."""
+        target = round(value + by, _NOISE)
+        if by < 0.0:
+            return max(target, min(value, self.low))
+        return min(target, self.high)
+
+    def cell_of(self, value: float, cells: int) -> int:
+        """Return the cell of the thumb on a track of ``cells``."""
+        return min(cells - 1, max(0, round((value - self.range.low) / self.span * (cells - 1))))
+
+    def at_cell(self, cell: int, cells: int) -> float:
+        """Return the roundest value of a cell, clamped to the track; its ends are those of the scale."""
+        if cell <= 0 or cells <= 1:
+            return self.low
+        if cell >= cells - 1:
+            return self.high
+        value = self.range.low + cell / (cells - 1) * self.span
+        for grain in (self.step, self.fine):
+            rounded = round(round(value / grain) * grain, _NOISE)
+            if self.cell_of(rounded, cells) == cell and rounded >= self.low:
+                return rounded
+        return value
+
+
+def parsed(text: str, parameter: Parameter) -> float | str:
+    """Return what ``text`` means: a number, or a word of ``parameter``, the start of one, or ``1/n``.
+
+    Raises ValueError where it is neither, or out of range.
+    """
+    text = text.strip().lower()
+    words = [word for word in parameter.words if text and word.startswith(text)]
+    words += [word for form, word in _SHORT_FORMS.items() if text == form and word in parameter.words]
+    if words:
+        return words[0]
+    try:
+        value = float(text.replace(",", "."))
+    except ValueError:
+        value = math.nan
+    if not parameter.accepts(value):
+        raise ValueError(f"{text or 'nothing'} is not {parameter.expected}")
+    return value

@@ -1,0 +1,133 @@
+"""A bandit: one bar an arm, the estimate with its standard error."""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+import numpy as np
+from textual.strip import Strip
+
+from rl_tui.agents.hyperparameters import SAMPLE_AVERAGE, StepSize
+from rl_tui.lab.snapshot import Snapshot
+from rl_tui.tui.theme.look import Look
+from rl_tui.tui.world_views.arms_drawing import Arm, draw_arms, names_width, rows_an_arm, true_mean_glyph
+from rl_tui.tui.world_views.arms_scale import NO_SCALE, Scale, bound_text, grown, shown_scale
+from rl_tui.tui.world_views.view import WorldView
+from rl_tui.worlds.drawing import Arms
+from rl_tui.worlds.mdp import FloatArray, TabularMDP
+from rl_tui.worlds.world import World
+
+HEADINGS: Final = ("Arms · estimate ± error", "Arms")  # the longest first
+
+
+class ArmsView(WorldView):
+    """The arms of a bandit, from top to bottom; more of them than rows scroll.
+
+    What the agent has not learned, the true means and the best arm, is drawn only while ``revealed``.
+    """
+
+    def __init__(
+        self,
+        world: World,
+        look: Look,
+        *,
+        id: str | None = None,  # noqa: A002
+        classes: str | None = None,
+    ) -> None:
+        if not isinstance(world.drawing, Arms):
+            raise TypeError("an ArmsView draws worlds whose drawing is Arms")
+        super().__init__(world, look, id=id, classes=classes)
+        self._noise = noise_of_pairs(world.mdp)
+        self._means = mean_rewards(world.mdp)
+        self._scale = NO_SCALE
+        self._step = 0
+        self._top = 0
+        self.heading = HEADINGS[0]
+
+    def show(self, snapshot: Snapshot) -> None:
+        """Draw ``snapshot``. The scale only ever widens, until a run starts again."""
+        if snapshot.step < self._step:
+            self._scale = NO_SCALE
+        self._step = snapshot.step
+        super().show(snapshot)
+
+    def drawing(self, snapshot: Snapshot, width: int, height: int) -> list[Strip]:
+        """Return the bars of the arms from the first in view on, and the axis where a row is left for it."""
+        arms = arms_of(self.world.mdp, snapshot, self._noise, self._means if self.revealed else None)
+        self._scale = grown(self._scale, [value for arm in arms for value in arm.extent()])
+        scale = shown_scale(self._scale)
+        each = rows_an_arm(len(arms), height)
+        shown = min(len(arms), max(1, height // each))
+        self._top = max(0, min(self._top, len(arms) - shown))
+        # where no row is left for the axis, its ends are named in the title
+        ends = [] if len(arms) * each < height else [f"{form}  {self._ends(scale)}" for form in HEADINGS]
+        self.heading = self.fitting([*ends, *HEADINGS], width)
+        hidden = len(arms) - shown
+        parts = [f"↑↓ {self._top + 1}–{self._top + shown} of {len(arms)}"] if hidden else []
+        if self.revealed:
+            parts.append(f"{true_mean_glyph(self.look)} true mean  ★ best arm")
+        self.footing = self.fitting(("  ".join(parts), *parts), width)
+        names = names_width(arms, self.look)
+        return draw_arms(arms[self._top : self._top + shown], scale, self.look, width, height, each, names)
+
+    def pan(self, rows: int, columns: int) -> None:
+        """Scroll by arms."""
+        self._top += rows
+
+    def follow(self) -> None:
+        """Go back to the first arm."""
+        self._top = 0
+
+    def _ends(self, scale: Scale) -> str:
+        low, high = (bound_text(end, self.look.glyphs) for end in scale)
+        return f"{low}…{'+' if scale.high > 0.0 else ''}{high}"
+
+
+def noise_of_pairs(mdp: TabularMDP) -> FloatArray:
+    """Return the standard deviation of the noise on each pair's rewards, [P], as the scenario states it."""
+    variance = np.bincount(mdp.outcome_pair, mdp.probability * mdp.reward_std**2, minlength=mdp.pairs)
+    return np.asarray(np.sqrt(variance))
+
+
+def mean_rewards(mdp: TabularMDP) -> FloatArray:
+    """Return the true mean q*(a) of each pair, [P]."""
+    return np.asarray(np.bincount(mdp.outcome_pair, mdp.probability * mdp.reward, minlength=mdp.pairs))
+
+
+def standard_error(noise: float, pulls: int, alpha: StepSize) -> float:
+    """Return the standard deviation that the noise of ``pulls`` (≥ 1) rewards leaves in an estimate.
+
+    ``noise`` is σ of one reward, which the scenario states openly. A sample average leaves σ/√N. A constant
+    step size weighs the rewards by α(1 − α)^(N−i) (equation 2.6), which leaves
+    σ·√(α/(2 − α)·(1 − (1 − α)^2N)); what Q₀ still weighs, (1 − α)^N, is bias and not counted here.
+    """
+    if alpha == SAMPLE_AVERAGE:
+        return noise / math.sqrt(pulls)
+    step_size = float(alpha)
+    return noise * math.sqrt(step_size / (2.0 - step_size) * (1.0 - (1.0 - step_size) ** (2 * pulls)))
+
+
+def arms_of(
+    mdp: TabularMDP, snapshot: Snapshot, noise: FloatArray, means: FloatArray | None
+) -> tuple[Arm, ...]:
+    """Return what is known about each arm; true means only where ``means`` are given."""
+    q, visits = snapshot.q.tolist(), snapshot.visits.tolist()
+    anything = any(visits)
+    best_estimate, last = max(q), snapshot.last.pair if snapshot.last is not None else None
+    best_mean = float(means.max()) if means is not None else None
+    return tuple(
+        Arm(
+            name=mdp.action_names[int(mdp.pair_action[pair])],
+            estimate=q[pair],
+            error=standard_error(float(noise[pair]), visits[pair], snapshot.hyperparameters.alpha)
+            if visits[pair]
+            else None,
+            pulls=visits[pair],
+            greedy=anything and q[pair] == best_estimate,
+            last=pair == last,
+            mean=float(means[pair]) if means is not None else None,
+            best=best_mean is not None and means is not None and float(means[pair]) == best_mean,
+        )
+        for pair in mdp.pairs_of(0)
+    )

@@ -1,0 +1,150 @@
+"""An MDP as a graph: states as boxes with V(s), actions as edges, the greedy ones bold."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from rich.style import Style
+from textual.strip import Strip
+
+from rl_tui.lab.snapshot import Snapshot
+from rl_tui.tui import numbers
+from rl_tui.tui.canvas import Canvas, centred, shortened
+from rl_tui.tui.theme.look import Look
+from rl_tui.tui.world_views.edge_list import draw_edge_list, edge_list_rows
+from rl_tui.tui.world_views.graph_layout import GraphLayout, graph_layout
+from rl_tui.tui.world_views.graph_shape import GraphShape, Node, graph_shape
+from rl_tui.tui.world_views.routing import Box
+from rl_tui.tui.world_views.state_values import StateValues, state_values
+from rl_tui.tui.world_views.strokes import BOLD, THIN, Arms, joint
+from rl_tui.tui.world_views.view import WorldView
+from rl_tui.worlds.drawing import Graph
+from rl_tui.worlds.world import World
+
+VALUE_WIDTH: Final = 6
+END: Final = "end"  # in place of the value of a terminal state
+
+
+class GraphView(WorldView):
+    """A graph, laid out once for each size. Where it does not fit, a list of its edges that scrolls."""
+
+    def __init__(
+        self,
+        world: World,
+        look: Look,
+        *,
+        id: str | None = None,  # noqa: A002
+        classes: str | None = None,
+    ) -> None:
+        if not isinstance(world.drawing, Graph):
+            raise TypeError("a GraphView draws worlds whose drawing is a Graph")
+        super().__init__(world, look, id=id, classes=classes)
+        self._graph = world.drawing
+        self._shape = graph_shape(world.mdp, self._graph, look.glyphs)
+        self._shape_glyphs = look.glyphs
+        self._top = 0
+        self.heading = "World · bold = greedy"
+
+    def drawing(self, snapshot: Snapshot, width: int, height: int) -> list[Strip]:
+        """Return the graph, or the list of its edges where it does not fit."""
+        if self._shape_glyphs is not self.look.glyphs:
+            self._shape = graph_shape(self.world.mdp, self._graph, self.look.glyphs)
+            self._shape_glyphs = self.look.glyphs
+        values = state_values(self.world.mdp, snapshot)
+        layout = graph_layout(self._shape, width, height)
+        if layout is not None:
+            self.footing = ""
+            return draw_graph(self._shape, layout, values, snapshot.state, self.look, width, height)
+        rows = edge_list_rows(self._shape)
+        self._top = max(0, min(self._top, rows - height))
+        self.footing = f"↑↓ {self._top + 1}–{self._top + height} of {rows}" if rows > height else ""
+        return draw_edge_list(self._shape, values, snapshot.state, self.look, width, height, self._top)
+
+    def pan(self, rows: int, columns: int) -> None:
+        """Scroll the list of edges."""
+        self._top += rows
+
+    def follow(self) -> None:
+        """Go back to the first edge."""
+        self._top = 0
+
+
+def draw_graph(
+    shape: GraphShape,
+    layout: GraphLayout,
+    values: StateValues,
+    agent: int,
+    look: Look,
+    width: int,
+    height: int,
+) -> list[Strip]:
+    """Return ``layout`` with the values, the greedy actions and the place of the agent stamped on it."""
+    canvas = Canvas(width, height, look.palette.text)
+    for state, (node, box) in enumerate(zip(shape.nodes, layout.boxes, strict=True)):
+        _draw_box(canvas, box, node, values, state, state == agent, look)
+    _draw_lines(canvas, layout, values, agent, look)
+    for fork in layout.forks:
+        canvas.put(fork.x, fork.y, look.glyphs.estimate, _edge_style(fork.pair in values.greedy, look))
+    heads = (look.glyphs.head_up, look.glyphs.head_right, look.glyphs.head_down, look.glyphs.head_left)
+    for head in layout.heads:
+        canvas.put(head.x, head.y, heads[head.direction], _edge_style(head.pair in values.greedy, look))
+    for label in layout.labels:
+        greedy = label.pair in values.greedy
+        canvas.put(label.x, label.y, label.text, look.palette.greedy if greedy else look.palette.text)
+    return canvas.strips()
+
+
+def _draw_box(
+    canvas: Canvas, box: Box, node: Node, values: StateValues, state: int, agent: bool, look: Look
+) -> None:
+    glyphs, palette = look.glyphs, look.palette
+    if node.terminal:
+        horizontal, vertical, *corners = tuple(glyphs.double_box)
+    else:
+        horizontal, vertical, *corners = glyphs.thin, glyphs.thin_vertical, *glyphs.round_corners
+    border = _border_style(agent, look)
+    inner, last = box.width - 2, box.y + box.height - 1
+    canvas.put(box.x, box.y, corners[0] + horizontal * inner + corners[1], border)
+    canvas.put(box.x, last, corners[2] + horizontal * inner + corners[3], border)
+    ground = values.style(state, look)
+    for y in range(box.y + 1, last):
+        canvas.put(box.x, y, vertical, border)
+        canvas.put(box.x + 1, y, " " * inner, ground)
+        canvas.put(box.x + box.width - 1, y, vertical, border)
+    first = box.y + 1 + (box.height - 4) // 2
+    name = shortened(node.name, inner - 1, glyphs.ellipsis)
+    start = max(1, (inner - len(name) + 1) // 2)
+    canvas.put(box.x + 1 + start, first, name, ground + Style(bold=True))
+    if agent:
+        canvas.put(box.x + 1 + start - (2 if start > 1 else 1), first, glyphs.agent, ground + palette.agent)
+    value = values.value[state]
+    text = END if value is None else numbers.value(value, VALUE_WIDTH, glyphs, decimals=2)
+    canvas.put(box.x + 1, first + 1, centred(text, inner), ground)
+
+
+def _border_style(agent: bool, look: Look) -> Style:
+    return look.palette.strong if agent else look.palette.text
+
+
+def _edge_style(greedy: bool, look: Look) -> Style:
+    return look.palette.greedy if greedy else look.palette.dim
+
+
+def _draw_lines(canvas: Canvas, layout: GraphLayout, values: StateValues, agent: int, look: Look) -> None:
+    """Draw all lines; where two meet or cross, their arms are joined, and a bold one gives the style."""
+    arms: dict[tuple[int, int], Arms] = {}
+    styles: dict[tuple[int, int], Style] = {}
+    for stroke in sorted(layout.strokes, key=lambda each: each.pair in values.greedy):
+        cell, greedy = (stroke.x, stroke.y), stroke.pair in values.greedy
+        mine = Arms(*((BOLD if greedy else THIN) * (side in stroke.arms) for side in range(4)))
+        arms[cell] = arms.get(cell, Arms()).joined(mine)
+        styles[cell] = _edge_style(greedy, look)
+    for state, box in enumerate(layout.boxes):
+        for cell in arms.keys() & set(box.cells()):
+            # a line begins in a border: the border runs through, in its own style
+            on_side = cell[0] in (box.x, box.x + box.width - 1)
+            border = Arms(up=THIN, down=THIN) if on_side else Arms(right=THIN, left=THIN)
+            arms[cell] = arms[cell].joined(border)
+            styles[cell] = _border_style(state == agent, look)
+    for (x, y), each in arms.items():
+        canvas.put(x, y, joint(each, look.glyphs), styles[x, y])

@@ -1,0 +1,60 @@
+"""V(s) and the greedy pairs of all states at one moment, for worlds small enough to show whole."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from rich.style import Style
+
+from rl_tui.lab.snapshot import Snapshot
+from rl_tui.tui.theme.look import Look
+from rl_tui.worlds.mdp import TabularMDP
+
+
+@dataclass(frozen=True, slots=True)
+class StateValues:
+    """``value[s]`` is max over a of Q(s, a), None where nothing can be done.
+
+    ``known`` holds the states about which something was learned: updated, or with estimates that differ;
+    ``greedy`` the greedy pairs of those states, all ties.
+    """
+
+    value: tuple[float | None, ...]
+    known: frozenset[int]
+    greedy: frozenset[int]
+
+    def style(self, state: int, look: Look) -> Style:
+        """Return the ground of a state, tinted from the least to the greatest value, 0 included."""
+        value = self.value[state]
+        if value is None:
+            return look.palette.text
+        if state not in self.known:
+            return look.palette.unvisited
+        shown = [each for each in self.value if each is not None and math.isfinite(each)]
+        low, high = min(0.0, *shown, 0.0), max(0.0, *shown, 0.0)
+        return look.palette.value(fraction(value, low, high))
+
+
+def fraction(value: float, low: float, high: float) -> float:
+    """Return where ``value`` lies between ``low`` (0) and ``high`` (1); 0 where that means nothing."""
+    span = high - low
+    return (value - low) / span if math.isfinite(value) and math.isfinite(span) and span > 0.0 else 0.0
+
+
+def state_values(mdp: TabularMDP, snapshot: Snapshot) -> StateValues:
+    """Return the values of ``snapshot``."""
+    values: list[float | None] = []
+    known, greedy = set(), set()
+    q, visits = snapshot.q.tolist(), snapshot.visits.tolist()
+    for state in range(mdp.states):
+        pairs = mdp.pairs_of(state)
+        if not pairs:
+            values.append(None)
+            continue
+        best = max(q[pairs.start : pairs.stop])
+        values.append(best)
+        if any(visits[pairs.start : pairs.stop]) or min(q[pairs.start : pairs.stop]) != best:
+            known.add(state)
+            greedy |= {pair for pair in pairs if q[pair] == best}
+    return StateValues(tuple(values), frozenset(known), frozenset(greedy))

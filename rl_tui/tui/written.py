@@ -1,0 +1,76 @@
+"""Texts for people in the characters that the terminal has."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from rl_tui.tui.theme.glyphs import Glyphs
+
+_SPELLED: Final = {
+    "α": "alpha",
+    "γ": "gamma",
+    "ε": "epsilon",
+    "δ": "delta",
+    "λ": "lambda",
+    "τ": "tau",
+    "π": "pi",
+    "σ": "sigma",
+    "μ": "mu",
+    "−": "-",
+    "–": "-",
+    "—": "-",
+    "…": "...",
+    "·": "*",
+    "×": "x",
+    "←": "<-",
+    "→": "->",
+    "↑": "^",
+    "↓": "v",
+    "′": "'",
+    "’": "'",
+    "‘": "'",
+    "“": '"',
+    "”": '"',
+    "₀": "0",
+    "⁰": "0",
+    "¹": "^1",
+    "²": "^2",
+    "³": "^3",
+    "⁵": "^5",
+    "Σ": "sum",
+    "≤": "<=",
+    "≥": ">=",
+    "≈": "~",
+    "±": "+/-",
+    "∞": "inf",
+    "⟨": "<",
+    "⟩": ">",
+    "★": "*",
+    "●": "O",
+    "◉": "@",
+    "▸": ">",
+    "█": "#",
+    "┈": ".",
+    "¼": "1/4",
+    "½": "1/2",
+    "¾": "3/4",
+    "⅓": "1/3",
+    "⅔": "2/3",
+    "é": "e",
+    "ö": "o",
+    "ü": "u",
+    "ä": "a",
+}
+
+
+def written(text: str, glyphs: Glyphs) -> str:
+    """Return ``text``, in ASCII where ``glyphs`` is the ASCII set; what has no spelling becomes ``?``."""
+    if glyphs.name != "ascii":
+        return text
+    spelled = "".join(_SPELLED.get(character, character) for character in text)
+    return spelled.encode("ascii", "replace").decode("ascii")
+
+
+def separated(text: str, glyphs: Glyphs) -> str:
+    """Return ``text`` like :func:`written`, where a dot between blanks separates parts: no product."""
+    return written(text.replace(" · ", " – "), glyphs) if glyphs.name == "ascii" else text

@@ -1,0 +1,405 @@
+"""Snapshots of small worlds made by hand, without gymnasium or numba."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, cast
+
+import numpy as np
+
+from rl_tui.agents.hyperparameters import Hyperparameters
+from rl_tui.agents.last_step import LastStep
+from rl_tui.agents.solution import Solution
+from rl_tui.lab.recipe import Recipe
+from rl_tui.lab.snapshot import BanditFigures, Curve, Marks, Phase, Snapshot
+from rl_tui.tui.theme.glyphs import ASCII, UNICODE
+from rl_tui.tui.theme.look import Look
+from rl_tui.tui.theme.palette import palette_for
+from rl_tui.worlds.drawing import Arms, CellKind, Graph, Grid
+from rl_tui.worlds.mdp import FloatArray, Outcome, TabularMDP, Transition, tabular_mdp
+from rl_tui.worlds.scenario import Scenario
+from rl_tui.worlds.world import World
+
+LEFT, DOWN, RIGHT, UP = range(4)
+DIRECTIONS = ((0, -1), (1, 0), (0, 1), (-1, 0))
+LAKE = ("SFFF", "FHFH", "FFFH", "HFFG")
+BIG_LAKE = (
+    "SFFFFFFF",
+    "FFFFFFFF",
+    "FFFHFFFF",
+    "FFFFFHFF",
+    "FFFHFFFF",
+    "FHHFFFHF",
+    "FHFFHFHF",
+    "FFFHFFFG",
+)
+KINDS = {"S": CellKind.START, "F": CellKind.FLOOR, "H": CellKind.HOLE, "G": CellKind.GOAL}
+
+
+def look(ascii: bool = False, depth: str = "truecolor", dark: bool = True) -> Look:  # noqa: A002
+    return Look(ASCII if ascii else UNICODE, palette_for(cast("Any", depth), dark))
+
+
+def lake_world(*, slippery: bool = True, rows: tuple[str, ...] = LAKE, time_limit: int = 100) -> World:
+    """FrozenLake with the map of ``rows``: a state a cell, row by row."""
+    height, width = len(rows), len(rows[0])
+    cells = "".join(rows)
+
+    def landing(state: int, action: int) -> int:
+        row, column = divmod(state, width)
+        down, right = DIRECTIONS[action]
+        return min(max(row + down, 0), height - 1) * width + min(max(column + right, 0), width - 1)
+
+    def outcome(state: int, action: int, probability: float) -> Outcome:
+        there = landing(state, action)
+        reward = 1.0 if cells[there] == "G" else 0.0
+        return Outcome(probability, there, reward, cells[there] in "GH", action=action)
+
+    transitions = []
+    for state, cell in enumerate(cells):
+        if cell in "GH":
+            continue
+        for action in range(4):
+            if slippery:
+                outcomes = [outcome(state, (action + turn) % 4, 1 / 3) for turn in (-1, 0, 1)]
+            else:
+                outcomes = [outcome(state, action, 1.0)]
+            transitions.append(Transition(state, action, outcomes))
+    mdp = tabular_mdp(
+        [str(state) for state in range(len(cells))],
+        ("left", "down", "right", "up"),
+        transitions,
+        {cells.index("S"): 1.0},
+        time_limit,
+    )
+    grid = Grid(height, width, tuple(KINDS[cell] for cell in cells), tuple(range(len(cells))), DIRECTIONS)
+    return World(mdp, grid)
+
+
+def student_world() -> World:
+    mdp = tabular_mdp(
+        ("Class", "Phone", "Pass", "Sleep"),
+        ("study", "check phone", "scroll", "quit", "sleep"),
+        (
+            Transition(0, 0, (Outcome(0.8, 2, -2.0, False), Outcome(0.2, 0, -2.0, False))),
+            Transition(0, 1, (Outcome(1.0, 1, 0.0, False),)),
+            Transition(1, 2, (Outcome(1.0, 1, -1.0, False),)),
+            Transition(1, 3, (Outcome(1.0, 0, 0.0, False),)),
+            Transition(2, 4, (Outcome(1.0, 3, 10.0, True),)),
+        ),
+        {0: 1.0},
+        time_limit=100,
+    )
+    return World(mdp, Graph(((0, 1), (0, 0), (1, 1), (2, 1))))
+
+
+TRUE_MEANS = (-0.4, 0.3, -0.6, 0.7, 0.0, 1.5, -0.1, 0.2, -1.2, 0.8)
+
+
+def bandit_world(means: tuple[float, ...] = TRUE_MEANS, budget: int = 1_000) -> World:
+    mdp = tabular_mdp(
+        ("bandit",),
+        [str(arm) for arm in range(len(means))],
+        [
+            Transition(0, arm, (Outcome(1.0, 0, mean, True, reward_std=1.0),))
+            for arm, mean in enumerate(means)
+        ],
+        {0: 1.0},
+        time_limit=1,
+    )
+    return World(mdp, Arms(), budget)
+
+
+def scenario(id: str, title: str, kind: str) -> Scenario:  # noqa: A002
+    """A scenario that is never built: the samples have their worlds already."""
+    return Scenario(
+        id=id,
+        title=title,
+        summary=f"{title}, a sample",
+        notes="Sample notes.",
+        order=0,
+        kind=kind,
+        defaults={},
+        source=Path(f"{id}.toml"),
+        section=cast("Any", None),
+    )
+
+
+def exact_solution(mdp: TabularMDP, gamma: float) -> Solution:
+    """Value iteration until nothing moves: slow and plain, for small worlds."""
+    q: FloatArray = np.zeros(mdp.pairs)
+    v: FloatArray = np.zeros(mdp.states)
+    outcome_pair = mdp.outcome_pair
+    sweeps = 0
+    moved = 1.0
+    while moved > 1e-13:
+        sweeps += 1
+        continuing = np.where(mdp.terminated, 0.0, v[mdp.next_state])
+        before = q
+        each = mdp.probability * (mdp.reward + gamma * continuing)
+        q = np.bincount(outcome_pair, each, minlength=mdp.pairs).astype(np.float64)
+        v = best_values(mdp, q)
+        moved = float(np.abs(q - before).max())
+    at_start = float(mdp.start_probability @ v[mdp.start_state])
+    greedy = q >= v[mdp.pair_state] - 1e-9
+    return Solution(gamma, v, q, greedy, at_start, at_start, at_start, sweeps)
+
+
+def best_values(mdp: TabularMDP, q: FloatArray) -> FloatArray:
+    """The best of the pairs of each state, 0 where it owns none."""
+    return np.array(
+        [max(q[mdp.first_pair[s] : mdp.first_pair[s + 1]], default=0.0) for s in range(mdp.states)]
+    )
+
+
+def learned_q(exact: Solution, share: float = 0.7) -> FloatArray:
+    """Q somewhat below the exact answer, a little different in every pair; the same at every call."""
+    wobble = 1.0 - 0.05 * np.abs(np.sin(np.arange(len(exact.q), dtype=np.float64)))
+    return np.asarray(exact.q * share * wobble)
+
+
+def snapshot(world: World, name: Scenario, hyperparameters: Hyperparameters, **changes: Any) -> Snapshot:
+    """A paused run of ``world`` before its first step, with ``changes`` to its fields."""
+    mdp = world.mdp
+    empty = np.array([], dtype=np.float64)
+    nothing = np.array([], dtype=np.int64)
+    fields: dict[str, Any] = {
+        "world": world,
+        "recipe": Recipe(name, "q-learning", hyperparameters, seed=0),
+        "algorithm": "q-learning",
+        "hyperparameters": hyperparameters,
+        "phase": Phase.PAUSED,
+        "message": "",
+        "speed": 10.0,
+        "steps_per_second": None,
+        "step": 0,
+        "episodes": 0,
+        "state": int(mdp.start_state[0]),
+        "episode_step": 0,
+        "episode_return": 0.0,
+        "q": np.zeros(mdp.pairs),
+        "visits": np.zeros(mdp.pairs, dtype=np.int64),
+        "last": None,
+        "curve": Curve(nothing, empty, empty, empty, empty),
+        "marks": Marks(nothing, nothing, empty),
+        "return_last_100": None,
+        "length_last_100": None,
+        "greedy_return": None,
+        "exact": None,
+        "exact_refused": "",
+        "bandit": None,
+    }
+    unknown = set(changes) - set(fields)
+    assert not unknown, f"a snapshot has no {unknown}"
+    return Snapshot(**(fields | changes))
+
+
+def curve(bins: int, low: float, high: float, width: int = 50) -> Curve:
+    """Returns that rise from ``low`` to ``high``, in ``bins`` bins of ``width`` episodes."""
+    rise = 1.0 - np.exp(-np.arange(bins) / max(1.0, bins / 4))
+    mean = low + (high - low) * rise
+    band = (high - low) * 0.15
+    episode = np.arange(1, bins + 1, dtype=np.int64) * width
+    return Curve(episode, mean, mean - band, mean + band, np.full(bins, 12.0))
+
+
+def marks(count: int, low: float, high: float, episodes: int) -> Marks:
+    """Greedy returns that rise from ``low`` to ``high``; the first is undefined."""
+    episode = np.linspace(0, episodes, count).astype(np.int64)
+    expected = low + (high - low) * (1.0 - np.exp(-np.arange(count) / max(1.0, count / 6)))
+    expected[:1] = np.nan
+    return Marks(episode * 12, episode, expected)
+
+
+def _lake(world: World, id: str, title: str, step: int, changes: dict[str, Any]) -> Snapshot:  # noqa: A002
+    mdp = world.mdp
+    hyperparameters = Hyperparameters(alpha=0.1, gamma=0.99, epsilon=0.1)
+    start = snapshot(world, scenario(id, title, "gymnasium"), hyperparameters)
+    if step == 0:
+        return replace(start, **changes)
+    exact = exact_solution(mdp, 0.99)
+    q = learned_q(exact)
+    visits = (np.arange(mdp.pairs) * 37 % 101 * step // (50 * mdp.pairs)).astype(np.int64)
+    visits[0] = 0
+    q[visits == 0] = 0.0
+    state = 6 if len(mdp.state_names) == 16 else 28
+    pair = int(mdp.first_pair[state])
+    visits[pair] = max(1, visits[pair])
+    outcome = mdp.outcomes_of(pair)[0]
+    next_state = int(mdp.next_state[outcome])
+    bootstrap = float(best_values(mdp, q)[next_state])
+    after = 0.9 * q[pair] + 0.1 * 0.99 * bootstrap
+    last = LastStep(
+        step=step,
+        episode=max(1, step // 12),
+        state=state,
+        pair=pair,
+        explored=False,
+        epsilon=0.1,
+        outcome=outcome,
+        reward=float(mdp.reward[outcome]),
+        next_state=next_state,
+        terminated=bool(mdp.terminated[outcome]),
+        truncated=False,
+        updated_pair=pair,
+        before=float(q[pair]),
+        step_size=0.1,
+        gamma=0.99,
+        bootstrap=bootstrap,
+        after=float(after),
+    )
+    q[pair] = after
+    shown: dict[str, Any] = {
+        "step": step,
+        "episodes": step // 12,
+        "state": state,
+        "episode_step": 5,
+        "q": q,
+        "visits": visits,
+        "last": last,
+        "curve": curve(40, 0.0, 0.4, max(1, step // 480)),
+        "marks": marks(30, 0.0, 0.73, step // 12),
+        "return_last_100": 0.41,
+        "length_last_100": 37.5,
+        "greedy_return": 0.73,
+        "exact": exact,
+    }
+    return replace(start, **(shown | changes))
+
+
+def lake(step: int = 150_000, *, slippery: bool = True, **changes: Any) -> Snapshot:
+    """The 4×4 lake, slippery or not: 11 live states × 4. Before its first step with ``step=0``."""
+    suffix = " slippery" if slippery else ""
+    return _lake(
+        lake_world(slippery=slippery),
+        "frozenlake-slippery" if slippery else "frozenlake",
+        f"FrozenLake 4×4{suffix}",
+        step,
+        changes,
+    )
+
+
+def big_lake(step: int = 180_000, **changes: Any) -> Snapshot:
+    """The slippery 8×8 lake: 53 live states × 4."""
+    world = lake_world(rows=BIG_LAKE, time_limit=200)
+    return _lake(world, "frozenlake-8x8-slippery", "FrozenLake 8×8 slippery", step, changes)
+
+
+def student(step: int = 2_433, **changes: Any) -> Snapshot:
+    """The student evening: three live states that own five pairs. Before its first step with ``step=0``."""
+    world = student_world()
+    start = snapshot(
+        world,
+        scenario("student", "A student's evening", "mdp"),
+        Hyperparameters(alpha=0.1, gamma=0.9, epsilon=0.1),
+    )
+    if step == 0:
+        return replace(start, **changes)
+    exact = exact_solution(world.mdp, 0.9)
+    q = exact.q.copy()
+    q[0] = 6.37
+    last = LastStep(
+        step=step,
+        episode=964,
+        state=0,
+        pair=0,
+        explored=False,
+        epsilon=0.1,
+        outcome=0,
+        reward=-2.0,
+        next_state=2,
+        terminated=False,
+        truncated=False,
+        updated_pair=0,
+        before=6.30,
+        step_size=0.1,
+        gamma=0.9,
+        bootstrap=10.0,
+        after=6.37,
+    )
+    shown: dict[str, Any] = {
+        "step": step,
+        "episodes": 963,
+        "state": 2,
+        "episode_step": 1,
+        "episode_return": -2.0,
+        "q": q,
+        "visits": np.array([1204, 133, 12, 121, 963], dtype=np.int64),
+        "last": last,
+        "curve": curve(30, -4.0, 5.9, 33),
+        "marks": marks(20, -4.0, 7.5, 963),
+        "return_last_100": 5.9,
+        "length_last_100": 2.6,
+        "greedy_return": 7.5,
+        "exact": exact,
+    }
+    return replace(start, **(shown | changes))
+
+
+PULLS = (12, 18, 9, 31, 14, 842, 15, 16, 8, 35)
+ESTIMATES = (-0.3, 0.3, -0.6, 0.7, 0.0, 1.4, -0.1, 0.2, -1.2, 0.8)
+
+
+def bandit(pulls: int = 1_000, **changes: Any) -> Snapshot:
+    """The ten-armed bandit with its budget spent; ``pulls=0`` before its first, anything else on the way."""
+    world = bandit_world()
+    start = snapshot(
+        world,
+        scenario("bandit", "Ten-armed bandit", "bandit"),
+        Hyperparameters(alpha="sample-average", gamma=0.0, epsilon=0.1),
+        bandit=BanditFigures(0, 1_000, 0.0, 0.0, None, 0.0),
+    )
+    if pulls == 0:
+        return replace(start, **changes)
+    visits = np.array(PULLS, dtype=np.int64) * pulls // 1_000
+    visits[5] += pulls - visits.sum()
+    last = LastStep(
+        step=pulls,
+        episode=pulls,
+        state=0,
+        pair=5,
+        explored=False,
+        epsilon=0.1,
+        outcome=5,
+        reward=2.11,
+        next_state=0,
+        terminated=True,
+        truncated=False,
+        updated_pair=5,
+        before=1.39,
+        step_size=1.0 / int(visits[5]),
+        gamma=0.0,
+        bootstrap=0.0,
+        after=1.4,
+    )
+    gaps = max(TRUE_MEANS) - np.array(TRUE_MEANS)
+    figures = BanditFigures(
+        pulls=pulls,
+        budget=1_000,
+        winnings=1.213 * pulls,
+        regret=float(visits @ gaps),
+        best_arm_rate=float(visits[5] / pulls),
+        best_possible=pulls * max(TRUE_MEANS),
+    )
+    shown: dict[str, Any] = {
+        "phase": Phase.SPENT if pulls >= 1_000 else Phase.PAUSED,
+        "step": pulls,
+        "episodes": pulls,
+        "q": np.array(ESTIMATES),
+        "visits": visits,
+        "last": last,
+        "curve": curve(40, 0.0, 1.21, max(1, pulls // 40)),
+        "marks": marks(20, 0.0, 1.4, pulls),
+        "return_last_100": 1.31,
+        "length_last_100": 1.0,
+        "greedy_return": 1.5,
+        "exact": exact_solution(world.mdp, 0.0),
+        "bandit": figures,
+    }
+    return replace(start, **(shown | changes))
+
+
+def spent() -> Snapshot:
+    """The bandit when its budget is used up."""
+    return bandit(1_000)

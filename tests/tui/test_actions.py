@@ -1,0 +1,92 @@
+from __future__ import annotations
+
+import pytest
+
+from rl_tui.tui.actions import ACTIONS, Place, actions_of, bindings_of
+from rl_tui.tui.screens.catalogue import Catalogue
+from rl_tui.tui.screens.playground import Playground
+from rl_tui.tui.widgets.key_line import fitting
+
+PLAYGROUND_KEYS = {
+    "space",
+    "s",
+    "e",
+    "plus",
+    "equals_sign",
+    "minus",
+    "underscore",
+    "r",
+    "v",
+    "a",
+    "t",
+    "i",
+    "n",
+    "f",
+    "m",
+    "h",
+    "left_square_bracket",
+    "right_square_bracket",
+    "question_mark",
+    "ctrl+p",
+    "escape",
+    "q",
+}
+
+
+def hints(place: Place, width: int) -> list[str]:
+    shown, _ = fitting(place, width)
+    return [" ".join(action.key_hint) for action in shown]
+
+
+def line_width(place: Place, width: int) -> int:
+    shown, gap = fitting(place, width)
+    return 1 + sum(len(" ".join(action.key_hint)) for action in shown) + gap * (len(shown) - 1)
+
+
+def test_the_playground_has_exactly_its_keys() -> None:
+    assert {key for action in actions_of(Place.PLAYGROUND) for key in action.keys} == PLAYGROUND_KEYS
+
+
+@pytest.mark.parametrize("place", [Place.CATALOGUE, Place.PLAYGROUND])
+def test_no_key_does_two_things(place: Place) -> None:
+    keys = [key for action in actions_of(place) for key in action.keys]
+    assert len(keys) == len(set(keys))
+
+
+def test_every_action_has_a_name_of_its_own_and_says_what_it_does() -> None:
+    assert len({action.id for action in ACTIONS}) == len(ACTIONS)
+    assert all(action.help.endswith(".") and action.shown and action.label for action in ACTIONS)
+
+
+@pytest.mark.parametrize(("place", "screen"), [(Place.CATALOGUE, Catalogue), (Place.PLAYGROUND, Playground)])
+def test_every_action_can_be_done_on_its_screen(place: Place, screen: type) -> None:
+    for action in actions_of(place):
+        if not action.textual_action.startswith("app."):
+            assert hasattr(screen, f"action_{action.textual_action}"), action.id
+
+
+def test_bindings_carry_id_description_and_tooltip() -> None:
+    for binding in bindings_of(Place.PLAYGROUND):
+        assert binding.id
+        assert binding.description
+        assert binding.tooltip
+
+
+def test_the_key_line_drops_whole_entries_and_keeps_help() -> None:
+    assert hints(Place.PLAYGROUND, 80) == [
+        "space run",
+        "s step",
+        "e episode",
+        "+ − speed",
+        "v layer",
+        "f zoom",
+        "[ ] scenario",
+        "? help",
+    ]
+    assert hints(Place.PLAYGROUND, 22) == ["space run", "? help"]
+    assert hints(Place.PLAYGROUND, 1) == ["? help"]
+
+
+@pytest.mark.parametrize("width", range(7, 200))
+def test_the_key_line_fits(width: int) -> None:
+    assert line_width(Place.PLAYGROUND, width) <= width

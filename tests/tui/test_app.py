@@ -1,0 +1,132 @@
+from __future__ import annotations
+
+import subprocess
+import sys
+from functools import partial
+from pathlib import Path
+
+import pytest
+from conftest import MakeApp
+from textual.command import CommandPalette
+
+from rl_tui.lab.library import recipe_for
+from rl_tui.lab.player import Player
+from rl_tui.tui.actions import ActionProvider, Place, actions_of, palette_name
+from rl_tui.tui.app import RlTuiApp
+from rl_tui.tui.display import Display
+from rl_tui.tui.screens.catalogue import Catalogue
+from rl_tui.tui.screens.playground import Playground
+from rl_tui.tui.screenshot import settle
+from rl_tui.worlds.errors import UserError
+from rl_tui.worlds.scenario import read_scenario
+
+NOT_REGISTERED = """
+title = "Nowhere"
+[gymnasium]
+id = "Nowhere-v0"
+"""
+
+
+def test_importing_the_app_loads_neither_numba_nor_gymnasium() -> None:
+    code = "import sys, rl_tui.tui.app; print(sorted({'numba', 'gymnasium', 'scipy'} & set(sys.modules)))"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"
+
+
+@pytest.mark.parametrize("scenario", [None, "student"])
+async def test_a_small_terminal_is_told_so_and_recovers(make_app: MakeApp, scenario: str | None) -> None:
+    app = make_app(scenario)
+    async with app.run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        message, keys = app.screen.query_one("#too-small"), app.screen.query_one("#keys")
+        assert not message.display
+        await pilot.resize_terminal(50, 15)
+        await settle(pilot)
+        assert message.display
+        assert not keys.display
+        assert str(message.render()) == "terminal too small: is 50×15, needs 60×18"
+        await pilot.resize_terminal(59, 30)
+        await settle(pilot)
+        assert str(message.render()) == "terminal too small: is 59×30, needs 60×18"
+        await pilot.resize_terminal(60, 18)
+        await settle(pilot)
+        assert not message.display
+        assert keys.display
+
+
+@pytest.mark.parametrize("scenario", [None, "student"])
+async def test_q_quits(make_app: MakeApp, scenario: str | None) -> None:
+    app = make_app(scenario)
+    async with app.run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        await pilot.press("q")
+    assert app.return_value is None
+    assert app.return_code == 0
+
+
+async def test_it_can_be_quit_before_anything_is_ready(make_app: MakeApp) -> None:
+    app = make_app("frozenlake")
+    async with app.run_test(size=(80, 24)) as pilot:
+        await pilot.press("q")
+    assert app.return_code == 0
+
+
+async def test_the_palette_finds_and_does_the_actions_of_the_screen(make_app: MakeApp) -> None:
+    app = make_app("student")
+    async with app.run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        screen = app.screen
+        assert isinstance(screen, Playground)
+        provider = ActionProvider(screen)
+        offered = [hit.display async for hit in provider.discover()]
+        assert offered == [*(palette_name(action) for action in actions_of(Place.PLAYGROUND)), "Theme"]
+        found = [hit async for hit in provider.search("step")]
+        best = max(found, key=lambda hit: hit.score)
+        assert str(best.match_display) == "Step (s)"
+        await best.command()
+        await settle(pilot)
+        assert screen.snapshot
+        assert screen.snapshot.step == 1
+        await pilot.press("ctrl+p")
+        assert isinstance(app.screen, CommandPalette)
+
+
+async def test_the_theme_changes_the_colours_of_what_is_drawn(make_app: MakeApp) -> None:
+    app = make_app("student", theme="dark")
+    async with app.run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        screen = app.screen
+        assert isinstance(screen, Playground)
+        before = screen.board.table.look.palette
+        app.theme = "light"
+        await settle(pilot)
+        assert screen.board.table.look.palette != before
+        assert screen.board.table.look.palette == app.look.palette
+
+
+def test_an_unknown_theme_is_refused_with_the_known_ones() -> None:
+    with pytest.raises(UserError, match=r"theme 'mauve' is not known; choose one of .*dark.*light"):
+        RlTuiApp(Display(theme="mauve"))
+
+
+async def test_a_world_that_cannot_be_built_ends_what_play_started(tmp_path: Path) -> None:
+    file = tmp_path / "nowhere.toml"
+    file.write_text(NOT_REGISTERED)
+    recipe = recipe_for(read_scenario(file, ask_environment=False), {}, 0)
+    app = RlTuiApp(Display(), recipe, make_player=partial(Player, automatic=False))
+    async with app.run_test(size=(80, 24)) as pilot:
+        with pytest.raises(UserError):
+            await settle(pilot)
+        await pilot.pause()
+    assert app.return_code == 1
+    assert isinstance(app.return_value, UserError)
+    assert "Nowhere-v0" in str(app.return_value)
+
+
+async def test_escape_goes_back_to_the_catalogue(make_app: MakeApp) -> None:
+    app = make_app("student")
+    async with app.run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        await pilot.press("escape")
+        await settle(pilot)
+        assert isinstance(app.screen, Catalogue)

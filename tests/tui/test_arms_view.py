@@ -1,0 +1,193 @@
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from rich.style import Style
+from samples import bandit, bandit_world, look
+from textual.strip import Strip
+
+from rl_tui.lab.snapshot import Snapshot
+from rl_tui.tui.theme.glyphs import ASCII, UNICODE
+from rl_tui.tui.world_views.arms import ArmsView, standard_error
+from rl_tui.tui.world_views.arms_scale import NO_SCALE, Scale, bound_text, grown, round_up, shown_scale, ticks
+
+
+def picture(
+    snapshot: Snapshot,
+    width: int,
+    height: int,
+    *,
+    revealed: bool = False,
+    ascii: bool = False,  # noqa: A002
+) -> list[str]:
+    view = ArmsView(snapshot.world, look(ascii))
+    view.revealed = revealed
+    return [strip.text for strip in view.picture(snapshot, width, height)]
+
+
+def test_each_arm_is_a_bar_of_its_estimate_and_standard_error() -> None:
+    view = ArmsView(bandit_world(), look())
+    snapshot = bandit()
+    rows = [strip.text for strip in view.picture(snapshot, 40, 10)]
+    assert rows == [
+        "  0             ──●──                   ",
+        "  1                 ┊──●──              ",
+        "  2          ───●── ┊                   ",
+        "  3                 ┊    ─●──           ",
+        "  4               ──●───                ",
+        "▸◉5                 ┊           ●       ",
+        "  6               ──●──                 ",
+        "  7                 ──●──               ",
+        "  8     ───●───     ┊                   ",
+        "  9                 ┊     ─●─           ",
+    ]
+    assert view.heading == "Arms · estimate ± error  −2…+2"
+
+
+def test_where_there_is_room_rows_are_spaced_and_an_axis_is_drawn() -> None:
+    view = ArmsView(bandit_world(), look())
+    rows = [strip.text for strip in view.picture(bandit(), 60, 21)]
+    assert [row[:3] for row in rows[:20:2]] == ["▸◉5" if arm == 5 else f"  {arm}" for arm in range(10)]
+    assert all(row.strip() == "┊" for row in rows[1:20:2])
+    assert rows[20].split() == ["−2", "−1", "0", "1", "2"]
+    assert rows[20].index("0") == rows[1].index("┊")
+    assert view.heading == "Arms · estimate ± error"
+
+
+def test_the_truth_is_drawn_only_when_revealed() -> None:
+    snapshot = bandit()
+    hidden = "".join(picture(snapshot, 60, 21))
+    assert "◆" not in hidden
+    assert "★" not in hidden
+    rows = picture(snapshot, 60, 21, revealed=True)
+    assert sum(row.count("◆") for row in rows) == 10
+    assert [y for y, row in enumerate(rows) if "★" in row] == [10]  # arm 5 has the greatest mean, 1.5
+    assert rows[10].index("◆") > rows[10].index("●")  # 1.5 against an estimate of 1.4
+
+
+def test_the_hidden_picture_does_not_depend_on_the_truth() -> None:
+    snapshot = bandit()
+    other = replace(snapshot, world=bandit_world(means=tuple(range(10))))
+    assert picture(other, 60, 21) == picture(snapshot, 60, 21)
+
+
+def test_unpulled_arms_say_so_and_before_the_first_pull_none_is_greedy() -> None:
+    rows = picture(bandit(pulls=0), 40, 10)
+    assert all("not pulled yet" in row for row in rows)
+    assert "▸" not in "".join(rows)
+    one = replace(bandit(), visits=np.array([3, 0, 0, 0, 0, 0, 0, 0, 0, 0]), q=np.array([0.5, *[0.0] * 9]))
+    rows = picture(one, 40, 10)
+    assert rows[0].startswith("▸")
+    assert sum("not pulled yet" in row for row in rows) == 9
+
+
+def test_optimistic_ties_are_all_greedy() -> None:
+    snapshot = replace(bandit(), visits=np.array([1, *[0] * 9]), q=np.array([0.5, *[5.0] * 9]), last=None)
+    rows = picture(snapshot, 40, 10)
+    assert [row[0] for row in rows] == [" ", *["▸"] * 9]
+
+
+def test_the_standard_error_follows_how_the_agent_averages() -> None:
+    assert standard_error(1.0, 4, "sample-average") == pytest.approx(0.5)
+    assert standard_error(2.0, 100, "sample-average") == pytest.approx(0.2)
+    # by hand: 0.5 R1 + 0.25 ... weights 1/4 and 1/2 after two pulls at α = 1/2
+    assert standard_error(1.0, 2, 0.5) == pytest.approx(math.sqrt(1 / 16 + 1 / 4))
+    assert standard_error(1.0, 10_000, 0.1) == pytest.approx(math.sqrt(0.1 / 1.9))
+    assert standard_error(1.0, 5, 1.0) == pytest.approx(1.0)
+    assert standard_error(0.0, 5, 0.1) == 0.0
+
+
+def test_the_scale_widens_in_steps_and_never_shrinks_within_a_run() -> None:
+    scale = grown(NO_SCALE, [0.3, -0.2])
+    assert scale == Scale(-0.2, 0.3)
+    scale = grown(scale, [0.31])
+    assert scale == Scale(-0.2, 0.4)
+    assert grown(scale, [0.0, 0.1]) == scale
+    assert grown(scale, [math.nan, math.inf]) == scale
+    assert shown_scale(NO_SCALE) == Scale(-1.0, 1.0)
+
+
+def test_a_new_run_starts_with_a_new_scale() -> None:
+    view = ArmsView(bandit_world(), look())
+    view.show(bandit(1_000))
+    view.picture(bandit(1_000), 40, 10)
+    tame = replace(bandit(500), q=np.full(10, 0.01), visits=np.full(10, 10**6))
+    view.picture(tame, 40, 10)
+    assert view.heading.endswith("−2…+2")
+    view.show(tame)
+    view.picture(tame, 40, 10)
+    assert view.heading.endswith("0…+0.02")
+
+
+@pytest.mark.parametrize(
+    ("value", "rounded"),
+    [(1.0, 1.0), (1.2, 2.0), (2.1, 3.0), (7.0, 8.0), (9.0, 10.0), (0.031, 0.04), (450.0, 500.0)],
+)
+def test_round_ends(value: float, rounded: float) -> None:
+    assert round_up(value) == pytest.approx(rounded)
+
+
+def test_ticks_are_round_and_hold_zero() -> None:
+    assert ticks(Scale(-2.0, 2.0), 5) == [-2.0, -1.0, 0.0, 1.0, 2.0]
+    assert ticks(Scale(-0.6, 3.0), 4) == [0.0, 2.0]
+    assert [bound_text(value, UNICODE) for value in (-0.5, 0.0, 20.0)] == ["−0.5", "0", "20"]
+    assert bound_text(-0.5, ASCII) == "-0.5"
+
+
+def test_more_arms_than_rows_scroll() -> None:
+    world = bandit_world(means=tuple(0.1 * arm for arm in range(50)))
+    snapshot = replace(bandit(pulls=0), world=world, q=np.zeros(50), visits=np.zeros(50, dtype=np.int64))
+    view = ArmsView(world, look())
+    assert view.picture(snapshot, 40, 10)[0].text.startswith("   0")
+    assert view.footing == "↑↓ 1–10 of 50"
+    view.pan(5, 0)
+    assert view.picture(snapshot, 40, 10)[0].text.startswith("   5")
+    view.pan(99, 0)
+    assert view.picture(snapshot, 40, 10)[9].text.startswith("  49")
+    assert view.footing == "↑↓ 41–50 of 50"
+    view.follow()
+    assert view.picture(snapshot, 40, 10)[0].text.startswith("   0")
+
+
+def test_narrow_panels_show_the_estimate_as_a_number() -> None:
+    rows = picture(bandit(), 9, 10)
+    assert rows[5] == "▸◉5 1.400"
+    assert rows[8] == "  8 −1.20"
+
+
+def test_wide_panels_add_estimate_and_pulls() -> None:
+    assert picture(bandit(), 100, 10)[5].endswith("1.400     842 ")
+
+
+def test_ascii() -> None:
+    rows = picture(bandit(), 60, 21, revealed=True, ascii=True)
+    assert "".join(rows).isascii()
+    assert sum(row.count("x") for row in rows) == 10
+
+
+def test_the_greedy_arm_is_drawn_in_its_own_style() -> None:
+    palette = look().palette
+    strips = ArmsView(bandit_world(), look()).picture(bandit(), 40, 10)
+    assert style_at(strips[5], 0) == palette.greedy
+    assert style_at(strips[5], strips[5].text.index("●")) == palette.greedy
+    assert style_at(strips[0], strips[0].text.index("●")) == palette.text
+
+
+@pytest.mark.parametrize("size", [(1, 1), (2, 3), (5, 2), (12, 11), (40, 4), (80, 24), (200, 60)])
+@pytest.mark.parametrize("plain", [False, True])
+def test_every_size_is_filled_exactly(size: tuple[int, int], plain: bool) -> None:
+    width, height = size
+    odd = replace(bandit(), q=np.array([np.nan, np.inf, -np.inf, 1e15, *[0.0] * 6]))
+    for snapshot in (bandit(), bandit(pulls=0), odd):
+        view = ArmsView(snapshot.world, look(plain, "none" if plain else "truecolor"))
+        view.revealed = not plain
+        strips = view.picture(snapshot, width, height)
+        assert [strip.cell_length for strip in strips] == [width] * height
+        assert all(segment.style is not None for strip in strips for segment in strip)
+
+
+def style_at(strip: Strip, column: int) -> Style | None:
+    return next(iter(strip.crop(column, column + 1))).style

@@ -1,0 +1,67 @@
+from __future__ import annotations
+
+import pytest
+from textual.geometry import Region, Size
+
+from rl_tui.tui.screens.arrangement import Shape, arrangement
+from rl_tui.worlds.drawing import Arms, CellKind, Drawing, Graph, Grid
+
+
+def lake(side: int) -> Grid:
+    cells = side * side
+    return Grid(
+        side, side, (CellKind.FLOOR,) * cells, tuple(range(cells)), ((0, -1), (1, 0), (0, 1), (-1, 0))
+    )
+
+
+SHAPES = {
+    "lake 4x4": Shape(lake(4), 11, 44),
+    "lake 8x8": Shape(lake(8), 53, 212),
+    "student": Shape(Graph(((0, 1), (0, 0), (1, 1), (2, 1))), 5, 5),
+    "bandit": Shape(Arms(), 10, 10),
+    "not known yet": Shape(),
+}
+
+
+@pytest.mark.parametrize("shape", SHAPES.values(), ids=SHAPES.keys())
+@pytest.mark.parametrize("size", [(60, 16), (80, 22), (79, 40), (100, 32), (120, 38), (99, 60), (250, 80)])
+def test_panels_cover_the_board_without_overlapping(size: tuple[int, int], shape: Shape) -> None:
+    board = Size(*size)
+    regions = list(arrangement(board, shape).values())
+    assert sum(region.area for region in regions) == board.area
+    for number, region in enumerate(regions):
+        assert board.region.contains_region(region)
+        assert not any(region.overlaps(other) for other in regions[:number])
+
+
+@pytest.mark.parametrize("size", [(60, 16), (80, 22), (120, 38)])
+def test_every_panel_keeps_a_line_of_content(size: tuple[int, int]) -> None:
+    for shape in SHAPES.values():
+        for name, region in arrangement(Size(*size), shape).items():
+            assert region.height >= (1 if name == "inspector" else 2), name
+
+
+def test_the_world_of_4x4_at_80x24_has_two_rows_a_cell_as_drawn() -> None:
+    regions = arrangement(Size(80, 22), SHAPES["lake 4x4"])
+    assert regions["world"] == Region(0, 0, 42, 10)
+    assert regions["curve"] == Region(0, 10, 42, 9)
+    assert regions["table"] == Region(42, 0, 38, 19)
+    assert regions["controls"] == Region(0, 19, 80, 2)
+    assert regions["inspector"] == Region(0, 21, 80, 1)
+
+
+def test_a_long_table_stands_beside_controls_and_last_step_at_120x40() -> None:
+    regions = arrangement(Size(120, 38), SHAPES["lake 8x8"])
+    assert regions["world"].height == 8 * 2 + 2
+    assert regions["table"] == Region(62, 0, 58, 30)
+    assert regions["controls"].y == regions["inspector"].y == 30
+
+
+@pytest.mark.parametrize(("drawing", "has_budget"), [(Arms(), True), (lake(4), False), (Graph(()), False)])
+def test_only_a_bandit_has_a_budget(drawing: Drawing, has_budget: bool) -> None:
+    for size in (Size(80, 22), Size(120, 38)):
+        assert ("budget" in arrangement(size, Shape(drawing, 10, 10))) is has_budget
+
+
+def test_a_zoomed_panel_stands_alone() -> None:
+    assert arrangement(Size(80, 22), SHAPES["student"], "curve") == {"curve": Region(0, 0, 80, 22)}

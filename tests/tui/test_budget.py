@@ -1,0 +1,63 @@
+from __future__ import annotations
+
+import pytest
+from samples import bandit, lake, look
+
+from rl_tui.lab.snapshot import BanditFigures, Snapshot
+from rl_tui.tui.widgets.budget import BudgetPanel, sum_text
+
+
+def drawn(snapshot: Snapshot | None, width: int = 54, height: int = 4, *, revealed: bool = False) -> str:
+    panel = BudgetPanel(look())
+    panel.snapshot = snapshot
+    panel._revealed = revealed
+    rows = panel.picture(snapshot, width, height)
+    assert [row.cell_length for row in rows] == [width] * height
+    return "\n".join(row.text.rstrip() for row in rows)
+
+
+def test_on_the_way_only_what_the_agent_knows() -> None:
+    text = drawn(bandit(400))
+    assert "pulls     400 of 1,000" in text
+    assert "winnings  485" in text
+    assert "1.21 a pull" in text
+    assert "h  shows regret and the best arm" in text
+    for secret in ("regret  ", "best possible", "%"):
+        assert secret not in text
+
+
+def test_revealed() -> None:
+    text = drawn(bandit(400), revealed=True)
+    assert "regret" in text
+    assert "best possible 600 on average" in text
+    assert "shows regret" not in text
+
+
+def test_spent() -> None:
+    text = drawn(bandit(bandit=BanditFigures(1_000, 1_000, 1_213.4, 287.2, 0.842, 1_500.0)))
+    assert text.rstrip().splitlines() == [
+        " pulls     1,000 of 1,000 · spent   r starts again",
+        " winnings  1,213      best possible 1,500 on average",
+        " regret    287        best arm pulled 84 %",
+    ]
+
+
+def test_before_the_first_pull_there_is_no_share() -> None:
+    text = drawn(bandit(0), revealed=True)
+    assert "regret    0" in text
+    assert "best arm pulled" not in text
+
+
+@pytest.mark.parametrize(
+    ("x", "text"), [(12.34, "12.3"), (-12.34, "−12.3"), (1_213.4, "1,213"), (-2_000.2, "−2,000"), (0.0, "0")]
+)
+def test_sums(x: float, text: str) -> None:
+    assert sum_text(x, look()) == text
+
+
+@pytest.mark.parametrize("snapshot", [None, lake(), bandit(0), bandit(400), bandit()])
+def test_it_fits_any_size(snapshot: Snapshot | None) -> None:
+    for width in (1, 8, 20, 34, 54, 100):
+        for height in (1, 2, 4, 10):
+            drawn(snapshot, width, height, revealed=True)
+            drawn(snapshot, width, height)

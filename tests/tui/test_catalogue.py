@@ -1,0 +1,117 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from conftest import MakeApp
+from textual.pilot import Pilot
+from textual.widgets import OptionList
+
+from rl_tui.tui.screens.catalogue import Catalogue
+from rl_tui.tui.screens.help import HelpScreen
+from rl_tui.tui.screens.playground import Playground
+from rl_tui.tui.screenshot import settle
+from rl_tui.tui.widgets.facts import defaults, sizes
+from rl_tui.worlds.catalogue import find
+from rl_tui.worlds.errors import UserError
+from rl_tui.worlds.streams import streams
+
+SHIPPED = [
+    "bandit",
+    "student",
+    "frozenlake",
+    "frozenlake-slippery",
+    "frozenlake-8x8",
+    "frozenlake-8x8-slippery",
+]
+
+FAULTY = """
+title = "Nothing to do"
+[mdp]
+start = "Here"
+colour = "red"
+"""
+
+
+def scenarios(pilot: Pilot[UserError]) -> OptionList:
+    return pilot.app.screen.query_one("#scenarios", OptionList)
+
+
+def facts(pilot: Pilot[UserError]) -> str:
+    lines = pilot.app.screen.query_one("#facts").render_lines(
+        pilot.app.screen.query_one("#facts").size.region
+    )
+    return "\n".join(line.text for line in lines)
+
+
+async def test_it_lists_the_shipped_scenarios_in_teaching_order(make_app: MakeApp) -> None:
+    async with make_app().run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        listed = scenarios(pilot)
+        assert [listed.get_option_at_index(number).id for number in range(listed.option_count)] == SHIPPED
+
+
+async def test_arrows_show_the_details_of_each(make_app: MakeApp) -> None:
+    async with make_app().run_test(size=(120, 40)) as pilot:
+        await settle(pilot)
+        assert "10 arms" in facts(pilot) or "10 actions" in facts(pilot)
+        await pilot.press("down", "down")
+        await settle(pilot)
+        assert "16 states" in facts(pilot)
+        assert "44 pairs" in facts(pilot)
+
+
+async def test_enter_opens_and_escape_comes_back_to_the_same_entry(make_app: MakeApp) -> None:
+    app = make_app()
+    async with app.run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        await pilot.press("down", "enter")
+        await settle(pilot)
+        screen = app.screen
+        assert isinstance(screen, Playground)
+        assert screen.snapshot
+        assert screen.snapshot.recipe.scenario.id == "student"
+        await pilot.press("escape")
+        await settle(pilot)
+        assert isinstance(app.screen, Catalogue)
+        assert scenarios(pilot).highlighted == 1
+
+
+async def test_a_faulty_file_is_listed_with_its_faults(
+    make_app: MakeApp, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "mine.toml").write_text(FAULTY)
+    monkeypatch.setattr("rl_tui.worlds.catalogue.user_folder", lambda: tmp_path)
+    app = make_app()
+    async with app.run_test(size=(120, 40), notifications=True) as pilot:
+        await settle(pilot)
+        await pilot.press("end")
+        await settle(pilot)
+        assert "colour" in facts(pilot)
+        await pilot.press("enter")
+        await settle(pilot)
+        assert isinstance(app.screen, Catalogue)
+        assert "this file has faults; mend them first" in [note.message for note in app._notifications]
+
+
+async def test_help_opens(make_app: MakeApp) -> None:
+    app = make_app()
+    async with app.run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        await pilot.press("question_mark")
+        assert isinstance(app.screen, HelpScreen)
+        await pilot.press("question_mark")
+        assert isinstance(app.screen, Catalogue)
+
+
+def test_sizes_are_loading_until_the_world_is_built() -> None:
+    assert sizes(None) == "loading …"
+    assert sizes(UserError("no such environment")) == "unknown: no such environment"
+    student = find("student").build(streams(0).world)
+    assert sizes(student) == "4 states · 5 actions · 5 pairs · time limit 100"
+    assert "budget 1,000" in sizes(find("bandit").build(streams(0).world))
+
+
+def test_defaults_use_the_symbols_of_the_playground() -> None:
+    values = {"algorithm": "q-learning", "alpha": 0.1, "episodes": 10_000, "ties": "first"}
+    assert defaults(values) == "Q-learning · α 0.1 · 10,000 episodes · ties first"

@@ -1,0 +1,330 @@
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from rich.style import Style
+from samples import look, student, student_world
+from textual.strip import Strip
+
+from rl_tui.lab.snapshot import Snapshot
+from rl_tui.tui.theme.glyphs import ASCII, UNICODE
+from rl_tui.tui.world_views.graph import GraphView
+from rl_tui.tui.world_views.graph_layout import GraphLayout, graph_layout
+from rl_tui.tui.world_views.graph_shape import (
+    GraphShape,
+    graph_shape,
+    probability_text,
+    reward_text,
+)
+from rl_tui.tui.world_views.routing import RIGHT, Box, Port, Sheet, route
+from rl_tui.tui.world_views.strokes import BOLD, THIN, Arms, joint
+from rl_tui.worlds.drawing import Graph
+from rl_tui.worlds.mdp import Outcome, TabularMDP, Transition, tabular_mdp
+from rl_tui.worlds.world import World
+
+CLASS, PHONE, PASS, SLEEP = range(4)
+
+
+def recycling_robot() -> TabularMDP:
+    """Sutton & Barto, example 3.3, with α = .7 and β = .6."""
+    return tabular_mdp(
+        ("high", "low"),
+        ("search", "wait", "recharge"),
+        (
+            Transition(0, 0, (Outcome(0.7, 0, 3, False), Outcome(0.3, 1, 3, False))),
+            Transition(0, 1, (Outcome(1.0, 0, 1, False),)),
+            Transition(1, 0, (Outcome(0.6, 1, 3, False), Outcome(0.4, 0, -3, False))),
+            Transition(1, 1, (Outcome(1.0, 1, 1, False),)),
+            Transition(1, 2, (Outcome(1.0, 0, 0, False),)),
+        ),
+        {0: 1.0},
+        time_limit=100,
+    )
+
+
+def random_walk() -> TabularMDP:
+    """Sutton & Barto, example 6.2, with two actions: five states between two ends."""
+    return tabular_mdp(
+        tuple("LABCDER"),
+        ("left", "right"),
+        [
+            Transition(s, a, (Outcome(1.0, s + 2 * a - 1, float(s == 5 and a == 1), False),))
+            for s in range(1, 6)
+            for a in (0, 1)
+        ],
+        {3: 1.0},
+    )
+
+
+def ring(nodes: int) -> TabularMDP:
+    """Every state leads to every other one."""
+    return tabular_mdp(
+        [f"state {state}" for state in range(nodes)],
+        [f"to {state}" for state in range(nodes)],
+        [
+            Transition(s, a, (Outcome(1.0, a, 1.0, False),))
+            for s in range(nodes)
+            for a in range(nodes)
+            if s != a
+        ],
+        {0: 1.0},
+        time_limit=10,
+    )
+
+
+def as_view(
+    mdp: TabularMDP, places: tuple[tuple[int, int], ...], *, plain: bool = False
+) -> tuple[GraphView, Snapshot]:
+    world = World(mdp, Graph(places))
+    nothing = np.zeros(mdp.pairs, dtype=np.int64)
+    snapshot = replace(
+        student(step=0),
+        world=world,
+        q=np.zeros(mdp.pairs),
+        visits=nothing,
+        state=int(mdp.start_state[0]),
+    )
+    return GraphView(world, look(plain)), snapshot
+
+
+def picture(snapshot: Snapshot, width: int, height: int, *, ascii: bool = False) -> list[str]:  # noqa: A002
+    view = GraphView(snapshot.world, look(ascii))
+    return [strip.text for strip in view.picture(snapshot, width, height)]
+
+
+STUDENT_40 = """\
+      ╭──────╮
+      │ Phone├─╮ scroll −1
+      │ 5.71 │◀╯
+      ╰─▲──┰─╯
+  check │  ┃ quit 0
+phone 0 │  ┃  study −2     sleep
+      ╭─┴──▼─╮  .8 ╭──────╮ +10 ╔══════╗
+      │ Class┝━●━━▶│◉Pass ┝━━━━▶║ Sleep║
+      │ 6.37 │◀┛.2 │10.00 │     ║ end  ║
+      ╰──────╯     ╰──────╯     ╚══════╝"""
+
+
+def test_the_student_evening_at_80_by_24() -> None:
+    assert "\n".join(row.rstrip() for row in picture(student(), 40, 10)) == STUDENT_40
+
+
+def test_the_student_evening_at_120_by_40_has_every_label_in_whole() -> None:
+    text = "\n".join(picture(student(), 60, 19))
+    for label in ("study −2", "quit 0", "scroll −1", "sleep +10", ".8", ".2", "6.37", "5.71", "10.00", "end"):
+        assert label in text
+    assert "◉" in text
+
+
+def test_only_what_changes_with_values_is_drawn_again() -> None:
+    snapshot = student()
+    phone_first = replace(snapshot, q=np.array([4.0, 6.0, 4.14, 5.71, 10.0]), state=PHONE)
+    rows = picture(phone_first, 40, 10)
+    assert rows[1].startswith("      │◉Phone├─╮ scroll −1")
+    assert rows[4].startswith("  check ┃  ┃ quit 0")
+    assert rows[7].startswith("      │ Class├─●──▶│ Pass ┝━━━━▶║")
+
+
+def test_before_anything_is_learned_no_action_is_bold() -> None:
+    text = "\n".join(picture(student(step=0), 40, 10))
+    assert not set("━┃┝┰") & set(text)
+    assert "0.00" in text
+
+
+def test_greedy_ties_are_all_bold() -> None:
+    snapshot = replace(student(), q=np.array([5.0, 5.0, 1.0, 2.0, 3.0]))
+    rows = picture(snapshot, 40, 10)
+    assert "┝━●━━▶" in rows[7]
+    assert "check ┃" in rows[4]
+
+
+def test_boxes_are_tinted_by_value_and_terminal_ones_are_not() -> None:
+    palette = look().palette
+    strips = GraphView(student_world(), look()).picture(student(), 40, 10)
+    assert style_at(strips[8], 20) == palette.value(1.0)  # 10.00 of Pass
+    assert style_at(strips[8], 34) == palette.text
+    unknown = GraphView(student_world(), look()).picture(student(step=0), 40, 10)
+    assert style_at(unknown[8], 20) == palette.unvisited
+
+
+def test_ascii() -> None:
+    rows = picture(student(), 40, 10, ascii=True)
+    assert "".join(rows).isascii()
+    assert rows[7] == "      | Class+=o==>|@Pass +====>| Sleep|"
+
+
+def test_a_graph_without_room_becomes_a_list_of_its_actions() -> None:
+    rows = [row.rstrip() for row in picture(student(), 50, 6)]
+    assert rows == [
+        " Class   6.37 ━study −2━▶ Pass .8 / Class .2",
+        "              ─check phone 0─▶ Phone",
+        " Phone   5.71 ─scroll −1─▶ Phone",
+        "              ━quit 0━▶ Class",
+        "◉Pass   10.00 ━sleep +10━▶ Sleep",
+        "",
+    ]
+
+
+def test_the_list_is_cut_between_words_and_scrolls() -> None:
+    view = GraphView(student_world(), look())
+    rows = [strip.text.rstrip() for strip in view.picture(student(), 28, 2)]
+    assert rows == [" Class ━study −2━▶ Pass .8 …", "       ─check phone 0─▶ …"]
+    assert view.footing == "↑↓ 1–2 of 5"
+    view.pan(2, 0)
+    rows = [strip.text.rstrip() for strip in view.picture(student(), 28, 2)]
+    assert rows == [" Phone ─scroll −1─▶ Phone", "       ━quit 0━▶ Class"]
+    view.pan(9, 0)
+    assert view.picture(student(), 28, 2)[1].text.startswith("◉Pass")
+    assert view.footing == "↑↓ 4–5 of 5"
+
+
+@pytest.mark.parametrize(
+    ("mdp", "places", "size"),
+    [
+        (recycling_robot(), ((0, 0), (1, 0)), (40, 10)),
+        (recycling_robot(), ((0, 0), (1, 0)), (60, 19)),
+        (recycling_robot(), ((0, 0), (0, 1)), (60, 19)),
+        (random_walk(), tuple((column, 0) for column in range(7)), (116, 34)),
+        (ring(3), ((0, 0), (2, 0), (1, 1)), (60, 19)),
+        (ring(4), ((0, 0), (1, 0), (0, 1), (1, 1)), (80, 34)),
+    ],
+    ids=["robot small", "robot", "robot upright", "walk", "three", "four"],
+)
+def test_other_graphs_are_drawn_whole(
+    mdp: TabularMDP, places: tuple[tuple[int, int], ...], size: tuple[int, int]
+) -> None:
+    shape = graph_shape(mdp, Graph(places), UNICODE)
+    layout = graph_layout(shape, *size)
+    assert layout is not None
+    check_layout(shape, layout, *size)
+
+
+def check_layout(shape: GraphShape, layout: GraphLayout, width: int, height: int) -> None:
+    """Nothing overlaps or sticks out; every branch has a head, every word of every label is there."""
+    boxes = [set(box.cells()) for box in layout.boxes]
+    assert sum(map(len, boxes)) == len(set().union(*boxes))
+    text = [(label.x + i, label.y) for label in layout.labels for i in range(len(label.text))]
+    taken = set().union(*boxes)
+    assert len(text) == len(set(text))
+    assert not taken & set(text)
+    assert all(0 <= x < width and 0 <= y < height for x, y in taken | set(text))
+    assert len(layout.heads) == sum(len(action.branches) for action in shape.actions)
+    assert len(layout.forks) == sum(len(action.branches) > 1 for action in shape.actions)
+    for action in shape.actions:
+        words = " ".join(label.text for label in layout.labels if label.pair == action.pair).split()
+        wanted = [action.label, *(branch.label for branch in action.branches)]
+        assert sorted(words) == sorted(" ".join(wanted).split())
+    lines: dict[tuple[int, int], list[tuple[int, ...]]] = {}
+    for stroke in layout.strokes:
+        lines.setdefault((stroke.x, stroke.y), []).append(tuple(sorted(stroke.arms)))
+    forks = {(fork.x, fork.y) for fork in layout.forks}
+    for cell, arms in lines.items():
+        # lines share a cell only where they cross at right angles
+        assert len(arms) == 1 or cell in forks or sorted(arms) == [(0, 2), (1, 3)]
+
+
+def test_two_states_in_one_place_are_listed() -> None:
+    view, snapshot = as_view(recycling_robot(), ((0, 0), (0, 0)))
+    assert "─search +3─▶ high .7 / low .3" in view.picture(snapshot, 80, 24)[0].text
+
+
+def test_more_edges_than_anybody_can_follow_are_listed() -> None:
+    view, snapshot = as_view(ring(6), tuple((index % 3, index // 3) for index in range(6)))
+    text = "".join(strip.text for strip in view.picture(snapshot, 60, 40))
+    assert all(text.count(f"─to {state} +1─▶ state {state} ") == 5 for state in range(6))
+
+
+def test_actions_are_labelled_with_probability_and_reward() -> None:
+    shape = graph_shape(student_world().mdp, Graph(((0, 1), (0, 0), (1, 1), (2, 1))), UNICODE)
+    study = shape.actions[0]
+    assert study.label == "study −2"
+    assert [(branch.target, branch.label) for branch in study.branches] == [(PASS, ".8"), (CLASS, ".2")]
+    assert shape.nodes[SLEEP].terminal
+    search = graph_shape(recycling_robot(), Graph(((0, 0), (1, 0))), ASCII).actions[2]
+    assert (search.label, [branch.label for branch in search.branches]) == ("search", [".6 +3", ".4 -3"])
+
+
+def test_outcomes_into_one_state_share_an_edge_with_their_expected_reward() -> None:
+    mdp = tabular_mdp(
+        ("a", "b"),
+        ("go",),
+        (
+            Transition(
+                0, 0, (Outcome(0.3, 1, 1.0, True), Outcome(0.1, 1, 5.0, True), Outcome(0.6, 0, 0.0, False))
+            ),
+        ),
+        {0: 1.0},
+    )
+    action = graph_shape(mdp, Graph(((0, 0), (1, 0))), UNICODE).actions[0]
+    assert [branch.label for branch in action.branches] == [".6 0", ".4 +2"]
+
+
+@pytest.mark.parametrize(
+    ("probability", "text"),
+    [
+        (0.8, ".8"),
+        (1 / 3, ".33"),
+        (2 / 3, ".67"),
+        (0.05, ".05"),
+        (0.005, ".005"),
+        (0.999, ".999"),
+        (0.25, ".25"),
+    ],
+)
+def test_probabilities(probability: float, text: str) -> None:
+    assert probability_text(probability) == text
+
+
+@pytest.mark.parametrize(
+    ("reward", "text"),
+    [(10.0, "+10"), (-2.0, "−2"), (0.0, "0"), (0.5, "+0.5"), (-100.0, "−100"), (1 / 3, "+0.333")],
+)
+def test_rewards(reward: float, text: str) -> None:
+    assert reward_text(reward, UNICODE) == text
+
+
+@pytest.mark.parametrize(
+    ("arms", "unicode", "plain"),
+    [
+        (Arms(right=THIN, left=THIN), "─", "-"),
+        (Arms(up=BOLD, down=BOLD), "┃", "H"),
+        (Arms(up=THIN, right=THIN), "╰", "+"),
+        (Arms(down=BOLD, left=BOLD), "┓", "+"),
+        (Arms(THIN, BOLD, THIN, 0), "┝", "+"),
+        (Arms(THIN, BOLD, THIN, BOLD), "┿", "+"),
+        (Arms(), " ", " "),
+    ],
+)
+def test_lines_join(arms: Arms, unicode: str, plain: str) -> None:
+    assert joint(arms, UNICODE) == unicode
+    assert joint(arms, ASCII) == plain
+
+
+def test_a_route_goes_around_boxes_and_ends_on_a_straight_cell() -> None:
+    wall = Box(5, 0, 3, 4)
+    target = Box(12, 0, 4, 3)
+    sheet = Sheet(20, 6, {*wall.cells(), *target.cells()})
+    found = route(sheet, {Port((0, 1), RIGHT): 0.0}, {Port((12, 1), RIGHT): 0.0})
+    assert found is not None
+    assert not set(found.cells) & set(wall.cells())
+    assert found.cells[-2:] == ((10, 1), (11, 1))
+    closed = Sheet(20, 6, {*Box(5, 0, 3, 6).cells(), *target.cells()})
+    assert route(closed, {Port((0, 1), RIGHT): 0.0}, {Port((12, 1), RIGHT): 0.0}) is None
+
+
+@pytest.mark.parametrize("size", [(1, 1), (2, 5), (9, 4), (25, 9), (40, 3), (80, 24), (200, 60)])
+@pytest.mark.parametrize("plain", [False, True])
+def test_every_size_is_filled_exactly(size: tuple[int, int], plain: bool) -> None:
+    width, height = size
+    odd = replace(student(), q=np.array([np.nan, np.inf, -1e15, 0.0, 123456.0]))
+    for snapshot in (student(), student(step=0), odd):
+        view = GraphView(snapshot.world, look(plain, "none" if plain else "truecolor"))
+        strips = view.picture(snapshot, width, height)
+        assert [strip.cell_length for strip in strips] == [width] * height
+        assert all(segment.style is not None for strip in strips for segment in strip)
+
+
+def style_at(strip: Strip, column: int) -> Style | None:
+    return next(iter(strip.crop(column, column + 1))).style

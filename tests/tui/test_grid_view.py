@@ -1,0 +1,278 @@
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from rich.style import Style
+from samples import LEFT, RIGHT, UP, big_lake, lake, lake_world, look
+from textual.app import App, ComposeResult
+from textual.geometry import Region
+from textual.strip import Strip
+
+from rl_tui.lab.snapshot import Snapshot
+from rl_tui.tui.scrolling import kept_in_view
+from rl_tui.tui.world_views import world_view
+from rl_tui.tui.world_views.grid import GridView, Part, draw_grid
+from rl_tui.tui.world_views.grid_form import CellForm, cell_form
+from rl_tui.tui.world_views.grid_map import GridMap
+from rl_tui.worlds.drawing import CellKind, Grid
+from rl_tui.worlds.mdp import FloatArray
+from rl_tui.worlds.world import World
+
+
+def q_of(snapshot: Snapshot, values: dict[tuple[int, int], float]) -> FloatArray:
+    """Zero but for (state, place of the pair in it)."""
+    q = np.zeros(snapshot.world.mdp.pairs)
+    for (state, place), value in values.items():
+        q[int(snapshot.world.mdp.first_pair[state]) + place] = value
+    return q
+
+
+def visited(snapshot: Snapshot, *states: int) -> Snapshot:
+    visits = snapshot.visits.copy()
+    for state in states:
+        visits[snapshot.world.mdp.pairs_of(state).start] = 1
+    return replace(snapshot, visits=visits)
+
+
+def picture(snapshot: Snapshot, width: int, height: int, *, ascii: bool = False) -> list[str]:  # noqa: A002
+    view = GridView(snapshot.world, look(ascii))
+    return [strip.text for strip in view.picture(snapshot, width, height)]
+
+
+def whole(snapshot: Snapshot) -> Part:
+    grid = snapshot.world.drawing
+    assert isinstance(grid, Grid)
+    return Part(0, 0, grid.rows, grid.columns)
+
+
+def small(snapshot: Snapshot, height: int = 4, width: int = 20) -> list[str]:
+    grid = snapshot.world.drawing
+    assert isinstance(grid, Grid)
+    grid_map = GridMap(snapshot.world.mdp, grid)
+    strips = draw_grid(grid_map, snapshot, look(), whole(snapshot), CellForm(5, 1), width, height)
+    return [strip.text for strip in strips]
+
+
+@pytest.mark.parametrize(
+    ("size", "form"),
+    [
+        ((40, 8), CellForm(10, 2)),  # 4×4 at 80×24
+        ((60, 12), CellForm(14, 3)),  # at 120×40
+        ((118, 36), CellForm(22, 5)),  # zoomed
+        ((20, 4), CellForm(5, 1)),
+        ((19, 4), CellForm(5, 1)),  # does not fit
+        ((40, 3), CellForm(8, 1)),  # nor does it in height
+    ],
+)
+def test_cells_of_a_4x4_map_take_the_largest_form_that_fits(size: tuple[int, int], form: CellForm) -> None:
+    assert cell_form(4, 4, *size) == form
+
+
+def test_an_8x8_map_fits_into_40_by_8() -> None:
+    assert cell_form(8, 8, 40, 8) == CellForm(5, 1)
+    assert cell_form(8, 8, 60, 16) == CellForm(7, 2)
+
+
+def test_medium_cells_have_arrows_above_values_and_the_agent_beside_the_arrows() -> None:
+    start = lake(step=0)
+    q = q_of(start, {(0, LEFT): 0.54, (6, LEFT): 0.36, (10, UP): 0.62, (14, RIGHT): 0.864})
+    rows = picture(replace(start, q=q, state=6), 40, 8)
+    assert rows[0] == "  S ←                                   "
+    assert rows[1] == "   .54       .00       .00       .00    "
+    assert rows[2] == "              ●       ◉ ←         ●     "
+    assert rows[3] == "   .00                 .36              "
+    assert rows[6] == "    ●                   →         ★     "
+    assert rows[7] == "             .00       .86              "
+
+
+def test_small_cells_have_mark_arrow_and_value_in_one_row() -> None:
+    start = lake(step=0)
+    q = q_of(start, {(0, LEFT): 0.54, (6, LEFT): 0.36, (10, UP): 0.62})
+    rows = small(replace(start, q=q, state=6))
+    assert rows == [
+        "S←.54  .00  .00  .00",
+        "  .00  ●  ◉←.36  ●  ",
+        "  .00  .00 ↑.62  ●  ",
+        "  ●    .00  .00  ★  ",
+    ]
+
+
+def test_the_agent_hides_neither_arrow_nor_value_in_any_form() -> None:
+    start = lake(step=0)
+    snapshot = replace(start, q=q_of(start, {(1, RIGHT): 0.47}), state=1)
+    for size in ((20, 4), (40, 8), (60, 12), (118, 36)):
+        text = "\n".join(picture(snapshot, *size))
+        assert "◉" in text
+        assert "→" in text
+        assert ".47" in text
+
+
+def test_an_agent_in_a_hole_stands_beside_it() -> None:
+    rows = small(replace(lake(step=0), state=5))
+    assert rows[1] == "  .00 ◉●    .00  ●  "
+
+
+def test_ties_are_several_arrows_or_a_cross_where_they_do_not_fit() -> None:
+    start = lake(step=0)
+    two = replace(start, q=q_of(start, {(1, LEFT): 0.5, (1, UP): 0.5}))
+    assert "←↑" in picture(two, 40, 8)[0]
+    assert small(two)[0] == "◉ .00←↑.50  .00  .00"
+    four = visited(start, 1)
+    assert "←↓→↑" in picture(four, 40, 8)[0]
+    assert small(four)[0] == "◉ .00 +.00  .00  .00"
+
+
+def test_nothing_known_has_no_arrow_and_another_style_than_a_zero_that_was_visited() -> None:
+    start = lake(step=0)
+    palette = look().palette
+    view = GridView(start.world, look())
+    unknown = view.picture(start, 40, 8)
+    assert not set("←↓→↑") & set("".join(strip.text for strip in unknown))
+    assert style_at(unknown[1], 14) == palette.unvisited
+    known = view.picture(visited(start, 1), 40, 8)
+    assert known[1].text == unknown[1].text
+    assert style_at(known[1], 14) == palette.value(0.0)
+
+
+def test_optimistic_estimates_alone_are_not_knowledge() -> None:
+    start = lake(step=0)
+    rows = picture(replace(start, q=np.ones(start.world.mdp.pairs)), 40, 8)
+    assert rows[1] == "   1.00      1.00      1.00      1.00   "
+    assert not set("←↓→↑") & set("".join(rows))
+
+
+def test_tints_run_from_the_least_to_the_greatest_value_with_zero_inside() -> None:
+    start = lake(step=0)
+    palette = look().palette
+    q = q_of(start, {(0, place): -1.0 - place for place in range(4)} | {(1, 0): -0.5, (2, 0): 3.0})
+    strip = GridView(start.world, look()).picture(replace(start, q=q), 40, 8)[1]
+    assert strip.text == "   −1.0      .00       3.00      .00    "
+    assert style_at(strip, 3) == palette.value(0.0)
+    assert style_at(strip, 14) == palette.value(0.25)
+    assert style_at(strip, 24) == palette.value(1.0)
+
+
+def test_terminal_cells_never_show_a_value() -> None:
+    for size in ((20, 4), (40, 8), (60, 12)):
+        text = "".join(picture(lake(), *size))
+        # eleven live states of sixteen
+        assert text.count(".") == 11
+
+
+def test_walls_fill_their_cell_and_other_actions_show_their_first_letter() -> None:
+    world = lake_world()
+    kinds = (CellKind.WALL, *world.drawing.kinds[1:])  # type: ignore[union-attr]
+    drawing = replace(world.drawing, kinds=kinds, directions=(None, (1, 0), (0, 1), (-1, 0)))  # type: ignore[arg-type]
+    changed = World(world.mdp, drawing)  # type: ignore[arg-type]
+    start = replace(lake(step=0), world=changed, state=2)
+    rows = small(replace(start, q=q_of(start, {(1, LEFT): 0.5})))
+    assert rows[0].startswith("█████ l.50")
+
+
+def test_ascii() -> None:
+    start = lake(step=0)
+    rows = picture(
+        replace(start, q=q_of(start, {(6, LEFT): -0.36, (6, UP): -0.1}), state=6), 20, 4, ascii=True
+    )
+    assert "".join(rows).isascii()
+    assert rows[1] == "  .00  O  @+.00  O  "
+
+
+@pytest.mark.parametrize(
+    ("first", "place", "expected"),
+    [(0, 3, 0), (0, 9, 4), (5, 7, 5), (0, 99, 90), (95, None, 90), (-3, None, 0), (50, 0, 0)],
+)
+def test_the_view_moves_only_where_the_agent_nears_its_edge(
+    first: int, place: int | None, expected: int
+) -> None:
+    assert kept_in_view(first, place, shown=10, total=100) == expected
+
+
+def large_lake(side: int = 40) -> Snapshot:
+    rows = ("S" + "F" * (side - 1), *("F" * side for _ in range(side - 2)), "F" * (side - 1) + "G")
+    world = lake_world(slippery=False, rows=rows)
+    mdp = world.mdp
+    return replace(
+        lake(step=0), world=world, q=np.zeros(mdp.pairs), visits=np.zeros(mdp.pairs, dtype=np.int64)
+    )
+
+
+def test_only_cells_in_view_are_read(monkeypatch: pytest.MonkeyPatch) -> None:
+    snapshot = large_lake()
+    read: list[tuple[int, int]] = []
+    content = GridMap.content
+
+    def counted(self: GridMap, row: int, column: int, snapshot: Snapshot) -> object:
+        read.append((row, column))
+        return content(self, row, column, snapshot)
+
+    monkeypatch.setattr(GridMap, "content", counted)
+    view = GridView(snapshot.world, look())
+    view.picture(replace(snapshot, state=20 * 40 + 30), 40, 10)
+    assert len(read) == 8 * 10
+    assert (20, 30) in read
+
+
+def test_arrow_keys_scroll_by_hand_until_home_follows_again() -> None:
+    snapshot = large_lake()
+    view = GridView(snapshot.world, look())
+    assert "◉" in "".join(strip.text for strip in view.picture(snapshot, 40, 10))
+    assert view.footing == "follows the agent"
+    for _ in range(3):
+        view.pan(1, 0)
+    assert "◉" not in "".join(strip.text for strip in view.picture(snapshot, 40, 10))
+    assert view.footing.startswith("home")
+    view.follow()
+    assert "◉" in "".join(strip.text for strip in view.picture(snapshot, 40, 10))
+
+
+@pytest.mark.parametrize("size", [(1, 1), (3, 2), (7, 1), (25, 9), (41, 3), (80, 24), (200, 60)])
+@pytest.mark.parametrize("plain", [False, True])
+def test_every_size_is_filled_exactly(size: tuple[int, int], plain: bool) -> None:
+    width, height = size
+    for snapshot in (lake(), lake(step=0), big_lake(), replace(lake(), q=np.full(44, np.inf))):
+        view = GridView(snapshot.world, look(plain, "none" if plain else "truecolor"))
+        strips = view.picture(snapshot, width, height)
+        assert [strip.cell_length for strip in strips] == [width] * height
+        assert all(segment.style is not None for strip in strips for segment in strip)
+
+
+async def test_only_rows_that_changed_are_refreshed() -> None:
+    snapshot = lake()
+    view = world_view(snapshot.world, look(), id="world")
+    asked: list[Region] = []
+
+    class Alone(App[None]):
+        CSS = "#world { width: 40; height: 8; }"
+
+        def compose(self) -> ComposeResult:
+            yield view
+
+    async with Alone().run_test(size=(80, 24)) as pilot:
+        assert "the world is being built" in view.render_line(3).text
+        view.show(snapshot)
+        await pilot.pause()
+        assert view.border_title == "World · V and greedy"
+        before = view.render_line(1).text
+        refresh = view.refresh
+
+        def recorded(*regions: Region, **options: bool) -> object:
+            asked.extend(regions)
+            return refresh(*regions, **options)
+
+        view.refresh = recorded  # type: ignore[method-assign,assignment]
+        view.show(snapshot)
+        assert asked == []
+        view.show(replace(snapshot, q=snapshot.q + q_of(snapshot, {(8, 1): -0.02})))
+        assert asked == []
+        best = int(np.argmax(snapshot.q[:4]))
+        view.show(replace(snapshot, q=snapshot.q + q_of(snapshot, {(0, best): 0.05})))
+        assert asked == [Region(0, 0, 40, 1), Region(0, 1, 40, 1)]  # both rows of its cell
+        assert view.render_line(1).text != before
+
+
+def style_at(strip: Strip, column: int) -> Style | None:
+    """The style of the character at ``column``."""
+    return next(iter(strip.crop(column, column + 1))).style

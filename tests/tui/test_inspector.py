@@ -1,0 +1,272 @@
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import assume, given
+from hypothesis import strategies as st
+from samples import bandit, lake, look, student
+
+from rl_tui.agents.last_step import LastStep
+from rl_tui.lab.snapshot import Snapshot
+from rl_tui.tui.theme.glyphs import UNICODE
+from rl_tui.tui.widgets.inspector import Inspector
+from rl_tui.tui.widgets.update_text import step_size_text, update_text
+
+LAKE = lake()
+LAST = LastStep(1, 1, 0, 0, False, 0.1, 0, 0.0, 1, False, False, 0, 0.36, 0.1, 0.99, 0.56, 0.38)
+
+
+def drawn(snapshot: Snapshot | None, width: int = 80, height: int = 1, *, ascii: bool = False) -> list[str]:  # noqa: A002
+    rows = Inspector(look(ascii)).picture(snapshot, width, height)
+    assert [row.cell_length for row in rows] == [width] * height
+    return [row.text.rstrip() for row in rows]
+
+
+def stepped(snapshot: Snapshot, **changes: Any) -> Snapshot:
+    """``snapshot`` with changes to its last step, the estimate after it worked out."""
+    assert snapshot.last is not None
+    last = replace(snapshot.last, **changes)
+    after = last.before + last.step_size * last.td_error
+    q = snapshot.q.copy()
+    q[last.updated_pair] = after
+    return replace(snapshot, last=replace(last, after=after), q=q)
+
+
+def lake_step(**changes: Any) -> Snapshot:
+    """State 6 of the slippery lake, meant left, went down: the step of the drawings."""
+    world = LAKE.world
+    left = int(world.mdp.first_pair[6])
+    outcome = next(each for each in world.mdp.outcomes_of(left) if world.mdp.outcome_action[each] == 1)
+    usual = {
+        "state": 6,
+        "pair": left,
+        "updated_pair": left,
+        "outcome": outcome,
+        "next_state": 10,
+        "reward": 0.0,
+        "before": 0.36,
+        "bootstrap": 0.56,
+    }
+    return stepped(LAKE, **(usual | changes))
+
+
+# The update in numbers
+
+
+def test_one_line_holds_the_update_and_what_led_to_it() -> None:
+    (line,) = drawn(lake_step())
+    assert line == " Q(6,←) ← .36 + .10·(0 + .99·.56 − .36) = .38  δ +.19  meant ← went ↓  greedy"
+
+
+def test_parts_that_do_not_fit_are_left_out_whole() -> None:
+    snapshot = lake_step()
+    parts = (
+        " Q(6,←) ← .36 + .10·(0 + .99·.56 − .36) = .38",
+        " Q(6,←) ← .38",
+        "  δ +.19",
+        "  meant ← went ↓",
+        "  greedy",
+    )
+    for width in range(13, 90):
+        (line,) = drawn(snapshot, width)
+        for part in parts:
+            line = line.replace(part, "")
+        assert line == ""
+
+
+def test_too_narrow_for_the_update_its_result_is_left() -> None:
+    assert drawn(lake_step(), 30) == [" Q(6,←) ← .38  δ +.19  greedy"]
+
+
+def test_a_terminal_step_does_not_bootstrap() -> None:
+    ended = lake_step(terminated=True, next_state=5, bootstrap=0.0)
+    (line,) = drawn(ended)
+    assert "Q(6,←) ← .36 + .10·(0 − .36) = .32  δ −.36" in line
+    assert "target = r = 0 (terminal)" in "\n".join(drawn(ended, 56, 10))
+    assert "s′ = 5: hole, the episode ends" in "\n".join(drawn(ended, 56, 10))
+
+
+def test_a_truncated_step_still_bootstraps() -> None:
+    assert "cut off by the time limit: still bootstraps" in "\n".join(
+        drawn(lake_step(truncated=True), 80, 10)
+    )
+    text = "\n".join(drawn(lake_step(truncated=True), 56, 10))
+    assert "cut off, still bootstraps" in text
+    assert "target = r + γ · max Q(10,·)" in text
+    assert "time limit" in drawn(lake_step(truncated=True), 100)[0]
+
+
+def test_negative_numbers_stand_in_brackets() -> None:
+    (line,) = drawn(stepped(student(), before=-1.5, bootstrap=-0.5, reward=-2.0))
+    assert " Q(Class,study) ← −1.5 + .10·(−2 + .90·(−.5) − (−1.5)) = −1.59" in line
+    assert "δ −.95" in line
+
+
+def test_a_sample_average_shows_its_fraction() -> None:
+    (line,) = drawn(stepped(bandit(), before=1.39, reward=2.11))
+    assert line.startswith(" Q(5) ← 1.390")
+    assert "+ 1/842·(2.11" in line
+    assert step_size_text(0.5, 0.5, UNICODE) == ".50"
+    assert step_size_text(0.5, "sample-average", UNICODE) == "1/2"
+    assert step_size_text(0.3, 0.1, UNICODE) == ".30"
+
+
+def test_whole_numbers_have_no_decimals() -> None:
+    text = update_text(replace(LAST, before=0.0, bootstrap=0.0, after=0.0), 0.1, UNICODE)
+    assert (text.before, text.bootstrap, text.target, text.error, text.after) == ("0", "0", "0", "0", "0")
+
+
+def test_what_rounding_errors_leave_is_nothing() -> None:
+    text = update_text(replace(LAST, before=0.1 + 0.2, reward=0.3, bootstrap=0.0, after=0.3), 0.1, UNICODE)
+    assert (text.error, text.before) == ("0", ".3")
+
+
+def test_a_small_estimate_does_not_look_like_none() -> None:
+    text = update_text(replace(LAST, before=0.0, bootstrap=0.004, after=0.1 * 0.99 * 0.004), 0.1, UNICODE)
+    assert text.after == ".0004"
+
+
+def number(text: str) -> float:
+    return float(text.replace("−", "-"))
+
+
+@given(
+    before=st.floats(-20, 20),
+    bootstrap=st.floats(-20, 20),
+    reward=st.sampled_from([-100.0, -1.0, 0.0, 1.0, 20.0]),
+    step_size=st.sampled_from([0.05, 0.1, 0.5, 1.0]),
+    gamma=st.sampled_from([0.0, 0.9, 0.99, 1.0]),
+    terminated=st.booleans(),
+)
+def test_the_printed_arithmetic_comes_out(
+    before: float, bootstrap: float, reward: float, step_size: float, gamma: float, terminated: bool
+) -> None:
+    bootstrap = 0.0 if terminated else bootstrap
+    last = replace(
+        LAST,
+        before=before,
+        bootstrap=bootstrap,
+        reward=reward,
+        step_size=step_size,
+        gamma=gamma,
+        terminated=terminated,
+    )
+    last = replace(last, after=before + step_size * last.td_error)
+    text = update_text(last, step_size, UNICODE)
+    decimals = max(len(each.partition(".")[2]) for each in (text.error, text.after, "0.0"))
+    assume("e" not in text.before + text.bootstrap + text.after + text.error)
+    error = number(text.reward) + gamma * number(text.bootstrap) - number(text.before)
+    allowed = 0.51 * 10.0**-decimals
+    assert abs(error - number(text.error)) <= allowed
+    assert abs(number(text.before) + step_size * error - number(text.after)) <= allowed
+    assert abs(number(text.target) - number(text.before) - number(text.error)) <= allowed
+
+
+# The five parts
+
+
+def test_the_loop_in_five_parts() -> None:
+    assert drawn(lake_step(), 56, 9) == [
+        " agent        s = 6   row 1, column 2",
+        "              greedy (ε = .10)   a = ←",
+        " environment  meant ←, slipped ↓ (p 1/3)",
+        "              r = 0   s′ = 10",
+        " update       target = r + γ · max Q(10,·)",
+        "                     = 0 + .99 · .56 = .55",
+        "              δ = .55 − .36 = +.19",
+        "   Q(6,←) ← .36 + .10 · (+.19) = .38",
+        "",
+    ]
+
+
+@pytest.mark.parametrize("height", [4, 5, 6, 7])
+def test_shorter_forms_tell_the_same(height: int) -> None:
+    lines = drawn(lake_step(), 60, height)
+    text = "\n".join(lines)
+    for part in ("s = 6", "a = ←", "greedy", "slipped ↓", "r = 0", "s′ = 10", ".55", "+.19", ".38"):
+        assert part in text
+    assert lines[-1] == "   Q(6,←) ← .36 + .10 · (+.19) = .38" or height == 4
+
+
+def test_the_environment_of_a_graph_is_told_in_words() -> None:
+    text = "\n".join(drawn(student(), 56, 8))
+    assert "s = Class" in text
+    assert "a = study" in text
+    assert "(p .8)" in text
+    assert "s′ = Pass" in text
+    assert "slipped" not in text
+    assert "row" not in text
+
+
+def test_a_bandit_has_no_next_state() -> None:
+    text = "\n".join(drawn(stepped(bandit(), before=1.39, reward=2.11), 56, 8))
+    assert "pulled 5   greedy (ε = .10)" in text
+    assert "N = 842" in text
+    assert "s′" not in text
+    assert "γ" not in text
+
+
+# How the action came about
+
+
+def choice(q_before: list[float], pair: int, *, explored: bool) -> str:
+    snapshot = lake_step(before=q_before[pair], explored=explored)
+    mdp = snapshot.world.mdp
+    first = int(mdp.first_pair[6])
+    q = snapshot.q.copy()
+    q[first : first + 4] = q_before
+    q[first + pair] = 9.9  # the update has moved it: what counts is what it was before
+    assert snapshot.last is not None
+    last = replace(snapshot.last, pair=first + pair, updated_pair=first + pair)
+    return drawn(replace(snapshot, q=q, last=last), 60, 8)[1].strip()
+
+
+def test_a_greedy_choice() -> None:
+    assert choice([0.5, 0.1, 0.2, 0.3], 0, explored=False).startswith("greedy (ε = .10)   a =")
+
+
+def test_a_choice_among_ties() -> None:
+    assert choice([0.0, 0.0, 0.0, 0.0], 2, explored=False).startswith("greedy (ε = .10), one of 4 equal")
+
+
+def test_exploring() -> None:
+    assert choice([0.5, 0.1, 0.2, 0.3], 1, explored=True).startswith("random (ε = .10)   a = ↓")
+
+
+def test_exploring_may_hit_the_greedy_action() -> None:
+    assert choice([0.5, 0.1, 0.2, 0.3], 0, explored=True).startswith("random (ε = .10), greedy by chance")
+
+
+# Any size
+
+
+def test_before_the_first_step_it_says_what_to_press() -> None:
+    assert drawn(lake(0))[0].strip() == "no step yet: s takes one"
+    assert drawn(None)[0].strip() == "no step yet: s takes one"
+
+
+def test_the_border_names_the_step() -> None:
+    widget = Inspector(look())
+    widget.picture(lake_step(), 56, 8)
+    assert widget.heading == "Last step"
+    assert widget.footing == "step 150,000 · episode 12,500"
+    widget.picture(bandit(400), 56, 8)
+    assert widget.footing == "pull 400"
+
+
+@pytest.mark.parametrize("snapshot", [None, lake(0), lake_step(), student(), bandit(400)])
+@pytest.mark.parametrize("ascii", [False, True])
+def test_it_fits_any_size(snapshot: Snapshot | None, ascii: bool) -> None:  # noqa: A002
+    for width in (1, 3, 10, 20, 40, 54, 80, 140):
+        for height in (1, 2, 3, 4, 5, 6, 7, 8, 20):
+            lines = drawn(snapshot, width, height, ascii=ascii)
+            assert not ascii or all(line.isascii() for line in lines)
+
+
+def test_estimates_that_run_away_are_shown() -> None:
+    (line,) = drawn(stepped(lake(), before=-3e11, bootstrap=7.5e11))
+    assert "e11" in line
+    assert np.isfinite(len(line))

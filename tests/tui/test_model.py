@@ -1,0 +1,160 @@
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+from samples import bandit, big_lake, lake, look, student
+from textual.app import App, ComposeResult
+
+from rl_tui.lab.snapshot import Snapshot
+from rl_tui.tui.widgets.model import ModelPanel
+
+
+def panel(snapshot: Snapshot | None, pair: int | None = None, *, ascii: bool = False) -> ModelPanel:  # noqa: A002
+    made = ModelPanel(look(ascii))
+    made.snapshot = snapshot
+    made._pair = pair
+    return made
+
+
+def drawn(made: ModelPanel, width: int = 90, height: int = 40) -> str:
+    rows = made.picture(made.snapshot, width, height)
+    assert [row.cell_length for row in rows] == [width] * height
+    return "\n".join(row.text.rstrip() for row in rows)
+
+
+def test_the_five_parts_of_a_grid() -> None:
+    made = panel(lake())
+    text = drawn(made)
+    assert "S       16 states, 11 with actions: 0, 1, 2" in text
+    assert "A       4 actions: ← left, ↓ down, → right, ↑ up" in text
+    assert "P       44 legal pairs (s, a), 132 outcomes" in text
+    assert "R       from 0 to 1" in text
+    assert "γ       .99" in text
+    assert "start   0 (row 0, column 0)" in text
+    assert "terminal 5, 7, 11, 12, 15" in text
+    assert "after 100 steps the time limit cuts the episode off" in text
+    assert made.heading == "Model ⟨S, A, P, R, γ⟩ · FrozenLake 4×4 slippery"
+
+
+def test_the_outcomes_of_a_pair_and_where_it_slips() -> None:
+    snapshot = lake()
+    down = int(snapshot.world.mdp.first_pair[4]) + 1
+    lines = [" ".join(line.split()) for line in drawn(panel(snapshot, down)).splitlines()]
+    assert f"state 4 (row 1, column 0) action ↓ down pair {down + 1} of 44" in lines
+    table = lines[lines.index("p went r s′") + 1 :]
+    assert table[:3] == ["1/3 ← 0 4", "1/3 ↓ 0 8", "1/3 → 0 5: hole ends"]
+
+
+def test_the_bellman_equation_of_the_student_is_the_one_worked_out_by_hand() -> None:
+    text = drawn(panel(student(), 0))
+    assert "Q*(Class,study) = Σ p · [r + γ · max Q*(s′,·)]" in text
+    assert "= .8·[−2 + .90·10.0000] + .2·[−2 + .90·6.3415]" in text
+    assert f"= {5.2 / 0.82:.4f}" in text
+    assert "learned Q(Class,study) = 6.370, taken 1,204 times" in text
+
+
+def test_nothing_follows_a_terminal_outcome() -> None:
+    text = drawn(panel(student(), 4))
+    assert "= 1·[10]" in text
+    assert "ends" in text
+
+
+def test_without_slipping_nothing_is_said_of_it() -> None:
+    assert "went" not in drawn(panel(student(), 0))
+    assert "went" not in drawn(panel(lake(slippery=False), 0))
+
+
+def test_an_unvisited_pair_has_learned_nothing() -> None:
+    assert "learned Q(0,←) = not yet visited" in drawn(panel(lake(0), 0))
+
+
+def test_without_an_exact_answer_it_says_why() -> None:
+    assert "the exact answer is being computed" in drawn(panel(lake(0), 0))
+    refused = replace(lake(0), exact_refused="state 3 cannot reach an end")
+    assert "state 3 cannot reach an end" in drawn(panel(refused, 0))
+
+
+def test_a_bandit_keeps_its_means() -> None:
+    made = panel(bandit(400), 3)
+    text = drawn(made)
+    assert "R       hidden until h or the end of the budget" in text
+    assert "··· hidden until h or the end of the budget" in text
+    assert ".7" not in text.replace("learned Q(3) = 0.700", "")
+    made._revealed = True
+    text = drawn(made)
+    assert "Q*(3) = Σ p" in text
+    assert "= 1·[.7]" in text
+    assert "r ± 1 (normal)" in text
+    assert ".7" in drawn(panel(bandit(), 3))
+
+
+def test_several_starts_are_told_with_their_chances() -> None:
+    snapshot = student()
+    mdp = replace(
+        snapshot.world.mdp,
+        start_state=snapshot.world.mdp.next_state[[2, 1]],
+        start_cumulative=snapshot.world.mdp.cumulative[[1, 1]] * [0.25, 1.0],
+    )
+    many = replace(snapshot, world=replace(snapshot.world, mdp=mdp))
+    assert "with .25" in drawn(panel(many))
+
+
+def test_ascii_has_no_other_characters() -> None:
+    for snapshot in (lake(), student(), bandit(400)):
+        text = drawn(panel(snapshot, 0, ascii=True))
+        assert text.isascii()
+        assert "?" not in text
+
+
+@pytest.mark.parametrize("snapshot", [None, lake(), student(), bandit(400), big_lake()])
+def test_it_fits_any_size(snapshot: Snapshot | None) -> None:
+    for width in (1, 5, 12, 30, 60, 120):
+        for height in (1, 3, 8, 20, 60):
+            drawn(panel(snapshot), width, height)
+
+
+class ModelApp(App[None]):
+    def compose(self) -> ComposeResult:
+        yield ModelPanel(look())
+
+
+async def test_arrows_go_through_the_pairs() -> None:
+    app = ModelApp()
+    async with app.run_test(size=(60, 12)) as pilot:
+        made = app.query_one(ModelPanel)
+        assert made.pair is None
+        await pilot.press("down", "right", "pagedown")
+        made.show(lake())
+        made.focus()
+        first = lake().world.mdp.first_pair
+        assert made.pair == 0
+        await pilot.press("left", "up")
+        assert made.pair == 0
+        await pilot.press("right", "down")
+        assert made.pair == first[1] + 1
+        await pilot.press(*["down"] * 4)
+        assert made.pair == first[6] + 1  # state 5 is a hole
+        await pilot.press(*["down"] * 20)
+        assert made.pair == first[14] + 1
+        made.show_pair(int(first[8]))
+        await pilot.press("up")
+        assert made.pair == first[6]
+
+
+async def test_what_does_not_fit_scrolls() -> None:
+    app = ModelApp()
+    async with app.run_test(size=(60, 8)) as pilot:
+        made = app.query_one(ModelPanel)
+        made.show(lake())
+        made.focus()
+        await pilot.press("pageup")
+        top = made.render_line(0).text
+        assert top.startswith(" state 0")
+        await pilot.press("pagedown")
+        assert made.render_line(0).text != top
+        await pilot.press(*["pagedown"] * 10)
+        bottom = made.render_line(7).text
+        assert "bootstraps" in bottom
+        await pilot.press(*["pageup"] * 10)
+        assert made.render_line(0).text == top

@@ -1,0 +1,267 @@
+from __future__ import annotations
+
+import os
+from dataclasses import fields
+from itertools import combinations, pairwise
+from typing import Literal, get_args
+
+import pytest
+from colour_vision import contrast, least_distance, luminance
+from rich.color import Color, ColorSystem, ColorType
+from rich.segment import Segment
+from rich.style import Style
+from rich.terminal_theme import TerminalTheme
+from textual.app import App
+from textual.strip import Strip
+
+from rl_tui.tui.theme.depth import can_encode, choose_look, depth_of, environment_for, is_native
+from rl_tui.tui.theme.glyphs import ASCII, UNICODE
+from rl_tui.tui.theme.limited_themes import PICTURE_DARK, PICTURE_LIGHT, themes_for
+from rl_tui.tui.theme.palette import Depth, Palette, palette_for
+
+DEPTHS: tuple[Depth, ...] = get_args(Depth)
+BOTH = (True, False)
+VGA = TerminalTheme(
+    (0, 0, 0),
+    (170, 170, 170),
+    [
+        (0, 0, 0),
+        (170, 0, 0),
+        (0, 170, 0),
+        (170, 85, 0),
+        (0, 0, 170),
+        (170, 0, 170),
+        (0, 170, 170),
+        (170, 170, 170),
+    ],
+    [
+        (85, 85, 85),
+        (255, 85, 85),
+        (85, 255, 85),
+        (255, 255, 85),
+        (85, 85, 255),
+        (255, 85, 255),
+        (85, 255, 255),
+        (255, 255, 255),
+    ],
+)
+RGB_PALETTES = [palette_for(depth, dark) for depth in ("truecolor", "256") for dark in BOTH]
+NAMES = [palette.name for palette in RGB_PALETTES]
+LINES = (
+    "text",
+    "dim",
+    "strong",
+    "accent",
+    "greedy",
+    "optimum",
+    "greedy_line",
+    "episodes",
+    "good",
+    "bad",
+    "unvisited",
+)
+
+
+def roles(palette: Palette) -> dict[str, Style]:
+    return {
+        field.name: getattr(palette, field.name)
+        for field in fields(palette)
+        if field.name not in ("name", "values", "signed")
+    }
+
+
+def all_styles(palette: Palette) -> list[Style]:
+    return [*palette.values, *palette.signed, *roles(palette).values()]
+
+
+def grounds(styles: tuple[Style, ...]) -> list[Color]:
+    return [style.bgcolor for style in styles if style.bgcolor is not None]
+
+
+def ground_of_theme(palette: Palette) -> Color:
+    depth: Depth = "256" if palette.name.startswith("256") else "truecolor"
+    dark, light = themes_for(depth)
+    background = (dark if palette.name.endswith("dark") else light).background
+    assert background is not None
+    return Color.parse(background)
+
+
+def is_monotone(numbers: list[float]) -> bool:
+    steps = [second - first for first, second in pairwise(numbers)]
+    return all(step > 0 for step in steps) or all(step < 0 for step in steps)
+
+
+@pytest.mark.parametrize("depth", DEPTHS)
+@pytest.mark.parametrize("dark", BOTH)
+def test_no_style_is_empty_and_the_signed_ramp_has_a_middle(depth: Depth, dark: bool) -> None:
+    palette = palette_for(depth, dark)
+    assert all(all_styles(palette)), "a style without colour and attribute"
+    assert len(palette.signed) % 2 == 1
+    assert palette.updated != palette.focus
+
+
+@pytest.mark.parametrize("palette", RGB_PALETTES, ids=NAMES)
+def test_ramps_are_monotone_in_luminance(palette: Palette) -> None:
+    values = grounds(palette.values)
+    assert len(values) == len(palette.values)
+    assert is_monotone([luminance(color) for color in values])
+    signed = [luminance(color) for color in grounds(palette.signed)]
+    assert len(signed) == len(palette.signed)
+    middle = len(signed) // 2
+    assert is_monotone(signed[: middle + 1])
+    assert is_monotone(signed[middle:])
+    assert (signed[0] > signed[middle]) == (signed[-1] > signed[middle])
+
+
+@pytest.mark.parametrize("palette", RGB_PALETTES, ids=NAMES)
+def test_every_text_is_readable_on_its_ground(palette: Palette) -> None:
+    for style in all_styles(palette):
+        if style.bgcolor is not None and style is not palette.wall:
+            assert style.color is not None
+            assert contrast(style.color, style.bgcolor) >= 4.5, style
+    for name in LINES:
+        color = roles(palette)[name].color
+        assert color is not None
+        assert contrast(color, ground_of_theme(palette)) >= 4.5, name
+
+
+@pytest.mark.parametrize("palette", RGB_PALETTES, ids=NAMES)
+def test_colour_blind_eyes_tell_apart_what_must_be_told_apart(palette: Palette) -> None:
+    signed = grounds(palette.signed)
+    for ramp in (grounds(palette.values), signed):
+        assert min(least_distance(*neighbours) for neighbours in pairwise(ramp)) > 3
+    for place in range(len(signed) // 2):
+        assert least_distance(signed[place], signed[-1 - place]) > 20
+    lines = [style.color for style in (palette.greedy_line, palette.episodes, palette.optimum) if style.color]
+    assert len(lines) == 3
+    assert min(least_distance(*couple) for couple in combinations(lines, 2)) > 30
+    assert palette.good.color is not None
+    assert palette.bad.color is not None
+    assert least_distance(palette.good.color, palette.bad.color) > 20
+    assert palette.updated.bgcolor is not None
+    for color in grounds(palette.values + palette.signed):
+        assert least_distance(palette.updated.bgcolor, color) > 10
+
+
+@pytest.mark.parametrize("palette", RGB_PALETTES, ids=NAMES)
+def test_unvisited_has_the_ground_of_the_panel_and_zero_has_not(palette: Palette) -> None:
+    assert palette.unvisited.bgcolor is None
+    assert palette.value(0.0).bgcolor is not None
+    assert palette.signed_value(0.0).bgcolor is not None
+
+
+@pytest.mark.parametrize("dark", BOTH)
+def test_256_colours_come_back_from_rgb_as_they_were(dark: bool) -> None:
+    for style in all_styles(palette_for("256", dark)):
+        for color in (style.color, style.bgcolor):
+            if color is not None:
+                assert color.type is ColorType.EIGHT_BIT
+                assert color.number is not None
+                assert color.number >= 16
+                again = Color.from_triplet(color.get_truecolor()).downgrade(ColorSystem.EIGHT_BIT)
+                assert again.number == color.number
+
+
+@pytest.mark.parametrize("dark", BOTH)
+def test_16_colours_are_names_and_monotone_in_every_terminal(dark: bool) -> None:
+    palette = palette_for("16", dark)
+    for style in all_styles(palette):
+        for color in (style.color, style.bgcolor):
+            assert color is None or color.type in (ColorType.STANDARD, ColorType.DEFAULT)
+    for terminal in (VGA, PICTURE_DARK, PICTURE_LIGHT):
+        ramp = [
+            luminance(Color.from_triplet(color.get_truecolor(terminal))) for color in grounds(palette.values)
+        ]
+        assert len(ramp) == len(palette.values)
+        assert is_monotone(ramp)
+
+
+def test_without_colours_there_are_attributes_only() -> None:
+    palette = palette_for("none", True)
+    assert all(style.color is None and style.bgcolor is None for style in all_styles(palette))
+    assert len(set(palette.values)) == len(palette.values)
+    assert len({palette.updated, palette.focus, palette.agent, *palette.values}) >= len(palette.values) + 2
+
+
+def test_fractions_are_clamped() -> None:
+    palette = palette_for("truecolor", True)
+    assert palette.value(-3.0) == palette.value(0.0) == palette.values[0] == palette.value(float("nan"))
+    assert palette.value(7.0) == palette.value(1.0) == palette.values[-1]
+    assert palette.value(0.5) == palette.values[5]
+    assert palette.signed_value(-1.0) == palette.signed_value(float("-inf")) == palette.signed[0]
+    assert palette.signed_value(0.0) == palette.signed_value(float("nan")) == palette.signed[5]
+    assert palette.signed_value(2.0) == palette.signed[-1]
+
+
+@pytest.mark.parametrize(
+    ("environ", "depth"),
+    [
+        ({"TERM": "xterm-256color"}, "256"),
+        ({"TERM": "screen-256color", "COLORTERM": ""}, "256"),
+        ({"TERM": "xterm-256color", "COLORTERM": "truecolor"}, "truecolor"),
+        ({"TERM": "xterm-kitty"}, "truecolor"),
+        ({"TERM": "linux"}, "16"),
+        ({"TERM": "xterm"}, "16"),
+        ({}, "16"),
+        ({"TERM": "vt100"}, "none"),
+        ({"TERM": "xterm-256color", "COLORTERM": "truecolor", "NO_COLOR": "1"}, "none"),
+        ({"TERM": "xterm-256color", "NO_COLOR": ""}, "256"),
+    ],
+)
+def test_the_environment_says_how_many_colours(environ: dict[str, str], depth: Depth) -> None:
+    assert depth_of("auto", environ) == depth
+
+
+@pytest.mark.parametrize("depth", DEPTHS)
+def test_what_is_asked_for_beats_the_environment(depth: Depth) -> None:
+    assert depth_of(depth, {"TERM": "xterm-256color", "NO_COLOR": "1"}) == depth
+
+
+@pytest.mark.parametrize(
+    ("encoding", "is_enough"),
+    [("utf-8", True), ("ascii", False), ("latin-1", False), (None, False), ("?", False)],
+)
+def test_characters_depend_on_the_encoding(encoding: str | None, is_enough: bool) -> None:
+    assert can_encode(encoding) is is_enough
+    look = choose_look("16", False, True, {}, encoding)
+    assert look.glyphs is (UNICODE if is_enough else ASCII)
+    assert look.palette is palette_for("16", True)
+    assert choose_look("auto", True, False, {"TERM": "xterm-256color"}, "utf-8").glyphs is ASCII
+
+
+@pytest.mark.parametrize(
+    ("depth", "system"),
+    [("none", "standard"), ("16", "standard"), ("256", "256"), ("truecolor", "truecolor")],
+)
+def test_an_app_made_for_a_depth_keeps_to_it(
+    depth: Depth, system: Literal["standard", "256", "truecolor"], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("TERM", "xterm-kitty")
+    monkeypatch.setenv("NO_COLOR", "1")
+    with environment_for(depth):
+        app: App[None] = App(ansi_color=is_native(depth))
+    assert app.console.color_system == system
+    assert app.no_color is (depth == "none")
+    assert (os.environ["TERM"], os.environ["NO_COLOR"]) == ("xterm-kitty", "1")
+
+
+def test_256_colours_reach_the_terminal_by_their_numbers() -> None:
+    with environment_for("256"):
+        app: App[None] = App(ansi_color=False)
+    strip = Strip([Segment("x", Style.parse("color(231) on color(24)"))])
+    assert strip.render(app.console) == "\x1b[38;5;231;48;5;24mx\x1b[0m"
+
+
+@pytest.mark.parametrize("depth", DEPTHS)
+@pytest.mark.parametrize("picture", BOTH)
+async def test_the_themes_of_every_depth_can_be_used(depth: Depth, picture: bool) -> None:
+    with environment_for(depth):
+        app: App[None] = App(ansi_color=is_native(depth) and not picture)
+    dark, light = themes_for(depth, picture=picture)
+    assert (dark.name, dark.dark, light.name, light.dark) == ("dark", True, "light", False)
+    for theme in (dark, light):
+        app.register_theme(theme)
+    async with app.run_test():
+        for theme in (dark, light):
+            app.theme = theme.name
+            assert app.current_theme is theme

@@ -1,0 +1,319 @@
+from __future__ import annotations
+
+from conftest import MakeApp
+from textual.pilot import Pilot
+from textual.widgets import Input
+
+from rl_tui.lab.commands import Train
+from rl_tui.lab.snapshot import Phase, Snapshot
+from rl_tui.tui.app import RlTuiApp
+from rl_tui.tui.screens.choice import AlgorithmChoice
+from rl_tui.tui.screens.help import HelpScreen
+from rl_tui.tui.screens.model import ModelScreen
+from rl_tui.tui.screens.playground import Playground
+from rl_tui.tui.screens.prompt import Prompt
+from rl_tui.tui.screenshot import settle
+from rl_tui.tui.widgets.q_table import QTable
+from rl_tui.tui.widgets.slider import Slider
+from rl_tui.worlds.errors import UserError
+
+
+def playground(pilot: Pilot[UserError]) -> Playground:
+    return next(screen for screen in pilot.app.screen_stack if isinstance(screen, Playground))
+
+
+def snapshot(pilot: Pilot[UserError]) -> Snapshot:
+    shown = playground(pilot).snapshot
+    assert shown is not None
+    return shown
+
+
+async def press(pilot: Pilot[UserError], *keys: str) -> Snapshot:
+    for key in keys:
+        await pilot.press(key)
+        await settle(pilot)
+    return snapshot(pilot)
+
+
+async def train(pilot: Pilot[UserError], steps: int) -> Snapshot:
+    playground(pilot).send(Train(steps))
+    await settle(pilot)
+    return snapshot(pilot)
+
+
+def slider(app: RlTuiApp, name: str) -> Slider:
+    return app.screen.query_one(f"#{name}", Slider)
+
+
+async def test_it_starts_paused_at_step_0_with_ten_steps_a_second(make_app: MakeApp) -> None:
+    async with make_app("student").run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        assert snapshot(pilot).step == 0
+        assert snapshot(pilot).phase is Phase.PAUSED
+        assert snapshot(pilot).speed == 10.0
+
+
+async def test_s_takes_one_step_and_e_ends_the_episode(make_app: MakeApp) -> None:
+    async with make_app("student").run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        assert (await press(pilot, "s")).step == 1
+        assert (await press(pilot, "s", "s")).step == 3
+        done = await press(pilot, "e")
+        assert done.episodes == 1
+        assert done.episode_step == 0
+        assert done.phase is Phase.PAUSED
+
+
+async def test_space_runs_and_pauses(make_app: MakeApp) -> None:
+    async with make_app("student").run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        assert (await press(pilot, "space")).phase is Phase.RUNNING
+        assert (await train(pilot, 100)).step == 100
+        assert (await press(pilot, "space")).phase is Phase.PAUSED
+        assert snapshot(pilot).step == 100
+
+
+async def test_plus_and_minus_climb_the_speeds(make_app: MakeApp) -> None:
+    async with make_app("student").run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        assert (await press(pilot, "plus")).speed == 30.0
+        assert (await press(pilot, "equals_sign")).speed == 100.0
+        assert (await press(pilot, "minus", "underscore", "minus")).speed == 3.0
+        assert (await press(pilot, *["plus"] * 12)).speed is None
+
+
+async def test_r_starts_again_with_what_is_in_force(make_app: MakeApp) -> None:
+    async with make_app("student").run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        await train(pilot, 50)
+        ties = await press(pilot, "t")
+        assert ties.hyperparameters.ties == "first"
+        assert ties.step == 50
+        again = await press(pilot, "r")
+        assert again.step == 0
+        assert again.phase is Phase.PAUSED
+        assert again.recipe.hyperparameters.ties == "first"
+        assert again.recipe.seed == 0
+
+
+async def test_the_same_keys_give_the_same_run(make_app: MakeApp) -> None:
+    runs = []
+    for _ in range(2):
+        async with make_app("student", seed=3).run_test(size=(80, 24)) as pilot:
+            await settle(pilot)
+            await press(pilot, "s", "t", "e", "e")
+            runs.append((await train(pilot, 321)).q.tobytes())
+    assert runs[0] == runs[1]
+
+
+async def test_a_slider_moves_by_keys_and_acts_at_once(make_app: MakeApp) -> None:
+    app = make_app("student")
+    async with app.run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        slider(app, "epsilon").focus()
+        before = snapshot(pilot).hyperparameters.epsilon
+        now = (await press(pilot, "right")).hyperparameters.epsilon
+        assert now > before
+        assert slider(app, "epsilon").value == now
+        assert (await press(pilot, "left")).hyperparameters.epsilon == before
+        assert snapshot(pilot).step == 0
+
+
+async def test_a_slider_follows_click_and_drag(make_app: MakeApp) -> None:
+    app = make_app("student")
+    async with app.run_test(size=(120, 40)) as pilot:
+        await settle(pilot)
+        gamma = slider(app, "gamma")
+        await pilot.mouse_down(gamma, offset=(8, 0))
+        await pilot.hover(gamma, offset=(gamma.size.width // 2, 0))
+        await pilot.mouse_up(gamma, offset=(gamma.size.width // 2, 0))
+        await settle(pilot)
+        dragged = snapshot(pilot).hyperparameters.gamma
+        assert 0.2 < dragged < 0.8
+        assert gamma.value == dragged
+        await pilot.click(gamma, offset=(8, 0))
+        await settle(pilot)
+        assert snapshot(pilot).hyperparameters.gamma < 0.2
+
+
+async def test_every_slider_keeps_its_value_through_a_restart(make_app: MakeApp) -> None:
+    app = make_app("student")
+    async with app.run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        slider(app, "alpha").focus()
+        changed = (await press(pilot, "right", "right")).hyperparameters.alpha
+        again = await press(pilot, "r")
+        assert again.recipe.hyperparameters.alpha == changed
+        assert slider(app, "alpha").value == changed
+
+
+async def test_v_goes_round_the_layers(make_app: MakeApp) -> None:
+    app = make_app("student")
+    async with app.run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        table = app.screen.query_one(QTable)
+        seen = []
+        for _ in range(4):
+            seen.append(table.shown_layer)
+            await press(pilot, "v")
+        assert len(set(seen)) == 4
+        assert table.shown_layer == seen[0]
+
+
+async def test_initial_q_is_asked_for_and_starts_again(make_app: MakeApp) -> None:
+    app = make_app("student")
+    async with app.run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        await train(pilot, 10)
+        await press(pilot, "i")
+        assert isinstance(app.screen, Prompt)
+        app.screen.query_one(Input).value = "5"
+        again = await press(pilot, "enter")
+        assert not isinstance(app.screen, Prompt)
+        assert again.step == 0
+        assert again.q.tolist() == [5.0] * 5
+
+
+async def test_a_prompt_names_the_range_and_stays(make_app: MakeApp) -> None:
+    app = make_app("student")
+    async with app.run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        for key, wrong, expected in (("i", "much", "1e+12"), ("n", "-1", "0 or more")):
+            await press(pilot, key)
+            assert isinstance(app.screen, Prompt)
+            app.screen.query_one(Input).value = wrong
+            await press(pilot, "enter")
+            assert isinstance(app.screen, Prompt)
+            assert expected in str(app.screen.query_one(".error").render())
+            await press(pilot, "escape")
+            assert isinstance(app.screen, Playground)
+        assert snapshot(pilot).recipe.seed == 0
+
+
+async def test_a_seed_is_typed(make_app: MakeApp) -> None:
+    app = make_app("bandit")
+    async with app.run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        means = snapshot(pilot).world.mdp.reward
+        again = await press(pilot, "n", "4", "2", "enter")
+        assert again.recipe.seed == 42
+        assert again.world.mdp.reward.tolist() != means.tolist()
+
+
+async def test_the_algorithm_is_chosen_from_a_list(make_app: MakeApp) -> None:
+    app = make_app("student")
+    async with app.run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        await press(pilot, "a")
+        assert isinstance(app.screen, AlgorithmChoice)
+        assert (await press(pilot, "enter")).algorithm == "q-learning"
+        assert isinstance(app.screen, Playground)
+
+
+async def test_f_zooms_the_world_or_the_panel_in_focus(make_app: MakeApp) -> None:
+    app = make_app("student")
+    async with app.run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        board = playground(pilot).board
+        await press(pilot, "f")
+        assert board.zoomed == "world"
+        assert board.query_one("#world").region.height == 22
+        await press(pilot, "escape")
+        assert board.zoomed is None
+        board.table.focus()
+        await press(pilot, "f")
+        assert board.zoomed == "table"
+        assert board.table.region.size == board.size
+        await press(pilot, "f")
+        assert board.zoomed is None
+        assert board.query_one("#world").region.width == 42
+
+
+async def test_tab_goes_from_world_to_table_to_curve_to_controls(make_app: MakeApp) -> None:
+    app = make_app("student")
+    async with app.run_test(size=(120, 40)) as pilot:
+        await settle(pilot)
+        board, visited = playground(pilot).board, []
+        for _ in range(6):
+            await press(pilot, "tab")
+            visited.append(board.panel_of(app.focused))
+        assert visited == ["world", "table", "curve", "controls", "controls", "controls"]
+
+
+async def test_m_shows_the_model_and_closes_it(make_app: MakeApp) -> None:
+    app = make_app("student")
+    async with app.run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        await press(pilot, "m")
+        assert isinstance(app.screen, ModelScreen)
+        await train(pilot, 10)
+        await press(pilot, "m")
+        assert isinstance(app.screen, Playground)
+
+
+async def test_help_opens_over_the_playground(make_app: MakeApp) -> None:
+    app = make_app("student")
+    async with app.run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        await press(pilot, "question_mark")
+        assert isinstance(app.screen, HelpScreen)
+        await press(pilot, "escape")
+        assert isinstance(app.screen, Playground)
+
+
+async def test_h_reveals_a_bandit_until_it_starts_again(make_app: MakeApp) -> None:
+    app = make_app("bandit")
+    async with app.run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        table = playground(pilot).board.table
+        assert not table.revealed
+        await press(pilot, "h")
+        assert table.revealed
+        await press(pilot, "h")
+        assert not table.revealed
+        await press(pilot, "h", "r")
+        assert not table.revealed
+
+
+async def test_a_spent_budget_stops_the_run_and_reveals(make_app: MakeApp) -> None:
+    app = make_app("bandit")
+    async with app.run_test(size=(80, 24), notifications=True) as pilot:
+        await settle(pilot)
+        spent = await train(pilot, 5000)
+        assert spent.phase is Phase.SPENT
+        assert spent.episodes == 1000
+        assert playground(pilot).board.table.revealed
+        assert (await press(pilot, "space", "s")).step == spent.step
+        assert (await press(pilot, "r")).phase is Phase.PAUSED
+
+
+async def test_brackets_go_to_the_neighbouring_scenario(make_app: MakeApp) -> None:
+    app = make_app("student")
+    async with app.run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        await press(pilot, "left_square_bracket")
+        assert snapshot(pilot).recipe.scenario.id == "bandit"
+        await press(pilot, "right_square_bracket")
+        assert snapshot(pilot).recipe.scenario.id == "student"
+
+
+async def test_h_explains_itself_where_nothing_is_hidden(make_app: MakeApp) -> None:
+    app = make_app("student")
+    async with app.run_test(size=(80, 24), notifications=True) as pilot:
+        await settle(pilot)
+        await press(pilot, "h")
+        assert [note.message for note in app._notifications] == [
+            "nothing is hidden here; h is for bandits, whose true means it shows"
+        ]
+
+
+async def test_hints_and_settings_can_be_clicked(make_app: MakeApp) -> None:
+    app = make_app("student")
+    async with app.run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        await pilot.click("#keys", offset=(14, 0))
+        await settle(pilot)
+        assert snapshot(pilot).step == 1
+        await pilot.click("#settings", offset=(18, 0))
+        await settle(pilot)
+        assert snapshot(pilot).hyperparameters.ties == "first"

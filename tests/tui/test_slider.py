@@ -1,0 +1,313 @@
+from __future__ import annotations
+
+import pytest
+from rich.segment import Segment
+from samples import look
+from textual import events
+from textual.app import App, ComposeResult
+from textual.pilot import Pilot
+from textual.widgets import Button
+
+from rl_tui.agents.hyperparameters import PARAMETERS, SAMPLE_AVERAGE, Parameter, Range
+from rl_tui.tui.widgets.slider import Slider
+from rl_tui.tui.widgets.slider_picture import SliderState, slider_form, slider_strip
+from rl_tui.tui.widgets.slider_scale import Scale, parsed
+
+ALPHA, GAMMA, EPSILON = (PARAMETERS[name] for name in ("alpha", "gamma", "epsilon"))
+UNIT, OPEN = Scale(Range(0, 1)), Scale(Range(0, 1, open_low=True))
+
+
+class Bench(App[None]):
+    CSS = "Slider { width: 46; height: 1; } Button { height: 3; }"
+    BINDINGS = [("s,e,n,slash,escape", "stolen", "Stolen")]  # noqa: RUF012
+
+    def __init__(self, parameter: Parameter = GAMMA, value: float | str = 0.5) -> None:
+        super().__init__()
+        self.slider = Slider(look(), parameter, value)
+        self.changes: list[tuple[str, float | str]] = []
+        self.refusals: list[tuple[str, str]] = []
+        self.stolen = 0
+
+    def compose(self) -> ComposeResult:
+        yield self.slider
+        yield Button("elsewhere")
+
+    def on_mount(self) -> None:
+        self.slider.focus()
+
+    def on_slider_changed(self, event: Slider.Changed) -> None:
+        self.changes.append((event.name, event.value))
+
+    def on_slider_refused(self, event: Slider.Refused) -> None:
+        self.refusals.append((event.name, event.text))
+
+    def action_stolen(self) -> None:
+        self.stolen += 1
+
+    @property
+    def text(self) -> str:
+        return self.slider.render_line(0).text
+
+    @property
+    def track(self) -> range:
+        form = slider_form(
+            self.slider.parameter, SliderState(0.5), self.slider.look.glyphs, self.slider.size.width
+        )
+        return range(form.start, form.start + form.cells)
+
+
+def drawn(parameter: Parameter, state: SliderState, width: int, *, ascii: bool = False) -> str:  # noqa: A002
+    assert parameter.range is not None
+    strip = slider_strip(parameter, Scale(parameter.range), state, look(ascii), width)
+    assert strip.cell_length == width
+    assert all(isinstance(segment, Segment) and segment.style for segment in strip)
+    return strip.text
+
+
+@pytest.mark.parametrize(
+    ("state", "width", "expected"),
+    [
+        (SliderState(0.1), 46, " α  ━━━●──────────────────────────────  0.100 "),
+        (SliderState(0.1), 26, " α ━━●───────────── 0.100 "),
+        (SliderState(1.0), 26, " α ━━━━━━━━━━━━━━━● 1.000 "),
+        (SliderState(0.0005), 26, " α ●────────────── 0.0005 "),
+        (SliderState(SAMPLE_AVERAGE), 46, " α  1/N  sample average" + " " * 23),
+        (SliderState(SAMPLE_AVERAGE), 26, " α 1/N  sample average    "),
+        (SliderState(0.5, typed="0.2"), 26, " α ━━━━━━━━●─────── 0.2   "),
+        (SliderState(0.5, refused=True), 26, " α ━━━━●─── not in (0, 1] "),
+        (SliderState(0.5), 9, " α 0.500 "),
+        (SliderState(0.5), 4, " α  "),
+    ],
+)
+def test_it_is_drawn_in_one_row_without_cutting_a_number(
+    state: SliderState, width: int, expected: str
+) -> None:
+    text = drawn(ALPHA, state, width)
+    if state.typed is None:
+        assert text == expected
+    else:
+        assert text.split() == expected.split()
+
+
+@pytest.mark.parametrize("width", range(1, 70))
+def test_every_width_is_filled_exactly(width: int) -> None:
+    for value in (0.001, 0.37, 1.0, SAMPLE_AVERAGE):
+        for state in (
+            SliderState(value),
+            SliderState(value, "0.1", focused=True),
+            SliderState(value, refused=True),
+        ):
+            drawn(ALPHA, state, width)
+            drawn(ALPHA, state, width, ascii=True).encode("ascii")
+
+
+@pytest.mark.parametrize("scale", [UNIT, OPEN], ids=["closed", "open"])
+def test_every_cell_of_a_track_sets_a_value_that_is_drawn_there(scale: Scale) -> None:
+    for cells in range(3, 160):
+        values = [scale.at_cell(cell, cells) for cell in range(cells)]
+        assert [scale.cell_of(value, cells) for value in values] == list(range(cells))
+        assert (values[0], values[-1]) == (scale.low, 1.0)
+        assert all(value in scale.range for value in values)
+    assert [UNIT.at_cell(cell, 11) for cell in (-5, 3, 40)] == [0.0, 0.3, 1.0]
+    assert scale.at_cell(7, 20) == 0.37
+
+
+def test_steps_leave_no_rounding_behind_and_stop_at_the_ends() -> None:
+    value = 0.0
+    for _ in range(100):
+        value = UNIT.moved(value, UNIT.step)
+    assert value == 1.0
+    assert UNIT.moved(0.1, UNIT.step) == 0.11
+    assert UNIT.moved(0.995, UNIT.step) == 1.0
+    assert UNIT.moved(0.004, -UNIT.step) == 0.0
+    assert OPEN.moved(0.01, -OPEN.step) == 0.001
+    assert OPEN.moved(0.0004, -OPEN.fine) == 0.0004
+    with pytest.raises(ValueError, match="finite range"):
+        Scale(Range(0))
+
+
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [
+        ("0.25", 0.25),
+        (".5", 0.5),
+        ("1", 1.0),
+        ("0,1", 0.1),
+        ("1e-3", 0.001),
+        ("1/n", SAMPLE_AVERAGE),
+        ("1/N", SAMPLE_AVERAGE),
+        ("s", SAMPLE_AVERAGE),
+        ("sample-average", SAMPLE_AVERAGE),
+    ],
+)
+def test_what_may_be_typed(text: str, value: float | str) -> None:
+    assert parsed(text, ALPHA) == value
+
+
+@pytest.mark.parametrize("text", ["", "0", "1.01", "-0.1", "nan", "inf", "x", "1/2"])
+def test_what_is_no_step_size_is_refused(text: str) -> None:
+    with pytest.raises(ValueError, match="is not a number in"):
+        parsed(text, ALPHA)
+
+
+def test_words_belong_to_their_parameter() -> None:
+    with pytest.raises(ValueError, match="is not a number in"):
+        parsed("1/n", GAMMA)
+    with pytest.raises(ValueError, match="takes words only"):
+        Slider(look(), PARAMETERS["ties"], "random")
+
+
+async def test_keys_move_it_and_each_movement_is_posted() -> None:
+    app = Bench()
+    async with app.run_test() as pilot:
+        keys = ("right", "left", "left", "shift+right", "greater_than_sign", "shift+left", "less_than_sign")
+        await pilot.press(*keys, "pageup", "pagedown", "pagedown", "home", "home", "left", "end", "right")
+        values = [0.51, 0.5, 0.49, 0.491, 0.492, 0.491, 0.49, 0.59, 0.49, 0.39, 0.0, 1.0]
+        assert app.changes == [("gamma", value) for value in values]
+        assert app.slider.value == 1.0
+        assert "━● 1.000" in app.text.replace("  ", " ")
+
+
+async def test_keys_never_leave_a_range_with_an_open_end() -> None:
+    app = Bench(ALPHA, 0.02)
+    async with app.run_test() as pilot:
+        await pilot.press("left", "left", "left", "shift+left", "home", "pagedown")
+        assert app.changes == [("alpha", 0.01), ("alpha", 0.001)]
+
+
+async def test_a_value_is_typed_in_its_place() -> None:
+    app = Bench()
+    async with app.run_test() as pilot:
+        await pilot.press("0", "full_stop", "2", "5", "9", "backspace")
+        assert app.slider.value == 0.5
+        assert "0.25" in app.text
+        await pilot.press("enter")
+        assert app.changes == [("gamma", 0.25)]
+        await pilot.press("full_stop", "7", "escape")
+        assert app.slider.value == 0.25
+        assert app.stolen == 0
+        assert "0.250" in app.text
+
+
+async def test_what_is_typed_out_of_range_is_refused_with_the_range() -> None:
+    app = Bench(ALPHA, 0.5)
+    async with app.run_test() as pilot:
+        await pilot.press("1", "full_stop", "5", "enter")
+        assert app.refusals == [("alpha", "1.5")]
+        assert "not in (0, 1]" in app.text
+        assert (app.slider.value, app.changes) == (0.5, [])
+        await pilot.press("escape")
+        assert "0.500" in app.text
+        await pilot.press("0", "enter", "right")
+        assert app.changes == [("alpha", 0.51)]
+        assert "0.510" in app.text
+        assert app.stolen == 0
+
+
+async def test_words_are_typed_and_keys_go_back_to_the_last_number() -> None:
+    app = Bench(ALPHA, 0.3)
+    async with app.run_test() as pilot:
+        await pilot.press("1", "slash", "n", "enter")
+        assert "1/N  sample average" in app.text
+        await pilot.press("left")
+        assert app.changes == [("alpha", SAMPLE_AVERAGE), ("alpha", 0.3)]
+        await pilot.press("enter", "s", "enter", "home")
+        assert app.changes[2:] == [("alpha", SAMPLE_AVERAGE), ("alpha", 0.001)]
+        assert app.stolen == 0
+
+
+async def test_letters_are_left_to_the_screen_while_nothing_is_typed() -> None:
+    app = Bench(ALPHA, 0.3)
+    async with app.run_test() as pilot:
+        await pilot.press("s", "e", "escape")
+        assert app.stolen == 3
+        assert app.changes == []
+
+
+async def test_losing_the_focus_gives_up_what_was_typed() -> None:
+    app = Bench()
+    async with app.run_test() as pilot:
+        await pilot.press("0", "full_stop", "1", "tab")
+        assert not app.slider.has_focus
+        assert "0.500" in app.text
+        assert app.changes == []
+
+
+async def test_from_a_word_it_goes_to_the_default_where_there_was_no_number() -> None:
+    app = Bench(ALPHA, SAMPLE_AVERAGE)
+    async with app.run_test() as pilot:
+        await pilot.press("right")
+        assert app.changes == [("alpha", 0.1)]
+
+
+async def test_both_ends_and_every_cell_are_reached_by_a_click() -> None:
+    app = Bench(ALPHA, 0.5)
+    async with app.run_test() as pilot:
+        for column in app.track:
+            await pilot.click(app.slider, offset=(column, 0))
+            value = app.slider.value
+            assert not isinstance(value, str)
+            assert OPEN.cell_of(value, len(app.track)) == column - app.track.start
+        assert app.slider.value == 1.0
+        await pilot.click(app.slider, offset=(app.track.start, 0))
+        assert app.slider.value == 0.001
+        await pilot.click(app.slider, offset=(1, 0))
+        assert app.slider.value == 0.001
+
+
+async def test_a_drag_follows_the_pointer_past_the_ends() -> None:
+    app = Bench()
+    async with app.run_test() as pilot:
+        await pilot.mouse_down(app.slider, offset=(app.track[3], 0))
+        await pilot.hover(app.slider, offset=(app.track[20], 0))
+        assert app.slider.value == UNIT.at_cell(20, len(app.track))
+        await pilot.hover(app.slider, offset=(app.track.stop + 4, 0))
+        assert app.slider.value == 1.0
+        await pilot.hover(Button, offset=(0, 1))
+        assert app.slider.value == 0.0
+        await pilot.mouse_up(Button, offset=(0, 1))
+        await pilot.hover(app.slider, offset=(app.track[9], 0))
+        assert app.slider.value == 0.0
+        assert app.mouse_captured is None
+
+
+async def wheel(pilot: Pilot[None], slider: Slider, kind: type[events.MouseEvent]) -> None:
+    slider.post_message(
+        kind(slider, x=9, y=0, delta_x=0, delta_y=0, button=0, shift=False, meta=False, ctrl=False)
+    )
+    await pilot.pause()
+
+
+async def test_the_wheel_moves_it_by_a_step() -> None:
+    app = Bench(EPSILON, 0.99)
+    async with app.run_test() as pilot:
+        await wheel(pilot, app.slider, events.MouseScrollUp)
+        await wheel(pilot, app.slider, events.MouseScrollUp)
+        await wheel(pilot, app.slider, events.MouseScrollDown)
+        assert app.changes == [("epsilon", 1.0), ("epsilon", 0.99)]
+
+
+async def test_a_word_gives_way_to_a_click() -> None:
+    app = Bench(ALPHA, SAMPLE_AVERAGE)
+    async with app.run_test() as pilot:
+        await pilot.click(app.slider, offset=(30, 0))
+        assert app.changes == [("alpha", 0.1)]
+
+
+async def test_set_value_is_silent() -> None:
+    app = Bench()
+    async with app.run_test() as pilot:
+        app.slider.set_value(1)
+        await pilot.pause()
+        assert app.slider.value == 1.0
+        assert "1.000" in app.text
+        assert app.changes == []
+
+
+async def test_the_focus_is_seen() -> None:
+    app = Bench()
+    async with app.run_test() as pilot:
+        focused = app.slider.render_line(0)
+        await pilot.press("tab")
+        assert app.slider.render_line(0) != focused
+        assert app.slider.render_line(0).text == focused.text
