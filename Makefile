@@ -1,0 +1,31 @@
+# The everyday commands, in a virtual environment of their own.
+VENV := .venv
+BIN := $(VENV)/bin
+
+.PHONY: check test snapshots run measure
+
+$(VENV)/ready: pyproject.toml
+	python3 -m venv $(VENV)
+	$(BIN)/pip install --quiet -e ".[test,dev]"
+	touch $@
+
+# What .ci/run asks for besides the tests
+check: $(VENV)/ready
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy --strict
+	$(BIN)/lint-imports
+
+test: $(VENV)/ready
+	$(BIN)/python -m pytest
+
+# Look at every picture that changed before you keep it: CONTRIBUTING.md says how
+snapshots: $(VENV)/ready
+	$(BIN)/python -m pytest tests/tui --snapshot-update
+
+run: $(VENV)/ready
+	$(BIN)/rl-tui
+
+# The timings that README.md quotes; figures, not tests
+measure: $(VENV)/ready
+	$(BIN)/python tests/measure.py

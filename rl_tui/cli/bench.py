@@ -1,0 +1,48 @@
+"""``rl-tui bench``: steps a second on this machine, against the plain Gymnasium loop."""
+
+from __future__ import annotations
+
+import click
+
+from rl_tui.cli.number import Whole
+from rl_tui.cli.output import columns, print_json
+from rl_tui.cli.run_options import json_option, run_options, seed_option
+
+
+@click.command("bench")
+@click.argument("scenario", metavar="[SCENARIO|FILE.toml]", default="frozenlake-slippery")
+@click.option(
+    "--rounds", type=Whole(1, 1000), default=5, show_default=True, help="how often each is timed, in turns"
+)
+@run_options
+@seed_option
+@json_option
+def command(scenario: str, rounds: int, overrides: dict[str, object], seed: int, as_json: bool) -> None:
+    """Time learning here against the Gymnasium loop.
+
+    They take turns in one process. The plain loop runs twice: with argmax, which takes the first of equal
+    values, and with random ties as here.
+    """
+    from rl_tui.lab.benchmark import benchmark
+    from rl_tui.lab.library import find, recipe_for
+
+    figures = benchmark(recipe_for(find(scenario), overrides, seed), rounds)
+    if as_json:
+        print_json(figures)
+        return
+    rows = [
+        ("", "steps/s", "we are"),
+        ("rl-tui", f"{figures['kernel_steps_per_second']:,.0f}", ""),
+        (
+            "plain loop, argmax",
+            f"{figures['gymnasium_steps_per_second']:,.0f}",
+            f"{figures['ratio']:,.0f} times as fast",
+        ),
+        (
+            "plain loop, random ties",
+            f"{figures['gymnasium_random_ties_steps_per_second']:,.0f}",
+            f"{figures['ratio_random_ties']:,.0f} times as fast",
+        ),
+    ]
+    click.echo(f"{figures['scenario']}, median of {rounds}")
+    click.echo(columns(rows, right=(1,)))

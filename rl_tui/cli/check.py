@@ -1,0 +1,27 @@
+"""``rl-tui check``: validate scenario files."""
+
+from __future__ import annotations
+
+import click
+
+
+@click.command("check")
+@click.argument("files", metavar="FILE.toml ...", nargs=-1, required=True)
+@click.pass_context
+def command(context: click.Context, files: tuple[str, ...]) -> None:
+    """Report every fault of scenario files.
+
+    Each is a line of its own on stderr; files without a fault are named on stdout.
+    """
+    from rl_tui.lab.library import faults_of
+
+    faulty = False
+    for file in files:
+        faults = faults_of(file)
+        for fault in faults:
+            click.echo(str(fault), err=True)
+        if not faults:
+            click.echo(f"{file}: ok")
+        faulty = faulty or bool(faults)
+    if faulty:
+        context.exit(1)

@@ -1,0 +1,45 @@
+"""``rl-tui``: without a command, the catalogue of scenarios."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+import click
+
+from rl_tui import __version__
+from rl_tui.cli.display_options import DISPLAY_OPTIONS, display_of, display_options
+from rl_tui.cli.program import Program
+
+
+class RlTui(Program):
+    """The commands of rl-tui."""
+
+    modules: ClassVar = {
+        name: f"rl_tui.cli.{name}"
+        for name in ("play", "train", "solve", "list", "check", "bench", "screenshot")
+    }
+
+
+@click.group(cls=RlTui, invoke_without_command=True, context_settings={"help_option_names": ["-h", "--help"]})
+@click.version_option(__version__, "-V", "--version", prog_name="rl-tui")
+@display_options
+@click.pass_context
+def program(context: click.Context, /, **display: object) -> None:
+    """Watch a tabular reinforcement-learning agent learn, in the terminal.
+
+    Without a command it opens the catalogue of scenarios.
+    """
+    if context.invoked_subcommand is None:
+        from rl_tui.cli.screen import run_app
+
+        run_app(display_of(display))
+        return
+    for name in DISPLAY_OPTIONS:
+        if context.get_parameter_source(name) is click.core.ParameterSource.COMMANDLINE:
+            option = name.replace("_", "-")
+            raise click.UsageError(f"put --{option} after the command it is for", context)
+
+
+def main() -> None:
+    """Run rl-tui and exit."""
+    program(prog_name="rl-tui")

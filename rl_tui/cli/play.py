@@ -1,0 +1,30 @@
+"""``rl-tui play``: straight into the playground."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import click
+
+from rl_tui.cli.display_options import display_of, display_options
+from rl_tui.cli.run_options import run_options, seed_option
+
+
+@click.command("play")
+@click.argument("scenario", metavar="[SCENARIO|FILE.toml]", required=False)
+@run_options
+@seed_option
+@display_options
+def command(scenario: str | None, overrides: dict[str, object], seed: int, **display: Any) -> None:
+    """Open a scenario in the playground.
+
+    Without a name it is the first of the catalogue.
+    """
+    from rl_tui.cli.screen import require_terminal, run_app
+
+    require_terminal()
+    from rl_tui.lab.library import find, recipe_for
+    from rl_tui.worlds.catalogue import scenarios
+
+    chosen = find(scenario) if scenario is not None else scenarios()[0]
+    run_app(display_of(display), recipe_for(chosen, overrides, seed))

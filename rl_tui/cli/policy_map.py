@@ -1,0 +1,45 @@
+"""A policy in plain text: arrows on the map of a grid world, a line a state elsewhere."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from rl_tui.cli.output import can_print, columns
+from rl_tui.tui.theme.glyphs import ASCII, UNICODE, Glyphs
+from rl_tui.worlds.drawing import CellKind, Grid
+from rl_tui.worlds.world import World
+
+
+def policy_map(world: World, policy: Sequence[Sequence[str]]) -> str:
+    """Return a drawing of ``policy``, the names of the actions that it takes in each state (ties: several).
+
+    A dot says that all legal actions look equally good.
+    """
+    drawing = world.drawing
+    if isinstance(drawing, Grid) and None not in drawing.directions:
+        return _grid(world, drawing, policy)
+    states = zip(world.mdp.state_names, policy, strict=True)
+    return columns(
+        [("state", "greedy"), *((name, ", ".join(actions)) for name, actions in states if actions)]
+    )
+
+
+def _grid(world: World, grid: Grid, policy: Sequence[Sequence[str]]) -> str:
+    glyphs = UNICODE if can_print("←↓→↑●★█") else ASCII
+    mdp = world.mdp
+    directions = zip(mdp.action_names, grid.directions, strict=True)
+    arrows = {name: glyphs.direction(step) for name, step in directions if step}
+    cells = [_cell(kind, glyphs) for kind in grid.kinds]
+    for state, actions in enumerate(policy):
+        legal = len(mdp.pairs_of(state))
+        if legal:
+            unknown = legal > 1 and len(actions) == legal
+            drawn = "." if unknown else "".join(arrows[action] for action in actions)
+            cells[grid.cell_of_state[state]] = drawn
+    rows = [cells[first : first + grid.columns] for first in range(0, len(cells), grid.columns)]
+    return columns(rows)
+
+
+def _cell(kind: CellKind, glyphs: Glyphs) -> str:
+    special = {CellKind.HOLE: glyphs.hole, CellKind.GOAL: glyphs.goal, CellKind.WALL: glyphs.wall}
+    return special.get(kind, " ")

@@ -1,0 +1,103 @@
+"""The command line as a whole: commands are imported when asked for, and every failure is one line."""
+
+from __future__ import annotations
+
+import errno
+import os
+import sys
+from collections.abc import Mapping, Sequence
+from difflib import get_close_matches
+from importlib import import_module
+from typing import Any, ClassVar, Final, cast
+
+import click
+
+from rl_tui.worlds.errors import UserError
+
+DONE: Final = 0
+FAILED: Final = 1
+USAGE: Final = 2
+INTERRUPTED: Final = 130
+TRACEBACK: Final = "RL_TUI_TRACEBACK"
+
+
+class Program(click.Group):
+    """A group of commands, each the attribute ``command`` of a module that is imported only for it.
+
+    ``modules`` maps the names of the commands to their modules. Ends with exit status 0 (done), 1 (it could
+    not be done), 2 (usage) or 130 (interrupted), never with a traceback.
+    """
+
+    modules: ClassVar[Mapping[str, str]]
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        """Return the names of the commands in the order of the help."""
+        return list(self.modules)
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        """Return the command of that name, None if there is none."""
+        if cmd_name not in self.modules:
+            return None
+        return cast("click.Command", import_module(self.modules[cmd_name]).command)
+
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        """Find the command that ``args`` begin with; raises UsageError with near names."""
+        name = args[0]
+        if name not in self.modules and not name.startswith("-"):
+            near = get_close_matches(name, self.modules, n=1)
+            hint = f"did you mean {near[0]}?" if near else f"to play a scenario: rl-tui play {name}"
+            raise click.UsageError(f"no command is called {name!r}; {hint}", ctx)
+        return super().resolve_command(ctx, args)
+
+    def main(  # type: ignore[override]
+        self, args: Sequence[str] | None = None, *, standalone_mode: bool = True, **extra: Any
+    ) -> Any:
+        """Run the program and exit."""
+        if not standalone_mode:
+            return super().main(args, standalone_mode=False, **extra)
+        for stream in (sys.stdout, sys.stderr):
+            if hasattr(stream, "reconfigure"):
+                stream.reconfigure(errors="replace")
+        sys.exit(self._status(args, **extra))
+
+    def _status(self, args: Sequence[str] | None, **extra: Any) -> int:
+        try:
+            status = super().main(args, standalone_mode=False, **extra)
+            sys.stdout.flush()
+        except click.UsageError as fault:
+            where = fault.ctx.command_path if fault.ctx else "rl-tui"
+            return _fail(f"{where}: {fault.format_message()} ({where} --help lists the options)", USAGE)
+        except click.Abort:
+            return INTERRUPTED
+        except click.ClickException as fault:
+            return _fail(f"rl-tui: {fault.format_message()}", fault.exit_code)
+        except UserError as fault:
+            return _fail(_prefixed(str(fault)))
+        except OSError as fault:
+            if fault.errno == errno.EPIPE:
+                return _reader_gone()
+            place = f"{fault.filename}: " if fault.filename else ""
+            return _fail(f"rl-tui: {place}{fault.strerror or fault}")
+        except Exception as fault:  # a bug: still one line, and a way to see where
+            if os.environ.get(TRACEBACK):
+                raise
+            reason = " ".join(str(fault).split())
+            return _fail(f"rl-tui: unexpected {type(fault).__name__}: {reason} ({TRACEBACK}=1 shows where)")
+        return status if isinstance(status, int) else DONE
+
+
+def _prefixed(message: str) -> str:
+    return "\n".join(f"rl-tui: {line}" for line in message.splitlines())
+
+
+def _fail(message: str, status: int = FAILED) -> int:
+    click.echo(message, err=True)
+    return status
+
+
+def _reader_gone() -> int:
+    """End quietly when whoever reads our output has stopped, as ``head`` does."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    return FAILED

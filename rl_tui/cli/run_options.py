@@ -1,0 +1,42 @@
+"""The options that say how a run starts. Hyper-parameters come from their one list: new ones appear here."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Callable
+from typing import Any, Final
+
+import click
+
+from rl_tui.agents.catalogue import BY_ID
+from rl_tui.agents.hyperparameters import PARAMETERS
+from rl_tui.cli.number import ParameterValue, Whole
+
+Command = Callable[..., Any]
+
+scenario_argument: Final = click.argument("scenario", metavar="SCENARIO|FILE.toml")
+seed_option: Final = click.option(
+    "--seed", type=Whole(0), default=0, show_default=True, help="where all randomness comes from"
+)
+json_option: Final = click.option("--json", "as_json", is_flag=True, help="print one JSON document")
+
+
+def run_options(command: Command) -> Command:
+    """Add ``--algorithm`` and every hyper-parameter; those given arrive as the mapping ``overrides``."""
+    names = ("algorithm", *PARAMETERS)
+
+    @functools.wraps(command)
+    def gathered(**values: Any) -> Any:
+        given = {name: values.pop(name) for name in names}
+        overrides = {name: value for name, value in given.items() if value is not None}
+        return command(overrides=overrides, **values)
+
+    decorated: Command = gathered
+    for parameter in reversed(list(PARAMETERS.values())):
+        decorated = click.option(
+            f"--{parameter.name.replace('_', '-')}",
+            parameter.name,
+            type=ParameterValue(parameter),
+            help=f"{parameter.symbol}, {parameter.help}: {parameter.expected}",
+        )(decorated)
+    return click.option("--algorithm", type=click.Choice(list(BY_ID)), help="how the agent learns")(decorated)

@@ -1,0 +1,48 @@
+"""Starting the program on screen."""
+
+from __future__ import annotations
+
+import os
+import sys
+from typing import TYPE_CHECKING
+
+import click
+
+from rl_tui.cli.program import USAGE
+from rl_tui.tui.display import Display
+
+if TYPE_CHECKING:
+    from rl_tui.lab.recipe import Recipe
+
+
+class NoTerminalError(click.ClickException):
+    """There is nothing to draw on."""
+
+    exit_code = USAGE
+
+
+def require_terminal() -> None:
+    """Raise NoTerminalError, in one sentence, where nothing can be drawn."""
+    if not (sys.stdin.isatty() and sys.stdout.isatty()):
+        problem = "the playground needs a terminal, and this is not one"
+    elif os.environ.get("TERM") in ("dumb", "unknown"):
+        problem = "the playground cannot draw on a terminal of type dumb (TERM=dumb)"
+    else:
+        return
+    raise NoTerminalError(f"{problem}; rl-tui train and rl-tui screenshot do without")
+
+
+def run_app(display: Display, recipe: Recipe | None = None) -> None:
+    """Show the catalogue, or the playground of ``recipe``, until the user quits.
+
+    Raises UserError where a fault ended it.
+    """
+    require_terminal()
+    from rl_tui.tui.app import RlTuiApp
+
+    app = RlTuiApp(display, recipe)
+    fault = app.run(mouse=display.mouse)
+    if fault is not None:
+        raise fault
+    if app.return_code:
+        click.get_current_context().exit(app.return_code)

@@ -1,0 +1,72 @@
+"""``rl-tui screenshot``: a screen as SVG after given keys, no terminal needed."""
+
+from __future__ import annotations
+
+import re
+import sys
+from pathlib import Path
+from typing import Any
+
+import click
+
+from rl_tui.cli.display_options import display_of, display_options
+from rl_tui.cli.number import OptionValue
+from rl_tui.cli.run_options import run_options, seed_option
+
+
+class ScreenSize(OptionValue):
+    """Columns and rows: ``120x40``."""
+
+    name = "COLUMNSxROWS"
+
+    def convert(
+        self, value: object, param: click.Parameter | None, ctx: click.Context | None
+    ) -> tuple[int, int]:
+        """Return columns and rows; fails naming the range."""
+        match = re.fullmatch(r"([0-9]{1,4})x([0-9]{1,4})", str(value))
+        columns, rows = (int(match[1]), int(match[2])) if match else (0, 0)
+        if not (20 <= columns <= 500 and 5 <= rows <= 200):
+            self.fail(f"{value} is not a size such as 120x40, from 20x5 to 500x200", param, ctx)
+        return columns, rows
+
+
+@click.command("screenshot")
+@click.argument("scenario", metavar="[SCENARIO|FILE.toml]", required=False)
+@click.option("--out", required=True, metavar="F.svg", help="the file to write; - for stdout")
+@click.option("--size", type=ScreenSize(), default="120x40", show_default=True, help="columns x rows")
+@click.option(
+    "--keys", default="", help="keys to press first, between commas; wait:N lets N steps of training pass"
+)
+@run_options
+@seed_option
+@display_options
+def command(
+    scenario: str | None,
+    out: str,
+    size: tuple[int, int],
+    keys: str,
+    overrides: dict[str, object],
+    seed: int,
+    **display: Any,
+) -> None:
+    """Draw a screen as an SVG picture.
+
+    It is the playground of a scenario or, without one, the catalogue. The same call gives the same bytes, so
+    steps a second are left blank. An example:
+
+    rl-tui screenshot frozenlake --keys "wait:20000,v" --out lake.svg
+    """
+    if scenario is None and (overrides or seed):
+        raise click.UsageError("options of a run need a scenario", click.get_current_context())
+    import asyncio
+
+    from rl_tui.lab.library import find, recipe_for
+    from rl_tui.tui.screenshot import screenshot
+
+    recipe = recipe_for(find(scenario), overrides, seed) if scenario is not None else None
+    wanted = keys.split(",") if keys else []
+    svg = asyncio.run(screenshot(recipe, size, wanted, display_of(display)))
+    if out == "-":
+        sys.stdout.write(svg)
+    else:
+        Path(out).write_text(svg, encoding="utf-8")

@@ -1,0 +1,89 @@
+"""``rl-tui solve``: the exact answer by dynamic programming."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from rl_tui.agents.hyperparameters import PARAMETERS
+from rl_tui.cli.number import ParameterValue
+from rl_tui.cli.output import columns, number, print_json
+from rl_tui.cli.run_options import json_option, scenario_argument, seed_option
+
+if TYPE_CHECKING:
+    from rl_tui.worlds.world import World
+
+
+@click.command("solve")
+@scenario_argument
+@click.option(
+    "--gamma",
+    type=ParameterValue(PARAMETERS["gamma"]),
+    help=f"γ, {PARAMETERS['gamma'].help}: {PARAMETERS['gamma'].expected}  [default: the scenario's]",
+)
+@seed_option
+@json_option
+def command(scenario: str, gamma: float | None, seed: int, as_json: bool) -> None:
+    """Print the optimal values and policy, exact to 1e-9.
+
+    The seed counts only where the world depends on it: the arms of a bandit.
+    """
+    from rl_tui.agents.planning import solve
+    from rl_tui.lab.figures import policy_names, table
+    from rl_tui.lab.library import find, recipe_for
+    from rl_tui.lab.recipe import begin
+
+    recipe = recipe_for(find(scenario), {} if gamma is None else {"gamma": gamma}, seed)
+    world = begin(recipe).world
+    mdp = world.mdp
+    solution = solve(mdp, recipe.hyperparameters.gamma)
+    answer = {
+        "scenario": recipe.scenario.id,
+        "gamma": solution.gamma,
+        "states": list(mdp.state_names),
+        "actions": list(mdp.action_names),
+        "v": solution.v.tolist(),
+        "q": table(mdp, solution.q),
+        "policy": policy_names(mdp, solution.greedy.astype(float)),
+        "value_at_start": solution.value_at_start,
+        "expected_return": solution.expected_return,
+        "best_expected_return": solution.best_expected_return,
+        "iterations": solution.iterations,
+    }
+    if as_json:
+        print_json(answer)
+    else:
+        click.echo(_report(recipe.scenario.title, world, answer))
+
+
+def _report(title: str, world: World, answer: dict[str, Any]) -> str:
+    from rl_tui.cli.policy_map import policy_map
+    from rl_tui.worlds.drawing import Grid
+
+    head = ("state", "V", *(f"Q {action}" for action in answer["actions"]), "policy")
+    rows = [
+        (
+            state,
+            number(answer["v"][index], ".5f"),
+            *("" if q is None else number(q, ".5f") for q in answer["q"][index]),
+            ", ".join(answer["policy"][index]),
+        )
+        for index, state in enumerate(answer["states"])
+    ]
+    summary = [
+        ("value at the start", number(answer["value_at_start"], ".5f"), f"discounted, γ {answer['gamma']:g}"),
+        ("expected return", number(answer["expected_return"], ".5f"), "of this policy, undiscounted"),
+        (
+            "best possible",
+            number(answer["best_expected_return"], ".5f"),
+            "if it may look at the clock",
+        ),
+    ]
+    iterations = answer["iterations"]
+    counted = "1 policy" if iterations == 1 else f"{iterations} policies"
+    parts = [f"{title}: exact, by policy iteration ({counted})", ""]
+    parts += [columns([head, *rows], right=range(1, len(head) - 1)), ""]
+    if isinstance(world.drawing, Grid):
+        parts += [policy_map(world, answer["policy"]), ""]
+    return "\n".join([*parts, columns(summary)])

@@ -1,0 +1,71 @@
+"""What the README shows is what the program does."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from textwrap import dedent
+
+import pytest
+from click.testing import CliRunner
+
+from rl_tui.cli.main import program
+
+README = (Path(__file__).parents[2] / "README.md").read_text(encoding="utf-8")
+COMMANDS = ("play", "train", "solve", "list", "check", "bench", "screenshot")
+
+
+def output_of(*args: str) -> str:
+    result = CliRunner().invoke(program, args)
+    assert (result.exit_code, result.stderr) == (0, "")
+    return result.stdout
+
+
+def shown_after(command: str) -> str:
+    """Return the indented lines that the README shows below ``command``."""
+    block = re.search(rf"    \$ {re.escape(command)}\n((?:    .*\n|\n)*?)(?=\n*[^ \n])", README)
+    assert block
+    return dedent(block[1]).strip()
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        "python3 -m venv .venv && .venv/bin/pip install -e . && .venv/bin/rl-tui",
+        'python3 -m venv .venv && .venv/bin/pip install -e ".[test]" && .venv/bin/python -m pytest',
+    ],
+)
+def test_the_two_commands_for_a_fresh_machine_stand_there(command: str) -> None:
+    assert f"\n    {command}\n" in README
+
+
+def test_solve_prints_what_is_shown() -> None:
+    assert output_of("solve", "student").strip() == shown_after("rl-tui solve student")
+
+
+def test_train_prints_what_is_shown() -> None:
+    def without_speed(text: str) -> str:
+        return re.sub(r"in [\d.]+ s, [\d.]+ million steps/s", "", text)
+
+    real = output_of("train", "frozenlake").strip()
+    assert without_speed(real) == without_speed(shown_after("rl-tui train frozenlake"))
+
+
+def test_the_scenario_in_it_has_no_fault(tmp_path: Path) -> None:
+    toml = re.search(r'(    title = "Two roads"\n(?:    .*\n|\n)*)', README)
+    assert toml
+    file = tmp_path / "two-roads.toml"
+    file.write_text(dedent(toml[1]), encoding="utf-8")
+    assert output_of("check", str(file)) == f"{file}: ok\n"
+
+
+def test_every_option_it_names_exists() -> None:
+    help_texts = "".join(output_of(name, "--help") for name in COMMANDS)
+    outside_code = {"--version", "--help"}
+    named = set(re.findall(r"(?<![\w-])--[a-z][a-z-]+", README)) - outside_code
+    assert {option for option in named if option not in help_texts} == set()
+
+
+def test_every_command_is_listed() -> None:
+    for name in COMMANDS:
+        assert f"\n    rl-tui {name} " in README or f"\n    rl-tui {name}  " in README

@@ -1,0 +1,260 @@
+"""What is refused, with which words and which exit status."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner, Result
+
+from rl_tui import __version__
+from rl_tui.agents.hyperparameters import PARAMETERS
+from rl_tui.cli import program as program_module
+from rl_tui.cli.main import program
+
+COMMANDS = ("play", "train", "solve", "list", "check", "bench", "screenshot")
+
+
+def run(*args: str) -> Result:
+    return CliRunner().invoke(program, args)
+
+
+def one_line(result: Result) -> str:
+    """Return the only line of stderr; nothing else may have been printed."""
+    assert result.stdout == ""
+    assert "Traceback" not in result.stderr
+    assert result.stderr.count("\n") == 1
+    return result.stderr
+
+
+def test_version() -> None:
+    result = run("--version")
+    assert (result.exit_code, result.stdout) == (0, f"rl-tui, version {__version__}\n")
+
+
+def test_help_lists_every_command() -> None:
+    result = run("--help")
+    assert result.exit_code == 0
+    for name in COMMANDS:
+        assert f"\n  {name} " in result.stdout
+        assert run(name, "--help").exit_code == 0
+
+
+def test_every_hyper_parameter_is_an_option_with_its_range() -> None:
+    for command in ("train", "play", "screenshot"):
+        text = " ".join(run(command, "--help").stdout.split())
+        for parameter in PARAMETERS.values():
+            assert f"--{parameter.name.replace('_', '-')} " in text
+
+
+@pytest.mark.parametrize(
+    ("option", "range_"),
+    [
+        (("--alpha", "0"), "(0, 1] or sample-average"),
+        (("--alpha", "-1"), "(0, 1]"),
+        (("--alpha=-1",), "(0, 1]"),
+        (("--alpha", "1.5"), "(0, 1]"),
+        (("--alpha", "nan"), "(0, 1]"),
+        (("--alpha", "fast"), "(0, 1]"),
+        (("--gamma", "1.01"), "[0, 1]"),
+        (("--gamma", "-0.1"), "[0, 1]"),
+        (("--gamma", "inf"), "[0, 1]"),
+        (("--epsilon", "2"), "[0, 1]"),
+        (("--epsilon=-1e-9",), "[0, 1]"),
+        (("--epsilon-min", "2"), "[0, 1]"),
+        (("--epsilon-decay", "-1"), "[0, ∞)"),
+        (("--epsilon-decay", "inf"), "[0, ∞)"),
+        (("--initial-q", "nan"), "[-1e+12, 1e+12]"),
+        (("--initial-q", "-1e13"), "[-1e+12, 1e+12]"),
+        (("--ties", "last"), "random or first"),
+        (("--episodes", "-5"), "[1, "),
+        (("--episodes", "0"), "[1, "),
+        (("--episodes", "1e3"), "[1, "),
+        (("--steps", "-5"), "[1, "),
+        (("--runs", "0"), "[1, "),
+        (("--seed", "-1"), "[0, "),
+        (("--seed", "9" * 5000), "[0, "),
+    ],
+)
+def test_a_value_out_of_range_is_refused_with_the_range(option: tuple[str, ...], range_: str) -> None:
+    result = run("train", "frozenlake", *option)
+    assert result.exit_code == 2
+    message = one_line(result)
+    assert range_ in message
+    assert option[0].split("=")[0] in message
+
+
+@pytest.mark.parametrize(
+    "args",
+    [
+        ("train",),
+        ("train", "student", "--episodes", "3", "--steps", "3"),
+        ("train", "student", "--algorithm", "guessing"),
+        ("train", "student", "--no-such-option"),
+        ("solve", "student", "--gamma", "2"),
+        ("check",),
+        ("bench", "--rounds", "0"),
+        ("screenshot", "student"),
+        ("screenshot", "student", "--out", "x.svg", "--size", "80"),
+        ("screenshot", "student", "--out", "x.svg", "--size", "1x1"),
+        ("screenshot", "student", "--out", "x.svg", "--fps", "nan"),
+        ("screenshot", "student", "--out", "x.svg", "--colors", "7"),
+        ("--theme", "light", "list"),
+        ("frozenlake",),
+    ],
+)
+def test_wrong_usage_is_one_line_and_status_2(args: tuple[str, ...]) -> None:
+    result = run(*args)
+    assert result.exit_code == 2
+    one_line(result)
+
+
+def test_near_commands_are_suggested() -> None:
+    assert "did you mean train?" in run("tran").stderr
+    assert "rl-tui play frozenlake" in run("frozenlake").stderr
+
+
+@pytest.mark.parametrize("command", ["train", "solve"])
+def test_unknown_scenarios_suggest_near_ones(command: str) -> None:
+    result = run(command, "frozenlak")
+    assert result.exit_code == 1
+    assert "did you mean frozenlake" in one_line(result)
+
+
+def test_a_missing_file_is_named() -> None:
+    result = run("train", "nowhere/to-be-found.toml")
+    assert result.exit_code == 1
+    assert "nowhere/to-be-found.toml" in one_line(result)
+
+
+def test_a_csv_file_that_cannot_be_written_is_named(tmp_path: Path) -> None:
+    target = str(tmp_path / "missing" / "episodes.csv")
+    for more in ((), ("--runs", "2")):
+        result = run("train", "student", "--csv", target, *more)
+        assert result.exit_code == 1
+        assert target in one_line(result)
+
+
+def test_a_picture_that_cannot_be_written_is_named(tmp_path: Path) -> None:
+    target = str(tmp_path / "missing" / "picture.svg")
+    result = run("screenshot", "student", "--out", target, "--size", "80x24")
+    assert result.exit_code == 1
+    assert target in one_line(result)
+
+
+def test_a_run_that_breaks_down_is_a_failure_naming_the_step(tmp_path: Path) -> None:
+    file = tmp_path / "runaway.toml"
+    file.write_text(
+        """
+        [defaults]
+        alpha = 1.0
+        gamma = 1.0
+        [mdp]
+        start = "A"
+        place = { A = [0, 0], B = [1, 0] }
+        [[mdp.transition]]
+        state = "A"
+        action = "go"
+        reward = 1e9
+        to = { A = 0.999, B = 0.001 }
+        """,
+        encoding="utf-8",
+    )
+    result = run("train", str(file), "--json")
+    assert result.exit_code == 1
+    assert "at step" in one_line(result)
+
+
+def test_check_reports_every_fault_and_fails(tmp_path: Path) -> None:
+    good = tmp_path / "good.toml"
+    good.write_text(
+        "[bandit]\narms = 2\nmean = { normal = [0.0, 1.0] }\nstd = 1.0\nbudget = 10\n", encoding="utf-8"
+    )
+    bad = tmp_path / "bad.toml"
+    bad.write_text(
+        '[defaults]\nalpha = 3\n[mdp]\nstart = "Nowhere"\nplace = { A = [0, 0], B = [1, 0] }\n'
+        '[[mdp.transition]]\nstate = "A"\naction = "go"\nreward = 0.0\nto = { B = 0.7 }\n',
+        encoding="utf-8",
+    )
+    result = run("check", str(good), str(bad))
+    assert result.exit_code == 1
+    assert result.stdout == f"{good}: ok\n"
+    lines = result.stderr.splitlines()
+    assert all(line.startswith(f"{bad}: ") for line in lines)
+    assert any("defaults.alpha" in line and "(0, 1]" in line for line in lines)
+    assert any("mdp.transition[0].to" in line for line in lines)
+    assert any("mdp.start" in line for line in lines)
+
+
+def test_check_accepts_the_shipped_scenarios() -> None:
+    folder = Path(__file__).parents[2] / "scenarios"
+    result = run("check", *sorted(str(file) for file in folder.glob("*.toml")))
+    assert result.exit_code == 0
+    assert result.stderr == ""
+    assert result.stdout.count(": ok\n") == 6
+
+
+@pytest.mark.parametrize("args", [(), ("play",), ("play", "frozenlake")])
+def test_without_a_terminal_one_sentence_and_status_2(args: tuple[str, ...]) -> None:
+    result = run(*args)
+    assert result.exit_code == 2
+    assert "needs a terminal" in one_line(result)
+
+
+def test_a_bug_is_one_line_too(monkeypatch: pytest.MonkeyPatch) -> None:
+    def broken(*args: object, **more: object) -> None:
+        raise ZeroDivisionError("a\nb")
+
+    monkeypatch.delenv(program_module.TRACEBACK, raising=False)
+    monkeypatch.setattr("rl_tui.lab.library.find", broken)
+    result = run("train", "student")
+    assert result.exit_code == 1
+    assert "ZeroDivisionError: a b" in one_line(result)
+    monkeypatch.setenv(program_module.TRACEBACK, "1")
+    assert isinstance(run("train", "student").exception, ZeroDivisionError)
+
+
+def test_a_reader_that_has_gone_is_no_traceback() -> None:
+    reading, writing = os.pipe()
+    os.close(reading)
+    try:
+        done = subprocess.run(
+            [sys.executable, "-m", "rl_tui.cli", "list", "--json"],
+            stdout=writing,
+            stderr=subprocess.PIPE,
+            check=False,
+        )
+    finally:
+        os.close(writing)
+    assert (done.returncode, done.stderr) == (1, b"")
+
+
+def test_an_interrupt_is_quiet(tmp_path: Path) -> None:
+    pipe = tmp_path / "episodes.csv"
+    os.mkfifo(pipe)
+    command = [
+        sys.executable,
+        "-m",
+        "rl_tui.cli",
+        "train",
+        "student",
+        "--steps",
+        "10" + "0" * 11,
+        "--csv",
+        str(pipe),
+    ]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
+        with pipe.open("rb", buffering=0) as stream:
+            assert stream.read(4) == b"run,"
+            while len(stream.read(65536)) < 4096:  # until it is really under way
+                pass
+            process.send_signal(signal.SIGINT)
+            while stream.read(65536):
+                pass
+        out, err = process.communicate()
+    assert process.returncode == 130
+    assert (out, err.strip()) == (b"", b"")

@@ -1,0 +1,168 @@
+"""Prints the timings that this project is held to, as they are on this machine: ``python tests/measure.py``.
+
+They are figures, not tests: nothing fails on a slow machine. Each is taken with the real program, in turns
+with what it is compared with, and given as a median unless said otherwise.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import re
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from statistics import median, quantiles
+from typing import Final
+
+from pseudo_terminal import RL_TUI, PseudoTerminal
+
+SCENARIO: Final = "frozenlake-slippery"
+EMPTY_APP: Final = (sys.executable, "-c", "from textual.app import App; App().run()")
+FULL_SPEED: Final = " " + "+" * 9
+LIVE_SECONDS: Final = 6.0
+LAYERS: Final = (r"Q\*", r"Q−Q\*", "visits", "Q")  # in the order of the key v
+STEPS: Final = re.compile(r"step +([\d,]+)\s")
+MEMORY: Final = """
+import os, sys
+from rl_tui.lab.library import find, recipe_for
+from rl_tui.lab.run import Run
+run = Run(recipe_for(find({scenario!r})))
+page = os.sysconf("SC_PAGE_SIZE") / 1e6
+for steps in ({first}, {last}):
+    while run.step < steps:
+        run.advance(min(steps - run.step, 10_000_000))
+    with open("/proc/self/statm", encoding="ascii") as file:
+        print(int(file.read().split()[1]) * page, flush=True)
+"""
+
+Rows = Iterator[tuple[str, str, str]]
+
+
+def start_up(rounds: int) -> Rows:
+    """How long ``rl-tui --version`` takes."""
+    taken = []
+    for _ in range(rounds):
+        start = time.perf_counter()
+        subprocess.run([*RL_TUI, "--version"], check=True, capture_output=True)
+        taken.append(time.perf_counter() - start)
+    yield "rl-tui --version", f"{median(taken):.3f} s", "at most 0.25 s"
+
+
+def bench(rounds: int) -> Rows:
+    """Headless training against the plain Gymnasium loop."""
+    done = subprocess.run(
+        [*RL_TUI, "bench", "--rounds", str(rounds), "--json"], check=True, capture_output=True
+    )
+    figures = json.loads(done.stdout)
+    yield "headless training", f"{figures['kernel_steps_per_second'] / 1e6:.1f} million steps/s", ""
+    yield "against the plain Gymnasium loop", f"{figures['ratio']:.0f} times", "at least 250 times"
+    yield "the same with random ties", f"{figures['ratio_random_ties']:.0f} times", ""
+
+
+def first_paint(rounds: int) -> Rows:
+    """The time to the first frame with something on it, against that of an empty Textual app."""
+    empty, ours = [], []
+    for _ in range(rounds):
+        empty.append(_time_to(EMPTY_APP, r"\s{200}"))
+        ours.append(_time_to(RL_TUI, "Scenarios"))
+    later = median(mine - other for mine, other in zip(ours, empty, strict=True))
+    yield "first paint of an empty Textual app", f"{median(empty):.2f} s", ""
+    yield "first paint of the catalogue", f"{median(ours):.2f} s", ""
+    yield "later by", f"{later:.2f} s", "at most 0.3 s"
+
+
+def _time_to(command: tuple[str, ...], text: str) -> float:
+    with PseudoTerminal(command) as terminal:
+        terminal.wait_for(text)
+        taken = time.perf_counter() - terminal.started
+        terminal.press("\x11")
+        terminal.wait_for_end()
+    return taken
+
+
+def live(rounds: int) -> Rows:
+    """The playground at full speed at 120×40 against headless training, and how soon keys show meanwhile."""
+    headless, on_screen, changes, layers = [], [], [], []
+    for _ in range(rounds):
+        headless.append(_headless_speed())
+        with PseudoTerminal([*RL_TUI, "play", SCENARIO]) as terminal:
+            terminal.wait_for("paused")
+            terminal.press(FULL_SPEED)
+            terminal.wait_for(r"step\s+\d{1,3}(,\d{3}){2,}")
+            on_screen.append(_live_speed(terminal))
+            for turn in range(12):
+                layers += [_delay(terminal, turn, "v", f"▌{layer}▐") for layer in LAYERS]
+                changes.append(_delay(terminal, turn, "-", "100,000/s"))
+                changes.append(_delay(terminal, turn, "+", "▶ max"))
+            terminal.press("q")
+            terminal.wait_for_end()
+    kept = median(on_screen) / median(headless)
+    yield "headless, in the same minutes", f"{median(headless) / 1e6:.1f} million steps/s", ""
+    yield "live at 120×40, full speed", f"{median(on_screen) / 1e6:.1f} million steps/s", ""
+    yield "kept live", f"{kept:.0%}", "at least 90%"
+    yield "key v to another layer, 95%", f"{_percentile(layers):.0f} ms", "at most 50 ms"
+    yield "keys + - to another speed, 95%", f"{_percentile(changes):.0f} ms", "at most 50 ms"
+
+
+def _headless_speed() -> float:
+    command = [*RL_TUI, "train", SCENARIO, "--steps", "100000000", "--json"]
+    done = subprocess.run(command, check=True, capture_output=True)
+    return float(json.loads(done.stdout)["steps_per_second"])
+
+
+def _live_speed(terminal: PseudoTerminal) -> float:
+    samples = [
+        (moment, int(found[-1].replace(",", "")))
+        for moment, text in terminal.reading(LIVE_SECONDS)
+        if (found := STEPS.findall(text))
+    ]
+    (start, first), (end, last) = samples[0], samples[-1]
+    return (last - first) / (end - start)
+
+
+def _delay(terminal: PseudoTerminal, turn: int, key: str, text: str) -> float:
+    """Return the milliseconds from pressing ``key``, at no particular moment of a frame, to ``text``."""
+    for _ in terminal.reading(0.1 + 0.011 * turn):
+        pass
+    start = time.perf_counter()
+    terminal.press(key)
+    terminal.wait_for(text)
+    return (time.perf_counter() - start) * 1e3
+
+
+def _percentile(delays: list[float]) -> float:
+    return quantiles(delays, n=20)[-1]
+
+
+def memory(steps: int) -> Rows:
+    """Resident memory of a run after ten million steps and after ``steps``."""
+    code = MEMORY.format(scenario=SCENARIO, first=10_000_000, last=steps)
+    done = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True)
+    first, last = map(float, done.stdout.split())
+    yield "memory after 10,000,000 steps", f"{first:.0f} MB", ""
+    yield f"after {steps:,} steps", f"{last - first:+.1f} MB", "at most +10 MB"
+
+
+def main() -> None:
+    """Measure, a line at a time."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("what", nargs="*", help="start-up, bench, first-paint, live, memory; default: all")
+    parser.add_argument("--rounds", type=int, default=5)
+    parser.add_argument("--memory-steps", type=int, default=1_000_000_000)
+    options = parser.parse_args()
+    measures: dict[str, Callable[[], Rows]] = {
+        "start-up": lambda: start_up(options.rounds),
+        "bench": lambda: bench(options.rounds),
+        "first-paint": lambda: first_paint(options.rounds),
+        "live": lambda: live(options.rounds),
+        "memory": lambda: memory(options.memory_steps),
+    }
+    for name in options.what or measures:
+        for what, figure, wanted in measures[name]():
+            print(f"{what:36} {figure:>26}   {wanted}".rstrip(), flush=True)
+
+
+if __name__ == "__main__":
+    main()

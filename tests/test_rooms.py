@@ -1,0 +1,78 @@
+"""What each room loads, each time in a fresh process: imports run one way, and slow ones come late."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+
+import pytest
+
+SLOW = ("numba", "gymnasium", "textual")
+
+LOADED = """
+import json, sys
+{code}
+print(json.dumps(sorted(name for name in sys.modules if "." not in name or name.startswith("rl_tui."))))
+"""
+
+WHOLE_ROOM = """
+import importlib, pkgutil
+import rl_tui.{room}
+for module in pkgutil.walk_packages(rl_tui.{room}.__path__, "rl_tui.{room}."):
+    importlib.import_module(module.name)
+"""
+
+COMMAND_LINE = """
+from rl_tui.cli.main import program
+try:
+    program({args!r}, prog_name="rl-tui")
+except SystemExit as end:
+    assert end.code == 0
+"""
+
+
+def loaded_by(code: str) -> set[str]:
+    """Return the top-level modules, and those of rl_tui, that ``code`` loads in a fresh process."""
+    done = subprocess.run(
+        [sys.executable, "-c", LOADED.format(code=code)], capture_output=True, text=True, check=True
+    )
+    return set(json.loads(done.stdout.splitlines()[-1]))
+
+
+@pytest.mark.parametrize(
+    ("room", "above"),
+    [("worlds", ("agents", "lab", "tui", "cli")), ("agents", ("lab", "tui", "cli")), ("lab", ("tui", "cli"))],
+)
+def test_a_lower_room_neither_draws_nor_looks_up(room: str, above: tuple[str, ...]) -> None:
+    loaded = loaded_by(WHOLE_ROOM.format(room=room))
+    assert f"rl_tui.{room}" in loaded
+    assert "textual" not in loaded
+    assert not loaded & {f"rl_tui.{each}" for each in above}
+
+
+def test_the_screen_comes_up_without_what_is_slow() -> None:
+    loaded = loaded_by("import rl_tui.tui.app")
+    assert "textual" in loaded
+    assert not loaded & {"numba", "gymnasium"}
+
+
+@pytest.mark.parametrize(
+    "args",
+    [
+        ["--version"],
+        ["--help"],
+        *([name, "--help"] for name in ("play", "train", "solve", "list", "check", "bench", "screenshot")),
+    ],
+    ids=" ".join,
+)
+def test_version_and_help_load_nothing_slow(args: list[str]) -> None:
+    loaded = loaded_by(COMMAND_LINE.format(args=args))
+    assert "click" in loaded
+    assert not loaded & {*SLOW, "numpy", "pydantic"}
+
+
+def test_commands_without_a_screen_do_not_load_it() -> None:
+    loaded = loaded_by(COMMAND_LINE.format(args=["train", "student", "--steps", "10"]))
+    assert "numba" in loaded
+    assert not loaded & {"textual", "gymnasium"}

@@ -1,0 +1,100 @@
+"""The real program in a pseudo-terminal: it trains, it quits, and it leaves the terminal as it was."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+from pseudo_terminal import RL_TUI, PseudoTerminal, visible
+
+KEYBOARD_ON = re.compile(rb"\x1b\[>\d+u")  # the protocol that tells all keys apart
+KEYBOARD_OFF = b"\x1b[<u"
+FASTER = "+" * 9
+A_MILLION_STEPS = r"step\s+(\d{1,3}(,\d{3}){2,}|[\d.]+ ?[MG])"
+
+
+@contextmanager
+def rl_tui(*args: str, cache: Path | None = None, **more: str) -> Iterator[PseudoTerminal]:
+    """Start rl-tui; when the block has ended it must have quit and put everything back."""
+    environment = {**({"RL_TUI_CACHE_DIR": str(cache)} if cache else {}), **more}
+    with PseudoTerminal([*RL_TUI, *args], environment) as terminal:
+        yield terminal
+        assert terminal.wait_for_end() == 0
+        assert b"\x1b[?1049h" in terminal.written  # it did take the alternate screen
+        assert terminal.modes_left_changed == set()
+        assert len(KEYBOARD_ON.findall(terminal.written)) == terminal.written.count(KEYBOARD_OFF)
+        assert terminal.attributes == terminal.attributes_before
+        assert "Traceback" not in visible(terminal.written)
+
+
+def test_it_trains_pauses_and_quits() -> None:
+    with rl_tui("play", "frozenlake") as terminal:
+        terminal.wait_for("paused")
+        terminal.press(" ")
+        terminal.wait_for(r"10/s")
+        terminal.press(FASTER)
+        terminal.wait_for(A_MILLION_STEPS)
+        terminal.press(" ")
+        terminal.wait_for("paused")
+        terminal.press("q")
+
+
+def test_it_quits_in_the_middle_of_a_chunk() -> None:
+    with rl_tui("play", "frozenlake-8x8-slippery") as terminal:
+        terminal.wait_for("paused")
+        terminal.press(" " + FASTER)
+        terminal.wait_for(A_MILLION_STEPS)
+        terminal.press("q")
+
+
+def test_it_quits_while_compiling(tmp_path: Path) -> None:
+    with rl_tui("play", "frozenlake", cache=tmp_path) as terminal:
+        terminal.wait_for("preparing:")
+        terminal.press("q")
+    assert not list(tmp_path.rglob("loop.advance*.nbc"))  # it did not wait for the compiler
+
+
+def test_the_catalogue_opens_and_quits() -> None:
+    with rl_tui() as terminal:
+        terminal.wait_for("FrozenLake")
+        terminal.press("q")
+
+
+def test_from_the_catalogue_to_a_run_and_back() -> None:
+    with rl_tui() as terminal:
+        terminal.wait_for("FrozenLake")
+        terminal.press("\r")
+        terminal.wait_for("paused")
+        terminal.press("\x1b")
+        terminal.wait_for("Scenarios")
+        terminal.press("q")
+
+
+def test_ctrl_q_quits_too() -> None:
+    with rl_tui("play", "student") as terminal:
+        terminal.wait_for("paused")
+        terminal.press("\x11")  # ctrl+q
+
+
+@pytest.mark.parametrize("args", [(), ("play", "frozenlake")])
+def test_a_dumb_terminal_gets_one_sentence(args: tuple[str, ...]) -> None:
+    with PseudoTerminal([*RL_TUI, *args], {"TERM": "dumb"}) as terminal:
+        assert terminal.wait_for_end() == 2
+        assert b"\x1b" not in terminal.written
+        assert visible(terminal.written).count("\n") == 1
+        assert "TERM=dumb" in visible(terminal.written)
+
+
+def test_a_fault_is_told_after_the_terminal_is_restored(tmp_path: Path) -> None:
+    file = tmp_path / "nowhere.toml"
+    file.write_text('[gymnasium]\nid = "NoSuchWorld-v0"\n', encoding="utf-8")
+    with PseudoTerminal([*RL_TUI, "play", str(file)]) as terminal:
+        assert terminal.wait_for_end() == 1
+        assert terminal.modes_left_changed == set()
+        assert terminal.attributes == terminal.attributes_before
+        last = visible(terminal.written).splitlines()[-1]
+        assert "nowhere.toml" in last
+        assert "NoSuchWorld-v0" in last
