@@ -41,11 +41,13 @@ class Pace:
         self._taken += steps
 
     def wait(self, now: float) -> float:
-        """Return how long to wait for the next step; at high speeds, for a sixtieth of steps together."""
+        """Return how long to wait for the next step; at high speeds, for a sixtieth of a second of them."""
         ahead = self._origin + (self._taken + 1) / self._speed - now
-        if ahead <= 0.0:
-            return 0.0
-        return max(ahead, TICK) if self._speed > 1 / TICK else ahead
+        if self._speed <= 1 / TICK:
+            return max(ahead, 0.0)
+        # steps that fell due while the last ones were taken are no debt yet: without a rest between two
+        # helpings the player's thread would never let go of its lock
+        return 0.0 if ahead < -TICK else max(ahead, TICK)
 
 
 class ChunkSize:

@@ -53,6 +53,7 @@ class Player:
         self._reader: _Reader | None = None
         self._wanted = False
         self._outdated = True
+        self._put_off = False
         self._latest: Snapshot | None = None
         self._failure: BaseException | None = None
         self._closing = False
@@ -149,21 +150,31 @@ class Player:
         """Carry out what was sent until now, so that whoever sends without end does not hold up the run."""
         for _ in range(len(self._commands)):
             with self._changed:
-                if self._playback.busy or not self._commands or self._closing:
+                if self._closing or not self._may_take():
                     return
                 item = self._commands.popleft()
-                if isinstance(item, _Question) and self._playback.on_the_way:
-                    self._commands.appendleft(item)
-                    return
             if isinstance(item, _Question):
                 item.reply(self._playback.snapshot())
                 self._outdated = True
             else:
                 self._playback.handle(item)
 
+    def _may_take(self) -> bool:
+        """Tell whether the first of what was sent, if anything, need not wait."""
+        if not self._commands or self._playback.busy:
+            return False
+        return not (isinstance(self._commands[0], _Question) and self._playback.on_the_way)
+
     def _publish(self) -> None:
-        """Hand over a snapshot if one is asked for and there is news; that of a new world in any case."""
+        """Hand over a snapshot if one is asked for and there is news; that of a new world in any case.
+
+        It is put off once, not twice, where it would not show what the next commands change.
+        """
         playback = self._playback
+        with self._changed:
+            self._put_off = not self._put_off and self._may_take()
+        if self._put_off:
+            return
         preparing = playback.phase is Phase.PREPARING and playback.changed
         if not preparing and not (self._wanted and (playback.changed or self._outdated)):
             return

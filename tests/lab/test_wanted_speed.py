@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import pytest
 
-from rl_tui.lab.pacing import CHUNK, LARGEST_CHUNK, ChunkSize, Pace, SpeedMeter
+from rl_tui.lab.pacing import CHUNK, LARGEST_CHUNK, TICK, ChunkSize, Pace, SpeedMeter
 
 
 def test_the_first_step_is_due_at_once_and_the_others_at_their_times() -> None:
@@ -79,3 +79,11 @@ def test_the_meter_sees_three_steps_of_a_slow_run() -> None:
     for step in range(10):
         meter.note(float(step), step, 1.0)
     assert meter.steps_per_second == pytest.approx(1.0)
+
+
+def test_steps_that_fall_due_while_others_are_taken_wait_for_the_next_tick() -> None:
+    pace = Pace()
+    pace.start(100_000.0, now=0.0, at_once=False)
+    pace.took(pace.due(TICK))
+    assert pace.wait(TICK + 0.001) == TICK
+    assert pace.due(2 * TICK) == pytest.approx(100_000 * TICK, abs=1)
