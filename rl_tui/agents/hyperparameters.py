@@ -58,7 +58,8 @@ class Parameter:
             return value in self.words
         if isinstance(value, bool) or not isinstance(value, (int, float)) or self.range is None:
             return False
-        return math.isfinite(value) and value in self.range
+        # the range first: a whole number beyond all floats has no place in isfinite
+        return value in self.range and math.isfinite(value)
 
 
 PARAMETERS: Final[Mapping[str, Parameter]] = {

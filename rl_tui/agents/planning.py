@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Final
 
@@ -37,12 +38,12 @@ class PolicyFigures:
     ``value_at_start`` is discounted and of an unlimited horizon, ``expected_return`` undiscounted and within
     the time limit (of an unlimited horizon without one), ``greedy_ends`` the probability that the policy ends
     (likewise). An endless part that pays nothing adds 0; one that pays makes the value (at γ = 1) and the
-    return None.
+    return None. So is each of the three that rounding would spoil.
     """
 
     value_at_start: float | None
     expected_return: float | None
-    greedy_ends: float
+    greedy_ends: float | None
 
 
 def solve(mdp: TabularMDP, gamma: float) -> Solution:
@@ -73,9 +74,13 @@ def figures(mdp: TabularMDP, policy: FloatArray, gamma: float) -> PolicyFigures:
     """Return what ``policy``, [P] probabilities that sum to 1 in each state, is worth from the start."""
     model = exact_model(mdp)
     return PolicyFigures(
-        value_at_start=policy_value(model, policy, gamma).at_start,
+        value_at_start=_if_exact(lambda: policy_value(model, policy, gamma).at_start),
         expected_return=expected_return(mdp, policy),
-        greedy_ends=_ends_in_time(mdp, policy) if mdp.time_limit else ending_probability(model, policy),
+        greedy_ends=(
+            _ends_in_time(mdp, policy)
+            if mdp.time_limit
+            else _if_exact(lambda: ending_probability(model, policy))
+        ),
     )
 
 
@@ -83,11 +88,11 @@ def expected_return(mdp: TabularMDP, policy: FloatArray) -> float | None:
     """Return the expected undiscounted return of ``policy``, [P], from the start, within the time limit.
 
     Without a time limit the horizon is unlimited: None where the policy may come to a part of the world that
-    it never leaves and that goes on paying.
+    it never leaves and that goes on paying, or where rounding would spoil the answer.
     """
     if mdp.time_limit:
         return _average_at_start(mdp, policy_values(mdp, policy, mdp.time_limit))
-    return evaluate(mdp, policy, 1.0).at_start
+    return _if_exact(lambda: evaluate(mdp, policy, 1.0).at_start)
 
 
 def best_expected_return(mdp: TabularMDP) -> float | None:
@@ -108,6 +113,13 @@ def _best_expected_return(model: ExactModel, undiscounted: Optimum | None) -> fl
     except NoExactAnswer:
         return None
     return model.average_at_start(optimum.v)
+
+
+def _if_exact(answer: Callable[[], float | None]) -> float | None:
+    try:
+        return answer()
+    except NoExactAnswer:
+        return None
 
 
 def _ends_in_time(mdp: TabularMDP, policy: FloatArray) -> float:

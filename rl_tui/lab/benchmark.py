@@ -45,16 +45,18 @@ class PlainLoop:
         self._env: Any = gymnasium.make(section.id, **section.kwargs)
         self._alpha = float(recipe.hyperparameters.alpha)
         self._gamma = recipe.hyperparameters.gamma
-        self._epsilon = recipe.hyperparameters.epsilon
+        self._epsilon_at = recipe.hyperparameters.epsilon_at
+        self._episodes = 0
         self._random_ties = random_ties
         self._generator: Generator = default_rng(recipe.seed)
-        self._q: FloatArray = np.zeros((self._env.observation_space.n, self._env.action_space.n))
+        shape = (self._env.observation_space.n, self._env.action_space.n)
+        self._q: FloatArray = np.full(shape, recipe.hyperparameters.initial_q)
         self._state, _ = self._env.reset(seed=recipe.seed)
 
     def advance(self, steps: int) -> None:
         """Take ``steps`` steps."""
         env, q, generator = self._env, self._q, self._generator
-        alpha, gamma, epsilon = self._alpha, self._gamma, self._epsilon
+        alpha, gamma, epsilon = self._alpha, self._gamma, self._epsilon_at(self._episodes)
         actions, random_ties, state = q.shape[1], self._random_ties, self._state
         for _ in range(steps):
             if generator.random() < epsilon:
@@ -68,6 +70,8 @@ class PlainLoop:
             q[state, action] += alpha * (reward + gamma * bootstrap - q[state, action])
             if terminated or truncated:
                 next_state, _ = env.reset()
+                self._episodes += 1
+                epsilon = self._epsilon_at(self._episodes)
             state = next_state
         self._state = state
 

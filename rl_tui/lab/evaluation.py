@@ -10,7 +10,6 @@ import numpy as np
 
 from rl_tui.agents.hyperparameters import Ties
 from rl_tui.agents.planning import expected_return, greedy_policy
-from rl_tui.agents.solution import NoExactAnswer
 from rl_tui.lab.snapshot import Marks
 from rl_tui.worlds.mdp import FloatArray, IntArray, TabularMDP
 
@@ -42,10 +41,7 @@ class GreedyReturn:
         """Return it for the estimates ``q``, [P]; None where the policy has none."""
         policy = greedy_policy(self._mdp, q, ties)
         if self._policy is None or not np.array_equal(policy, self._policy):
-            try:
-                self._value = expected_return(self._mdp, policy)
-            except NoExactAnswer:
-                self._value = None
+            self._value = expected_return(self._mdp, policy)
             self._policy = policy
         return self._value
 

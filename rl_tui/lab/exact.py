@@ -26,9 +26,10 @@ PENDING: Final = Answer(None, "")
 
 
 class ExactAnswers:
-    """Exact answers by γ: small worlds at once, larger ones in a thread, none above 20,000 states.
+    """Exact answers by γ: small worlds at once, others in a thread, none above 20,000 states.
 
-    ``on_ready`` is called, in that thread, when an answer that was asked for has come.
+    A world is small if it has few states and its time limit does not make an evaluation dear. ``on_ready`` is
+    called, in that thread, when an answer that was asked for has come.
     """
 
     def __init__(
@@ -38,6 +39,8 @@ class ExactAnswers:
         solve: Callable[[TabularMDP, float], Solution] | None = None,
         at_once_states: int = AT_ONCE_STATES,
     ) -> None:
+        from rl_tui.lab.evaluation import DEAREST_LIVE, visits_of
+
         if solve is None:
             from rl_tui.agents import planning
 
@@ -45,7 +48,7 @@ class ExactAnswers:
         self.mdp = mdp
         self._on_ready = on_ready
         self._solve = solve
-        self._at_once = mdp.states <= at_once_states
+        self._at_once = mdp.states <= at_once_states and visits_of(mdp) <= DEAREST_LIVE
         self._lock = threading.Lock()
         self._answers: OrderedDict[float, Answer] = OrderedDict()
         self._wanted: float | None = None
@@ -76,7 +79,8 @@ class ExactAnswers:
         while True:
             with self._lock:
                 gamma, self._wanted = self._wanted, None
-                if gamma is None:
+                # Every picture drawn meanwhile has asked again for the answer that has just come
+                if gamma is None or gamma in self._answers:
                     self._working = False
                     return
             try:

@@ -39,16 +39,13 @@ def greedy_figures(run: Run, optimum: Solution | None) -> GreedyFigures:
     """Return the figures of what ``run`` has learned, held against ``optimum`` for its γ."""
     mdp, learner = run.world.mdp, run.learner
     policy = greedy_policy(mdp, learner.q, learner.hyperparameters.ties)
-    try:
-        of_policy = figures(mdp, policy, learner.hyperparameters.gamma)
-    except NoExactAnswer:
-        of_policy = None
+    of_policy = figures(mdp, policy, learner.hyperparameters.gamma)
     return GreedyFigures(
-        value_at_start=of_policy.value_at_start if of_policy else None,
+        value_at_start=of_policy.value_at_start,
         optimal_value_at_start=optimum.value_at_start if optimum else None,
-        expected_return=of_policy.expected_return if of_policy else None,
+        expected_return=of_policy.expected_return,
         max_error=float(np.abs(learner.q - optimum.q).max()) if optimum else None,
-        greedy_ends=of_policy.greedy_ends if of_policy else None,
+        greedy_ends=of_policy.greedy_ends,
     )
 
 

@@ -22,15 +22,32 @@ MOST_EPISODES: Final = 10**15
 _KEYS: Final = ("algorithm", "episodes", *PARAMETERS)
 
 
+def read_catalogue() -> catalogue.Catalogue:
+    """Read every scenario file; those whose defaults have faults are among the broken ones."""
+    sound, broken = [], []
+    found = catalogue.read_catalogue()
+    for scenario in found.scenarios:
+        try:
+            _check_defaults(scenario)
+        except ScenarioError as error:
+            broken.append(error)
+        else:
+            sound.append(scenario)
+    return catalogue.Catalogue(sound, [*found.broken, *broken])
+
+
 def find(name_or_path: str) -> Scenario:
     """Return the scenario with this id, or that of a file where a path is given, its defaults checked too.
 
     Raises ScenarioError with all faults of its file, UserError with near names where there is none.
     """
-    scenario = catalogue.find(name_or_path)
-    faults = list(_default_faults(str(scenario.source), scenario.defaults))
-    if faults:
-        raise ScenarioError(faults)
+    try:
+        scenario = catalogue.find(name_or_path)
+        _check_defaults(scenario)
+    except ScenarioError as error:
+        # What was found first is not all there is: the environment has not been asked, nor every table read
+        everything = faults_of(error.faults[0].file)
+        raise ScenarioError(everything if len(everything) > len(error.faults) else error.faults) from error
     return scenario
 
 
@@ -62,9 +79,7 @@ def recipe_for(scenario: Scenario, overrides: Mapping[str, object] | None = None
     Raises ScenarioError where the file's defaults are faulty, UserError, with the range, where an override
     is.
     """
-    faults = list(_default_faults(str(scenario.source), scenario.defaults))
-    if faults:
-        raise ScenarioError(faults)
+    _check_defaults(scenario)
     chosen = {**scenario.defaults, **(overrides or {})}
     chosen.pop("episodes", None)
     algorithm = chosen.pop("algorithm", DEFAULT_ALGORITHM)
@@ -111,6 +126,12 @@ def listing(scenario: Scenario) -> dict[str, Any]:
             **recipe.hyperparameters.as_dict(),
         },
     }
+
+
+def _check_defaults(scenario: Scenario) -> None:
+    faults = list(_default_faults(str(scenario.source), scenario.defaults))
+    if faults:
+        raise ScenarioError(faults)
 
 
 def _default_faults(file: str, defaults: Mapping[str, Any]) -> Iterator[Fault]:

@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from typing import Annotated, Any, Final
+from typing import TYPE_CHECKING, Annotated, Any, Final
 
-import numpy as np
-from numpy.random import Generator
 from pydantic import BeforeValidator
 
 from rl_tui.worlds.drawing import Arms
 from rl_tui.worlds.findings import Finding, shown
-from rl_tui.worlds.mdp import FloatArray, Outcome, Transition, tabular_mdp
 from rl_tui.worlds.schema import Expect, Number, Section, is_number, is_table, number, refused, whole_number
 from rl_tui.worlds.world import World
 from rl_tui.worlds.world_section import WorldSection
+
+if TYPE_CHECKING:
+    from numpy.random import Generator
 
 MOST_ARMS: Final = 10_000
 LARGEST_STD: Final = 1e6
@@ -68,24 +68,26 @@ class BanditSection(WorldSection):
         if "means" not in raw and "arms" not in raw:
             yield Finding(("arms",), "nothing", f"a whole number from 1 to {MOST_ARMS:,}, or means")
         if isinstance(means, list) and is_number(arms) and len(means) != arms:
-            yield Finding(("means",), f"{len(means)} means", f"as many as there are arms ({arms})")
+            yield Finding(("means",), f"{len(means)} means", f"as many as there are arms ({shown(arms)})")
         if "means" in raw and "mean" in raw:
             yield Finding(("mean",), "mean beside means", "either the distribution or the means themselves")
 
     def build(self, generator: Generator) -> World:
         """Return the world; means that the file does not fix are the first draws from ``generator``."""
+        from rl_tui.worlds.mdp import Outcome, Transition, tabular_mdp
+
         means = self._means(generator)
         arms = range(len(means))
         mdp = tabular_mdp(
             [STATE_NAME],
             [str(arm) for arm in arms],
-            [Transition(0, arm, [Outcome(1.0, 0, float(means[arm]), True, self.std, arm)]) for arm in arms],
+            [Transition(0, arm, [Outcome(1.0, 0, means[arm], True, self.std, arm)]) for arm in arms],
             {0: 1.0},
         )
         return World(mdp, Arms(), self.budget)
 
-    def _means(self, generator: Generator) -> FloatArray:
+    def _means(self, generator: Generator) -> list[float]:
         if self.means is not None:
-            return np.array(self.means, dtype=np.float64)
+            return self.means
         mean, std = self.mean.normal
-        return generator.normal(mean, std, self.arms)
+        return [float(drawn) for drawn in generator.normal(mean, std, self.arms)]

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
 
+from rl_tui.worlds.tolerance import PROBABILITY_TOLERANCE
+
 if TYPE_CHECKING:
     from rl_tui.worlds.mdp import TabularMDP
-
-PROBABILITY_TOLERANCE: Final = 1e-9
 
 
 def check_consistency(mdp: TabularMDP) -> None:

@@ -11,6 +11,8 @@ Location = tuple[str | int, ...]
 
 _LONGEST_SHOWN: Final = 60
 _MOST_COMPARED: Final = 200
+# Python refuses to write out whole numbers of more than some thousand digits
+_MOST_BITS: Final = 10_000
 
 
 class Finding(NamedTuple):
@@ -40,6 +42,8 @@ def shown(value: object) -> str:
     """Return a value of a file as one short line that is safe to print."""
     if isinstance(value, bool):
         text = "true" if value else "false"
+    elif isinstance(value, int) and value.bit_length() > _MOST_BITS:
+        text = f"a whole number of {value.bit_length():,} bits"
     elif isinstance(value, str):
         text = json.dumps(value, ensure_ascii=False)
     elif isinstance(value, Mapping):

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
-from numpy.random import Generator
 from pydantic import Field
 
 from rl_tui.worlds.findings import Finding, shown
 from rl_tui.worlds.schema import Expect, is_table, text
 from rl_tui.worlds.world import World
 from rl_tui.worlds.world_section import WorldRefusedError, WorldSection
+
+if TYPE_CHECKING:
+    from numpy.random import Generator
 
 
 class GymnasiumSection(WorldSection):

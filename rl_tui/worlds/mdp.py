@@ -10,7 +10,8 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from rl_tui.worlds.consistency import PROBABILITY_TOLERANCE, check_consistency
+from rl_tui.worlds.consistency import check_consistency
+from rl_tui.worlds.tolerance import PROBABILITY_TOLERANCE
 
 IntArray = npt.NDArray[np.int64]
 FloatArray = npt.NDArray[np.float64]

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
-from typing import Annotated, Any, Final
+from typing import TYPE_CHECKING, Annotated, Any, Final
 
-from numpy.random import Generator
 from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
 from rl_tui.worlds.drawing import Graph
 from rl_tui.worlds.findings import Finding, shown
-from rl_tui.worlds.mdp import Outcome, Transition, tabular_mdp
 from rl_tui.worlds.mdp_connections import connection_findings
 from rl_tui.worlds.schema import (
     Expect,
@@ -26,6 +24,11 @@ from rl_tui.worlds.schema import (
 )
 from rl_tui.worlds.world import World
 from rl_tui.worlds.world_section import WorldSection
+
+if TYPE_CHECKING:
+    from numpy.random import Generator
+
+    from rl_tui.worlds.mdp import Outcome
 
 MOST_STATES: Final = 10_000
 MOST_TRANSITIONS: Final = 100_000
@@ -90,6 +93,8 @@ class TransitionEntry(Section):
 
     def outcomes(self, index: Mapping[str, int], action: int) -> list[Outcome]:
         """Return what may happen; nothing but the action itself does."""
+        from rl_tui.worlds.mdp import Outcome
+
         return [
             Outcome(
                 probability=destination.p,
@@ -134,6 +139,8 @@ class MDPSection(WorldSection):
 
     def build(self, generator: Generator) -> World:
         """Return the world; ``generator`` is not touched."""
+        from rl_tui.worlds.mdp import Transition, tabular_mdp
+
         states = _in_order(
             [*self.place, *(name for each in self.transition for name in (each.state, *each.to))]
         )

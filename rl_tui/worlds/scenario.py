@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, Final
+from typing import TYPE_CHECKING, Annotated, Any, Final
 
-from numpy.random import Generator
 from pydantic import Field
 
 from rl_tui.worlds.bandit import BanditSection
@@ -19,6 +18,9 @@ from rl_tui.worlds.schema import Expect, Section, is_plain, is_table, parsed, te
 from rl_tui.worlds.toml_file import UnreadableError, read_toml
 from rl_tui.worlds.world import World
 from rl_tui.worlds.world_section import WorldRefusedError, WorldSection
+
+if TYPE_CHECKING:
+    from numpy.random import Generator
 
 WORLD_KINDS: Final[Mapping[str, type[WorldSection]]] = {
     "gymnasium": GymnasiumSection,

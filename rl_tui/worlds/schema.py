@@ -12,8 +12,8 @@ from typing import Annotated, Any, Final, TypeVar
 from pydantic import BaseModel, ConfigDict, GetCoreSchemaHandler, ValidationError
 from pydantic_core import CoreSchema, ErrorDetails, PydanticCustomError, core_schema
 
-from rl_tui.worlds.consistency import PROBABILITY_TOLERANCE
 from rl_tui.worlds.findings import Finding, near, shown
+from rl_tui.worlds.tolerance import PROBABILITY_TOLERANCE
 
 LARGEST_NUMBER: Final = 1e12
 LONGEST_NAME: Final = 60

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
-from numpy.random import PCG64, Generator, SeedSequence
+if TYPE_CHECKING:
+    from numpy.random import Generator
 
 
 class Streams(NamedTuple):
@@ -21,5 +22,7 @@ def streams(seed: int) -> Streams:
     first; the run then goes on with that same stream, so that reward noise never repeats the draws of the
     arms.
     """
+    from numpy.random import PCG64, Generator, SeedSequence
+
     world, learner = SeedSequence(seed).spawn(2)
     return Streams(Generator(PCG64(world)), Generator(PCG64(learner)))

@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from rl_tui.worlds.consistency import PROBABILITY_TOLERANCE
 from rl_tui.worlds.findings import Finding, near, one_line, shown
 from rl_tui.worlds.mdp import Outcome, Transition, tabular_mdp
+from rl_tui.worlds.schema import LARGEST_NUMBER
+from rl_tui.worlds.tolerance import PROBABILITY_TOLERANCE
 from rl_tui.worlds.toy_text_layout import Layout, layout_of
 from rl_tui.worlds.world import World
 from rl_tui.worlds.world_section import WorldRefusedError
@@ -29,7 +30,8 @@ def world_of(name: str, kwargs: Mapping[str, Any]) -> World:
     """Return the world of the registered environment ``name`` made with ``kwargs``.
 
     States are called "0", "1", …; the time limit is the environment's own. Raises WorldRefusedError where it
-    is not registered, cannot be made, or is no finite MDP with a table that can be read.
+    is not registered, cannot be made, or is no finite MDP with a table that can be read
+    and rewards within ±1e12.
     """
     with closing(_made(name, kwargs)) as environment:
         states, actions = _sizes(name, environment)
@@ -53,6 +55,10 @@ def world_of(name: str, kwargs: Mapping[str, Any]) -> World:
         raise _refusal(
             "id", f"a table in which {one_line(str(error), 200)}", "a sound transition table"
         ) from error
+    largest = float(mdp.reward[np.argmax(np.abs(mdp.reward))])
+    if abs(largest) > LARGEST_NUMBER:
+        found = f"a reward of {largest:g}"
+        raise _refusal("kwargs" if kwargs else "id", found, f"rewards within ±{LARGEST_NUMBER:g}")
     return World(mdp, layout.grid)
 
 

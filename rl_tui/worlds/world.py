@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from rl_tui.worlds.drawing import Drawing
-from rl_tui.worlds.mdp import TabularMDP
+
+if TYPE_CHECKING:
+    from rl_tui.worlds.mdp import TabularMDP
 
 
 @dataclass(frozen=True, slots=True, eq=False)

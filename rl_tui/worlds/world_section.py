@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Iterator, Mapping
-from typing import Any
-
-from numpy.random import Generator
+from typing import TYPE_CHECKING, Any
 
 from rl_tui.worlds.findings import Finding
 from rl_tui.worlds.schema import Section
 from rl_tui.worlds.world import World
+
+if TYPE_CHECKING:
+    from numpy.random import Generator
 
 
 class WorldSection(Section):

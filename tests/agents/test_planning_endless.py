@@ -121,6 +121,24 @@ def test_an_end_too_unlikely_for_numbers_is_refused_in_one_line() -> None:
         solve(mdp, 1.0)
 
 
+def test_an_end_too_unlikely_spoils_only_the_figures_that_need_it() -> None:
+    endings = (
+        ("A", "on", [(1.0, "B", -1.0)]),
+        ("B", "back", [(1.0 - 1e-12, "A", -1.0), (1e-300, "end", -1.0)]),
+    )
+    unlimited = world(*endings)
+    solution = solve(unlimited, 0.5)
+    assert solution.value_at_start == pytest.approx(-2.0, abs=1e-9)
+    assert (solution.expected_return, solution.best_expected_return) == (None, None)
+    found = figures(unlimited, np.ones(2), 0.5)
+    assert found.value_at_start == pytest.approx(-2.0, abs=1e-9)
+    assert (found.expected_return, found.greedy_ends) == (None, 1.0)
+    limited = figures(world(*endings, time_limit=10), np.ones(2), 1.0)
+    assert limited.value_at_start is None
+    assert limited.expected_return == pytest.approx(-10.0, abs=1e-9)
+    assert limited.greedy_ends == pytest.approx(5e-300, rel=1e-6)
+
+
 def test_a_discount_one_bit_below_one_still_has_its_value() -> None:
     gamma = 1.0 - 2.0**-53
     mdp = world(("A", "on", [(1.0, "B", 1.0)]), ("B", "back", [(1.0, "A", 1.0)]))

@@ -21,6 +21,15 @@ def test_the_plain_loop_that_takes_the_first_of_equals_walks_into_the_edge() -> 
     assert not loop._q.any()
 
 
+def test_the_plain_loop_starts_and_explores_as_ours_does() -> None:
+    hopeful = PlainLoop(recipe("frozenlake", initial_q=1.0, epsilon=0.0), random_ties=False)
+    hopeful.advance(2_000)
+    assert np.max(hopeful._q[0]) == pytest.approx(0.951, abs=0.02)
+    tiring = PlainLoop(recipe("frozenlake", epsilon=1.0, epsilon_decay=1e9), random_ties=False)
+    tiring.advance(10_000)
+    assert tiring._episodes < 150  # of 100 steps each, once it no longer explores
+
+
 def test_the_document_of_a_benchmark(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(benchmark, "KERNEL_STEPS", 10_000)
     monkeypatch.setattr(benchmark, "PLAIN_STEPS", 100)

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import threading
+from dataclasses import replace
 
 import pytest
 from recipes import recipe
@@ -63,6 +64,36 @@ def test_larger_worlds_are_answered_later_and_overtaken_questions_skipped() -> N
     assert asked == [0.1, 0.4]
     assert answers.answer(0.4).solution is not None
     assert answers.answer(0.1).solution is not None
+
+
+def test_a_small_world_with_a_long_time_limit_does_not_keep_the_run_waiting() -> None:
+    ready = threading.Event()
+    answers = ExactAnswers(replace(STUDENT, time_limit=1_000_000), ready.set, lambda _, g: solve(STUDENT, g))
+    assert answers.answer(0.9) == PENDING
+    ready.wait()
+    assert answers.answer(0.9).solution is not None
+
+
+def test_an_answer_under_way_is_worked_out_once_however_often_it_is_asked_for() -> None:
+    begun, go_on, ready = threading.Event(), threading.Event(), threading.Event()
+    asked: list[float] = []
+
+    def slowly(mdp: TabularMDP, gamma: float) -> Solution:
+        asked.append(gamma)
+        begun.set()
+        go_on.wait()
+        return solve(mdp, gamma)
+
+    answers = ExactAnswers(STUDENT, ready.set, slowly, at_once_states=0)
+    assert answers.answer(0.5) == PENDING
+    begun.wait()
+    assert answers.answer(0.5) == PENDING
+    worker = next(thread for thread in threading.enumerate() if thread.name == "exact answers")
+    go_on.set()
+    ready.wait()
+    worker.join()
+    assert asked == [0.5]
+    assert answers.answer(0.5).solution is not None
 
 
 def test_an_unexpected_failure_is_raised_when_asked_again() -> None:

@@ -93,6 +93,29 @@ def test_faults_of_world_and_defaults_come_together_in_the_order_of_the_file(tmp
     assert [fault.place for fault in faults_of(path)] == ["titel", "defaults.gamma", "bandit.arms"]
 
 
+@pytest.mark.parametrize(
+    ("text", "places"),
+    [
+        ("[defaults]\ngamma = 2\n[bandit]\narms = 0\n", ["defaults.gamma", "bandit.arms"]),
+        ("[defaults]\ngamma = 2\n[gymnasium]\nid = 'Lake'\n", ["defaults.gamma", "gymnasium.id"]),
+        ("titel = 'x'\n[gymnasium]\nid = 'Lake'\n", ["titel", "gymnasium.id"]),
+        ("[bandit]\narms = 0\n", ["bandit.arms"]),
+    ],
+)
+def test_whoever_uses_a_faulty_file_hears_of_all_its_faults(
+    text: str, places: list[str], tmp_path: Path
+) -> None:
+    with pytest.raises(ScenarioError) as refused:
+        find(str(written(tmp_path, text)))
+    assert [fault.place for fault in refused.value.faults] == places
+
+
+def test_a_default_beyond_all_floats_is_out_of_range(tmp_path: Path) -> None:
+    (fault,) = faults_of(written(tmp_path, f"[defaults]\nalpha = {10**400}\n" + WORLD))
+    assert fault.place == "defaults.alpha"
+    assert fault.expected == "a number in (0, 1] or sample-average"
+
+
 def test_a_sound_file_has_no_faults(tmp_path: Path) -> None:
     assert faults_of(written(tmp_path, WORLD)) == []
     assert faults_of(find("student").source) == []

@@ -3,6 +3,7 @@ from __future__ import annotations
 import asyncio
 import threading
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -114,6 +115,42 @@ async def test_an_unexpected_error_in_the_thread_is_not_lost() -> None:
     with pytest.raises(KeyError):
         await until(player, Phase.PAUSED)
     player.close()
+
+
+async def test_whoever_asks_for_the_end_of_an_episode_does_not_blind_the_reader(tmp_path: Path) -> None:
+    endless = tmp_path / "endless.toml"
+    endless.write_text(
+        '[mdp]\nstart = "A"\n[[mdp.transition]]\nstate = "A"\naction = "on"\nreward = 0\nto = "A"\n'
+    )
+    player = Player(recipe(str(endless)), speed=None)
+    player.send(RunEpisode())
+    waiting = asyncio.create_task(player.carried_out())
+    await asyncio.sleep(0)
+    async for snapshot in player.snapshots():
+        if snapshot.step > 0:
+            player.close()
+    with pytest.raises(PlayerClosedError):
+        await waiting
+
+
+async def test_whoever_sends_without_end_does_not_blind_the_reader() -> None:
+    player = Player(recipe("student"))
+    await player.carried_out()
+    work, gammas = player._playback.work, iter(range(1_000_000))
+
+    def work_and_be_sent_more() -> float | None:
+        wait = work()
+        player.send(Apply(SetParameter("gamma", next(gammas) / 1_000_000)))
+        return wait
+
+    player._playback.work = work_and_be_sent_more  # type: ignore[method-assign]
+    player.send(SetSpeed(None))
+    pictures = 0
+    async for snapshot in player.snapshots():
+        pictures += snapshot.hyperparameters.gamma < 0.9
+        if pictures == 3:
+            player.close()
+    assert pictures == 3
 
 
 async def test_closing_in_the_middle_of_full_speed_ends_the_thread_and_the_reader() -> None:

@@ -111,6 +111,10 @@ ONE_FAULT = {
         student("reward = 10.0", f"reward = {10**400}"),
         ("mdp.transition[4].reward", "1000.*…", "a finite number from -1e+12 to 1e+12"),
     ),
+    "a number too long to write out": (
+        student("time_limit = 100", "time_limit = 0x" + "f" * 5000),
+        ("mdp.time_limit", "a whole number of 20,000 bits", "a whole number from 0 to 1,000,000"),
+    ),
     "an unknown state in an outcome": (
         student("Pass = 0.8", "Pas = 0.8"),
         (
@@ -243,6 +247,10 @@ ONE_FAULT = {
     "an argument that the environment refuses": (
         LAKE + "kwargs = { slippery = true }\n",
         ("gymnasium.kwargs", "what makes FrozenLake-v1 fail (TypeError: .*", "what FrozenLake-v1 takes"),
+    ),
+    "rewards beyond the range": (
+        LAKE + "kwargs = { reward_schedule = [1e300, 0.0, 0.0] }\n",
+        ("gymnasium.kwargs", "a reward of 1e+300", "rewards within ±1e+12"),
     ),
     "a window": (
         LAKE + 'kwargs = { render_mode = "human" }\n',
