@@ -9,6 +9,7 @@ from typing import Final
 
 from textual.keys import Keys
 from textual.pilot import Pilot
+from textual.widgets import Input
 
 from rl_tui.lab.commands import Train
 from rl_tui.lab.player import Player
@@ -56,6 +57,8 @@ async def screenshot(
             await settle(pilot)
         if app.return_value is not None:
             raise app.return_value
+        _stop_blinking(app)
+        await pilot.pause()
         return app.export_screenshot(title="rl-tui", simplify=True)
 
 
@@ -66,6 +69,11 @@ async def settle(pilot: Pilot[UserError]) -> None:
         if isinstance(screen, Playground | Catalogue):
             await screen.settled()
     await pilot.pause()
+
+
+def _stop_blinking(app: RlTuiApp) -> None:
+    for entry in app.screen.query(Input):
+        entry.cursor_blink = False
 
 
 def _press(key: str) -> str | int:

@@ -130,3 +130,19 @@ async def test_escape_goes_back_to_the_catalogue(make_app: MakeApp) -> None:
         await pilot.press("escape")
         await settle(pilot)
         assert isinstance(app.screen, Catalogue)
+
+
+async def test_in_ascii_no_character_is_left_over(make_app: MakeApp) -> None:
+    app = make_app("student", ascii=True)
+    async with app.run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        assert "v:[Q] Q*  Q-Q*  visits" in screen_text(app)
+        assert screen_text(app).isascii()
+        await pilot.resize_terminal(50, 15)
+        await settle(pilot)
+        assert "is 50x15, needs 60x18" in screen_text(app)
+        assert screen_text(app).isascii()
+
+
+def screen_text(app: RlTuiApp) -> str:
+    return "\n".join(strip.text for strip in app.screen._compositor.render_strips())

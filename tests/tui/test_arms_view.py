@@ -57,6 +57,16 @@ def test_where_there_is_room_rows_are_spaced_and_an_axis_is_drawn() -> None:
     assert view.heading == "Arms · estimate ± error"
 
 
+def test_titles_are_shortened_by_whole_parts() -> None:
+    view = ArmsView(bandit_world(), look())
+    view.revealed = True
+    view.picture(bandit(), 28, 6)
+    assert view.heading == "Arms  −2…+2"
+    assert view.footing == "↑↓ 1–6 of 10"
+    view.picture(bandit(), 60, 6)
+    assert view.footing == "↑↓ 1–6 of 10  ◆ true mean  ★ best arm"
+
+
 def test_the_truth_is_drawn_only_when_revealed() -> None:
     snapshot = bandit()
     hidden = "".join(picture(snapshot, 60, 21))

@@ -42,6 +42,16 @@ def test_spent() -> None:
     ]
 
 
+def test_the_share_of_the_best_arm_has_its_own_line_where_it_is_narrow() -> None:
+    figures = BanditFigures(1_000, 1_000, 1_213.4, 287.2, 0.842, 1_500.0)
+    assert drawn(bandit(bandit=figures), 34).splitlines() == [
+        " pulls     1,000 of 1,000 · spent",
+        " winnings  1,213",
+        " regret    287",
+        " best arm pulled 84 %",
+    ]
+
+
 def test_before_the_first_pull_there_is_no_share() -> None:
     text = drawn(bandit(0), revealed=True)
     assert "regret    0" in text

@@ -12,7 +12,7 @@ from rl_tui.tui.screens.help import HelpScreen
 from rl_tui.tui.screens.playground import Playground
 from rl_tui.tui.screenshot import settle
 from rl_tui.tui.widgets.facts import defaults, sizes
-from rl_tui.worlds.catalogue import find
+from rl_tui.worlds.catalogue import find, shipped_folder
 from rl_tui.worlds.errors import UserError
 from rl_tui.worlds.streams import streams
 
@@ -94,6 +94,19 @@ async def test_a_faulty_file_is_listed_with_its_faults(
         assert "this file has faults; mend them first" in [note.message for note in app._notifications]
 
 
+async def test_a_file_whose_defaults_are_out_of_range_counts_as_faulty(
+    make_app: MakeApp, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    sound = (shipped_folder() / "student.toml").read_text(encoding="utf-8")
+    (tmp_path / "mine.toml").write_text(sound.replace("gamma = 0.9", "gamma = 1.9"), encoding="utf-8")
+    monkeypatch.setattr("rl_tui.worlds.catalogue.user_folder", lambda: tmp_path)
+    async with make_app().run_test(size=(120, 40)) as pilot:
+        await settle(pilot)
+        await pilot.press("end")
+        await settle(pilot)
+        assert "defaults.gamma: found 1.9" in facts(pilot)
+
+
 async def test_help_opens(make_app: MakeApp) -> None:
     app = make_app()
     async with app.run_test(size=(80, 24)) as pilot:
@@ -115,3 +128,17 @@ def test_sizes_are_loading_until_the_world_is_built() -> None:
 def test_defaults_use_the_symbols_of_the_playground() -> None:
     values = {"algorithm": "q-learning", "alpha": 0.1, "episodes": 10_000, "ties": "first"}
     assert defaults(values) == "Q-learning · α 0.1 · 10,000 episodes · ties first"
+    assert defaults({"gamma": 0.0, "alpha": "sample-average"}) == "γ 0 · α sample-average"
+
+
+async def test_a_default_is_never_parted_from_its_symbol(make_app: MakeApp) -> None:
+    async with make_app().run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        assert "γ 0 · ε 0.1" in facts(pilot)
+        assert all(line.strip()[:1] not in ("·", "-") for line in facts(pilot).splitlines())
+
+
+async def test_in_ascii_no_dot_between_parts_looks_like_a_product(make_app: MakeApp) -> None:
+    async with make_app(ascii=True).run_test(size=(120, 40)) as pilot:
+        await settle(pilot)
+        assert "1 state - 10 actions - 10 pairs - budget 1,000" in facts(pilot)

@@ -11,7 +11,7 @@ from samples import bandit, curve, lake, look, marks, student
 from rl_tui.lab.snapshot import Curve, Marks, Snapshot
 from rl_tui.tui.widgets import braille
 from rl_tui.tui.widgets.braille import Steps
-from rl_tui.tui.widgets.chart import apart
+from rl_tui.tui.widgets.chart import apart, taking_turns
 from rl_tui.tui.widgets.curve import ReturnCurve
 from rl_tui.tui.widgets.curve_data import curve_data, smoothed
 from rl_tui.tui.widgets.scale import Scale, round_range, round_scale, settled, tick_label, tick_step
@@ -213,6 +213,15 @@ def test_episodes_are_labelled() -> None:
     assert bottom.endswith(" episode")
 
 
+@pytest.mark.parametrize("size", [NARROW, WIDE, (90, 13)])
+def test_no_pull_beyond_the_budget_is_labelled(size: tuple[int, int]) -> None:
+    bottom = next(line for line in drawn(bandit(), size)[0].splitlines() if "└0" in line)
+    assert bottom.endswith(" pull")
+    assert "1k" in bottom or "1000" in bottom
+    assert "1500" not in bottom
+    assert "2k" not in bottom
+
+
 def test_names_never_share_a_row() -> None:
     assert apart([3, 3, 3], 5) == [2, 3, 4]
     assert apart([0, 2, 4], 5) == [0, 2, 4]
@@ -291,6 +300,20 @@ def test_the_greedy_line_wins_a_shared_cell() -> None:
     ]
     assert palette.greedy_line in dotted
     assert palette.episodes not in dotted
+
+
+def test_a_mean_somewhat_below_the_greedy_line_has_its_own_row() -> None:
+    snapshot = lake(
+        curve=flat(0.89), marks=marks(30, 1.0, 1.0, 1_234), episodes=1_234, greedy_return=1.0, exact=None
+    )
+    top, below = drawn(snapshot, NARROW)[0].splitlines()[:2]
+    assert "⣀⣀⣀⣀" in top
+    assert "⠒⠒⠒⠒" in below
+
+
+def test_lines_side_by_side_in_one_row_take_turns() -> None:
+    first, second = np.array([[1, 1, 1, 1, 1, 0]]), np.array([[8, 8, 8, 1, 9, 8]])
+    assert taking_turns(first, second).tolist() == [[False, True, False, False, False, False]]
 
 
 def test_the_band_has_its_own_colour() -> None:

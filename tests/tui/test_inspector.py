@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from samples import bandit, lake, look, student
 
 from rl_tui.agents.last_step import LastStep
-from rl_tui.lab.snapshot import Snapshot
+from rl_tui.lab.snapshot import Phase, Snapshot
 from rl_tui.tui.theme.glyphs import UNICODE
 from rl_tui.tui.widgets.inspector import Inspector
 from rl_tui.tui.widgets.update_text import step_size_text, update_text
@@ -195,10 +195,25 @@ def test_the_environment_of_a_graph_is_told_in_words() -> None:
     text = "\n".join(drawn(student(), 56, 8))
     assert "s = Class" in text
     assert "a = study" in text
-    assert "(p .8)" in text
+    assert "environment  → Pass (p .8)" in text
     assert "s′ = Pass" in text
-    assert "slipped" not in text
-    assert "row" not in text
+    for word in ("meant", "went", "slipped", "row"):
+        assert word not in text + drawn(student())[0]
+
+
+def test_a_certain_outcome_has_probability_1() -> None:
+    certain = lake(slippery=False)
+    text = "\n".join(drawn(certain, 56, 8))
+    assert certain.last
+    assert f"environment  → {certain.last.next_state} (p 1)" in text
+    assert "meant" not in text
+
+
+def test_a_long_name_of_the_action_is_not_crowded_out() -> None:
+    pair = student().world.mdp.pairs_of(0)[1]
+    snapshot = stepped(student(), pair=pair, updated_pair=pair, explored=True)
+    assert "random (ε = .10)   a = check phone" in drawn(snapshot, 56, 8)[1]
+    assert "explored   a = check phone" in drawn(snapshot, 46, 8)[1]
 
 
 def test_a_bandit_has_no_next_state() -> None:
@@ -255,6 +270,15 @@ def test_the_border_names_the_step() -> None:
     assert widget.footing == "step 150,000 · episode 12,500"
     widget.picture(bandit(400), 56, 8)
     assert widget.footing == "pull 400"
+
+
+@pytest.mark.parametrize(("speed", "is_named"), [(10.0, True), (30.0, True), (100.0, False), (None, False)])
+def test_a_step_that_passes_too_fast_is_not_named(speed: float | None, is_named: bool) -> None:
+    widget = Inspector(look())
+    widget.picture(replace(lake_step(), phase=Phase.RUNNING, speed=speed), 56, 8)
+    assert bool(widget.footing) is is_named
+    widget.picture(replace(lake_step(), speed=speed), 56, 8)
+    assert widget.footing
 
 
 @pytest.mark.parametrize("snapshot", [None, lake(0), lake_step(), student(), bandit(400)])

@@ -54,6 +54,22 @@ def test_the_bellman_equation_of_the_student_is_the_one_worked_out_by_hand() -> 
     assert "learned Q(Class,study) = 6.370, taken 1,204 times" in text
 
 
+def test_the_border_names_the_keys_that_do_something() -> None:
+    made = panel(lake())
+    drawn(made)
+    assert made.footing == "arrows: another pair   m: close"
+    drawn(made, height=10)
+    assert made.footing == "arrows: another pair   pgup pgdn: scroll   m: close"
+    drawn(made, width=40, height=10)
+    assert made.footing == "arrows: another pair   m: close"
+    drawn(made, width=14, height=10)
+    assert made.footing == "m: close"
+
+
+def test_where_every_state_has_actions_that_is_not_said() -> None:
+    assert "S       1 state: bandit" in drawn(panel(bandit(400)))
+
+
 def test_nothing_follows_a_terminal_outcome() -> None:
     text = drawn(panel(student(), 4))
     assert "= 1·[10]" in text

@@ -28,7 +28,8 @@ def _named(size: tuple[int, int]) -> str:
 
 @pytest.mark.parametrize("size", SIZES, ids=_named)
 @pytest.mark.parametrize(
-    ("scenario", "moment"), [(scenario, moment) for scenario, moments in MOMENTS.items() for moment in moments]
+    ("scenario", "moment"),
+    [(scenario, moment) for scenario, moments in MOMENTS.items() for moment in moments],
 )
 def test_playground(
     scenario: str, moment: str, size: tuple[int, int], snap_compare: Any, make_app: MakeApp

@@ -1,9 +1,12 @@
 from __future__ import annotations
 
+from dataclasses import replace
+
 from conftest import MakeApp
 from textual.pilot import Pilot
 from textual.widgets import Input
 
+from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.lab.commands import Train
 from rl_tui.lab.snapshot import Phase, Snapshot
 from rl_tui.tui.app import RlTuiApp
@@ -14,6 +17,7 @@ from rl_tui.tui.screens.playground import Playground
 from rl_tui.tui.screens.prompt import Prompt
 from rl_tui.tui.screenshot import settle
 from rl_tui.tui.widgets.q_table import QTable
+from rl_tui.tui.widgets.settings import Settings
 from rl_tui.tui.widgets.slider import Slider
 from rl_tui.worlds.errors import UserError
 
@@ -317,3 +321,27 @@ async def test_hints_and_settings_can_be_clicked(make_app: MakeApp) -> None:
         await pilot.click("#settings", offset=(18, 0))
         await settle(pilot)
         assert snapshot(pilot).hyperparameters.ties == "first"
+
+
+async def test_every_setting_is_drawn_once_whatever_the_height(make_app: MakeApp) -> None:
+    app = make_app("student")
+    async with app.run_test(size=(120, 40)) as pilot:
+        await settle(pilot)
+        settings = app.screen.query_one(Settings)
+        decaying = replace(snapshot(pilot), hyperparameters=Hyperparameters(epsilon_decay=0.1))
+        for each, lines in ((snapshot(pilot), 3), (decaying, 3), (decaying, 20)):
+            settings.show(each)
+            settings.styles.height = lines
+            await pilot.pause()
+            text = "\n".join(settings.render_line(y).text for y in range(lines))
+            for value in ("Q-learning", "random", "seed", "10/s"):
+                assert text.count(value) == 1
+            assert ("ε now" in text) is (each is decaying)
+
+
+async def test_scenarios_may_be_changed_faster_than_they_load(make_app: MakeApp) -> None:
+    app = make_app("student")
+    async with app.run_test(size=(120, 40)) as pilot:
+        await pilot.press(*["right_square_bracket"] * 4, *["left_square_bracket"] * 3)
+        await settle(pilot)
+        assert snapshot(pilot).recipe.scenario.id == "frozenlake"

@@ -64,3 +64,8 @@ async def test_ascii_screens_hold_ascii_characters_only(size: tuple[int, int], k
     svg = await screenshot(recipe("student"), size, ["wait:50", *keys], Display(ascii=True))
     strange = {character for character in svg.replace("&#160;", " ") if ord(character) > 126}
     assert not strange
+
+
+async def test_a_cursor_does_not_blink_in_a_picture() -> None:
+    first = await screenshot(recipe("student"), (80, 24), ["n", "4"])
+    assert first == await screenshot(recipe("student"), (80, 24), ["n", "4"])

@@ -311,3 +311,11 @@ async def test_the_focus_is_seen() -> None:
         await pilot.press("tab")
         assert app.slider.render_line(0) != focused
         assert app.slider.render_line(0).text == focused.text
+
+
+def test_spelled_out_sliders_one_above_the_other_begin_in_one_column() -> None:
+    rows = [
+        slider_strip(each, UNIT, SliderState(0.5), look(ascii=True), 60).text
+        for each in (ALPHA, GAMMA, EPSILON)
+    ]
+    assert len({row.index("=") for row in rows}) == 1

@@ -90,3 +90,9 @@ def test_it_fits_any_width(width: int, phase: Phase) -> None:
     for snapshot in (lake(phase=phase, message="a message"), bandit(400, phase=phase, message="a message")):
         drawn(snapshot, width)
         assert drawn(snapshot, width, ascii=True).isascii()
+
+
+def test_ascii() -> None:
+    text = drawn(lake(), 120, ascii=True)
+    assert text.isascii()
+    assert text.startswith(" FrozenLake 4x4 slippery - Q-learning - seed 0 ")

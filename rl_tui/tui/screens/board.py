@@ -110,6 +110,8 @@ class Board(Container):
         )  # a child's, since a container forgets its arrangement only for a child
 
     async def _replace_placeholder(self, view: WorldView) -> None:
+        if not self.is_attached:
+            return
         with self.app.batch_update():
             await self.query_one(f"#{WORLD}").remove()
             await self.mount(view, before=0)

@@ -17,7 +17,7 @@ from textual.widgets import OptionList, Static
 from textual.widgets.option_list import Option
 from textual.worker import WorkerCancelled
 
-from rl_tui.lab.library import recipe_for
+from rl_tui.lab.library import read_catalogue, recipe_for
 from rl_tui.lab.recipe import Recipe
 from rl_tui.tui.actions import Place, bindings_of
 from rl_tui.tui.screens.help import HelpScreen
@@ -26,7 +26,6 @@ from rl_tui.tui.theme.look import Look
 from rl_tui.tui.widgets.facts import facts, faults_text
 from rl_tui.tui.widgets.notes import Notes
 from rl_tui.tui.written import separated, written
-from rl_tui.worlds.catalogue import read_catalogue
 from rl_tui.worlds.drawing import Arms, Grid
 from rl_tui.worlds.errors import ScenarioError, UserError
 from rl_tui.worlds.scenario import Scenario

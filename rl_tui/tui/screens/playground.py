@@ -88,6 +88,8 @@ class Playground(Stage):
     async def _follow(self) -> None:
         try:
             async for snapshot in self.player.snapshots():
+                if not self.is_attached:  # its panels go before this worker is told
+                    return
                 self._pacer.begin()
                 self._draw(snapshot)
                 await self._painted()
