@@ -11,8 +11,10 @@ import click
 def command(context: click.Context, files: tuple[str, ...]) -> None:
     """Report every fault of scenario files.
 
-    Each is a line of its own on stderr; files without a fault are named on stdout.
+    Each is a line of its own on stderr, with its place in the file; what is listed there is counted from 0.
+    Files without a fault are named on stdout, even where there is a warning on stderr.
     """
+    from rl_tui.lab.endless import endless_warning
     from rl_tui.lab.library import faults_of
 
     faulty = False
@@ -22,6 +24,9 @@ def command(context: click.Context, files: tuple[str, ...]) -> None:
             click.echo(str(fault), err=True)
         if not faults:
             click.echo(f"{file}: ok")
+            warning = endless_warning(file)
+            if warning:
+                click.echo(f"{file}: warning: {warning}", err=True)
         faulty = faulty or bool(faults)
     if faulty:
         context.exit(1)

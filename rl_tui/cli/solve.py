@@ -8,7 +8,7 @@ import click
 
 from rl_tui.agents.hyperparameters import PARAMETERS
 from rl_tui.cli.number import ParameterValue
-from rl_tui.cli.output import columns, number, print_json
+from rl_tui.cli.output import columns, counted, number, print_json
 from rl_tui.cli.run_options import json_option, scenario_argument, seed_option
 
 if TYPE_CHECKING:
@@ -71,18 +71,20 @@ def _report(title: str, world: World, answer: dict[str, Any]) -> str:
         )
         for index, state in enumerate(answer["states"])
     ]
+    limit = world.mdp.time_limit
+    within = f"within {counted(limit, 'step')}, " if limit else ""
+    any_policy = "choosing by the clock too" if limit else "by any policy that ends"
     summary = [
         ("value at the start", number(answer["value_at_start"], ".5f"), f"discounted, γ {answer['gamma']:g}"),
-        ("expected return", number(answer["expected_return"], ".5f"), "of this policy, undiscounted"),
         (
-            "best possible",
-            number(answer["best_expected_return"], ".5f"),
-            "if it may look at the clock",
+            "expected return",
+            number(answer["expected_return"], ".5f"),
+            f"{within}undiscounted, of this policy",
         ),
+        ("best possible", number(answer["best_expected_return"], ".5f"), f"{within}{any_policy}"),
     ]
-    iterations = answer["iterations"]
-    counted = "1 policy" if iterations == 1 else f"{iterations} policies"
-    parts = [f"{title}: exact, by policy iteration ({counted})", ""]
+    rounds = counted(answer["iterations"], "round")
+    parts = [f"{title}: exact, by policy iteration ({rounds} of evaluating and improving)", ""]
     parts += [columns([head, *rows], right=range(1, len(head) - 1)), ""]
     if isinstance(world.drawing, Grid):
         parts += [policy_map(world, answer["policy"]), ""]

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import sys
+from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, TextIO
 
 import click
 
 from rl_tui.cli.number import Whole
-from rl_tui.cli.output import print_json
+from rl_tui.cli.output import counted, print_json
 from rl_tui.cli.progress import progress
 from rl_tui.cli.run_options import json_option, run_options, scenario_argument, seed_option
 
@@ -19,6 +21,9 @@ if TYPE_CHECKING:
 
 MOST: Final = 10**15
 MOST_RUNS: Final = 100_000
+STDOUT: Final = "-"
+
+Outcome = tuple[dict[str, Any], Callable[[], str]]
 
 
 @click.command("train")
@@ -30,8 +35,8 @@ MOST_RUNS: Final = 100_000
 )
 @click.option(
     "--csv",
-    type=click.Path(path_type=Path, dir_okay=False),
-    help="write a row an episode: run, episode, return, length",
+    type=click.Path(dir_okay=False, allow_dash=True),
+    help="write a row an episode: run, episode, return, length; - is stdout, the report then goes to stderr",
 )
 @run_options
 @seed_option
@@ -41,7 +46,7 @@ def command(
     episodes: int | None,
     steps: int | None,
     runs: int | None,
-    csv: Path | None,
+    csv: str | None,
     overrides: dict[str, object],
     seed: int,
     as_json: bool,
@@ -52,32 +57,59 @@ def command(
     """
     if episodes is not None and steps is not None:
         raise click.UsageError("--episodes and --steps exclude each other", click.get_current_context())
+    if csv == STDOUT and as_json:
+        raise click.UsageError("--csv - and --json both want stdout", click.get_current_context())
     from rl_tui.lab.library import episodes_of, find, recipe_for
     from rl_tui.lab.training import Goal
 
     chosen = find(scenario)
     recipe = recipe_for(chosen, overrides, seed)
     goal = Goal(steps=steps) if steps is not None else Goal(episodes=episodes or episodes_of(chosen))
-    if runs is not None:
-        _train_many(recipe, runs, goal, csv, as_json)
+    _warn_beyond_budget(recipe, goal)
+    target = _target(csv)
+    if runs is None:
+        figures, report = _train_once(recipe, goal, target)
     else:
-        _train_once(recipe, goal, csv, as_json)
+        figures, report = _train_many(recipe, runs, goal, target)
+    if as_json:
+        print_json(figures)
+    else:
+        click.echo(report(), err=csv == STDOUT)
 
 
-def _train_once(recipe: Recipe, goal: Goal, csv: Path | None, as_json: bool) -> None:
+def _target(csv: str | None) -> Path | TextIO | None:
+    if csv == STDOUT:
+        return sys.stdout
+    return None if csv is None else Path(csv)
+
+
+def _warn_beyond_budget(recipe: Recipe, goal: Goal) -> None:
+    from rl_tui.lab.recipe import begin
+
+    if recipe.scenario.kind != "bandit":
+        return
+    budget = begin(recipe).world.budget
+    pulls = goal.episodes if goal.steps is None else goal.steps
+    if budget is not None and pulls is not None and pulls > budget:
+        pulls_in_budget = counted(budget, "pull")
+        click.echo(f"the budget of this bandit is {pulls_in_budget}; on screen the run ends there", err=True)
+
+
+def _train_once(recipe: Recipe, goal: Goal, csv: Path | TextIO | None) -> Outcome:
     from rl_tui.lab.figures import training_figures
 
     run, seconds = _trained(recipe, goal, csv)
     figures = training_figures(run, seconds)
-    if as_json:
-        print_json(figures)
-    else:
+
+    def report() -> str:
         from rl_tui.cli.train_report import one_run
 
-        click.echo(one_run(run, figures))
+        return one_run(run, figures)
+
+    return figures, report
 
 
-def _trained(recipe: Recipe, goal: Goal, csv: Path | None) -> tuple[Run, float]:
+def _trained(recipe: Recipe, goal: Goal, csv: Path | TextIO | None) -> tuple[Run, float]:
     from rl_tui.lab.episode_rows import EpisodeRows, csv_file
     from rl_tui.lab.run import Run
     from rl_tui.lab.training import train
@@ -91,14 +123,15 @@ def _trained(recipe: Recipe, goal: Goal, csv: Path | None) -> tuple[Run, float]:
             return run, train(run, goal, on_progress)
 
 
-def _train_many(recipe: Recipe, runs: int, goal: Goal, csv: Path | None, as_json: bool) -> None:
+def _train_many(recipe: Recipe, runs: int, goal: Goal, csv: Path | TextIO | None) -> Outcome:
     from rl_tui.lab.many_runs import many_runs
 
-    with progress(f"{recipe.scenario.id}, {runs:,} runs") as on_progress:
+    with progress(f"{recipe.scenario.id}, {counted(runs, 'run')}") as on_progress:
         figures: dict[str, Any] = many_runs(recipe, runs, goal, csv, on_progress)
-    if as_json:
-        print_json(figures)
-    else:
+
+    def report() -> str:
         from rl_tui.cli.train_report import several_runs
 
-        click.echo(several_runs(recipe, figures))
+        return several_runs(recipe, figures)
+
+    return figures, report

@@ -2,50 +2,38 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
 from rl_tui.agents.catalogue import BY_ID
 from rl_tui.agents.hyperparameters import PARAMETERS
 from rl_tui.agents.planning import best_expected_return
-from rl_tui.cli.output import columns, number
+from rl_tui.cli.advice import no_reward
+from rl_tui.cli.output import columns, counted, number
 from rl_tui.cli.policy_map import policy_map
 from rl_tui.lab.recipe import Recipe
 from rl_tui.lab.run import Run
+from rl_tui.lab.snapshot import BanditFigures
 
 Figures = Mapping[str, Any]
+Row = tuple[str, str, str]
 
-_SUMMARY: Final = {
-    "value_at_start": "value at the start",
-    "expected_return": "expected return",
-    "max_error": "largest error of Q",
-    "return_last_100": "return, last 100 episodes",
-    "length_last_100": "length, last 100 episodes",
-    "first_reward_episode": "first reward, episode",
-    "episodes": "episodes",
-    "steps": "steps",
-}
+LAST: Final = 100
+MOST_NAMES: Final = 8
+_WHOLE: Final = ("episodes", "steps")
 
 
 def one_run(run: Run, figures: Figures) -> str:
     """Return the report of one run; ``figures`` is its document of ``train --json``."""
-    seconds, speed = number(figures["seconds"], ".3f"), figures["steps_per_second"]
-    rate = f", {speed / 1e6:.1f} million steps/s" if speed else ""
-    done = f"{figures['episodes']:,} episodes, {figures['steps']:,} steps in {seconds} s{rate}"
-    best = number(best_expected_return(run.world.mdp))
-    value, optimum = number(figures["value_at_start"]), number(figures["optimal_value_at_start"])
-    rows = [
-        ("value at the start", f"{value} of {optimum}", "greedy policy of optimum"),
-        ("expected return", f"{number(figures['expected_return'])} of {best}", "greedy policy of best"),
-        ("greedy policy ends", number(figures["greedy_ends"]), "probability"),
-        ("largest error of Q", number(figures["max_error"]), "max |Q - Q*|"),
-        ("last 100 episodes", number(figures["return_last_100"]), "mean return, exploring"),
-        ("", number(figures["length_last_100"]), "mean length"),
-        ("first reward", _first_reward(figures), ""),
-    ]
-    parts = [_head(run.recipe), done, "", policy_map(run.world, figures["policy"]), "", columns(rows)]
+    spent = run.bandit
+    if spent is not None:
+        parts = [_head(run.recipe), _done(figures, "pull"), "", columns(_bandit_rows(figures, spent))]
+    else:
+        rows = _rows(figures, number(best_expected_return(run.world.mdp)))
+        drawing = policy_map(run.world, figures["policy"])
+        parts = [_head(run.recipe), _done(figures, "episode"), "", drawing, "", columns(rows)]
     if figures["first_reward_episode"] is None:
-        parts += ["", advice(run.recipe)]
+        parts += ["", no_reward(run.recipe)]
     return "\n".join(parts)
 
 
@@ -53,9 +41,9 @@ def several_runs(recipe: Recipe, figures: Figures) -> str:
     """Return the report of several runs; ``figures`` is their document of ``train --runs --json``."""
     runs = figures["runs"]
     rows = [("", "mean", "stderr", "min", "max", "runs")]
-    for name, title in _SUMMARY.items():
+    for name, title in _summary_titles(runs).items():
         summary = figures["summary"][name]
-        form = ",.0f" if name in ("episodes", "steps") else ".5g"
+        form = ",.0f" if name in _WHOLE else ".5g"
         shown = [number(summary[key], form) for key in ("mean", "stderr", "min", "max")]
         rows.append((title, shown[0], shown[1], shown[2], shown[3], f"{summary['count']:,}"))
     last = runs[-1]["seed"]
@@ -63,21 +51,87 @@ def several_runs(recipe: Recipe, figures: Figures) -> str:
     parts = [_head(recipe, seeds), "", columns(rows, right=(1, 2, 3, 4, 5))]
     blind = sum(row["first_reward_episode"] is None for row in runs)
     if blind:
-        parts += ["", f"{blind:,} of {len(runs):,} runs never saw a reward.", advice(recipe)]
+        parts += ["", no_reward(recipe, blind, len(runs))]
     return "\n".join(parts)
 
 
-def advice(recipe: Recipe) -> str:
-    """Return why a run may never see a reward, and what to try."""
-    if recipe.hyperparameters.ties == "first":
-        return (
-            "No reward, nothing learned: the estimates stay equal, and --ties first then always takes the\n"
-            "first action, which here leads nowhere. Try --ties random."
-        )
-    return (
-        "No reward, nothing learned: the agent has not come upon one yet. Try more --episodes, a larger\n"
-        "--epsilon, or an --initial-q above what can be earned."
-    )
+def _done(figures: Figures, thing: str) -> str:
+    seconds, speed = number(figures["seconds"], ".3f"), figures["steps_per_second"]
+    rate = f", {speed / 1e6:.1f} million steps/s" if speed else ""
+    steps = f", {counted(figures['steps'], 'step')}" if thing == "episode" else ""
+    return f"{counted(figures['episodes'], thing)}{steps} in {seconds} s{rate}"
+
+
+def _rows(figures: Figures, best: str) -> list[Row]:
+    value, optimum = number(figures["value_at_start"]), number(figures["optimal_value_at_start"])
+    ends, first = figures["greedy_ends"], figures["first_reward_episode"]
+    return [
+        ("value at the start", f"{value} of {optimum}", "greedy policy of optimum"),
+        ("expected return", f"{number(figures['expected_return'])} of {best}", "greedy policy of best"),
+        ("greedy policy ends", "-" if ends is None else f"with probability {number(ends)}", ""),
+        ("largest error of Q", number(figures["max_error"]), "max |Q - Q*|"),
+        *_last_rows(figures),
+        ("first reward", "never" if first is None else f"episode {first:,}", ""),
+    ]
+
+
+def _last_rows(figures: Figures) -> list[Row]:
+    if figures["return_last_100"] is None:
+        return [("last episodes", "none is finished", "")]
+    return [
+        (_last(figures["episodes"]), number(figures["return_last_100"]), "mean return, exploring"),
+        ("", number(figures["length_last_100"]), "mean length"),
+    ]
+
+
+def _bandit_rows(figures: Figures, spent: BanditFigures) -> list[Row]:
+    greedy, best = number(figures["expected_return"]), number(figures["optimal_value_at_start"])
+    share = "-" if spent.best_arm_rate is None else f"{spent.best_arm_rate:.1%} of the time"
+    winnings = f"{spent.winnings:,.1f} of {spent.best_possible:,.1f}"
+    return [
+        ("greedy arm", _arms(figures["policy"][0]), "the best by what was seen"),
+        ("its true mean", f"{greedy} of {best}", "greedy arm of best arm"),
+        ("best arm pulled", share, ""),
+        ("winnings", winnings, "of what the best arm brings on average"),
+        ("regret", f"{spent.regret:,.1f}", "lost to other arms, counted in true means"),
+        ("largest error of Q", number(figures["max_error"]), "max |Q - q*|"),
+        (_last(figures["episodes"], "pull"), number(figures["return_last_100"]), "mean reward, exploring"),
+    ]
+
+
+def _arms(names: Sequence[str]) -> str:
+    return ", ".join(names) if len(names) <= MOST_NAMES else f"{len(names):,} arms tie"
+
+
+def _last(episodes: int, thing: str = "episode") -> str:
+    """Return over how many episodes the means of the last 100 are."""
+    number_of = min(episodes, LAST)
+    return f"last {thing}" if number_of == 1 else f"last {counted(number_of, thing)}"
+
+
+def _summary_titles(runs: Sequence[Figures]) -> dict[str, str]:
+    fewest, most = (min(pick(row["episodes"] for row in runs), LAST) for pick in (min, max))
+    if "winnings" in runs[0]:
+        return {
+            "expected_return": "true mean of the greedy arm",
+            "best_arm_rate": "best arm, share of pulls",
+            "winnings": "winnings",
+            "regret": "regret",
+            "max_error": "largest error of Q",
+            "return_last_100": f"reward, {_last(most, 'pull')}",
+            "episodes": "pulls",
+        }
+    last = _last(most) if fewest == most else f"up to {most} last episodes"
+    return {
+        "value_at_start": "value at the start",
+        "expected_return": "expected return",
+        "max_error": "largest error of Q",
+        "return_last_100": f"return, {last}",
+        "length_last_100": f"length, {last}",
+        "first_reward_episode": "first reward, episode",
+        "episodes": "episodes",
+        "steps": "steps",
+    }
 
 
 def _head(recipe: Recipe, seeds: str = "") -> str:
@@ -87,8 +141,3 @@ def _head(recipe: Recipe, seeds: str = "") -> str:
         f"{PARAMETERS[name].symbol} {number(values[name], '.12g')}" for name in algorithm.parameters
     )
     return f"{recipe.scenario.title}: {algorithm.name}, {seeds or f'seed {recipe.seed}'}\n{settings}"
-
-
-def _first_reward(figures: Figures) -> str:
-    first = figures["first_reward_episode"]
-    return "never" if first is None else f"episode {first:,}"

@@ -31,11 +31,18 @@ class EpisodeRows:
 
 
 @contextmanager
-def csv_file(path: Path) -> Iterator[TextIO]:
-    """Open ``path`` with the header written. Raises UserError where it cannot be written."""
+def csv_file(target: Path | TextIO) -> Iterator[TextIO]:
+    """Yield ``target``, opened if it is a path, with the header written.
+
+    Raises UserError where the file cannot be written; a stream stays open, and its errors are its own.
+    """
+    if not isinstance(target, Path):
+        target.write(HEADER)
+        yield target
+        return
     try:
-        with path.open("w", encoding="utf-8", newline="") as stream:
+        with target.open("w", encoding="utf-8", newline="") as stream:
             stream.write(HEADER)
             yield stream
     except OSError as error:
-        raise UserError(f"{path}: cannot be written ({error.strerror or error})") from error
+        raise UserError(f"{target}: cannot be written ({error.strerror or error})") from error

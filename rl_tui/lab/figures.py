@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 import numpy.typing as npt
@@ -14,6 +14,8 @@ from rl_tui.agents.solution import NoExactAnswer, Solution
 from rl_tui.lab.recipe import Recipe
 from rl_tui.lab.run import Run
 from rl_tui.worlds.mdp import FloatArray, TabularMDP
+
+BANDIT_FIGURES: Final = ("winnings", "regret", "best_arm_rate")
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,9 +85,16 @@ def training_figures(run: Run, seconds: float) -> dict[str, Any]:
             "length_last_100": run.history.length_last_100,
             "greedy_ends": exact.greedy_ends,
             "first_reward_episode": learner.first_reward_episode or None,
+            **pulls(run),
         }
     )
     return document
+
+
+def pulls(run: Run) -> dict[str, float | None]:
+    """Return how the pulls of a bandit were spent, as JSON; nothing where the world of ``run`` is none."""
+    spent = run.bandit
+    return {} if spent is None else {name: getattr(spent, name) for name in BANDIT_FIGURES}
 
 
 def table(mdp: TabularMDP, values: npt.NDArray[Any]) -> list[list[Any]]:

@@ -14,14 +14,14 @@ from dataclasses import replace
 from pathlib import Path
 from shutil import copyfileobj
 from tempfile import TemporaryDirectory
-from typing import Any, Final, TypeVar
+from typing import Any, Final, TextIO, TypeVar
 
 import numpy as np
 
 from rl_tui.agents.solution import Solution
 from rl_tui.lab.bandit import best_arms
 from rl_tui.lab.episode_rows import EpisodeRows, csv_file
-from rl_tui.lab.figures import finite, greedy_figures, head, optimum_of
+from rl_tui.lab.figures import BANDIT_FIGURES, finite, greedy_figures, head, optimum_of, pulls
 from rl_tui.lab.learning_curve import RunCurve, mean_curve, no_curve
 from rl_tui.lab.recipe import Beginning, Recipe, begin, drawn_from_seed
 from rl_tui.lab.run import OnEpisodes, Run
@@ -48,14 +48,15 @@ def many_runs(
     recipe: Recipe,
     runs: int,
     goal: Goal,
-    csv: Path | None = None,
+    csv: Path | TextIO | None = None,
     on_progress: OnProgress = no_progress,
     workers: int | None = None,
 ) -> dict[str, Any]:
     """Train ``runs`` times, with the seed of ``recipe`` and those that follow, and return what came of it.
 
-    It is the document of ``train --runs --json``. ``csv`` takes one row an episode, in the order of the runs.
-    ``on_progress`` is called from several threads, one at a time. Raises UserError as one run does.
+    It is the document of ``train --runs --json``. ``csv``, a path or a stream, takes one row an episode, in
+    the order of the runs. ``on_progress`` is called from several threads, one at a time. Raises UserError as
+    one run does.
     """
     experiment = _Experiment(recipe, runs, goal, on_progress, workers or _cores())
     start = time.perf_counter()
@@ -68,7 +69,7 @@ def many_runs(
             "seconds": seconds,
             "steps_per_second": sum(row["steps"] for row in rows) / seconds,
             "runs": rows,
-            "summary": {name: summary([row[name] for row in rows]) for name in FIGURES},
+            "summary": {name: summary([row[name] for row in rows]) for name in experiment.figures},
             "curve": curve,
         }
     )
@@ -121,7 +122,12 @@ class _Experiment:
         nothing = run.learner.drain_episodes()
         RunCurve(1, best_arms(run.world.mdp))(*nothing)
 
-    def rows(self, csv: Path | None) -> list[dict[str, Any]]:
+    @property
+    def figures(self) -> tuple[str, ...]:
+        """The names of a run's figures."""
+        return (*FIGURES, *BANDIT_FIGURES) if self._bandit else FIGURES
+
+    def rows(self, csv: Path | TextIO | None) -> list[dict[str, Any]]:
         """Train every run to the goal and return its figures."""
         with ExitStack() as stack:
             if csv is None:
@@ -184,6 +190,7 @@ class _Experiment:
             "return_last_100": run.history.return_last_100,
             "length_last_100": run.history.length_last_100,
             "first_reward_episode": run.learner.first_reward_episode or None,
+            **pulls(run),
         }
 
     def _train(self, index: int, *also: OnEpisodes) -> Run:

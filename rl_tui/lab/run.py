@@ -13,7 +13,7 @@ from rl_tui.lab.evaluation import DEAREST_LIVE, MOST_STATES, Evaluation, GreedyR
 from rl_tui.lab.exact import PENDING, Answer
 from rl_tui.lab.history import History, HistoryState
 from rl_tui.lab.recipe import Beginning, Change, JournalEntry, Recipe, SetParameter, begin
-from rl_tui.lab.snapshot import Marks, Phase, Snapshot
+from rl_tui.lab.snapshot import BanditFigures, Marks, Phase, Snapshot
 from rl_tui.worlds.errors import UserError
 from rl_tui.worlds.mdp import FloatArray, IntArray
 
@@ -80,6 +80,11 @@ class Run:
     def marks(self) -> Marks:
         """The exact returns of the greedy policy on the way."""
         return self._evaluation.marks()
+
+    @property
+    def bandit(self) -> BanditFigures | None:
+        """How the pulls of a bandit were spent; None where the world is no bandit."""
+        return bandit_figures(self.world, self.learner.visits, self.history.total_return)
 
     @property
     def spent(self) -> bool:
@@ -186,7 +191,7 @@ class Run:
             greedy_return=self._live_greedy_return(),
             exact=answer.solution,
             exact_refused=answer.refused,
-            bandit=bandit_figures(self.world, visits, self.history.total_return),
+            bandit=self.bandit,
         )
 
     def _seen_state(self) -> int:

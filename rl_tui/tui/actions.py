@@ -115,6 +115,18 @@ ACTIONS: Final[tuple[Action, ...]] = (
         rank=12,
     ),
     Action("seed", ("n",), "n", "seed", "Set the seed, and start again.", Group.AGENT, rank=13),
+    *(
+        Action(
+            f"slider_{name}",
+            (key,),
+            key,
+            f"slider {symbol}",
+            f"Put the focus on the slider of {symbol}; there digits type a value.",
+            Group.AGENT,
+            command=f"slider('{name}')",
+        )
+        for key, name, symbol in (("1", "alpha", "α"), ("2", "gamma", "γ"), ("3", "epsilon", "ε"))
+    ),
     Action(
         "layer",
         ("v",),
@@ -183,7 +195,17 @@ ACTIONS: Final[tuple[Action, ...]] = (
         command="app.command_palette",
         rank=15,
     ),
-    Action("quit", ("q",), "q", "quit", "Quit.", Group.PROGRAM, Place.BOTH, command="app.quit", rank=16),
+    Action(
+        "quit",
+        ("q",),
+        "q",
+        "quit",
+        "Quit; in the help and in the model only close them.",
+        Group.PROGRAM,
+        Place.BOTH,
+        command="app.quit",
+        rank=16,
+    ),
 )
 
 

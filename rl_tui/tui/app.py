@@ -15,7 +15,6 @@ from rl_tui.lab.library import recipe_for
 from rl_tui.lab.recipe import Recipe
 from rl_tui.tui.actions import ActionProvider
 from rl_tui.tui.display import Display
-from rl_tui.tui.screens.catalogue import Catalogue
 from rl_tui.tui.theme.depth import choose_look, depth_of, environment_for, is_native
 from rl_tui.tui.theme.glyphs import ASCII
 from rl_tui.tui.theme.limited_themes import PICTURE_DARK, PICTURE_LIGHT, themes_for
@@ -27,6 +26,7 @@ from rl_tui.worlds.errors import UserError
 
 if TYPE_CHECKING:
     from rl_tui.lab.player import Player
+    from rl_tui.tui.screens.catalogue import Catalogue
     from rl_tui.tui.screens.playground import Playground
 
 MakePlayer = Callable[[Recipe], "Player"]
@@ -47,6 +47,7 @@ class RlTuiApp(App[UserError]):
 
     TITLE = "rl-tui"
     CSS_PATH = "app.tcss"
+    NOTIFICATION_TIMEOUT: ClassVar[float] = 3
     COMMANDS: ClassVar[set[type[Provider] | Callable[[], type[Provider]]]] = {ActionProvider}
 
     def __init__(
@@ -88,11 +89,17 @@ class RlTuiApp(App[UserError]):
     def on_mount(self) -> None:
         """Open the first screen."""
         self.theme_changed_signal.subscribe(self, self._follow_theme)
-        first = self._playground(self._recipe) if self._recipe else Catalogue(self.look)
-        self.push_screen(first)
+        self.push_screen(self._playground(self._recipe) if self._recipe else self._catalogue())
+
+    # Each screen is imported when it is first wanted: the first paint waits for one of them only, that of the
+    # catalogue not for numpy and a dozen widgets
+
+    def _catalogue(self, start_at: str = "", fault: UserError | None = None) -> Catalogue:
+        from rl_tui.tui.screens.catalogue import Catalogue
+
+        return Catalogue(self.look, start_at, fault)
 
     def _playground(self, recipe: Recipe) -> Playground:
-        # numpy and a dozen widgets: the catalogue's first paint does not wait for them
         from rl_tui.tui.screens.playground import Playground
 
         return Playground(self.look, recipe, self._make_player(recipe), self.options.fps)
@@ -108,7 +115,7 @@ class RlTuiApp(App[UserError]):
             self.exit(event.fault, return_code=1)
             return
         self._recipe = None
-        self.switch_screen(Catalogue(self.look, event.recipe.scenario.id, event.fault))
+        self.switch_screen(self._catalogue(event.recipe.scenario.id, event.fault))
 
     def on_playground_neighbour_wanted(self, event: Playground.NeighbourWanted) -> None:
         """Go to the scenario before or after; from a file that is not listed, to the first or last."""

@@ -68,7 +68,11 @@ class BanditSection(WorldSection):
         if "means" not in raw and "arms" not in raw:
             yield Finding(("arms",), "nothing", f"a whole number from 1 to {MOST_ARMS:,}, or means")
         if isinstance(means, list) and is_number(arms) and len(means) != arms:
-            yield Finding(("means",), f"{len(means)} means", f"as many as there are arms ({shown(arms)})")
+            yield Finding(
+                ("means",),
+                f"{len(means)} mean{'s' if len(means) > 1 else ''}",
+                f"as many as there are arms ({shown(arms)})",
+            )
         if "means" in raw and "mean" in raw:
             yield Finding(("mean",), "mean beside means", "either the distribution or the means themselves")
 

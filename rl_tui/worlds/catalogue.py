@@ -76,14 +76,11 @@ def find(name_or_path: str) -> Scenario:
     """
     if name_or_path.endswith(_SUFFIX) or "/" in name_or_path or "\\" in name_or_path:
         return read_scenario(name_or_path, ask_environment=False)
-    catalogue = read_catalogue()
-    for scenario in catalogue.scenarios:
-        if scenario.id == name_or_path:
-            return scenario
-    for error in catalogue.broken:
-        if Path(error.faults[0].file).stem == name_or_path:
-            raise error
-    names = [scenario.id for scenario in catalogue.scenarios]
+    for folder in (shipped_folder(), user_folder()):
+        for path in _files(folder):
+            if path.stem == name_or_path:
+                return read_scenario(path, ask_environment=False)
+    names = [scenario.id for scenario in scenarios()]
     near = get_close_matches(name_or_path.lower(), names, n=3, cutoff=0.5)
     hint = f"did you mean {' or '.join(near)}?" if near else f"there are {', '.join(names)}"
     raise UserError(f"no scenario is called {shown(name_or_path)}: {hint}")

@@ -20,6 +20,9 @@ if TYPE_CHECKING:
     from gymnasium import Env
 
 UNSUPPORTED: Final = "environments without one are not supported by this version"
+TABULAR_ENTRY: Final = "gymnasium.envs.toy_text."
+# The one among them whose states are no single numbers, and that has no table
+UNTABLED_ENTRY: Final = "gymnasium.envs.toy_text.blackjack:"
 
 
 def _refusal(key: str, found: str, expected: str) -> WorldRefusedError:
@@ -66,9 +69,8 @@ def _made(name: str, kwargs: Mapping[str, Any]) -> Env[Any, Any]:
     import gymnasium
 
     if name not in gymnasium.registry:
-        raise _refusal(
-            "id", shown(name), f"the id of a registered environment{near(name, gymnasium.registry)}"
-        )
+        known = (id_ for id_, spec in gymnasium.registry.items() if _may_have_table(spec.entry_point))
+        raise _refusal("id", shown(name), f"the id of a registered environment{near(name, known)}")
     try:
         # a map without a start divides by zero; the check of the start distribution tells that in plain words
         with np.errstate(invalid="ignore", divide="ignore"):
@@ -79,6 +81,12 @@ def _made(name: str, kwargs: Mapping[str, Any]) -> Env[Any, Any]:
         raise _refusal(
             "kwargs" if kwargs else "id", f"what makes {name} fail ({reason})", f"what {name} takes"
         ) from error
+
+
+def _may_have_table(entry_point: object) -> bool:
+    """Tell from where an environment comes from, without making it, whether it is worth suggesting."""
+    entry = str(entry_point)
+    return entry.startswith(TABULAR_ENTRY) and not entry.startswith(UNTABLED_ENTRY)
 
 
 def _sizes(name: str, environment: Env[Any, Any]) -> tuple[int, int]:

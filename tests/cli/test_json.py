@@ -50,6 +50,7 @@ RUN = [
     "length_last_100",
     "first_reward_episode",
 ]
+BANDIT = ["winnings", "regret", "best_arm_rate"]
 SUMMARY = ["mean", "stderr", "min", "max", "count"]
 CURVE = ["episode", "return_mean", "return_stderr", "length_mean"]
 SOLVE = [
@@ -150,15 +151,16 @@ def test_the_same_call_gives_the_same_document() -> None:
 @pytest.mark.parametrize("scenario", ["frozenlake", "bandit"])
 def test_train_runs(scenario: str) -> None:
     figures = document("train", scenario, "--runs", "3", "--episodes", "300", "--seed", "5")
+    names = [*RUN, *(BANDIT if scenario == "bandit" else [])]
     assert [key for key in figures if key in {*HEAD, "runs", "summary", "curve"}] == [
         *HEAD,
         "runs",
         "summary",
         "curve",
     ]
-    assert [list(row) for row in figures["runs"]] == [RUN] * 3
+    assert [list(row) for row in figures["runs"]] == [names] * 3
     assert [row["seed"] for row in figures["runs"]] == [5, 6, 7]
-    assert set(figures["summary"]) == set(RUN) - {"seed"}
+    assert set(figures["summary"]) == set(names) - {"seed"}
     assert all(list(each) == SUMMARY for each in figures["summary"].values())
     assert figures["summary"]["steps"]["mean"] == pytest.approx(
         sum(row["steps"] for row in figures["runs"]) / 3
@@ -166,6 +168,20 @@ def test_train_runs(scenario: str) -> None:
     assert list(figures["curve"]) == [*CURVE, *(["optimal_action_rate"] if scenario == "bandit" else [])]
     assert figures["curve"]["episode"] == list(range(2, 301, 2))
     assert all(len(column) == 150 for column in figures["curve"].values())
+
+
+def test_a_bandit_tells_how_its_pulls_were_spent() -> None:
+    figures = document("train", "bandit", "--seed", "3")
+    assert list(figures) == [*TRAIN, *BANDIT]
+    pulls, means = figures["visits"][0], document("solve", "bandit", "--seed", "3")["q"][0]
+    best = max(means)
+    assert figures["best_arm_rate"] == pulls[means.index(best)] / 1000
+    assert figures["regret"] == pytest.approx(
+        sum(count * (best - mean) for count, mean in zip(pulls, means, strict=True))
+    )
+    # with the sample average, what each arm brought is its estimate times its pulls
+    brought = math.fsum(count * q for count, q in zip(pulls, figures["q"][0], strict=True))
+    assert figures["winnings"] == pytest.approx(brought)
 
 
 def test_one_of_many_runs_is_the_run_alone() -> None:
@@ -189,6 +205,18 @@ def test_csv_has_a_row_an_episode(tmp_path: Path) -> None:
     assert math.fsum(float(row["return"]) for row in rows[:50]) / 50 == pytest.approx(
         figures["runs"][0]["return_last_100"]
     )
+
+
+@pytest.mark.parametrize("runs", [(), ("--runs", "2")])
+def test_csv_can_go_to_stdout(runs: tuple[str, ...], tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    command = ["train", "student", "--episodes", "5", *runs, "--csv"]
+    to_file = CliRunner().invoke(program, [*command, "rows.csv"])
+    result = CliRunner().invoke(program, [*command, "-"])
+    assert result.exit_code == 0
+    assert result.stdout == Path("rows.csv").read_text(encoding="utf-8")
+    assert result.stderr.splitlines()[:2] == to_file.stdout.splitlines()[:2]
+    assert [file.name for file in tmp_path.iterdir()] == ["rows.csv"]
 
 
 @pytest.mark.parametrize(

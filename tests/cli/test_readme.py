@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 from pathlib import Path
 from textwrap import dedent
@@ -49,6 +50,30 @@ def test_train_prints_what_is_shown() -> None:
 
     real = output_of("train", "frozenlake").strip()
     assert without_speed(real) == without_speed(shown_after("rl-tui train frozenlake"))
+
+
+def test_train_beyond_a_budget_prints_what_is_shown() -> None:
+    result = CliRunner().invoke(program, ["train", "bandit", "--episodes", "2000"])
+    lines = {*result.stdout.splitlines(), *result.stderr.splitlines()}
+    shown = shown_after("rl-tui train bandit --episodes 2000").splitlines()
+    assert len(shown) == 9
+    assert set(shown) - {"…"} <= lines
+
+
+def test_the_documents_hold_what_is_shown() -> None:
+    figures = json.loads(output_of("train", "frozenlake", "--json"))
+    shown = shown_after("rl-tui train frozenlake --json")
+    assert f'"visits": [[{figures["visits"][0][0]}, …' in shown
+    assert f'"q": [[{figures["q"][0][0]:.2f}, …' in shown
+    for name in ("episodes", "steps", "expected_return", "return_last_100", "first_reward_episode"):
+        assert f'"{name}": {figures[name]}' in shown
+    many = json.loads(output_of("train", "bandit", "--runs", "100", "--json"))
+    shown = shown_after("rl-tui train bandit --runs 100 --json")
+    first, mean = many["runs"][0], many["summary"]["return_last_100"]
+    assert f'"return_last_100": {first["return_last_100"]:.3f}, …, "regret": {first["regret"]:.1f}' in shown
+    assert f'{{"mean": {mean["mean"]:.2f}, "stderr": {mean["stderr"]:.2f}, ' in shown
+    assert '"episode": [5, 10, …' in shown
+    assert many["curve"]["episode"][:2] == [5, 10]
 
 
 def test_the_scenario_in_it_has_no_fault(tmp_path: Path) -> None:

@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 import io
+import json
+import re
 import sys
+from pathlib import Path
 
 import pytest
 from click.testing import CliRunner
 
+from rl_tui.cli.advice import no_reward
 from rl_tui.cli.main import program
-from rl_tui.cli.output import columns, number
+from rl_tui.cli.output import columns, counted, number
 from rl_tui.cli.policy_map import policy_map
 from rl_tui.cli.progress import progress
 from rl_tui.lab.library import find, recipe_for
@@ -29,6 +33,61 @@ def test_train_says_what_was_learned_and_what_could_be() -> None:
     assert "1 of 1 " in text
 
 
+def test_a_bandit_gets_lines_of_its_own() -> None:
+    text = report("train", "bandit")
+    figures = json.loads(report("train", "bandit", "--json"))
+    rows = dict(re.split(r"  +", line)[:2] for line in text.splitlines()[4:])
+    assert "1,000 pulls in " in text
+    assert rows["greedy arm"] == figures["policy"][0][0]
+    assert rows["best arm pulled"] == f"{figures['best_arm_rate']:.1%} of the time"
+    assert rows["winnings"].split()[0] == f"{figures['winnings']:,.1f}"
+    assert rows["regret"] == f"{figures['regret']:,.1f}"
+    assert not re.search("episode|policy ends|length|first reward", text)
+
+
+def test_many_arms_that_tie_are_counted(tmp_path: Path) -> None:
+    file = tmp_path / "arms.toml"
+    file.write_text("[bandit]\narms = 50\nstd = 0.0\nmean = { normal = [-9.0, 1.0] }\n", encoding="utf-8")
+    assert "greedy arm          49 arms tie " in report("train", str(file), "--steps", "1")
+
+
+def test_several_runs_of_a_bandit_too() -> None:
+    text = report("train", "bandit", "--runs", "3")
+    assert "\nwinnings " in text
+    assert "\nregret " in text
+    assert "\nbest arm, share of pulls " in text
+    assert "\nreward, last 100 pulls " in text
+    assert not re.search("episode|length|first reward", text)
+
+
+@pytest.mark.parametrize(
+    ("args", "shown"),
+    [
+        (("frozenlake",), "\nlast 100 episodes "),
+        (("student", "--episodes", "7"), "\nlast 7 episodes "),
+        (("student", "--episodes", "1"), "\nlast episode "),
+        (("frozenlake", "--steps", "1"), "\nlast episodes       none is finished"),
+        (("student", "--episodes", "7", "--runs", "2"), "\nreturn, last 7 episodes "),
+        (("student", "--steps", "300", "--runs", "3"), "\nreturn, up to 8 last episodes "),
+        (("bandit", "--episodes", "1"), "\nlast pull "),
+    ],
+)
+def test_means_say_over_how_many_episodes_they_are(args: tuple[str, ...], shown: str) -> None:
+    assert shown in report("train", *args)
+
+
+def test_whether_the_greedy_policy_ends_is_a_probability() -> None:
+    assert "greedy policy ends  with probability 1\n" in report("train", "frozenlake")
+
+
+def test_one_is_singular() -> None:
+    assert "\n0 episodes, 1 step in" in report("train", "frozenlake", "--steps", "1")
+    assert "\n1 episode, " in report("train", "student", "--episodes", "1")
+    assert "\n1 pull in" in report("train", "bandit", "--episodes", "1")
+    assert counted(1, "run") == "1 run"
+    assert counted(1200, "run") == "1,200 runs"
+
+
 @pytest.mark.parametrize("runs", [(), ("--runs", "2")])
 def test_train_says_why_no_reward_was_seen(runs: tuple[str, ...]) -> None:
     text = report("train", "frozenlake", "--ties", "first", "--episodes", "100", *runs)
@@ -39,6 +98,32 @@ def test_train_says_why_no_reward_was_seen(runs: tuple[str, ...]) -> None:
 def test_other_reasons_for_no_reward_get_other_advice() -> None:
     text = report("train", "frozenlake", "--steps", "3")
     assert "Try more --episodes" in text
+
+
+def test_only_runs_without_a_reward_are_said_to_have_learned_nothing() -> None:
+    lake = recipe_for(find("frozenlake"), {"ties": "first"})
+    assert no_reward(lake).startswith("This run never saw a reward and learned nothing: ")
+    assert no_reward(lake, 94, 100).startswith("94 of 100 runs never saw a reward and learned nothing: ")
+    command = ("train", "frozenlake", "--episodes", "60", "--runs", "10")
+    runs = json.loads(report(*command, "--json"))["runs"]
+    blind = sum(row["first_reward_episode"] is None for row in runs)
+    assert 0 < blind < 10
+    assert f"\n{blind} of 10 runs never saw a reward and learned nothing. Try more --episodes" in report(
+        *command
+    )
+
+
+def test_with_an_initial_q_something_is_learned_without_a_reward() -> None:
+    text = report("train", "frozenlake", "--initial-q", "1", "--ties", "first", "--steps", "5")
+    assert "never saw a reward." in text
+    assert "--ties random" not in text
+
+
+def test_solve_says_what_it_counts_and_what_the_clock_has_to_do_with_it() -> None:
+    text = report("solve", "student")
+    assert "(1 round of evaluating and improving)" in text
+    assert "within 100 steps, choosing by the clock too" in text
+    assert "clock" not in report("solve", "bandit")
 
 
 def test_solve_draws_the_policy_on_the_map() -> None:

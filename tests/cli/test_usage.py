@@ -94,6 +94,7 @@ def test_a_value_out_of_range_is_refused_with_the_range(option: tuple[str, ...],
         ("train",),
         ("train", "student", "--episodes", "3", "--steps", "3"),
         ("train", "student", "--algorithm", "guessing"),
+        ("train", "student", "--csv", "-", "--json"),
         ("train", "student", "--no-such-option"),
         ("solve", "student", "--gamma", "2"),
         ("check",),
@@ -188,6 +189,59 @@ def test_check_reports_every_fault_and_fails(tmp_path: Path) -> None:
     assert any("defaults.alpha" in line and "(0, 1]" in line for line in lines)
     assert any("mdp.transition[0].to" in line for line in lines)
     assert any("mdp.start" in line for line in lines)
+
+
+ENDLESS = """
+[mdp]
+start = "Home"
+{limit}
+[[mdp.transition]]
+state = "Home"
+action = "go"
+reward = 0.0
+to = {{ Forest = 0.5, Work = 0.5 }}
+[[mdp.transition]]
+state = "Forest"
+action = "walk"
+reward = -1.0
+to = {{ {to} }}
+[[mdp.transition]]
+state = "Lake"
+action = "swim"
+reward = -1.0
+to = "Forest"
+"""
+
+
+@pytest.mark.parametrize(
+    ("limit", "to", "warned"),
+    [
+        ("", "Forest = 0.9, Lake = 0.1", True),
+        ("time_limit = 50", "Forest = 0.9, Lake = 0.1", False),
+        ("", "Forest = 0.9, Lake = 0.05, Work = 0.05", False),
+    ],
+)
+def test_check_warns_of_a_world_that_never_ends(limit: str, to: str, warned: bool, tmp_path: Path) -> None:
+    file = tmp_path / "endless.toml"
+    file.write_text(ENDLESS.format(limit=limit, to=to), encoding="utf-8")
+    result = run("check", str(file))
+    assert (result.exit_code, result.stdout) == (0, f"{file}: ok\n")
+    assert result.stderr == (
+        f"{file}: warning: state Forest can never reach an end and there is no time limit: "
+        "training stops after 10,000,000 steps of one episode\n"
+        if warned
+        else ""
+    )
+
+
+@pytest.mark.parametrize("more", [(), ("--json",), ("--runs", "2")])
+@pytest.mark.parametrize("count", ["--episodes", "--steps"])
+def test_more_pulls_than_the_budget_are_made_but_said(count: str, more: tuple[str, ...]) -> None:
+    result = run("train", "bandit", count, "1001", *more)
+    assert result.exit_code == 0
+    assert result.stderr == "the budget of this bandit is 1,000 pulls; on screen the run ends there\n"
+    assert "1001" in result.stdout.replace(",", "")
+    assert run("train", "bandit", count, "1000", *more).stderr == ""
 
 
 def test_check_accepts_the_shipped_scenarios() -> None:

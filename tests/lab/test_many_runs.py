@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from recipes import one_run, recipe
 
+from rl_tui.lab.figures import BANDIT_FIGURES
 from rl_tui.lab.many_runs import FIGURES, many_runs, summary
 from rl_tui.lab.run import Run
 from rl_tui.lab.training import Goal
@@ -37,7 +38,7 @@ def test_each_run_is_the_single_run_of_its_seed() -> None:
     for row in document["runs"]:
         alone = one_run(recipe("bandit", seed=row["seed"]), Goal(episodes=300))
         assert row == {name: alone[name] for name in row}
-    assert set(document["summary"]) == set(FIGURES)
+    assert set(document["summary"]) == {*FIGURES, *BANDIT_FIGURES}
     json.dumps(document, allow_nan=False)
 
 

@@ -54,7 +54,18 @@ def test_where_there_is_room_rows_are_spaced_and_an_axis_is_drawn() -> None:
     assert all(row.strip() == "┊" for row in rows[1:20:2])
     assert rows[20].split() == ["−2", "−1", "0", "1", "2"]
     assert rows[20].index("0") == rows[1].index("┊")
-    assert view.heading == "Arms · estimate ± error"
+    assert view.heading == "Arms · estimate ± standard error"
+
+
+@pytest.mark.parametrize("width", [24, 40, 60])
+def test_what_is_said_of_arms_not_pulled_keeps_off_their_true_means(width: int) -> None:
+    rows = picture(bandit(0), width, 10, revealed=True)
+    assert all(row.count("◆") == 1 for row in rows)
+    said = [row for row in rows if "not" in row]
+    assert all(" not pulled" in row for row in said)
+    assert len(said) == 10 or width < 40
+    hidden = picture(bandit(0), width, 10)
+    assert all("not pulled yet" in row for row in hidden)
 
 
 def test_titles_are_shortened_by_whole_parts() -> None:

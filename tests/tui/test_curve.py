@@ -8,7 +8,7 @@ import pytest
 from rich.style import Style
 from samples import bandit, curve, lake, look, marks, student
 
-from rl_tui.lab.snapshot import Curve, Marks, Snapshot
+from rl_tui.lab.snapshot import Curve, Marks, Phase, Snapshot
 from rl_tui.tui.widgets import braille
 from rl_tui.tui.widgets.braille import Steps
 from rl_tui.tui.widgets.chart import apart, taking_turns
@@ -57,16 +57,24 @@ def steps(start: list[float], end: list[float], values: list[float]) -> Steps:
 def test_lines_are_named_where_they_end() -> None:
     text, widget = drawn(lake())
     assert "greedy, exact .73" in text
-    assert "episodes, mean .41" in text
-    assert "optimum for this γ .54" in text
+    assert "episodes, last 100: .41" in text
+    assert "best for this γ .54" in text
     assert widget.heading == "Return per episode"
 
 
 def test_a_narrow_panel_has_short_names_and_the_figures_in_its_title() -> None:
     text, widget = drawn(lake(), NARROW)
     assert "greedy .73" in text
-    assert "episodes .41" in text
-    assert widget.heading == "Return · greedy .73 of .54"
+    assert "last 100: .41" in text
+    assert "γ-best .54" in text
+    assert widget.heading == "Return · greedy .73 · γ-best .54"
+    assert drawn(lake(), (28, 7))[1].heading == "greedy .73 · γ-best .54"
+
+
+def test_a_mean_of_fewer_than_100_episodes_says_of_how_many() -> None:
+    assert "episodes, last 7: .41" in drawn(lake(episodes=7))[0]
+    assert "pulls, last 100: 1.31" in drawn(bandit())[0]
+    assert "last 100: 1.31" in drawn(bandit(), NARROW)[0]
 
 
 def test_the_cost_of_exploring_is_said_below_or_in_the_border() -> None:
@@ -86,6 +94,9 @@ def test_the_cost_of_exploring_is_said_below_or_in_the_border() -> None:
         {"greedy_return": 0.3},
         {"episodes": 99},
         {"greedy_return": 0.4101},
+        {"greedy_return": 0.35, "return_last_100": 0.1},  # too far below .54: not learned yet
+        {"exact": None},
+        {"q": np.zeros(44)},
     ],
 )
 def test_no_cost_is_claimed_that_is_not_seen(changes: dict[str, Any]) -> None:
@@ -108,11 +119,47 @@ def test_before_the_first_episode_it_says_what_to_do() -> None:
     assert "no arm has been pulled yet" in drawn(bandit(0))[0]
 
 
+def test_a_greedy_policy_of_mere_ties_has_no_figure() -> None:
+    ties = lake(q=np.zeros(44))
+    text, _ = drawn(ties)
+    assert "greedy: ties" in text
+    assert "greedy, exact" not in text
+    text, widget = drawn(ties, NARROW)
+    assert "greedy: ties" in text
+    assert widget.heading == "Return per episode"
+
+
+def test_before_the_first_episode_there_is_no_line() -> None:
+    start = student(0, greedy_return=6.2, exact=student().exact)
+    text, widget = drawn(start, NARROW)
+    assert not any(0x2800 < ord(character) <= 0x28FF for character in text)
+    assert widget.heading == "Return per episode"
+
+
+def test_a_small_return_far_from_a_negative_optimum_is_not_learned() -> None:
+    exact = student().exact
+    assert exact is not None
+    cliff = replace(exact, expected_return=-12.0)
+    far = student(exact=cliff, greedy_return=-17.0, return_last_100=-40.0)
+    near = student(exact=cliff, greedy_return=-15.0, return_last_100=-40.0)
+    assert "gap" not in drawn(far)[0]
+    assert "gap 25" in drawn(near)[0]
+
+
+def test_at_full_speed_the_border_has_no_figures() -> None:
+    fast = lake(phase=Phase.RUNNING, speed=None)
+    text, widget = drawn(fast, NARROW)
+    assert widget.heading == "Return per episode"
+    assert widget.footing == "gap: mostly what exploring costs"
+    assert "greedy .73" in text
+    assert "gap .32 a return" in drawn(fast)[0]
+
+
 def test_many_episodes_without_reward_are_told() -> None:
     barren = lake(curve=flat(0.0), marks=NO_MARKS, episodes=1_234, greedy_return=0.0, return_last_100=0.0)
     text, _ = drawn(barren)
     assert "no reward seen yet in 1,234 episodes" in text
-    assert "episodes, mean 0" in text
+    assert "episodes, last 100: 0" in text
     assert "greedy, exact 0" in text
     assert "no reward" not in drawn(lake())[0]
 
@@ -234,7 +281,7 @@ def test_names_never_share_a_row() -> None:
 
 def test_of_equal_lines_the_optimum_is_named_above() -> None:
     lines = drawn(lake(greedy_return=lake().exact.expected_return))[0].splitlines()  # type: ignore[union-attr]
-    optimum = next(y for y, line in enumerate(lines) if "optimum" in line)
+    optimum = next(y for y, line in enumerate(lines) if "best for this γ" in line)
     greedy = next(y for y, line in enumerate(lines) if "greedy" in line)
     assert optimum < greedy
 

@@ -118,10 +118,25 @@ def test_ties_are_several_arrows_or_a_cross_where_they_do_not_fit() -> None:
     start = lake(step=0)
     two = replace(start, q=q_of(start, {(1, LEFT): 0.5, (1, UP): 0.5}))
     assert "←↑" in picture(two, 40, 8)[0]
-    assert small(two)[0] == "◉ .00←↑.50  .00  .00"
+    assert small(two)[0] == "◉ .00 +.50  .00  .00"
     four = visited(start, 1)
     assert "←↓→↑" in picture(four, 40, 8)[0]
     assert small(four)[0] == "◉ .00 +.00  .00  .00"
+
+
+def test_neighbours_in_one_row_keep_apart() -> None:
+    four = visited(lake(step=0), 0, 1, 2, 3)
+    assert picture(four, 28, 4)[0] == "  ◉+.00   +.00   +.00   +.00"
+
+
+def test_a_value_too_small_for_a_narrow_cell_is_a_bound() -> None:
+    start = lake(step=0)
+    tiny = replace(start, q=q_of(start, {(1, LEFT): 2e-3, (2, LEFT): 0.13}))
+    row = picture(tiny, 40, 8)[1]
+    assert "<.01" in row
+    assert ".13" in row
+    assert "e-" not in "".join(picture(tiny, 40, 8) + picture(tiny, 20, 4))
+    assert "2e-3" in "".join(picture(tiny, 60, 12))
 
 
 def test_nothing_known_has_no_arrow_and_another_style_than_a_zero_that_was_visited() -> None:

@@ -170,10 +170,10 @@ def test_the_printed_arithmetic_comes_out(
 
 def test_the_loop_in_five_parts() -> None:
     assert drawn(lake_step(), 56, 9) == [
-        " agent        s = 6   row 1, column 2",
-        "              greedy (ε = .10)   a = ←",
+        " agent        state s = 6   row 1, column 2",
+        "              greedy (ε = .10)   action a = ←",
         " environment  meant ←, slipped ↓ (p 1/3)",
-        "              r = 0   s′ = 10",
+        "              reward r = 0   next state s′ = 10",
         " update       target = r + γ · max Q(10,·)",
         "                     = 0 + .99 · .56 = .55",
         "              δ = .55 − .36 = +.19",
@@ -212,7 +212,8 @@ def test_a_certain_outcome_has_probability_1() -> None:
 def test_a_long_name_of_the_action_is_not_crowded_out() -> None:
     pair = student().world.mdp.pairs_of(0)[1]
     snapshot = stepped(student(), pair=pair, updated_pair=pair, explored=True)
-    assert "random (ε = .10)   a = check phone" in drawn(snapshot, 56, 8)[1]
+    assert "random (ε = .10)   action a = check phone" in drawn(snapshot, 56, 8)[1]
+    assert "random (ε = .10)   a = check phone" in drawn(snapshot, 50, 8)[1]
     assert "explored   a = check phone" in drawn(snapshot, 46, 8)[1]
 
 
@@ -240,7 +241,7 @@ def choice(q_before: list[float], pair: int, *, explored: bool) -> str:
 
 
 def test_a_greedy_choice() -> None:
-    assert choice([0.5, 0.1, 0.2, 0.3], 0, explored=False).startswith("greedy (ε = .10)   a =")
+    assert choice([0.5, 0.1, 0.2, 0.3], 0, explored=False).startswith("greedy (ε = .10)   action a =")
 
 
 def test_a_choice_among_ties() -> None:
@@ -248,7 +249,7 @@ def test_a_choice_among_ties() -> None:
 
 
 def test_exploring() -> None:
-    assert choice([0.5, 0.1, 0.2, 0.3], 1, explored=True).startswith("random (ε = .10)   a = ↓")
+    assert choice([0.5, 0.1, 0.2, 0.3], 1, explored=True).startswith("random (ε = .10)   action a = ↓")
 
 
 def test_exploring_may_hit_the_greedy_action() -> None:

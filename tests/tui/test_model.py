@@ -2,6 +2,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 from samples import bandit, big_lake, lake, look, student
 from textual.app import App, ComposeResult
@@ -52,6 +53,8 @@ def test_the_bellman_equation_of_the_student_is_the_one_worked_out_by_hand() -> 
     assert "= .8·[−2 + .90·10.0000] + .2·[−2 + .90·6.3415]" in text
     assert f"= {5.2 / 0.82:.4f}" in text
     assert "learned Q(Class,study) = 6.370, taken 1,204 times" in text
+    once = replace(student(), visits=np.ones(5, dtype=np.int64))
+    assert drawn(panel(once, 0)).count(", taken 1 time\n") == 1
 
 
 def test_the_border_names_the_keys_that_do_something() -> None:

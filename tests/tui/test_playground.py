@@ -5,6 +5,7 @@ from dataclasses import replace
 from conftest import MakeApp
 from textual.pilot import Pilot
 from textual.widgets import Input
+from textual.widgets._toast import Toast
 
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.lab.commands import Train
@@ -151,6 +152,19 @@ async def test_every_slider_keeps_its_value_through_a_restart(make_app: MakeApp)
         assert slider(app, "alpha").value == changed
 
 
+async def test_1_2_3_go_to_the_sliders_even_out_of_a_zoom(make_app: MakeApp) -> None:
+    app = make_app("student")
+    async with app.run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        for key, name in (("1", "alpha"), ("2", "gamma"), ("3", "epsilon")):
+            playground(pilot).board.table.focus()
+            await press(pilot, "f", key)
+            assert app.focused is slider(app, name)
+            assert playground(pilot).board.zoomed is None
+        typed = await press(pilot, "1", "enter")
+        assert typed.hyperparameters.epsilon == 1.0
+
+
 async def test_v_goes_round_the_layers(make_app: MakeApp) -> None:
     app = make_app("student")
     async with app.run_test(size=(80, 24)) as pilot:
@@ -182,7 +196,10 @@ async def test_a_prompt_names_the_range_and_stays(make_app: MakeApp) -> None:
     app = make_app("student")
     async with app.run_test(size=(80, 24)) as pilot:
         await settle(pilot)
-        for key, wrong, expected in (("i", "much", "1e+12"), ("n", "-1", "0 or more")):
+        for key, wrong, expected in (
+            ("i", "much", "type a number from -1e12 to 1e12"),
+            ("n", "", "type a whole number, 0 or more"),
+        ):
             await press(pilot, key)
             assert isinstance(app.screen, Prompt)
             app.screen.query_one(Input).value = wrong
@@ -309,6 +326,17 @@ async def test_h_explains_itself_where_nothing_is_hidden(make_app: MakeApp) -> N
         assert [note.message for note in app._notifications] == [
             "nothing is hidden here; h is for bandits, whose true means it shows"
         ]
+
+
+async def test_a_notice_is_one_line_at_the_top_right(make_app: MakeApp) -> None:
+    app = make_app("student")
+    async with app.run_test(size=(80, 24), notifications=True) as pilot:
+        await settle(pilot)
+        await press(pilot, "h")
+        notice = app.screen.query_one(Toast).region
+        assert (notice.y, notice.height) == (1, 1)
+        assert notice.right >= 78
+        assert app.NOTIFICATION_TIMEOUT <= 3
 
 
 async def test_hints_and_settings_can_be_clicked(make_app: MakeApp) -> None:

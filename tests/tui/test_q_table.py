@@ -223,6 +223,15 @@ def test_a_wide_list_shows_all_layers_at_once() -> None:
     assert Drawn(student(exact=None), 56, 10).rows[0].split() == ["state", "action", "Q", "N"]
 
 
+def test_a_very_narrow_list_keeps_the_number_of_the_layer_in_force() -> None:
+    assert "6.370" in Drawn(student(), 16, 10).text
+    assert "1,204" not in Drawn(student(), 16, 10).text
+    drawn = Drawn(student(), 16, 10, Layer.VISITS)
+    assert drawn.rows[0].split()[-1] == "N"
+    assert "1,204" in drawn.text
+    assert "6.370" not in drawn.text
+
+
 def test_a_narrow_list_shows_the_layer_in_force() -> None:
     drawn = Drawn(student(), layer=Layer.OPTIMAL)
     assert drawn.rows[0].split() == ["state", "action", "Q*", "N"]

@@ -232,6 +232,14 @@ ONE_FAULT = {
             'the id of a registered environment (did you mean "FrozenLake-v1"?)',
         ),
     ),
+    "an environment near to none that has a table": (
+        '[gymnasium]\nid = "Hoper-v5"\n',
+        ("gymnasium.id", '"Hoper-v5"', "the id of a registered environment"),
+    ),
+    "an environment near to one without a table": (
+        '[gymnasium]\nid = "BlackJack-v2"\n',
+        ("gymnasium.id", '"BlackJack-v2"', "the id of a registered environment"),
+    ),
     "an environment that is not discrete": (
         '[gymnasium]\nid = "CartPole-v1"\n',
         ("gymnasium.id", "CartPole-v1, whose states are Box", "discrete states, counted from 0"),

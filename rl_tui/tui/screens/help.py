@@ -25,24 +25,34 @@ _PANELS: Final = (
         "estimate of the state; arrows are the greedy actions, several (or + where there is no room) "
         "where they tie, none where nothing is known yet; ◉ is the agent, ● a hole, ★ the goal, S the "
         "start. In a graph each edge names action, probability and reward, and the greedy action is bold. "
-        "An arm of a bandit shows its estimate and how sure it is; ▸ marks the greedy arm, ◉ the last pull.",
+        "An arm of a bandit shows its estimate ± its standard error, the standard deviation that the noise "
+        "of the rewards leaves in it. ▸ marks the greedy arm, ◉ the last pull.",
     ),
     (
         "Q",
         "One row a state, one column an action. The frame marks the greedy cell; the cell that the last "
         "step updated is lit; an unvisited cell looks different from a zero. v turns to the exact Q*, "
-        "the error Q−Q* and visits.",
+        "the error Q−Q* and visits. It has a cursor: tab to the table, then the arrows; m shows the model of "
+        "the pair under it, and esc follows the agent again.",
     ),
     (
         "Return",
-        "The return of each episode as band and mean, the exact expected return of the greedy policy, "
-        "and the optimum for this γ as a line. The gap between episodes and greedy policy is mostly what "
-        "exploring costs.",
+        "The return of each episode as band and mean, with the mean of the last 100 beside it; the exact "
+        "expected return of the greedy policy; and dotted what is best for this γ (in short γ-best): the "
+        "undiscounted return of the policy that is best for the γ in force. At a smaller γ another policy "
+        "can collect more undiscounted return than that one. Once something is learned, the gap between "
+        "episodes and greedy policy is mostly what exploring costs.",
+    ),
+    (
+        "Budget",
+        "Pulls and winnings of a bandit; revealed or spent, its regret too: over all pulls, the true mean of "
+        "the best arm less that of the arm pulled. Luck is left out, so winnings and regret need not add up "
+        "to the best possible.",
     ),
     (
         "Controls",
-        "What the agent is told. Focus a slider with tab: left and right change it, digits type a value, "
-        "the mouse drags it. A change acts from the next step on; initial Q and seed start again.",
+        "What the agent is told. Focus a slider with tab or 1, 2, 3: left and right change it, digits type "
+        "a value, the mouse drags it. A change acts from the next step on; initial Q and seed start again.",
     ),
     (
         "Last step",
@@ -81,7 +91,7 @@ class HelpScreen(Dialog[None]):
                 yield Static(Text("\nNotes", "bold"))
                 yield notes_markdown(self._notes, self._look.glyphs)
         box.border_title = "Help"
-        box.border_subtitle = "arrows: scroll   ?: close"
+        box.border_subtitle = "arrows: scroll   ? or q: close"
 
     def on_mount(self) -> None:
         """Let the arrows scroll."""

@@ -178,6 +178,13 @@ class Playground(Stage):
         """Tell the running learner."""
         self._set_parameter(event.name, event.value)
 
+    def action_slider(self, name: str) -> None:
+        """Put the focus on the slider of the parameter ``name``, if the algorithm has it."""
+        for slider in self.query(f"#{name}").results(Slider):
+            if self.board.zoomed:
+                self.board.zoom(None)
+            slider.focus()
+
     def action_ties(self) -> None:
         """Go to the other way to break ties."""
         ties = self._recipe.hyperparameters.ties
@@ -279,14 +286,15 @@ def read_initial_q(text: str) -> float:
     except ValueError:
         value = float("nan")
     if not parameter.accepts(value):
-        raise ValueError(f"{text or 'nothing'} is not {parameter.expected}")
+        ends = f" from {parameter.range.low:g} to {parameter.range.high:g}" if parameter.range else ""
+        raise ValueError(f"type a number{ends}, such as 0 or 2.5".replace("e+", "e"))
     return value
 
 
 def read_seed(text: str) -> int:
     """Return the whole number in ``text``; raises ValueError saying what it may be."""
     if not (text.isascii() and text.isdigit()):
-        raise ValueError(f"{text or 'nothing'} is not a whole number of 0 or more")
+        raise ValueError("type a whole number, 0 or more")
     return int(text)
 
 

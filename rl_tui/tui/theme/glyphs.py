@@ -50,14 +50,9 @@ class Glyphs:
     head_up: str
     head_down: str
     ellipsis: str
-    delta: str
-    alpha: str
-    gamma: str
-    epsilon: str
     arrow_update: str  # ← of an assignment
     times: str
     minus: str
-    prime: str
     braille: bool  # curves in braille dots; otherwise in . : ' and *
 
     def direction(self, step: tuple[int, int]) -> str:
@@ -109,14 +104,9 @@ UNICODE: Final = Glyphs(
     head_up="▲",
     head_down="▼",
     ellipsis="…",
-    delta="δ",
-    alpha="α",
-    gamma="γ",
-    epsilon="ε",
     arrow_update="←",
     times="·",
     minus="−",
-    prime="′",
     braille=True,
 )
 
@@ -161,13 +151,8 @@ ASCII: Final = Glyphs(
     head_up="^",
     head_down="v",
     ellipsis="~",
-    delta="delta",
-    alpha="alpha",
-    gamma="gamma",
-    epsilon="eps",
     arrow_update="<-",
     times="*",
     minus="-",
-    prime="'",
     braille=False,
 )

@@ -10,7 +10,7 @@ from rl_tui.lab.snapshot import BanditFigures, Phase, Snapshot
 from rl_tui.tui import numbers
 from rl_tui.tui.theme.look import Look
 from rl_tui.tui.widgets.panel import Panel
-from rl_tui.tui.widgets.pieces import Line, Piece, first_that_fits, length, spelled, strips_of
+from rl_tui.tui.widgets.pieces import Line, Piece, first_that_fits, strips_of
 from rl_tui.tui.written import separated
 
 WAITING: Final = "the arms are being drawn"
@@ -68,12 +68,11 @@ def _winnings(figures: BanditFigures, look: Look, width: int, known: bool) -> li
     shorter = Piece(f"   best {best} on average", palette.text)
     rate = "" if figures.best_arm_rate is None else numbers.percent(figures.best_arm_rate)
     share = f"best arm pulled {rate}" if rate else ""
-    with_share: Line = [*regret, Piece(f"   {share}", palette.text)] if share else regret
-    fits = length(spelled(with_share, look)) <= width
+    remarks = [Piece(f"   {text}", palette.dim) for text in ("in true means, luck left out", "in true means")]
     return [
         first_that_fits(([*winnings, possible], [*winnings, shorter]), width, look),
-        with_share if fits else regret,
-        *([] if fits else [[Piece(f" {share}", palette.text)]]),
+        first_that_fits(([*regret, remark] for remark in remarks), width, look),
+        *([[Piece(f" {share}", palette.text)]] if share else []),
     ]
 
 

@@ -77,7 +77,8 @@ def draw_chart(
     plot = _Plot(left, columns, height - 1, right, scale)
     _draw_value_axis(canvas, plot, ticks, look)
     _draw_episode_axis(canvas, plot, data, look)
-    _draw_lines(canvas, plot, data, look)
+    if data.finished:
+        _draw_lines(canvas, plot, data, look)
     _draw_names(canvas, plot, data, labels(data, look, decimals, columns), look)
     return canvas.strips()
 
@@ -128,7 +129,7 @@ def _draw_lines(canvas: Canvas, plot: _Plot, data: CurveData, look: Look) -> Non
 
     everywhere = np.ones(kind.shape, dtype=bool)
     lay(codes.band, _BAND, everywhere)
-    if data.optimum is not None and data.finished:
+    if data.optimum is not None:
         every = 1 if look.glyphs.braille else 2
         level = plot.row(data.optimum), slice(0, plot.column(data.finished) + 1, every)
         shown[level], kind[level] = ord(look.glyphs.level), _LEVEL

@@ -7,10 +7,11 @@ from typing import Final
 from textual.strip import Strip
 
 from rl_tui.lab.snapshot import Snapshot
+from rl_tui.tui.speeds import passes_too_fast
 from rl_tui.tui.theme.look import Look
 from rl_tui.tui.widgets.chart import draw_chart
-from rl_tui.tui.widgets.curve_data import CurveData, curve_data
-from rl_tui.tui.widgets.curve_text import decimals_for, remark, title
+from rl_tui.tui.widgets.curve_data import curve_data
+from rl_tui.tui.widgets.curve_text import decimals_for, remark, titles
 from rl_tui.tui.widgets.panel import Panel
 from rl_tui.tui.widgets.pieces import Piece, strips_of
 from rl_tui.tui.widgets.scale import Scale, settled
@@ -35,20 +36,21 @@ class ReturnCurve(Panel):
     def picture(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
         """Return the picture of the curve of ``snapshot``."""
         if snapshot is None:
-            self.heading = title(None, self.look.glyphs, 2, width)
+            self.heading = self.fitting(titles(None, self.look.glyphs, 2, width), width)
             return strips_of([[Piece(f" {WAITING}", self.look.palette.dim)]], width, height, self.look)
         data = curve_data(snapshot, revealed=self.tells_all)
         self._scale = settled(self._scale, *data.range)
         decimals = decimals_for(self._scale.low, self._scale.high)
-        self.heading = title(data, self.look.glyphs, decimals, width)
-        said = self._remark(snapshot, data, decimals, width)
-        in_border = height < _ROOM_FOR_REMARK
+        # Figures in the border would redraw the whole panel at every frame
+        fast, in_border = passes_too_fast(snapshot), height < _ROOM_FOR_REMARK
+        self.heading = self.fitting(
+            titles(None if fast and not data.is_bandit else data, self.look.glyphs, decimals, width), width
+        )
+        words = remark(snapshot, data, self.look.glyphs, decimals, with_figures=not (fast and in_border))
+        said = self.fitting(words, width)
         self.footing = said if in_border else ""
         if not said or in_border:
             return draw_chart(data, self._scale, self.look, decimals, width, height)
         line = [Piece(f"    {said}", self.look.palette.dim)]
         chart = draw_chart(data, self._scale, self.look, decimals, width, height - 1)
         return [*chart, *strips_of([line], width, 1, self.look)]
-
-    def _remark(self, snapshot: Snapshot, data: CurveData, decimals: int, width: int) -> str:
-        return self.fitting(remark(snapshot, data, self.look.glyphs, decimals), width)

@@ -23,7 +23,9 @@ class CurveData:
     ``episodes`` is the smoothed mean of the returns, ``band`` their lowest and highest, ``greedy`` the exact
     expected return of the greedy policy, each over episodes from 0. ``greedy_now``, ``mean_now`` (of the
     last 100 episodes) and ``optimum`` are the values to print, None where unknown or hidden. ``hidden`` tells
-    that greedy and optimum are kept secret, ``barren`` that there were many episodes and none had a reward.
+    that greedy and optimum are kept secret, ``barren`` that there were many episodes and none had a reward,
+    ``is_decided`` that somewhere one action is estimated above another, so that being greedy means something.
+    The optimum is the undiscounted return of the policy that is best for the γ in force.
     """
 
     finished: int
@@ -37,6 +39,7 @@ class CurveData:
     is_bandit: bool
     hidden: bool
     barren: bool
+    is_decided: bool
 
     @property
     def range(self) -> tuple[float, float]:
@@ -71,6 +74,7 @@ def curve_data(snapshot: Snapshot, *, revealed: bool) -> CurveData:
         is_bandit=is_bandit,
         hidden=hidden,
         barren=_barren(snapshot),
+        is_decided=_is_decided(snapshot),
     )
 
 
@@ -93,6 +97,11 @@ def _greedy(snapshot: Snapshot) -> Steps:
     value = np.concatenate((marks.expected_return, [now]))
     end = np.concatenate((episode[1:], episode[-1:]))
     return Steps(episode, end, value, value)
+
+
+def _is_decided(snapshot: Snapshot) -> bool:
+    mdp, q = snapshot.world.mdp, snapshot.q
+    return bool((q != q[mdp.first_pair[mdp.pair_state]]).any())
 
 
 def _barren(snapshot: Snapshot) -> bool:

@@ -20,7 +20,8 @@ ROOM_FOR_LONG: Final = 50
 ROOM_FOR_NUMBERS: Final = 30
 ROOM_FOR_NAMES: Final = 20
 _NUMBER: Final = 6  # cells of the widest number beside a name
-_ENOUGH_EPISODES: Final = 100
+_RECENT: Final = 100  # episodes in the mean that a snapshot tells
+_TIES: Final = "greedy: ties"
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,7 +50,7 @@ def amount(x: float, decimals: int, glyphs: Glyphs) -> str:
 def labels(data: CurveData, look: Look, decimals: int, room: int) -> list[Label]:
     """Return the names for a plot of ``room`` columns, the most important first; none if it is small."""
     palette = look.palette
-    names = _names(data.is_bandit, room)
+    names = _names(data, room)
     if names is None:
         return []
     lines = (
@@ -65,60 +66,91 @@ def labels(data: CurveData, look: Look, decimals: int, room: int) -> list[Label]
 
 
 def label_columns(data: CurveData, look: Look, room: int) -> int:
-    """Return how many columns the names take at most, their distance from the line included."""
-    names = _names(data.is_bandit, room)
-    if names is None:
+    """Return how many columns the names take at most, their distance from the line included.
+
+    It does not change on the way, lest the whole plot be squeezed by a longer name.
+    """
+    if room < ROOM_FOR_NAMES:
         return 0
     number = _NUMBER if room >= ROOM_FOR_NUMBERS else 0
+    names = _usual_names(data.is_bandit, room, f"last {_RECENT}:")
     return 2 + max(len(written(name, look.glyphs)) for name in names) + number
 
 
-def _names(is_bandit: bool, room: int) -> tuple[str, str, str] | None:
-    """Return what greedy line, mean and optimum are called."""
-    if room >= ROOM_FOR_LONG:
-        if is_bandit:
-            return "greedy arm, exact", "pulls, mean", "best arm"
-        return "greedy, exact", "episodes, mean", "optimum for this γ"
+def _names(data: CurveData, room: int) -> tuple[str, str, str] | None:
+    """Return what greedy line, mean and optimum are called; mere ties have no figure."""
     if room < ROOM_FOR_NAMES:
         return None
-    return ("greedy arm", "mean", "best arm") if is_bandit else ("greedy", "episodes", "optimum")
+    names = _usual_names(data.is_bandit, room, f"last {min(data.finished, _RECENT)}:")
+    return names if data.is_decided or room < ROOM_FOR_NUMBERS else (_TIES, *names[1:])
+
+
+def _usual_names(is_bandit: bool, room: int, recent: str) -> tuple[str, str, str]:
+    if room >= ROOM_FOR_LONG:
+        if is_bandit:
+            return "greedy arm, exact", f"pulls, {recent}", "best arm"
+        return "greedy, exact", f"episodes, {recent}", "best for this γ"
+    mean = recent if room >= ROOM_FOR_NUMBERS else "pulls" if is_bandit else "episodes"
+    return ("greedy arm", mean, "best arm") if is_bandit else ("greedy", mean, "γ-best")
 
 
 def _with_number(name: str, value: float, decimals: int, room: int, glyphs: Glyphs) -> str:
-    return f"{name} {amount(value, decimals, glyphs)}" if room >= ROOM_FOR_NUMBERS else name
+    has_number = room >= ROOM_FOR_NUMBERS and name != _TIES
+    return f"{name} {amount(value, decimals, glyphs)}" if has_number else name
 
 
-def title(data: CurveData | None, glyphs: Glyphs, decimals: int, width: int) -> str:
-    """Return the title of a panel ``width`` cells wide; a narrow one names greedy return and optimum."""
+def titles(data: CurveData | None, glyphs: Glyphs, decimals: int, width: int) -> tuple[str, ...]:
+    """Return titles for ``width`` cells, the longest first; a narrow one names greedy return and optimum."""
     if data is not None and data.is_bandit:
-        return "Reward per pull"
-    if width >= ROOM_FOR_LONG or data is None or data.greedy_now is None:
-        return "Return per episode"
-    optimum = "" if data.optimum is None else f" of {amount(data.optimum, decimals, glyphs)}"
-    return f"Return · greedy {amount(data.greedy_now, decimals, glyphs)}{optimum}"
+        return ("Reward per pull",)
+    if width >= ROOM_FOR_LONG or data is None or data.greedy_now is None or not data.is_decided:
+        return "Return per episode", "Return"
+    greedy = f"greedy {amount(data.greedy_now, decimals, glyphs)}"
+    alone = f"Return · {greedy}"
+    if data.optimum is None:
+        return alone, "Return"
+    both = f"{greedy} · γ-best {amount(data.optimum, decimals, glyphs)}"
+    return f"Return · {both}", both, alone, "Return"
 
 
-def remark(snapshot: Snapshot, data: CurveData, glyphs: Glyphs, decimals: int) -> tuple[str, ...]:
+def remark(
+    snapshot: Snapshot, data: CurveData, glyphs: Glyphs, decimals: int, *, with_figures: bool = True
+) -> tuple[str, ...]:
     """Return what is to be said of the picture, longest form first; empty where there is nothing."""
     if data.hidden:
         return (
             "h adds the best arm and the greedy arm, exact",
             "h adds best and greedy arm",
-            "h adds the optimum",
+            "h adds the best arm",
         )
-    if data.greedy_now is None or data.mean_now is None or data.finished < _ENOUGH_EPISODES:
+    if data.greedy_now is None or data.mean_now is None or data.finished < _RECENT:
         return ()
     gap = data.greedy_now - data.mean_now
     epsilon = snapshot.hyperparameters.epsilon_at(snapshot.episodes)
     cost = amount(gap, decimals, glyphs)
     if not any(digit in cost for digit in "123456789") or gap < 0.0 or epsilon == 0.0:
         return ()
+    if not _has_learned(data):
+        return ()
+    if not with_figures:
+        return "gap: mostly what exploring costs", "gap: mostly exploring"
     what, rate = ("a pull" if data.is_bandit else "a return"), setting(round(epsilon, 3), glyphs)
     return (
         f"gap {cost} {what}: mostly what exploring (ε {rate}) costs",
         f"gap {cost}: mostly exploring (ε {rate})",
         f"gap {cost}: mostly exploring",
     )
+
+
+def _has_learned(data: CurveData) -> bool:
+    """Tell whether the gap may be laid to exploring rather than to what is not known yet.
+
+    That is claimed only of a greedy policy that is more than ties and that falls short of the optimum by no
+    more than a third of the optimum's size: .5 and up of .75, −16 and up of −12.
+    """
+    if data.greedy_now is None or data.optimum is None or data.barren or not data.is_decided:
+        return False
+    return data.greedy_now >= data.optimum - abs(data.optimum) / 3 - numbers.NEGLIGIBLE
 
 
 def empty_words(*, is_bandit: bool) -> tuple[str, ...]:

@@ -63,7 +63,8 @@ def defaults(values: Mapping[str, object]) -> str:
             shown = f"{value:g}" if isinstance(value, float) else value
             parts.append(f"{PARAMETERS[name].symbol} {shown}")
         else:
-            parts.append(f"{value:,} {name}" if isinstance(value, int) else f"{name} {value}")
+            singular = name.removesuffix("s")  # what is counted has a plural as its name: episodes
+            parts.append(_count(value, singular) if isinstance(value, int) else f"{name} {value}")
     return _DOT.join(parts) or "those of the program"
 
 

@@ -96,30 +96,52 @@ class _Writer:
 
     def _agent(self, rows: int) -> list[Line]:
         text, palette = self.text, self._palette
-        state = [self._label("agent"), self._symbol("s = "), Piece(text.state, palette.strong)]
+        label = self._label("agent")
+        states = [[self._symbol(each), Piece(text.state, palette.strong)] for each in ("state s = ", "s = ")]
         place = [Piece(f"{_GAP}{text.place}", palette.dim)] if text.place else []
-        action = [Piece(f"{_GAP}a = ", palette.dim), Piece(text.action, palette.strong)]
+        actions = [
+            [Piece(f"{_GAP}{each}", palette.dim), Piece(text.action, palette.strong)]
+            for each in ("action a = ", "a = ")
+        ]
+        both = list(zip(states, actions, strict=True))
         if rows == 1:
             choice = Piece(f"{_GAP}{text.brief_choice}", palette.text)
-            whole, without_place = [*state, *place, *action, choice], [*state, *action, choice]
-            return [first_that_fits((whole, without_place), self.width, self._look)]
+            forms = [[label, *s, *where, *a, choice] for where in (place, []) for s, a in both]
+            return [first_that_fits(forms, self.width, self._look)]
         reasons = [
-            [self._label(""), Piece(each, palette.text), *action] for each in (text.choice, text.brief_choice)
+            [self._label(""), Piece(choice, palette.text), *action]
+            for choice in (text.choice, text.brief_choice)
+            for action in actions
         ]
-        return [[*state, *place], first_that_fits(reasons, self.width, self._look)]
+        return [
+            first_that_fits([[label, *state, *place] for state in states], self.width, self._look),
+            first_that_fits(reasons, self.width, self._look),
+        ]
 
     def _environment(self, rows: int) -> list[Line]:
         text, palette = self.text, self._palette
         label, words = self._label("environment"), outcome_words(text)
         happened = Piece(f"{words} (p {text.chance})", palette.text)
-        reward = [self._symbol("r = "), Piece(text.reward, palette.strong)]
-        landing = [self._symbol(f"{_GAP}s′ = "), Piece(text.next_state, palette.strong)]
+        results = [
+            [
+                self._symbol(reward),
+                Piece(text.reward, palette.strong),
+                self._symbol(f"{_GAP}{landing}"),
+                Piece(text.next_state, palette.strong),
+            ]
+            for reward, landing in (("reward r = ", "next state s′ = "), ("r = ", "s′ = "))
+        ]
         if rows == 1:
             gap = Piece(_GAP, palette.text)
             starts = [[label, happened, gap], [label, Piece(words, palette.text), gap], [label]]
         else:
             starts = [[self._label("")]]
-        forms = [[*start, *reward, *landing, *remark] for start in starts for remark in self._remarks(_COLON)]
+        forms = [
+            [*start, *result, *remark]
+            for start in starts
+            for remark in self._remarks(_COLON)
+            for result in results
+        ]
         line = first_that_fits(forms, self.width, self._look)
         return [line] if rows == 1 else [[label, happened], line]
 
@@ -191,7 +213,7 @@ class _Writer:
             ],
             [
                 self._label("environment"),
-                self._symbol("r = "),
+                self._symbol("reward r = "),
                 Piece(text.reward, palette.strong),
                 Piece(f"{_GAP}N = {text.visits:,}", palette.text),
             ],

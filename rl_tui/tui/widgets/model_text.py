@@ -67,7 +67,7 @@ def pair_lines(snapshot: Snapshot, pair: int, look: Look, width: int, *, reveale
     estimate: Line = [
         Piece(f" learned Q({names.pair_name(world, pair, glyphs)}) = ", palette.dim),
         Piece(learned, palette.text),
-        Piece(f", taken {taken:,} times" if taken else "", palette.dim),
+        Piece(f", taken {taken:,} time{'' if taken == 1 else 's'}" if taken else "", palette.dim),
     ]
     return [
         head,

@@ -190,11 +190,12 @@ def _shared(first: int, second: int, room: int) -> tuple[int, int]:
 def _value_columns(scene: Scene, layers: Sequence[Layer]) -> list[Column]:
     """Return a column a layer. One has the frames and the cursor: Q*, if it is in force, else the first."""
     main = scene.layer if scene.layer is Layer.OPTIMAL and scene.layer in layers else layers[0]
+    rank = 3 if scene.layer is Layer.VISITS else 0
     columns = []
     for layer in layers:
         head = _ARM_HEADS.get(layer, layer) if scene.world.is_bandit else layer
         columns.append(
-            Column(head, BOX, 0 if layer is main else 2, _value(scene, layer, layer is main), _right)
+            Column(head, BOX, rank if layer is main else 2, _value(scene, layer, layer is main), _right)
         )
     return columns
 
@@ -213,13 +214,16 @@ def _value(scene: Scene, layer: Layer, is_main: bool) -> Draw:
 
 def _count_column(scene: Scene) -> Column:
     figures, text = scene.figures[Layer.VISITS], scene.look.palette.text
+    is_shown = scene.layer is Layer.VISITS
 
     def draw(pair: int, _: bool) -> Pieces:
         number = figures.text(pair, COUNT - 2).rjust(COUNT - 2)
-        style = figures.style(pair) if scene.layer is Layer.VISITS else figures.plain_style(pair)
+        style = figures.style(pair) if is_shown else figures.plain_style(pair)
+        if is_shown and pair == scene.cursor:
+            style = scene.look.palette.focus
         return [Segment(" ", text), Segment(number, style), Segment(" ", text)]
 
-    return Column("N", COUNT, 3, draw, _right)
+    return Column("N", COUNT, 0 if is_shown else 3, draw, _right)
 
 
 def _share_column(scene: Scene, width: int) -> Column:

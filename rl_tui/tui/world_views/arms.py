@@ -18,7 +18,7 @@ from rl_tui.worlds.drawing import Arms
 from rl_tui.worlds.mdp import FloatArray, TabularMDP
 from rl_tui.worlds.world import World
 
-HEADINGS: Final = ("Arms · estimate ± error", "Arms")  # the longest first
+HEADINGS: Final = ("Arms · estimate ± standard error", "Arms · estimate ± error", "Arms")  # the longest first
 
 
 class ArmsView(WorldView):

@@ -16,7 +16,7 @@ from rl_tui.tui.theme.look import Look
 from rl_tui.tui.world_views.arms_scale import Scale, bound_text, ticks
 from rl_tui.tui.written import written
 
-NOT_PULLED: Final = "not pulled yet"
+NOT_PULLED: Final = ("not pulled yet", "not pulled")  # the longest first
 _MOST_NAME: Final = 12
 _LEAST_PLOT: Final = 10
 _VALUES_FROM: Final = 76  # from this width on estimate and pulls are written beside the bars
@@ -111,7 +111,7 @@ def _draw_head(canvas: Canvas, y: int, arm: Arm, names: int, look: Look) -> None
 def _draw_bar(canvas: Canvas, y: int, arm: Arm, plot: _Plot, look: Look) -> None:
     glyphs, palette = look.glyphs, look.palette
     if arm.error is None:
-        canvas.put(plot.left, y, shortened(NOT_PULLED, plot.width, glyphs.ellipsis), palette.dim)
+        _draw_not_pulled(canvas, y, arm, plot, look)
     else:
         first, last = plot.column(arm.estimate - arm.error), plot.column(arm.estimate + arm.error)
         style = palette.greedy if arm.greedy else palette.text
@@ -124,6 +124,17 @@ def _draw_bar(canvas: Canvas, y: int, arm: Arm, plot: _Plot, look: Look) -> None
     if canvas.width >= _VALUES_FROM and arm.error is not None:
         text = f"{numbers.value(arm.estimate, 6, glyphs):>6}{numbers.count(arm.pulls, 7):>8}"
         canvas.put(canvas.width - len(text) - 1, y, text, palette.dim)
+
+
+def _draw_not_pulled(canvas: Canvas, y: int, arm: Arm, plot: _Plot, look: Look) -> None:
+    """Say so where the true mean is not: before or behind its mark, nothing where there is no room."""
+    end = plot.left + plot.width
+    mark = end + 1 if arm.mean is None else plot.column(arm.mean)
+    for text in NOT_PULLED:
+        for start, behind in ((plot.left, min(end, mark - 1)), (mark + 2, end)):
+            if start + len(text) <= behind:
+                canvas.put(start, y, text, look.palette.dim)
+                return
 
 
 def _draw_value(canvas: Canvas, y: int, arm: Arm, left: int, look: Look) -> None:

@@ -23,6 +23,8 @@ from rl_tui.worlds.world import World
 
 SEVERAL: Final = "+"  # in place of the arrows where they do not fit
 START: Final = "S"
+_ROOM_FOR_SMALL: Final = 6
+_LEAST_SHOWN: Final = 0.005  # what is below would be rounded to .00
 
 
 class GridView(WorldView):
@@ -160,7 +162,7 @@ def _draw_large(
     canvas.put(start, row, signs, _sign_style(cell, look, style))
     _put_mark(canvas, start - (2 if form.width >= 10 else 1), row, cell, look, style)
     if cell.value is not None:
-        text = numbers.value(cell.value, 4 if form.width < 12 else 6, look.glyphs, decimals=2)
+        text = _value_text(cell.value, 4 if form.width < 12 else 6, look)
         canvas.put(x + (form.width - len(text)) // 2, row + 1, text, style)
 
 
@@ -174,13 +176,21 @@ def _draw_small(
         _put_mark(canvas, middle - 1, y, cell, look, style)
         return
     digits = 3 if form.width < 8 else 4
-    text = numbers.value(cell.value, digits, look.glyphs, decimals=2).rjust(digits)
+    text = _value_text(cell.value, digits, look).rjust(digits)
     mark = 1 if _mark(cell, look) else 0
-    signs = _signs(cell, look, most=form.width - digits - mark)
+    # a blank before it all, so that neighbours keep apart without colours too
+    signs = _signs(cell, look, most=max(1, form.width - digits - mark - 1))
     end = x + form.width - digits
     canvas.put(end, y, text, style)
     canvas.put(end - len(signs), y, signs, _sign_style(cell, look, style))
     _put_mark(canvas, end - max(1, len(signs)) - 1, y, cell, look, style)
+
+
+def _value_text(x: float, width: int, look: Look) -> str:
+    """Return a value; one too small for two decimals as a bound where there is no room for more."""
+    if width < _ROOM_FOR_SMALL and numbers.NEGLIGIBLE <= x < _LEAST_SHOWN:
+        return "<.01" if width >= len("<.01") else ".00"
+    return numbers.value(x, width, look.glyphs, decimals=2)
 
 
 def _signs(cell: CellContent, look: Look, most: int) -> str:

@@ -1,0 +1,45 @@
+"""Worlds in which an episode may never come to an end."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from rl_tui.agents.exact_model import exact_model
+from rl_tui.worlds.mdp import TabularMDP
+from rl_tui.worlds.scenario import read_scenario
+from rl_tui.worlds.streams import streams
+
+
+def endless_warning(path: str | Path) -> str:
+    """Return, in one line, that episodes of a scenario file without a fault may never end; empty if not.
+
+    It is no fault: γ below 1 has an exact answer there too.
+    """
+    mdp = read_scenario(path, ask_environment=False).build(streams(0).world).mdp
+    state = endless_state(mdp)
+    if state is None:
+        return ""
+    from rl_tui.agents.loop import LONGEST_EPISODE
+
+    return (
+        f"state {mdp.state_names[state]} can never reach an end and there is no time limit: "
+        f"training stops after {LONGEST_EPISODE:,} steps of one episode"
+    )
+
+
+def endless_state(mdp: TabularMDP) -> int | None:
+    """Return the first state from which no end can be reached, though it can be reached itself.
+
+    None where there is none, or where a time limit cuts every episode off.
+    """
+    if mdp.time_limit:
+        return None
+    model = exact_model(mdp)
+    every_pair = np.ones(mdp.pairs, dtype=np.bool_)
+    to_end = model.steps_to([model.end], every_pair)
+    for state in model.live[to_end[model.live] < 0].tolist():
+        if np.any(model.steps_to([state], every_pair)[mdp.start_state] >= 0):
+            return int(state)
+    return None

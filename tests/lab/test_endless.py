@@ -1,0 +1,39 @@
+from __future__ import annotations
+
+import pytest
+from recipes import recipe
+
+from rl_tui.lab.endless import endless_state
+from rl_tui.lab.recipe import begin
+from rl_tui.worlds.mdp import Outcome, TabularMDP, Transition, tabular_mdp
+
+
+def world(start: int, time_limit: int = 0) -> TabularMDP:
+    """State 0 ends; state 1 goes to 2 or 0, and 2 and 3 go round in a circle."""
+    return tabular_mdp(
+        ["ends", "parts", "circle", "round"],
+        ["go"],
+        [
+            Transition(0, 0, [Outcome(1.0, 0, 0.0, True)]),
+            Transition(1, 0, [Outcome(0.5, 2, 0.0, False), Outcome(0.5, 0, 0.0, False)]),
+            Transition(2, 0, [Outcome(1.0, 3, -1.0, False)]),
+            Transition(3, 0, [Outcome(1.0, 2, -1.0, False)]),
+        ],
+        {start: 1.0},
+        time_limit,
+    )
+
+
+def test_a_state_that_reaches_no_end_is_found_where_the_agent_may_come_to_it() -> None:
+    assert endless_state(world(start=1)) == 2
+    assert endless_state(world(start=3)) == 2
+    assert endless_state(world(start=0)) is None
+
+
+def test_a_time_limit_ends_every_episode() -> None:
+    assert endless_state(world(start=1, time_limit=10)) is None
+
+
+@pytest.mark.parametrize("scenario", ["bandit", "student", "frozenlake"])
+def test_the_shipped_worlds_end(scenario: str) -> None:
+    assert endless_state(begin(recipe(scenario)).world.mdp) is None
