@@ -11,7 +11,6 @@ from textual.binding import BindingType
 from textual.message import Message
 from textual.widget import Widget
 
-from rl_tui.agents.hyperparameters import PARAMETERS
 from rl_tui.lab.commands import Apply, Command, Pause, Play, Restart, RunEpisode, SetSpeed, Step
 from rl_tui.lab.player import START_SPEED, Player
 from rl_tui.lab.recipe import Recipe, SetParameter, SwitchAlgorithm
@@ -23,6 +22,7 @@ from rl_tui.tui.screens.choice import AlgorithmChoice
 from rl_tui.tui.screens.help import HelpScreen
 from rl_tui.tui.screens.model import ModelScreen
 from rl_tui.tui.screens.prompt import Prompt
+from rl_tui.tui.screens.questions import ask_initial_q, ask_seed
 from rl_tui.tui.screens.stage import Stage
 from rl_tui.tui.speeds import faster, slower
 from rl_tui.tui.theme.look import Look
@@ -208,15 +208,12 @@ class Playground(Stage):
     def action_initial_q(self) -> None:
         """Ask what every estimate starts from, and start again."""
         values = self._recipe.hyperparameters
-        hint = f"{PARAMETERS['initial_q'].help}; the run starts again"
-        prompt = Prompt("Initial Q", hint, f"{values.initial_q:g}", read_initial_q)
+        prompt = ask_initial_q(values.initial_q)
         self._ask(prompt, lambda q: replace(self._recipe, hyperparameters=values.changed("initial_q", q)))
 
     def action_seed(self) -> None:
         """Ask for the seed, and start again."""
-        hint = "the same seed gives the same run; the run starts again"
-        prompt = Prompt("Seed", hint, str(self._recipe.seed), read_seed)
-        self._ask(prompt, lambda seed: replace(self._recipe, seed=int(seed)))
+        self._ask(ask_seed(self._recipe.seed), lambda seed: replace(self._recipe, seed=int(seed)))
 
     def _ask(self, prompt: Prompt, recipe_with: Callable[[float], Recipe]) -> None:
         def restart(value: float | None) -> None:
@@ -276,26 +273,6 @@ class Playground(Stage):
             self.board.zoom(None)
         else:
             self.post_message(self.Left(self._recipe))
-
-
-def read_initial_q(text: str) -> float:
-    """Return the number in ``text``; raises ValueError naming the range."""
-    parameter = PARAMETERS["initial_q"]
-    try:
-        value = float(text)
-    except ValueError:
-        value = float("nan")
-    if not parameter.accepts(value):
-        ends = f" from {parameter.range.low:g} to {parameter.range.high:g}" if parameter.range else ""
-        raise ValueError(f"type a number{ends}, such as 0 or 2.5".replace("e+", "e"))
-    return value
-
-
-def read_seed(text: str) -> int:
-    """Return the whole number in ``text``; raises ValueError saying what it may be."""
-    if not (text.isascii() and text.isdigit()):
-        raise ValueError("type a whole number, 0 or more")
-    return int(text)
 
 
 def _shows(drawn: Snapshot, done: Snapshot) -> bool:
