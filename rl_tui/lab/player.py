@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import sys
 import threading
 import time
 from collections import deque
@@ -11,16 +10,17 @@ from collections.abc import AsyncIterator, Callable
 from typing import Final
 
 from rl_tui.lab.commands import Command
+from rl_tui.lab.interpreter import (
+    leave_out_of_collections,
+    switch_as_usual,
+    switch_often,
+    take_into_collections,
+)
 from rl_tui.lab.playback import Playback
 from rl_tui.lab.recipe import Recipe
 from rl_tui.lab.snapshot import Phase, Snapshot
 
 LONGEST_GOODBYE: Final = 0.2
-# Whoever draws holds the interpreter for up to 5 ms before the learner, back from a kernel, may have it
-# again. With less it loses less: measured, 5 % more steps a second beside a screen that draws a fifth of the
-# time.
-SWITCH_INTERVAL: Final = 0.0005
-USUAL_SWITCH_INTERVAL: Final = sys.getswitchinterval()
 START_SPEED: Final = 10.0
 
 
@@ -48,6 +48,7 @@ class Player:
         self._playback = Playback(
             recipe, speed=speed, automatic=automatic, clock=clock, on_exact=self._on_exact
         )
+        self._automatic = automatic
         self._changed = threading.Condition()  # guards everything below
         self._commands: deque[Command | _Question] = deque()
         self._reader: _Reader | None = None
@@ -105,7 +106,8 @@ class Player:
                 self._reader.wake()
         if self._thread is not None:
             self._thread.join(LONGEST_GOODBYE)
-            sys.setswitchinterval(USUAL_SWITCH_INTERVAL)
+            switch_as_usual()
+            take_into_collections()
         self._refuse_questions(PlayerClosedError())
 
     def _post(self, item: Command | _Question) -> None:
@@ -118,7 +120,7 @@ class Player:
 
     def _start_or_wake(self) -> None:
         if self._thread is None and not self._closing:
-            sys.setswitchinterval(SWITCH_INTERVAL)
+            switch_often()
             self._thread = threading.Thread(target=self._live, name="player", daemon=True)
             self._thread.start()
         else:
@@ -135,7 +137,10 @@ class Player:
         try:
             while not self._closing:
                 self._take_commands()
+                was_preparing = self._playback.phase is Phase.PREPARING
                 wait = self._playback.work()
+                if self._automatic and was_preparing and self._playback.phase is not Phase.PREPARING:
+                    leave_out_of_collections()
                 self._publish()
                 if wait != 0.0:
                     self._sleep(wait)

@@ -1,6 +1,8 @@
 from __future__ import annotations
 
 import asyncio
+import gc
+import sys
 import threading
 from dataclasses import replace
 from pathlib import Path
@@ -10,6 +12,7 @@ import pytest
 from recipes import bandit, recipe
 
 from rl_tui.lab.commands import Apply, Pause, Play, RunEpisode, SetSpeed, Step, Train
+from rl_tui.lab.interpreter import SWITCH_INTERVAL, USUAL_SWITCH_INTERVAL
 from rl_tui.lab.player import Player, PlayerClosedError
 from rl_tui.lab.recipe import SetParameter
 from rl_tui.lab.run import replay
@@ -216,3 +219,14 @@ async def test_speed_is_measured_while_it_runs() -> None:
     player.close()
     assert snapshot.steps_per_second > 0
     assert snapshot.speed is None
+
+
+async def test_while_it_plays_the_collector_is_spared_what_is_loaded() -> None:
+    gc.unfreeze()
+    player = Player(recipe("student"))
+    await until(player, Phase.PAUSED)
+    assert gc.get_freeze_count() > 10_000
+    assert sys.getswitchinterval() == pytest.approx(SWITCH_INTERVAL)
+    player.close()
+    assert gc.get_freeze_count() < 10_000
+    assert sys.getswitchinterval() == pytest.approx(USUAL_SWITCH_INTERVAL)

@@ -73,8 +73,8 @@ class Playground(Stage):
         yield Board(self.look, self._recipe)
 
     def on_mount(self) -> None:
-        """Draw whatever the player publishes."""
-        self.run_worker(self._follow(), name="follow the player")
+        """Draw whatever the player publishes; it starts to load once the first paint is done."""
+        self.call_after_refresh(self._start_to_follow)
 
     def on_unmount(self) -> None:
         """Let the player's thread end; nobody waits for it."""
@@ -84,6 +84,9 @@ class Playground(Stage):
         """Ask the player for something; its answer is drawn without waiting for the next frame."""
         self.player.send(command)
         self._pacer.hurry()
+
+    def _start_to_follow(self) -> None:
+        self.run_worker(self._follow(), name="follow the player")
 
     async def _follow(self) -> None:
         try:
