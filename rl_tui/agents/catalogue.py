@@ -1,9 +1,12 @@
-"""The algorithms, a row each. Free of numba, so that lists and help are quick."""
+"""The algorithms and action rules, a row each. Free of numba, so that lists and help are quick."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from typing import Final
+
+_STEP_SIZE: Final = ("alpha", "step_size_schedule", "alpha_min", "alpha_decay")
+_TD: Final = (*_STEP_SIZE, "gamma", "policy", "initial_q")
 
 
 @dataclass(frozen=True, slots=True)
@@ -11,7 +14,8 @@ class Algorithm:
     """One algorithm as people see it and where its code is.
 
     ``module`` holds its memory and update rule; ``parameters`` names its hyper-parameters in the order of the
-    controls panel; ``source`` is the box in Sutton & Barto (2nd ed.) that it follows.
+    controls panel, those of the action rule apart; ``source`` is the box in Sutton & Barto (2nd ed.) that it
+    follows. A planner takes no steps in the world: it backs up one state after the other with the model.
     """
 
     id: str
@@ -21,6 +25,7 @@ class Algorithm:
     source: str
     module: str
     parameters: tuple[str, ...]
+    planner: bool = False
 
 
 ALGORITHMS: Final[tuple[Algorithm, ...]] = (
@@ -31,8 +36,185 @@ ALGORITHMS: Final[tuple[Algorithm, ...]] = (
         equation="Q(S,A) ← Q(S,A) + α [R + γ max Q(S′,·) − Q(S,A)]",
         source="equation 6.8, box on page 131",
         module="rl_tui.agents.algorithms.q_learning",
-        parameters=("alpha", "gamma", "epsilon", "epsilon_min", "epsilon_decay", "initial_q", "ties"),
+        parameters=_TD,
+    ),
+    Algorithm(
+        id="sarsa",
+        name="SARSA",
+        summary="on-policy TD control: learns the values of the policy it follows, exploration included",
+        equation="Q(S,A) ← Q(S,A) + α [R + γ Q(S′,A′) − Q(S,A)]",
+        source="equation 6.7, box on page 130",
+        module="rl_tui.agents.algorithms.sarsa",
+        parameters=_TD,
+    ),
+    Algorithm(
+        id="expected-sarsa",
+        name="Expected SARSA",
+        summary="SARSA without the luck of the next action: the mean over what the policy may do",
+        equation="Q(S,A) ← Q(S,A) + α [R + γ Σ π(a|S′) Q(S′,a) − Q(S,A)]",
+        source="equation 6.9, section 6.6",
+        module="rl_tui.agents.algorithms.expected_sarsa",
+        parameters=_TD,
+    ),
+    Algorithm(
+        id="double-q-learning",
+        name="Double Q-learning",
+        summary="two tables, each judging the other's best action: no maximization bias",
+        equation="Q₁(S,A) ← Q₁(S,A) + α [R + γ Q₂(S′, argmax Q₁(S′,·)) − Q₁(S,A)]",
+        source="equation 6.10, box on page 136",
+        module="rl_tui.agents.algorithms.double_q_learning",
+        parameters=_TD,
+    ),
+    Algorithm(
+        id="n-step-sarsa",
+        name="n-step SARSA",
+        summary="waits for n rewards before it updates: between SARSA and Monte Carlo",
+        equation="Q(Sₜ,Aₜ) ← Q(Sₜ,Aₜ) + α [R + γR + … + γⁿ Q(Sₜ₊ₙ,Aₜ₊ₙ) − Q(Sₜ,Aₜ)]",
+        source="equation 7.5, box on page 147",
+        module="rl_tui.agents.algorithms.n_step_sarsa",
+        parameters=(*_TD, "n"),
+    ),
+    Algorithm(
+        id="sarsa-lambda",
+        name="SARSA(λ)",
+        summary="eligibility traces: one step teaches all that led to it, the recent most",
+        equation="Q ← Q + α δ e,  δ = R + γ Q(S′,A′) − Q(S,A),  e ← γλ e",
+        source="section 12.7, box on page 305 for one feature a pair",
+        module="rl_tui.agents.algorithms.sarsa_lambda",
+        parameters=(*_TD, "lambda", "traces"),
+    ),
+    Algorithm(
+        id="q-lambda",
+        name="Watkins's Q(λ)",
+        summary="traces for Q-learning, cut wherever an action is not greedy",
+        equation="Q ← Q + α δ e,  δ = R + γ max Q(S′,·) − Q(S,A),  e ← γλ e or 0",
+        source="section 12.10",
+        module="rl_tui.agents.algorithms.q_lambda",
+        parameters=(*_TD, "lambda", "traces"),
+    ),
+    Algorithm(
+        id="dyna-q",
+        name="Dyna-Q",
+        summary="Q-learning that also learns a model and practises in it between steps",
+        equation="Model(S,A) ← R, S′;  n times: Q-learning on a remembered (S,A)",
+        source="box on page 164",
+        module="rl_tui.agents.algorithms.dyna_q",
+        parameters=(*_TD, "planning_steps"),
+    ),
+    Algorithm(
+        id="prioritized-sweeping",
+        name="Prioritized sweeping",
+        summary="plans backwards from where values have just changed most",
+        equation="P = |R + γ max Q(S′,·) − Q(S,A)|;  the largest P first, then what leads there",
+        source="box on page 170",
+        module="rl_tui.agents.algorithms.prioritized_sweeping",
+        parameters=(*_TD, "planning_steps", "threshold"),
+    ),
+    Algorithm(
+        id="monte-carlo",
+        name="Monte Carlo",
+        summary="every-visit control: waits for the end of the episode and learns from whole returns",
+        equation="G ← γG + R,  Q(Sₜ,Aₜ) ← Q(Sₜ,Aₜ) + α [G − Q(Sₜ,Aₜ)]",
+        source="section 5.4, box on page 101",
+        module="rl_tui.agents.algorithms.monte_carlo",
+        parameters=_TD,
+    ),
+    Algorithm(
+        id="value-iteration",
+        name="Value iteration",
+        summary="a planner: sweeps over all states with the model and takes the best it sees",
+        equation="Q(s,a) ← Σ p(s′,r|s,a) [r + γ max Q(s′,·)]",
+        source="equation 4.10, box on page 83",
+        module="rl_tui.agents.algorithms.value_iteration",
+        parameters=("gamma", "accuracy", "initial_q"),
+        planner=True,
+    ),
+    Algorithm(
+        id="policy-iteration",
+        name="Policy iteration",
+        summary="a planner: evaluates a policy in sweeps, then improves it, and again",
+        equation="V(s) ← Σ p(s′,r|s,π(s)) [r + γ V(s′)],  then π(s) ← argmax",
+        source="section 4.3, box on page 80",
+        module="rl_tui.agents.algorithms.policy_iteration",
+        parameters=("gamma", "accuracy", "initial_q", "ties"),
+        planner=True,
     ),
 )
 
 BY_ID: Final = {algorithm.id: algorithm for algorithm in ALGORITHMS}
+
+
+@dataclass(frozen=True, slots=True)
+class ActionRule:
+    """One way of choosing actions, and where its code is; ``bandits_only``: it knows one state only."""
+
+    id: str
+    name: str
+    summary: str
+    equation: str
+    source: str
+    module: str
+    parameters: tuple[str, ...]
+    bandits_only: bool = False
+
+
+ACTION_RULES: Final[tuple[ActionRule, ...]] = (
+    ActionRule(
+        id="epsilon-greedy",
+        name="ε-greedy",
+        summary="the best action, but with probability ε any action at random; ε = 0 is greedy",
+        equation="A ← argmax Q(S,·), or with probability ε a random action",
+        source="section 2.2",
+        module="rl_tui.agents.action_rules.epsilon_greedy",
+        parameters=("epsilon", "epsilon_schedule", "epsilon_min", "epsilon_decay", "ties"),
+    ),
+    ActionRule(
+        id="softmax",
+        name="softmax",
+        summary="the better an action looks, the likelier it is; τ says by how much",
+        equation="π(a|S) = exp(Q(S,a)/τ) / Σ exp(Q(S,b)/τ)",
+        source="section 13.1, exercise 2.9",
+        module="rl_tui.agents.action_rules.softmax",
+        parameters=("temperature",),
+    ),
+    ActionRule(
+        id="ucb",
+        name="UCB",
+        summary="the best of what each action might still turn out to be worth",
+        equation="A ← argmax [Q(S,a) + c √(ln N(S) / N(S,a))]",
+        source="equation 2.10, section 2.7",
+        module="rl_tui.agents.action_rules.ucb",
+        parameters=("confidence", "ties"),
+    ),
+    ActionRule(
+        id="gradient",
+        name="gradient bandit",
+        summary="learns preferences in place of values; a reward above the baseline raises one",
+        equation="H(A) ← H(A) + α (R − R̄)(1 − π(A)),  H(a) ← H(a) − α (R − R̄) π(a)",
+        source="equation 2.12, section 2.8",
+        module="rl_tui.agents.action_rules.gradient",
+        parameters=("baseline",),
+        bandits_only=True,
+    ),
+    ActionRule(
+        id="thompson",
+        name="Thompson sampling",
+        summary="draws what each arm may be worth from what is known of it, and takes the best draw",
+        equation="A ← argmax of a draw from each arm's posterior",
+        source="section 2.10, posterior sampling",
+        module="rl_tui.agents.action_rules.thompson",
+        parameters=("ties",),
+        bandits_only=True,
+    ),
+)
+
+RULE_BY_ID: Final = {rule.id: rule for rule in ACTION_RULES}
+
+
+def parameters_of(algorithm: str, policy: str) -> tuple[str, ...]:
+    """Return the names of all hyper-parameters that count, in the order of the controls panel."""
+    own = BY_ID[algorithm].parameters
+    if "policy" not in own:
+        return own
+    place = own.index("policy") + 1
+    return (*own[:place], *RULE_BY_ID[policy].parameters, *own[place:])

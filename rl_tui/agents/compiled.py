@@ -104,15 +104,16 @@ def inlined(function: Callable[Parameters, Result]) -> Callable[Parameters, Resu
 def inlined_by_type(function: Callable[Parameters, Result]) -> Callable[Parameters, Result]:
     """Make ``function`` a family of inlined functions, one for each NamedTuple type of its first argument.
 
-    Members join with :func:`member_of`. The choice is made while compiling and costs nothing when running.
+    Members join with :func:`member_of`; types without a member get ``function`` itself. The choice is made
+    while compiling and costs nothing when running.
     """
     family: dict[type, Callable[..., Any]] = {}
 
     def dispatch(first: Any, *rest: Any) -> Any:
-        return family[type(first)](first, *rest)
+        return family.get(type(first), function)(first, *rest)
 
     def implementation(first: Any, *_: object) -> Callable[..., Any] | None:
-        return family.get(first.instance_class) if isinstance(first, types.NamedTuple) else None
+        return family.get(first.instance_class, function) if isinstance(first, types.BaseNamedTuple) else None
 
     dispatch.__name__, dispatch.__qualname__ = function.__name__, function.__qualname__
     dispatch.__doc__, dispatch.__module__ = function.__doc__, function.__module__

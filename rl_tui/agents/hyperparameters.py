@@ -10,6 +10,11 @@ from typing import Any, Final, Literal, cast
 SAMPLE_AVERAGE: Final = "sample-average"
 StepSize = float | Literal["sample-average"]
 Ties = Literal["random", "first"]
+SCHEDULES: Final = ("constant", "linear", "exponential")
+POLICIES: Final = ("epsilon-greedy", "softmax", "ucb", "gradient", "thompson")
+BASELINES: Final = ("mean", "none")
+TRACES: Final = ("replacing", "accumulating")
+MOST_STEPS: Final = 1_000
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,7 +42,8 @@ def _bound(value: float) -> str:
 class Parameter:
     """One hyper-parameter as people see it.
 
-    ``words`` are what it accepts besides numbers in ``range``; without a range it takes words only.
+    ``words`` are what it accepts besides numbers in ``range``; without a range it takes words only. ``whole``
+    numbers have no fraction.
     """
 
     name: str
@@ -45,12 +51,19 @@ class Parameter:
     help: str
     range: Range | None = None
     words: tuple[str, ...] = ()
+    whole: bool = False
 
     @property
     def expected(self) -> str:
         """What it takes, for messages: ``a number in (0, 1] or sample-average``."""
-        numbers = [f"a number in {self.range}"] if self.range else []
+        kind = "a whole number" if self.whole else "a number"
+        numbers = [f"{kind} in {self.range}"] if self.range else []
         return " or ".join([*numbers, *self.words])
+
+    @property
+    def field(self) -> str:
+        """The attribute of :class:`Hyperparameters` that holds it: its name, were it not a word of Python."""
+        return "lambda_" if self.name == "lambda" else self.name
 
     def accepts(self, value: object) -> bool:
         """Tell whether ``value`` is one of its words or a finite number within its range."""
@@ -59,7 +72,7 @@ class Parameter:
         if isinstance(value, bool) or not isinstance(value, (int, float)) or self.range is None:
             return False
         # the range first: a whole number beyond all floats has no place in isfinite
-        return value in self.range and math.isfinite(value)
+        return value in self.range and math.isfinite(value) and (not self.whole or value == int(value))
 
 
 PARAMETERS: Final[Mapping[str, Parameter]] = {
@@ -72,10 +85,47 @@ PARAMETERS: Final[Mapping[str, Parameter]] = {
             Range(0, 1, open_low=True),
             (SAMPLE_AVERAGE,),
         ),
+        Parameter(
+            "step_size_schedule",
+            "α schedule",
+            "how α goes from episode to episode",
+            words=(*SCHEDULES, SAMPLE_AVERAGE),
+        ),
+        Parameter("alpha_min", "α_min", "where the decay of α ends", Range(0, 1)),
+        Parameter("alpha_decay", "α decay", "decay of α per episode", Range(0)),
         Parameter("gamma", "γ", "discount: what a reward is worth one step later", Range(0, 1)),
+        Parameter("policy", "policy", "how actions are chosen", words=POLICIES),
         Parameter("epsilon", "ε", "exploration: probability of a random action", Range(0, 1)),
+        Parameter("epsilon_schedule", "ε schedule", "how ε goes from episode to episode", words=SCHEDULES),
         Parameter("epsilon_min", "ε_min", "where the decay of ε ends", Range(0, 1)),
-        Parameter("epsilon_decay", "decay", "decay of ε per episode", Range(0)),
+        Parameter("epsilon_decay", "ε decay", "decay of ε per episode", Range(0)),
+        Parameter(
+            "temperature",
+            "τ",
+            "softmax: how much worse an action may look and still be taken",
+            Range(0, 1e6, open_low=True),
+        ),
+        Parameter("confidence", "c", "UCB: how much is expected of what is little tried", Range(0, 1e6)),
+        Parameter("baseline", "baseline", "gradient bandit: what rewards are compared with", words=BASELINES),
+        Parameter("lambda", "λ", "trace decay: how far back one step teaches", Range(0, 1)),
+        Parameter("traces", "traces", "what a second visit does to a trace", words=TRACES),
+        Parameter("n", "n", "steps gathered before an update", Range(1, MOST_STEPS), whole=True),
+        Parameter(
+            "planning_steps",
+            "planning",
+            "updates from the model after every step",
+            Range(0, 10_000),
+            whole=True,
+        ),
+        Parameter(
+            "threshold", "θ", "prioritized sweeping: changes up to this are not followed", Range(0, 1e6)
+        ),
+        Parameter(
+            "accuracy",
+            "accuracy",
+            "planners stop when no value moves more than this in a sweep",
+            Range(0, 1e6),
+        ),
         Parameter("initial_q", "Q₀", "what every estimate starts from", Range(-1e12, 1e12)),
         Parameter("ties", "ties", "which of equal best actions is taken", words=("random", "first")),
     )
@@ -86,15 +136,30 @@ PARAMETERS: Final[Mapping[str, Parameter]] = {
 class Hyperparameters:
     """Everything a learner is told besides the world; :data:`PARAMETERS` gives the ranges.
 
-    The exploration probability in episode n (from 0) is
-    ε_min + (ε − ε_min)·exp(−decay·n); with decay 0 it is ε.
+    In episode n (from 0) a schedule that is exponential makes ε_min + (ε − ε_min)·exp(−decay·n) of ε, a
+    linear one ε − decay·n down to ε_min; with a decay of 0 it is ε, and so it is where the schedule is
+    constant. The same goes for α, unless the step size is the sample average 1/N(s, a).
     """
 
     alpha: StepSize = 0.1
+    step_size_schedule: str = "exponential"
+    alpha_min: float = 0.0
+    alpha_decay: float = 0.0
     gamma: float = 0.99
+    policy: str = "epsilon-greedy"
     epsilon: float = 0.1
+    epsilon_schedule: str = "exponential"
     epsilon_min: float = 0.0
     epsilon_decay: float = 0.0
+    temperature: float = 0.1
+    confidence: float = 2.0
+    baseline: str = "mean"
+    lambda_: float = 0.9
+    traces: str = "replacing"
+    n: int = 4
+    planning_steps: int = 10
+    threshold: float = 1e-4
+    accuracy: float = 1e-9
     initial_q: float = 0.0
     ties: Ties = "random"
 
@@ -104,14 +169,38 @@ class Hyperparameters:
         if not parameter.accepts(value):
             raise ValueError(f"{name} is {value}; expected {parameter.expected}")
         new: Any = value if isinstance(value, str) else float(cast("float", value))
-        return replace(self, **{name: new})
+        changes: dict[str, Any] = {parameter.field: int(new) if parameter.whole else new}
+        return replace(self, **changes)
+
+    def value(self, name: str) -> float | str:
+        """Return the value of the parameter of that name."""
+        found: float | str = getattr(self, PARAMETERS[name].field)
+        return found
 
     def as_dict(self) -> dict[str, float | str]:
         """Return the values by name, for JSON."""
-        return asdict(self)
+        return {name.rstrip("_"): value for name, value in asdict(self).items()}
+
+    @property
+    def sample_average(self) -> bool:
+        """Whether the step size is 1/N(s, a)."""
+        return SAMPLE_AVERAGE in (self.alpha, self.step_size_schedule)
+
+    def alpha_at(self, episode: int) -> float | None:
+        """Return the step size in force in episode ``episode``, counted from 0; None: the sample average."""
+        if self.sample_average or isinstance(self.alpha, str):
+            return None
+        return _scheduled(self.step_size_schedule, self.alpha, self.alpha_min, self.alpha_decay, episode)
 
     def epsilon_at(self, episode: int) -> float:
         """Return the exploration probability in force in episode ``episode``, counted from 0."""
-        if self.epsilon_decay == 0.0:
-            return self.epsilon
-        return self.epsilon_min + (self.epsilon - self.epsilon_min) * math.exp(-self.epsilon_decay * episode)
+        return _scheduled(self.epsilon_schedule, self.epsilon, self.epsilon_min, self.epsilon_decay, episode)
+
+
+def _scheduled(schedule: str, start: float, least: float, decay: float, episode: int) -> float:
+    if schedule == "constant" or decay == 0.0:
+        return start
+    if schedule == "linear":
+        fall = decay * episode
+        return max(least, start - fall) if start >= least else min(least, start + fall)
+    return least + (start - least) * math.exp(-decay * episode)

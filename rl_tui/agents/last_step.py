@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Final
+
+NOTHING: Final = -1
 
 
 @dataclass(frozen=True, slots=True)
@@ -10,12 +13,18 @@ class LastStep:
     """One turn of the agent–environment loop and the update that followed.
 
     ``step`` and ``episode`` count from 1. ``outcome`` indexes the outcomes of the MDP: the pair's action is
-    what was meant, outcome_action[outcome] what happened. ``explored`` says that the action was drawn at
-    random with probability ``epsilon`` (it may be the greedy one all the same).
+    what was meant, outcome_action[outcome] what happened; it is −1 where the environment was stepped for
+    real. ``explored`` says that the action was drawn at random with probability ``epsilon`` (it may be the
+    greedy one all the same), or by rules without an ε that it was not a greedy one.
+
+    A planner takes no step in the world: then ``pair`` is −1 as well, ``state`` is the one it backed up, and
+    ``episode`` its sweep.
 
     The update moved ``updated_pair`` from ``before`` to ``after`` = before + step_size·(target − before), the
-    target being reward + gamma·bootstrap. The bootstrap is 0 after a terminated step, not after a truncated
-    one.
+    target being gathered + discount·bootstrap: one-step methods gather the ``reward`` and discount by
+    ``gamma``. The bootstrap is 0 after a terminated step, not after a truncated one. ``updated_pair`` is −1
+    where nothing was learned yet (n-step methods, Monte Carlo). ``others`` counts further updates of the same
+    step (traces, planning); ``table`` tells which of two tables moved, 0 where there is one.
     """
 
     step: int
@@ -30,16 +39,30 @@ class LastStep:
     terminated: bool
     truncated: bool
     updated_pair: int
+    others: int
+    table: int
     before: float
     step_size: float
     gamma: float
+    gathered: float
+    discount: float
     bootstrap: float
     after: float
 
     @property
+    def planned(self) -> bool:
+        """Whether a planner took it, in its model and not in the world."""
+        return self.pair == NOTHING
+
+    @property
+    def learned(self) -> bool:
+        """Whether an estimate was updated."""
+        return self.updated_pair != NOTHING
+
+    @property
     def target(self) -> float:
-        """What the update aims at: reward + γ·bootstrap."""
-        return self.reward + self.gamma * self.bootstrap
+        """What the update aims at: gathered + discount·bootstrap."""
+        return self.gathered + self.discount * self.bootstrap
 
     @property
     def td_error(self) -> float:

@@ -3,31 +3,49 @@
 from __future__ import annotations
 
 import importlib
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Final, NamedTuple
 
 import numpy as np
 
-from rl_tui.agents.catalogue import BY_ID
+from rl_tui.agents.catalogue import BY_ID, RULE_BY_ID
+from rl_tui.agents.compatibility import check_compatible
+from rl_tui.agents.drift import new_drift
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.agents.last_step import LastStep
-from rl_tui.agents.loop import Stop, advance, start_state
+from rl_tui.agents.loop import advance, start_state
+from rl_tui.agents.planning_loop import sweep
 from rl_tui.agents.position import new_episode_log, new_position, new_record, read_record
-from rl_tui.agents.settings import action_rule_of, settings_of
+from rl_tui.agents.settings import schedules_of, settings_of
+from rl_tui.agents.stepped_loop import SteppedLoop
+from rl_tui.agents.stop import Stop
 from rl_tui.agents.tables import tables_of
-from rl_tui.worlds.mdp import FloatArray, IntArray, TabularMDP
+from rl_tui.worlds.environment import Environment
+from rl_tui.worlds.mdp import TabularMDP
+from rl_tui.worlds.space import BoolArray, FiniteSpace, FloatArray, IntArray
 from rl_tui.worlds.streams import Streams
 
 UNLIMITED: Final = 2**60
 EPISODES_LOGGED: Final = 8192
+_FOR_GOOD: Final = (Stop.DIVERGED, Stop.ENDLESS_EPISODE, Stop.MEMORY_FULL, Stop.WORLD_FAILED)
 
 
 class Episodes(NamedTuple):
-    """Finished episodes, oldest first, [n] each: undiscounted return, length in steps, pair taken last."""
+    """Finished episodes, oldest first, [n] each: undiscounted return, length in steps, and whether the last
+    pair was the best arm of a bandit.
+    """
 
     returns: FloatArray
     lengths: IntArray
-    last_pairs: IntArray
+    optimal: BoolArray
+
+
+class Drifted(NamedTuple):
+    """Sums over all pulls so far, each against the means of its own moment; :mod:`rl_tui.agents.drift`."""
+
+    regret: float
+    best_total: float
+    optimal_pulls: int
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -37,6 +55,8 @@ class LearnerState:
     algorithm: str
     hyperparameters: Hyperparameters
     memory: tuple[Any, ...]
+    rule: tuple[Any, ...]
+    drift: tuple[Any, ...]
     position: tuple[Any, ...]
     last: tuple[Any, ...]
     streams: tuple[Any, ...]
@@ -44,41 +64,107 @@ class LearnerState:
 
 
 class Learner:
-    """An algorithm at work on a table.
+    """An algorithm at work in a world.
 
     ``q`` (float64) and ``visits`` (int64), both [P], are the live arrays: read them between calls of
     :meth:`advance`, never during one. Equal arguments give equal bits, however the work is cut into calls.
+    ``environment`` is stepped where ``space`` is no table. Raises UserError where the algorithm or the action
+    rule cannot work in ``space``.
     """
 
     def __init__(
-        self, mdp: TabularMDP, algorithm: str, hyperparameters: Hyperparameters, streams: Streams
+        self,
+        space: FiniteSpace,
+        algorithm: str,
+        hyperparameters: Hyperparameters,
+        streams: Streams,
+        environment: Environment | None = None,
     ) -> None:
-        self.mdp = mdp
+        check_compatible(space, algorithm, hyperparameters)
+        self.space = space
         self.streams = streams
-        self.q: FloatArray = np.full(mdp.pairs, hyperparameters.initial_q, dtype=np.float64)
-        self.visits: IntArray = np.zeros(mdp.pairs, dtype=np.int64)
-        self._tables = tables_of(mdp)
-        self._position = new_position(start_state(self._tables, streams.world))
+        self.q: FloatArray = np.full(space.pairs, hyperparameters.initial_q, dtype=np.float64)
+        self.visits: IntArray = np.zeros(space.pairs, dtype=np.int64)
+        self._tables = tables_of(space)
+        self._drift = new_drift(space)
+        self._stepped = None if environment is None else SteppedLoop(environment, streams.world)
+        first = start_state(self._tables, streams.world) if self._stepped is None else self._stepped.state
+        self._position = new_position(first)
         self._log = new_episode_log(EPISODES_LOGGED)
         self._last = new_record()
+        self._rule: Any
+        self._memory: Any
         self._stop = Stop.DONE
-        self.configure(hyperparameters)
-        self.switch(algorithm)
+        self.algorithm = algorithm
+        self.hyperparameters = hyperparameters
+        self._take_rule(hyperparameters)
+        self._take_algorithm(algorithm)
 
     def configure(self, hyperparameters: Hyperparameters) -> None:
-        """Take these hyper-parameters from the next step on; ``initial_q`` only counts in the constructor."""
-        self.hyperparameters = hyperparameters
-        self._rule = action_rule_of(hyperparameters)
-        self._settings = settings_of(hyperparameters)
+        """Take these hyper-parameters from the next step on; ``initial_q`` only counts in the constructor.
+
+        What an action rule has learned is kept while the rule stays the same. Raises UserError where they
+        cannot work here.
+        """
+        check_compatible(self.space, self.algorithm, hyperparameters)
+        if hyperparameters.policy != self.hyperparameters.policy:
+            self._take_rule(hyperparameters)
+        else:
+            self._rule = self._rule_module.changed_rule(self._rule, hyperparameters)
+            self._take_settings(hyperparameters)
+        self._go_on_planning()
 
     def switch(self, algorithm: str) -> None:
         """Let another algorithm go on with the same estimates and visits; the rest of its memory is new.
 
-        Raises KeyError if there is no algorithm of that id.
+        Raises KeyError if there is no algorithm of that id, UserError where it cannot work here.
         """
+        check_compatible(self.space, algorithm, self.hyperparameters)
+        self._take_algorithm(algorithm)
+        self._go_on_planning()
+
+    def _take_rule(self, hyperparameters: Hyperparameters) -> None:
+        self._rule_module = importlib.import_module(RULE_BY_ID[hyperparameters.policy].module)
+        self._rule = self._rule_module.new_rule(self.space, hyperparameters)
+        self._take_settings(hyperparameters)
+
+    def _take_settings(self, hyperparameters: Hyperparameters) -> None:
+        self.hyperparameters = hyperparameters
+        self._settings = settings_of(hyperparameters)
+        self._schedules = schedules_of(hyperparameters)
+
+    def _take_algorithm(self, algorithm: str) -> None:
         module = importlib.import_module(BY_ID[algorithm].module)
         self.algorithm = algorithm
-        self._memory = module.new_memory(self.q, self.visits, self._tables)
+        self._memory = module.new_memory(self.q, self.visits, self.space)
+
+    def _go_on_planning(self) -> None:
+        """Let a planner that was done look again: what was changed may have given it something to do."""
+        if self._stop is Stop.CONVERGED:
+            self._stop = Stop.DONE
+
+    @property
+    def plans(self) -> bool:
+        """Whether the algorithm in force is a planner, which takes no steps in the world."""
+        return BY_ID[self.algorithm].planner
+
+    @property
+    def mdp(self) -> TabularMDP | None:
+        """The transition table as it is now, with rewards where they have drifted to; None without one."""
+        if not isinstance(self.space, TabularMDP) or not len(self._drift.offset):
+            return self.space if isinstance(self.space, TabularMDP) else None
+        return replace(self.space, reward=self.space.reward + self._drift.offset[self.space.outcome_pair])
+
+    @property
+    def drifted(self) -> Drifted | None:
+        """How the pulls of a bandit were spent whose means drift; None elsewhere."""
+        if not len(self._drift.offset):
+            return None
+        return Drifted(
+            float(self._drift.regret[0]),
+            float(self._drift.best_total[0]),
+            int(self._drift.optimal_pulls[0]),
+        )
 
     @property
     def step(self) -> int:
@@ -119,38 +205,60 @@ class Learner:
     def stop_reason(self) -> str:
         """Why the learner will not go on, as a sentence; empty while it will."""
         last = self.last_step
-        if self._stop == Stop.DIVERGED and last is not None:
+        if self._stop is Stop.WORLD_FAILED and self._stepped is not None:
+            return f"{self._stepped.failure}, after step {self.step:,}"
+        if self._stop not in _FOR_GOOD or last is None:
+            return ""
+        if self._stop is Stop.DIVERGED:
             pair = self._pair_name(last.updated_pair)
             return f"Q({pair}) left ±1e12 at step {last.step:,}: take a smaller step size or start again"
-        if self._stop == Stop.ENDLESS_EPISODE and last is not None:
+        if self._stop is Stop.ENDLESS_EPISODE:
             return f"episode {last.episode:,} has not ended after 10,000,000 steps, at step {last.step:,}"
-        return ""
+        return (
+            f"{BY_ID[self.algorithm].name} remembers 1,000,000 steps of an episode, and episode "
+            f"{last.episode:,} has not ended, at step {last.step:,}"
+        )
+
+    @property
+    def converged(self) -> bool:
+        """Whether a planner is done: no estimate moves any more."""
+        return self._stop is Stop.CONVERGED
 
     def advance(self, steps: int, episodes: int = UNLIMITED) -> Stop:
         """Take ``steps`` steps or finish ``episodes`` more episodes, whichever comes first.
 
-        Stops early with ``Stop.EPISODES_FULL`` when :meth:`drain_episodes` is due, and for good on a runaway.
+        Stops early with ``Stop.EPISODES_FULL`` when :meth:`drain_episodes` is due, with ``Stop.CONVERGED``
+        when a planner is done, and for good on a runaway. For a planner a step is the backup of one state, an
+        episode a sweep over all.
         """
-        if self._stop in (Stop.DIVERGED, Stop.ENDLESS_EPISODE):
+        if self._stop in _FOR_GOOD or self._stop is Stop.CONVERGED:
             return self._stop
         if self._log.finished[0] == EPISODES_LOGGED:
             return Stop.EPISODES_FULL
-        self._stop = Stop(
-            advance(
-                self._memory,
-                self._rule,
-                self._settings,
-                self._tables,
-                self._position,
-                self._log,
-                self._last,
-                self.streams.world,
-                self.streams.learner,
-                steps,
-                episodes,
-            )
-        )
+        self._stop = Stop(self._advance(steps, episodes))
         return self._stop
+
+    def _advance(self, steps: int, episodes: int) -> int:
+        if self.plans:
+            return sweep(
+                self._memory, self._settings, self._tables, self._position, self._last, steps, episodes
+            )
+        told = (self._memory, self._rule, self._settings, self._schedules, self._tables)
+        if self._stepped is not None:
+            return self._stepped.advance(
+                *told, self._position, self._log, self._last, self.streams.learner, steps, episodes
+            )
+        return advance(
+            *told,
+            self._drift,
+            self._position,
+            self._log,
+            self._last,
+            self.streams.world,
+            self.streams.learner,
+            steps,
+            episodes,
+        )
 
     def warm_up(self) -> None:
         """Compile the loop, or read it from the cache, without taking a step."""
@@ -163,7 +271,7 @@ class Learner:
         return Episodes(
             self._log.returns[:count].copy(),
             self._log.lengths[:count].copy(),
-            self._log.last_pairs[:count].copy(),
+            self._log.optimal[:count].copy(),
         )
 
     def checkpoint(self) -> LearnerState:
@@ -172,6 +280,8 @@ class Learner:
             self.algorithm,
             self.hyperparameters,
             tuple(array.copy() for array in self._memory),
+            _copies(self._rule),
+            tuple(array.copy() for array in self._drift),
             tuple(array.copy() for array in self._position),
             tuple(array.copy() for array in self._last),
             tuple(generator.bit_generator.state for generator in self.streams),
@@ -180,10 +290,12 @@ class Learner:
 
     def restore(self, state: LearnerState) -> None:
         """Go back to ``state``, bit for bit."""
-        self.configure(state.hyperparameters)
-        self.switch(state.algorithm)
+        self._take_rule(state.hyperparameters)
+        self._take_algorithm(state.algorithm)
         for arrays, kept in (
             (self._memory, state.memory),
+            (_arrays(self._rule), state.rule),
+            (self._drift, state.drift),
             (self._position, state.position),
             (self._last, state.last),
         ):
@@ -195,5 +307,14 @@ class Learner:
         self._stop = state.stop
 
     def _pair_name(self, pair: int) -> str:
-        state = self.mdp.state_names[int(self.mdp.pair_state[pair])]
-        return f"{state}, {self.mdp.action_names[int(self.mdp.pair_action[pair])]}"
+        state = self.space.state_names[self.space.state_of(pair)]
+        return f"{state}, {self.space.action_names[int(self.space.pair_action[pair])]}"
+
+
+def _arrays(rule: tuple[Any, ...]) -> tuple[Any, ...]:
+    """Return what an action rule has learned."""
+    return tuple(part for part in rule if isinstance(part, np.ndarray))
+
+
+def _copies(rule: tuple[Any, ...]) -> tuple[Any, ...]:
+    return tuple(array.copy() for array in _arrays(rule))

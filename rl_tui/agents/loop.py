@@ -2,34 +2,26 @@
 
 from __future__ import annotations
 
-from enum import IntEnum
-from typing import Any, Final
+from typing import Any
 
+import numpy as np
 from numpy.random import Generator
 
-from rl_tui.agents.action_rules import exploration
-from rl_tui.agents.algorithms.family import Transition, act, learn
+from rl_tui.agents.action_rules.family import epsilon_of, in_force, reinforce
+from rl_tui.agents.algorithms.family import Transition, act, has_room, learn
 from rl_tui.agents.compiled import compiled, inlined
+from rl_tui.agents.drift import Drift, drift_on
 from rl_tui.agents.position import EpisodeLog, LastRecord, Position, record_transition, record_update
-from rl_tui.agents.settings import EpsilonGreedy, Settings
-from rl_tui.agents.tables import Tables
-
-LARGEST_ESTIMATE: Final = 1e12
-LONGEST_EPISODE: Final = 10_000_000
-
-
-class Stop(IntEnum):
-    """Why the loop came back."""
-
-    DONE = 0  # the steps or episodes that were asked for
-    EPISODES_FULL = 1  # the episode log is full: drain it and go on
-    DIVERGED = 2  # an estimate left ±1e12 or is not a number
-    ENDLESS_EPISODE = 3  # an episode went beyond 10⁷ steps
-
-
-_EPISODES_FULL: Final = Stop.EPISODES_FULL.value
-_DIVERGED: Final = Stop.DIVERGED.value
-_ENDLESS_EPISODE: Final = Stop.ENDLESS_EPISODE.value
+from rl_tui.agents.settings import Schedules, Settings, scheduled, with_alpha
+from rl_tui.agents.stop import (
+    DIVERGED,
+    ENDLESS_EPISODE,
+    EPISODES_FULL,
+    LARGEST_ESTIMATE,
+    LONGEST_EPISODE,
+    MEMORY_FULL,
+)
+from rl_tui.agents.tables import Tables, landing, outcomes_of, pairs_of
 
 
 @inlined
@@ -40,24 +32,28 @@ def start_state(tables: Tables, generator: Generator) -> int:
         draw = generator.random()
         while draw >= tables.start_cumulative[index]:
             index += 1
-    return int(tables.start_state[index])
+    return np.int64(tables.start_state[index])  # type: ignore[return-value]
 
 
 @inlined
 def draw_outcome(tables: Tables, pair: int, generator: Generator) -> int:
     """Draw what happens when ``pair`` is taken; a certain outcome takes no draw."""
-    outcome = int(tables.first_outcome[pair])
-    if tables.first_outcome[pair + 1] - outcome > 1:
+    first, last = outcomes_of(tables, pair)
+    outcome = first
+    if last - first > 1:
         draw = generator.random()
-        while draw >= tables.cumulative[outcome]:
-            outcome += 1
+        # Counting those below the draw, in place of stopping at the first above it, leaves nothing to guess
+        for each in range(first, last - 1):
+            outcome += draw >= tables.cumulative[each]
     return outcome
 
 
 @inlined
-def draw_reward(tables: Tables, outcome: int, generator: Generator) -> float:
-    """Return the reward of ``outcome``, with its Gaussian noise where it has any."""
+def draw_reward(tables: Tables, drift: Drift, pair: int, outcome: int, generator: Generator) -> float:
+    """Return the reward of ``outcome`` of ``pair``, with its drift and Gaussian noise where it has any."""
     reward = float(tables.reward[outcome])
+    if len(drift.offset) > 0:
+        reward += drift.offset[pair]
     if tables.reward_std[outcome] > 0.0:
         reward += tables.reward_std[outcome] * generator.standard_normal()
     return reward
@@ -66,9 +62,11 @@ def draw_reward(tables: Tables, outcome: int, generator: Generator) -> float:
 @compiled
 def advance(
     memory: Any,
-    rule: EpsilonGreedy,
+    rule: Any,
     settings: Settings,
+    schedules: Schedules,
     tables: Tables,
+    drift: Drift,
     position: Position,
     log: EpisodeLog,
     last: LastRecord,
@@ -86,43 +84,51 @@ def advance(
     first_reward_episode = position.first_reward_episode[0]
     logged = log.finished[0]
     last_step, last_episode = step + steps, episode + episodes
-    epsilon = exploration(rule, episode)
+    rule = in_force(rule, scheduled(schedules.epsilon, episode))
+    settings = with_alpha(settings, scheduled(schedules.alpha, episode))
     stop = 0
     while stop == 0 and step < last_step and episode < last_episode:
         # Choose A from S using the policy derived from Q
-        pair, explored = act(memory, rule, epsilon, tables, state, learner)
+        pair, explored = act(memory, rule, tables, state, learner)
         # Take action A, observe R, S′
         outcome = draw_outcome(tables, pair, world)
-        reward = draw_reward(tables, outcome, world)
-        next_state = tables.next_state[outcome]
+        reward = draw_reward(tables, drift, pair, outcome, world)
+        next_state = landing(tables, outcome)
         terminated = tables.terminated[outcome]
         step += 1
         episode_step += 1
         episode_return += reward
         truncated = episode_step == tables.time_limit and not terminated
         transition = Transition(state, pair, reward, next_state, terminated, truncated)
-        update = learn(memory, settings, tables, transition)
+        update = learn(memory, rule, settings, tables, transition, learner)
+        first_pair, last_pair = pairs_of(tables, state)
+        reinforce(rule, settings.alpha, first_pair, last_pair, pair, reward)
+        optimal = drift.optimal[pair]
+        drift_on(drift, tables, pair, world)
         # S ← S′, until S is terminal or the time is up
-        acted_episode, acted_epsilon = episode, epsilon
+        acted_episode, acted_epsilon = episode, epsilon_of(rule)
         state = next_state
         if first_reward_episode == 0 and reward != 0.0:
             first_reward_episode = episode + 1
-        if not abs(update.after) <= LARGEST_ESTIMATE:  # written so that NaN is caught too
-            stop = _DIVERGED
+        if not abs(update.extreme) <= LARGEST_ESTIMATE:  # written so that NaN is caught too
+            stop = DIVERGED
         elif terminated or truncated:
             log.returns[logged] = episode_return
             log.lengths[logged] = episode_step
-            log.last_pairs[logged] = pair
+            log.optimal[logged] = optimal
             logged += 1
             if logged == len(log.returns):
-                stop = _EPISODES_FULL
+                stop = EPISODES_FULL
             episode += 1
             episode_step = 0
             episode_return = 0.0
-            epsilon = exploration(rule, episode)
+            rule = in_force(rule, scheduled(schedules.epsilon, episode))
+            settings = with_alpha(settings, scheduled(schedules.alpha, episode))
             state = start_state(tables, world)
         elif episode_step >= LONGEST_EPISODE:
-            stop = _ENDLESS_EPISODE
+            stop = ENDLESS_EPISODE
+        elif not has_room(memory):
+            stop = MEMORY_FULL
     position.step[0] = step
     position.episodes[0] = episode
     position.state[0] = state

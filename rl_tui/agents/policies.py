@@ -5,35 +5,35 @@ from __future__ import annotations
 import numpy as np
 
 from rl_tui.agents.hyperparameters import Ties
-from rl_tui.worlds.mdp import BoolArray, FloatArray, IntArray, TabularMDP
+from rl_tui.worlds.space import BoolArray, FiniteSpace, FloatArray, IntArray
 
 
-def greedy_policy(mdp: TabularMDP, q: FloatArray, ties: Ties) -> FloatArray:
+def greedy_policy(space: FiniteSpace, q: FloatArray, ties: Ties) -> FloatArray:
     """Return the policy, [P], that is greedy for ``q``, [P].
 
     Ties are exact equality, as the agent itself compares: ``random`` picks among them uniformly, ``first``
     takes the first action.
     """
-    first, count = _live_states(mdp)
+    first, count = _live_states(space)
     tied = q == np.repeat(np.maximum.reduceat(q, first), count)
-    return uniform_over(mdp, tied) if ties == "random" else _first_of(mdp, tied)
+    return uniform_over(space, tied) if ties == "random" else _first_of(space, tied)
 
 
-def uniform_over(mdp: TabularMDP, chosen: BoolArray) -> FloatArray:
+def uniform_over(space: FiniteSpace, chosen: BoolArray) -> FloatArray:
     """Return the policy, [P], that picks uniformly among ``chosen`` pairs, [P], at least one a live state."""
-    first, count = _live_states(mdp)
+    first, count = _live_states(space)
     share = 1.0 / np.add.reduceat(chosen, first, dtype=np.float64)
     return np.where(chosen, np.repeat(share, count), 0.0)
 
 
-def _first_of(mdp: TabularMDP, chosen: BoolArray) -> FloatArray:
-    first, count = _live_states(mdp)
+def _first_of(space: FiniteSpace, chosen: BoolArray) -> FloatArray:
+    first, count = _live_states(space)
     before: IntArray = np.cumsum(chosen) - chosen
     return np.where(chosen & (before == np.repeat(before[first], count)), 1.0, 0.0)
 
 
-def _live_states(mdp: TabularMDP) -> tuple[IntArray, IntArray]:
+def _live_states(space: FiniteSpace) -> tuple[IntArray, IntArray]:
     """Return the first pair of every state that owns any, and how many it owns."""
-    count = np.diff(mdp.first_pair)
+    count = np.diff(space.first_pair)
     live = count > 0
-    return mdp.first_pair[:-1][live], count[live]
+    return space.first_pair[:-1][live], count[live]

@@ -9,7 +9,7 @@ import numpy as np
 from rl_tui.agents.algorithms.family import Transition, Update
 from rl_tui.agents.compiled import inlined
 from rl_tui.agents.last_step import LastStep
-from rl_tui.worlds.mdp import FloatArray, IntArray
+from rl_tui.worlds.space import BoolArray, FloatArray, IntArray
 
 
 class Position(NamedTuple):
@@ -36,12 +36,15 @@ def new_position(state: int) -> Position:
 
 
 class EpisodeLog(NamedTuple):
-    """Episodes ended since the last drain: ``finished[0]`` counts them; return, length, pair taken last."""
+    """Episodes ended since the last drain: ``finished[0]`` counts them.
+
+    Each has its return, its length, and whether its last pair was the best arm of a bandit.
+    """
 
     finished: IntArray
     returns: FloatArray
     lengths: IntArray
-    last_pairs: IntArray
+    optimal: BoolArray
 
 
 def new_episode_log(episodes: int) -> EpisodeLog:
@@ -50,12 +53,12 @@ def new_episode_log(episodes: int) -> EpisodeLog:
         np.zeros(1, dtype=np.int64),
         np.zeros(episodes, dtype=np.float64),
         np.zeros(episodes, dtype=np.int64),
-        np.zeros(episodes, dtype=np.int64),
+        np.zeros(episodes, dtype=np.bool_),
     )
 
 
 class LastRecord(NamedTuple):
-    """The last step in two arrays: the whole fields of :class:`LastStep`, [10], and the real ones, [7]."""
+    """The last step in two arrays: the whole fields of :class:`LastStep`, [12], and the real ones, [9]."""
 
     whole: IntArray
     real: FloatArray
@@ -63,7 +66,7 @@ class LastRecord(NamedTuple):
 
 def new_record() -> LastRecord:
     """Return the record of no step."""
-    return LastRecord(np.zeros(10, dtype=np.int64), np.zeros(7, dtype=np.float64))
+    return LastRecord(np.zeros(12, dtype=np.int64), np.zeros(9, dtype=np.float64))
 
 
 @inlined
@@ -76,7 +79,7 @@ def record_transition(
     outcome: int,
     transition: Transition,
 ) -> None:
-    """Note what the agent did and what the environment answered."""
+    """Note what the agent did and what the environment answered; ``outcome`` is −1 where it is not known."""
     last.whole[0] = step
     last.whole[1] = episode
     last.whole[2] = transition.state
@@ -94,19 +97,21 @@ def record_transition(
 def record_update(last: LastRecord, update: Update, gamma: float) -> None:
     """Note what was learned from it."""
     last.whole[9] = update.pair
+    last.whole[10] = update.others
+    last.whole[11] = update.table
     last.real[2] = update.before
     last.real[3] = update.step_size
     last.real[4] = gamma
-    last.real[5] = update.bootstrap
-    last.real[6] = update.after
+    last.real[5] = update.gathered
+    last.real[6] = update.discount
+    last.real[7] = update.bootstrap
+    last.real[8] = update.after
 
 
 def read_record(last: LastRecord) -> LastStep | None:
     """Return the recorded step, None before the first."""
-    step, episode, state, pair, explored, outcome, next_state, terminated, truncated, updated = (
-        last.whole.tolist()
-    )
-    epsilon, reward, before, step_size, gamma, bootstrap, after = last.real.tolist()
+    whole, real = last.whole.tolist(), last.real.tolist()
+    step, episode, state, pair, explored, outcome, next_state, terminated, truncated = whole[:9]
     if step == 0:
         return None
     return LastStep(
@@ -115,16 +120,20 @@ def read_record(last: LastRecord) -> LastStep | None:
         state=state,
         pair=pair,
         explored=bool(explored),
-        epsilon=epsilon,
+        epsilon=real[0],
         outcome=outcome,
-        reward=reward,
+        reward=real[1],
         next_state=next_state,
         terminated=bool(terminated),
         truncated=bool(truncated),
-        updated_pair=updated,
-        before=before,
-        step_size=step_size,
-        gamma=gamma,
-        bootstrap=bootstrap,
-        after=after,
+        updated_pair=whole[9],
+        others=whole[10],
+        table=whole[11],
+        before=real[2],
+        step_size=real[3],
+        gamma=real[4],
+        gathered=real[5],
+        discount=real[6],
+        bootstrap=real[7],
+        after=real[8],
     )

@@ -18,7 +18,7 @@ def policy_map(world: World, policy: Sequence[Sequence[str]]) -> str:
     drawing = world.drawing
     if isinstance(drawing, Grid) and None not in drawing.directions:
         return _grid(world, drawing, policy)
-    states = zip(world.mdp.state_names, policy, strict=True)
+    states = zip(world.space.state_names, policy, strict=True)
     return columns(
         [("state", "greedy"), *((name, ", ".join(actions)) for name, actions in states if actions)]
     )
@@ -26,12 +26,12 @@ def policy_map(world: World, policy: Sequence[Sequence[str]]) -> str:
 
 def _grid(world: World, grid: Grid, policy: Sequence[Sequence[str]]) -> str:
     glyphs = UNICODE if can_print("←↓→↑●★█") else ASCII
-    mdp = world.mdp
-    directions = zip(mdp.action_names, grid.directions, strict=True)
+    space = world.space
+    directions = zip(space.action_names, grid.directions, strict=True)
     arrows = {name: glyphs.direction(step) for name, step in directions if step}
     cells = [_cell(kind, glyphs) for kind in grid.kinds]
     for state, actions in enumerate(policy):
-        legal = len(mdp.pairs_of(state))
+        legal = len(space.pairs_of(state))
         if legal:
             unknown = legal > 1 and len(actions) == legal
             drawn = "." if unknown else "".join(arrows[action] for action in actions)

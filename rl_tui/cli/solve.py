@@ -30,13 +30,17 @@ def command(scenario: str, gamma: float | None, seed: int, as_json: bool) -> Non
     The seed counts only where the world depends on it: the arms of a bandit.
     """
     from rl_tui.agents.planning import solve
+    from rl_tui.lab.exact import NO_TABLE
     from rl_tui.lab.figures import policy_names, table
     from rl_tui.lab.library import find, recipe_for
     from rl_tui.lab.recipe import begin
+    from rl_tui.worlds.errors import UserError
 
     recipe = recipe_for(find(scenario), {} if gamma is None else {"gamma": gamma}, seed)
     world = begin(recipe).world
     mdp = world.mdp
+    if mdp is None:
+        raise UserError(f"{recipe.scenario.id} has no exact answer: {NO_TABLE}")
     solution = solve(mdp, recipe.hyperparameters.gamma)
     answer = {
         "scenario": recipe.scenario.id,
@@ -71,7 +75,7 @@ def _report(title: str, world: World, answer: dict[str, Any]) -> str:
         )
         for index, state in enumerate(answer["states"])
     ]
-    limit = world.mdp.time_limit
+    limit = world.space.time_limit
     within = f"within {counted(limit, 'step')}, " if limit else ""
     any_policy = "choosing by the clock too" if limit else "by any policy that ends"
     summary = [

@@ -29,7 +29,7 @@ def one_run(run: Run, figures: Figures) -> str:
     if spent is not None:
         parts = [_head(run.recipe), _done(figures, "pull"), "", columns(_bandit_rows(figures, spent))]
     else:
-        rows = _rows(figures, number(best_expected_return(run.world.mdp)))
+        rows = _rows(figures, number(best_expected_return(run.learner.mdp) if run.learner.mdp else None))
         drawing = policy_map(run.world, figures["policy"])
         parts = [_head(run.recipe), _done(figures, "episode"), "", drawing, "", columns(rows)]
     if figures["first_reward_episode"] is None:

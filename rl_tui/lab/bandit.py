@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from rl_tui.lab.snapshot import BanditFigures
 from rl_tui.worlds.drawing import Arms
 from rl_tui.worlds.mdp import BoolArray, FloatArray, IntArray, TabularMDP
 from rl_tui.worlds.world import World
+
+if TYPE_CHECKING:
+    from rl_tui.agents.learner import Drifted
 
 
 def true_means(mdp: TabularMDP) -> FloatArray:
@@ -22,12 +27,26 @@ def best_arms(mdp: TabularMDP) -> BoolArray:
     return np.asarray(means == means.max())
 
 
-def bandit_figures(world: World, visits: IntArray, winnings: float) -> BanditFigures | None:
-    """Return what pulling each arm ``visits``, [P], times came to; None where ``world`` is no bandit."""
-    if not isinstance(world.drawing, Arms) or world.budget is None:
+def bandit_figures(
+    world: World, visits: IntArray, winnings: float, drifted: Drifted | None = None
+) -> BanditFigures | None:
+    """Return what pulling each arm ``visits``, [P], times came to; None where ``world`` is no bandit.
+
+    ``drifted`` has the sums over all pulls where the means drift.
+    """
+    if not isinstance(world.drawing, Arms) or world.mdp is None or world.budget is None:
         return None
-    means = true_means(world.mdp)
     pulls = int(visits.sum())
+    if drifted is not None:
+        return BanditFigures(
+            pulls=pulls,
+            budget=world.budget,
+            winnings=winnings,
+            regret=drifted.regret,
+            best_arm_rate=drifted.optimal_pulls / pulls if pulls else None,
+            best_possible=drifted.best_total,
+        )
+    means = true_means(world.mdp)
     best = float(means.max())
     return BanditFigures(
         pulls=pulls,

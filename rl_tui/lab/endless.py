@@ -18,10 +18,10 @@ def endless_warning(path: str | Path) -> str:
     It is no fault: γ below 1 has an exact answer there too.
     """
     mdp = read_scenario(path, ask_environment=False).build(streams(0).world).mdp
-    state = endless_state(mdp)
-    if state is None:
+    state = None if mdp is None else endless_state(mdp)
+    if mdp is None or state is None:
         return ""
-    from rl_tui.agents.loop import LONGEST_EPISODE
+    from rl_tui.agents.stop import LONGEST_EPISODE
 
     return (
         f"state {mdp.state_names[state]} can never reach an end and there is no time limit: "

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Final, TextIO
 
 from rl_tui.worlds.errors import UserError
-from rl_tui.worlds.mdp import FloatArray, IntArray
+from rl_tui.worlds.mdp import BoolArray, FloatArray, IntArray
 
 HEADER: Final = "run,episode,return,length\n"
 
@@ -21,7 +21,7 @@ class EpisodeRows:
         self._run = run
         self._episodes = 0
 
-    def __call__(self, returns: FloatArray, lengths: IntArray, last_pairs: IntArray) -> None:
+    def __call__(self, returns: FloatArray, lengths: IntArray, optimal: BoolArray) -> None:
         """Write the next episodes, [n] each."""
         episodes = range(self._episodes + 1, self._episodes + 1 + len(returns))
         rows = zip(episodes, returns.tolist(), lengths.tolist(), strict=True)

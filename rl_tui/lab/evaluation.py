@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Final
 
@@ -30,19 +31,26 @@ def visits_of(mdp: TabularMDP) -> int:
 
 
 class GreedyReturn:
-    """The exact undiscounted return of the greedy policy, remembered while the policy stays the same."""
+    """The exact undiscounted return of the greedy policy, remembered while policy and world stay the same.
 
-    def __init__(self, mdp: TabularMDP) -> None:
-        self._mdp = mdp
+    ``mdp_now`` gives the world as it is, another one after each step where it drifts.
+    """
+
+    def __init__(self, mdp_now: Callable[[], TabularMDP | None]) -> None:
+        self._mdp_now = mdp_now
+        self._mdp: TabularMDP | None = None
         self._policy: FloatArray | None = None
         self._value: float | None = None
 
     def __call__(self, q: FloatArray, ties: Ties) -> float | None:
         """Return it for the estimates ``q``, [P]; None where the policy has none."""
-        policy = greedy_policy(self._mdp, q, ties)
-        if self._policy is None or not np.array_equal(policy, self._policy):
-            self._value = expected_return(self._mdp, policy)
-            self._policy = policy
+        mdp = self._mdp_now()
+        if mdp is None:
+            return None
+        policy = greedy_policy(mdp, q, ties)
+        if mdp is not self._mdp or self._policy is None or not np.array_equal(policy, self._policy):
+            self._value = expected_return(mdp, policy)
+            self._policy, self._mdp = policy, mdp
         return self._value
 
 
@@ -61,14 +69,15 @@ class Evaluation:
     """Marks at multiples of a spacing that doubles, dropping every other mark, when there are many.
 
     Where they lie depends on the world and the step number only. The first spacing is 16 steps, or the power
-    of two above that which keeps dear evaluations rare. Above 20,000 states there are no marks.
+    of two above that which keeps dear evaluations rare. There are no marks above 20,000 states, nor without a
+    transition table.
     """
 
-    def __init__(self, mdp: TabularMDP, greedy_return: GreedyReturn, most: int = MOST_MARKS) -> None:
+    def __init__(self, mdp: TabularMDP | None, greedy_return: GreedyReturn, most: int = MOST_MARKS) -> None:
         self._greedy_return = greedy_return
-        self._active = mdp.states <= MOST_STATES
+        self._active = mdp is not None and mdp.states <= MOST_STATES
         self._spacing = FIRST_SPACING
-        while self._spacing * VISITS_A_STEP < visits_of(mdp):
+        while mdp is not None and self._spacing * VISITS_A_STEP < visits_of(mdp):
             self._spacing *= 2
         self._used = 0
         self._step: IntArray = np.zeros(most, np.int64)

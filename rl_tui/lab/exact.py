@@ -22,7 +22,15 @@ class Answer(NamedTuple):
     refused: str
 
 
+NO_TABLE: Final = "this environment has no transition table to work it out from"
 PENDING: Final = Answer(None, "")
+
+
+def exact_now(mdp: TabularMDP | None, gamma: float) -> Answer:
+    """Return the exact answer of a small world that is another one after every step."""
+    from rl_tui.agents.planning import solve
+
+    return Answer(None, NO_TABLE) if mdp is None else Answer(solve(mdp, gamma), "")
 
 
 class ExactAnswers:
@@ -34,7 +42,7 @@ class ExactAnswers:
 
     def __init__(
         self,
-        mdp: TabularMDP,
+        mdp: TabularMDP | None,
         on_ready: Callable[[], None],
         solve: Callable[[TabularMDP, float], Solution] | None = None,
         at_once_states: int = AT_ONCE_STATES,
@@ -48,7 +56,7 @@ class ExactAnswers:
         self.mdp = mdp
         self._on_ready = on_ready
         self._solve = solve
-        self._at_once = mdp.states <= at_once_states and visits_of(mdp) <= DEAREST_LIVE
+        self._at_once = mdp is None or (mdp.states <= at_once_states and visits_of(mdp) <= DEAREST_LIVE)
         self._lock = threading.Lock()
         self._answers: OrderedDict[float, Answer] = OrderedDict()
         self._wanted: float | None = None
@@ -57,6 +65,8 @@ class ExactAnswers:
 
     def answer(self, gamma: float) -> Answer:
         """Return the answer for ``gamma`` if it is known, and see to it that it will be."""
+        if self.mdp is None:
+            return Answer(None, NO_TABLE)
         if self.mdp.states > LIVE_STATES:
             return Answer(None, f"more than {LIVE_STATES:,} states: rl-tui solve has the exact answer")
         with self._lock:
@@ -95,6 +105,8 @@ class ExactAnswers:
             self._on_ready()
 
     def _work_out(self, gamma: float) -> Answer:
+        if self.mdp is None:
+            return Answer(None, NO_TABLE)
         try:
             return Answer(self._solve(self.mdp, gamma), "")
         except NoExactAnswer as refusal:

@@ -13,7 +13,8 @@ from rl_tui.agents.planning import figures, greedy_policy, solve
 from rl_tui.agents.solution import NoExactAnswer, Solution
 from rl_tui.lab.recipe import Recipe
 from rl_tui.lab.run import Run
-from rl_tui.worlds.mdp import FloatArray, TabularMDP
+from rl_tui.worlds.mdp import TabularMDP
+from rl_tui.worlds.space import FiniteSpace, FloatArray
 
 BANDIT_FIGURES: Final = ("winnings", "regret", "best_arm_rate")
 
@@ -29,8 +30,10 @@ class GreedyFigures:
     greedy_ends: float | None
 
 
-def optimum_of(mdp: TabularMDP, gamma: float) -> Solution | None:
+def optimum_of(mdp: TabularMDP | None, gamma: float) -> Solution | None:
     """Return the exact answer, None where there is none."""
+    if mdp is None:
+        return None
     try:
         return solve(mdp, gamma)
     except NoExactAnswer:
@@ -39,7 +42,9 @@ def optimum_of(mdp: TabularMDP, gamma: float) -> Solution | None:
 
 def greedy_figures(run: Run, optimum: Solution | None) -> GreedyFigures:
     """Return the figures of what ``run`` has learned, held against ``optimum`` for its γ."""
-    mdp, learner = run.world.mdp, run.learner
+    mdp, learner = run.learner.mdp, run.learner
+    if mdp is None:
+        return GreedyFigures(None, None, None, None, None)
     policy = greedy_policy(mdp, learner.q, learner.hyperparameters.ties)
     of_policy = figures(mdp, policy, learner.hyperparameters.gamma)
     return GreedyFigures(
@@ -63,8 +68,8 @@ def head(recipe: Recipe) -> dict[str, Any]:
 
 def training_figures(run: Run, seconds: float) -> dict[str, Any]:
     """Return what ``run`` came to in ``seconds`` of learning: the document of ``train --json``."""
-    mdp, learner = run.world.mdp, run.learner
-    exact = greedy_figures(run, optimum_of(mdp, learner.hyperparameters.gamma))
+    space, learner = run.world.space, run.learner
+    exact = greedy_figures(run, optimum_of(learner.mdp, learner.hyperparameters.gamma))
     document: dict[str, Any] = finite(
         {
             **head(run.recipe),
@@ -72,11 +77,11 @@ def training_figures(run: Run, seconds: float) -> dict[str, Any]:
             "steps": run.step,
             "seconds": seconds,
             "steps_per_second": run.step / seconds if seconds > 0.0 else None,
-            "states": list(mdp.state_names),
-            "actions": list(mdp.action_names),
-            "q": table(mdp, learner.q),
-            "visits": table(mdp, learner.visits),
-            "policy": policy_names(mdp, greedy_policy(mdp, learner.q, "random")),
+            "states": list(space.state_names),
+            "actions": list(space.action_names),
+            "q": table(space, learner.q),
+            "visits": table(space, learner.visits),
+            "policy": policy_names(space, greedy_policy(space, learner.q, "random")),
             "value_at_start": exact.value_at_start,
             "optimal_value_at_start": exact.optimal_value_at_start,
             "expected_return": exact.expected_return,
@@ -97,20 +102,20 @@ def pulls(run: Run) -> dict[str, float | None]:
     return {} if spent is None else {name: getattr(spent, name) for name in BANDIT_FIGURES}
 
 
-def table(mdp: TabularMDP, values: npt.NDArray[Any]) -> list[list[Any]]:
+def table(space: FiniteSpace, values: npt.NDArray[Any]) -> list[list[Any]]:
     """Return ``values``, [P], as S × A, None where an action is not legal."""
-    rows: list[list[Any]] = [[None] * len(mdp.action_names) for _ in range(mdp.states)]
-    places = zip(mdp.pair_state.tolist(), mdp.pair_action.tolist(), values.tolist(), strict=True)
+    rows: list[list[Any]] = [[None] * len(space.action_names) for _ in range(space.states)]
+    places = zip(space.pair_state.tolist(), space.pair_action.tolist(), values.tolist(), strict=True)
     for state, action, value in places:
         rows[state][action] = value
     return rows
 
 
-def policy_names(mdp: TabularMDP, policy: FloatArray) -> list[list[str]]:
+def policy_names(space: FiniteSpace, policy: FloatArray) -> list[list[str]]:
     """Return the names of the actions ``policy``, [P], may take in each state; none in a terminal one."""
-    names: list[list[str]] = [[] for _ in range(mdp.states)]
+    names: list[list[str]] = [[] for _ in range(space.states)]
     for pair in np.flatnonzero(policy).tolist():
-        names[int(mdp.pair_state[pair])].append(mdp.action_names[int(mdp.pair_action[pair])])
+        names[int(space.pair_state[pair])].append(space.action_names[int(space.pair_action[pair])])
     return names
 
 

@@ -15,11 +15,11 @@ MOST_BINS: Final = 200
 
 
 class _Sums(NamedTuple):
-    """Sums over the episodes of each bin, [B] each: returns, lengths, and pulls of the best arm."""
+    """Sums over the episodes of each bin, [B] each: returns, lengths, and optimal actions."""
 
     returns: FloatArray
     lengths: IntArray
-    best: IntArray
+    optimal: IntArray
 
 
 @compiled
@@ -29,34 +29,31 @@ def _collect(
     done: int,
     returns: FloatArray,
     lengths: IntArray,
-    last_pairs: IntArray,
-    best_pairs: BoolArray,
+    optimal: BoolArray,
 ) -> None:
     """Add episodes to their bins; the first of them comes after ``done`` others."""
     for index in range(len(returns)):
         here = (done + index) // width
         sums.returns[here] += returns[index]
         sums.lengths[here] += lengths[index]
-        sums.best[here] += best_pairs[last_pairs[index]]
+        sums.optimal[here] += optimal[index]
 
 
 class RunCurve:
     """The learning curve of one run over its first ``episodes`` episodes, at least one.
 
-    Call it with episodes as they are finished. ``best_pairs``, [P], marks the pairs whose share is counted
-    where an episode is one step (the truly best arms of a bandit).
+    Call it with episodes as they are finished.
     """
 
-    def __init__(self, episodes: int, best_pairs: BoolArray) -> None:
+    def __init__(self, episodes: int) -> None:
         self.episodes = episodes
         self.width = math.ceil(episodes / MOST_BINS)
         bins = math.ceil(episodes / self.width)
         self.last_episode = np.minimum(np.arange(1, bins + 1) * self.width, episodes)
         self.sums = _Sums(np.zeros(bins), np.zeros(bins, np.int64), np.zeros(bins, np.int64))
-        self._best_pairs = np.array(best_pairs)
         self._done = 0
 
-    def __call__(self, returns: FloatArray, lengths: IntArray, last_pairs: IntArray) -> None:
+    def __call__(self, returns: FloatArray, lengths: IntArray, optimal: BoolArray) -> None:
         """Add the next episodes, [n] each; those beyond the end of the curve are left out."""
         part = slice(0, self.episodes - self._done)
         _collect(
@@ -65,16 +62,15 @@ class RunCurve:
             self._done,
             returns[part],
             lengths[part],
-            last_pairs[part],
-            self._best_pairs,
+            optimal[part],
         )
         self._done = min(self.episodes, self._done + len(returns))
 
     @property
     def means(self) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """The mean return, the mean length and the share of the best pairs in each bin."""
+        """The mean return, the mean length and the share of optimal actions in each bin."""
         count = np.diff(self.last_episode, prepend=0)
-        return self.sums.returns / count, self.sums.lengths / count, self.sums.best / count
+        return self.sums.returns / count, self.sums.lengths / count, self.sums.optimal / count
 
 
 def mean_curve(curves: Sequence[RunCurve], bandit: bool) -> dict[str, list[Any]]:
@@ -82,7 +78,9 @@ def mean_curve(curves: Sequence[RunCurve], bandit: bool) -> dict[str, list[Any]]
 
     The standard errors are those of the runs' means in each bin, None where there is one run.
     """
-    returns, lengths, best = (np.array(each) for each in zip(*(curve.means for curve in curves), strict=True))
+    returns, lengths, optimal = (
+        np.array(each) for each in zip(*(curve.means for curve in curves), strict=True)
+    )
     runs = len(curves)
     curve: dict[str, list[Any]] = {
         "episode": curves[0].last_episode.tolist(),
@@ -95,7 +93,7 @@ def mean_curve(curves: Sequence[RunCurve], bandit: bool) -> dict[str, list[Any]]
         "length_mean": lengths.mean(axis=0).tolist(),
     }
     if bandit:
-        curve["optimal_action_rate"] = best.mean(axis=0).tolist()
+        curve["optimal_action_rate"] = optimal.mean(axis=0).tolist()
     return curve
 
 

@@ -111,7 +111,7 @@ def listing(scenario: Scenario) -> dict[str, Any]:
     Raises UserError where the world cannot be built or the defaults are faulty.
     """
     recipe = recipe_for(scenario)
-    mdp = begin(recipe).world.mdp
+    mdp = begin(recipe).world.space
     return {
         "id": scenario.id,
         "title": scenario.title,

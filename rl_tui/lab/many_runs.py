@@ -16,19 +16,15 @@ from shutil import copyfileobj
 from tempfile import TemporaryDirectory
 from typing import Any, Final, TextIO, TypeVar
 
-import numpy as np
-
 from rl_tui.agents.solution import Solution
-from rl_tui.lab.bandit import best_arms
 from rl_tui.lab.episode_rows import EpisodeRows, csv_file
 from rl_tui.lab.figures import BANDIT_FIGURES, finite, greedy_figures, head, optimum_of, pulls
 from rl_tui.lab.learning_curve import RunCurve, mean_curve, no_curve
-from rl_tui.lab.recipe import Beginning, Recipe, begin, drawn_from_seed
+from rl_tui.lab.recipe import Recipe, begin, drawn_from_seed
 from rl_tui.lab.run import OnEpisodes, Run
 from rl_tui.lab.training import Goal, OnProgress, no_progress, train
 from rl_tui.worlds.drawing import Arms
 from rl_tui.worlds.errors import UserError
-from rl_tui.worlds.mdp import BoolArray
 
 Result = TypeVar("Result")
 
@@ -120,7 +116,7 @@ class _Experiment:
         run.warm_up()
         greedy_figures(run, self._optimum or self._optimum_of(run))
         nothing = run.learner.drain_episodes()
-        RunCurve(1, best_arms(run.world.mdp))(*nothing)
+        RunCurve(1)(*nothing)
 
     @property
     def figures(self) -> tuple[str, ...]:
@@ -196,7 +192,7 @@ class _Experiment:
     def _train(self, index: int, *also: OnEpisodes) -> Run:
         recipe = self._recipes[index]
         beginning = begin(recipe, self._world)
-        listeners = [*also, *self._curve_of(index, beginning)]
+        listeners = [*also, *self._curve_of(index)]
 
         def on_episodes(*episodes: Any) -> None:
             for listener in listeners:
@@ -212,12 +208,10 @@ class _Experiment:
             raise UserError(f"seed {recipe.seed}: {error}") from error
         return run
 
-    def _curve_of(self, index: int, beginning: Beginning) -> list[OnEpisodes]:
+    def _curve_of(self, index: int) -> list[OnEpisodes]:
         if not self._goal.episodes:
             return []
-        mdp = beginning.world.mdp
-        best: BoolArray = best_arms(mdp) if self._bandit else np.zeros(mdp.pairs, np.bool_)
-        curve = RunCurve(self._goal.episodes, best)
+        curve = RunCurve(self._goal.episodes)
         self._curves[index] = curve
         return [curve]
 
@@ -230,4 +224,4 @@ class _Experiment:
 
     @staticmethod
     def _optimum_of(run: Run) -> Solution | None:
-        return optimum_of(run.world.mdp, run.recipe.hyperparameters.gamma)
+        return optimum_of(run.learner.mdp, run.recipe.hyperparameters.gamma)

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Final
 
 from rl_tui.lab.commands import Apply, Command, Pause, Play, Restart, RunEpisode, SetSpeed, Step, Train
-from rl_tui.lab.exact import AT_ONCE_STATES, ExactAnswers
+from rl_tui.lab.exact import AT_ONCE_STATES, ExactAnswers, exact_now
 from rl_tui.lab.pacing import ChunkSize, Pace, SpeedMeter
 from rl_tui.lab.preparing import preparing
 from rl_tui.lab.recipe import Beginning, Recipe, begin
@@ -99,12 +99,14 @@ class Playback:
             if self._beginning is None:
                 raise RuntimeError("there is no world yet")
             return preparing(self._recipe, self._beginning.world, self._speed, PREPARING)
+        learner = self._run.learner
+        gamma = learner.hyperparameters.gamma
         return self._run.snapshot(
             self.phase,
             message=self._run.stop_reason,
             speed=self._speed,
             steps_per_second=self._meter.steps_per_second,
-            answer=self._answers.answer(self._run.learner.hyperparameters.gamma),
+            answer=exact_now(learner.mdp, gamma) if learner.drifted else self._answers.answer(gamma),
         )
 
     @property

@@ -13,8 +13,8 @@ from rl_tui.worlds.world import World
 
 def preparing(recipe: Recipe, world: World, speed: float | None, message: str) -> Snapshot:
     """Return a snapshot of a run whose world is there and whose agent is not yet."""
-    hyperparameters, mdp = recipe.hyperparameters, world.mdp
-    visits: IntArray = np.zeros(mdp.pairs, np.int64)
+    hyperparameters, space = recipe.hyperparameters, world.space
+    visits: IntArray = np.zeros(space.pairs, np.int64)
     nothing: FloatArray = np.empty(0)
     no_steps: IntArray = np.empty(0, np.int64)
     return Snapshot(
@@ -28,10 +28,10 @@ def preparing(recipe: Recipe, world: World, speed: float | None, message: str) -
         steps_per_second=None,
         step=0,
         episodes=0,
-        state=int(mdp.start_state[0]),
+        state=0 if world.mdp is None else int(world.mdp.start_state[0]),
         episode_step=0,
         episode_return=0.0,
-        q=np.full(mdp.pairs, hyperparameters.initial_q),
+        q=np.full(space.pairs, hyperparameters.initial_q),
         visits=visits,
         last=None,
         curve=Curve(no_steps, nothing, nothing, nothing, nothing),

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Final
 
 from rl_tui.agents.learner import Learner, LearnerState
-from rl_tui.agents.loop import Stop
+from rl_tui.agents.stop import Stop
 from rl_tui.lab.bandit import bandit_figures
 from rl_tui.lab.evaluation import DEAREST_LIVE, MOST_STATES, Evaluation, GreedyReturn, MarksState, visits_of
 from rl_tui.lab.exact import PENDING, Answer
@@ -15,14 +15,14 @@ from rl_tui.lab.history import History, HistoryState
 from rl_tui.lab.recipe import Beginning, Change, JournalEntry, Recipe, SetParameter, begin
 from rl_tui.lab.snapshot import BanditFigures, Marks, Phase, Snapshot
 from rl_tui.worlds.errors import UserError
-from rl_tui.worlds.mdp import FloatArray, IntArray
+from rl_tui.worlds.mdp import BoolArray, FloatArray, IntArray
 
 UNLIMITED: Final = 2**62
 
-OnEpisodes = Callable[[FloatArray, IntArray, IntArray], None]
+OnEpisodes = Callable[[FloatArray, IntArray, BoolArray], None]
 
 
-def _nobody(returns: FloatArray, lengths: IntArray, last_pairs: IntArray) -> None:
+def _nobody(returns: FloatArray, lengths: IntArray, optimal: BoolArray) -> None:
     pass
 
 
@@ -41,7 +41,8 @@ class Run:
 
     ``beginning`` is what :func:`begin` made of the recipe, if it is at hand. ``evaluate`` takes marks, which
     never influence learning. ``episode_limit`` ends the run after so many episodes. ``on_episodes`` is called
-    with the returns, lengths and last pairs of finished episodes, [n] each, in order and each once.
+    with the returns and lengths of finished episodes and whether each took the best arm of a bandit, [n]
+    each, in order and each once.
     """
 
     def __init__(
@@ -55,14 +56,21 @@ class Run:
     ) -> None:
         self.recipe = recipe
         self.world, drawn = beginning or begin(recipe)
-        self.learner = Learner(self.world.mdp, recipe.algorithm, recipe.hyperparameters, drawn)
+        new_environment = self.world.new_environment
+        self.learner = Learner(
+            self.world.space,
+            recipe.algorithm,
+            recipe.hyperparameters,
+            drawn,
+            new_environment() if new_environment else None,
+        )
         self.history = History()
         self.episode_limit = UNLIMITED if episode_limit is None else episode_limit
         self.stop_reason = ""
         """Why the run broke down, naming the step; empty if it did not."""
         self._journal: list[JournalEntry] = []
         self._evaluate = evaluate
-        self._greedy_return = GreedyReturn(self.world.mdp)
+        self._greedy_return = GreedyReturn(lambda: self.learner.mdp)
         self._evaluation = Evaluation(self.world.mdp, self._greedy_return)
         self._on_episodes = on_episodes
 
@@ -84,7 +92,8 @@ class Run:
     @property
     def bandit(self) -> BanditFigures | None:
         """How the pulls of a bandit were spent; None where the world is no bandit."""
-        return bandit_figures(self.world, self.learner.visits, self.history.total_return)
+        learner = self.learner
+        return bandit_figures(self.world, learner.visits, self.history.total_return, learner.drifted)
 
     @property
     def spent(self) -> bool:
@@ -92,9 +101,14 @@ class Run:
         return self.learner.episodes >= self.episode_limit
 
     @property
+    def converged(self) -> bool:
+        """Whether a planner is done."""
+        return self.learner.converged
+
+    @property
     def over(self) -> bool:
         """Whether it takes no further step."""
-        return self.spent or bool(self.stop_reason)
+        return self.spent or self.converged or bool(self.stop_reason)
 
     def warm_up(self) -> None:
         """Compile all that is compiled, or read it from its cache, without taking a step."""
@@ -109,13 +123,13 @@ class Run:
         last_episode = min(learner.episodes + episodes, self.episode_limit)
         while not self.stop_reason:
             self._mark_if_due()
-            if learner.step >= last_step or learner.episodes >= last_episode:
+            if learner.converged or learner.step >= last_step or learner.episodes >= last_episode:
                 return
             mark = self._next_mark
             until = last_step if mark is None else min(last_step, mark)
             stop = learner.advance(until - learner.step, last_episode - learner.episodes)
             self._take_in_episodes()
-            if stop not in (Stop.DONE, Stop.EPISODES_FULL):
+            if stop is not Stop.DONE:
                 self.stop_reason = learner.stop_reason
 
     def apply(self, change: Change) -> None:
@@ -212,15 +226,15 @@ class Run:
 
     def _live_greedy_return(self) -> float | None:
         mdp = self.world.mdp
-        if self.stop_reason or mdp.states > MOST_STATES or visits_of(mdp) > DEAREST_LIVE:
+        if mdp is None or self.stop_reason or mdp.states > MOST_STATES or visits_of(mdp) > DEAREST_LIVE:
             return None
         return self._greedy_return(self.learner.q, self.learner.hyperparameters.ties)
 
     def _take_in_episodes(self) -> None:
-        returns, lengths, last_pairs = self.learner.drain_episodes()
+        returns, lengths, optimal = self.learner.drain_episodes()
         if len(returns):
             self.history.add(returns, lengths)
-            self._on_episodes(returns, lengths, last_pairs)
+            self._on_episodes(returns, lengths, optimal)
 
 
 def replay(recipe: Recipe, journal: Iterable[JournalEntry], step: int) -> Run:

@@ -43,7 +43,7 @@ def train(run: Run, goal: Goal, on_progress: OnProgress = no_progress) -> float:
     while True:
         done, wanted = goal.reached_by(run)
         on_progress(done, wanted)
-        if done >= wanted:
+        if done >= wanted or run.converged:
             return time.perf_counter() - start
         left = wanted - done
         if goal.steps is not None:

@@ -5,17 +5,25 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from rl_tui.worlds.consistency import check_consistency
+from rl_tui.worlds.space import BoolArray, FiniteSpace, FloatArray, IntArray
 from rl_tui.worlds.tolerance import PROBABILITY_TOLERANCE
 
-IntArray = npt.NDArray[np.int64]
-FloatArray = npt.NDArray[np.float64]
-BoolArray = npt.NDArray[np.bool_]
+__all__ = [
+    "UNKNOWN_ACTION",
+    "BoolArray",
+    "FloatArray",
+    "IntArray",
+    "Outcome",
+    "TabularMDP",
+    "Transition",
+    "cumulative_inside",
+    "tabular_mdp",
+]
 
 UNKNOWN_ACTION = -1
 
@@ -37,7 +45,7 @@ class Outcome(NamedTuple):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class TabularMDP:
+class TabularMDP(FiniteSpace):
     """S states, A named actions, P legal state–action pairs, O outcomes, as arrays that never change.
 
     State s owns the pairs first_pair[s] .. first_pair[s+1], in the order of their actions; pair p owns the
@@ -54,15 +62,12 @@ class TabularMDP:
     start_state               [K]        start_cumulative [K]   cumulative start distribution
     ========================  =========  ==========================================================
 
-    ``time_limit`` is the number of steps after which an episode is truncated (0: none). Arrays that somebody
-    else could still write are copied. Raises ValueError where the arrays contradict each other or leave their
-    ranges.
+    ``time_limit`` is the number of steps after which an episode is truncated (0: none). With a ``drift_std``
+    above 0 the world is not stationary: after every step the rewards of each pair move together by a draw
+    from N(0, drift_std²); ``reward`` is where they start. Raises ValueError where the arrays contradict each
+    other or leave their ranges.
     """
 
-    state_names: tuple[str, ...]
-    action_names: tuple[str, ...]
-    first_pair: IntArray
-    pair_action: IntArray
     first_outcome: IntArray
     next_state: IntArray
     reward: FloatArray
@@ -73,33 +78,15 @@ class TabularMDP:
     cumulative: FloatArray
     start_state: IntArray
     start_cumulative: FloatArray
-    time_limit: int
+    drift_std: float = 0.0
 
     def __post_init__(self) -> None:
-        for each in fields(self):
-            value = getattr(self, each.name)
-            if isinstance(value, np.ndarray):
-                object.__setattr__(self, each.name, _read_only(value))
+        FiniteSpace.__post_init__(self)
         check_consistency(self)
 
     def __reduce__(self) -> tuple[type[TabularMDP], tuple[object, ...]]:
         # an array unpickled by itself would come back writable
         return TabularMDP, tuple(getattr(self, each.name) for each in fields(self))
-
-    @property
-    def states(self) -> int:
-        """S, the number of states, terminal ones included."""
-        return len(self.state_names)
-
-    @property
-    def pairs(self) -> int:
-        """P, the number of legal state–action pairs."""
-        return len(self.pair_action)
-
-    @property
-    def pair_state(self) -> IntArray:
-        """The state of each pair, [P]."""
-        return np.repeat(np.arange(self.states), np.diff(self.first_pair))
 
     @property
     def outcome_pair(self) -> IntArray:
@@ -110,10 +97,6 @@ class TabularMDP:
     def start_probability(self) -> FloatArray:
         """The probability of each of ``start_state``, [K]."""
         return np.diff(self.start_cumulative, prepend=0.0)
-
-    def pairs_of(self, state: int) -> range:
-        """Return the pairs that ``state`` owns; empty for a terminal state."""
-        return range(int(self.first_pair[state]), int(self.first_pair[state + 1]))
 
     def outcomes_of(self, pair: int) -> range:
         """Return the outcomes that ``pair`` owns."""
@@ -194,13 +177,6 @@ def cumulative_inside(probability: FloatArray, first_outcome: IntArray) -> Float
     np.minimum(result, 1.0, out=result)
     result[first_outcome[1:] - 1] = 1.0
     return result
-
-
-def _read_only(array: npt.NDArray[Any]) -> npt.NDArray[Any]:
-    if array.flags.writeable or array.base is not None:
-        array = array.copy()
-        array.flags.writeable = False
-    return array
 
 
 def _pairs_by_state(

@@ -1,24 +1,36 @@
-"""A world as a run holds it: its table, its drawing and its budget."""
+"""A world as a run holds it: its states and actions, its drawing and its budget."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from rl_tui.worlds.drawing import Drawing
 
 if TYPE_CHECKING:
+    from rl_tui.worlds.environment import Environment
     from rl_tui.worlds.mdp import TabularMDP
+    from rl_tui.worlds.space import FiniteSpace
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class World:
     """What one seed made of a scenario.
 
-    ``budget`` is the number of episodes after which a run on screen ends (the pulls of a bandit), None for no
-    end.
+    ``space`` is a TabularMDP wherever what actions lead to is known; else ``new_environment`` makes a copy of
+    the environment that has to be stepped to find out. ``budget`` is the number of episodes after which a run
+    on screen ends (the pulls of a bandit), None for no end.
     """
 
-    mdp: TabularMDP
+    space: FiniteSpace
     drawing: Drawing
     budget: int | None = None
+    new_environment: Callable[[], Environment] | None = None
+
+    @property
+    def mdp(self) -> TabularMDP | None:
+        """The transition table, None where there is none."""
+        from rl_tui.worlds.mdp import TabularMDP
+
+        return self.space if isinstance(self.space, TabularMDP) else None

@@ -135,14 +135,14 @@ def test_solve_draws_the_policy_on_the_map() -> None:
 
 def test_where_all_actions_look_alike_the_map_shows_a_dot() -> None:
     world = begin(recipe_for(find("frozenlake"))).world
-    names = list(world.mdp.action_names)
-    drawing = policy_map(world, [names if world.mdp.pairs_of(state) else [] for state in range(16)])
+    names = list(world.space.action_names)
+    drawing = policy_map(world, [names if world.space.pairs_of(state) else [] for state in range(16)])
     assert drawing.splitlines() == [".  .  .  .", ".  ●  .  ●", ".  .  .  ●", "●  .  .  ★"]
 
 
 def test_a_terminal_without_arrows_gets_ascii(monkeypatch: pytest.MonkeyPatch) -> None:
     world = begin(recipe_for(find("frozenlake"))).world
-    policy = [["right"] if world.mdp.pairs_of(state) else [] for state in range(16)]
+    policy = [["right"] if world.space.pairs_of(state) else [] for state in range(16)]
     monkeypatch.setattr(sys, "stdout", io.TextIOWrapper(io.BytesIO(), encoding="ascii"))
     assert policy_map(world, policy).splitlines()[3] == "O  >  >  *"
 

@@ -36,4 +36,4 @@ def test_a_time_limit_ends_every_episode() -> None:
 
 @pytest.mark.parametrize("scenario", ["bandit", "student", "frozenlake"])
 def test_the_shipped_worlds_end(scenario: str) -> None:
-    assert endless_state(begin(recipe(scenario)).world.mdp) is None
+    assert endless_state(begin(recipe(scenario)).world.space) is None

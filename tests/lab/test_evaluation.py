@@ -10,7 +10,7 @@ from rl_tui.lab.evaluation import Evaluation, GreedyReturn
 from rl_tui.lab.recipe import begin
 from rl_tui.worlds.mdp import FloatArray
 
-STUDENT = begin(recipe("student")).world.mdp
+STUDENT = begin(recipe("student")).world.space
 
 
 class Counted(GreedyReturn):
@@ -54,11 +54,11 @@ def test_a_restored_evaluation_goes_on_alike() -> None:
 
 
 def test_dear_evaluations_are_rare_from_the_start() -> None:
-    lake = begin(recipe("frozenlake-8x8-slippery")).world.mdp
+    lake = begin(recipe("frozenlake-8x8-slippery")).world.space
     spacing = 16
     while spacing * evaluation.VISITS_A_STEP < len(lake.next_state) * 200:
         spacing *= 2
-    taken = Evaluation(lake, GreedyReturn(lake))
+    taken = Evaluation(lake, GreedyReturn(lambda: lake))
     taken.mark(0, np.zeros(lake.pairs), "random")
     assert taken.next_step == spacing > 16
 

@@ -13,7 +13,7 @@ from rl_tui.lab.exact import PENDING, ExactAnswers
 from rl_tui.lab.recipe import begin
 from rl_tui.worlds.mdp import TabularMDP
 
-STUDENT = begin(recipe("student")).world.mdp
+STUDENT = begin(recipe("student")).world.space
 
 
 def nobody() -> None:

@@ -54,7 +54,7 @@ def episodes_of_run(seed: int, episodes: int) -> tuple[np.ndarray, np.ndarray, n
     run = Run(recipe("bandit", seed=seed), evaluate=False, on_episodes=lambda *each: told.append(each))
     run.advance(episodes=episodes)
     returns, lengths, pairs = (np.concatenate(each) for each in zip(*told, strict=True))
-    return returns, lengths, pairs == run.world.mdp.reward.argmax()
+    return returns, lengths, pairs == run.world.space.reward.argmax()
 
 
 def test_the_curve_is_what_numpy_says() -> None:

@@ -47,7 +47,7 @@ def test_the_world_is_shown_before_the_learner_is_there() -> None:
     first = playback.snapshot()
     assert first.phase is Phase.PREPARING
     assert first.message
-    assert first.world.mdp.states == 4
+    assert first.world.space.states == 4
     assert first.q.tolist() == [0.0] * 5
     assert playback.busy
     playback.work()

@@ -104,8 +104,8 @@ def test_a_mark_is_the_exact_return_of_the_greedy_policy_of_its_step() -> None:
     run.advance(steps=200)
     for step, episode, value in zip(*vars_of(run.marks).values(), strict=True):
         then = replay(run.recipe, (), int(step))
-        policy = greedy_policy(then.world.mdp, then.learner.q, "random")
-        assert value == expected_return(then.world.mdp, policy)
+        policy = greedy_policy(then.world.space, then.learner.q, "random")
+        assert value == expected_return(then.world.space, policy)
         assert episode == then.learner.episodes
 
 
@@ -165,7 +165,7 @@ def test_a_bandit_settles_its_accounts() -> None:
     run = Run(recipe("bandit", seed=3), episode_limit=1000)
     run.advance(steps=1000)
     snapshot = run.snapshot(Phase.SPENT)
-    means = run.world.mdp.reward
+    means = run.world.space.reward
     visits = run.learner.visits
     figures = snapshot.bandit
     assert figures is not None
@@ -203,4 +203,4 @@ def test_the_agent_is_seen_where_an_episode_ended_until_the_next_begins() -> Non
     run.advance(steps=1)
     begun = run.snapshot(Phase.PAUSED)
     assert begun.last is not None
-    assert begun.last.state == int(run.world.mdp.start_state[0])
+    assert begun.last.state == int(run.world.space.start_state[0])

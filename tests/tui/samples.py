@@ -161,7 +161,7 @@ def learned_q(exact: Solution, share: float = 0.7) -> FloatArray:
 
 def snapshot(world: World, name: Scenario, hyperparameters: Hyperparameters, **changes: Any) -> Snapshot:
     """A paused run of ``world`` before its first step, with ``changes`` to its fields."""
-    mdp = world.mdp
+    mdp = world.space
     empty = np.array([], dtype=np.float64)
     nothing = np.array([], dtype=np.int64)
     fields: dict[str, Any] = {
@@ -213,7 +213,7 @@ def marks(count: int, low: float, high: float, episodes: int) -> Marks:
 
 
 def _lake(world: World, id: str, title: str, step: int, changes: dict[str, Any]) -> Snapshot:  # noqa: A002
-    mdp = world.mdp
+    mdp = world.space
     hyperparameters = Hyperparameters(alpha=0.1, gamma=0.99, epsilon=0.1)
     start = snapshot(world, scenario(id, title, "gymnasium"), hyperparameters)
     if step == 0:
@@ -296,7 +296,7 @@ def student(step: int = 2_433, **changes: Any) -> Snapshot:
     )
     if step == 0:
         return replace(start, **changes)
-    exact = exact_solution(world.mdp, 0.9)
+    exact = exact_solution(world.space, 0.9)
     q = exact.q.copy()
     q[0] = 6.37
     last = LastStep(
@@ -394,7 +394,7 @@ def bandit(pulls: int = 1_000, **changes: Any) -> Snapshot:
         "return_last_100": 1.31,
         "length_last_100": 1.0,
         "greedy_return": 1.5,
-        "exact": exact_solution(world.mdp, 0.0),
+        "exact": exact_solution(world.space, 0.0),
         "bandit": figures,
     }
     return replace(start, **(shown | changes))

@@ -23,16 +23,16 @@ from rl_tui.worlds.world import World
 
 def q_of(snapshot: Snapshot, values: dict[tuple[int, int], float]) -> FloatArray:
     """Zero but for (state, place of the pair in it)."""
-    q = np.zeros(snapshot.world.mdp.pairs)
+    q = np.zeros(snapshot.world.space.pairs)
     for (state, place), value in values.items():
-        q[int(snapshot.world.mdp.first_pair[state]) + place] = value
+        q[int(snapshot.world.space.first_pair[state]) + place] = value
     return q
 
 
 def visited(snapshot: Snapshot, *states: int) -> Snapshot:
     visits = snapshot.visits.copy()
     for state in states:
-        visits[snapshot.world.mdp.pairs_of(state).start] = 1
+        visits[snapshot.world.space.pairs_of(state).start] = 1
     return replace(snapshot, visits=visits)
 
 
@@ -50,7 +50,7 @@ def whole(snapshot: Snapshot) -> Part:
 def small(snapshot: Snapshot, height: int = 4, width: int = 20) -> list[str]:
     grid = snapshot.world.drawing
     assert isinstance(grid, Grid)
-    grid_map = GridMap(snapshot.world.mdp, grid)
+    grid_map = GridMap(snapshot.world.space, grid)
     strips = draw_grid(grid_map, snapshot, look(), whole(snapshot), CellForm(5, 1), width, height)
     return [strip.text for strip in strips]
 
@@ -153,7 +153,7 @@ def test_nothing_known_has_no_arrow_and_another_style_than_a_zero_that_was_visit
 
 def test_optimistic_estimates_alone_are_not_knowledge() -> None:
     start = lake(step=0)
-    rows = picture(replace(start, q=np.ones(start.world.mdp.pairs)), 40, 8)
+    rows = picture(replace(start, q=np.ones(start.world.space.pairs)), 40, 8)
     assert rows[1] == "   1.00      1.00      1.00      1.00   "
     assert not set("←↓→↑") & set("".join(rows))
 
@@ -180,7 +180,7 @@ def test_walls_fill_their_cell_and_other_actions_show_their_first_letter() -> No
     world = lake_world()
     kinds = (CellKind.WALL, *world.drawing.kinds[1:])  # type: ignore[union-attr]
     drawing = replace(world.drawing, kinds=kinds, directions=(None, (1, 0), (0, 1), (-1, 0)))  # type: ignore[arg-type]
-    changed = World(world.mdp, drawing)  # type: ignore[arg-type]
+    changed = World(world.space, drawing)  # type: ignore[arg-type]
     start = replace(lake(step=0), world=changed, state=2)
     rows = small(replace(start, q=q_of(start, {(1, LEFT): 0.5})))
     assert rows[0].startswith("█████ l.50")
@@ -208,7 +208,7 @@ def test_the_view_moves_only_where_the_agent_nears_its_edge(
 def large_lake(side: int = 40) -> Snapshot:
     rows = ("S" + "F" * (side - 1), *("F" * side for _ in range(side - 2)), "F" * (side - 1) + "G")
     world = lake_world(slippery=False, rows=rows)
-    mdp = world.mdp
+    mdp = world.space
     return replace(
         lake(step=0), world=world, q=np.zeros(mdp.pairs), visits=np.zeros(mdp.pairs, dtype=np.int64)
     )

@@ -38,8 +38,8 @@ def stepped(snapshot: Snapshot, **changes: Any) -> Snapshot:
 def lake_step(**changes: Any) -> Snapshot:
     """State 6 of the slippery lake, meant left, went down: the step of the drawings."""
     world = LAKE.world
-    left = int(world.mdp.first_pair[6])
-    outcome = next(each for each in world.mdp.outcomes_of(left) if world.mdp.outcome_action[each] == 1)
+    left = int(world.space.first_pair[6])
+    outcome = next(each for each in world.space.outcomes_of(left) if world.space.outcome_action[each] == 1)
     usual = {
         "state": 6,
         "pair": left,
@@ -210,7 +210,7 @@ def test_a_certain_outcome_has_probability_1() -> None:
 
 
 def test_a_long_name_of_the_action_is_not_crowded_out() -> None:
-    pair = student().world.mdp.pairs_of(0)[1]
+    pair = student().world.space.pairs_of(0)[1]
     snapshot = stepped(student(), pair=pair, updated_pair=pair, explored=True)
     assert "random (ε = .10)   action a = check phone" in drawn(snapshot, 56, 8)[1]
     assert "random (ε = .10)   a = check phone" in drawn(snapshot, 50, 8)[1]
@@ -230,7 +230,7 @@ def test_a_bandit_has_no_next_state() -> None:
 
 def choice(q_before: list[float], pair: int, *, explored: bool) -> str:
     snapshot = lake_step(before=q_before[pair], explored=explored)
-    mdp = snapshot.world.mdp
+    mdp = snapshot.world.space
     first = int(mdp.first_pair[6])
     q = snapshot.q.copy()
     q[first : first + 4] = q_before

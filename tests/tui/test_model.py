@@ -40,7 +40,7 @@ def test_the_five_parts_of_a_grid() -> None:
 
 def test_the_outcomes_of_a_pair_and_where_it_slips() -> None:
     snapshot = lake()
-    down = int(snapshot.world.mdp.first_pair[4]) + 1
+    down = int(snapshot.world.space.first_pair[4]) + 1
     lines = [" ".join(line.split()) for line in drawn(panel(snapshot, down)).splitlines()]
     assert f"state 4 (row 1, column 0) action ↓ down pair {down + 1} of 44" in lines
     table = lines[lines.index("p went r s′") + 1 :]
@@ -111,9 +111,9 @@ def test_a_bandit_keeps_its_means() -> None:
 def test_several_starts_are_told_with_their_chances() -> None:
     snapshot = student()
     mdp = replace(
-        snapshot.world.mdp,
-        start_state=snapshot.world.mdp.next_state[[2, 1]],
-        start_cumulative=snapshot.world.mdp.cumulative[[1, 1]] * [0.25, 1.0],
+        snapshot.world.space,
+        start_state=snapshot.world.space.next_state[[2, 1]],
+        start_cumulative=snapshot.world.space.cumulative[[1, 1]] * [0.25, 1.0],
     )
     many = replace(snapshot, world=replace(snapshot.world, mdp=mdp))
     assert "with .25" in drawn(panel(many))
@@ -146,7 +146,7 @@ async def test_arrows_go_through_the_pairs() -> None:
         await pilot.press("down", "right", "pagedown")
         made.show(lake())
         made.focus()
-        first = lake().world.mdp.first_pair
+        first = lake().world.space.first_pair
         assert made.pair == 0
         await pilot.press("left", "up")
         assert made.pair == 0

@@ -215,10 +215,10 @@ async def test_a_seed_is_typed(make_app: MakeApp) -> None:
     app = make_app("bandit")
     async with app.run_test(size=(80, 24)) as pilot:
         await settle(pilot)
-        means = snapshot(pilot).world.mdp.reward
+        means = snapshot(pilot).world.space.reward
         again = await press(pilot, "n", "4", "2", "enter")
         assert again.recipe.seed == 42
-        assert again.world.mdp.reward.tolist() != means.tolist()
+        assert again.world.space.reward.tolist() != means.tolist()
 
 
 async def test_the_algorithm_is_chosen_from_a_list(make_app: MakeApp) -> None:

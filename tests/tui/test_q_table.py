@@ -100,7 +100,7 @@ def test_every_number_is_printed_where_its_pair_stands() -> None:
         numbers = [
             float(word) for word in row.replace("▌", " ").replace("▐", " ").replace("◉", " ").split()[1:]
         ]
-        first = int(state.world.mdp.first_pair[live])
+        first = int(state.world.space.first_pair[live])
         assert numbers == [round(value, 3) for value in state.exact.q[first : first + 4]]
 
 
@@ -383,7 +383,7 @@ class Bench(App[None]):
 
 
 def pair_of(state: Snapshot, cell: int, action: int) -> int:
-    return int(state.world.mdp.first_pair[cell]) + action
+    return int(state.world.space.first_pair[cell]) + action
 
 
 async def test_before_the_first_snapshot_it_says_what_comes() -> None:

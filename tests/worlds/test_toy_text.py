@@ -87,28 +87,28 @@ def test_on_dry_ice_what_was_meant_happens():
 
 def test_a_map_of_ones_own():
     world = world_of("FrozenLake-v1", {"desc": ["SFG"], "is_slippery": False, "max_episode_steps": 9})
-    assert world.mdp.states == 3
-    assert world.mdp.time_limit == 9
+    assert world.space.states == 3
+    assert world.space.time_limit == 9
     assert world.drawing.rows == 1
 
 
 def test_cliff_walking_has_its_shape_and_its_own_order_of_actions():
     world = world_of("CliffWalking-v1", {})
     assert (world.drawing.rows, world.drawing.columns) == (4, 12)
-    assert world.mdp.action_names == ("up", "right", "down", "left")
-    assert world.mdp.time_limit == 0
-    into_the_cliff = world.mdp.outcomes_of(world.mdp.pairs_of(36)[1])[0]
-    assert world.mdp.reward[into_the_cliff] == -100.0
-    assert world.mdp.next_state[into_the_cliff] == 36
-    assert world.mdp.outcome_action[into_the_cliff] == -1, "being carried back is no direction"
+    assert world.space.action_names == ("up", "right", "down", "left")
+    assert world.space.time_limit == 0
+    into_the_cliff = world.space.outcomes_of(world.space.pairs_of(36)[1])[0]
+    assert world.space.reward[into_the_cliff] == -100.0
+    assert world.space.next_state[into_the_cliff] == 36
+    assert world.space.outcome_action[into_the_cliff] == -1, "being carried back is no direction"
 
 
 def test_a_table_without_a_map_lies_in_the_squarest_grid_that_holds_it():
     world = world_of("Taxi-v4", {})
     assert (world.drawing.rows, world.drawing.columns) == (22, 23)
     assert world.drawing.directions == (None,) * 6
-    assert len(world.mdp.start_state) == 300
-    assert world.mdp.start_probability == pytest.approx(np.full(300, 1 / 300))
+    assert len(world.space.start_state) == 300
+    assert world.space.start_probability == pytest.approx(np.full(300, 1 / 300))
 
 
 @pytest.mark.parametrize(

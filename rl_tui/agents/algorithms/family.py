@@ -6,8 +6,8 @@ from typing import Any, NamedTuple
 
 from numpy.random import Generator
 
-from rl_tui.agents.compiled import inlined_by_type
-from rl_tui.agents.settings import EpsilonGreedy, Settings
+from rl_tui.agents.compiled import inlined, inlined_by_type
+from rl_tui.agents.settings import Settings
 from rl_tui.agents.tables import Tables
 
 
@@ -23,28 +23,87 @@ class Transition(NamedTuple):
 
 
 class Update(NamedTuple):
-    """What learning changed: ``pair`` moved from ``before`` to ``after`` by ``step_size``.
+    """What learning changed: ``pair`` moved from ``before`` to ``after`` by ``step_size``; −1: no pair did.
 
-    ``bootstrap`` is the estimate of what follows, as it was before the update: the target is
-    reward + γ·bootstrap.
+    The target is ``gathered`` + ``discount``·``bootstrap``, the bootstrap being an estimate as it was before
+    the update. One step gathers its reward and discounts by γ; n steps gather a discounted sum and discount
+    by γⁿ; after = before + step_size·(target − before) always. ``others`` tells how many further updates the
+    same step made (traces, planning), ``extreme`` which of all new estimates is furthest from 0, so that none
+    runs away unseen. ``table`` is 1 or 2 where there are two tables of estimates, 0 where there is one.
     """
 
     pair: int
     before: float
     step_size: float
+    gathered: float
+    discount: float
     bootstrap: float
     after: float
+    others: int
+    extreme: float
+    table: int
+
+
+@inlined
+def one_update(
+    pair: int,
+    before: float,
+    step_size: float,
+    gathered: float,
+    discount: float,
+    bootstrap: float,
+    after: float,
+) -> Update:
+    """Return the update of a step that changed one estimate."""
+    return Update(pair, before, step_size, gathered, discount, bootstrap, after, 0, after, 0)
+
+
+@inlined
+def no_update() -> Update:
+    """Return the update of a step after which nothing was learned yet."""
+    return Update(-1, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0, 0.0, 0)
+
+
+@inlined
+def further(extreme: float, estimate: float) -> float:
+    """Return whichever is further from 0; not a number counts as further than all."""
+    return estimate if not abs(estimate) <= abs(extreme) else extreme
 
 
 @inlined_by_type
-def act(
-    memory: Any, rule: EpsilonGreedy, epsilon: float, tables: Tables, state: int, generator: Generator
-) -> tuple[int, bool]:
+def act(memory: Any, rule: Any, tables: Tables, state: int, generator: Generator) -> tuple[int, bool]:
     """Choose the pair to take in ``state``; tell whether it was drawn to explore."""
     raise NotImplementedError
 
 
 @inlined_by_type
-def learn(memory: Any, settings: Settings, tables: Tables, transition: Transition) -> Update:
-    """Update the memory with one transition."""
+def learn(
+    memory: Any, rule: Any, settings: Settings, tables: Tables, transition: Transition, generator: Generator
+) -> Update:
+    """Update the memory with one transition.
+
+    After a terminated transition nothing follows: the bootstrap is 0. A truncated one still bootstraps, but
+    what an algorithm remembers of the episode ends there as well.
+    """
+    raise NotImplementedError
+
+
+@inlined_by_type
+def has_room(memory: Any) -> bool:
+    """Tell whether the memory can take another step of this episode."""
+    return True
+
+
+@inlined_by_type
+def back_up(memory: Any, settings: Settings, tables: Tables, state: int, sweep: int) -> Update:
+    """Take a planner's next step: back up ``state`` in ``sweep``, counted from 0.
+
+    The update is that of the best pair; ``others`` counts those of the state that moved besides it.
+    """
+    raise NotImplementedError
+
+
+@inlined_by_type
+def has_converged(memory: Any, settings: Settings) -> bool:
+    """Tell at the end of a sweep whether a planner is done."""
     raise NotImplementedError

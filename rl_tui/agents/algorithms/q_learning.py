@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from numpy.random import Generator
 
-from rl_tui.agents.action_rules import choose
-from rl_tui.agents.algorithms.family import Transition, Update, act, learn
-from rl_tui.agents.compiled import inlined, member_of
-from rl_tui.agents.settings import EpsilonGreedy, Settings
-from rl_tui.agents.tables import Tables
-from rl_tui.worlds.mdp import FloatArray, IntArray
+from rl_tui.agents.action_rules.family import best_value, choose
+from rl_tui.agents.algorithms.family import Transition, Update, act, learn, one_update
+from rl_tui.agents.compiled import member_of
+from rl_tui.agents.settings import Settings, step_size
+from rl_tui.agents.tables import Tables, pairs_of
+from rl_tui.worlds.space import FiniteSpace, FloatArray, IntArray
 
 
 class Memory(NamedTuple):
@@ -21,40 +21,36 @@ class Memory(NamedTuple):
     visits: IntArray
 
 
-def new_memory(q: FloatArray, visits: IntArray, tables: Tables) -> Memory:
+def new_memory(q: FloatArray, visits: IntArray, space: FiniteSpace) -> Memory:
     """Return the memory around an existing table of estimates and its visits."""
     return Memory(q, visits)
 
 
-@inlined
-def best_value(q: FloatArray, tables: Tables, state: int) -> float:
-    """Return max over a of Q(state, a); the maximum over nothing is 0."""
-    first = tables.first_pair[state]
-    last = tables.first_pair[state + 1]
-    if first == last:
-        return 0.0
-    best = float(q[first])
-    for pair in range(first + 1, last):
-        best = max(best, float(q[pair]))
-    return best
-
-
 @member_of(act, Memory)
-def _act(
-    memory: Memory, rule: EpsilonGreedy, epsilon: float, tables: Tables, state: int, generator: Generator
-) -> tuple[int, bool]:
-    # Choose A from S using the policy derived from Q (ε-greedy)
-    return choose(rule, epsilon, memory.q, tables.first_pair[state], tables.first_pair[state + 1], generator)
+def _act(memory: Memory, rule: Any, tables: Tables, state: int, generator: Generator) -> tuple[int, bool]:
+    # Choose A from S using the policy derived from Q
+    first, last = pairs_of(tables, state)
+    return choose(rule, memory.q, memory.visits, first, last, generator)
 
 
 @member_of(learn, Memory)
-def _learn(memory: Memory, settings: Settings, tables: Tables, transition: Transition) -> Update:
+def _learn(
+    memory: Memory,
+    rule: Any,
+    settings: Settings,
+    tables: Tables,
+    transition: Transition,
+    generator: Generator,
+) -> Update:
     # Q(S,A) ← Q(S,A) + α [R + γ max_a Q(S′,a) − Q(S,A)]
     pair = transition.pair
     memory.visits[pair] += 1
-    step_size = 1.0 / memory.visits[pair] if settings.sample_average else settings.alpha
-    bootstrap = 0.0 if transition.terminated else best_value(memory.q, tables, transition.next_state)
+    alpha = step_size(settings, memory.visits[pair])
+    bootstrap = 0.0
+    if not transition.terminated:
+        first, last = pairs_of(tables, transition.next_state)
+        bootstrap = best_value(memory.q, first, last)
     before = memory.q[pair]
-    after = before + step_size * (transition.reward + settings.gamma * bootstrap - before)
+    after = before + alpha * (transition.reward + settings.gamma * bootstrap - before)
     memory.q[pair] = after
-    return Update(pair, before, step_size, bootstrap, after)
+    return one_update(pair, before, alpha, transition.reward, settings.gamma, bootstrap, after)

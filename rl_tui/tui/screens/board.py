@@ -71,7 +71,7 @@ class Board(Container):
         for panel in (self.world, self.table, self.curve, self.budget, self.controls, self.inspector):
             panel.show(snapshot)
         world = snapshot.world
-        shape = Shape(world.drawing, self.table.rows, world.mdp.pairs)
+        shape = Shape(world.drawing, self.table.rows, world.space.pairs)
         if shape != self._arrangement.shape:
             self._arrangement.shape = shape
             self._arrange_again()

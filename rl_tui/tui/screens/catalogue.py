@@ -223,5 +223,5 @@ def preview_rows(world: World, height: int) -> int:
         case Grid(rows=rows):
             return rows * 2 if rows * 2 <= height // 3 else rows
         case Arms():
-            return world.mdp.pairs
+            return world.space.pairs
     return max(10, height * 2 // 5)

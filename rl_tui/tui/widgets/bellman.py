@@ -43,7 +43,7 @@ def bellman_lines(snapshot: Snapshot, pair: int, look: Look, width: int, *, secr
 
 def _terms(world: World, exact: Solution, pair: int, look: Look) -> list[str]:
     """Return ``1/3·[0 + .99·.5420]`` for each outcome."""
-    mdp, glyphs = world.mdp, look.glyphs
+    mdp, glyphs = world.space, look.glyphs
     terms = []
     for outcome in mdp.outcomes_of(pair):
         reward = numbers.brief(float(mdp.reward[outcome]), glyphs, decimals=_DECIMALS)

@@ -10,7 +10,7 @@ import numpy as np
 from rl_tui.lab.snapshot import Snapshot
 from rl_tui.tui.widgets.braille import Steps
 from rl_tui.worlds.drawing import Arms
-from rl_tui.worlds.mdp import FloatArray
+from rl_tui.worlds.space import FloatArray
 
 _SMOOTHED_SHARE: Final = 24  # a mean is taken over one in so many of the bins
 _MANY_WITHOUT_REWARD: Final = 10
@@ -100,13 +100,13 @@ def _greedy(snapshot: Snapshot) -> Steps:
 
 
 def _is_decided(snapshot: Snapshot) -> bool:
-    mdp, q = snapshot.world.mdp, snapshot.q
+    mdp, q = snapshot.world.space, snapshot.q
     return bool((q != q[mdp.first_pair[mdp.pair_state]]).any())
 
 
 def _barren(snapshot: Snapshot) -> bool:
     """Tell whether there were many episodes without any reward, not just with rewards that cancel out."""
-    curve, rewards = snapshot.curve, snapshot.world.mdp.reward
+    curve, rewards = snapshot.curve, snapshot.world.space.reward
     one_sign = bool((rewards >= 0.0).all() or (rewards <= 0.0).all())
     all_zero = not curve.return_low.any() and not curve.return_high.any()
     return snapshot.episodes >= _MANY_WITHOUT_REWARD and one_sign and all_zero

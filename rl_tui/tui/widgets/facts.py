@@ -40,7 +40,7 @@ def sizes(world: World | UserError | None) -> str:
         return "loading …"
     if isinstance(world, UserError):
         return f"unknown: {world}"
-    mdp = world.mdp
+    mdp = world.space
     parts = [
         _count(mdp.states, "state"),
         _count(len(mdp.action_names), "action"),

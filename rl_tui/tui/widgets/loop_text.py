@@ -45,7 +45,7 @@ class LoopText:
 
 def loop_text(snapshot: Snapshot, last: LastStep, glyphs: Glyphs) -> LoopText:
     """Return the words of ``last``, the last step of ``snapshot``."""
-    world, mdp = snapshot.world, snapshot.world.mdp
+    world, mdp = snapshot.world, snapshot.world.space
     action = int(mdp.pair_action[last.pair])
     happened = int(mdp.outcome_action[last.outcome])
     outcomes = mdp.outcomes_of(last.pair)
@@ -105,7 +105,7 @@ def _choice(snapshot: Snapshot, last: LastStep, glyphs: Glyphs) -> tuple[str, st
 
 def _greedy_before(snapshot: Snapshot, last: LastStep) -> list[int]:
     """Return the pairs that were greedy when the action was chosen, that is before the update."""
-    pairs = snapshot.world.mdp.pairs_of(last.state)
+    pairs = snapshot.world.space.pairs_of(last.state)
     estimates = snapshot.q[pairs.start : pairs.stop].copy()
     if last.updated_pair in pairs:
         estimates[last.updated_pair - pairs.start] = last.before

@@ -52,7 +52,7 @@ class ModelPanel(Panel, can_focus=True):
     def pair(self) -> int | None:
         """The pair whose outcomes are shown, None before the first snapshot."""
         if self._pair is None and self.snapshot is not None:
-            return int(self.snapshot.world.mdp.first_pair[self.snapshot.world.mdp.start_state[0]])
+            return int(self.snapshot.world.space.first_pair[self.snapshot.world.space.start_state[0]])
         return self._pair
 
     def show_pair(self, pair: int) -> None:
@@ -81,22 +81,22 @@ class ModelPanel(Panel, can_focus=True):
         """Go to the next state that owns pairs, ``step`` of them on, keeping the action where it is legal."""
         if self.snapshot is None or self.pair is None:
             return
-        mdp = self.snapshot.world.mdp
-        action = int(mdp.pair_action[self.pair])
-        state = int(mdp.pair_state[self.pair]) + step
-        while 0 <= state < mdp.states and not len(mdp.pairs_of(state)):
+        space = self.snapshot.world.space
+        action = int(space.pair_action[self.pair])
+        state = int(space.pair_state[self.pair]) + step
+        while 0 <= state < space.states and not len(space.pairs_of(state)):
             state += step
-        if 0 <= state < mdp.states:
+        if 0 <= state < space.states:
             self.show_pair(
-                min(mdp.pairs_of(state), key=lambda pair: abs(int(mdp.pair_action[pair]) - action))
+                min(space.pairs_of(state), key=lambda pair: abs(int(space.pair_action[pair]) - action))
             )
 
     def action_move_action(self, step: int) -> None:
         """Go to another action of the same state."""
         if self.snapshot is None or self.pair is None:
             return
-        mdp = self.snapshot.world.mdp
-        pairs = mdp.pairs_of(int(mdp.pair_state[self.pair]))
+        space = self.snapshot.world.space
+        pairs = space.pairs_of(int(space.pair_state[self.pair]))
         if self.pair + step in pairs:
             self.show_pair(self.pair + step)
 

@@ -30,7 +30,7 @@ def is_secret(snapshot: Snapshot, *, revealed: bool) -> bool:
 
 def model_lines(snapshot: Snapshot, look: Look, width: int, *, revealed: bool) -> list[Line]:
     """Return the five parts, the start and the end of episodes."""
-    mdp, glyphs = snapshot.world.mdp, look.glyphs
+    mdp, glyphs = snapshot.world.space, look.glyphs
     others = np.flatnonzero(np.diff(mdp.first_pair) == 0).tolist()
     actors = f", {mdp.states - len(others)} with actions" if others else ""
     room = width - _LABEL - 1
@@ -51,7 +51,7 @@ def model_lines(snapshot: Snapshot, look: Look, width: int, *, revealed: bool) -
 
 def pair_lines(snapshot: Snapshot, pair: int, look: Look, width: int, *, revealed: bool) -> list[Line]:
     """Return the outcomes of ``pair`` and its Bellman optimality equation with numbers put in."""
-    world, mdp, palette, glyphs = snapshot.world, snapshot.world.mdp, look.palette, look.glyphs
+    world, mdp, palette, glyphs = snapshot.world, snapshot.world.space, look.palette, look.glyphs
     state, action = int(mdp.pair_state[pair]), int(mdp.pair_action[pair])
     secret = is_secret(snapshot, revealed=revealed)
     head: list[Piece] = [
@@ -80,7 +80,7 @@ def pair_lines(snapshot: Snapshot, pair: int, look: Look, width: int, *, reveale
 
 def _outcomes(snapshot: Snapshot, pair: int, look: Look, *, secret: bool) -> list[Line]:
     """Return a table: probability, what happened where the world slips, reward, next state."""
-    world, mdp, palette, glyphs = snapshot.world, snapshot.world.mdp, look.palette, look.glyphs
+    world, mdp, palette, glyphs = snapshot.world, snapshot.world.space, look.palette, look.glyphs
     meant = int(mdp.pair_action[pair])
     slips = any(mdp.outcome_action[each] not in (UNKNOWN_ACTION, meant) for each in mdp.outcomes_of(pair))
     rows = []
@@ -120,7 +120,7 @@ def _outcomes(snapshot: Snapshot, pair: int, look: Look, *, secret: bool) -> lis
 
 
 def _rewards(snapshot: Snapshot, look: Look, *, revealed: bool) -> str:
-    mdp, glyphs = snapshot.world.mdp, look.glyphs
+    mdp, glyphs = snapshot.world.space, look.glyphs
     noise = float(mdp.reward_std.max())
     noisy = f", normally distributed around their mean (standard deviation {numbers.brief(noise, glyphs)})"
     if is_secret(snapshot, revealed=revealed):
@@ -133,7 +133,7 @@ def _rewards(snapshot: Snapshot, look: Look, *, revealed: bool) -> str:
 
 
 def _start(snapshot: Snapshot, look: Look, room: int) -> str:
-    mdp, glyphs = snapshot.world.mdp, look.glyphs
+    mdp, glyphs = snapshot.world.space, look.glyphs
     if len(mdp.start_state) == 1:
         state = int(mdp.start_state[0])
         place = names.place(snapshot.world, state)
@@ -147,7 +147,7 @@ def _start(snapshot: Snapshot, look: Look, room: int) -> str:
 
 
 def _end(snapshot: Snapshot, others: Sequence[int], look: Look, room: int) -> str:
-    mdp, glyphs = snapshot.world.mdp, look.glyphs
+    mdp, glyphs = snapshot.world.space, look.glyphs
     if isinstance(snapshot.world.drawing, Arms):
         return "every pull is an episode of its own"
     reached = set(mdp.next_state[mdp.terminated].tolist())
@@ -166,12 +166,12 @@ def _end(snapshot: Snapshot, others: Sequence[int], look: Look, room: int) -> st
 
 
 def _actions(snapshot: Snapshot, look: Look) -> list[str]:
-    return [_action(snapshot, action, look) for action in range(len(snapshot.world.mdp.action_names))]
+    return [_action(snapshot, action, look) for action in range(len(snapshot.world.space.action_names))]
 
 
 def _action(snapshot: Snapshot, action: int, look: Look) -> str:
     """Return the arrow and the name of ``action``, or its name alone."""
-    name = snapshot.world.mdp.action_names[action]
+    name = snapshot.world.space.action_names[action]
     arrow = names.action_name(snapshot.world, action, look.glyphs)
     return f"{arrow} {name}" if len(arrow) == 1 and arrow != name else name
 

@@ -17,7 +17,7 @@ _LARGEST_DENOMINATOR: Final = 12
 
 def state_name(world: World, state: int, glyphs: Glyphs) -> str:
     """Return the name of ``state``, shortened if it is long."""
-    return shortened(world.mdp.state_names[state], LONGEST_NAME, glyphs.ellipsis)
+    return shortened(world.space.state_names[state], LONGEST_NAME, glyphs.ellipsis)
 
 
 def action_name(world: World, action: int, glyphs: Glyphs) -> str:
@@ -26,15 +26,15 @@ def action_name(world: World, action: int, glyphs: Glyphs) -> str:
         direction = world.drawing.directions[action]
         if direction is not None:
             return glyphs.direction(direction)
-    return shortened(world.mdp.action_names[action], LONGEST_NAME, glyphs.ellipsis)
+    return shortened(world.space.action_names[action], LONGEST_NAME, glyphs.ellipsis)
 
 
 def pair_name(world: World, pair: int, glyphs: Glyphs) -> str:
     """Return ``6,←`` for the arguments of Q; an arm of a bandit has no state."""
-    action = action_name(world, int(world.mdp.pair_action[pair]), glyphs)
+    action = action_name(world, int(world.space.pair_action[pair]), glyphs)
     if isinstance(world.drawing, Arms):
         return action
-    return f"{state_name(world, int(world.mdp.pair_state[pair]), glyphs)},{action}"
+    return f"{state_name(world, int(world.space.pair_state[pair]), glyphs)},{action}"
 
 
 def place(world: World, state: int) -> str:

@@ -111,11 +111,11 @@ class QTable(Panel, can_focus=True):
         if self.snapshot is None:
             return 1
         world = self._world_of(self.snapshot)
-        return world.mdp.pairs + 2 if world.is_sparse else len(world.live)
+        return world.space.pairs + 2 if world.is_sparse else len(world.live)
 
     def show(self, snapshot: Snapshot) -> None:
         """Draw ``snapshot``; in another world the table starts at its top and follows the agent."""
-        if self.snapshot is not None and self.snapshot.world.mdp is not snapshot.world.mdp:
+        if self.snapshot is not None and self.snapshot.world.space is not snapshot.world.space:
             self.cursor_pair, self._following, self._first = None, True, 0
         super().show(snapshot)
 
@@ -207,7 +207,7 @@ class QTable(Panel, can_focus=True):
         state = self.snapshot.state if self._following else int(world.live[0])
         if world.row_of(state) == NO_ROW:
             state = int(world.live[0])
-        return world.mdp.pairs_of(state).start
+        return world.space.pairs_of(state).start
 
     def _world_of(self, snapshot: Snapshot) -> TableWorld:
         if self._world is None or not self._world.describes(snapshot.world, self.look.glyphs):
@@ -221,7 +221,7 @@ class QTable(Panel, can_focus=True):
             if matrix is not None:
                 return matrix, scene
         scene = self._scene(snapshot, self.layer_choices)
-        is_scrolled = scene.world.mdp.pairs > height - 1
+        is_scrolled = scene.world.space.pairs > height - 1
         return list_form(scene, width - 1 if is_scrolled else width), scene
 
     def _scene(self, snapshot: Snapshot, layers: Iterable[Layer]) -> Scene:

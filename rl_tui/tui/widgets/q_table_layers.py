@@ -17,7 +17,7 @@ from rl_tui.tui.speeds import passes_too_fast
 from rl_tui.tui.theme.glyphs import Glyphs
 from rl_tui.tui.theme.look import Look
 from rl_tui.worlds.drawing import Arms
-from rl_tui.worlds.mdp import BoolArray, FloatArray
+from rl_tui.worlds.space import BoolArray, FloatArray
 
 _ROOM_FOR_THREE: Final = 5
 
@@ -45,8 +45,8 @@ def exact_q(snapshot: Snapshot, revealed: bool) -> tuple[FloatArray, BoolArray] 
     For a bandit they are the true means, whatever γ is: every pull ends its episode.
     """
     if isinstance(snapshot.world.drawing, Arms):
-        mdp = snapshot.world.mdp
-        return (true_means(mdp), best_arms(mdp)) if revealed else None
+        space = snapshot.world.space
+        return (true_means(space), best_arms(space)) if revealed else None
     return None if snapshot.exact is None else (snapshot.exact.q, snapshot.exact.greedy)
 
 

@@ -62,7 +62,7 @@ class ListForm:
     @property
     def entries(self) -> int:
         """One a pair."""
-        return self.scene.world.mdp.pairs
+        return self.scene.world.space.pairs
 
     def heads(self) -> Pieces:
         """Return the heads, aligned as what stands below them."""
@@ -73,12 +73,12 @@ class ListForm:
     def entry(self, entry: int, is_first: bool) -> Pieces:
         """Return the row of a pair; the state is named in its first row and in the first of all."""
         world = self.scene.world
-        is_new = is_first or entry == int(world.mdp.first_pair[world.state_of(entry)])
+        is_new = is_first or entry == int(world.space.first_pair[world.state_of(entry)])
         return [segment for column in self.columns for segment in column.draw(entry, is_new)]
 
     def entry_of(self, state: int) -> int:
         """Return the row of the first pair of ``state``."""
-        first, end = self.scene.world.mdp.first_pair[state : state + 2].tolist()
+        first, end = self.scene.world.space.first_pair[state : state + 2].tolist()
         return first if first < end else NO_ROW
 
     def entry_of_pair(self, pair: int) -> int:
@@ -107,7 +107,7 @@ def greedy_line(scene: Scene) -> str:
     world = scene.world
     states = []
     for state in world.live.tolist():
-        greedy = scene.shown.greedy(world.mdp.pairs_of(state))
+        greedy = scene.shown.greedy(world.space.pairs_of(state))
         states.append("=".join(world.action_names[world.action_of(pair)] for pair in greedy) or "?")
     known = any(state != "?" for state in states)
     return f"greedy: {' · '.join(states)}" if known else ""
@@ -205,7 +205,7 @@ def _value(scene: Scene, layer: Layer, is_main: bool) -> Draw:
 
     def draw(pair: int, _: bool) -> Pieces:
         if is_main or layer is scene.layer:
-            greedy = is_main and pair in figures.greedy(world.mdp.pairs_of(world.state_of(pair)))
+            greedy = is_main and pair in figures.greedy(world.space.pairs_of(world.state_of(pair)))
             return boxed(scene, figures, pair, DIGITS, DIGITS, greedy)
         return [Segment(_right(figures.text(pair, DIGITS), BOX), figures.plain_style(pair))]
 

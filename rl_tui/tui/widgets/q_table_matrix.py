@@ -64,7 +64,7 @@ class MatrixForm:
         scene, world = self.scene, self._world
         palette = scene.look.palette
         state = int(world.live[entry])
-        pairs = world.mdp.pairs_of(state)
+        pairs = world.space.pairs_of(state)
         here = state == scene.state
         name = aligned_right(world.state_name(state, self.label), self.label)
         pieces = [
@@ -74,7 +74,9 @@ class MatrixForm:
         greedy = scene.shown.greedy(pairs)
         digits = min(self.field, MOST_DIGITS)
         expected = 0
-        for pair, action in zip(pairs, world.mdp.pair_action[pairs.start : pairs.stop].tolist(), strict=True):
+        for pair, action in zip(
+            pairs, world.space.pair_action[pairs.start : pairs.stop].tolist(), strict=True
+        ):
             pieces += self._empty(action - expected)
             pieces += boxed(scene, scene.shown, pair, self.field, digits, pair in greedy)
             pieces.append(Segment(" " * _GAP, palette.text))
@@ -95,13 +97,13 @@ class MatrixForm:
         if rows:
             row = max(0, min(self.entries - 1, world.row_of(state) + rows))
             return world.pair_near(int(world.live[row]), world.action_of(pair))
-        pairs = world.mdp.pairs_of(state)
+        pairs = world.space.pairs_of(state)
         return max(pairs.start, min(pairs.stop - 1, pair + columns))
 
     def pair_at(self, entry: int, x: int) -> int | None:
         """Return the pair of the action whose column is at ``x``."""
         action = (x - self.label - _AROUND_LABEL) // self._column
-        pairs = self._world.mdp.pairs_of(int(self._world.live[entry]))
+        pairs = self._world.space.pairs_of(int(self._world.live[entry]))
         return next((pair for pair in pairs if self._world.action_of(pair) == action), None)
 
     def _empty(self, actions: int) -> Pieces:

@@ -12,7 +12,7 @@ from rl_tui.tui.theme.glyphs import Glyphs
 from rl_tui.tui.widgets.names import action_name
 from rl_tui.tui.written import written
 from rl_tui.worlds.drawing import Arms
-from rl_tui.worlds.mdp import IntArray
+from rl_tui.worlds.space import IntArray
 from rl_tui.worlds.world import World
 
 LONGEST_STATE: Final = 14
@@ -24,15 +24,15 @@ class TableWorld:
 
     def __init__(self, world: World, glyphs: Glyphs) -> None:
         self._world = world
-        self.mdp = world.mdp
+        self.space = world.space
         self.glyphs = glyphs
         self.is_bandit = isinstance(world.drawing, Arms)
-        self.live: IntArray = np.flatnonzero(np.diff(self.mdp.first_pair))
-        names = self.mdp.state_names
+        self.live: IntArray = np.flatnonzero(np.diff(self.space.first_pair))
+        names = self.space.state_names
         self.state_width = min(LONGEST_STATE, max(cell_len(names[state]) for state in self.live.tolist()))
         self.action_names = tuple(
             written(action_name(world, action, glyphs), glyphs)
-            for action in range(len(self.mdp.action_names))
+            for action in range(len(self.space.action_names))
         )
         self.action_width = max(map(cell_len, self.action_names))
 
@@ -43,20 +43,20 @@ class TableWorld:
     @property
     def is_sparse(self) -> bool:
         """Whether one row a pair says it better: one state, or half the cells of a matrix would be empty."""
-        cells = len(self.live) * len(self.mdp.action_names)
-        return len(self.live) == 1 or 2 * self.mdp.pairs <= cells
+        cells = len(self.live) * len(self.space.action_names)
+        return len(self.live) == 1 or 2 * self.space.pairs <= cells
 
     def state_name(self, state: int, width: int) -> str:
         """Return the name of ``state``, shortened to ``width`` cells."""
-        return shortened(written(self.mdp.state_names[state], self.glyphs), width, self.glyphs.ellipsis)
+        return shortened(written(self.space.state_names[state], self.glyphs), width, self.glyphs.ellipsis)
 
     def state_of(self, pair: int) -> int:
         """Return the state that owns ``pair``."""
-        return int(np.searchsorted(self.mdp.first_pair, pair, side="right")) - 1
+        return int(np.searchsorted(self.space.first_pair, pair, side="right")) - 1
 
     def action_of(self, pair: int) -> int:
         """Return the action of ``pair``."""
-        return int(self.mdp.pair_action[pair])
+        return int(self.space.pair_action[pair])
 
     def row_of(self, state: int) -> int:
         """Return which of the live states ``state`` is, ``NO_ROW`` if none."""
@@ -65,6 +65,6 @@ class TableWorld:
 
     def pair_near(self, state: int, action: int) -> int:
         """Return the pair of ``state`` whose action is nearest to ``action``."""
-        pairs = self.mdp.pairs_of(state)
-        actions = self.mdp.pair_action[pairs.start : pairs.stop]
+        pairs = self.space.pairs_of(state)
+        actions = self.space.pair_action[pairs.start : pairs.stop]
         return pairs.start + int(np.argmin(np.abs(actions - action)))

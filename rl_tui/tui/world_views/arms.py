@@ -38,8 +38,8 @@ class ArmsView(WorldView):
         if not isinstance(world.drawing, Arms):
             raise TypeError("an ArmsView draws worlds whose drawing is Arms")
         super().__init__(world, look, id=id, classes=classes)
-        self._noise = noise_of_pairs(world.mdp)
-        self._means = mean_rewards(world.mdp)
+        self._noise = noise_of_pairs(world.space)
+        self._means = mean_rewards(world.space)
         self._scale = NO_SCALE
         self._step = 0
         self._top = 0
@@ -54,7 +54,7 @@ class ArmsView(WorldView):
 
     def drawing(self, snapshot: Snapshot, width: int, height: int) -> list[Strip]:
         """Return the bars of the arms from the first in view on, and the axis where a row is left for it."""
-        arms = arms_of(self.world.mdp, snapshot, self._noise, self._means if self.revealed else None)
+        arms = arms_of(self.world.space, snapshot, self._noise, self._means if self.revealed else None)
         self._scale = grown(self._scale, [value for arm in arms for value in arm.extent()])
         scale = shown_scale(self._scale)
         each = rows_an_arm(len(arms), height)

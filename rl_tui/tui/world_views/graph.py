@@ -40,7 +40,7 @@ class GraphView(WorldView):
             raise TypeError("a GraphView draws worlds whose drawing is a Graph")
         super().__init__(world, look, id=id, classes=classes)
         self._graph = world.drawing
-        self._shape = graph_shape(world.mdp, self._graph, look.glyphs)
+        self._shape = graph_shape(world.space, self._graph, look.glyphs)
         self._shape_glyphs = look.glyphs
         self._top = 0
         self.heading = "World · bold = greedy"
@@ -48,9 +48,9 @@ class GraphView(WorldView):
     def drawing(self, snapshot: Snapshot, width: int, height: int) -> list[Strip]:
         """Return the graph, or the list of its edges where it does not fit."""
         if self._shape_glyphs is not self.look.glyphs:
-            self._shape = graph_shape(self.world.mdp, self._graph, self.look.glyphs)
+            self._shape = graph_shape(self.world.space, self._graph, self.look.glyphs)
             self._shape_glyphs = self.look.glyphs
-        values = state_values(self.world.mdp, snapshot)
+        values = state_values(self.world.space, snapshot)
         layout = graph_layout(self._shape, width, height)
         if layout is not None:
             self.footing = ""

@@ -41,7 +41,7 @@ class GridView(WorldView):
         if not isinstance(world.drawing, Grid):
             raise TypeError("a GridView draws worlds whose drawing is a Grid")
         super().__init__(world, look, id=id, classes=classes)
-        self._map = GridMap(world.mdp, world.drawing)
+        self._map = GridMap(world.space, world.drawing)
         self._top = self._left = 0
         self._following = True
         self._whole = True

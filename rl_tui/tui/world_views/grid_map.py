@@ -8,7 +8,7 @@ import numpy as np
 
 from rl_tui.lab.snapshot import Snapshot
 from rl_tui.worlds.drawing import CellKind, Grid
-from rl_tui.worlds.mdp import TabularMDP
+from rl_tui.worlds.space import FiniteSpace
 
 NO_STATE = -1
 
@@ -32,16 +32,16 @@ class CellContent:
 class GridMap:
     """A map and its states. Reading a cell costs the same in a map of any size."""
 
-    def __init__(self, mdp: TabularMDP, grid: Grid) -> None:
+    def __init__(self, space: FiniteSpace, grid: Grid) -> None:
         self.grid = grid
-        self._mdp = mdp
+        self._mdp = space
         self._signs = tuple(
             step if step and 0 in step and any(step) else (name[:1] or "?")
-            for step, name in zip(grid.directions, mdp.action_names, strict=True)
+            for step, name in zip(grid.directions, space.action_names, strict=True)
         )
         self._state_of_cell = np.full(grid.rows * grid.columns, NO_STATE, dtype=np.int64)
         # backwards, so that the first of several states in one cell stays
-        self._state_of_cell[np.array(grid.cell_of_state)[::-1]] = np.arange(mdp.states)[::-1]
+        self._state_of_cell[np.array(grid.cell_of_state)[::-1]] = np.arange(space.states)[::-1]
 
     def content(self, row: int, column: int, snapshot: Snapshot) -> CellContent:
         """Return what stands in a cell. Of several states there it is the agent's, else the first."""

@@ -9,7 +9,7 @@ from rich.style import Style
 
 from rl_tui.lab.snapshot import Snapshot
 from rl_tui.tui.theme.look import Look
-from rl_tui.worlds.mdp import TabularMDP
+from rl_tui.worlds.space import FiniteSpace
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,13 +42,13 @@ def fraction(value: float, low: float, high: float) -> float:
     return (value - low) / span if math.isfinite(value) and math.isfinite(span) and span > 0.0 else 0.0
 
 
-def state_values(mdp: TabularMDP, snapshot: Snapshot) -> StateValues:
+def state_values(space: FiniteSpace, snapshot: Snapshot) -> StateValues:
     """Return the values of ``snapshot``."""
     values: list[float | None] = []
     known, greedy = set(), set()
     q, visits = snapshot.q.tolist(), snapshot.visits.tolist()
-    for state in range(mdp.states):
-        pairs = mdp.pairs_of(state)
+    for state in range(space.states):
+        pairs = space.pairs_of(state)
         if not pairs:
             values.append(None)
             continue

@@ -1,0 +1,1 @@
+"""How actions are chosen: one rule a file, joined by the families that every rule brings a member to."""

@@ -1,0 +1,64 @@
+"""ε-greedy with honest ties (Sutton & Barto, 2nd ed., section 2.2 and page 101)."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from numpy.random import Generator
+
+from rl_tui.agents.action_rules.family import best_value, choose, epsilon_of, expectation, greedy, in_force
+from rl_tui.agents.compiled import member_of
+from rl_tui.agents.hyperparameters import Hyperparameters
+from rl_tui.worlds.space import FiniteSpace, FloatArray, IntArray
+
+
+class Rule(NamedTuple):
+    """The ε in force; ``random_ties`` is false where the first of equal best actions is taken."""
+
+    epsilon: float
+    random_ties: bool
+
+
+def new_rule(space: FiniteSpace, told: Hyperparameters) -> Rule:
+    """Return the rule of these hyper-parameters."""
+    return Rule(told.epsilon, told.ties == "random")
+
+
+def changed_rule(rule: Rule, told: Hyperparameters) -> Rule:
+    """Return the rule with other hyper-parameters; what it has learned is kept."""
+    return Rule(told.epsilon, told.ties == "random")
+
+
+@member_of(in_force, Rule)
+def _in_force(rule: Rule, epsilon: float) -> Rule:
+    return Rule(epsilon, rule.random_ties)
+
+
+@member_of(choose, Rule)
+def _choose(
+    rule: Rule, q: FloatArray, visits: IntArray, first: int, last: int, generator: Generator
+) -> tuple[int, bool]:
+    # One draw serves twice: given that it fell below ε, draw / ε is again uniform on [0, 1), and given that
+    # it did not, so is (draw − ε) / (1 − ε).
+    draw = generator.random()
+    explore = draw < rule.epsilon
+    if explore:
+        pair = first + int(draw / rule.epsilon * (last - first))
+    else:
+        pair = greedy(q, first, last, rule.random_ties, (draw - rule.epsilon) / (1.0 - rule.epsilon))
+    return pair, explore
+
+
+@member_of(expectation, Rule)
+def _expectation(rule: Rule, q: FloatArray, visits: IntArray, first: int, last: int) -> float:
+    if first == last:
+        return 0.0
+    total = 0.0
+    for pair in range(first, last):
+        total += float(q[pair])
+    return (1.0 - rule.epsilon) * best_value(q, first, last) + rule.epsilon * total / (last - first)
+
+
+@member_of(epsilon_of, Rule)
+def _epsilon_of(rule: Rule) -> float:
+    return rule.epsilon

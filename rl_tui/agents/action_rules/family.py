@@ -1,0 +1,82 @@
+"""What every action rule brings. Its type is a NamedTuple: numbers in force and, where it learns, arrays."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from numpy.random import Generator
+
+from rl_tui.agents.compiled import inlined, inlined_by_type
+from rl_tui.worlds.space import FloatArray, IntArray
+
+
+@inlined_by_type
+def in_force(rule: Any, epsilon: float) -> Any:
+    """Return the rule as it is in an episode whose exploration probability is ``epsilon``."""
+    return rule
+
+
+@inlined_by_type
+def choose(
+    rule: Any, q: FloatArray, visits: IntArray, first: int, last: int, generator: Generator
+) -> tuple[int, bool]:
+    """Choose among the pairs ``first`` .. ``last`` of a state, at least one; tell whether it explored.
+
+    To explore is to be drawn at random by ε-greedy, and to take a pair that is not greedy by other rules.
+    """
+    raise NotImplementedError
+
+
+@inlined_by_type
+def expectation(rule: Any, q: FloatArray, visits: IntArray, first: int, last: int) -> float:
+    """Return Σ π(a|s) Q(s, a) over the pairs ``first`` .. ``last`` of a state, 0 over none (equation 6.9)."""
+    raise NotImplementedError
+
+
+@inlined_by_type
+def reinforce(rule: Any, alpha: float, first: int, last: int, pair: int, reward: float) -> None:
+    """Let the rule itself learn from the reward that ``pair``, one of ``first`` .. ``last``, brought.
+
+    Most rules learn nothing. ``alpha`` is the step size in force.
+    """
+    return
+
+
+@inlined_by_type
+def epsilon_of(rule: Any) -> float:
+    """Return the probability to explore at random, for the record: 0 where the rule knows none."""
+    return 0.0
+
+
+@inlined
+def best_value(q: FloatArray, first: int, last: int) -> float:
+    """Return the greatest of the estimates ``first`` .. ``last``; the maximum over nothing is 0."""
+    if first == last:
+        return 0.0
+    best = float(q[first])
+    for pair in range(first + 1, last):
+        best = max(best, float(q[pair]))
+    return best
+
+
+@inlined
+def greedy(q: FloatArray, first: int, last: int, random_ties: bool, draw: float) -> int:
+    """Return the best of the pairs ``first`` .. ``last``; of exact ties the first, or by a draw in [0, 1)."""
+    best = first
+    ties = 1
+    highest = float(q[first])
+    for pair in range(first + 1, last):
+        estimate = float(q[pair])
+        if estimate > highest:
+            best = pair
+            highest = estimate
+            ties = 1
+        elif estimate == highest:
+            ties += 1
+    if random_ties and ties > 1:
+        skip = min(int(draw * ties), ties - 1)
+        while skip > 0:
+            best += 1
+            if q[best] == highest:
+                skip -= 1
+    return best

@@ -1,0 +1,35 @@
+"""Which algorithm and action rule can work in which world."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rl_tui.agents.catalogue import BY_ID, RULE_BY_ID
+from rl_tui.agents.hyperparameters import Hyperparameters
+from rl_tui.worlds.errors import UserError
+from rl_tui.worlds.mdp import TabularMDP
+from rl_tui.worlds.space import FiniteSpace
+
+
+def is_bandit(space: FiniteSpace) -> bool:
+    """Tell whether every step of ``space`` is taken in the same state and ends the episode."""
+    if not isinstance(space, TabularMDP) or not space.terminated.all():
+        return False
+    return int(np.count_nonzero(np.diff(space.first_pair))) == 1
+
+
+def check_compatible(space: FiniteSpace, algorithm: str, told: Hyperparameters) -> None:
+    """Raise UserError, saying what to take instead, where ``algorithm`` cannot work in ``space``."""
+    chosen = BY_ID[algorithm]
+    if chosen.planner:
+        if not isinstance(space, TabularMDP):
+            raise UserError(
+                f"{chosen.name} plans with the transition table, and this environment has none: take an "
+                f"algorithm that learns, such as q-learning"
+            )
+        return
+    rule = RULE_BY_ID[told.policy]
+    if rule.bandits_only and not is_bandit(space):
+        raise UserError(f"policy {rule.id} is for bandits: take epsilon-greedy, softmax or ucb here")
+    if rule.id == "gradient" and told.sample_average:
+        raise UserError("policy gradient needs a step size: give a number for alpha, such as 0.1")

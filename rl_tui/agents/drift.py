@@ -1,0 +1,63 @@
+"""Which arms of a bandit are the best, also where means drift (Sutton & Barto, 2nd ed., section 2.5)."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.random import Generator
+
+from rl_tui.agents.compiled import inlined
+from rl_tui.agents.tables import Tables
+from rl_tui.worlds.mdp import TabularMDP
+from rl_tui.worlds.space import BoolArray, FiniteSpace, FloatArray, IntArray
+
+
+class Drift(NamedTuple):
+    """``optimal``, [P], marks the best arms of a bandit; nothing where there are several states.
+
+    Where rewards drift, ``mean`` and ``offset``, [P], are the expected rewards now and how far they have
+    moved; else both are empty. Only there the loop itself adds up, [1] each: the ``regret`` of all pulls,
+    each against the means of its moment; ``best_total``, what the best arm of each moment would have brought;
+    and how many pulls were ``optimal_pulls``.
+    """
+
+    optimal: BoolArray
+    mean: FloatArray
+    offset: FloatArray
+    regret: FloatArray
+    best_total: FloatArray
+    optimal_pulls: IntArray
+
+
+def new_drift(space: FiniteSpace) -> Drift:
+    """Return how things stand before the first step."""
+    optimal, mean, drifts = np.zeros(space.pairs, np.bool_), np.empty(0), False
+    if isinstance(space, TabularMDP) and np.count_nonzero(np.diff(space.first_pair)) == 1:
+        mean = np.add.reduceat(space.probability * space.reward, space.first_outcome[:-1])
+        optimal = np.asarray(mean == mean.max())
+        drifts = space.drift_std > 0.0
+    if not drifts:
+        mean = np.empty(0)
+    return Drift(optimal, mean, np.zeros(len(mean)), np.zeros(1), np.zeros(1), np.zeros(1, np.int64))
+
+
+@inlined
+def drift_on(drift: Drift, tables: Tables, pair: int, generator: Generator) -> None:
+    """Add up what ``pair`` has cost, then let the mean of every arm take a step of its random walk."""
+    if len(drift.mean) > 0:
+        best = 0
+        for arm in range(len(drift.mean)):
+            if drift.mean[arm] > drift.mean[best]:
+                best = arm
+        drift.regret[0] += drift.mean[best] - drift.mean[pair]
+        drift.best_total[0] += drift.mean[best]
+        drift.optimal_pulls[0] += drift.optimal[pair]
+        highest = -np.inf
+        for arm in range(len(drift.mean)):
+            step = tables.drift_std * generator.standard_normal()
+            drift.mean[arm] += step
+            drift.offset[arm] += step
+            highest = max(highest, drift.mean[arm])
+        for arm in range(len(drift.mean)):
+            drift.optimal[arm] = drift.mean[arm] == highest

@@ -1,0 +1,72 @@
+"""The states and actions of a finite MDP, whether or not anybody knows what the actions lead to."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
+
+import numpy as np
+import numpy.typing as npt
+
+IntArray = npt.NDArray[np.int64]
+FloatArray = npt.NDArray[np.float64]
+BoolArray = npt.NDArray[np.bool_]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FiniteSpace:
+    """S states, A named actions and P legal state–action pairs.
+
+    State s owns the pairs first_pair[s] .. first_pair[s+1], in the order of their actions; ``pair_action``,
+    [P], tells which of the A actions a pair is. ``time_limit`` is the number of steps after which an episode
+    is truncated (0: none). Arrays never change: those that somebody else could still write are copied.
+    """
+
+    state_names: Sequence[str]
+    action_names: tuple[str, ...]
+    first_pair: IntArray
+    pair_action: IntArray
+    time_limit: int
+
+    def __post_init__(self) -> None:
+        for each in fields(self):
+            value = getattr(self, each.name)
+            if isinstance(value, np.ndarray) and (value.flags.writeable or value.base is not None):
+                value = value.copy()
+                value.flags.writeable = False
+                object.__setattr__(self, each.name, value)
+
+    @property
+    def states(self) -> int:
+        """S, the number of states, terminal ones included."""
+        return len(self.state_names)
+
+    @property
+    def pairs(self) -> int:
+        """P, the number of legal state–action pairs."""
+        return len(self.pair_action)
+
+    @property
+    def pair_state(self) -> IntArray:
+        """The state of each pair, [P]."""
+        return np.repeat(np.arange(self.states), np.diff(self.first_pair))
+
+    def state_of(self, pair: int) -> int:
+        """Return the state that owns ``pair``."""
+        return int(np.searchsorted(self.first_pair, pair, side="right")) - 1
+
+    def pairs_of(self, state: int) -> range:
+        """Return the pairs that ``state`` owns; empty for a terminal state."""
+        return range(int(self.first_pair[state]), int(self.first_pair[state + 1]))
+
+
+def all_pairs(state_names: Sequence[str], action_names: Sequence[str], time_limit: int) -> FiniteSpace:
+    """Return the space in which every action is legal in every state, as Gymnasium's environments have it."""
+    states, actions = len(state_names), len(action_names)
+    return FiniteSpace(
+        state_names=state_names,
+        action_names=tuple(action_names),
+        first_pair=np.arange(0, states * actions + 1, actions, dtype=np.int64),
+        pair_action=np.tile(np.arange(actions, dtype=np.int64), states),
+        time_limit=time_limit,
+    )
