@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
-from rl_tui.agents.catalogue import BY_ID
-from rl_tui.agents.hyperparameters import PARAMETERS
+from rl_tui.agents.catalogue import BY_ID, RULE_BY_ID, parameters_of
+from rl_tui.agents.hyperparameters import PARAMETERS, Hyperparameters
 from rl_tui.agents.planning import best_expected_return
 from rl_tui.cli.advice import no_reward
 from rl_tui.cli.output import columns, counted, number
@@ -21,18 +21,37 @@ Row = tuple[str, str, str]
 LAST: Final = 100
 MOST_NAMES: Final = 8
 _WHOLE: Final = ("episodes", "steps")
+_OF_SCHEDULES: Final = {
+    "step_size_schedule": "alpha_decay",
+    "alpha_min": "alpha_decay",
+    "alpha_decay": "alpha_decay",
+    "epsilon_schedule": "epsilon_decay",
+    "epsilon_min": "epsilon_decay",
+    "epsilon_decay": "epsilon_decay",
+}
 
 
 def one_run(run: Run, figures: Figures) -> str:
     """Return the report of one run; ``figures`` is its document of ``train --json``."""
-    spent = run.bandit
-    if spent is not None:
+    spent, mdp = run.bandit, run.learner.mdp
+    best = number(best_expected_return(mdp) if mdp else None)
+    if spent is not None and not run.learner.plans:
         parts = [_head(run.recipe), _done(figures, "pull"), "", columns(_bandit_rows(figures, spent))]
+    elif run.learner.plans:
+        drawing = policy_map(run.world, figures["policy"])
+        parts = [
+            _head(run.recipe),
+            _planned(run, figures),
+            "",
+            drawing,
+            "",
+            columns(_greedy_rows(figures, best)),
+        ]
     else:
-        rows = _rows(figures, number(best_expected_return(run.learner.mdp) if run.learner.mdp else None))
+        rows = _rows(figures, best)
         drawing = policy_map(run.world, figures["policy"])
         parts = [_head(run.recipe), _done(figures, "episode"), "", drawing, "", columns(rows)]
-    if figures["first_reward_episode"] is None:
+    if figures["first_reward_episode"] is None and not run.learner.plans:
         parts += ["", no_reward(run.recipe)]
     return "\n".join(parts)
 
@@ -62,16 +81,28 @@ def _done(figures: Figures, thing: str) -> str:
     return f"{counted(figures['episodes'], thing)}{steps} in {seconds} s{rate}"
 
 
+def _planned(run: Run, figures: Figures) -> str:
+    done = f"{counted(figures['episodes'], 'sweep')}, {counted(figures['steps'], 'backup')} of a state"
+    return f"{done}\n{run.message}" if run.message else done
+
+
 def _rows(figures: Figures, best: str) -> list[Row]:
+    first = figures["first_reward_episode"]
+    return [
+        *_greedy_rows(figures, best),
+        *_last_rows(figures),
+        ("first reward", "never" if first is None else f"episode {first:,}", ""),
+    ]
+
+
+def _greedy_rows(figures: Figures, best: str) -> list[Row]:
     value, optimum = number(figures["value_at_start"]), number(figures["optimal_value_at_start"])
-    ends, first = figures["greedy_ends"], figures["first_reward_episode"]
+    ends = figures["greedy_ends"]
     return [
         ("value at the start", f"{value} of {optimum}", "greedy policy of optimum"),
         ("expected return", f"{number(figures['expected_return'])} of {best}", "greedy policy of best"),
         ("greedy policy ends", "-" if ends is None else f"with probability {number(ends)}", ""),
         ("largest error of Q", number(figures["max_error"]), "max |Q - Q*|"),
-        *_last_rows(figures),
-        ("first reward", "never" if first is None else f"episode {first:,}", ""),
     ]
 
 
@@ -135,9 +166,19 @@ def _summary_titles(runs: Sequence[Figures]) -> dict[str, str]:
 
 
 def _head(recipe: Recipe, seeds: str = "") -> str:
-    algorithm = BY_ID[recipe.algorithm]
-    values = recipe.hyperparameters.as_dict()
+    algorithm, told = BY_ID[recipe.algorithm], recipe.hyperparameters
+    rule = RULE_BY_ID[told.policy]
+    name = algorithm.name if algorithm.planner else f"{algorithm.name}, {rule.name}"
     settings = "  ".join(
-        f"{PARAMETERS[name].symbol} {number(values[name], '.12g')}" for name in algorithm.parameters
+        f"{PARAMETERS[each].symbol} {number(told.value(each), '.12g')}"
+        for each in parameters_of(algorithm.id, rule.id)
+        if _counts(each, told)
     )
-    return f"{recipe.scenario.title}: {algorithm.name}, {seeds or f'seed {recipe.seed}'}\n{settings}"
+    return f"{recipe.scenario.title}: {name}, {seeds or f'seed {recipe.seed}'}\n{settings}"
+
+
+def _counts(name: str, told: Hyperparameters) -> bool:
+    """Tell whether a parameter is worth a word: the policy has one already, a schedule without decay has none."""
+    if name in _OF_SCHEDULES:
+        return told.value(_OF_SCHEDULES[name]) != 0.0
+    return name != "policy"

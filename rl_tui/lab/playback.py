@@ -71,7 +71,9 @@ class Playback:
             self._set_speed(command.speed)
         elif isinstance(command, Apply):
             self._ready_run.apply(command.change)
-        elif self.phase not in (Phase.SPENT, Phase.STOPPED):
+            if self.phase is Phase.DONE and not self._ready_run.over:
+                self.phase = Phase.PAUSED  # what was changed gives the planner something to do again
+        elif self.phase not in (Phase.SPENT, Phase.DONE, Phase.STOPPED):
             self._move(command)
 
     def work(self) -> float | None:
@@ -103,7 +105,7 @@ class Playback:
         gamma = learner.hyperparameters.gamma
         return self._run.snapshot(
             self.phase,
-            message=self._run.stop_reason,
+            message=self._run.message,
             speed=self._speed,
             steps_per_second=self._meter.steps_per_second,
             answer=exact_now(learner.mdp, gamma) if learner.drifted else self._answers.answer(gamma),
@@ -219,4 +221,4 @@ class Playback:
         run = self._ready_run
         if run.over:
             self._rest()
-            self.phase = Phase.SPENT if run.spent else Phase.STOPPED
+            self.phase = Phase.DONE if run.converged else Phase.SPENT if run.spent else Phase.STOPPED

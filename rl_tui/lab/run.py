@@ -106,6 +106,14 @@ class Run:
         return self.learner.converged
 
     @property
+    def message(self) -> str:
+        """Why it goes no further, as a sentence; empty while it does."""
+        if not self.converged:
+            return self.stop_reason
+        sweeps, accuracy = self.learner.episodes, self.learner.hyperparameters.accuracy
+        return f"converged after {sweeps:,} sweeps: no value moved by more than {accuracy:g} in the last one"
+
+    @property
     def over(self) -> bool:
         """Whether it takes no further step."""
         return self.spent or self.converged or bool(self.stop_reason)

@@ -20,6 +20,7 @@ class Phase(StrEnum):
     PAUSED = "paused"
     RUNNING = "running"
     SPENT = "spent"  # the budget is used up
+    DONE = "done"  # a planner has converged: Snapshot.message says so
     STOPPED = "stopped"  # runaway: Snapshot.message names the step
 
 

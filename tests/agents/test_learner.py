@@ -13,8 +13,8 @@ from random_worlds import worlds
 from rl_tui.agents import loop
 from rl_tui.agents.hyperparameters import Hyperparameters, Ties
 from rl_tui.agents.learner import EPISODES_LOGGED, Learner
-from rl_tui.agents.stop import Stop
 from rl_tui.agents.planning import solve
+from rl_tui.agents.stop import Stop
 from rl_tui.worlds.mdp import Outcome, TabularMDP, Transition, tabular_mdp
 from rl_tui.worlds.streams import streams
 

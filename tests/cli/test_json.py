@@ -13,6 +13,7 @@ from typing import Any
 import pytest
 from click.testing import CliRunner
 
+from rl_tui.agents.hyperparameters import PARAMETERS
 from rl_tui.cli.main import program
 
 TRAIN = [
@@ -88,15 +89,20 @@ def test_train() -> None:
     figures = document("train", "frozenlake")
     assert list(figures) == TRAIN
     assert (figures["scenario"], figures["algorithm"], figures["seed"]) == ("frozenlake", "q-learning", 0)
-    assert figures["hyperparameters"] == {
-        "alpha": 0.1,
-        "gamma": 0.99,
-        "epsilon": 0.1,
-        "epsilon_min": 0.0,
-        "epsilon_decay": 0.0,
-        "initial_q": 0.0,
-        "ties": "random",
-    }
+    assert list(figures["hyperparameters"]) == list(PARAMETERS)
+    assert (
+        figures["hyperparameters"]
+        | {
+            "alpha": 0.1,
+            "gamma": 0.99,
+            "epsilon": 0.1,
+            "epsilon_min": 0.0,
+            "epsilon_decay": 0.0,
+            "initial_q": 0.0,
+            "ties": "random",
+        }
+        == figures["hyperparameters"]
+    )
     assert figures["episodes"] == 10_000
     assert figures["states"] == [str(state) for state in range(16)]
     assert figures["actions"] == ["left", "down", "right", "up"]
@@ -116,15 +122,19 @@ def test_train_takes_the_options() -> None:
         " --initial-q -3 --ties first --seed 7 --steps 1234"
     )
     figures = document("train", "student", *options.split())
-    assert figures["hyperparameters"] == {
-        "alpha": "sample-average",
-        "gamma": 0.5,
-        "epsilon": 1.0,
-        "epsilon_min": 0.2,
-        "epsilon_decay": 0.01,
-        "initial_q": -3.0,
-        "ties": "first",
-    }
+    assert (
+        figures["hyperparameters"]
+        | {
+            "alpha": "sample-average",
+            "gamma": 0.5,
+            "epsilon": 1.0,
+            "epsilon_min": 0.2,
+            "epsilon_decay": 0.01,
+            "initial_q": -3.0,
+            "ties": "first",
+        }
+        == figures["hyperparameters"]
+    )
     assert (figures["seed"], figures["steps"]) == (7, 1234)
 
 

@@ -24,7 +24,7 @@ class Counted(GreedyReturn):
 
 
 def after(marks: int, most: int) -> Evaluation:
-    taken = Evaluation(STUDENT, Counted(STUDENT), most)
+    taken = Evaluation(STUDENT, Counted(lambda: STUDENT), most)
     for _ in range(marks):
         assert taken.next_step is not None
         taken.mark(taken.next_step // 2, np.zeros(5), "random")
@@ -65,11 +65,11 @@ def test_dear_evaluations_are_rare_from_the_start() -> None:
 
 def test_huge_worlds_have_no_marks(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(evaluation, "MOST_STATES", 3)
-    assert Evaluation(STUDENT, GreedyReturn(STUDENT)).next_step is None
+    assert Evaluation(STUDENT, GreedyReturn(lambda: STUDENT)).next_step is None
 
 
 def test_the_greedy_return_of_the_student_is_the_one_worked_out_by_hand() -> None:
-    greedy_return = GreedyReturn(STUDENT)
+    greedy_return = GreedyReturn(lambda: STUDENT)
     names = [STUDENT.action_names[action] for action in STUDENT.pair_action]
     study = np.array([1.0 if name in ("study", "quit", "sleep") else 0.0 for name in names])
     # −2 for each of 1 / 0.8 attempts, then +10; the limit of 100 steps cuts off less than 1e-60

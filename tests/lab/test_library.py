@@ -66,7 +66,7 @@ def test_a_seed_below_zero_is_refused() -> None:
 def test_faulty_defaults_are_all_reported_with_their_place(tmp_path: Path) -> None:
     path = written(
         tmp_path,
-        "[defaults]\nalpha = 0\nepisodes = -5\nalgorithm = 'sarsa'\nepsillon = 1\nties = 3\n" + WORLD,
+        "[defaults]\nalpha = 0\nepisodes = -5\nalgorithm = 'sarsar'\nepsillon = 1\nties = 3\n" + WORLD,
     )
     faults = faults_of(path)
     assert [fault.place for fault in faults] == [
