@@ -103,8 +103,6 @@ def advance(
         update = learn(memory, rule, settings, tables, transition, learner)
         first_pair, last_pair = pairs_of(tables, state)
         reinforce(rule, settings.alpha, first_pair, last_pair, pair, reward)
-        optimal = drift.optimal[pair]
-        drift_on(drift, tables, pair, world)
         # S ← S′, until S is terminal or the time is up
         acted_episode, acted_epsilon = episode, epsilon_of(rule)
         state = next_state
@@ -115,7 +113,7 @@ def advance(
         elif terminated or truncated:
             log.returns[logged] = episode_return
             log.lengths[logged] = episode_step
-            log.optimal[logged] = optimal
+            log.optimal[logged] = drift.optimal[pair]
             logged += 1
             if logged == len(log.returns):
                 stop = EPISODES_FULL
@@ -129,6 +127,7 @@ def advance(
             stop = ENDLESS_EPISODE
         elif not has_room(memory):
             stop = MEMORY_FULL
+        drift_on(drift, tables, pair, world)
     position.step[0] = step
     position.episodes[0] = episode
     position.state[0] = state
