@@ -34,9 +34,14 @@ def command(scenario: str, rounds: int, overrides: dict[str, object], seed: int,
         ("", "steps/s", "we are"),
         ("rl-tui", f"{figures['kernel_steps_per_second']:,.0f}", ""),
         (
+            "rl-tui, 64 runs",
+            f"{figures['many_runs_steps_per_second']:,.0f}",
+            "on all cores",
+        ),
+        (
             "plain loop, argmax",
             f"{figures['gymnasium_steps_per_second']:,.0f}",
-            f"{figures['ratio']:,.0f} times as fast",
+            f"{figures['ratio']:,.0f} times as fast, {figures['ratio_many_runs']:,.0f} with 64 runs",
         ),
         (
             "plain loop, random ties",

@@ -178,7 +178,7 @@ def _head(recipe: Recipe, seeds: str = "") -> str:
 
 
 def _counts(name: str, told: Hyperparameters) -> bool:
-    """Tell whether a parameter is worth a word: the policy has one already, a schedule without decay has none."""
+    """Tell whether a parameter is worth a word: the policy has one, a schedule without decay needs none."""
     if name in _OF_SCHEDULES:
         return told.value(_OF_SCHEDULES[name]) != 0.0
     return name != "policy"

@@ -4,14 +4,18 @@ from __future__ import annotations
 
 import asyncio
 import time
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 from statistics import median
 from typing import Any, Final
 
 import numpy as np
 from numpy.random import Generator, default_rng
 
+from rl_tui.agents.catalogue import BY_ID
 from rl_tui.agents.hyperparameters import SAMPLE_AVERAGE
 from rl_tui.lab.commands import Pause, Play, Train
+from rl_tui.lab.many_runs import cores
 from rl_tui.lab.player import Player
 from rl_tui.lab.recipe import Recipe
 from rl_tui.lab.run import Run
@@ -22,9 +26,11 @@ from rl_tui.worlds.mdp import FloatArray
 KERNEL_STEPS: Final = 5_000_000
 PLAIN_STEPS: Final = 20_000
 ROUNDS: Final = 5
+RUNS: Final = 64
 FRAMES_A_SECOND: Final = 20
 LIVE_SECONDS: Final = 0.5
 LIVE_ROUNDS: Final = 5
+RUNS: Final = 64
 
 
 class PlainLoop:
@@ -76,23 +82,41 @@ class PlainLoop:
         self._state = state
 
 
-def benchmark(recipe: Recipe, rounds: int = ROUNDS) -> dict[str, Any]:
-    """Time our kernel and the plain loop, with first and with random ties, in turns; medians of steps/s.
+class Together:
+    """Many runs of one recipe, each with a seed of its own, on all cores as ``train --runs`` has them."""
 
-    It is the document of ``bench --json``. Raises UserError where ``recipe`` is not of a Gymnasium
-    environment.
+    def __init__(self, recipe: Recipe, runs: int = RUNS) -> None:
+        self._runs = [Run(replace(recipe, seed=recipe.seed + n), evaluate=False) for n in range(runs)]
+
+    def advance(self, steps: int) -> None:
+        """Take ``steps`` steps in all, as many in each run."""
+        each = steps // len(self._runs)
+        with ThreadPoolExecutor(cores()) as pool:
+            for done in [pool.submit(run.advance, each) for run in self._runs]:
+                done.result()
+
+
+def benchmark(recipe: Recipe, rounds: int = ROUNDS) -> dict[str, Any]:
+    """Time our kernel, alone and in 64 runs, and the plain loop, with first and with random ties.
+
+    They take turns; the figures are medians of steps/s. It is the document of ``bench --json``. Raises
+    UserError where ``recipe`` is not of a Gymnasium environment, or its algorithm takes no steps in it.
     """
+    if BY_ID[recipe.algorithm].planner:
+        raise UserError(f"{recipe.algorithm} takes no steps in the world: choose an algorithm that learns")
     first, random = PlainLoop(recipe, random_ties=False), PlainLoop(recipe, random_ties=True)
-    run = Run(recipe, evaluate=False)
+    run, together = Run(recipe, evaluate=False), Together(recipe)
     run.warm_up()
     run.advance(KERNEL_STEPS // 10)
-    turns: list[tuple[Run | PlainLoop, int]] = [
+    together.advance(KERNEL_STEPS)
+    turns: list[tuple[Run | Together | PlainLoop, int]] = [
         (run, KERNEL_STEPS),
+        (together, 4 * KERNEL_STEPS),
         (first, PLAIN_STEPS),
         (random, PLAIN_STEPS),
     ]
     speeds = [[_speed(loop, steps) for loop, steps in turns] for _ in range(rounds)]
-    kernel, plain, plain_random = (median(column) for column in zip(*speeds, strict=True))
+    kernel, many, plain, plain_random = (median(column) for column in zip(*speeds, strict=True))
     return {
         "scenario": recipe.scenario.id,
         "kernel_steps_per_second": kernel,
@@ -100,10 +124,12 @@ def benchmark(recipe: Recipe, rounds: int = ROUNDS) -> dict[str, Any]:
         "ratio": kernel / plain,
         "gymnasium_random_ties_steps_per_second": plain_random,
         "ratio_random_ties": kernel / plain_random,
+        "many_runs_steps_per_second": many,
+        "ratio_many_runs": many / plain,
     }
 
 
-def _speed(loop: Run | PlainLoop, steps: int) -> float:
+def _speed(loop: Run | Together | PlainLoop, steps: int) -> float:
     start = time.perf_counter()
     loop.advance(steps)
     return steps / (time.perf_counter() - start)

@@ -54,7 +54,7 @@ def many_runs(
     the order of the runs. ``on_progress`` is called from several threads, one at a time. Raises UserError as
     one run does.
     """
-    experiment = _Experiment(recipe, runs, goal, on_progress, workers or _cores())
+    experiment = _Experiment(recipe, runs, goal, on_progress, workers or cores())
     start = time.perf_counter()
     rows = experiment.rows(csv)
     seconds = time.perf_counter() - start
@@ -85,7 +85,8 @@ def summary(values: Sequence[float | None]) -> dict[str, float | int | None]:
     }
 
 
-def _cores() -> int:
+def cores() -> int:
+    """Return how many cores this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
