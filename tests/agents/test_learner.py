@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
-from plain_q_learning import plain_q_learning
 from random_worlds import worlds
 
 from rl_tui.agents import loop
@@ -60,20 +59,6 @@ def endless(reward: float = 1.0, time_limit: int = 0) -> TabularMDP:
     return tabular_mdp(
         ["here"], ["stay"], [Transition(0, 0, [Outcome(1.0, 0, reward, False)])], {0: 1.0}, time_limit
     )
-
-
-@given(worlds(), hyperparameters, st.integers(0, 1000), st.integers(0, 300))
-@settings(max_examples=60, deadline=None)
-def test_the_kernel_does_what_the_box_says_bit_for_bit(
-    mdp: TabularMDP, told: Hyperparameters, seed: int, steps: int
-) -> None:
-    ours = learner(mdp, told, seed)
-    ours.advance(steps)
-    episodes = ours.drain_episodes()
-    q, visits, finished = plain_q_learning(mdp, told, streams(seed), steps)
-    assert ours.q.tolist() == q.tolist()
-    assert ours.visits.tolist() == visits.tolist()
-    assert list(zip(episodes.returns.tolist(), episodes.lengths.tolist(), strict=True)) == finished
 
 
 @given(worlds(), hyperparameters, st.integers(0, 1000), st.integers(0, 200))

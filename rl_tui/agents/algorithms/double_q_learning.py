@@ -1,0 +1,93 @@
+"""Double Q-learning (Sutton & Barto, 2nd ed., box on page 136, equation 6.10)."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+from numpy.random import Generator
+
+from rl_tui.agents.action_rules.family import choose, greedy
+from rl_tui.agents.algorithms.family import Transition, Update, act, learn
+from rl_tui.agents.compiled import inlined, member_of
+from rl_tui.agents.settings import Settings, step_size
+from rl_tui.agents.tables import Tables, pairs_of
+from rl_tui.worlds.space import FiniteSpace, FloatArray, IntArray
+
+
+class Memory(NamedTuple):
+    """All that Double Q-learning remembers, each [P]: two tables, and how often each pair of each moved.
+
+    ``q`` is their mean, which people see and actions are chosen by.
+    """
+
+    q: FloatArray
+    visits: IntArray
+    q1: FloatArray
+    q2: FloatArray
+    updates1: IntArray
+    updates2: IntArray
+
+
+def new_memory(q: FloatArray, visits: IntArray, space: FiniteSpace) -> Memory:
+    """Return the memory around an existing table of estimates and its visits, which both tables start from."""
+    return Memory(q, visits, q.copy(), q.copy(), visits.copy(), visits.copy())
+
+
+@member_of(act, Memory)
+def _act(memory: Memory, rule: Any, tables: Tables, state: int, generator: Generator) -> tuple[int, bool]:
+    # Choose A from S using the policy ε-greedy in Q₁ + Q₂
+    first, last = pairs_of(tables, state)
+    return choose(rule, memory.q, memory.visits, first, last, generator)
+
+
+@member_of(learn, Memory)
+def _learn(
+    memory: Memory,
+    rule: Any,
+    settings: Settings,
+    tables: Tables,
+    transition: Transition,
+    generator: Generator,
+) -> Update:
+    # With 0.5 probability: Q₁(S,A) ← Q₁(S,A) + α [R + γ Q₂(S′, argmax_a Q₁(S′,a)) − Q₁(S,A)]
+    # else:                 Q₂(S,A) ← Q₂(S,A) + α [R + γ Q₁(S′, argmax_a Q₂(S′,a)) − Q₂(S,A)]
+    pair = transition.pair
+    memory.visits[pair] += 1
+    # One draw serves twice: what is left of it below or above 0.5, doubled, is again uniform on [0, 1)
+    draw = generator.random()
+    if draw < 0.5:
+        update = _update(memory.q1, memory.q2, memory.updates1, settings, tables, transition, 2.0 * draw, 1)
+    else:
+        update = _update(
+            memory.q2, memory.q1, memory.updates2, settings, tables, transition, 2.0 * draw - 1.0, 2
+        )
+    memory.q[pair] = (memory.q1[pair] + memory.q2[pair]) / 2.0
+    return update
+
+
+@inlined
+def _update(
+    learning: FloatArray,
+    judging: FloatArray,
+    updates: IntArray,
+    settings: Settings,
+    tables: Tables,
+    transition: Transition,
+    draw: float,
+    table: int,
+) -> Update:
+    """Move one table towards what the other one thinks of its best action; ``draw`` decides between equals.
+
+    Sample averages count the updates of this table, each being the mean of its own targets.
+    """
+    pair = transition.pair
+    updates[pair] += 1
+    alpha = step_size(settings, updates[pair])
+    bootstrap = 0.0
+    if not transition.terminated:
+        first, last = pairs_of(tables, transition.next_state)
+        bootstrap = judging[greedy(learning, first, last, settings.random_ties, draw)]
+    before = learning[pair]
+    after = before + alpha * (transition.reward + settings.gamma * bootstrap - before)
+    learning[pair] = after
+    return Update(pair, before, alpha, transition.reward, settings.gamma, bootstrap, after, 0, after, table)

@@ -1,0 +1,56 @@
+"""Expected SARSA: on-policy TD control (Sutton & Barto, 2nd ed., section 6.6, equation 6.9)."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+from numpy.random import Generator
+
+from rl_tui.agents.action_rules.family import choose, expectation
+from rl_tui.agents.algorithms.family import Transition, Update, act, learn, one_update
+from rl_tui.agents.compiled import member_of
+from rl_tui.agents.settings import Settings, step_size
+from rl_tui.agents.tables import Tables, pairs_of
+from rl_tui.worlds.space import FiniteSpace, FloatArray, IntArray
+
+
+class Memory(NamedTuple):
+    """all that Expected SARSA remembers: an estimate and a count for each pair, both [P]."""
+
+    q: FloatArray
+    visits: IntArray
+
+
+def new_memory(q: FloatArray, visits: IntArray, space: FiniteSpace) -> Memory:
+    """Return the memory around an existing table of estimates and its visits."""
+    return Memory(q, visits)
+
+
+@member_of(act, Memory)
+def _act(memory: Memory, rule: Any, tables: Tables, state: int, generator: Generator) -> tuple[int, bool]:
+    # Choose A from S using the policy derived from Q
+    first, last = pairs_of(tables, state)
+    return choose(rule, memory.q, memory.visits, first, last, generator)
+
+
+@member_of(learn, Memory)
+def _learn(
+    memory: Memory,
+    rule: Any,
+    settings: Settings,
+    tables: Tables,
+    transition: Transition,
+    generator: Generator,
+) -> Update:
+    # Q(S,A) ← Q(S,A) + α [R + γ Σ_a π(a|S′) Q(S′,a) − Q(S,A)]
+    pair = transition.pair
+    memory.visits[pair] += 1
+    alpha = step_size(settings, memory.visits[pair])
+    bootstrap = 0.0
+    if not transition.terminated:
+        first, last = pairs_of(tables, transition.next_state)
+        bootstrap = expectation(rule, memory.q, memory.visits, first, last)
+    before = memory.q[pair]
+    after = before + alpha * (transition.reward + settings.gamma * bootstrap - before)
+    memory.q[pair] = after
+    return one_update(pair, before, alpha, transition.reward, settings.gamma, bootstrap, after)

@@ -1,0 +1,104 @@
+"""Every-visit Monte Carlo control (Sutton & Barto, 2nd ed., section 5.4, after the box on page 101)."""
+
+from __future__ import annotations
+
+from typing import Any, Final, NamedTuple
+
+import numpy as np
+from numpy.random import Generator
+
+from rl_tui.agents.action_rules.family import choose, expectation
+from rl_tui.agents.algorithms.family import Transition, Update, act, further, has_room, learn, no_update
+from rl_tui.agents.compiled import member_of
+from rl_tui.agents.settings import Settings, step_size
+from rl_tui.agents.tables import Tables, pairs_of
+from rl_tui.worlds.space import FiniteSpace, FloatArray, IntArray
+
+MOST_REMEMBERED: Final = 1_000_000
+
+
+class Memory(NamedTuple):
+    """All that Monte Carlo control remembers.
+
+    An estimate, a count of visits and one of updates for each pair, [P]; the ``pairs`` and ``rewards`` of the
+    episode under way, with room for the time limit or a million; and its ``length`` so far, [1].
+    """
+
+    q: FloatArray
+    visits: IntArray
+    updates: IntArray
+    pairs: IntArray
+    rewards: FloatArray
+    length: IntArray
+
+
+def new_memory(q: FloatArray, visits: IntArray, space: FiniteSpace) -> Memory:
+    """Return the memory around an existing table of estimates and its visits; what was learned counts on."""
+    room = min(space.time_limit or MOST_REMEMBERED, MOST_REMEMBERED)
+    return Memory(
+        q,
+        visits,
+        visits.copy(),
+        np.zeros(room, dtype=np.int64),
+        np.zeros(room),
+        np.zeros(1, dtype=np.int64),
+    )
+
+
+@member_of(has_room, Memory)
+def _has_room(memory: Memory) -> bool:
+    return memory.length[0] < len(memory.pairs)
+
+
+@member_of(act, Memory)
+def _act(memory: Memory, rule: Any, tables: Tables, state: int, generator: Generator) -> tuple[int, bool]:
+    # Generate an episode following π
+    first, last = pairs_of(tables, state)
+    return choose(rule, memory.q, memory.visits, first, last, generator)
+
+
+@member_of(learn, Memory)
+def _learn(
+    memory: Memory,
+    rule: Any,
+    settings: Settings,
+    tables: Tables,
+    transition: Transition,
+    generator: Generator,
+) -> Update:
+    """Store the step; walk back over the episode at its end.
+
+    A terminated episode has its whole return. A truncated one would have gone on: to call what came after
+    the cut 0 would teach that the time limit is an end of the world, so it counts as what the policy may
+    expect there. The walk moves that with it, discounted, apart from the rewards it gathers. Told is the last
+    update of the walk, that of the first step of the episode, whose target is the return of all of it.
+    """
+    memory.visits[transition.pair] += 1
+    memory.pairs[memory.length[0]] = transition.pair
+    memory.rewards[memory.length[0]] = transition.reward
+    memory.length[0] += 1
+    if not (transition.terminated or transition.truncated):
+        return no_update()
+    bootstrap = 0.0
+    if transition.truncated:
+        first, last = pairs_of(tables, transition.next_state)
+        bootstrap = expectation(rule, memory.q, memory.visits, first, last)
+    gathered, discount, extreme = 0.0, 1.0, 0.0
+    pair, before, alpha, after = transition.pair, 0.0, 0.0, 0.0
+    # Loop for each step of episode, t = T−1, T−2, …, 0
+    length = memory.length[0]
+    for back in range(length):
+        # G ← γG + R_{t+1}
+        step = length - 1 - back
+        gathered = settings.gamma * gathered + memory.rewards[step]
+        discount *= settings.gamma
+        # N(S_t,A_t) ← N(S_t,A_t) + 1;  Q(S_t,A_t) ← Q(S_t,A_t) + α [G − Q(S_t,A_t)], α = 1/N for the average
+        pair = memory.pairs[step]
+        memory.updates[pair] += 1
+        alpha = step_size(settings, memory.updates[pair])
+        before = memory.q[pair]
+        after = before + alpha * (gathered + discount * bootstrap - before)
+        memory.q[pair] = after
+        extreme = further(extreme, after)
+    memory.length[0] = 0
+    return Update(pair, before, alpha, gathered, discount, bootstrap, after, length - 1, extreme, 0)

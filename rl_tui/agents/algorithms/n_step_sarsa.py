@@ -1,0 +1,119 @@
+"""n-step SARSA: on-policy control with n rewards (Sutton & Barto, 2nd ed., box on page 147, equation 7.5)."""
+
+from __future__ import annotations
+
+from typing import Any, Final, NamedTuple
+
+import numpy as np
+from numpy.random import Generator
+
+from rl_tui.agents.algorithms.family import Transition, Update, act, further, learn, no_update
+from rl_tui.agents.algorithms.next_action import choose_next, nothing_chosen, take_chosen
+from rl_tui.agents.compiled import inlined, member_of
+from rl_tui.agents.hyperparameters import MOST_STEPS
+from rl_tui.agents.settings import Settings, step_size
+from rl_tui.agents.tables import Tables
+from rl_tui.worlds.space import FiniteSpace, FloatArray, IntArray
+
+_ROOM: Final = MOST_STEPS + 1
+
+
+class Memory(NamedTuple):
+    """All that n-step SARSA remembers.
+
+    An estimate, a count of visits and one of updates for each pair, [P]; the last steps of the episode, step
+    t at t modulo the room of n + 1 at most: ``pairs`` A_t and ``rewards`` R_{t+1}; ``time``, [2]: t, the steps
+    taken, and τ, the next one to be updated; A′ as :mod:`rl_tui.agents.algorithms.next_action` has it.
+    """
+
+    q: FloatArray
+    visits: IntArray
+    updates: IntArray
+    pairs: IntArray
+    rewards: FloatArray
+    time: IntArray
+    chosen: IntArray
+
+
+def new_memory(q: FloatArray, visits: IntArray, space: FiniteSpace) -> Memory:
+    """Return the memory around an existing table of estimates and its visits; what was learned counts on."""
+    return Memory(
+        q,
+        visits,
+        visits.copy(),
+        np.zeros(_ROOM, dtype=np.int64),
+        np.zeros(_ROOM),
+        np.zeros(2, dtype=np.int64),
+        nothing_chosen(),
+    )
+
+
+@member_of(act, Memory)
+def _act(memory: Memory, rule: Any, tables: Tables, state: int, generator: Generator) -> tuple[int, bool]:
+    # Take action A_t; at the start of an episode select A_0 ~ π(·|S_0)
+    return take_chosen(memory.chosen, rule, memory.q, memory.visits, tables, state, generator)
+
+
+@member_of(learn, Memory)
+def _learn(
+    memory: Memory,
+    rule: Any,
+    settings: Settings,
+    tables: Tables,
+    transition: Transition,
+    generator: Generator,
+) -> Update:
+    # Store R_{t+1}; if S_{t+1} is not terminal, select and store A_{t+1} ~ π(·|S_{t+1})
+    time, pair = memory.time[0], transition.pair
+    memory.visits[pair] += 1
+    memory.pairs[time % _ROOM] = pair
+    memory.rewards[time % _ROOM] = transition.reward
+    time += 1
+    memory.pairs[time % _ROOM] = choose_next(
+        memory.chosen, rule, memory.q, memory.visits, tables, transition, generator
+    )
+    # τ ← t − n + 1: the step whose estimate is updated. Where n was made smaller several are due, where it
+    # was made greater none for a while; after the last step of an episode all are, until τ = T − 1
+    ended = transition.terminated or transition.truncated
+    update = no_update()
+    extreme, made = 0.0, 0
+    for due in range(memory.time[1], time if ended else time - settings.steps + 1):
+        update = _update(memory, settings, due, min(due + settings.steps, time), time, transition.terminated)
+        extreme = further(extreme, update.after)
+        made += 1
+    memory.time[0] = 0 if ended else time
+    memory.time[1] = 0 if ended else memory.time[1] + made
+    return Update(
+        update.pair,
+        update.before,
+        update.step_size,
+        update.gathered,
+        update.discount,
+        update.bootstrap,
+        update.after,
+        max(made - 1, 0),
+        extreme,
+        0,
+    )
+
+
+@inlined
+def _update(memory: Memory, settings: Settings, due: int, last: int, time: int, terminated: bool) -> Update:
+    """Update the pair of step ``due`` with the rewards up to that of step ``last``."""
+    # G ← Σ γ^(i−τ−1) R_i for i from τ+1 to min(τ+n, T)
+    gathered, discount = 0.0, 1.0
+    for step in range(due, last):
+        gathered += discount * memory.rewards[step % _ROOM]
+        discount *= settings.gamma
+    # If τ + n < T: G ← G + γⁿ Q(S_{τ+n}, A_{τ+n}); a truncated episode would have gone on
+    bootstrap = 0.0
+    if last < time or not terminated:
+        bootstrap = memory.q[memory.pairs[last % _ROOM]]
+    # Q(S_τ,A_τ) ← Q(S_τ,A_τ) + α [G − Q(S_τ,A_τ)]
+    pair = memory.pairs[due % _ROOM]
+    memory.updates[pair] += 1
+    alpha = step_size(settings, memory.updates[pair])
+    before = memory.q[pair]
+    after = before + alpha * (gathered + discount * bootstrap - before)
+    memory.q[pair] = after
+    return Update(pair, before, alpha, gathered, discount, bootstrap, after, 0, after, 0)

@@ -1,0 +1,58 @@
+"""SARSA: on-policy TD control (Sutton & Barto, 2nd ed., box on page 130, equation 6.7)."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+from numpy.random import Generator
+
+from rl_tui.agents.algorithms.family import Transition, Update, act, learn, one_update
+from rl_tui.agents.algorithms.next_action import choose_next, nothing_chosen, take_chosen
+from rl_tui.agents.compiled import member_of
+from rl_tui.agents.settings import Settings, step_size
+from rl_tui.agents.tables import Tables
+from rl_tui.worlds.space import FiniteSpace, FloatArray, IntArray
+
+
+class Memory(NamedTuple):
+    """All that SARSA remembers: an estimate and a count for each pair, both [P], and A′, [2].
+
+    ``chosen`` is as :mod:`rl_tui.agents.algorithms.next_action` has it.
+    """
+
+    q: FloatArray
+    visits: IntArray
+    chosen: IntArray
+
+
+def new_memory(q: FloatArray, visits: IntArray, space: FiniteSpace) -> Memory:
+    """Return the memory around an existing table of estimates and its visits."""
+    return Memory(q, visits, nothing_chosen())
+
+
+@member_of(act, Memory)
+def _act(memory: Memory, rule: Any, tables: Tables, state: int, generator: Generator) -> tuple[int, bool]:
+    # A ← A′; at the start of an episode choose A from S using the policy derived from Q
+    return take_chosen(memory.chosen, rule, memory.q, memory.visits, tables, state, generator)
+
+
+@member_of(learn, Memory)
+def _learn(
+    memory: Memory,
+    rule: Any,
+    settings: Settings,
+    tables: Tables,
+    transition: Transition,
+    generator: Generator,
+) -> Update:
+    # Choose A′ from S′ using the policy derived from Q
+    pair = transition.pair
+    memory.visits[pair] += 1
+    alpha = step_size(settings, memory.visits[pair])
+    next_pair = choose_next(memory.chosen, rule, memory.q, memory.visits, tables, transition, generator)
+    bootstrap = memory.q[next_pair] if next_pair >= 0 else 0.0
+    # Q(S,A) ← Q(S,A) + α [R + γ Q(S′,A′) − Q(S,A)]
+    before = memory.q[pair]
+    after = before + alpha * (transition.reward + settings.gamma * bootstrap - before)
+    memory.q[pair] = after
+    return one_update(pair, before, alpha, transition.reward, settings.gamma, bootstrap, after)

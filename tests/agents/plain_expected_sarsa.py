@@ -1,0 +1,17 @@
+"""Equation 6.9 in the loop of the box on page 131."""
+
+from plain_world import PlainWorld, Table
+
+
+def plain_expected_sarsa(world: PlainWorld) -> Table:
+    q = world.table()
+    while world.steps_left:
+        state, ended = world.start(), False
+        while world.steps_left and not ended:
+            pair = world.choose(state, q)
+            reward, next_state, terminated, truncated = world.take(pair)
+            alpha = world.step_size(world.visits[pair])
+            following = 0.0 if terminated else world.expectation(next_state, q)
+            q[pair] += alpha * (reward + world.told.gamma * following - q[pair])
+            state, ended = next_state, terminated or truncated
+    return q

@@ -1,0 +1,151 @@
+"""What holds for every algorithm, a row of the catalogue after the other."""
+
+from __future__ import annotations
+
+import importlib
+import importlib.util
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from plain_world import PlainWorld, Table, as_array
+from random_worlds import worlds
+
+from rl_tui.agents import loop, planning_loop
+from rl_tui.agents.catalogue import ALGORITHMS
+from rl_tui.agents.hyperparameters import Hyperparameters
+from rl_tui.agents.learner import Learner
+from rl_tui.worlds.mdp import TabularMDP
+from rl_tui.worlds.streams import streams
+
+
+def those(choice: Callable[[Any], bool]) -> list[Any]:
+    """Return the algorithms of that kind; those that are not written yet are skipped."""
+    return [
+        pytest.param(
+            algorithm.id,
+            marks=pytest.mark.skipif(
+                importlib.util.find_spec(algorithm.module) is None, reason=f"{algorithm.module} is to come"
+            ),
+        )
+        for algorithm in ALGORITHMS
+        if choice(algorithm)
+    ]
+
+
+EVERY = those(lambda algorithm: True)
+LEARNING = those(lambda algorithm: not algorithm.planner)
+
+hyperparameters = st.builds(
+    Hyperparameters,
+    alpha=st.sampled_from([0.1, 0.5, 1.0, "sample-average"]),
+    step_size_schedule=st.sampled_from(["constant", "linear", "exponential", "sample-average"]),
+    alpha_min=st.sampled_from([0.0, 0.2]),
+    alpha_decay=st.sampled_from([0.0, 0.01]),
+    gamma=st.sampled_from([0.0, 0.9, 1.0]),
+    epsilon=st.sampled_from([0.0, 0.1, 1.0]),
+    epsilon_schedule=st.sampled_from(["constant", "linear", "exponential"]),
+    epsilon_min=st.sampled_from([0.0, 0.3]),
+    epsilon_decay=st.sampled_from([0.0, 0.01]),
+    lambda_=st.sampled_from([0.0, 0.5, 1.0]),
+    traces=st.sampled_from(["replacing", "accumulating"]),
+    n=st.sampled_from([1, 2, 3, 8]),
+    planning_steps=st.sampled_from([0, 1, 5]),
+    threshold=st.sampled_from([0.0, 0.01]),
+    initial_q=st.sampled_from([0.0, 2.5]),
+    ties=st.sampled_from(["random", "first"]),
+)
+SEEDS = st.integers(0, 1000)
+
+
+def examples(count: int) -> Callable[[Any], Any]:
+    return settings(max_examples=count, deadline=None)
+
+
+def learner(mdp: TabularMDP, algorithm: str, told: Hyperparameters, seed: int = 0) -> Learner:
+    return Learner(mdp, algorithm, told, streams(seed))
+
+
+def everything(ours: Learner) -> list[Any]:
+    """Return all that a learner is, to be compared bit for bit, and forget the episodes."""
+    state = ours.checkpoint()
+    parts = (state.memory, state.rule, state.drift, state.position, state.last, ours.drain_episodes())
+    return [
+        state.algorithm,
+        state.hyperparameters,
+        state.stop,
+        state.streams,
+        [[array.tobytes() for array in arrays] for arrays in parts],
+    ]
+
+
+@pytest.mark.parametrize("algorithm", LEARNING)
+@examples(40)
+@given(worlds(), hyperparameters, SEEDS, st.integers(0, 300))
+def test_the_kernel_does_what_the_box_says_bit_for_bit(
+    algorithm: str, mdp: TabularMDP, told: Hyperparameters, seed: int, steps: int
+) -> None:
+    name = f"plain_{algorithm.replace('-', '_')}"
+    box: Callable[[PlainWorld], Table] = getattr(importlib.import_module(name), name)
+    ours = learner(mdp, algorithm, told, seed)
+    ours.advance(steps)
+    episodes = ours.drain_episodes()
+    world = PlainWorld(mdp, told, streams(seed), ours.step)  # fewer where it ran away
+    q = box(world)
+    assert ours.q.tolist() == as_array(q).tolist()
+    assert ours.visits.tolist() == as_array(world.visits).tolist()
+    assert list(zip(episodes.returns.tolist(), episodes.lengths.tolist(), strict=True)) == world.finished
+
+
+@pytest.mark.parametrize("algorithm", EVERY)
+@examples(15)
+@given(worlds(), hyperparameters, SEEDS, st.integers(0, 150))
+def test_interpreted_and_compiled_give_the_same_bits(
+    algorithm: str, mdp: TabularMDP, told: Hyperparameters, seed: int, steps: int
+) -> None:
+    compiled, interpreted = (learner(mdp, algorithm, told, seed) for _ in range(2))
+    compiled.advance(steps)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("rl_tui.agents.learner.advance", loop.advance.py_func)
+        patch.setattr("rl_tui.agents.learner.sweep", planning_loop.sweep.py_func)
+        interpreted.advance(steps)
+    assert everything(compiled) == everything(interpreted)
+
+
+@pytest.mark.parametrize("algorithm", EVERY)
+@examples(20)
+@given(worlds(), hyperparameters, SEEDS, st.lists(st.integers(0, 60), max_size=8))
+def test_how_the_work_is_cut_does_not_matter(
+    algorithm: str, mdp: TabularMDP, told: Hyperparameters, seed: int, chunks: list[int]
+) -> None:
+    whole, cut = (learner(mdp, algorithm, told, seed) for _ in range(2))
+    whole.advance(sum(chunks))
+    for chunk in chunks:
+        cut.advance(chunk)
+    assert everything(whole) == everything(cut)
+
+
+@pytest.mark.parametrize("algorithm", EVERY)
+@examples(15)
+@given(worlds(), hyperparameters, st.integers(0, 60), st.integers(0, 60))
+def test_a_checkpoint_brings_everything_back_in_any_learner(
+    algorithm: str, mdp: TabularMDP, told: Hyperparameters, before: int, after: int
+) -> None:
+    straight, rewound = (learner(mdp, algorithm, told) for _ in range(2))
+    straight.advance(before + after)
+    straight.drain_episodes()
+    expected = everything(straight)
+    rewound.advance(before)
+    rewound.drain_episodes()
+    kept = rewound.checkpoint()
+    rewound.configure(Hyperparameters(alpha=1.0, epsilon=1.0, n=5))
+    rewound.advance(100)
+    another = learner(mdp, "q-learning", Hyperparameters(epsilon=0.5), seed=9)
+    another.advance(7)
+    for restored in (rewound, another):
+        restored.restore(kept)
+        restored.advance(after)
+        restored.drain_episodes()
+        assert everything(restored) == expected
