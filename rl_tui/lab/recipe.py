@@ -40,8 +40,8 @@ def begin(recipe: Recipe, known: World | None = None) -> Beginning:
 
 
 def drawn_from_seed(scenario: Scenario) -> bool:
-    """Tell whether another seed makes another world of ``scenario`` (the arms of a bandit)."""
-    return scenario.kind == "bandit"
+    """Tell whether another seed makes another world of ``scenario``: drawn arms, a random map."""
+    return scenario.section.drawn_from_seed
 
 
 @dataclass(frozen=True, slots=True)

@@ -76,6 +76,11 @@ class BanditSection(WorldSection):
         if "means" in raw and "mean" in raw:
             yield Finding(("mean",), "mean beside means", "either the distribution or the means themselves")
 
+    @property
+    def drawn_from_seed(self) -> bool:
+        """Whether the means are drawn."""
+        return self.means is None
+
     def build(self, generator: Generator) -> World:
         """Return the world; means that the file does not fix are the first draws from ``generator``."""
         from rl_tui.worlds.mdp import Outcome, Transition, tabular_mdp

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
+from rl_tui.worlds.number_names import NumberNames
 from rl_tui.worlds.tolerance import PROBABILITY_TOLERANCE
 
 if TYPE_CHECKING:
@@ -54,7 +55,8 @@ def _check_shapes(mdp: TabularMDP) -> None:
         _require(np.isfinite(getattr(mdp, name)), name, "a finite number")
     _check_array("terminated", mdp.terminated, outcomes, np.bool_)
     for kind, names in {"state": mdp.state_names, "action": mdp.action_names}.items():
-        if len(set(names)) != len(names):
+        # numbers that rise are all different, without making a text of each
+        if not isinstance(names, NumberNames) and len(set(names)) != len(names):
             raise ValueError(f"{kind}_names: expected no name twice")
 
 
@@ -85,8 +87,8 @@ def _check_outcomes(mdp: TabularMDP) -> None:
     action = mdp.outcome_action
     _require((action >= -1) & (action < len(mdp.action_names)), "outcome_action", "an action, or -1")
     _require(mdp.reward_std >= 0.0, "reward_std", "0 or more")
-    ends = np.diff(mdp.first_pair)[mdp.next_state] == 0
-    _require(mdp.terminated | ~ends, "terminated", "true, as nothing can be done in the next state")
+    goes_on = (np.diff(mdp.first_pair) > 0)[mdp.next_state]
+    _require(mdp.terminated | goes_on, "terminated", "true, as nothing can be done in the next state")
 
 
 def _check_distributions(mdp: TabularMDP) -> None:
@@ -94,12 +96,21 @@ def _check_distributions(mdp: TabularMDP) -> None:
     first = mdp.first_outcome
     if mdp.pairs:
         total = np.add.reduceat(mdp.probability, first[:-1])
-        _require(np.abs(total - 1.0) <= PROBABILITY_TOLERANCE, "first_outcome", "probabilities that sum to 1")
+        total -= 1.0
+        _require(
+            np.abs(total, out=total) <= PROBABILITY_TOLERANCE, "first_outcome", "probabilities that sum to 1"
+        )
     _require(mdp.cumulative[first[1:] - 1] == 1.0, "first_outcome", "a last cumulative of exactly 1")
-    step = np.diff(mdp.cumulative, prepend=0.0)
+    step = mdp.cumulative.copy()
+    step[1:] -= mdp.cumulative[:-1]
     step[first[1:-1]] = mdp.cumulative[first[1:-1]]
-    agrees = (step >= 0.0) & (np.abs(step - mdp.probability) <= 2 * PROBABILITY_TOLERANCE)
-    _require(agrees, "cumulative", "the running sum of the probabilities inside the pair")
+    rises = step >= 0.0
+    step -= mdp.probability
+    _require(
+        rises & (np.abs(step, out=step) <= 2 * PROBABILITY_TOLERANCE),
+        "cumulative",
+        "the running sum of the probabilities inside the pair",
+    )
 
 
 def _check_start(mdp: TabularMDP) -> None:

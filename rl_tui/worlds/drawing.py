@@ -14,6 +14,7 @@ class CellKind(StrEnum):
     GOAL = "goal"
     HOLE = "hole"
     WALL = "wall"
+    CLIFF = "cliff"
 
 
 @dataclass(frozen=True, slots=True)

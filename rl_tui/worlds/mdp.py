@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from rl_tui.worlds.consistency import check_consistency
+from rl_tui.worlds.reachable import reachable
 from rl_tui.worlds.space import BoolArray, FiniteSpace, FloatArray, IntArray
 from rl_tui.worlds.tolerance import PROBABILITY_TOLERANCE
 
@@ -21,7 +22,9 @@ __all__ = [
     "Outcome",
     "TabularMDP",
     "Transition",
+    "TransitionArrays",
     "cumulative_inside",
+    "mdp_of_arrays",
     "tabular_mdp",
 ]
 
@@ -111,6 +114,25 @@ class Transition(NamedTuple):
     outcomes: Sequence[Outcome]
 
 
+class TransitionArrays(NamedTuple):
+    """All outcomes of P pairs as arrays, as :func:`mdp_of_arrays` takes them.
+
+    Pairs are in the order of their states, and of their actions within a state; of the O outcomes pair p
+    owns ``outcome_count[p]``. ``probability``, ``next_state``, ``reward``, ``reward_std``, ``terminated`` and
+    ``outcome_action`` are what they are in :class:`TabularMDP`.
+    """
+
+    pair_state: IntArray
+    pair_action: IntArray
+    outcome_count: IntArray
+    probability: FloatArray
+    next_state: IntArray
+    reward: FloatArray
+    reward_std: FloatArray
+    terminated: BoolArray
+    outcome_action: IntArray
+
+
 def tabular_mdp(
     state_names: Sequence[str],
     action_names: Sequence[str],
@@ -128,36 +150,74 @@ def tabular_mdp(
     sum to 1 (±1e-9), a pair is given twice, or nothing can be done at the start.
     """
     by_state = _pairs_by_state(len(state_names), len(action_names), transitions)
-    possible_start = _possible_start(start, by_state)
-    live = _live_states(by_state, possible_start)
-    pairs: list[list[Outcome]] = []
-    first_pair, pair_action = [0], []
-    for state, actions in enumerate(by_state):
-        if state in live:
-            for action, outcomes in sorted(actions.items()):
-                pairs.append(outcomes)
-                pair_action.append(action)
-        first_pair.append(len(pairs))
-    outcomes = [outcome for pair in pairs for outcome in pair]
-    probability = np.array([outcome.probability for outcome in outcomes], dtype=np.float64)
-    first_outcome = np.cumsum([0, *(len(pair) for pair in pairs)], dtype=np.int64)
-    start_probability = np.array(list(possible_start.values()), dtype=np.float64)
-    return TabularMDP(
-        state_names=tuple(state_names),
-        action_names=tuple(action_names),
-        first_pair=np.array(first_pair, dtype=np.int64),
-        pair_action=np.array(pair_action, dtype=np.int64),
-        first_outcome=first_outcome,
-        next_state=np.array([outcome.next_state for outcome in outcomes], dtype=np.int64),
-        reward=np.array([outcome.reward for outcome in outcomes], dtype=np.float64),
-        reward_std=np.array([outcome.reward_std for outcome in outcomes], dtype=np.float64),
-        terminated=np.array(
-            [each.terminated or each.next_state not in live for each in outcomes], dtype=np.bool_
+    _check_distribution("start", list(start.values()))
+    pairs = [
+        Transition(state, action, outcomes)
+        for state, actions in enumerate(by_state)
+        for action, outcomes in sorted(actions.items())
+    ]
+    outcomes = [outcome for pair in pairs for outcome in pair.outcomes]
+    possible = {state: probability for state, probability in start.items() if probability > 0.0}
+    return mdp_of_arrays(
+        tuple(state_names),
+        tuple(action_names),
+        TransitionArrays(
+            pair_state=np.array([pair.state for pair in pairs], dtype=np.int64),
+            pair_action=np.array([pair.action for pair in pairs], dtype=np.int64),
+            outcome_count=np.array([len(pair.outcomes) for pair in pairs], dtype=np.int64),
+            probability=np.array([outcome.probability for outcome in outcomes], dtype=np.float64),
+            next_state=np.array([outcome.next_state for outcome in outcomes], dtype=np.int64),
+            reward=np.array([outcome.reward for outcome in outcomes], dtype=np.float64),
+            reward_std=np.array([outcome.reward_std for outcome in outcomes], dtype=np.float64),
+            terminated=np.array([outcome.terminated for outcome in outcomes], dtype=np.bool_),
+            outcome_action=np.array([outcome.action for outcome in outcomes], dtype=np.int64),
         ),
-        outcome_action=np.array([outcome.action for outcome in outcomes], dtype=np.int64),
-        probability=probability,
-        cumulative=cumulative_inside(probability, first_outcome),
-        start_state=np.array(list(possible_start), dtype=np.int64),
+        np.array(list(possible), dtype=np.int64),
+        np.array(list(possible.values()), dtype=np.float64),
+        time_limit,
+    )
+
+
+def mdp_of_arrays(
+    state_names: Sequence[str],
+    action_names: tuple[str, ...],
+    arrays: TransitionArrays,
+    start_state: IntArray,
+    start_probability: FloatArray,
+    time_limit: int = 0,
+) -> TabularMDP:
+    """Make the MDP of these arrays as :func:`tabular_mdp` does of a list, in no more passes than numpy needs.
+
+    ``start_state`` and ``start_probability``, [K], are where an episode begins. The arrays become the MDP's
+    own where they can: nobody may write to them afterwards. Raises ValueError where nothing can be done at
+    the start, or the arrays contradict each other.
+    """
+    states = len(state_names)
+    owned = np.bincount(arrays.pair_state, minlength=states)
+    _check_start(start_state, owned)
+    live = _live_states(arrays, owned, start_state)
+    alive = live[arrays.pair_state]
+    if not alive.all():
+        arrays = _only(arrays, alive)
+        owned = np.where(live, owned, 0)
+    np.logical_or(arrays.terminated, ~live[arrays.next_state], out=arrays.terminated)
+    first_outcome = _offsets(arrays.outcome_count)
+    for array in arrays:
+        array.flags.writeable = False
+    return TabularMDP(
+        state_names=state_names,
+        action_names=action_names,
+        first_pair=_offsets(owned),
+        pair_action=arrays.pair_action,
+        first_outcome=first_outcome,
+        next_state=arrays.next_state,
+        reward=arrays.reward,
+        reward_std=arrays.reward_std,
+        terminated=arrays.terminated,
+        outcome_action=arrays.outcome_action,
+        probability=arrays.probability,
+        cumulative=cumulative_inside(arrays.probability, first_outcome),
+        start_state=start_state,
         start_cumulative=cumulative_inside(start_probability, np.array([0, len(start_probability)])),
         time_limit=time_limit,
     )
@@ -170,13 +230,56 @@ def cumulative_inside(probability: FloatArray, first_outcome: IntArray) -> Float
     did.
     """
     result = probability.copy()
-    first, length = first_outcome[:-1], np.diff(first_outcome)
-    for place in range(1, int(length.max(initial=0))):
-        here = first[length > place] + place
-        result[here] += result[here - 1]
+    length = np.diff(first_outcome)
+    longest = int(length.max(initial=0))
+    if len(result) == longest * len(length):
+        # pairs of equally many outcomes stand as rows: no index has to be looked up
+        rows = result.reshape(len(length), longest)
+        for place in range(1, longest):
+            rows[:, place] += rows[:, place - 1]
+    else:
+        for place in range(1, longest):
+            here = first_outcome[:-1][length > place] + place
+            result[here] += result[here - 1]
     np.minimum(result, 1.0, out=result)
     result[first_outcome[1:] - 1] = 1.0
+    result.flags.writeable = False
     return result
+
+
+def _offsets(count: IntArray) -> IntArray:
+    """Return where each of these many begins when they stand one after another, and where the last ends."""
+    offsets = np.zeros(len(count) + 1, dtype=np.int64)
+    np.cumsum(count, out=offsets[1:])
+    offsets.flags.writeable = False
+    return offsets
+
+
+def _check_start(start_state: IntArray, owned: IntArray) -> None:
+    known = (start_state >= 0) & (start_state < len(owned))
+    idle = ~known
+    idle[known] = owned[start_state[known]] == 0
+    if idle.any():
+        raise ValueError(f"start: nothing can be done in state {start_state[np.argmax(idle)]}")
+
+
+def _live_states(arrays: TransitionArrays, owned: IntArray, start_state: IntArray) -> BoolArray:
+    """Return the states with pairs that can be reached from the start without ending an episode, [S]."""
+    goes_on = ~arrays.terminated
+    goes_on &= (owned > 0)[arrays.next_state]
+    # the first outcome of each state, and how many of those before it go on
+    first = _offsets(arrays.outcome_count)[_offsets(owned)]
+    first_edge = np.where(first > 0, np.cumsum(goes_on)[first - 1], 0)
+    return reachable(first_edge, arrays.next_state[goes_on], start_state)
+
+
+def _only(arrays: TransitionArrays, kept: BoolArray) -> TransitionArrays:
+    """Return the pairs that are ``kept``, [P], and their outcomes."""
+    outcomes = np.repeat(kept, arrays.outcome_count)
+    pairs = ("pair_state", "pair_action", "outcome_count")
+    return TransitionArrays(
+        **{name: array[kept if name in pairs else outcomes] for name, array in arrays._asdict().items()}
+    )
 
 
 def _pairs_by_state(
@@ -205,26 +308,3 @@ def _check_distribution(where: str, probabilities: Sequence[float]) -> None:
         raise ValueError(f"{where}: expected probabilities of at least 0")
     if not abs(math.fsum(probabilities) - 1.0) <= PROBABILITY_TOLERANCE:
         raise ValueError(f"{where}: probabilities sum to {math.fsum(probabilities)}, not to 1")
-
-
-def _possible_start(start: Mapping[int, float], by_state: Sequence[Mapping[int, object]]) -> dict[int, float]:
-    _check_distribution("start", list(start.values()))
-    possible = {state: probability for state, probability in start.items() if probability > 0.0}
-    for state in possible:
-        if not 0 <= state < len(by_state) or not by_state[state]:
-            raise ValueError(f"start: nothing can be done in state {state}")
-    return possible
-
-
-def _live_states(by_state: Sequence[Mapping[int, Sequence[Outcome]]], start: Iterable[int]) -> set[int]:
-    """Return the states with pairs that can be reached from ``start`` without ending an episode."""
-    live = set(start)
-    to_visit = list(live)
-    while to_visit:
-        for outcomes in by_state[to_visit.pop()].values():
-            for outcome in outcomes:
-                reached = outcome.next_state
-                if not outcome.terminated and reached not in live and by_state[reached]:
-                    live.add(reached)
-                    to_visit.append(reached)
-    return live

@@ -18,6 +18,7 @@ from rl_tui.worlds.schema import (
     Section,
     is_number,
     is_table,
+    number,
     refused,
     sums_to_one,
     whole_number,
@@ -34,13 +35,17 @@ MOST_STATES: Final = 10_000
 MOST_TRANSITIONS: Final = 100_000
 LARGEST_PLACE: Final = 999
 LONGEST_TIME_LIMIT: Final = 1_000_000
+LARGEST_STD: Final = 1e6
+
+Deviation = Annotated[float, number(0, LARGEST_STD)]
 
 
 class Destination(Section):
-    """Where a transition may lead: a probability, and a reward where the transition has none for all."""
+    """Where a transition may lead: a probability, and a reward and its noise if they differ from the rest."""
 
     p: Probability
     reward: Number | None = None
+    std: Deviation | None = None
 
     @model_validator(mode="before")
     @classmethod
@@ -49,7 +54,7 @@ class Destination(Section):
             return value
         if is_number(value) and 0 <= value <= 1:  # type: ignore[operator]
             return {"p": value}
-        raise refused(shown(value), "a probability from 0 to 1, or { p = …, reward = … }")
+        raise refused(shown(value), "a probability from 0 to 1, or { p = …, reward = …, std = … }")
 
 
 def _certain(value: object) -> object:
@@ -79,11 +84,15 @@ def _is_list_of_tables(value: object) -> bool:
 
 
 class TransitionEntry(Section):
-    """What an action does in a state: one ``[[mdp.transition]]``."""
+    """What an action does in a state: one ``[[mdp.transition]]``.
+
+    ``std`` is the standard deviation of Gaussian noise on the reward.
+    """
 
     state: Name
     action: Name
     reward: Number | None = None
+    std: Deviation = 0.0
     to: Annotated[
         dict[Name, Destination],
         AfterValidator(_destinations_sum_to_one),
@@ -101,6 +110,7 @@ class TransitionEntry(Section):
                 next_state=index[state],
                 reward=next(each for each in (destination.reward, self.reward) if each is not None),
                 terminated=False,
+                reward_std=self.std if destination.std is None else destination.std,
                 action=action,
             )
             for state, destination in self.to.items()

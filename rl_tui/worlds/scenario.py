@@ -12,6 +12,7 @@ from pydantic import Field
 from rl_tui.worlds.bandit import BanditSection
 from rl_tui.worlds.errors import Fault, ScenarioError
 from rl_tui.worlds.findings import Finding, order_in_file, place, shown
+from rl_tui.worlds.grid_section import GridSection
 from rl_tui.worlds.gymnasium_section import GymnasiumSection
 from rl_tui.worlds.mdp_section import MDPSection
 from rl_tui.worlds.schema import Expect, Section, is_plain, is_table, parsed, text, unknown_key, whole_number
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
 WORLD_KINDS: Final[Mapping[str, type[WorldSection]]] = {
     "gymnasium": GymnasiumSection,
     "mdp": MDPSection,
+    "grid": GridSection,
     "bandit": BanditSection,
 }
 
@@ -59,8 +61,8 @@ class Scenario:
     section: WorldSection
 
     def build(self, generator: Generator) -> World:
-        """Return the world. A bandit's arms are the first draws from ``generator``; other worlds do not touch
-        it.
+        """Return the world. What is random about it (a bandit's arms, a random map) is drawn first from
+        ``generator``; other worlds do not touch it.
 
         Raises ScenarioError where the environment behind the scenario cannot be used.
         """

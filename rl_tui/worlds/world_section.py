@@ -26,6 +26,11 @@ class WorldSection(Section):
         """Yield faults that only show once the world outside the file is looked at; may be slow."""
         return iter(())
 
+    @property
+    def drawn_from_seed(self) -> bool:
+        """Whether another seed makes another world."""
+        return False
+
     @abstractmethod
     def build(self, generator: Generator) -> World:
         """Return the world; what is random about the world itself is drawn from ``generator``."""

@@ -41,11 +41,11 @@ def student(old: str, new: str) -> str:
 ONE_FAULT = {
     "no world": (
         'title = "t"\n',
-        ("", "no world", "exactly one of [gymnasium], [mdp], [bandit]"),
+        ("", "no world", "exactly one of [gymnasium], [mdp], [grid], [bandit]"),
     ),
     "two worlds": (
         BANDIT + LAKE,
-        ("", "[bandit] and [gymnasium]", "exactly one of [gymnasium], [mdp], [bandit]"),
+        ("", "[bandit] and [gymnasium]", "exactly one of [gymnasium], [mdp], [grid], [bandit]"),
     ),
     "a world that is no table": ("mdp = 3\n", ("mdp", "3", "a table")),
     "an unknown key at the top": (
@@ -62,7 +62,11 @@ ONE_FAULT = {
     ),
     "an unknown key in an outcome": (
         student("Pass = 0.8", "Pass = { p = 0.8, rewards = 1 }"),
-        ("mdp.transition[0].to.Pass.rewards", "an unknown key", 'one of p, reward (did you mean "reward"?)'),
+        (
+            "mdp.transition[0].to.Pass.rewards",
+            "an unknown key",
+            'one of p, reward, std (did you mean "reward"?)',
+        ),
     ),
     "an unknown key that needs quotes": (
         '"a b" = 1\n' + BANDIT,

@@ -1,0 +1,344 @@
+"""Every fault of a [grid] table gives one clear line, and all of them are told at once."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from rl_tui.worlds.errors import ScenarioError
+from rl_tui.worlds.grid_section import GridSection
+from rl_tui.worlds.scenario import read_scenario
+from rl_tui.worlds.schema import parsed
+
+MAP = 'map = """\nS..#\n.#.G\n"""\n'
+
+
+@pytest.fixture
+def faults(tmp_path):
+    """Return a function: the text of a [grid] table → its faults as (place, found, expected)."""
+
+    def faults_of(content: str) -> list[tuple[str, str, str]]:
+        path = tmp_path / "mine.toml"
+        path.write_text(f"[grid]\n{content}", encoding="utf-8")
+        with pytest.raises(ScenarioError) as error:
+            read_scenario(path)
+        return [
+            (fault.place.removeprefix("grid."), fault.found, fault.expected) for fault in error.value.faults
+        ]
+
+    return faults_of
+
+
+def legend(entry: str, text: str = "S.XG") -> str:
+    return f'map = "{text}"\n[grid.legend]\n{entry}\n'
+
+
+X = "legend.X"
+ONE_FAULT = {
+    "neither map nor random": ("", ("map", "nothing", "a map of characters, or random")),
+    "map and random": (
+        MAP + "random = { rows = 3, columns = 3 }\n",
+        ("random", "random beside map", "either a map or one to be drawn"),
+    ),
+    "a map that is no text": ("map = 3\n", ("map", "3", "a map of characters, a line for each row")),
+    "an empty map": ('map = ""\n', ("map", "an empty map", "a line of characters for each row")),
+    "a map of line breaks": (
+        'map = "\\n\\n"\n',
+        ("map", "an empty map", "a line of characters for each row"),
+    ),
+    "a ragged map": (
+        'map = """\nS..\n..\n..G\n"""\n',
+        ("map", "line 2 of length 2", "length 3 in every line, as in line 1"),
+    ),
+    "a map with several odd lines": (
+        'map = "S..\\n.\\n..G\\n...."\n',
+        (
+            "map",
+            "line 2 of length 1 (and 1 more of another length)",
+            "length 3 in every line, as in line 1",
+        ),
+    ),
+    "an empty line inside": (
+        'map = "SG\\n\\n.."\n',
+        ("map", "line 2 of length 0", "length 2 in every line, as in line 1"),
+    ),
+    "no start": ('map = "..G"\n', ("map", "no start", 'a cell of the kind "start", such as S')),
+    "an unknown character": (
+        'map = "S.\\n?G"\n',
+        ("map", '"?" in line 2, column 1', "a character that the legend knows"),
+    ),
+    "a control character": (
+        'map = "S\\tG"\n',
+        ("map", '"\\t" in line 1, column 2', "a character that the legend knows"),
+    ),
+    "too many cells": (
+        f'map = """\n{chr(10).join(["S" * 3001] * 1334)}\n"""\n',
+        ("map", "1,334 × 3,001 cells", "at most 4,000,000 cells and 10,000 on a side"),
+    ),
+    "too long a side": (
+        f'map = "{"S" * 10_001}"\n',
+        ("map", "1 × 10,001 cells", "at most 4,000,000 cells and 10,000 on a side"),
+    ),
+    "too large a random map": (
+        "random = { rows = 2001, columns = 2000 }\n",
+        ("random", "2,001 × 2,000 cells", "at most 4,000,000 cells and 10,000 on a side"),
+    ),
+    "too many outcomes": (
+        f'random = {{ rows = 2000, columns = 2000 }}\nmoves = "king"\nwind = {[1] * 2000}\ngusts = true\n',
+        ("random", "2,000 × 2,000 cells with 96,000,000 outcomes", "at most 50,000,000 outcomes"),
+    ),
+    "a random map of one cell": (
+        "random = { rows = 1, columns = 1 }\n",
+        ("random", "1 × 1 cells", "a start and a goal: at least 2 cells"),
+    ),
+    "a random map without a size": (
+        "random = { rows = 3 }\n",
+        ("random.columns", "nothing", "a whole number from 1 to 10,000"),
+    ),
+    "more holes than can be": (
+        "random = { rows = 3, columns = 3, holes = 1 }\n",
+        ("random.holes", "1", "a finite number from 0 to 0.9"),
+    ),
+    "a random map that is no table": (
+        "random = 8\n",
+        ("random", "8", "a table, { rows = …, columns = …, holes = … }"),
+    ),
+    "unknown moves": (MAP + 'moves = "eight"\n', ("moves", '"eight"', "one of four, king, king+stay")),
+    "moves that are no text": (MAP + "moves = 4\n", ("moves", "4", "one of four, king, king+stay")),
+    "moves that are a list": (MAP + "moves = []\n", ("moves", "[]", "one of four, king, king+stay")),
+    "unknown rewards": (MAP + 'rewards = "both"\n', ("rewards", '"both"', "entering or leaving")),
+    "rewards that are a list": (MAP + "rewards = [[1]]\n", ("rewards", "[[1]]", "entering or leaving")),
+    "noise beyond 1": (MAP + "noise = 1.5\n", ("noise", "1.5", "a finite number from 0 to 1")),
+    "noise on ice": (
+        MAP + "noise = 0.2\nslippery = true\n",
+        ("slippery", "slippery beside noise", "one of the two"),
+    ),
+    "noise with king's moves": (
+        MAP + 'noise = 0.2\nmoves = "king"\n',
+        ("noise", 'noise with moves = "king"', 'moves = "four", or no slips'),
+    ),
+    "ice with king's moves": (
+        MAP + 'slippery = true\nmoves = "king+stay"\n',
+        ("slippery", 'slippery with moves = "king+stay"', 'moves = "four", or no slips'),
+    ),
+    "ice that is no truth value": (MAP + "slippery = 1\n", ("slippery", "1", "true or false")),
+    "wind for too few columns": (
+        MAP + "wind = [0, 1]\n",
+        ("wind", "2 numbers", "one for each column (4)"),
+    ),
+    "wind for too many rows": (
+        MAP + "wind_rows = [0, 1, 1]\n",
+        ("wind_rows", "3 numbers", "one for each row (2)"),
+    ),
+    "wind of half a cell": (
+        MAP + "wind = [0, 0.5, 0, 0]\n",
+        ("wind", "[0, 0.5, 0, 0]", "a list of whole numbers from -100 to 100"),
+    ),
+    "wind too strong": (
+        MAP + "wind = [0, 0, 0, 101]\n",
+        ("wind", "[0, 0, 0, 101]", "a list of whole numbers from -100 to 100"),
+    ),
+    "gusts in a calm": (MAP + "gusts = true\n", ("gusts", "gusts without wind", "wind or wind_rows")),
+    "gusts of no wind": (
+        MAP + "gusts = true\nwind = [0, 0, 0, 0]\n",
+        ("gusts", "gusts without wind", "wind or wind_rows"),
+    ),
+    "a time limit below 0": (
+        MAP + "time_limit = -1\n",
+        ("time_limit", "-1", "a whole number from 0 to 1,000,000"),
+    ),
+    "an infinite step reward": (
+        MAP + "step_reward = inf\n",
+        ("step_reward", "inf", "a finite number from -1e+12 to 1e+12"),
+    ),
+    "a legend that is no table": (
+        MAP + "legend = 3\n",
+        ("legend", "3", "a table of characters and what they mean"),
+    ),
+    "two characters": (legend('XX = { kind = "floor" }', "S.G"), ("legend.XX", '"XX"', "one character")),
+    "a character that moves the cursor": (
+        legend('"\\u0007" = { kind = "floor" }', "S.G"),
+        ('legend."\\u0007"', '"\\u0007"', "one character"),
+    ),
+    "an entry that is no table": (legend('X = "floor"'), (X, '"floor"', "a table")),
+    "an entry without a kind": (
+        legend("X = { reward = 1 }"),
+        (f"{X}.kind", "nothing", "one of floor, start, goal, hole, wall, cliff"),
+    ),
+    "an unknown kind": (
+        legend('X = { kind = "lava" }'),
+        (f"{X}.kind", '"lava"', "one of floor, start, goal, hole, wall, cliff"),
+    ),
+    "an unknown key in an entry": (
+        legend('X = { kind = "floor", rewrd = 1 }'),
+        (
+            f"{X}.rewrd",
+            "an unknown key",
+            'one of kind, reward, terminal, exit, jump, back, only (did you mean "reward"?)',
+        ),
+    ),
+    "a reward in a wall": (
+        legend('X = { kind = "wall", reward = 1 }'),
+        (f"{X}.reward", "reward in a wall", "nothing but the kind: nobody enters a wall"),
+    ),
+    "a terminal start": (
+        legend('X = { kind = "start", terminal = true }'),
+        (f"{X}.terminal", "a start that is terminal", "a start in which something can be done"),
+    ),
+    "an exit from a terminal cell": (
+        legend('X = { kind = "goal", terminal = true, exit = true }'),
+        (f"{X}.exit", "exit in a terminal cell", "no exit, or a cell with terminal = false"),
+    ),
+    "a jump from a terminal cell": (
+        legend('X = { kind = "goal", jump = "S" }'),
+        (f"{X}.jump", "jump in a terminal cell", "no jump, or a cell with terminal = false"),
+    ),
+    "a way back from a terminal cell": (
+        legend('X = { kind = "hole", back = true }'),
+        (f"{X}.back", "back in a terminal cell", "no back, or a cell with terminal = false"),
+    ),
+    "two special things at once": (
+        legend('X = { kind = "floor", back = true, exit = true }'),
+        (f"{X}.back", "back beside exit", "one of the two"),
+    ),
+    "back in a start": (
+        legend('X = { kind = "start", back = true }', ".XG"),
+        (f"{X}.back", "back in a start", "back in another cell"),
+    ),
+    "back to several starts": (
+        legend('X = { kind = "cliff", back = true }', "SSXG"),
+        (f"{X}.back", "back with 2 starts", "one start to go back to"),
+    ),
+    "a jump to what is not on the map": (
+        legend('X = { kind = "floor", jump = "Y" }'),
+        (f"{X}.jump", '"Y"', "a character that stands once on the map"),
+    ),
+    "a jump to several cells": (
+        legend('X = { kind = "floor", jump = "." }', "S..XG"),
+        (f"{X}.jump", '".", which stands 2 times on the map', "a character that stands once on the map"),
+    ),
+    "a jump into a wall": (
+        legend('X = { kind = "floor", jump = "#" }', "S#XG"),
+        (f"{X}.jump", '"#", a wall', "a cell that one can be in"),
+    ),
+    "a jump that is no character": (
+        legend('X = { kind = "floor", jump = "home" }'),
+        (f"{X}.jump", '"home"', "one character"),
+    ),
+    "a move that there is not": (
+        legend('X = { kind = "floor", only = ["north"] }'),
+        (
+            f"{X}.only",
+            '["north"]',
+            "a list of moves, from left, down, right, up, down-left, down-right, up-right, up-left, stay",
+        ),
+    ),
+    "moves that are no names": (
+        legend('X = { kind = "floor", only = [["up"]] }'),
+        (
+            f"{X}.only",
+            '[["up"]]',
+            "a list of moves, from left, down, right, up, down-left, down-right, up-right, up-left, stay",
+        ),
+    ),
+    "a move that the grid has not": (
+        legend('X = { kind = "floor", only = ["stay"] }'),
+        (f"{X}.only", '"stay"', "moves that the grid has: left, down, right, up"),
+    ),
+    "a goal that never pays": (
+        'rewards = "leaving"\nmap = "S.G"\n',
+        (
+            "map",
+            '"G", which pays 1 but is never left',
+            'a cell with exit = true or reward = 0, or rewards = "entering"',
+        ),
+    ),
+    "a cliff that never pays": (
+        'rewards = "leaving"\n' + legend('X = { kind = "cliff", reward = -9, back = true }', "S.X"),
+        (
+            X,
+            '"X", which pays -9 but is never left',
+            'a cell with exit = true or reward = 0, or rewards = "entering"',
+        ),
+    ),
+}
+
+
+@pytest.mark.parametrize("name", ONE_FAULT)
+def test_gives_its_one_line(name, faults):
+    content, expected = ONE_FAULT[name]
+    assert faults(content) == [expected]
+
+
+def test_all_faults_are_told_at_once_in_the_order_of_the_file(faults):
+    told = faults("""map = "..?"
+noise = 2
+slippery = true
+wind = [1]
+time_limit = 0.5
+[grid.legend]
+A = { kind = "floor", jump = "B" }
+"." = { kind = "floor", exit = 3 }
+"C" = { kind = "wall", back = true }
+""")
+    assert [place for place, _, _ in told] == [
+        "map",
+        "noise",
+        "slippery",
+        "wind",
+        "time_limit",
+        'legend.".".exit',
+        "legend.C.back",
+    ]
+
+
+def test_what_the_legend_says_of_characters_that_the_map_has_not_is_no_fault(tmp_path):
+    path = tmp_path / "mine.toml"
+    path.write_text('[grid]\nmap = "SG"\n[grid.legend]\nA = { kind = "floor", jump = "B" }\n')
+    assert read_scenario(path).build(np.random.default_rng(0)).space.states == 2
+
+
+def test_a_random_map_that_no_draw_opens_is_refused(tmp_path):
+    path = tmp_path / "mine.toml"
+    path.write_text("[grid]\nrandom = { rows = 60, columns = 60, holes = 0.9 }\n")
+    scenario = read_scenario(path)
+    with pytest.raises(ScenarioError) as error:
+        scenario.build(np.random.default_rng(0))
+    (fault,) = error.value.faults
+    assert (fault.place, fault.expected) == ("grid.random.holes", "fewer holes")
+    assert fault.found == "holes in 0.9 of the cells, and no way to the goal on 1,000 maps drawn"
+
+
+JUNK = st.sampled_from(
+    [0, 3, -1, 0.5, math.nan, math.inf, True, "", "x", "SG", "leaving", [], [1], [[1]], ["up"], {}, {"a": {}}]
+)
+ENTRY = st.one_of(
+    JUNK,
+    st.dictionaries(
+        st.sampled_from(["kind", "reward", "terminal", "exit", "jump", "back", "only"]),
+        st.one_of(JUNK, st.sampled_from(["start", "goal", "floor", "wall", "cliff", "S", "G", "A"])),
+    ),
+)
+RAW = st.fixed_dictionaries(
+    {},
+    optional={
+        **dict.fromkeys(GridSection.model_fields, JUNK),
+        "map": st.one_of(JUNK, st.text("SGHA.#\n", max_size=8)),
+        "random": st.one_of(JUNK, st.just({"rows": 2, "columns": 2})),
+        "legend": st.one_of(JUNK, st.dictionaries(st.sampled_from(["S", "G", "A", "AB", "."]), ENTRY)),
+    },
+)
+
+
+@settings(deadline=None, max_examples=500)
+@given(RAW)
+def test_whatever_a_table_holds_it_has_faults_or_makes_a_world(raw):
+    section, findings = parsed(GridSection, raw)
+    findings += GridSection.connection_findings(raw)
+    assert section is not None or findings
+    if section is not None and not findings:
+        assert section.build(np.random.default_rng(0)).space.states > 0
