@@ -126,6 +126,9 @@ def member_of(
     dispatch: Callable[..., Any], first_type: type
 ) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
     """Let ``dispatch`` choose the decorated function where its first argument is a ``first_type``."""
+    # Before it looks closer, Numba tells NamedTuples apart by the names of type and fields: of two algorithms
+    # that both remember a Memory(q, visits), one would run the other's code
+    first_type.__name__ = f"{first_type.__module__}.{first_type.__qualname__}"
 
     def join(function: Callable[..., Any]) -> Callable[..., Any]:
         dispatch.__dict__["family"][first_type] = function

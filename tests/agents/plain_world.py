@@ -77,7 +77,7 @@ class PlainWorld:
         return list(self.mdp.pairs_of(state))
 
     def choose(self, state: int, q: Table) -> int:
-        """Choose by ε-greedy; one draw tells whether to explore and, stretched to [0, 1) again, what to take."""
+        """Choose by ε-greedy: one draw tells whether to explore and, stretched again, what to take."""
         pairs, epsilon = self.pairs(state), self.epsilon
         draw = self.dice.random()
         if draw < epsilon:

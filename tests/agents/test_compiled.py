@@ -4,8 +4,11 @@ import os
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any, NamedTuple
 
 import pytest
+
+from rl_tui.agents.compiled import compiled, inlined_by_type, member_of
 
 SCRIPT = """
 from rl_tui.agents.compiled import CACHED, compiled
@@ -56,3 +59,32 @@ def test_it_does_without_a_cache_where_none_can_be_written(tmp_path: Path) -> No
     occupied.write_text("")
     assert run_with_cache(occupied, tmp_path / "kernel.py") == "42.0 False 0"
     assert occupied.read_text() == ""
+
+
+class One:
+    class Alike(NamedTuple):
+        number: float
+        word: bool
+
+
+class Other:
+    class Alike(NamedTuple):
+        number: float
+        word: bool
+
+
+@inlined_by_type
+def answer_of(asked: Any) -> int:
+    return 0
+
+
+@compiled
+def ask(asked: Any) -> int:
+    return answer_of(asked)
+
+
+def test_types_that_look_alike_do_not_run_each_others_code() -> None:
+    member_of(answer_of, One.Alike)(lambda _: 1)
+    member_of(answer_of, Other.Alike)(lambda _: 2)
+    one, other = One.Alike(0.5, True), Other.Alike(0.5, True)
+    assert [ask(one), ask(other), ask(one)] == [1, 2, 1]

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import importlib
 import importlib.util
+import itertools
 from collections.abc import Callable
 from typing import Any
 
+import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -14,29 +16,28 @@ from plain_world import PlainWorld, Table, as_array
 from random_worlds import worlds
 
 from rl_tui.agents import loop, planning_loop
-from rl_tui.agents.catalogue import ALGORITHMS
+from rl_tui.agents.catalogue import BY_ID
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.agents.learner import Learner
-from rl_tui.worlds.mdp import TabularMDP
+from rl_tui.worlds.mdp import Outcome, TabularMDP, Transition, tabular_mdp
 from rl_tui.worlds.streams import streams
 
 
-def those(choice: Callable[[Any], bool]) -> list[Any]:
-    """Return the algorithms of that kind; those that are not written yet are skipped."""
+def written(*algorithms: str) -> list[Any]:
+    """Return these algorithms as parameters of a test; those that are still to come are skipped."""
     return [
         pytest.param(
-            algorithm.id,
+            algorithm,
             marks=pytest.mark.skipif(
-                importlib.util.find_spec(algorithm.module) is None, reason=f"{algorithm.module} is to come"
+                importlib.util.find_spec(BY_ID[algorithm].module) is None, reason=f"{algorithm} is to come"
             ),
         )
-        for algorithm in ALGORITHMS
-        if choice(algorithm)
+        for algorithm in algorithms
     ]
 
 
-EVERY = those(lambda algorithm: True)
-LEARNING = those(lambda algorithm: not algorithm.planner)
+EVERY = written(*BY_ID)
+LEARNING = written(*(algorithm.id for algorithm in BY_ID.values() if not algorithm.planner))
 
 hyperparameters = st.builds(
     Hyperparameters,
@@ -149,3 +150,62 @@ def test_a_checkpoint_brings_everything_back_in_any_learner(
         restored.advance(after)
         restored.drain_episodes()
         assert everything(restored) == expected
+
+
+def eight_states(time_limit: int) -> TabularMDP:
+    """A ring that slips, with an end beside every state: more states than the time limit."""
+    return tabular_mdp(
+        [f"s{state}" for state in range(9)],
+        ["on", "back", "out"],
+        [
+            Transition(state, action, [Outcome(0.8, to, -1.0, to == 8), Outcome(0.2, state, 0.5, False)])
+            for state in range(8)
+            for action, to in enumerate([(state + 1) % 8, (state - 1) % 8, 8])
+        ],
+        {0: 1.0},
+        time_limit,
+    )
+
+
+@pytest.mark.parametrize("time_limit", [0, 5])
+def test_any_algorithm_goes_on_where_another_stopped(time_limit: int) -> None:
+    there = [one for one in BY_ID if importlib.util.find_spec(BY_ID[one].module)]
+    for before, after in itertools.permutations(there, 2):
+        ours = learner(eight_states(time_limit), before, Hyperparameters(epsilon=0.5, accuracy=0.0))
+        ours.advance(9)
+        while not ours.episode_step:
+            ours.advance(1)
+        step, q, visits = ours.step, ours.q.tolist(), ours.visits.tolist()
+        ours.switch(after)
+        assert (ours.q.tolist(), ours.visits.tolist()) == (q, visits)
+        for _ in range(30):
+            ours.advance(1)
+            assert ours.plans or not time_limit or ours.episode_step < time_limit, (before, after)
+        assert np.isfinite(ours.q).all()
+        assert ours.stop_reason == ""
+        assert ours.plans or (ours.step, ours.visits.sum()) == (step + 30, sum(visits) + 30)
+
+
+@pytest.mark.parametrize("algorithm", LEARNING)
+@examples(10)
+@given(worlds(), hyperparameters, SEEDS)
+def test_the_update_that_is_told_is_the_one_that_was_made(
+    algorithm: str, mdp: TabularMDP, told: Hyperparameters, seed: int
+) -> None:
+    ours = learner(mdp, algorithm, told, seed)
+    for _ in range(40):
+        before = ours.q.copy()
+        ours.advance(1)
+        ours.drain_episodes()
+        last = ours.last_step
+        assert last is not None
+        moved = np.flatnonzero(ours.q != before)
+        if not last.learned:
+            assert (len(moved), last.others) == (0, 0)
+            continue
+        assert last.after == last.before + last.step_size * last.td_error
+        assert len(moved) <= last.others + 1
+        if last.others == 0:
+            assert set(moved) <= {last.updated_pair}
+        if last.others == 0 and last.table == 0:
+            assert (before[last.updated_pair], ours.q[last.updated_pair]) == (last.before, last.after)

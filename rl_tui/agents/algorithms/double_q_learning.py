@@ -8,7 +8,7 @@ from numpy.random import Generator
 
 from rl_tui.agents.action_rules.family import choose, greedy
 from rl_tui.agents.algorithms.family import Transition, Update, act, learn
-from rl_tui.agents.compiled import inlined, member_of
+from rl_tui.agents.compiled import member_of
 from rl_tui.agents.settings import Settings, step_size
 from rl_tui.agents.tables import Tables, pairs_of
 from rl_tui.worlds.space import FiniteSpace, FloatArray, IntArray
@@ -29,7 +29,7 @@ class Memory(NamedTuple):
 
 
 def new_memory(q: FloatArray, visits: IntArray, space: FiniteSpace) -> Memory:
-    """Return the memory around an existing table of estimates and its visits, which both tables start from."""
+    """Return the memory around existing estimates and its visits; both tables start from them."""
     return Memory(q, visits, q.copy(), q.copy(), visits.copy(), visits.copy())
 
 
@@ -55,39 +55,21 @@ def _learn(
     memory.visits[pair] += 1
     # One draw serves twice: what is left of it below or above 0.5, doubled, is again uniform on [0, 1)
     draw = generator.random()
-    if draw < 0.5:
-        update = _update(memory.q1, memory.q2, memory.updates1, settings, tables, transition, 2.0 * draw, 1)
-    else:
-        update = _update(
-            memory.q2, memory.q1, memory.updates2, settings, tables, transition, 2.0 * draw - 1.0, 2
-        )
-    memory.q[pair] = (memory.q1[pair] + memory.q2[pair]) / 2.0
-    return update
-
-
-@inlined
-def _update(
-    learning: FloatArray,
-    judging: FloatArray,
-    updates: IntArray,
-    settings: Settings,
-    tables: Tables,
-    transition: Transition,
-    draw: float,
-    table: int,
-) -> Update:
-    """Move one table towards what the other one thinks of its best action; ``draw`` decides between equals.
-
-    Sample averages count the updates of this table, each being the mean of its own targets.
-    """
-    pair = transition.pair
+    first_table = draw < 0.5
+    learning = memory.q1 if first_table else memory.q2
+    judging = memory.q2 if first_table else memory.q1
+    updates = memory.updates1 if first_table else memory.updates2
+    rest = 2.0 * draw if first_table else 2.0 * draw - 1.0
+    # A sample average counts the updates of its own table, being the mean of that table's targets
     updates[pair] += 1
     alpha = step_size(settings, updates[pair])
     bootstrap = 0.0
     if not transition.terminated:
         first, last = pairs_of(tables, transition.next_state)
-        bootstrap = judging[greedy(learning, first, last, settings.random_ties, draw)]
+        bootstrap = judging[greedy(learning, first, last, settings.random_ties, rest)]
     before = learning[pair]
     after = before + alpha * (transition.reward + settings.gamma * bootstrap - before)
     learning[pair] = after
+    memory.q[pair] = (memory.q1[pair] + memory.q2[pair]) / 2.0
+    table = 1 if first_table else 2
     return Update(pair, before, alpha, transition.reward, settings.gamma, bootstrap, after, 0, after, table)

@@ -47,7 +47,7 @@ def new_memory(q: FloatArray, visits: IntArray, space: FiniteSpace) -> Memory:
 
 @member_of(has_room, Memory)
 def _has_room(memory: Memory) -> bool:
-    return memory.length[0] < len(memory.pairs)
+    return int(memory.length[0]) < len(memory.pairs)
 
 
 @member_of(act, Memory)

@@ -21,9 +21,9 @@ _ROOM: Final = MOST_STEPS + 1
 class Memory(NamedTuple):
     """All that n-step SARSA remembers.
 
-    An estimate, a count of visits and one of updates for each pair, [P]; the last steps of the episode, step
-    t at t modulo the room of n + 1 at most: ``pairs`` A_t and ``rewards`` R_{t+1}; ``time``, [2]: t, the steps
-    taken, and τ, the next one to be updated; A′ as :mod:`rl_tui.agents.algorithms.next_action` has it.
+    An estimate, a count of visits and one of updates for each pair, [P]; of the last steps of the episode,
+    step t at t modulo the room for them, the ``pairs`` A_t and the ``rewards`` R_{t+1}; ``time``, [2]: t, the
+    steps taken, and τ, the next one to be updated; A′ as :mod:`rl_tui.agents.algorithms.next_action` has it.
     """
 
     q: FloatArray

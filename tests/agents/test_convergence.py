@@ -1,0 +1,91 @@
+"""Every learning algorithm finds the exact answer of small random worlds, learning in ever smaller steps."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from test_every_algorithm import written
+
+from rl_tui.agents.hyperparameters import Hyperparameters
+from rl_tui.agents.learner import Learner
+from rl_tui.agents.planning import evaluate, solve
+from rl_tui.agents.stop import Stop
+from rl_tui.worlds.mdp import Outcome, TabularMDP, Transition, tabular_mdp
+from rl_tui.worlds.streams import streams
+
+GAMMA = 0.7
+SEEDS = (1, 2, 3)
+
+
+def small_world(seed: int, certain: bool) -> TabularMDP:
+    """Five states, three actions, any state to start in; episodes end or are cut short after 20 steps."""
+    generator = np.random.default_rng(seed)
+    transitions = []
+    for state in range(5):
+        for action in range(3):
+            targets = generator.integers(0, 6, size=1 if certain else 3).tolist()
+            weights = generator.dirichlet(np.ones(len(targets))).tolist()
+            outcomes = [
+                Outcome(weight, target, float(generator.integers(-2, 3)), target == 5)
+                for weight, target in zip(weights, targets, strict=True)
+            ]
+            transitions.append(Transition(state, action, outcomes))
+    names = [f"s{state}" for state in range(6)]
+    return tabular_mdp(names, ["a", "b", "c"], transitions, dict.fromkeys(range(5), 0.2), 20)
+
+
+def error_after(mdp: TabularMDP, algorithm: str, told: Hyperparameters, episodes: int) -> float:
+    """Return max |Q − Q*| after so many episodes."""
+    learner = Learner(mdp, algorithm, told, streams(0))
+    while learner.episodes < episodes:
+        assert learner.advance(10**9, episodes - learner.episodes) in (Stop.DONE, Stop.EPISODES_FULL)
+        learner.drain_episodes()
+    return float(np.abs(learner.q - solve(mdp, GAMMA).q).max())
+
+
+def exploration_matters(mdp: TabularMDP) -> float:
+    """Return how far what a random policy is worth lies from Q*, so that coming near it means something."""
+    v = evaluate(mdp, np.full(mdp.pairs, 1 / 3), GAMMA).v
+    return float(np.abs(v - solve(mdp, GAMMA).v).max())
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+@pytest.mark.parametrize("algorithm", written("q-learning", "double-q-learning", "q-lambda"))
+def test_off_policy_whatever_is_explored(algorithm: str, seed: int) -> None:
+    # With α nearly 0 in the end, an estimate averages what its pair saw within 1/decay episodes or so: several
+    # thousand targets that scatter by about 1.5, so ±0.02, and handed on from state to state 1/(1 − γ) of that
+    mdp = small_world(seed, certain=False)
+    told = Hyperparameters(alpha=0.5, alpha_decay=3e-5, gamma=GAMMA, epsilon=0.5, lambda_=0.5)
+    assert error_after(mdp, algorithm, told, 300_000) < 0.1 < exploration_matters(mdp) / 5
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+@pytest.mark.parametrize("algorithm", written("q-learning", "double-q-learning"))
+def test_sample_averages(algorithm: str, seed: int) -> None:
+    # What was believed at first fades as N^(γ − 1) only: from about 5 to 5 · 30,000^−0.3 ≈ 0.2
+    mdp = small_world(seed, certain=False)
+    told = Hyperparameters(alpha="sample-average", gamma=GAMMA, epsilon=1.0)
+    assert error_after(mdp, algorithm, told, 100_000) < 0.25 < exploration_matters(mdp) / 5
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+@pytest.mark.parametrize(
+    "algorithm", written("sarsa", "expected-sarsa", "n-step-sarsa", "sarsa-lambda", "monte-carlo")
+)
+def test_on_policy_as_exploration_fades(algorithm: str, seed: int) -> None:
+    # With α = 0.2 ε, fading at the same pace, what is not greedy learns no more once the α still to come,
+    # 0.2 ε / 3 an episode, add up to less than 1: 0.2 ε² / (6 · 2e-5) = 1 at ε = 0.025. Its estimate is then
+    # that of a policy which explores so much, at a loss of up to 4 in the states that follow: 0.025 · 4 / 0.3
+    mdp = small_world(seed, certain=False)
+    told = Hyperparameters(
+        alpha=0.2, alpha_decay=2e-5, gamma=GAMMA, epsilon=1.0, epsilon_decay=2e-5, lambda_=0.5
+    )
+    assert error_after(mdp, algorithm, told, 300_000) < 0.33 < exploration_matters(mdp) / 5
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+@pytest.mark.parametrize("algorithm", written("q-learning", "q-lambda", "dyna-q", "prioritized-sweeping"))
+def test_where_nothing_is_left_to_chance_the_answer_is_exact(algorithm: str, seed: int) -> None:
+    mdp = small_world(seed, certain=True)
+    told = Hyperparameters(alpha=0.5, gamma=GAMMA, epsilon=1.0, lambda_=0.5, threshold=0.0)
+    assert error_after(mdp, algorithm, told, 2_000) < 1e-9 < exploration_matters(mdp) / 5
