@@ -14,12 +14,12 @@ from rl_tui.agents.drift import new_drift
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.agents.last_step import LastStep
 from rl_tui.agents.loop import advance, start_state
-from rl_tui.agents.planning_loop import sweep
+from rl_tui.agents.planning_loop import state_with_pairs, sweep
 from rl_tui.agents.position import new_episode_log, new_position, new_record, read_record
 from rl_tui.agents.settings import schedules_of, settings_of
 from rl_tui.agents.stepped_loop import SteppedLoop
 from rl_tui.agents.stop import Stop
-from rl_tui.agents.tables import tables_of
+from rl_tui.agents.tables import Tables, tables_of
 from rl_tui.worlds.environment import Environment
 from rl_tui.worlds.mdp import TabularMDP
 from rl_tui.worlds.space import BoolArray, FiniteSpace, FloatArray, IntArray
@@ -88,8 +88,7 @@ class Learner:
         self._tables = tables_of(space)
         self._drift = new_drift(space)
         self._stepped = None if environment is None else SteppedLoop(environment, streams.world)
-        first = start_state(self._tables, streams.world) if self._stepped is None else self._stepped.state
-        self._position = new_position(first)
+        self._position = new_position(0)
         self._log = new_episode_log(EPISODES_LOGGED)
         self._last = new_record()
         self._rule: Any
@@ -99,6 +98,7 @@ class Learner:
         self.hyperparameters = hyperparameters
         self._take_rule(hyperparameters)
         self._take_algorithm(algorithm)
+        self._begin_anew()
 
     def configure(self, hyperparameters: Hyperparameters) -> None:
         """Take these hyper-parameters from the next step on; ``initial_q`` only counts in the constructor.
@@ -117,10 +117,16 @@ class Learner:
     def switch(self, algorithm: str) -> None:
         """Let another algorithm go on with the same estimates and visits; the rest of its memory is new.
 
+        It goes on with the episode under way as well; but from an agent to a planner or back the one under
+        way is given up, unfinished, and another episode or sweep begins.
+
         Raises KeyError if there is no algorithm of that id, UserError where it cannot work here.
         """
         check_compatible(self.space, algorithm, self.hyperparameters)
+        planned = self.plans
         self._take_algorithm(algorithm)
+        if planned or self.plans:
+            self._begin_anew()
         self._go_on_planning()
 
     def _take_rule(self, hyperparameters: Hyperparameters) -> None:
@@ -134,9 +140,21 @@ class Learner:
         self._schedules = schedules_of(hyperparameters)
 
     def _take_algorithm(self, algorithm: str) -> None:
-        module = importlib.import_module(BY_ID[algorithm].module)
+        self._module = importlib.import_module(BY_ID[algorithm].module)
         self.algorithm = algorithm
-        self._memory = module.new_memory(self.q, self.visits, self.space)
+        self._memory = self._module.new_memory(self.q, self.visits, self.space)
+
+    def _begin_anew(self) -> None:
+        """Stand where an episode or a sweep begins; one under way is given up."""
+        if self.plans:
+            start = state_with_pairs(self._tables, 0)
+        elif self._stepped is None:
+            start = start_state(self._tables, self.streams.world)
+        else:
+            start = self._stepped.state
+        self._position.state[0] = start
+        self._position.episode_step[0] = 0
+        self._position.episode_return[0] = 0.0
 
     def _go_on_planning(self) -> None:
         """Let a planner that was done look again: what was changed may have given it something to do."""
@@ -147,6 +165,11 @@ class Learner:
     def plans(self) -> bool:
         """Whether the algorithm in force is a planner, which takes no steps in the world."""
         return BY_ID[self.algorithm].planner
+
+    @property
+    def planning(self) -> str:
+        """How a planner is getting on, in words; empty before its first step, and for an agent."""
+        return str(self._module.describe(self._memory)) if self.plans else ""
 
     @property
     def mdp(self) -> TabularMDP | None:
@@ -210,8 +233,9 @@ class Learner:
         if self._stop not in _FOR_GOOD or last is None:
             return ""
         if self._stop is Stop.DIVERGED:
-            pair = self._pair_name(last.updated_pair)
-            return f"Q({pair}) left ±1e12 at step {last.step:,}: take a smaller step size or start again"
+            pair = self._pair_name(int(np.argmax(np.nan_to_num(np.abs(self.q), nan=np.inf))))
+            remedy = "discount" if self.plans else "step size"
+            return f"Q({pair}) left ±1e12 at step {last.step:,}: take a smaller {remedy} or start again"
         if self._stop is Stop.ENDLESS_EPISODE:
             return f"episode {last.episode:,} has not ended after 10,000,000 steps, at step {last.step:,}"
         return (
@@ -241,7 +265,7 @@ class Learner:
     def _advance(self, steps: int, episodes: int) -> int:
         if self.plans:
             return sweep(
-                self._memory, self._settings, self._tables, self._position, self._last, steps, episodes
+                self._memory, self._settings, self._tables_now(), self._position, self._last, steps, episodes
             )
         told = (self._memory, self._rule, self._settings, self._schedules, self._tables)
         if self._stepped is not None:
@@ -259,6 +283,13 @@ class Learner:
             steps,
             episodes,
         )
+
+    def _tables_now(self) -> Tables:
+        """Return the tables as planners know them: with rewards where they have drifted to."""
+        mdp = self.mdp
+        if mdp is None or mdp is self.space:
+            return self._tables
+        return self._tables._replace(reward=mdp.reward)
 
     def warm_up(self) -> None:
         """Compile the loop, or read it from the cache, without taking a step."""

@@ -5,11 +5,20 @@ from __future__ import annotations
 from typing import Any
 
 from rl_tui.agents.algorithms.family import Transition, back_up, has_converged
-from rl_tui.agents.compiled import compiled
+from rl_tui.agents.compiled import compiled, inlined
 from rl_tui.agents.position import LastRecord, Position, record_transition, record_update
 from rl_tui.agents.settings import Settings
 from rl_tui.agents.stop import CONVERGED, DIVERGED, LARGEST_ESTIMATE
 from rl_tui.agents.tables import Tables
+
+
+@inlined
+def state_with_pairs(tables: Tables, start: int) -> int:
+    """Return the first state from ``start`` on that owns a pair, or the number of states if none does."""
+    state = start
+    while state < len(tables.first_pair) - 1 and tables.first_pair[state] == tables.first_pair[state + 1]:
+        state += 1
+    return state
 
 
 @compiled
@@ -24,31 +33,25 @@ def sweep(
 ) -> int:
     """Back up at most ``steps`` states, or until ``episodes`` more sweeps are done; return a :class:`Stop`.
 
-    States are backed up in their order, those that own no pair left out. ``position.state`` is the next one.
+    States are backed up in their order, those that own no pair left out. ``position.state`` is the next one,
+    the first of all where a sweep begins.
     """
     step, episode, state = position.step[0], position.episodes[0], position.state[0]
     first_step, last_step, last_episode = step, step + steps, episode + episodes
-    states = len(tables.first_pair) - 1
     stop = 0
-    if position.episode_step[0] == 0:
-        state = 0  # a sweep begins at the first state, wherever an agent that learned before may stand
     while stop == 0 and step < last_step and episode < last_episode:
-        while tables.first_pair[state] == tables.first_pair[state + 1]:
-            state += 1
         swept, backed_up = episode, state
         update = back_up(memory, settings, tables, state, episode)
         step += 1
         position.episode_step[0] += 1
-        state += 1
-        while state < states and tables.first_pair[state] == tables.first_pair[state + 1]:
-            state += 1
+        state = state_with_pairs(tables, state + 1)
         if not abs(update.extreme) <= LARGEST_ESTIMATE:
             stop = DIVERGED
-        elif state == states:
+        if state == len(tables.first_pair) - 1:
             episode += 1
-            state = 0
+            state = state_with_pairs(tables, 0)
             position.episode_step[0] = 0
-            if has_converged(memory, settings):
+            if stop == 0 and has_converged(memory, settings):
                 stop = CONVERGED
     position.step[0], position.episodes[0], position.state[0] = step, episode, state
     if step > first_step:

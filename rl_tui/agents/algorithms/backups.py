@@ -1,0 +1,98 @@
+"""What planners share: the expected update of a state (Sutton & Barto, 2nd ed., section 4.1)."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from rl_tui.agents.algorithms.family import Update, further
+from rl_tui.agents.compiled import compiled, inlined
+from rl_tui.agents.settings import Settings
+from rl_tui.agents.tables import Tables, landing, outcomes_of, pairs_of
+from rl_tui.worlds.space import FloatArray, IntArray
+
+ANY = -1
+
+
+class Sweep(NamedTuple):
+    """How the sweep under way is getting on, each an array of one number.
+
+    ``number`` is the sweep as the loop counts them, −1 before the first, and ``sweeps`` as the planner does.
+    ``change`` is the largest change of a state's value in it so far; infinite where the discount was changed
+    on the way, since then it proves nothing. ``gamma`` is the discount it began with.
+    """
+
+    number: IntArray
+    sweeps: IntArray
+    change: FloatArray
+    gamma: FloatArray
+
+
+def no_sweep() -> Sweep:
+    """Return how it stands before the first sweep."""
+    return Sweep(np.full(1, -1, dtype=np.int64), np.zeros(1, dtype=np.int64), np.zeros(1), np.zeros(1))
+
+
+@inlined
+def begin_sweep(progress: Sweep, settings: Settings, number: int) -> None:
+    """Begin another sweep, which nothing has changed in yet."""
+    progress.number[0] = number
+    progress.sweeps[0] += 1
+    progress.change[0] = 0.0
+    progress.gamma[0] = settings.gamma
+
+
+@inlined
+def note_change(progress: Sweep, settings: Settings, change: float) -> None:
+    """Take the change of a state's value into account."""
+    if settings.gamma != progress.gamma[0]:
+        progress.change[0] = np.inf
+    progress.change[0] = max(progress.change[0], change)
+
+
+@inlined
+def at_rest(progress: Sweep, settings: Settings) -> bool:
+    """Tell whether the sweep that is over moved no value by more than the accuracy, for this discount."""
+    still: bool = progress.change[0] <= settings.accuracy
+    return still and bool(progress.gamma[0] == settings.gamma)
+
+
+def change_in_words(change: FloatArray) -> str:
+    """Say what the largest change of a sweep is, [1]."""
+    if np.isinf(change[0]):
+        return "γ changed on the way"
+    return f"largest change {change[0]:.2g}"
+
+
+@compiled
+def back_up_pairs(
+    q: FloatArray, visits: IntArray, v: FloatArray, settings: Settings, tables: Tables, state: int, told: int
+) -> Update:
+    """Set all estimates of ``state`` to their expected update from ``v``, and count a visit of each.
+
+    The update is that of the pair ``told``, or with −1 of the best one: it gathers the expected reward, and
+    its bootstrap is the expected value of what comes next.
+    """
+    first, last = pairs_of(tables, state)
+    pair, before, gathered, bootstrap, after = first, 0.0, 0.0, 0.0, -np.inf
+    moved, extreme = 0, 0.0
+    for each in range(first, last):
+        # Q(s,a) ← Σ p(s′,r|s,a) [r + γ V(s′)]
+        reward, value = 0.0, 0.0
+        first_outcome, last_outcome = outcomes_of(tables, each)
+        for outcome in range(first_outcome, last_outcome):
+            reward += tables.probability[outcome] * tables.reward[outcome]
+            if not tables.terminated[outcome]:
+                value += tables.probability[outcome] * v[landing(tables, outcome)]
+        estimate = reward + settings.gamma * value
+        former = q[each]
+        q[each] = estimate
+        visits[each] += 1
+        extreme = further(extreme, estimate)
+        if estimate != former:
+            moved += 1
+        if each == told or (told == ANY and estimate > after):
+            pair, before, gathered, bootstrap, after = each, former, reward, value, estimate
+    others = moved - 1 if after != before else moved
+    return Update(pair, before, 1.0, gathered, settings.gamma, bootstrap, after, others, extreme, 0)

@@ -1,0 +1,139 @@
+"""Tabular Dyna-Q (Sutton & Barto, 2nd ed., box on page 164): Q-learning that practises in its own model.
+
+The model is deterministic: it answers with what was last observed. In a world of chance that is only one of
+the things that may happen, and practice pulls the estimates towards it, the more so the more planning steps
+there are.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.random import Generator
+
+from rl_tui.agents.action_rules.family import choose
+from rl_tui.agents.algorithms.family import Transition, Update, act, further, learn
+from rl_tui.agents.algorithms.model import THE_END, UNKNOWN, modelled_value
+from rl_tui.agents.compiled import compiled, member_of
+from rl_tui.agents.settings import Settings, step_size
+from rl_tui.agents.tables import Tables, pairs_of
+from rl_tui.worlds.space import FiniteSpace, FloatArray, IntArray
+
+
+class Memory(NamedTuple):
+    """All that Dyna-Q remembers.
+
+    The model of each pair, [P], is the ``model_reward`` and the ``model_next`` state last observed; the
+    latter is −2 where the episode ended and −1 where the pair was never taken. ``observed``, [S], begins with
+    the ``observed_count[0]`` states in which something was done, and ``tried``, [P], from first_pair[s] on
+    with the ``tried_count[s]`` pairs taken in state s, in the order of their first time.
+    """
+
+    q: FloatArray
+    visits: IntArray
+    model_reward: FloatArray
+    model_next: IntArray
+    observed: IntArray
+    observed_count: IntArray
+    tried: IntArray
+    tried_count: IntArray
+
+
+def new_memory(q: FloatArray, visits: IntArray, space: FiniteSpace) -> Memory:
+    """Return the memory around an existing table of estimates and its visits, with nothing in the model."""
+    return Memory(
+        q,
+        visits,
+        model_reward=np.zeros(space.pairs),
+        model_next=np.full(space.pairs, UNKNOWN, dtype=np.int64),
+        observed=np.zeros(space.states, dtype=np.int64),
+        observed_count=np.zeros(1, dtype=np.int64),
+        tried=np.zeros(space.pairs, dtype=np.int64),
+        tried_count=np.zeros(space.states, dtype=np.int64),
+    )
+
+
+@member_of(act, Memory)
+def _act(memory: Memory, rule: Any, tables: Tables, state: int, generator: Generator) -> tuple[int, bool]:
+    # A ← ε-greedy(S, Q)
+    first, last = pairs_of(tables, state)
+    return choose(rule, memory.q, memory.visits, first, last, generator)
+
+
+@member_of(learn, Memory)
+def _learn(
+    memory: Memory,
+    rule: Any,
+    settings: Settings,
+    tables: Tables,
+    transition: Transition,
+    generator: Generator,
+) -> Update:
+    memory.visits[transition.pair] += 1
+    next_state = THE_END if transition.terminated else transition.next_state
+    return learn_and_practise(
+        memory, settings, tables, transition.state, transition.pair, transition.reward, next_state, generator
+    )
+
+
+@compiled
+def learn_and_practise(
+    memory: Memory,
+    settings: Settings,
+    tables: Tables,
+    state: int,
+    pair: int,
+    reward: float,
+    next_state: int,
+    generator: Generator,
+) -> Update:
+    """Learn from a step and then from n more in the model; the update told of is that of the real step.
+
+    The n draws are the generator's. Each picks a state among those observed, and what is left of it between
+    two of them, which is uniform again, an action among those taken there.
+    """
+    q, visits = memory.q, memory.visits
+    # Q(S,A) ← Q(S,A) + α [R + γ max_a Q(S′,a) − Q(S,A)]
+    alpha = step_size(settings, visits[pair])
+    before = q[pair]
+    bootstrap = modelled_value(q, tables, next_state)
+    after = before + alpha * (reward + settings.gamma * bootstrap - before)
+    q[pair] = after
+    extreme = after
+    # Model(S,A) ← R, S′
+    if memory.model_next[pair] == UNKNOWN:
+        if memory.tried_count[state] == 0:
+            memory.observed[memory.observed_count[0]] = state
+            memory.observed_count[0] += 1
+        memory.tried[np.int64(tables.first_pair[state]) + memory.tried_count[state]] = pair
+        memory.tried_count[state] += 1
+    memory.model_reward[pair] = reward
+    memory.model_next[pair] = next_state
+    # Loop repeat n times
+    for _ in range(settings.planning_steps):
+        # S ← random previously observed state
+        place = generator.random() * memory.observed_count[0]
+        index = int(place)
+        imagined = memory.observed[index]
+        # A ← random action previously taken in S
+        chance = place - index
+        choice = int(chance * memory.tried_count[imagined])
+        each = memory.tried[np.int64(tables.first_pair[imagined]) + choice]
+        # R, S′ ← Model(S,A);  Q(S,A) ← Q(S,A) + α [R + γ max_a Q(S′,a) − Q(S,A)]
+        value = modelled_value(q, tables, memory.model_next[each])
+        target = memory.model_reward[each] + settings.gamma * value
+        q[each] += step_size(settings, visits[each]) * (target - q[each])
+        extreme = further(extreme, q[each])
+    return Update(
+        pair,
+        before,
+        alpha,
+        reward,
+        settings.gamma,
+        bootstrap,
+        after,
+        settings.planning_steps,
+        extreme,
+        0,
+    )

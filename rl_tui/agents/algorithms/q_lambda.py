@@ -1,0 +1,71 @@
+"""Watkins's Q(λ) (Sutton & Barto, 2nd ed., section 12.10): Q-learning with traces.
+
+A trace tells what a pair has led to while the greedy policy was followed, so all are cut before an action
+that is not greedy. An action whose estimate equals the best is greedy, even if it was drawn to explore.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from numpy.random import Generator
+
+from rl_tui.agents.action_rules.family import best_value
+from rl_tui.agents.algorithms.family import Transition, Update, act, learn
+from rl_tui.agents.algorithms.next_action import choose_next, take_chosen
+from rl_tui.agents.algorithms.traces import TracedMemory, no_traces, teach
+from rl_tui.agents.compiled import compiled, member_of
+from rl_tui.agents.settings import Settings
+from rl_tui.agents.tables import Tables, pairs_of
+from rl_tui.worlds.space import FiniteSpace, FloatArray, IntArray
+
+
+class Memory(TracedMemory):
+    """All that Q(λ) remembers."""
+
+
+def new_memory(q: FloatArray, visits: IntArray, space: FiniteSpace) -> Memory:
+    """Return the memory around an existing table of estimates and its visits, without traces."""
+    return Memory(*no_traces(q, visits, space))
+
+
+@member_of(act, Memory)
+def _act(memory: Memory, rule: Any, tables: Tables, state: int, generator: Generator) -> tuple[int, bool]:
+    # A ← A′; at the start of an episode choose A from S using the policy derived from Q
+    return take_chosen(memory.chosen, rule, memory.q, memory.visits, tables, state, generator)
+
+
+@member_of(learn, Memory)
+def _learn(
+    memory: Memory,
+    rule: Any,
+    settings: Settings,
+    tables: Tables,
+    transition: Transition,
+    generator: Generator,
+) -> Update:
+    return learn_with_traces(memory, rule, settings, tables, transition, generator)
+
+
+@compiled
+def learn_with_traces(
+    memory: Memory,
+    rule: Any,
+    settings: Settings,
+    tables: Tables,
+    transition: Transition,
+    generator: Generator,
+) -> Update:
+    """Choose A′, then move all pairs that have a trace; called and not inlined, to compile in less time."""
+    # Choose A′ from S′ using the policy derived from Q
+    memory.visits[transition.pair] += 1
+    next_pair = choose_next(memory.chosen, rule, memory.q, memory.visits, tables, transition, generator)
+    bootstrap, decay = 0.0, 0.0
+    if not transition.terminated:
+        first, last = pairs_of(tables, transition.next_state)
+        bootstrap = best_value(memory.q, first, last)
+        # No trace leads beyond an action that is not greedy, or into another episode
+        if memory.q[next_pair] == bootstrap and not transition.truncated:
+            decay = settings.gamma * settings.trace_decay
+    # δ ← R + γ max_a Q(S′,a) − Q(S,A);  Q ← Q + α δ e;  e ← γλ e, or 0
+    return teach(memory, settings, transition.pair, transition.reward, bootstrap, decay)

@@ -1,0 +1,62 @@
+"""SARSA(λ) (Sutton & Barto, 2nd ed., section 12.7: the box on page 305 with one feature for each pair)."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from numpy.random import Generator
+
+from rl_tui.agents.algorithms.family import Transition, Update, act, learn
+from rl_tui.agents.algorithms.next_action import choose_next, take_chosen
+from rl_tui.agents.algorithms.traces import TracedMemory, no_traces, teach
+from rl_tui.agents.compiled import compiled, member_of
+from rl_tui.agents.settings import Settings
+from rl_tui.agents.tables import Tables
+from rl_tui.worlds.space import FiniteSpace, FloatArray, IntArray
+
+
+class Memory(TracedMemory):
+    """All that SARSA(λ) remembers."""
+
+
+def new_memory(q: FloatArray, visits: IntArray, space: FiniteSpace) -> Memory:
+    """Return the memory around an existing table of estimates and its visits, without traces."""
+    return Memory(*no_traces(q, visits, space))
+
+
+@member_of(act, Memory)
+def _act(memory: Memory, rule: Any, tables: Tables, state: int, generator: Generator) -> tuple[int, bool]:
+    # A ← A′; at the start of an episode choose A from S using the policy derived from Q
+    return take_chosen(memory.chosen, rule, memory.q, memory.visits, tables, state, generator)
+
+
+@member_of(learn, Memory)
+def _learn(
+    memory: Memory,
+    rule: Any,
+    settings: Settings,
+    tables: Tables,
+    transition: Transition,
+    generator: Generator,
+) -> Update:
+    return learn_with_traces(memory, rule, settings, tables, transition, generator)
+
+
+@compiled
+def learn_with_traces(
+    memory: Memory,
+    rule: Any,
+    settings: Settings,
+    tables: Tables,
+    transition: Transition,
+    generator: Generator,
+) -> Update:
+    """Choose A′, then move all pairs that have a trace; called and not inlined, to compile in less time."""
+    # Choose A′ from S′ using the policy derived from Q
+    memory.visits[transition.pair] += 1
+    next_pair = choose_next(memory.chosen, rule, memory.q, memory.visits, tables, transition, generator)
+    bootstrap = memory.q[next_pair] if next_pair >= 0 else 0.0
+    # δ ← R + γ Q(S′,A′) − Q(S,A);  Q ← Q + α δ e;  e ← γλ e, and no trace leads into another episode
+    ended = transition.terminated or transition.truncated
+    decay = 0.0 if ended else settings.gamma * settings.trace_decay
+    return teach(memory, settings, transition.pair, transition.reward, bootstrap, decay)

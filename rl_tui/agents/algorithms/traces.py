@@ -1,0 +1,84 @@
+"""Eligibility traces of state–action pairs (Sutton & Barto, 2nd ed., chapter 12).
+
+Only pairs that have a trace are visited, so that a step costs no more in a large table than in a small one.
+"""
+
+from __future__ import annotations
+
+from typing import Final, NamedTuple
+
+import numpy as np
+
+from rl_tui.agents.algorithms.family import Update, further
+from rl_tui.agents.algorithms.next_action import nothing_chosen
+from rl_tui.agents.compiled import inlined
+from rl_tui.agents.settings import Settings, step_size
+from rl_tui.worlds.space import FiniteSpace, FloatArray, IntArray
+
+# Below this a trace is dropped: else every step would go on moving all pairs of a long episode, by amounts
+# that no digit shows.
+FADED: Final = 1e-12
+
+
+class TracedMemory(NamedTuple):
+    """What an algorithm with traces remembers.
+
+    The estimates ``q``, the counts ``visits`` and the traces ``eligibility`` are [P]. ``active``, [P], begins
+    with the ``active_count[0]`` pairs whose trace is not 0. ``chosen``, [2], is A′ as
+    :mod:`rl_tui.agents.algorithms.next_action` has it.
+    """
+
+    q: FloatArray
+    visits: IntArray
+    eligibility: FloatArray
+    active: IntArray
+    active_count: IntArray
+    chosen: IntArray
+
+
+def no_traces(q: FloatArray, visits: IntArray, space: FiniteSpace) -> TracedMemory:
+    """Return the memory at the start of an episode, around a table of estimates and its visits."""
+    none = np.zeros(1, dtype=np.int64)
+    return TracedMemory(
+        q, visits, np.zeros(space.pairs), np.zeros(space.pairs, dtype=np.int64), none, nothing_chosen()
+    )
+
+
+@inlined
+def teach(
+    memory: TracedMemory, settings: Settings, pair: int, reward: float, bootstrap: float, decay: float
+) -> Update:
+    """Give the pair just taken its trace, move all that have one, and let them fade by ``decay``.
+
+    The trace of ``pair`` grows by 1 where traces accumulate, else it becomes 1. With δ = reward + γ·bootstrap
+    − Q(pair), every pair moves by α·e·δ, e being its trace (equation 12.7); where the step size is the sample
+    average it is that of each pair. ``decay`` is γλ, or 0 to cut all traces. The update told of is that of
+    ``pair``.
+    """
+    q, visits, trace = memory.q, memory.visits, memory.eligibility
+    active, count = memory.active, memory.active_count
+    # e(S,A) ← e(S,A) + 1, or where traces are replaced 1
+    if trace[pair] == 0.0:
+        active[count[0]] = pair
+        count[0] += 1
+    trace[pair] = trace[pair] + 1.0 if settings.accumulating else 1.0
+    before, own = q[pair], step_size(settings, visits[pair]) * trace[pair]
+    error = reward + settings.gamma * bootstrap - before
+    moved, kept, extreme = count[0], 0, 0.0
+    for place in range(moved):
+        each = active[place]
+        # Q ← Q + α δ e
+        alpha = step_size(settings, visits[each])
+        estimate = q[each] + alpha * trace[each] * error
+        q[each] = estimate
+        extreme = further(extreme, estimate)
+        # e ← γλ e
+        left = trace[each] * decay
+        if left < FADED:
+            trace[each] = 0.0
+        else:
+            trace[each] = left
+            active[kept] = each
+            kept += 1
+    count[0] = kept
+    return Update(pair, before, own, reward, settings.gamma, bootstrap, q[pair], moved - 1, extreme, 0)

@@ -1,0 +1,76 @@
+"""Value iteration, in place (Sutton & Barto, 2nd ed., box on page 83, equation 4.10).
+
+At γ = 1 a loop that pays nothing keeps whatever value it began with: begin with estimates of 0.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from rl_tui.agents.algorithms.backups import (
+    ANY,
+    Sweep,
+    at_rest,
+    back_up_pairs,
+    begin_sweep,
+    change_in_words,
+    no_sweep,
+    note_change,
+)
+from rl_tui.agents.algorithms.family import Update, back_up, has_converged
+from rl_tui.agents.compiled import member_of
+from rl_tui.agents.settings import Settings
+from rl_tui.agents.tables import Tables
+from rl_tui.worlds.space import FiniteSpace, FloatArray, IntArray
+
+
+class Memory(NamedTuple):
+    """All that value iteration remembers.
+
+    The estimates ``q`` are [P], and so are ``visits``, which count how often each was backed up; ``v``, [S],
+    are the greatest of each state, 0 where it owns no pair. The rest is the
+    :class:`rl_tui.agents.algorithms.backups.Sweep`, whose change is that of ``v``.
+    """
+
+    q: FloatArray
+    visits: IntArray
+    v: FloatArray
+    number: IntArray
+    sweeps: IntArray
+    change: FloatArray
+    gamma: FloatArray
+
+
+def new_memory(q: FloatArray, visits: IntArray, space: FiniteSpace) -> Memory:
+    """Return the memory around an existing table of estimates and its visits."""
+    v = np.zeros(space.states)
+    own = np.diff(space.first_pair) > 0
+    v[own] = np.maximum.reduceat(q, space.first_pair[:-1][own])
+    return Memory(q, visits, v, *no_sweep())
+
+
+def describe(memory: Memory) -> str:
+    """Say how the sweep under way is getting on; empty before the first."""
+    if not memory.sweeps[0]:
+        return ""
+    return f"sweep {memory.sweeps[0]:,}: {change_in_words(memory.change)}"
+
+
+@member_of(back_up, Memory)
+def _back_up(memory: Memory, settings: Settings, tables: Tables, state: int, sweep: int) -> Update:
+    progress = Sweep(memory.number, memory.sweeps, memory.change, memory.gamma)
+    if sweep != memory.number[0]:
+        begin_sweep(progress, settings, sweep)
+    # v ← V(s);  V(s) ← max_a Σ p(s′,r|s,a) [r + γ V(s′)];  Δ ← max(Δ, |v − V(s)|)
+    update = back_up_pairs(memory.q, memory.visits, memory.v, settings, tables, state, ANY)
+    note_change(progress, settings, abs(update.after - memory.v[state]))
+    memory.v[state] = update.after
+    return update
+
+
+@member_of(has_converged, Memory)
+def _has_converged(memory: Memory, settings: Settings) -> bool:
+    # until Δ < θ
+    return at_rest(Sweep(memory.number, memory.sweeps, memory.change, memory.gamma), settings)
