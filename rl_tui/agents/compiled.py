@@ -12,8 +12,10 @@ from typing import Any, Final, ParamSpec, Protocol, TypeVar, cast
 import numba
 import platformdirs
 from numba import types
+from numba.core import ir
 from numba.core.caching import FunctionCache
 from numba.core.compiler import CompileResult
+from numba.core.ir_utils import alias_analysis_extensions
 from numba.extending import overload
 
 Parameters = ParamSpec("Parameters")
@@ -78,6 +80,20 @@ class _ForgivingCache(FunctionCache):  # type: ignore[misc]
             super().save_overload(sig, data)
         except Exception:  # unreadable index, full disk, folder gone: the code in memory is all we need
             return
+
+
+def _keep_written(
+    write: Any, args: Any, typemap: Any, func_ir: Any, alias_map: Any, arg_aliases: set[str]
+) -> None:
+    """Tell numba's elimination of dead code that the array of ``write`` is an argument's.
+
+    It follows what an inlined function is given, but not always what it returns: what is written to an array
+    of a NamedTuple that came back from one would silently be left out.
+    """
+    arg_aliases.add(write.target.name)
+
+
+alias_analysis_extensions[ir.SetItem] = _keep_written
 
 
 def compiled(function: Callable[Parameters, Result]) -> Compiled[Parameters, Result]:

@@ -58,6 +58,7 @@ def solve(mdp: TabularMDP, gamma: float) -> Solution:
     optimum = policy_iteration(model, gamma)
     advantage = optimum.advantage
     tied = advantage >= np.repeat(model.best(advantage), model.pairs_each) - TIE
+    discounts_nothing = gamma == 1.0 or bool(mdp.terminated.all())
     return Solution(
         gamma=gamma,
         v=optimum.v[:-1].astype(np.float64),
@@ -65,7 +66,7 @@ def solve(mdp: TabularMDP, gamma: float) -> Solution:
         greedy=tied,
         value_at_start=model.average_at_start(optimum.v),
         expected_return=expected_return(mdp, uniform_over(mdp, tied)),
-        best_expected_return=_best_expected_return(model, optimum if gamma == 1.0 else None),
+        best_expected_return=_best_expected_return(model, optimum if discounts_nothing else None),
         iterations=optimum.iterations,
     )
 

@@ -12,6 +12,8 @@ from rl_tui.worlds.errors import ScenarioError, UserError
 
 SHIPPED = [
     "bandit",
+    "bandit-bernoulli",
+    "bandit-drifting",
     "student",
     "frozenlake",
     "frozenlake-slippery",
@@ -47,6 +49,8 @@ def test_every_shipped_one_teaches_something(name):
     ("name", "defaults"),
     [
         ("bandit", {"alpha": "sample-average", "epsilon": 0.1, "gamma": 0.0, "episodes": 1000}),
+        ("bandit-bernoulli", {"alpha": "sample-average", "epsilon": 0.1, "gamma": 0.0, "episodes": 1000}),
+        ("bandit-drifting", {"alpha": 0.1, "epsilon": 0.1, "gamma": 0.0, "episodes": 10_000}),
         ("student", {"alpha": 0.1, "epsilon": 0.1, "gamma": 0.9, "episodes": 500}),
         ("frozenlake", {"alpha": 0.1, "epsilon": 0.1, "gamma": 0.99, "episodes": 10_000}),
         ("frozenlake-slippery", {"alpha": 0.1, "epsilon": 0.1, "gamma": 0.99, "episodes": 10_000}),

@@ -1,0 +1,89 @@
+"""The gradient bandit: preferences, not values (Sutton & Barto, 2nd ed., section 2.8, equation 2.12)."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.random import Generator
+
+from rl_tui.agents.action_rules.family import best_value, choose, expectation, reinforce
+from rl_tui.agents.compiled import member_of
+from rl_tui.agents.hyperparameters import Hyperparameters
+from rl_tui.worlds.space import FiniteSpace, FloatArray, IntArray
+
+
+class Rule(NamedTuple):
+    """What is preferred: ``preference`` is H and ``probability`` its softmax π, both [P].
+
+    ``mean_reward`` is the average of the ``rewards`` received so far, [1] each. It is the baseline R̄, which
+    is 0 where ``with_baseline`` is false.
+    """
+
+    preference: FloatArray
+    probability: FloatArray
+    mean_reward: FloatArray
+    rewards: IntArray
+    with_baseline: bool
+
+
+def new_rule(space: FiniteSpace, told: Hyperparameters) -> Rule:
+    """Return the rule before the first pull: all preferences are 0."""
+    return Rule(
+        np.zeros(space.pairs),
+        np.full(space.pairs, 1.0 / space.pairs),
+        np.zeros(1),
+        np.zeros(1, np.int64),
+        told.baseline == "mean",
+    )
+
+
+def changed_rule(rule: Rule, told: Hyperparameters) -> Rule:
+    """Return the rule with other hyper-parameters and the same preferences."""
+    return rule._replace(with_baseline=told.baseline == "mean")
+
+
+@member_of(choose, Rule)
+def _choose(
+    rule: Rule, q: FloatArray, visits: IntArray, first: int, last: int, generator: Generator
+) -> tuple[int, bool]:
+    draw = generator.random()
+    chosen = first
+    below = float(rule.probability[first])
+    while draw >= below and chosen < last - 1:
+        chosen += 1
+        below += rule.probability[chosen]
+    return chosen, q[chosen] < best_value(q, first, last)
+
+
+@member_of(expectation, Rule)
+def _expectation(rule: Rule, q: FloatArray, visits: IntArray, first: int, last: int) -> float:
+    total = 0.0
+    for pair in range(first, last):
+        total += rule.probability[pair] * q[pair]
+    return total
+
+
+@member_of(reinforce, Rule)
+def _reinforce(rule: Rule, alpha: float, first: int, last: int, pair: int, reward: float) -> None:
+    # R̄ is the mean of the rewards before this one; that of the first is the first itself (page 37). It does
+    # not depend on the action taken, as the derivation on page 39 asks for.
+    if rule.rewards[0] == 0:
+        rule.mean_reward[0] = reward
+    baseline = rule.mean_reward[0] if rule.with_baseline else 0.0
+    # H(A) ← H(A) + α (R − R̄) (1 − π(A)),  H(a) ← H(a) − α (R − R̄) π(a) for all others
+    change = alpha * (reward - baseline)
+    for arm in range(first, last):
+        taken = 1.0 if arm == pair else 0.0
+        rule.preference[arm] += change * (taken - rule.probability[arm])
+    # π(a) ← exp H(a) / Σ exp H(b)
+    highest = best_value(rule.preference, first, last)
+    total = 0.0
+    for arm in range(first, last):
+        rule.probability[arm] = math.exp(rule.preference[arm] - highest)
+        total += rule.probability[arm]
+    for arm in range(first, last):
+        rule.probability[arm] /= total
+    rule.rewards[0] += 1
+    rule.mean_reward[0] += (reward - rule.mean_reward[0]) / rule.rewards[0]

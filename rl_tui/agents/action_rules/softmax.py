@@ -1,0 +1,63 @@
+"""Softmax of the estimates at a temperature (Sutton & Barto, 2nd ed., exercise 2.9 and section 13.1)."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.random import Generator
+
+from rl_tui.agents.action_rules.family import best_value, choose, expectation
+from rl_tui.agents.compiled import member_of
+from rl_tui.agents.hyperparameters import Hyperparameters
+from rl_tui.worlds.space import FiniteSpace, FloatArray, IntArray
+
+
+class Rule(NamedTuple):
+    """The temperature τ, and room for the running sums over the actions of one state, [A]."""
+
+    temperature: float
+    sums: FloatArray
+
+
+def new_rule(space: FiniteSpace, told: Hyperparameters) -> Rule:
+    """Return the rule of these hyper-parameters."""
+    return Rule(told.temperature, np.zeros(len(space.action_names)))
+
+
+def changed_rule(rule: Rule, told: Hyperparameters) -> Rule:
+    """Return the rule with other hyper-parameters; it learns nothing."""
+    return Rule(told.temperature, rule.sums)
+
+
+@member_of(choose, Rule)
+def _choose(
+    rule: Rule, q: FloatArray, visits: IntArray, first: int, last: int, generator: Generator
+) -> tuple[int, bool]:
+    # π(a|s) ∝ exp(Q(s,a) / τ); less the greatest, so that no power overflows and the best one counts 1
+    highest = best_value(q, first, last)
+    total = 0.0
+    for pair in range(first, last):
+        total += math.exp((float(q[pair]) - highest) / rule.temperature)
+        rule.sums[pair - first] = total
+    point = generator.random() * total
+    chosen = first
+    # The draw lies below the last sum; counting those it has passed leaves nothing to guess
+    for place in range(last - first - 1):
+        chosen += point >= rule.sums[place]
+    return chosen, q[chosen] < highest
+
+
+@member_of(expectation, Rule)
+def _expectation(rule: Rule, q: FloatArray, visits: IntArray, first: int, last: int) -> float:
+    if first == last:
+        return 0.0
+    highest = best_value(q, first, last)
+    total = 0.0
+    weighted = 0.0
+    for pair in range(first, last):
+        weight = math.exp((float(q[pair]) - highest) / rule.temperature)
+        total += weight
+        weighted += weight * float(q[pair])
+    return weighted / total

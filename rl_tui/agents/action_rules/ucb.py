@@ -1,0 +1,94 @@
+"""Upper confidence bounds (Sutton & Barto, 2nd ed., section 2.7, equation 2.10), state by state."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from numpy.random import Generator
+
+from rl_tui.agents.action_rules.family import choose, expectation
+from rl_tui.agents.compiled import inlined, member_of
+from rl_tui.agents.hyperparameters import Hyperparameters
+from rl_tui.worlds.space import FiniteSpace, FloatArray, IntArray
+
+
+class Rule(NamedTuple):
+    """The confidence c; ``random_ties`` is false where the first of equal bounds is taken."""
+
+    confidence: float
+    random_ties: bool
+
+
+def new_rule(space: FiniteSpace, told: Hyperparameters) -> Rule:
+    """Return the rule of these hyper-parameters."""
+    return Rule(told.confidence, told.ties == "random")
+
+
+def changed_rule(rule: Rule, told: Hyperparameters) -> Rule:
+    """Return the rule with other hyper-parameters; the counts are those of the agent."""
+    return Rule(told.confidence, told.ties == "random")
+
+
+@inlined
+def log_time(visits: IntArray, first: int, last: int) -> float:
+    """Return ln t, t being the step in this state that is about to be taken, counted from 1."""
+    time = 1
+    for pair in range(first, last):
+        time += visits[pair]
+    return math.log(time)
+
+
+@inlined
+def upper_bound(confidence: float, estimate: float, count: int, log_time: float) -> float:
+    """Return Q + c √(ln t / N); what was never tried is worth trying before all else, whatever c is."""
+    if count == 0:
+        return math.inf
+    return estimate + confidence * math.sqrt(log_time / count)
+
+
+@member_of(choose, Rule)
+def _choose(
+    rule: Rule, q: FloatArray, visits: IntArray, first: int, last: int, generator: Generator
+) -> tuple[int, bool]:
+    # A ← argmax [Q(S,a) + c √(ln t / N(S,a))]
+    now = log_time(visits, first, last)
+    chosen = first
+    ties = 0
+    highest = -math.inf
+    best_estimate = -math.inf
+    for pair in range(first, last):
+        best_estimate = max(best_estimate, float(q[pair]))
+        bound = upper_bound(rule.confidence, float(q[pair]), visits[pair], now)
+        if bound > highest:
+            chosen = pair
+            highest = bound
+            ties = 1
+        elif bound == highest:
+            ties += 1
+    if rule.random_ties and ties > 1:
+        skip = min(int(generator.random() * ties), ties - 1)
+        while skip > 0:
+            chosen += 1
+            skip -= upper_bound(rule.confidence, float(q[chosen]), visits[chosen], now) == highest
+    return chosen, q[chosen] < best_estimate
+
+
+@member_of(expectation, Rule)
+def _expectation(rule: Rule, q: FloatArray, visits: IntArray, first: int, last: int) -> float:
+    if first == last:
+        return 0.0
+    now = log_time(visits, first, last)
+    ties = 0
+    total = 0.0
+    highest = -math.inf
+    for pair in range(first, last):
+        bound = upper_bound(rule.confidence, float(q[pair]), visits[pair], now)
+        if bound > highest:
+            total = float(q[pair])
+            highest = bound
+            ties = 1
+        elif bound == highest and rule.random_ties:
+            total += float(q[pair])
+            ties += 1
+    return total / ties
