@@ -147,7 +147,7 @@ class Learner:
     def _begin_anew(self) -> None:
         """Stand where an episode or a sweep begins; one under way is given up."""
         if self.plans:
-            start = state_with_pairs(self._tables, 0)
+            start = state_with_pairs.py_func(self._tables, 0)
         elif self._stepped is None:
             start = start_state(self._tables, self.streams.world)
         else:

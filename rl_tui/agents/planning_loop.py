@@ -22,6 +22,15 @@ def state_with_pairs(tables: Tables, start: int) -> int:
 
 
 @compiled
+def state_with_pairs(tables: Tables, start: int) -> int:
+    """Return the first state from ``start`` on that owns a pair, or the number of states if none does."""
+    state = start
+    while state < len(tables.first_pair) - 1 and tables.first_pair[state] == tables.first_pair[state + 1]:
+        state += 1
+    return state
+
+
+@compiled
 def sweep(
     memory: Any,
     settings: Settings,

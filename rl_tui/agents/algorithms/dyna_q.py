@@ -123,7 +123,10 @@ def learn_and_practise(
         # R, S′ ← Model(S,A);  Q(S,A) ← Q(S,A) + α [R + γ max_a Q(S′,a) − Q(S,A)]
         value = modelled_value(q, tables, memory.model_next[each])
         target = memory.model_reward[each] + settings.gamma * value
-        q[each] += step_size(settings, visits[each]) * (target - q[each])
+        own = settings.alpha
+        if settings.sample_average:
+            own = 1.0 / visits[each]
+        q[each] += own * (target - q[each])
         extreme = further(extreme, q[each])
     return Update(
         pair,

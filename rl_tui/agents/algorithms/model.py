@@ -8,7 +8,7 @@ from __future__ import annotations
 from typing import Final
 
 from rl_tui.agents.action_rules.family import best_value
-from rl_tui.agents.compiled import inlined
+from rl_tui.agents.compiled import compiled
 from rl_tui.agents.tables import Tables, pairs_of
 from rl_tui.worlds.space import FloatArray
 
@@ -17,7 +17,7 @@ UNKNOWN: Final = -1
 THE_END: Final = -2
 
 
-@inlined
+@compiled
 def modelled_value(q: FloatArray, tables: Tables, next_state: int) -> float:
     """Return max Q(S′,·) of a state in the model, 0 where the episode ends or nothing is known."""
     value = 0.0

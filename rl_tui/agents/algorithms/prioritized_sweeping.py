@@ -140,7 +140,7 @@ def consider(memory: Memory, queue: Queue, settings: Settings, tables: Tables, p
         enqueue(queue, pair, priority)
 
 
-@inlined
+@compiled
 def state_of(tables: Tables, pair: int) -> int:
     """Return the state that owns ``pair``, by halving."""
     low, high = 0, len(tables.first_pair) - 1

@@ -68,7 +68,9 @@ def teach(
     for place in range(moved):
         each = active[place]
         # Q ← Q + α δ e
-        alpha = step_size(settings, visits[each])
+        alpha = settings.alpha
+        if settings.sample_average:
+            alpha = 1.0 / visits[each]
         estimate = q[each] + alpha * trace[each] * error
         q[each] = estimate
         extreme = further(extreme, estimate)
