@@ -108,7 +108,7 @@ def test_finds_a_file_by_its_path(tmp_path, monkeypatch):
     [
         ("frozenlke", r'no scenario is called "frozenlke": did you mean frozenlake'),
         ("Bandit", "did you mean bandit"),
-        ("xyz", "there are bandit, student, frozenlake, "),
+        ("xyz", "there are bandit, bandit-bernoulli, bandit-drifting, student, "),
         ("a\x1b[31m", r"no scenario is called \"a\\u001b\[31m\""),
     ],
 )
