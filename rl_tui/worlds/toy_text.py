@@ -32,9 +32,9 @@ def _refusal(key: str, found: str, expected: str) -> WorldRefusedError:
 def world_of(name: str, kwargs: Mapping[str, Any]) -> World:
     """Return the world of the registered environment ``name`` made with ``kwargs``.
 
-    States are called "0", "1", …; the time limit is the environment's own. Raises WorldRefusedError where it
-    is not registered, cannot be made, or is no finite MDP with a table that can be read
-    and rewards within ±1e12.
+    States are called "0", "1", … where the environment has no better names; the time limit is the
+    environment's own. Raises WorldRefusedError where it is not registered, cannot be made, or is no finite
+    MDP with a table that can be read and rewards within ±1e12.
     """
     with closing(_made(name, kwargs)) as environment:
         states, actions = _sizes(name, environment)
@@ -44,7 +44,7 @@ def world_of(name: str, kwargs: Mapping[str, Any]) -> World:
         layout = layout_of(environment.unwrapped, states, actions, start)
     try:
         mdp = tabular_mdp(
-            [str(state) for state in range(states)],
+            list(layout.state_names),
             layout.action_names,
             (
                 Transition(state, action, _outcomes(table[state][action], layout, state, action))

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 import gymnasium
 import numpy as np
 import pytest
@@ -103,12 +105,72 @@ def test_cliff_walking_has_its_shape_and_its_own_order_of_actions():
     assert world.space.outcome_action[into_the_cliff] == -1, "being carried back is no direction"
 
 
+def test_cliff_walking_is_drawn_with_its_cliff():
+    kinds = world_of("CliffWalking-v1", {}).drawing.kinds
+    assert kinds[:36] == (FLOOR,) * 36
+    assert kinds[36:] == (START, *(CellKind.CLIFF,) * 10, GOAL)
+
+
 def test_a_table_without_a_map_lies_in_the_squarest_grid_that_holds_it():
-    world = world_of("Taxi-v4", {})
-    assert (world.drawing.rows, world.drawing.columns) == (22, 23)
-    assert world.drawing.directions == (None,) * 6
+    gymnasium.register("Tabled-v0", Tabled, disable_env_checker=True)
+    try:
+        world = world_of("Tabled-v0", {})
+    finally:
+        del gymnasium.registry["Tabled-v0"]
+    assert (world.drawing.rows, world.drawing.columns) == (3, 3)
+    assert world.drawing.directions == (None,) * 2
+    assert world.space.state_names == tuple("0123456")
+    assert world.space.action_names == ("0", "1")
+
+
+def test_taxi_is_twenty_towns():
+    world = built("taxi")
+    assert (world.space.states, world.space.pairs, world.space.time_limit) == (500, 6 * 400, 200)
+    assert world.space.action_names == ("south", "north", "east", "west", "pickup", "dropoff")
     assert len(world.space.start_state) == 300
     assert world.space.start_probability == pytest.approx(np.full(300, 1 / 300))
+    drawing = world.drawing
+    assert (drawing.rows, drawing.columns) == (29, 23)
+    assert len(set(drawing.cell_of_state)) == 500
+    assert drawing.kinds.count(CellKind.WALL) == 29 * 23 - 500
+    assert all(drawing.kinds[cell] is not CellKind.WALL for cell in drawing.cell_of_state)
+
+
+def test_the_names_of_taxi_are_what_gymnasium_decodes():
+    world = built("taxi")
+    taxi = gymnasium.make("Taxi-v4").unwrapped
+    for state, name in enumerate(world.space.state_names):
+        row, column, passenger, destination = taxi.decode(state)
+        assert name == f"{row},{column} {('R', 'G', 'Y', 'B', 'in')[passenger]}→{'RGYB'[destination]}"
+
+
+def test_driving_is_a_step_on_the_map_and_picking_up_leads_to_another_town():
+    world = built("taxi")
+    mdp, drawing = world.space, world.drawing
+    for pair in range(mdp.pairs):
+        here = divmod(drawing.cell_of_state[int(mdp.pair_state[pair])], drawing.columns)
+        to = int(mdp.next_state[mdp.outcomes_of(pair)[0]])
+        there = divmod(drawing.cell_of_state[to], drawing.columns)
+        moved = (there[0] - here[0], there[1] - here[1])
+        direction = drawing.directions[int(mdp.pair_action[pair])]
+        if direction is not None:
+            assert moved in (direction, (0, 0))
+        elif moved != (0, 0):
+            assert moved[0] % 6 == 0
+            assert moved[1] == 0
+
+
+def test_the_goals_of_taxi_are_where_its_rides_end():
+    world = built("taxi")
+    ends = {int(state) for state in world.space.next_state[world.space.terminated]}
+    assert sorted(world.space.state_names[state] for state in ends) == [
+        "0,0 R→R",
+        "0,4 G→G",
+        "4,0 Y→Y",
+        "4,3 B→B",
+    ]
+    goals = {cell for cell, kind in enumerate(world.drawing.kinds) if kind is GOAL}
+    assert goals == {world.drawing.cell_of_state[state] for state in ends}
 
 
 @pytest.mark.parametrize(
@@ -165,3 +227,14 @@ def test_refuses_unsound_tables_and_closes_the_environment(attributes, found):
     finally:
         del gymnasium.registry["Counting-v0"]
     assert Counting.closed == before + 1
+
+
+class Tabled(Counting):
+    """A table of seven states without a map."""
+
+    P: ClassVar = {s: {a: [(1.0, (s + 1) % 7, 0.0, s == 6)] for a in (0, 1)} for s in range(7)}
+    initial_state_distrib = (1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+
+    def __init__(self):
+        super().__init__()
+        self.observation_space = Discrete(7)
