@@ -7,6 +7,7 @@ with what it is compared with, and given as a median unless said otherwise.
 from __future__ import annotations
 
 import argparse
+import asyncio
 import json
 import re
 import subprocess
@@ -18,6 +19,7 @@ from statistics import median, quantiles
 from tempfile import TemporaryDirectory
 from typing import Final
 
+from frame_times import frame_times
 from pseudo_terminal import RL_TUI, PseudoTerminal
 
 SCENARIO: Final = "frozenlake-slippery"
@@ -115,6 +117,15 @@ def sizes(rounds: int) -> Rows:
             yield f"open grid of {side * side:,} states", speed, "flat"
 
 
+def frames(rounds: int) -> Rows:
+    """A frame on a small and on a large map at 120×40, and the snapshot it shows."""
+    small, large = ([asyncio.run(frame_times(side)) for _ in range(rounds)] for side in (4, 1_000))
+    for name in ("frame", "snapshot"):
+        few, many = (median(getattr(each, name) for each in times) for times in (small, large))
+        yield f"{name} of a 4×4 map", f"{few:.2f} ms", ""
+        yield f"{name} of a 1,000×1,000 map", f"{many:.2f} ms, {many / few:.1f} times", "about as quick"
+
+
 def first_paint(rounds: int) -> Rows:
     """The time to the first frame with something on it, against that of an empty Textual app."""
     empty, ours = [], []
@@ -203,7 +214,9 @@ def main() -> None:
     """Measure, a line at a time."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument(
-        "what", nargs="*", help="start-up, bench, algorithms, sizes, first-paint, live, memory; default: all"
+        "what",
+        nargs="*",
+        help="start-up, bench, algorithms, sizes, frames, first-paint, live, memory; default: all",
     )
     parser.add_argument("--rounds", type=int, default=5)
     parser.add_argument("--memory-steps", type=int, default=1_000_000_000)
@@ -213,6 +226,7 @@ def main() -> None:
         "bench": lambda: bench(options.rounds),
         "algorithms": lambda: algorithms(options.rounds),
         "sizes": lambda: sizes(options.rounds),
+        "frames": lambda: frames(options.rounds),
         "first-paint": lambda: first_paint(options.rounds),
         "live": lambda: live(options.rounds),
         "memory": lambda: memory(options.memory_steps),

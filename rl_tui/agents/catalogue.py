@@ -5,6 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Final
 
+from rl_tui.agents import update_terms as terms
+from rl_tui.agents.update_terms import UpdateTerms
+
 _STEP_SIZE: Final = ("alpha", "step_size_schedule", "alpha_min", "alpha_decay")
 _TD: Final = (*_STEP_SIZE, "gamma", "policy", "initial_q")
 
@@ -16,6 +19,7 @@ class Algorithm:
     ``module`` holds its memory and update rule; ``parameters`` names its hyper-parameters in the order of the
     controls panel, those of the action rule apart; ``source`` is the box in Sutton & Barto (2nd ed.) that it
     follows. A planner takes no steps in the world: it backs up one state after the other with the model.
+    ``update`` tells how its update is written.
     """
 
     id: str
@@ -26,6 +30,7 @@ class Algorithm:
     module: str
     parameters: tuple[str, ...]
     planner: bool = False
+    update: UpdateTerms = terms.MAXIMUM
 
 
 ALGORITHMS: Final[tuple[Algorithm, ...]] = (
@@ -46,6 +51,7 @@ ALGORITHMS: Final[tuple[Algorithm, ...]] = (
         source="equation 6.7, box on page 130",
         module="rl_tui.agents.algorithms.sarsa",
         parameters=_TD,
+        update=terms.NEXT_ACTION,
     ),
     Algorithm(
         id="expected-sarsa",
@@ -55,6 +61,7 @@ ALGORITHMS: Final[tuple[Algorithm, ...]] = (
         source="equation 6.9, section 6.6",
         module="rl_tui.agents.algorithms.expected_sarsa",
         parameters=_TD,
+        update=terms.EXPECTATION,
     ),
     Algorithm(
         id="double-q-learning",
@@ -64,6 +71,7 @@ ALGORITHMS: Final[tuple[Algorithm, ...]] = (
         source="equation 6.10, box on page 136",
         module="rl_tui.agents.algorithms.double_q_learning",
         parameters=_TD,
+        update=terms.OTHER_TABLE,
     ),
     Algorithm(
         id="n-step-sarsa",
@@ -73,6 +81,7 @@ ALGORITHMS: Final[tuple[Algorithm, ...]] = (
         source="equation 7.5, box on page 147",
         module="rl_tui.agents.algorithms.n_step_sarsa",
         parameters=(*_TD, "n"),
+        update=terms.N_STEPS,
     ),
     Algorithm(
         id="sarsa-lambda",
@@ -82,6 +91,7 @@ ALGORITHMS: Final[tuple[Algorithm, ...]] = (
         source="section 12.7, box on page 305 for one feature a pair",
         module="rl_tui.agents.algorithms.sarsa_lambda",
         parameters=(*_TD, "lambda", "traces"),
+        update=terms.TRACED_NEXT_ACTION,
     ),
     Algorithm(
         id="q-lambda",
@@ -91,6 +101,7 @@ ALGORITHMS: Final[tuple[Algorithm, ...]] = (
         source="section 12.10",
         module="rl_tui.agents.algorithms.q_lambda",
         parameters=(*_TD, "lambda", "traces"),
+        update=terms.TRACED_MAXIMUM,
     ),
     Algorithm(
         id="dyna-q",
@@ -100,6 +111,7 @@ ALGORITHMS: Final[tuple[Algorithm, ...]] = (
         source="box on page 164",
         module="rl_tui.agents.algorithms.dyna_q",
         parameters=(*_TD, "planning_steps"),
+        update=terms.MODEL,
     ),
     Algorithm(
         id="prioritized-sweeping",
@@ -109,6 +121,7 @@ ALGORITHMS: Final[tuple[Algorithm, ...]] = (
         source="box on page 170",
         module="rl_tui.agents.algorithms.prioritized_sweeping",
         parameters=(*_TD, "planning_steps", "threshold"),
+        update=terms.SWEEPING,
     ),
     Algorithm(
         id="monte-carlo",
@@ -118,6 +131,7 @@ ALGORITHMS: Final[tuple[Algorithm, ...]] = (
         source="section 5.4, box on page 101",
         module="rl_tui.agents.algorithms.monte_carlo",
         parameters=_TD,
+        update=terms.WHOLE_RETURN,
     ),
     Algorithm(
         id="value-iteration",
@@ -128,6 +142,7 @@ ALGORITHMS: Final[tuple[Algorithm, ...]] = (
         module="rl_tui.agents.algorithms.value_iteration",
         parameters=("gamma", "accuracy", "initial_q"),
         planner=True,
+        update=terms.MODEL_MAXIMUM,
     ),
     Algorithm(
         id="policy-iteration",
@@ -138,6 +153,7 @@ ALGORITHMS: Final[tuple[Algorithm, ...]] = (
         module="rl_tui.agents.algorithms.policy_iteration",
         parameters=("gamma", "accuracy", "initial_q", "ties"),
         planner=True,
+        update=terms.MODEL_POLICY,
     ),
 )
 

@@ -39,11 +39,21 @@ def _bound(value: float) -> str:
 
 
 @dataclass(frozen=True, slots=True)
+class Slide:
+    """What a slider spans of a range: the part that people try; ``logarithmic`` in equal ratios."""
+
+    low: float = 0.0
+    high: float = 1.0
+    logarithmic: bool = False
+
+
+@dataclass(frozen=True, slots=True)
 class Parameter:
     """One hyper-parameter as people see it.
 
     ``words`` are what it accepts besides numbers in ``range``; without a range it takes words only. ``whole``
-    numbers have no fraction.
+    numbers have no fraction. ``slide`` is what its slider spans, None where it has none. ``schedule`` says
+    that it only tells how another one changes from episode to episode.
     """
 
     name: str
@@ -52,6 +62,8 @@ class Parameter:
     range: Range | None = None
     words: tuple[str, ...] = ()
     whole: bool = False
+    slide: Slide | None = None
+    schedule: bool = False
 
     @property
     def expected(self) -> str:
@@ -84,30 +96,47 @@ PARAMETERS: Final[Mapping[str, Parameter]] = {
             "step size: how far one update moves the estimate",
             Range(0, 1, open_low=True),
             (SAMPLE_AVERAGE,),
+            slide=Slide(),
         ),
         Parameter(
             "step_size_schedule",
             "α schedule",
             "how α goes from episode to episode",
             words=(*SCHEDULES, SAMPLE_AVERAGE),
+            schedule=True,
         ),
-        Parameter("alpha_min", "α_min", "where the decay of α ends", Range(0, 1)),
-        Parameter("alpha_decay", "α decay", "decay of α per episode", Range(0)),
-        Parameter("gamma", "γ", "discount: what a reward is worth one step later", Range(0, 1)),
+        Parameter("alpha_min", "α_min", "where the decay of α ends", Range(0, 1), schedule=True),
+        Parameter("alpha_decay", "α decay", "decay of α per episode", Range(0), schedule=True),
+        Parameter(
+            "gamma", "γ", "discount: what a reward is worth one step later", Range(0, 1), slide=Slide()
+        ),
         Parameter("policy", "policy", "how actions are chosen", words=POLICIES),
-        Parameter("epsilon", "ε", "exploration: probability of a random action", Range(0, 1)),
-        Parameter("epsilon_schedule", "ε schedule", "how ε goes from episode to episode", words=SCHEDULES),
-        Parameter("epsilon_min", "ε_min", "where the decay of ε ends", Range(0, 1)),
-        Parameter("epsilon_decay", "ε decay", "decay of ε per episode", Range(0)),
+        Parameter("epsilon", "ε", "exploration: probability of a random action", Range(0, 1), slide=Slide()),
+        Parameter(
+            "epsilon_schedule",
+            "ε schedule",
+            "how ε goes from episode to episode",
+            words=SCHEDULES,
+            schedule=True,
+        ),
+        Parameter("epsilon_min", "ε_min", "where the decay of ε ends", Range(0, 1), schedule=True),
+        Parameter("epsilon_decay", "ε decay", "decay of ε per episode", Range(0), schedule=True),
         Parameter(
             "temperature",
             "τ",
             "softmax: how much worse an action may look and still be taken",
             Range(0, 1e6, open_low=True),
+            slide=Slide(0.01, 100.0, logarithmic=True),
         ),
-        Parameter("confidence", "c", "UCB: how much is expected of what is little tried", Range(0, 1e6)),
+        Parameter(
+            "confidence",
+            "c",
+            "UCB: how much is expected of what is little tried",
+            Range(0, 1e6),
+            slide=Slide(0.0, 5.0),
+        ),
         Parameter("baseline", "baseline", "gradient bandit: what rewards are compared with", words=BASELINES),
-        Parameter("lambda", "λ", "trace decay: how far back one step teaches", Range(0, 1)),
+        Parameter("lambda", "λ", "trace decay: how far back one step teaches", Range(0, 1), slide=Slide()),
         Parameter("traces", "traces", "what a second visit does to a trace", words=TRACES),
         Parameter("n", "n", "steps gathered before an update", Range(1, MOST_STEPS), whole=True),
         Parameter(

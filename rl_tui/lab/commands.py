@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from rl_tui.lab.recipe import Change, Recipe
+from rl_tui.lab.windows import Sight
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,4 +56,11 @@ class Restart:
     recipe: Recipe
 
 
-Command = Play | Pause | Step | RunEpisode | Train | SetSpeed | Apply | Restart
+@dataclass(frozen=True, slots=True)
+class LookAt:
+    """Copy no more than ``sight`` shows of a world that is too large to be copied whole."""
+
+    sight: Sight
+
+
+Command = Play | Pause | Step | RunEpisode | Train | SetSpeed | Apply | Restart | LookAt

@@ -5,12 +5,24 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Final
 
-from rl_tui.lab.commands import Apply, Command, Pause, Play, Restart, RunEpisode, SetSpeed, Step, Train
+from rl_tui.lab.commands import (
+    Apply,
+    Command,
+    LookAt,
+    Pause,
+    Play,
+    Restart,
+    RunEpisode,
+    SetSpeed,
+    Step,
+    Train,
+)
 from rl_tui.lab.exact import AT_ONCE_STATES, ExactAnswers, exact_now
 from rl_tui.lab.pacing import ChunkSize, Pace, SpeedMeter
 from rl_tui.lab.preparing import preparing
 from rl_tui.lab.recipe import Beginning, Recipe, begin
 from rl_tui.lab.snapshot import Phase, Snapshot
+from rl_tui.lab.windows import Sight
 
 if TYPE_CHECKING:
     from rl_tui.lab.run import Run
@@ -46,6 +58,7 @@ class Playback:
         self._beginning: Beginning | None = None
         self._run: Run | None = None
         self._exact: ExactAnswers | None = None
+        self._sight: Sight | None = None  # None: nobody has said what is shown, so everything may be
         self._steps_to_train = 0
         self._episode_to_end: int | None = None
         self._pace = Pace()
@@ -69,6 +82,8 @@ class Playback:
             self._restart(command.recipe)
         elif isinstance(command, SetSpeed):
             self._set_speed(command.speed)
+        elif isinstance(command, LookAt):
+            self._sight = command.sight
         elif isinstance(command, Apply):
             self._ready_run.apply(command.change)
             if self.phase is Phase.DONE and not self._ready_run.over:
@@ -109,6 +124,7 @@ class Playback:
             speed=self._speed,
             steps_per_second=self._meter.steps_per_second,
             answer=exact_now(learner.mdp, gamma) if learner.drifted else self._answers.answer(gamma),
+            sight=self._sight,
         )
 
     @property

@@ -14,6 +14,7 @@ from rl_tui.lab.exact import PENDING, Answer
 from rl_tui.lab.history import History, HistoryState
 from rl_tui.lab.recipe import Beginning, Change, JournalEntry, Recipe, SetParameter, begin
 from rl_tui.lab.snapshot import BanditFigures, Marks, Phase, Snapshot
+from rl_tui.lab.windows import Sight, Window, Windows, is_large
 from rl_tui.worlds.errors import UserError
 from rl_tui.worlds.mdp import BoolArray, FloatArray, IntArray
 
@@ -73,6 +74,7 @@ class Run:
         self._greedy_return = GreedyReturn(lambda: self.learner.mdp)
         self._evaluation = Evaluation(self.world.mdp, self._greedy_return)
         self._on_episodes = on_episodes
+        self._windows: Windows | None = None
 
     @property
     def step(self) -> int:
@@ -185,10 +187,13 @@ class Run:
         speed: float | None = None,
         steps_per_second: float | None = None,
         answer: Answer = PENDING,
+        sight: Sight | None = None,
     ) -> Snapshot:
-        """Return a frozen picture of the run; what the run itself does not know is passed in."""
-        learner = self.learner
-        q, visits = learner.q.copy(), learner.visits.copy()
+        """Return a frozen picture of the run; what the run itself does not know is passed in.
+
+        Of a large world it has what ``sight`` shows; None: everything.
+        """
+        learner, window = self.learner, self._window(sight)
         return Snapshot(
             world=self.world,
             recipe=self.recipe,
@@ -203,8 +208,8 @@ class Run:
             state=self._seen_state(),
             episode_step=learner.episode_step,
             episode_return=learner.episode_return,
-            q=q,
-            visits=visits,
+            q=learner.q.copy() if window is None else window.q,
+            visits=learner.visits.copy() if window is None else window.visits,
             last=learner.last_step,
             curve=self.history.curve(),
             marks=self.marks,
@@ -214,7 +219,17 @@ class Run:
             exact=answer.solution,
             exact_refused=answer.refused,
             bandit=self.bandit,
+            window=window,
         )
+
+    def _window(self, sight: Sight | None) -> Window | None:
+        """Return what ``sight`` shows of a large world, None where all is copied."""
+        if sight is None or not is_large(self.world.space):
+            return None
+        if self._windows is None:
+            self._windows = Windows(self.world)
+        learner = self.learner
+        return self._windows.copy(sight, self._seen_state(), learner.last_step, learner.q, learner.visits)
 
     def _seen_state(self) -> int:
         """Return where the agent is: after an episode's last step still where that step led."""

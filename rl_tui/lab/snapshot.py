@@ -9,6 +9,7 @@ from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.agents.last_step import LastStep
 from rl_tui.agents.solution import Solution
 from rl_tui.lab.recipe import Recipe
+from rl_tui.lab.windows import Window
 from rl_tui.worlds.mdp import FloatArray, IntArray
 from rl_tui.worlds.world import World
 
@@ -71,7 +72,8 @@ class Snapshot:
     ``speed`` is the wanted steps a second (None: as fast as it goes); ``steps_per_second`` the measured one
     (None while unknown). ``episodes`` counts finished episodes; ``episode_step`` and ``episode_return``
     belong to the one under way. ``state`` is where the agent is; after an episode's last step still the state
-    it ended in, until the next episode begins. ``q`` and ``visits`` are [P].
+    it ended in, until the next episode begins. ``q`` and ``visits`` are [P]; of a large world they are 0
+    outside of ``window``, which has what the screen shows: read them where :meth:`holds` says so.
 
     ``exact`` is the exact answer for the γ in force, None while it is computed or where there is none;
     ``exact_refused`` then says why. ``greedy_return`` is the exact expected undiscounted return of the greedy
@@ -102,3 +104,8 @@ class Snapshot:
     exact: Solution | None
     exact_refused: str
     bandit: BanditFigures | None
+    window: Window | None = None
+
+    def holds(self, pair: int) -> bool:
+        """Tell whether ``q`` and ``visits`` of ``pair`` are known."""
+        return self.window is None or bool(self.window.held[pair])

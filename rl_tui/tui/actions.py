@@ -73,7 +73,13 @@ ACTIONS: Final[tuple[Action, ...]] = (
     Action("run", ("space",), "space", "run", "Run, or pause where it stands.", Group.RUN, rank=0),
     Action("step", ("s",), "s", "step", "Take one step, then pause.", Group.RUN, rank=1),
     Action(
-        "episode", ("e",), "e", "episode", "Run to the end of the episode, then pause.", Group.RUN, rank=2
+        "episode",
+        ("e",),
+        "e",
+        "episode",
+        "Run to the end of the episode (of a planner: the sweep), then pause.",
+        Group.RUN,
+        rank=2,
     ),
     Action(
         "faster",
@@ -97,13 +103,22 @@ ACTIONS: Final[tuple[Action, ...]] = (
         rank=9,
     ),
     Action(
+        "policy",
+        ("p",),
+        "p",
+        "policy",
+        "Choose the rule by which actions are chosen.",
+        Group.AGENT,
+        rank=10,
+    ),
+    Action(
         "ties",
         ("t",),
         "t",
         "ties",
         "Break ties between equal best actions at random, or take the first.",
         Group.AGENT,
-        rank=10,
+        rank=13,
     ),
     Action(
         "initial_q",
@@ -112,20 +127,29 @@ ACTIONS: Final[tuple[Action, ...]] = (
         "initial Q",
         "Set what every estimate starts from, and start again.",
         Group.AGENT,
-        rank=12,
+        rank=14,
     ),
-    Action("seed", ("n",), "n", "seed", "Set the seed, and start again.", Group.AGENT, rank=13),
+    Action("seed", ("n",), "n", "seed", "Set the seed, and start again.", Group.AGENT, rank=15),
     *(
         Action(
-            f"slider_{name}",
-            (key,),
-            key,
-            f"slider {symbol}",
-            f"Put the focus on the slider of {symbol}; there digits type a value.",
+            f"slider_{number}",
+            (str(number),),
+            str(number),
+            f"{ordinal} slider",
+            f"Put the focus on the {ordinal} slider; there digits type a value.",
             Group.AGENT,
-            command=f"slider('{name}')",
+            command=f"slider({number})",
         )
-        for key, name, symbol in (("1", "alpha", "α"), ("2", "gamma", "γ"), ("3", "epsilon", "ε"))
+        for number, ordinal in enumerate(("first", "second", "third", "fourth"), start=1)
+    ),
+    Action(
+        "options",
+        ("o",),
+        "o",
+        "options",
+        "Everything the agent is told, schedules and sample averages too; enter changes it.",
+        Group.AGENT,
+        rank=11,
     ),
     Action(
         "layer",
@@ -146,7 +170,7 @@ ACTIONS: Final[tuple[Action, ...]] = (
         rank=5,
     ),
     Action("model", ("m",), "m", "model", "Show the model: the outcomes of each pair.", Group.VIEW, rank=8),
-    Action("reveal", ("h",), "h", "reveal", "Show or hide what a bandit keeps secret.", Group.VIEW, rank=11),
+    Action("reveal", ("h",), "h", "reveal", "Show or hide what a bandit keeps secret.", Group.VIEW, rank=12),
     Action(
         "previous_scenario",
         ("left_square_bracket",),
@@ -172,7 +196,7 @@ ACTIONS: Final[tuple[Action, ...]] = (
         "back",
         "Leave the zoom, or go back to the catalogue.",
         Group.SCENARIO,
-        rank=14,
+        rank=16,
     ),
     Action(
         "help",
@@ -193,7 +217,7 @@ ACTIONS: Final[tuple[Action, ...]] = (
         Group.PROGRAM,
         Place.BOTH,
         command="app.command_palette",
-        rank=15,
+        rank=17,
     ),
     Action(
         "quit",
@@ -204,7 +228,7 @@ ACTIONS: Final[tuple[Action, ...]] = (
         Group.PROGRAM,
         Place.BOTH,
         command="app.quit",
-        rank=16,
+        rank=18,
     ),
 )
 

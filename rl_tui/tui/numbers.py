@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from typing import Final
 
 from rl_tui.tui.theme.glyphs import UNICODE, Glyphs
@@ -26,7 +27,7 @@ def value(x: float, width: int, glyphs: Glyphs = UNICODE, decimals: int = DECIMA
         x = 0.0
     leading_zero = width >= ROOM_FOR_ZERO
     plain = _widest_that_fits(
-        [fixed(x, each, glyphs, leading_zero) for each in range(decimals, -1, -1)], width
+        (fixed(x, each, glyphs, leading_zero) for each in range(decimals, -1, -1)), width
     )
     if plain and (x == 0.0 or _has_digits(plain)):
         return plain
@@ -118,7 +119,7 @@ def _without_leading_zero(text: str) -> str:
     return text.replace("0.", ".", 1) if text.lstrip("−-").startswith("0.") else text
 
 
-def _widest_that_fits(forms: list[str], width: int) -> str:
+def _widest_that_fits(forms: Iterable[str], width: int) -> str:
     """Return the first of ``forms`` that fits, empty if none does."""
     return next((form for form in forms if len(form) <= width), "")
 

@@ -2,6 +2,12 @@
 
 from __future__ import annotations
 
+from textual.message import Message
+
+
+class Scrolled(Message):
+    """A panel shows another part of a large world than before: the next snapshot has to have it."""
+
 
 def kept_in_view(first: int, place: int | None, shown: int, total: int) -> int:
     """Return the first of ``shown`` lines out of ``total``, near ``first``, that has ``place`` in view.

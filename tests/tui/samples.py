@@ -246,6 +246,10 @@ def _lake(world: World, id: str, title: str, step: int, changes: dict[str, Any])
         before=float(q[pair]),
         step_size=0.1,
         gamma=0.99,
+        others=0,
+        table=0,
+        gathered=float(mdp.reward[outcome]),
+        discount=0.99,
         bootstrap=bootstrap,
         after=float(after),
     )
@@ -315,6 +319,10 @@ def student(step: int = 2_433, **changes: Any) -> Snapshot:
         before=6.30,
         step_size=0.1,
         gamma=0.9,
+        others=0,
+        table=0,
+        gathered=-2.0,
+        discount=0.9,
         bootstrap=10.0,
         after=6.37,
     )
@@ -370,6 +378,10 @@ def bandit(pulls: int = 1_000, **changes: Any) -> Snapshot:
         before=1.39,
         step_size=1.0 / int(visits[5]),
         gamma=0.0,
+        others=0,
+        table=0,
+        gathered=2.11,
+        discount=0.0,
         bootstrap=0.0,
         after=1.4,
     )

@@ -13,9 +13,10 @@ from textual.strip import Strip
 from rl_tui.lab.snapshot import Snapshot
 from rl_tui.tui.scrolling import kept_in_view
 from rl_tui.tui.world_views import world_view
-from rl_tui.tui.world_views.grid import GridView, Part, draw_grid
+from rl_tui.tui.world_views.grid import GridView, draw_grid
+from rl_tui.tui.world_views.grid_cells import CellArtist
 from rl_tui.tui.world_views.grid_form import CellForm, cell_form
-from rl_tui.tui.world_views.grid_map import GridMap
+from rl_tui.tui.world_views.grid_map import CellContent, GridMap, Part
 from rl_tui.worlds.drawing import CellKind, Grid
 from rl_tui.worlds.mdp import FloatArray
 from rl_tui.worlds.world import World
@@ -51,7 +52,8 @@ def small(snapshot: Snapshot, height: int = 4, width: int = 20) -> list[str]:
     grid = snapshot.world.drawing
     assert isinstance(grid, Grid)
     grid_map = GridMap(snapshot.world.space, grid)
-    strips = draw_grid(grid_map, snapshot, look(), whole(snapshot), CellForm(5, 1), width, height)
+    artist = CellArtist(look(), CellForm(5, 1))
+    strips = draw_grid(grid_map, snapshot, artist, whole(snapshot), width, height)
     return [strip.text for strip in strips]
 
 
@@ -62,7 +64,9 @@ def small(snapshot: Snapshot, height: int = 4, width: int = 20) -> list[str]:
         ((60, 12), CellForm(14, 3)),  # at 120×40
         ((118, 36), CellForm(22, 5)),  # zoomed
         ((20, 4), CellForm(5, 1)),
-        ((19, 4), CellForm(5, 1)),  # does not fit
+        ((19, 4), CellForm(4, 1)),  # arrows alone
+        ((8, 4), CellForm(2, 1)),
+        ((7, 4), CellForm(5, 1)),  # does not fit
         ((40, 3), CellForm(8, 1)),  # nor does it in height
     ],
 )
@@ -216,31 +220,67 @@ def large_lake(side: int = 40) -> Snapshot:
 
 def test_only_cells_in_view_are_read(monkeypatch: pytest.MonkeyPatch) -> None:
     snapshot = large_lake()
-    read: list[tuple[int, int]] = []
-    content = GridMap.content
+    read: list[Part] = []
+    contents = GridMap.contents
 
-    def counted(self: GridMap, row: int, column: int, snapshot: Snapshot) -> object:
-        read.append((row, column))
-        return content(self, row, column, snapshot)
+    def counted(self: GridMap, part: Part, snapshot: Snapshot) -> list[CellContent]:
+        read.append(part)
+        return contents(self, part, snapshot)
 
-    monkeypatch.setattr(GridMap, "content", counted)
+    monkeypatch.setattr(GridMap, "contents", counted)
     view = GridView(snapshot.world, look())
     view.picture(replace(snapshot, state=20 * 40 + 30), 40, 10)
-    assert len(read) == 8 * 10
-    assert (20, 30) in read
+    assert read == [Part(15, 26, 10, 8)]
 
 
-def test_arrow_keys_scroll_by_hand_until_home_follows_again() -> None:
+def test_arrow_and_page_keys_scroll_by_hand_until_the_agent_is_followed_again() -> None:
     snapshot = large_lake()
     view = GridView(snapshot.world, look())
-    assert "◉" in "".join(strip.text for strip in view.picture(snapshot, 40, 10))
-    assert view.footing == "follows the agent"
+
+    def text(width: int = 60) -> str:
+        return "".join(strip.text for strip in view.picture(snapshot, width, 10))
+
+    assert "◉" in text()
+    assert view.footing == "rows 0–9 of 40 · columns 0–11 of 40 · follows the agent"
+    assert view.check_action("back", ()) is False
     for _ in range(3):
         view.pan(1, 0)
-    assert "◉" not in "".join(strip.text for strip in view.picture(snapshot, 40, 10))
-    assert view.footing.startswith("home")
+    assert "◉" not in text()
+    assert view.footing == "3–12 of 40 · 0–11 of 40 · esc: follow the agent"
+    view.page(1, 1)
+    text()
+    assert view.footing.startswith("13–22 of 40 · 12–23 of 40")
+    view.page(9, -9)
+    assert "★" not in text()
+    assert view.footing.startswith("30–39 of 40 · 0–11 of 40")
+    assert view.check_action("back", ()) is True
     view.follow()
-    assert "◉" in "".join(strip.text for strip in view.picture(snapshot, 40, 10))
+    assert "◉" in text()
+    text(40)
+    assert view.footing == "follows the agent"
+
+
+def test_a_whole_map_does_not_scroll() -> None:
+    view = GridView(lake().world, look())
+    view.picture(lake(), 40, 8)
+    view.pan(1, 1)
+    assert not view.is_scrolled
+    assert view.cells is None
+    view.picture(lake(), 40, 8)
+    assert view.footing == ""
+
+
+def test_arrows_stand_alone_where_a_map_fits_only_without_its_values() -> None:
+    snapshot = large_lake(20)
+    q = q_of(snapshot, {(0, RIGHT): 0.5, (21, LEFT): 0.2, (22, UP): 0.1})
+    q[snapshot.world.space.pairs_of(22).start] = 0.1
+    view = GridView(snapshot.world, look())
+    rows = [strip.text for strip in view.picture(replace(snapshot, q=q, state=21), 60, 20)]
+    assert rows[0].startswith("S→ ")
+    assert rows[1].startswith("   ◉←  + ")
+    assert rows[19].endswith(" ★ ")
+    assert view.heading == "World · greedy, V as tint"
+    assert view.footing == ""
 
 
 @pytest.mark.parametrize("size", [(1, 1), (3, 2), (7, 1), (25, 9), (41, 3), (80, 24), (200, 60)])
@@ -291,3 +331,13 @@ async def test_only_rows_that_changed_are_refreshed() -> None:
 def style_at(strip: Strip, column: int) -> Style | None:
     """The style of the character at ``column``."""
     return next(iter(strip.crop(column, column + 1))).style
+
+
+def test_a_cliff_has_a_sign_and_a_colour_of_its_own() -> None:
+    world = lake_world()
+    assert isinstance(world.drawing, Grid)
+    kinds = tuple(CellKind.CLIFF if kind is CellKind.HOLE else kind for kind in world.drawing.kinds)
+    snapshot = replace(lake(step=0), world=World(world.space, replace(world.drawing, kinds=kinds)))
+    strip = GridView(snapshot.world, look()).picture(snapshot, 20, 4)[1]
+    assert strip.text == "  .00  ▓    .00  ▓  "
+    assert style_at(strip, 7) == look().palette.cliff

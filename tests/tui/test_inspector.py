@@ -16,7 +16,29 @@ from rl_tui.tui.widgets.inspector import Inspector
 from rl_tui.tui.widgets.update_text import step_size_text, update_text
 
 LAKE = lake()
-LAST = LastStep(1, 1, 0, 0, False, 0.1, 0, 0.0, 1, False, False, 0, 0.36, 0.1, 0.99, 0.56, 0.38)
+LAST = LastStep(
+    step=1,
+    episode=1,
+    state=0,
+    pair=0,
+    explored=False,
+    epsilon=0.1,
+    outcome=0,
+    reward=0.0,
+    next_state=1,
+    terminated=False,
+    truncated=False,
+    updated_pair=0,
+    others=0,
+    table=0,
+    before=0.36,
+    step_size=0.1,
+    gamma=0.99,
+    gathered=0.0,
+    discount=0.99,
+    bootstrap=0.56,
+    after=0.38,
+)
 
 
 def drawn(snapshot: Snapshot | None, width: int = 80, height: int = 1, *, ascii: bool = False) -> list[str]:  # noqa: A002
@@ -28,7 +50,8 @@ def drawn(snapshot: Snapshot | None, width: int = 80, height: int = 1, *, ascii:
 def stepped(snapshot: Snapshot, **changes: Any) -> Snapshot:
     """``snapshot`` with changes to its last step, the estimate after it worked out."""
     assert snapshot.last is not None
-    last = replace(snapshot.last, **changes)
+    gathered = {"gathered": changes["reward"]} if "reward" in changes else {}
+    last = replace(snapshot.last, **(gathered | changes))
     after = last.before + last.step_size * last.td_error
     q = snapshot.q.copy()
     q[last.updated_pair] = after
@@ -37,9 +60,10 @@ def stepped(snapshot: Snapshot, **changes: Any) -> Snapshot:
 
 def lake_step(**changes: Any) -> Snapshot:
     """State 6 of the slippery lake, meant left, went down: the step of the drawings."""
-    world = LAKE.world
-    left = int(world.space.first_pair[6])
-    outcome = next(each for each in world.space.outcomes_of(left) if world.space.outcome_action[each] == 1)
+    mdp = LAKE.world.mdp
+    assert mdp is not None
+    left = int(mdp.first_pair[6])
+    outcome = next(each for each in mdp.outcomes_of(left) if mdp.outcome_action[each] == 1)
     usual = {
         "state": 6,
         "pair": left,
@@ -115,17 +139,21 @@ def test_a_sample_average_shows_its_fraction() -> None:
 
 
 def test_whole_numbers_have_no_decimals() -> None:
-    text = update_text(replace(LAST, before=0.0, bootstrap=0.0, after=0.0), 0.1, UNICODE)
+    text = update_text(replace(LAST, before=0.0, bootstrap=0.0, after=0.0), 0.1, UNICODE, bootstraps=True)
     assert (text.before, text.bootstrap, text.target, text.error, text.after) == ("0", "0", "0", "0", "0")
 
 
 def test_what_rounding_errors_leave_is_nothing() -> None:
-    text = update_text(replace(LAST, before=0.1 + 0.2, reward=0.3, bootstrap=0.0, after=0.3), 0.1, UNICODE)
+    text = update_text(
+        replace(LAST, before=0.1 + 0.2, gathered=0.3, bootstrap=0.0, after=0.3), 0.1, UNICODE, bootstraps=True
+    )
     assert (text.error, text.before) == ("0", ".3")
 
 
 def test_a_small_estimate_does_not_look_like_none() -> None:
-    text = update_text(replace(LAST, before=0.0, bootstrap=0.004, after=0.1 * 0.99 * 0.004), 0.1, UNICODE)
+    text = update_text(
+        replace(LAST, before=0.0, bootstrap=0.004, after=0.1 * 0.99 * 0.004), 0.1, UNICODE, bootstraps=True
+    )
     assert text.after == ".0004"
 
 
@@ -149,16 +177,17 @@ def test_the_printed_arithmetic_comes_out(
         LAST,
         before=before,
         bootstrap=bootstrap,
-        reward=reward,
+        gathered=reward,
         step_size=step_size,
         gamma=gamma,
+        discount=gamma,
         terminated=terminated,
     )
     last = replace(last, after=before + step_size * last.td_error)
-    text = update_text(last, step_size, UNICODE)
+    text = update_text(last, step_size, UNICODE, bootstraps=not terminated)
     decimals = max(len(each.partition(".")[2]) for each in (text.error, text.after, "0.0"))
     assume("e" not in text.before + text.bootstrap + text.after + text.error)
-    error = number(text.reward) + gamma * number(text.bootstrap) - number(text.before)
+    error = number(text.gathered) + gamma * number(text.bootstrap) - number(text.before)
     allowed = 0.51 * 10.0**-decimals
     assert abs(error - number(text.error)) <= allowed
     assert abs(number(text.before) + step_size * error - number(text.after)) <= allowed

@@ -115,7 +115,7 @@ def test_several_starts_are_told_with_their_chances() -> None:
         start_state=snapshot.world.space.next_state[[2, 1]],
         start_cumulative=snapshot.world.space.cumulative[[1, 1]] * [0.25, 1.0],
     )
-    many = replace(snapshot, world=replace(snapshot.world, mdp=mdp))
+    many = replace(snapshot, world=replace(snapshot.world, space=mdp))
     assert "with .25" in drawn(panel(many))
 
 

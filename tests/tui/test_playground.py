@@ -11,7 +11,7 @@ from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.lab.commands import Train
 from rl_tui.lab.snapshot import Phase, Snapshot
 from rl_tui.tui.app import RlTuiApp
-from rl_tui.tui.screens.choice import AlgorithmChoice
+from rl_tui.tui.screens.choice import Choice
 from rl_tui.tui.screens.help import HelpScreen
 from rl_tui.tui.screens.model import ModelScreen
 from rl_tui.tui.screens.playground import Playground
@@ -226,7 +226,7 @@ async def test_the_algorithm_is_chosen_from_a_list(make_app: MakeApp) -> None:
     async with app.run_test(size=(80, 24)) as pilot:
         await settle(pilot)
         await press(pilot, "a")
-        assert isinstance(app.screen, AlgorithmChoice)
+        assert isinstance(app.screen, Choice)
         assert (await press(pilot, "enter")).algorithm == "q-learning"
         assert isinstance(app.screen, Playground)
 

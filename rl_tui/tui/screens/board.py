@@ -11,6 +11,7 @@ from textual.widgets import Static
 
 from rl_tui.lab.recipe import Recipe
 from rl_tui.lab.snapshot import Phase, Snapshot
+from rl_tui.lab.windows import Sight
 from rl_tui.tui.screens.arrangement import (
     BUDGET,
     CONTROLS,
@@ -81,6 +82,16 @@ class Board(Container):
         for panel in (self.world, self.table, self.curve, self.budget):
             if panel is not None:
                 panel.revealed = revealed
+
+    @property
+    def sight(self) -> Sight:
+        """The parts of a large world that are in view."""
+        return Sight(self.world.cells if self.world else None, self.table.stretch)
+
+    @property
+    def is_complete(self) -> bool:
+        """Whether the newest snapshot has all that is in view."""
+        return self.table.is_complete and (self.world is None or self.world.is_complete)
 
     @property
     def zoomed(self) -> str | None:

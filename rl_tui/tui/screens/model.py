@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import ClassVar
 
 from textual.app import ComposeResult
@@ -20,8 +21,17 @@ class ModelScreen(Dialog[None]):
         Binding("m,q", "cancel", "back", id="close_model", tooltip="Close the model."),
     ]
 
-    def __init__(self, look: Look, snapshot: Snapshot, pair: int | None, *, revealed: bool) -> None:
+    def __init__(
+        self,
+        look: Look,
+        snapshot: Snapshot,
+        pair: int | None,
+        *,
+        revealed: bool,
+        on_scrolled: Callable[[], None],
+    ) -> None:
         super().__init__()
+        self._on_scrolled = on_scrolled
         self._panel = ModelPanel(look, id="box", classes="tall")
         self._panel.revealed = revealed
         self._snapshot = snapshot
@@ -37,6 +47,15 @@ class ModelScreen(Dialog[None]):
         if self._pair is not None:
             self._panel.show_pair(self._pair)
         self._panel.focus()
+
+    @property
+    def pair(self) -> int | None:
+        """The pair whose outcomes are shown."""
+        return self._panel.pair
+
+    def on_scrolled(self) -> None:
+        """Tell whoever opened it that another pair of a large world is shown."""
+        self._on_scrolled()
 
     def show(self, snapshot: Snapshot) -> None:
         """Draw the newest snapshot."""

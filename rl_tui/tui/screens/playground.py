@@ -3,27 +3,23 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Callable, Iterable
-from dataclasses import replace
+from collections.abc import Iterable
 from typing import ClassVar
 
 from textual.binding import BindingType
 from textual.message import Message
 from textual.widget import Widget
 
-from rl_tui.lab.commands import Apply, Command, Pause, Play, Restart, RunEpisode, SetSpeed, Step
+from rl_tui.lab.commands import Command, LookAt, Pause, Play, Restart, RunEpisode, SetSpeed, Step
 from rl_tui.lab.player import START_SPEED, Player
-from rl_tui.lab.recipe import Recipe, SetParameter, SwitchAlgorithm
+from rl_tui.lab.recipe import Recipe
 from rl_tui.lab.snapshot import Phase, Snapshot
 from rl_tui.tui.actions import Place, bindings_of
 from rl_tui.tui.pacing import Pacer
+from rl_tui.tui.screens.agent_stage import AgentStage
 from rl_tui.tui.screens.board import Board
-from rl_tui.tui.screens.choice import AlgorithmChoice
 from rl_tui.tui.screens.help import HelpScreen
 from rl_tui.tui.screens.model import ModelScreen
-from rl_tui.tui.screens.prompt import Prompt
-from rl_tui.tui.screens.questions import ask_initial_q, ask_seed
-from rl_tui.tui.screens.stage import Stage
 from rl_tui.tui.speeds import faster, slower
 from rl_tui.tui.theme.look import Look
 from rl_tui.tui.widgets.slider import Slider
@@ -32,7 +28,7 @@ from rl_tui.worlds.drawing import Arms
 from rl_tui.worlds.errors import UserError
 
 
-class Playground(Stage):
+class Playground(AgentStage):
     """One run: what it looks like and what may be done with it."""
 
     CSS_PATH = "playground.tcss"
@@ -57,10 +53,8 @@ class Playground(Stage):
             self.offset = offset
 
     def __init__(self, look: Look, recipe: Recipe, player: Player, fps: float) -> None:
-        super().__init__(look)
+        super().__init__(look, recipe)
         self.player = player
-        self.snapshot: Snapshot | None = None
-        self._recipe = recipe  # with every change made since: what a restart starts from
         self._speed: float | None = START_SPEED
         self._revealed = False
         self._pacer = Pacer(fps)
@@ -70,7 +64,7 @@ class Playground(Stage):
     def content(self) -> Iterable[Widget]:
         """Yield the status line and the board."""
         yield StatusLine(self.look, id="status")
-        yield Board(self.look, self._recipe)
+        yield Board(self.look, self.recipe)
 
     def on_mount(self) -> None:
         """Draw whatever the player publishes; it starts to load once the first paint is done."""
@@ -100,7 +94,7 @@ class Playground(Stage):
                 self._framed.set()
                 await self._pacer.wait()
         except UserError as fault:
-            self.post_message(self.Left(self._recipe, fault))
+            self.post_message(self.Left(self.recipe, fault))
 
     def _draw(self, snapshot: Snapshot) -> None:
         self.snapshot = snapshot
@@ -110,10 +104,15 @@ class Playground(Stage):
             if self._model is not None:
                 self._model.show(snapshot)
 
+    def on_scrolled(self) -> None:
+        """Have the parts of a large world copied that are in view now."""
+        pair = self._model.pair if self._model else None
+        self.send(LookAt(self.board.sight._replace(pair=pair)))
+
     async def settled(self) -> None:
         """Wait until all that was asked for is done and on screen, the exact answer included."""
         done = await self.player.carried_out()
-        while not (self.snapshot and _shows(self.snapshot, done)):
+        while not (self.snapshot and _shows(self.snapshot, done) and self.board.is_complete):
             self._framed.clear()
             await self._framed.wait()
 
@@ -140,6 +139,8 @@ class Playground(Stage):
         phase = self.snapshot.phase if self.snapshot else Phase.PREPARING
         if phase is Phase.SPENT:
             self.notify("the budget is spent; r starts again")
+        elif phase is Phase.DONE and self.snapshot:
+            self.notify(f"{self.snapshot.message}; another γ goes on, r starts again", markup=False)
         elif phase is Phase.STOPPED and self.snapshot:
             self.notify(f"{self.snapshot.message}; r starts again", severity="error", markup=False)
         else:
@@ -167,10 +168,11 @@ class Playground(Stage):
 
     def action_reset(self) -> None:
         """Start again with the settings in force and the same seed."""
-        self._restart(self._recipe)
+        self.restart(self.recipe)
 
-    def _restart(self, recipe: Recipe) -> None:
-        self._recipe = recipe
+    def restart(self, recipe: Recipe) -> None:
+        """Start again with ``recipe``."""
+        self.recipe = recipe
         self._revealed = False
         self.board.controls.forget()
         self.send(Restart(recipe))
@@ -179,51 +181,20 @@ class Playground(Stage):
 
     def on_slider_changed(self, event: Slider.Changed) -> None:
         """Tell the running learner."""
-        self._set_parameter(event.name, event.value)
+        self.set_parameter(event.name, event.value)
 
-    def action_slider(self, name: str) -> None:
-        """Put the focus on the slider of the parameter ``name``, if the algorithm has it."""
-        for slider in self.query(f"#{name}").results(Slider):
+    def action_slider(self, number: int) -> None:
+        """Put the focus on a slider, counted from 1, if there are so many."""
+        for slider in list(self.board.controls.query(Slider))[number - 1 : number]:
             if self.board.zoomed:
                 self.board.zoom(None)
             slider.focus()
 
-    def action_ties(self) -> None:
-        """Go to the other way to break ties."""
-        ties = self._recipe.hyperparameters.ties
-        self._set_parameter("ties", "first" if ties == "random" else "random")
-
-    def _set_parameter(self, name: str, value: float | str) -> None:
-        self._recipe = replace(
-            self._recipe, hyperparameters=self._recipe.hyperparameters.changed(name, value)
-        )
-        self.send(Apply(SetParameter(name, value)))
-
-    def action_algorithm(self) -> None:
-        """Choose the algorithm."""
-        self.app.push_screen(AlgorithmChoice(self.look.glyphs, self._recipe.algorithm), self._switch)
-
-    def _switch(self, algorithm: str | None) -> None:
-        if algorithm is not None and algorithm != self._recipe.algorithm:
-            self._recipe = replace(self._recipe, algorithm=algorithm)
-            self.send(Apply(SwitchAlgorithm(algorithm)))
-
-    def action_initial_q(self) -> None:
-        """Ask what every estimate starts from, and start again."""
-        values = self._recipe.hyperparameters
-        prompt = ask_initial_q(values.initial_q)
-        self._ask(prompt, lambda q: replace(self._recipe, hyperparameters=values.changed("initial_q", q)))
-
-    def action_seed(self) -> None:
-        """Ask for the seed, and start again."""
-        self._ask(ask_seed(self._recipe.seed), lambda seed: replace(self._recipe, seed=int(seed)))
-
-    def _ask(self, prompt: Prompt, recipe_with: Callable[[float], Recipe]) -> None:
-        def restart(value: float | None) -> None:
-            if value is not None:
-                self._restart(recipe_with(value))
-
-        self.app.push_screen(prompt, restart)
+    def show_in_force(self) -> None:
+        """Let every slider go back to what is in force."""
+        self.board.controls.forget()
+        if self.snapshot is not None:
+            self.board.controls.show(self.snapshot)
 
     # What is shown
 
@@ -250,7 +221,9 @@ class Playground(Stage):
         pair, last = self.board.table.cursor_pair, self.snapshot.last
         if pair is None and last is not None:
             pair = last.pair
-        self._model = ModelScreen(self.look, self.snapshot, pair, revealed=self._revealed)
+        self._model = ModelScreen(
+            self.look, self.snapshot, pair, revealed=self._revealed, on_scrolled=self.on_scrolled
+        )
         self.app.push_screen(self._model, self._model_closed)
 
     def _model_closed(self, _: None) -> None:
@@ -258,24 +231,24 @@ class Playground(Stage):
 
     def action_help(self) -> None:
         """Show the help."""
-        self.app.push_screen(HelpScreen(self.look, self.place, self._recipe.scenario.notes))
+        self.app.push_screen(HelpScreen(self.look, self.place, self.recipe.scenario.notes))
 
     # Elsewhere
 
     def action_previous_scenario(self) -> None:
         """Go to the previous scenario of the catalogue."""
-        self.post_message(self.NeighbourWanted(self._recipe, -1))
+        self.post_message(self.NeighbourWanted(self.recipe, -1))
 
     def action_next_scenario(self) -> None:
         """Go to the next scenario of the catalogue."""
-        self.post_message(self.NeighbourWanted(self._recipe, 1))
+        self.post_message(self.NeighbourWanted(self.recipe, 1))
 
     def action_back(self) -> None:
         """Leave the zoom, or go back to the catalogue."""
         if self.board.zoomed:
             self.board.zoom(None)
         else:
-            self.post_message(self.Left(self._recipe))
+            self.post_message(self.Left(self.recipe))
 
 
 def _shows(drawn: Snapshot, done: Snapshot) -> bool:

@@ -10,11 +10,11 @@ from textual.widgets import Input, Static
 
 from rl_tui.tui.screens.dialog import Dialog
 
-Reader = Callable[[str], float]
+Reader = Callable[[str], float | str]
 """Turns the typed text into the value; raises ValueError whose text says what was expected."""
 
 
-class Prompt(Dialog[float]):
+class Prompt(Dialog[float | str]):
     """One line to type a value into. Answers the value that ``read`` makes of it; escape answers None."""
 
     def __init__(self, title: str, hint: str, value: str, read: Reader) -> None:

@@ -1,15 +1,32 @@
-"""What a prompt asks for before a run starts again: the initial Q, the seed."""
+"""What a prompt asks for: the seed, or the number of a hyper-parameter."""
 
 from __future__ import annotations
 
-from rl_tui.agents.hyperparameters import PARAMETERS
+from rl_tui.agents.hyperparameters import PARAMETERS, SAMPLE_AVERAGE, Parameter
 from rl_tui.tui.screens.prompt import Prompt
+from rl_tui.tui.theme.glyphs import Glyphs
+from rl_tui.tui.widgets.settings import option_text
+from rl_tui.tui.widgets.slider_scale import parsed
+from rl_tui.tui.written import written
+
+_EXAMPLES = {"initial_q": "0 or 2.5"}
 
 
-def ask_initial_q(value: float) -> Prompt:
-    """Return the prompt for what every estimate starts from; ``value`` is the one in force."""
-    hint = f"{PARAMETERS['initial_q'].help}; the run starts again"
-    return Prompt("Initial Q", hint, f"{value:g}", _read_initial_q)
+def ask_number(name: str, value: float | str, glyphs: Glyphs) -> Prompt:
+    """Return the prompt for the hyper-parameter ``name``, whose ``value`` is in force."""
+    parameter = PARAMETERS[name]
+    starts = "; the run starts again" if name == "initial_q" else ""
+    word = "; 1/n is the sample average" if SAMPLE_AVERAGE in parameter.words else ""
+
+    def read(text: str) -> float | str:
+        try:
+            return parsed(text, parameter)
+        except ValueError:
+            raise ValueError(written(_expected(parameter), glyphs)) from None
+
+    title = "Initial Q" if name == "initial_q" else parameter.symbol
+    hint = f"{parameter.help}{word}{starts}"
+    return Prompt(written(title, glyphs), written(hint, glyphs), option_text(value), read)
 
 
 def ask_seed(seed: int) -> Prompt:
@@ -18,17 +35,12 @@ def ask_seed(seed: int) -> Prompt:
     return Prompt("Seed", hint, str(seed), _read_seed)
 
 
-def _read_initial_q(text: str) -> float:
-    """Return the number in ``text``; raises ValueError naming the range."""
-    parameter = PARAMETERS["initial_q"]
-    try:
-        value = float(text)
-    except ValueError:
-        value = float("nan")
-    if not parameter.accepts(value):
-        ends = f" from {parameter.range.low:g} to {parameter.range.high:g}" if parameter.range else ""
-        raise ValueError(f"type a number{ends}, such as 0 or 2.5".replace("e+", "e"))
-    return value
+def _expected(parameter: Parameter) -> str:
+    """Return what to type, naming the range."""
+    if parameter.name in _EXAMPLES and parameter.range is not None:
+        ends = f"from {parameter.range.low:g} to {parameter.range.high:g}".replace("e+", "e")
+        return f"type a number {ends}, such as {_EXAMPLES[parameter.name]}"
+    return f"type {parameter.expected}"
 
 
 def _read_seed(text: str) -> int:

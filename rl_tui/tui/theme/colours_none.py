@@ -21,6 +21,7 @@ ANY: Final = Palette(
     greedy=Style.parse("bold"),
     updated=Style.parse("bold reverse"),
     hole=Style.parse("dim"),
+    cliff=Style.parse("dim underline"),
     goal=Style.parse("bold underline"),
     wall=Style.parse("dim"),
     start=Style.parse("underline"),

@@ -15,8 +15,11 @@ class Glyphs:
     down: str
     right: str
     up: str
+    diagonals: tuple[str, str, str, str]  # up left, up right, down left, down right; two columns in ASCII
+    stay: str
     agent: str
     hole: str
+    cliff: str
     goal: str
     wall: str
     mark_left: str  # frames the greedy cell of a table
@@ -56,8 +59,12 @@ class Glyphs:
     braille: bool  # curves in braille dots; otherwise in . : ' and *
 
     def direction(self, step: tuple[int, int]) -> str:
-        """Return the arrow for a step (rows down, columns right) along one axis."""
+        """Return the arrow for a step (rows down, columns right), one of a king's moves or none."""
         rows, columns = step
+        if rows and columns:
+            return self.diagonals[2 * (rows > 0) + (columns > 0)]
+        if not rows and not columns:
+            return self.stay
         if rows:
             return self.down if rows > 0 else self.up
         return self.right if columns > 0 else self.left
@@ -69,8 +76,11 @@ UNICODE: Final = Glyphs(
     down="↓",
     right="→",
     up="↑",
+    diagonals=("↖", "↗", "↙", "↘"),
+    stay="·",
     agent="◉",
     hole="●",
+    cliff="▓",
     goal="★",
     wall="█",
     mark_left="▌",
@@ -116,8 +126,11 @@ ASCII: Final = Glyphs(
     down="v",
     right=">",
     up="^",
+    diagonals=("^<", "^>", "v<", "v>"),
+    stay=".",
     agent="@",
     hole="O",
+    cliff="%",
     goal="*",
     wall="#",
     mark_left="[",

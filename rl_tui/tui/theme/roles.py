@@ -32,6 +32,7 @@ class Palette:
     greedy: Style
     updated: Style
     hole: Style
+    cliff: Style
     goal: Style
     wall: Style
     start: Style

@@ -12,7 +12,7 @@ from rl_tui.tui.widgets import names
 from rl_tui.tui.widgets.pieces import KEPT_BLANK as K
 from rl_tui.tui.widgets.pieces import Line, Piece, wrapped
 from rl_tui.tui.widgets.update_text import setting
-from rl_tui.worlds.world import World
+from rl_tui.worlds.mdp import TabularMDP
 
 _DECIMALS: Final = 4
 _EQUALS: Final = "   = "
@@ -29,10 +29,11 @@ def bellman_lines(snapshot: Snapshot, pair: int, look: Look, width: int, *, secr
     lines: list[Line] = [*wrapped(symbols, width, palette.strong, look, " ", _CONTINUED)]
     if secret:
         return [*lines, *wrapped(SECRET, width, palette.dim, look, f"{_EQUALS}··· ", _CONTINUED)]
-    if snapshot.exact is None:
+    mdp = snapshot.world.mdp
+    if snapshot.exact is None or mdp is None:
         why = snapshot.exact_refused or "the exact answer is being computed"
         return [*lines, *wrapped(why, width, palette.dim, look, _CONTINUED, _CONTINUED)]
-    text = " + ".join(_terms(snapshot.world, snapshot.exact, pair, look))
+    text = "means as they are now" if mdp.drift_std else " + ".join(_terms(mdp, snapshot.exact, pair, look))
     result = numbers.fixed(float(snapshot.exact.q[pair]), _DECIMALS, look.glyphs, leading_zero=False)
     return [
         *lines,
@@ -41,9 +42,9 @@ def bellman_lines(snapshot: Snapshot, pair: int, look: Look, width: int, *, secr
     ]
 
 
-def _terms(world: World, exact: Solution, pair: int, look: Look) -> list[str]:
+def _terms(mdp: TabularMDP, exact: Solution, pair: int, look: Look) -> list[str]:
     """Return ``1/3·[0 + .99·.5420]`` for each outcome."""
-    mdp, glyphs = world.space, look.glyphs
+    glyphs = look.glyphs
     terms = []
     for outcome in mdp.outcomes_of(pair):
         reward = numbers.brief(float(mdp.reward[outcome]), glyphs, decimals=_DECIMALS)

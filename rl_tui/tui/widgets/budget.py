@@ -36,13 +36,14 @@ def budget_lines(snapshot: Snapshot | None, look: Look, width: int, *, revealed:
     if snapshot is None or snapshot.bandit is None:
         return [[Piece(f" {WAITING if snapshot is None else NO_BUDGET}", palette.dim)]]
     figures, spent = snapshot.bandit, snapshot.phase is Phase.SPENT
-    lines = [_pulls(figures, look, spent), *_winnings(figures, look, width, revealed)]
+    drifts = snapshot.world.mdp is not None and snapshot.world.mdp.drift_std > 0.0
+    lines = [_pulls(figures, look, spent, drifts), *_winnings(figures, look, width, revealed)]
     if not revealed:
         lines.append([Piece(" h  ", palette.accent), Piece("shows regret and the best arm", palette.dim)])
     return lines
 
 
-def _pulls(figures: BanditFigures, look: Look, spent: bool) -> Line:
+def _pulls(figures: BanditFigures, look: Look, spent: bool, drifts: bool) -> Line:
     palette = look.palette
     line = [
         Piece(f" {'pulls':<{_LABEL}}", palette.dim),
@@ -53,7 +54,7 @@ def _pulls(figures: BanditFigures, look: Look, spent: bool) -> Line:
             Piece(separated(" · spent", look.glyphs), palette.accent),
             Piece("   r starts again", palette.dim),
         ]
-    return line
+    return [*line, *([Piece("   means drift", palette.dim)] if drifts else [])]
 
 
 def _winnings(figures: BanditFigures, look: Look, width: int, known: bool) -> list[Line]:

@@ -104,7 +104,7 @@ def _draw_episode_axis(canvas: Canvas, plot: _Plot, data: CurveData, look: Look)
     """Draw the axis with its labels, none beyond the last episode there can be."""
     glyphs, style = look.glyphs, look.palette.dim
     canvas.put(plot.left - 1, plot.rows, glyphs.axis_corner + glyphs.axis_horizontal * plot.columns, style)
-    name = " pull" if data.is_bandit else " episode" if plot.columns >= _UNIT_ROOM else " ep"
+    name = " ep" if data.unit == "episode" and plot.columns < _UNIT_ROOM else f" {data.unit}"
     canvas.put(plot.left + plot.columns - len(name), plot.rows, name, style)
     last = plot.right if data.limit is None else min(plot.right, data.limit)
     step = tick_step(last, plot.column(last) // _TICK_COLUMNS)
@@ -214,7 +214,7 @@ def _put_cells(
 def _draw_names(canvas: Canvas, plot: _Plot, data: CurveData, names: Sequence[Label], look: Look) -> None:
     """Write the names of the lines beside their ends, and what is to be said where there is no line."""
     if not data.finished:
-        _put_message(canvas, plot, empty_words(is_bandit=data.is_bandit), look, set())
+        _put_message(canvas, plot, empty_words(data.unit), look, set())
         return
     placed = sorted(enumerate(names[: plot.rows]), key=lambda each: (-each[1].value, -each[0]))
     names = [label for _, label in placed]  # of equals the optimum, which comes last, is above

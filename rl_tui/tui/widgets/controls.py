@@ -1,30 +1,32 @@
-"""What the agent is told: a slider for each number between 0 and 1, and the settings in words."""
+"""What the agent is told: a slider for each number that has one, and the settings in words."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import Final
 
 from textual.app import ComposeResult
 from textual.containers import Container
 
-from rl_tui.agents.catalogue import BY_ID
-from rl_tui.agents.hyperparameters import PARAMETERS, Hyperparameters, Parameter
+from rl_tui.agents.catalogue import parameters_of
+from rl_tui.agents.hyperparameters import PARAMETERS, SAMPLE_AVERAGE, Hyperparameters, Parameter
 from rl_tui.lab.recipe import Recipe
 from rl_tui.lab.snapshot import Snapshot
 from rl_tui.tui.theme.look import Look
 from rl_tui.tui.widgets.settings import Settings
 from rl_tui.tui.widgets.slider import Slider
 
-_SCHEDULES: Final = ("epsilon_min", "epsilon_decay")
+
+def sliders_of(algorithm: str, policy: str) -> tuple[Parameter, ...]:
+    """Return the parameters of ``algorithm`` with the action rule ``policy`` that have a slider, in order."""
+    rows = (PARAMETERS[name] for name in parameters_of(algorithm, policy))
+    return tuple(row for row in rows if row.slide is not None)
 
 
-def sliders_of(algorithm: str) -> tuple[Parameter, ...]:
-    """Return the parameters of ``algorithm`` that are a number within [0, 1], schedules apart."""
-    rows = (PARAMETERS[name] for name in BY_ID[algorithm].parameters if name not in _SCHEDULES)
-    return tuple(
-        row for row in rows if row.range is not None and row.range.low >= 0.0 and row.range.high <= 1.0
-    )
+def in_force(values: Hyperparameters, parameter: Parameter) -> float | str:
+    """Return what the slider of ``parameter`` shows: α is the sample average by its schedule as well."""
+    if SAMPLE_AVERAGE in parameter.words and values.sample_average:
+        return SAMPLE_AVERAGE
+    return values.value(parameter.name)
 
 
 class Controls(Container):
@@ -44,8 +46,8 @@ class Controls(Container):
         super().__init__(id=id, classes=classes)
         self.border_title = "Controls"
         self._look = look
-        self._algorithm = recipe.algorithm
         self._values = recipe.hyperparameters
+        self._parameters = sliders_of(recipe.algorithm, recipe.hyperparameters.policy)
         self._under_way: dict[str, float | str] = {}
 
     def compose(self) -> ComposeResult:
@@ -57,13 +59,14 @@ class Controls(Container):
         """Show what is in force."""
         self.query_one(Settings).show(snapshot)
         self._values = snapshot.hyperparameters
-        if snapshot.algorithm != self._algorithm:
-            self._algorithm = snapshot.algorithm
+        parameters = sliders_of(snapshot.algorithm, self._values.policy)
+        if parameters != self._parameters:
+            self._parameters = parameters
             self._under_way.clear()
             self.run_worker(self._replace_sliders(), exclusive=True)
             return
         for slider in self.query(Slider):
-            self._follow(slider, snapshot.hyperparameters)
+            self._follow(slider, self._values)
 
     def forget(self) -> None:
         """Follow the next snapshot whatever was set before: the run starts again."""
@@ -74,17 +77,17 @@ class Controls(Container):
         self._under_way[event.name] = event.value
 
     def _follow(self, slider: Slider, values: Hyperparameters) -> None:
-        name = slider.parameter.name
-        in_force = getattr(values, name)
-        if self._under_way.get(name, in_force) == in_force:
+        name, value = slider.parameter.name, in_force(values, slider.parameter)
+        if self._under_way.get(name, value) == value:
             self._under_way.pop(name, None)
-            slider.set_value(in_force)
+            slider.set_value(value)
 
     def _sliders(self) -> Iterable[Slider]:
-        for parameter in sliders_of(self._algorithm):
-            yield Slider(self._look, parameter, getattr(self._values, parameter.name), id=parameter.name)
+        for parameter in self._parameters:
+            yield Slider(self._look, parameter, in_force(self._values, parameter), id=parameter.name)
 
     async def _replace_sliders(self) -> None:
         box = self.query_one("#sliders")
-        await box.remove_children()
-        await box.mount_all(self._sliders())
+        with self.app.batch_update():
+            await box.remove_children()
+            await box.mount_all(self._sliders())

@@ -7,8 +7,10 @@ from typing import Final
 
 import numpy as np
 
+from rl_tui.agents.catalogue import BY_ID
 from rl_tui.lab.snapshot import Snapshot
 from rl_tui.tui.widgets.braille import Steps
+from rl_tui.tui.widgets.reward_range import reward_range
 from rl_tui.worlds.drawing import Arms
 from rl_tui.worlds.space import FloatArray
 
@@ -24,8 +26,10 @@ class CurveData:
     expected return of the greedy policy, each over episodes from 0. ``greedy_now``, ``mean_now`` (of the
     last 100 episodes) and ``optimum`` are the values to print, None where unknown or hidden. ``hidden`` tells
     that greedy and optimum are kept secret, ``barren`` that there were many episodes and none had a reward,
-    ``is_decided`` that somewhere one action is estimated above another, so that being greedy means something.
-    The optimum is the undiscounted return of the policy that is best for the γ in force.
+    ``is_decided`` that somewhere one action is estimated above another, so that being greedy means something
+    (false as well where ``greedy_now`` is unknown).
+    ``unit`` is what the horizontal axis counts: pulls, a planner's sweeps, or episodes. The optimum is the
+    undiscounted return of the policy that is best for the γ in force.
     """
 
     finished: int
@@ -37,25 +41,36 @@ class CurveData:
     mean_now: float | None
     optimum: float | None
     is_bandit: bool
+    unit: str
     hidden: bool
     barren: bool
     is_decided: bool
 
     @property
     def range(self) -> tuple[float, float]:
-        """The lowest and highest value that must be on the vertical axis; the band may stick out."""
-        values = [self.episodes.low, self.episodes.high, self.greedy.low]
-        values += [
-            np.array([each]) for each in (self.optimum, self.greedy_now, self.mean_now) if each is not None
-        ]
-        every = np.concatenate(values)
-        every = every[~np.isnan(every)]
+        """The lowest and highest value that must be on the vertical axis; the band may stick out.
+
+        So may greedy policies that are worth far less than any episode was: one that walks into walls until
+        the time limit would leave no room for the rest.
+        """
+        known = [each for each in (self.optimum, self.greedy_now, self.mean_now) if each is not None]
+        every = _numbers(self.episodes.low, self.episodes.high, np.array(known))
+        greedy = _numbers(self.greedy.low)
+        if len(self.episodes.low):
+            greedy = greedy[greedy >= 2.0 * every.min() - every.max()]
+        every = np.concatenate((every, greedy))
         return (float(every.min()), float(every.max())) if len(every) else (0.0, 0.0)
+
+
+def _numbers(*arrays: FloatArray) -> FloatArray:
+    every = np.concatenate(arrays)
+    return np.asarray(every[~np.isnan(every)])
 
 
 def curve_data(snapshot: Snapshot, *, revealed: bool) -> CurveData:
     """Return what there is to draw; of a bandit's greedy arm and optimum only if ``revealed``."""
     is_bandit = isinstance(snapshot.world.drawing, Arms)
+    plans = BY_ID[snapshot.algorithm].planner
     hidden = is_bandit and not revealed
     curve = snapshot.curve
     end = curve.episode.astype(np.float64)
@@ -64,7 +79,7 @@ def curve_data(snapshot: Snapshot, *, revealed: bool) -> CurveData:
     nothing = Steps(np.empty(0), np.empty(0), np.empty(0), np.empty(0))
     return CurveData(
         finished=snapshot.episodes,
-        limit=snapshot.world.budget,
+        limit=None if plans else snapshot.world.budget,
         episodes=Steps(start, end, mean, mean),
         band=Steps(start, end, curve.return_low, curve.return_high),
         greedy=nothing if hidden else _greedy(snapshot),
@@ -72,6 +87,7 @@ def curve_data(snapshot: Snapshot, *, revealed: bool) -> CurveData:
         mean_now=snapshot.return_last_100,
         optimum=None if hidden or snapshot.exact is None else snapshot.exact.expected_return,
         is_bandit=is_bandit,
+        unit="sweep" if plans else "pull" if is_bandit else "episode",
         hidden=hidden,
         barren=_barren(snapshot),
         is_decided=_is_decided(snapshot),
@@ -100,13 +116,19 @@ def _greedy(snapshot: Snapshot) -> Steps:
 
 
 def _is_decided(snapshot: Snapshot) -> bool:
+    if snapshot.greedy_return is None:  # then nothing is said of the greedy policy
+        return False
     mdp, q = snapshot.world.space, snapshot.q
     return bool((q != q[mdp.first_pair[mdp.pair_state]]).any())
 
 
 def _barren(snapshot: Snapshot) -> bool:
-    """Tell whether there were many episodes without any reward, not just with rewards that cancel out."""
-    curve, rewards = snapshot.curve, snapshot.world.space.reward
-    one_sign = bool((rewards >= 0.0).all() or (rewards <= 0.0).all())
+    """Tell whether there were many episodes without any reward, not just with rewards that cancel out.
+
+    Where nobody wrote the rewards down, or a planner sees them anyway, that is not claimed.
+    """
+    curve, mdp = snapshot.curve, snapshot.world.mdp
+    if mdp is None or not len(curve.episode):
+        return False
     all_zero = not curve.return_low.any() and not curve.return_high.any()
-    return snapshot.episodes >= _MANY_WITHOUT_REWARD and one_sign and all_zero
+    return snapshot.episodes >= _MANY_WITHOUT_REWARD and all_zero and reward_range(mdp).has_one_sign

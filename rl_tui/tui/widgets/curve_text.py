@@ -8,6 +8,7 @@ from typing import Final
 
 from rich.style import Style
 
+from rl_tui.agents.catalogue import RULE_BY_ID
 from rl_tui.lab.snapshot import Snapshot
 from rl_tui.tui import numbers
 from rl_tui.tui.theme.glyphs import Glyphs
@@ -101,6 +102,8 @@ def _with_number(name: str, value: float, decimals: int, room: int, glyphs: Glyp
 
 def titles(data: CurveData | None, glyphs: Glyphs, decimals: int, width: int) -> tuple[str, ...]:
     """Return titles for ``width`` cells, the longest first; a narrow one names greedy return and optimum."""
+    if data is not None and data.unit == "sweep":
+        return "Greedy return, exact, per sweep", "Greedy return per sweep", "Greedy return"
     if data is not None and data.is_bandit:
         return ("Reward per pull",)
     if width >= ROOM_FOR_LONG or data is None or data.greedy_now is None or not data.is_decided:
@@ -126,13 +129,18 @@ def remark(
     if data.greedy_now is None or data.mean_now is None or data.finished < _RECENT:
         return ()
     gap = data.greedy_now - data.mean_now
-    epsilon = snapshot.hyperparameters.epsilon_at(snapshot.episodes)
+    values = snapshot.hyperparameters
+    is_drawn = "epsilon" in RULE_BY_ID[values.policy].parameters
+    epsilon = values.epsilon_at(snapshot.episodes) if is_drawn else None
     cost = amount(gap, decimals, glyphs)
     if not any(digit in cost for digit in "123456789") or gap < 0.0 or epsilon == 0.0:
         return ()
     if not _has_learned(data):
         return ()
-    if not with_figures:
+    if epsilon is None or not with_figures:
+        if with_figures:
+            what = "a pull" if data.is_bandit else "a return"
+            return f"gap {cost} {what}: mostly what exploring costs", f"gap {cost}: mostly exploring"
         return "gap: mostly what exploring costs", "gap: mostly exploring"
     what, rate = ("a pull" if data.is_bandit else "a return"), setting(round(epsilon, 3), glyphs)
     return (
@@ -153,13 +161,15 @@ def _has_learned(data: CurveData) -> bool:
     return data.greedy_now >= data.optimum - abs(data.optimum) / 3 - numbers.NEGLIGIBLE
 
 
-def empty_words(*, is_bandit: bool) -> tuple[str, ...]:
-    """Return what to do before the first episode has ended."""
-    if is_bandit:
+def empty_words(unit: str) -> tuple[str, ...]:
+    """Return what to do before the first pull, sweep or episode has ended."""
+    if unit == "sweep":
+        return "no sweep has ended yet:", "space runs, e runs one sweep"
+    if unit == "pull":
         return "no arm has been pulled yet:", "space runs, s pulls once"
     return "no episode has ended yet:", "space runs, e runs one episode"
 
 
 def barren_words(data: CurveData) -> tuple[str, ...]:
     """Return that nothing was ever earned."""
-    return "no reward seen yet", f"in {data.finished:,} {'pulls' if data.is_bandit else 'episodes'}"
+    return "no reward seen yet", f"in {data.finished:,} {data.unit}s"

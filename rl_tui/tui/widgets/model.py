@@ -9,6 +9,7 @@ from textual.binding import Binding, BindingType
 from textual.strip import Strip
 
 from rl_tui.lab.snapshot import Snapshot
+from rl_tui.tui.scrolling import Scrolled
 from rl_tui.tui.theme.look import Look
 from rl_tui.tui.widgets.model_text import model_lines, pair_lines
 from rl_tui.tui.widgets.panel import Panel
@@ -52,13 +53,17 @@ class ModelPanel(Panel, can_focus=True):
     def pair(self) -> int | None:
         """The pair whose outcomes are shown, None before the first snapshot."""
         if self._pair is None and self.snapshot is not None:
-            return int(self.snapshot.world.space.first_pair[self.snapshot.world.space.start_state[0]])
+            space, mdp = self.snapshot.world.space, self.snapshot.world.mdp
+            start = self.snapshot.state if mdp is None else int(mdp.start_state[0])
+            return min(int(space.first_pair[start]), space.pairs - 1)
         return self._pair
 
     def show_pair(self, pair: int) -> None:
         """Show the outcomes of ``pair``."""
         self._pair = pair
         self.redraw()
+        if self.snapshot is not None and self.is_attached and not self.snapshot.holds(pair):
+            self.post_message(Scrolled())
 
     def picture(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
         """Return the part of the model that is in view."""
@@ -83,7 +88,7 @@ class ModelPanel(Panel, can_focus=True):
             return
         space = self.snapshot.world.space
         action = int(space.pair_action[self.pair])
-        state = int(space.pair_state[self.pair]) + step
+        state = space.state_of(self.pair) + step
         while 0 <= state < space.states and not len(space.pairs_of(state)):
             state += step
         if 0 <= state < space.states:
@@ -96,7 +101,7 @@ class ModelPanel(Panel, can_focus=True):
         if self.snapshot is None or self.pair is None:
             return
         space = self.snapshot.world.space
-        pairs = space.pairs_of(int(space.pair_state[self.pair]))
+        pairs = space.pairs_of(space.state_of(self.pair))
         if self.pair + step in pairs:
             self.show_pair(self.pair + step)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import lru_cache
 from typing import Final
 
 import numpy as np
@@ -13,13 +14,18 @@ from rl_tui.tui import numbers
 from rl_tui.tui.theme.look import Look
 from rl_tui.tui.widgets import names
 from rl_tui.tui.widgets.bellman import SECRET, bellman_lines
+from rl_tui.tui.widgets.outcomes import outcome_lines
 from rl_tui.tui.widgets.pieces import Line, Piece, wrapped
+from rl_tui.tui.widgets.reward_range import reward_range
 from rl_tui.tui.widgets.update_text import setting
 from rl_tui.tui.written import written
 from rl_tui.worlds.drawing import Arms
-from rl_tui.worlds.mdp import UNKNOWN_ACTION
+from rl_tui.worlds.mdp import IntArray, TabularMDP
+from rl_tui.worlds.space import FiniteSpace
+from rl_tui.worlds.world import World
 
-HIDDEN: Final = "···"
+UNKNOWN: Final = "unknown: stepped for real, nobody wrote its table down"
+_MANY_NAMES: Final = 100  # no two lines hold more
 _LABEL: Final = 8
 
 
@@ -30,18 +36,27 @@ def is_secret(snapshot: Snapshot, *, revealed: bool) -> bool:
 
 def model_lines(snapshot: Snapshot, look: Look, width: int, *, revealed: bool) -> list[Line]:
     """Return the five parts, the start and the end of episodes."""
-    mdp, glyphs = snapshot.world.space, look.glyphs
-    others = np.flatnonzero(np.diff(mdp.first_pair) == 0).tolist()
-    actors = f", {mdp.states - len(others)} with actions" if others else ""
+    space, mdp = snapshot.world.space, snapshot.world.mdp
+    others = _without_pairs(space)
+    actors = f", {space.states - len(others)} with actions" if len(others) else ""
     room = width - _LABEL - 1
+    actions = _actions(snapshot, look)
+    pairs = f"{_count(space.pairs, 'legal pair')} (s, a)"
+    if mdp is None:
+        chances, rewards, start = f"{UNKNOWN}; {pairs}", UNKNOWN, "drawn by the environment"
+        end = "where the environment says so" + _time_limit(space)
+    else:
+        chances = f"{pairs}, {_count(len(mdp.next_state), 'outcome')}"
+        rewards = _rewards(snapshot, mdp, look, revealed=revealed)
+        start, end = _start(snapshot.world, mdp, look, room), _end(snapshot.world, mdp, look, room)
     parts = [
-        ("S", f"{_count(mdp.states, 'state')}{actors}: {_listed(mdp.state_names, room, look)}"),
-        ("A", f"{_count(len(mdp.action_names), 'action')}: {_listed(_actions(snapshot, look), room, look)}"),
-        ("P", f"{_count(mdp.pairs, 'legal pair')} (s, a), {_count(len(mdp.next_state), 'outcome')}"),
-        ("R", _rewards(snapshot, look, revealed=revealed)),
-        ("γ", setting(snapshot.hyperparameters.gamma, glyphs)),
-        ("start", _start(snapshot, look, room)),
-        ("end", _end(snapshot, others, look, room)),
+        ("S", f"{_count(space.states, 'state')}{actors}: {_listed(space.state_names, room, look)}"),
+        ("A", f"{_count(len(actions), 'action')}: {_listed(actions, room, look)}"),
+        ("P", chances),
+        ("R", rewards),
+        ("γ", setting(snapshot.hyperparameters.gamma, look.glyphs)),
+        ("start", start),
+        ("end", end),
     ]
     lines: list[Line] = []
     for label, text in parts:
@@ -49,120 +64,100 @@ def model_lines(snapshot: Snapshot, look: Look, width: int, *, revealed: bool) -
     return lines
 
 
+# What takes a look at every state is worked out once for the world on screen, not for every frame
+@lru_cache(maxsize=1)
+def _without_pairs(space: FiniteSpace) -> IntArray:
+    return np.flatnonzero(np.diff(space.first_pair) == 0)
+
+
+@lru_cache(maxsize=1)
+def _terminal(mdp: TabularMDP) -> IntArray:
+    return np.intersect1d(mdp.next_state[mdp.terminated], _without_pairs(mdp))
+
+
 def pair_lines(snapshot: Snapshot, pair: int, look: Look, width: int, *, revealed: bool) -> list[Line]:
     """Return the outcomes of ``pair`` and its Bellman optimality equation with numbers put in."""
-    world, mdp, palette, glyphs = snapshot.world, snapshot.world.space, look.palette, look.glyphs
-    state, action = int(mdp.pair_state[pair]), int(mdp.pair_action[pair])
+    world, space, palette, glyphs = snapshot.world, snapshot.world.space, look.palette, look.glyphs
+    state, action = space.state_of(pair), int(space.pair_action[pair])
     secret = is_secret(snapshot, revealed=revealed)
     head: list[Piece] = [
         Piece(" state ", palette.dim),
-        Piece(mdp.state_names[state], palette.strong),
+        Piece(space.state_names[state], palette.strong),
         *([Piece(f" ({place})", palette.dim)] if (place := names.place(world, state)) else []),
         Piece("   action ", palette.dim),
         Piece(_action(snapshot, action, look), palette.strong),
-        Piece(f"   pair {pair + 1:,} of {mdp.pairs:,}", palette.dim),
+        Piece(f"   pair {pair + 1:,} of {space.pairs:,}", palette.dim),
     ]
     taken = int(snapshot.visits[pair])
     learned = numbers.value(float(snapshot.q[pair]), 7, glyphs) if taken else "not yet visited"
+    if not snapshot.holds(pair):  # the next snapshot of a large world will have it
+        learned = glyphs.ellipsis
     estimate: Line = [
         Piece(f" learned Q({names.pair_name(world, pair, glyphs)}) = ", palette.dim),
         Piece(learned, palette.text),
         Piece(f", taken {taken:,} time{'' if taken == 1 else 's'}" if taken else "", palette.dim),
     ]
+    unknown: Line = [Piece(f"   {UNKNOWN}", palette.dim)]
+    mdp = world.mdp
     return [
         head,
-        *_outcomes(snapshot, pair, look, secret=secret),
+        *([unknown] if mdp is None else outcome_lines(world, mdp, pair, look, secret=secret)),
         estimate,
         [Piece("", palette.text)],
         *bellman_lines(snapshot, pair, look, width, secret=secret),
     ]
 
 
-def _outcomes(snapshot: Snapshot, pair: int, look: Look, *, secret: bool) -> list[Line]:
-    """Return a table: probability, what happened where the world slips, reward, next state."""
-    world, mdp, palette, glyphs = snapshot.world, snapshot.world.space, look.palette, look.glyphs
-    meant = int(mdp.pair_action[pair])
-    slips = any(mdp.outcome_action[each] not in (UNKNOWN_ACTION, meant) for each in mdp.outcomes_of(pair))
-    rows = []
-    for outcome in mdp.outcomes_of(pair):
-        next_state = int(mdp.next_state[outcome])
-        happened = int(mdp.outcome_action[outcome])
-        landing = names.state_name(world, next_state, glyphs)
-        if landmark := names.landmark(world, next_state):
-            landing += f": {landmark}"
-        rows.append(
-            (
-                names.chance(float(mdp.probability[outcome]), glyphs),
-                (names.action_name(world, happened, glyphs) if happened != UNKNOWN_ACTION else "?")
-                if slips
-                else "",
-                HIDDEN if secret else numbers.brief(float(mdp.reward[outcome]), glyphs, decimals=4),
-                landing,
-                "ends" if mdp.terminated[outcome] else "",
-            )
-        )
-    noise = float(mdp.reward_std[mdp.first_outcome[pair]])
-    heads = ("p", "went" if slips else "", "r", "s′", "")
-    spelled = [tuple(written(cell, glyphs) for cell in row) for row in (heads, *rows)]
-    widths = [max(cell_len(row[column]) for row in spelled) for column in range(len(heads))]
-    lines: list[Line] = []
-    for number, row in enumerate(spelled):
-        style = palette.text if number else palette.dim
-        cells = [
-            Piece(f"   {cell}{' ' * (columns - cell_len(cell))}", palette.accent if cell == "ends" else style)
-            for cell, columns in zip(row, widths, strict=True)
-            if columns
-        ]
-        if number and noise > 0.0:
-            cells.append(Piece(f"   r ± {numbers.brief(noise, glyphs, decimals=3)} (normal)", palette.dim))
-        lines.append(cells)
-    return lines
-
-
-def _rewards(snapshot: Snapshot, look: Look, *, revealed: bool) -> str:
-    mdp, glyphs = snapshot.world.space, look.glyphs
-    noise = float(mdp.reward_std.max())
-    noisy = f", normally distributed around their mean (standard deviation {numbers.brief(noise, glyphs)})"
+def _rewards(snapshot: Snapshot, mdp: TabularMDP, look: Look, *, revealed: bool) -> str:
+    glyphs = look.glyphs
+    rewards, drift = reward_range(mdp), mdp.drift_std
+    known = ""
+    if rewards.noise:
+        deviation = numbers.brief(rewards.noise, glyphs)
+        known = f", normally distributed around their mean (standard deviation {deviation})"
+    if drift:
+        known += f"; after every step each mean drifts by a normal step of standard deviation {drift:g}"
     if is_secret(snapshot, revealed=revealed):
-        return f"{SECRET}{noisy if noise else ''}"
-    low, high = (
-        numbers.brief(float(each), glyphs, decimals=3) for each in (mdp.reward.min(), mdp.reward.max())
-    )
+        return SECRET + known
+    low, high = (numbers.brief(each, glyphs, decimals=3) for each in (rewards.low, rewards.high))
     text = f"always {low}" if low == high else f"from {low} to {high}"
-    return text + (noisy if noise else "")
+    return f"{text}{' at the start' if drift else ''}{known}"
 
 
-def _start(snapshot: Snapshot, look: Look, room: int) -> str:
-    mdp, glyphs = snapshot.world.space, look.glyphs
+def _start(world: World, mdp: TabularMDP, look: Look, room: int) -> str:
     if len(mdp.start_state) == 1:
         state = int(mdp.start_state[0])
-        place = names.place(snapshot.world, state)
+        place = names.place(world, state)
         return mdp.state_names[state] + (f" ({place})" if place else "")
     chances = [
-        f"{names.state_name(snapshot.world, int(state), glyphs)} with {names.chance(float(p), glyphs)}"
+        f"{names.state_name(world, int(state), look.glyphs)} with {names.chance(float(p), look.glyphs)}"
         for state, p in zip(mdp.start_state[:20], mdp.start_probability[:20], strict=True)
     ]
     more = ["…"] if len(mdp.start_state) > 20 else []
     return _listed([*chances, *more], room, look)
 
 
-def _end(snapshot: Snapshot, others: Sequence[int], look: Look, room: int) -> str:
-    mdp, glyphs = snapshot.world.space, look.glyphs
-    if isinstance(snapshot.world.drawing, Arms):
+def _end(world: World, mdp: TabularMDP, look: Look, room: int) -> str:
+    if isinstance(world.drawing, Arms):
         return "every pull is an episode of its own"
-    reached = set(mdp.next_state[mdp.terminated].tolist())
-    terminal = [names.state_name(snapshot.world, state, glyphs) for state in others if state in reached]
+    reached = _terminal(mdp)
+    listed = [*reached[:_MANY_NAMES], *reached[_MANY_NAMES:][-1:]]
+    terminal = [names.state_name(world, int(state), look.glyphs) for state in listed]
     text = (
         f"terminal {_listed(terminal, room, look)}: nothing follows an outcome that ends there, worth 0"
         if terminal
         else "no state is terminal"
     )
-    if mdp.time_limit:
-        text += (
-            f"; after {mdp.time_limit:,} steps the time limit cuts the episode off, which is no end: "
-            "the last step still bootstraps"
-        )
-    return text
+    return text + _time_limit(mdp)
+
+
+def _time_limit(space: FiniteSpace) -> str:
+    if not space.time_limit:
+        return ""
+    return (
+        f"; after {space.time_limit:,} steps the time limit cuts the episode off, which is no end: "
+        "the last step still bootstraps"
+    )
 
 
 def _actions(snapshot: Snapshot, look: Look) -> list[str]:
@@ -173,7 +168,8 @@ def _action(snapshot: Snapshot, action: int, look: Look) -> str:
     """Return the arrow and the name of ``action``, or its name alone."""
     name = snapshot.world.space.action_names[action]
     arrow = names.action_name(snapshot.world, action, look.glyphs)
-    return f"{arrow} {name}" if len(arrow) == 1 and arrow != name else name
+    is_direction = names.is_direction(snapshot.world, action)
+    return f"{arrow} {name}" if is_direction and arrow != name else name
 
 
 def _listed(items: Sequence[str], room: int, look: Look) -> str:

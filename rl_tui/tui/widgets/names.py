@@ -29,12 +29,17 @@ def action_name(world: World, action: int, glyphs: Glyphs) -> str:
     return shortened(world.space.action_names[action], LONGEST_NAME, glyphs.ellipsis)
 
 
+def is_direction(world: World, action: int) -> bool:
+    """Tell whether ``action`` is a direction on a grid, so that its name is an arrow."""
+    return isinstance(world.drawing, Grid) and world.drawing.directions[action] is not None
+
+
 def pair_name(world: World, pair: int, glyphs: Glyphs) -> str:
     """Return ``6,←`` for the arguments of Q; an arm of a bandit has no state."""
     action = action_name(world, int(world.space.pair_action[pair]), glyphs)
     if isinstance(world.drawing, Arms):
         return action
-    return f"{state_name(world, int(world.space.pair_state[pair]), glyphs)},{action}"
+    return f"{state_name(world, world.space.state_of(pair), glyphs)},{action}"
 
 
 def place(world: World, state: int) -> str:
@@ -46,10 +51,10 @@ def place(world: World, state: int) -> str:
 
 
 def landmark(world: World, state: int) -> str:
-    """Return ``hole`` or ``goal`` where ``state`` is one on a grid; empty elsewhere."""
+    """Return ``hole``, ``cliff`` or ``goal`` where ``state`` is one on a grid; empty elsewhere."""
     if isinstance(world.drawing, Grid):
         kind = world.drawing.kinds[world.drawing.cell_of_state[state]]
-        if kind in (CellKind.HOLE, CellKind.GOAL):
+        if kind in (CellKind.HOLE, CellKind.CLIFF, CellKind.GOAL):
             return kind.value
     return ""
 

@@ -11,6 +11,8 @@ from textual.message import Message
 from textual.strip import Strip
 
 from rl_tui.lab.snapshot import Snapshot
+from rl_tui.lab.windows import Stretch, followed_state, is_large
+from rl_tui.tui.scrolling import Scrolled
 from rl_tui.tui.theme.look import Look
 from rl_tui.tui.widgets.panel import Panel
 from rl_tui.tui.widgets.pieces import Piece, strips_of, wrapped
@@ -82,6 +84,7 @@ class QTable(Panel, can_focus=True):
         self._world: TableWorld | None = None
         self._sheet: Sheet | None = None
         self._cache = strip_cache()
+        self._told: Stretch | None = None
 
     @property
     def shown_layer(self) -> Layer:
@@ -113,6 +116,34 @@ class QTable(Panel, can_focus=True):
         world = self._world_of(self.snapshot)
         return world.space.pairs + 2 if world.is_sparse else len(world.live)
 
+    @property
+    def stretch(self) -> Stretch | None:
+        """The pairs in view: where it was scrolled to by hand, or around the agent."""
+        sheet = self._sheet
+        if sheet is None or self.snapshot is None:
+            return None
+        most = sheet.shown * len(self.snapshot.world.space.action_names)
+        return Stretch(most, None if self._following else sheet.pairs.start)
+
+    @property
+    def is_complete(self) -> bool:
+        """Whether the newest snapshot has all that is in view."""
+        window = None if self.snapshot is None else self.snapshot.window
+        if window is None or self._sheet is None:
+            return True
+        pairs = self._sheet.pairs
+        return bool(window.held[pairs.start : pairs.stop].all())
+
+    def redraw(self) -> None:
+        """Draw again; say so where another part of a large table has come into view."""
+        super().redraw()
+        if self.snapshot is None or not self.is_attached or not is_large(self.snapshot.world.space):
+            return
+        stretch = self.stretch
+        if stretch != self._told:
+            self._told = stretch
+            self.post_message(Scrolled())
+
     def show(self, snapshot: Snapshot) -> None:
         """Draw ``snapshot``; in another world the table starts at its top and follows the agent."""
         if self.snapshot is not None and self.snapshot.world.space is not snapshot.world.space:
@@ -130,7 +161,7 @@ class QTable(Panel, can_focus=True):
             return self._message(snapshot, width, height)
         form, scene = self._form(snapshot, width, height)
         self._sheet = sheet = Sheet(form, scene, width, height)
-        sheet.scroll(self._first, snapshot.state if self._following else None)
+        sheet.scroll(self._first, _followed(snapshot) if self._following else None)
         self._first = sheet.first
         self.heading = f"{_TITLES[self.shown_layer]} · {_size_in_words(scene, form)}"
         self.footing = self._footing(width, sheet.is_scrolled)
@@ -204,7 +235,7 @@ class QTable(Panel, can_focus=True):
         if self.cursor_pair is not None or self.snapshot is None:
             return self.cursor_pair
         world = self._world_of(self.snapshot)
-        state = self.snapshot.state if self._following else int(world.live[0])
+        state = _followed(self.snapshot) if self._following else int(world.live[0])
         if world.row_of(state) == NO_ROW:
             state = int(world.live[0])
         return world.space.pairs_of(state).start
@@ -262,6 +293,10 @@ class QTable(Panel, can_focus=True):
             follow = FOLLOWS if self._following else FOLLOW_HINT
             forms = [f"{follow} · {layers}", f"{follow} · {short}", follow]
         return self.fitting(forms, width)
+
+
+def _followed(snapshot: Snapshot) -> int:
+    return followed_state(snapshot.world.space, snapshot.state, snapshot.last)
 
 
 def _size_in_words(scene: Scene, form: Form) -> str:

@@ -59,6 +59,9 @@ class Form(Protocol):
     def entry(self, entry: int, is_first: bool) -> Pieces:
         """Return one row; ``is_first`` says that none is shown above it."""
 
+    def pairs_in(self, entry: int) -> range:
+        """Return the pairs that stand in a row."""
+
     def entry_of(self, state: int) -> int:
         """Return the (first) entry of ``state``, ``NO_ROW`` if it has none."""
 

@@ -45,8 +45,8 @@ def exact_q(snapshot: Snapshot, revealed: bool) -> tuple[FloatArray, BoolArray] 
     For a bandit they are the true means, whatever γ is: every pull ends its episode.
     """
     if isinstance(snapshot.world.drawing, Arms):
-        space = snapshot.world.space
-        return (true_means(space), best_arms(space)) if revealed else None
+        mdp = snapshot.world.mdp
+        return (true_means(mdp), best_arms(mdp)) if revealed and mdp is not None else None
     return None if snapshot.exact is None else (snapshot.exact.q, snapshot.exact.greedy)
 
 
@@ -60,7 +60,8 @@ class Figures:
     """One layer at one moment. ``exact`` is what :func:`exact_q` returns; the exact layers need it.
 
     Ties between greedy pairs are exact equality of Q, as the agent compares, and those of the solution in the
-    layer of Q*. No pair is greedy where nothing is known about the state.
+    layer of Q*. No pair is greedy where nothing is known about the state. Of a large world ``low`` and
+    ``high`` are the ends of what the snapshot holds, which is what is in view and around.
     """
 
     def __init__(
@@ -78,11 +79,16 @@ class Figures:
         self._exact_greedy = exact[1] if exact is not None and layer is Layer.OPTIMAL else None
         self._lit = lit if layer is not Layer.OPTIMAL else None
         self._values: npt.NDArray[np.float64] | npt.NDArray[np.int64] = _values(snapshot, layer, exact)
-        self.low, self.high = _ends(self._values)
+        window = None if layer is Layer.OPTIMAL else snapshot.window
+        self._held = None if window is None else window.held
+        self.low, self.high = _ends(self._values if window is None else self._values[window.pairs])
+        self._total_visits: int | None = None
         self._forms: dict[int, _NumberForm] = {}
 
     def text(self, pair: int, width: int) -> str:
         """Return the number of ``pair`` in at most ``width`` cells; a dot for what was never updated."""
+        if not self.holds(pair):
+            return ""
         x = self._values[pair].item()
         glyphs = self._look.glyphs
         if x == 0 and self._is_new(pair) and self.layer is not Layer.ERROR:
@@ -97,9 +103,15 @@ class Figures:
             return len(numbers.count(int(self.high), width))
         return self._form(width).cells
 
+    def holds(self, pair: int) -> bool:
+        """Tell whether the number of ``pair`` is known: of a large world the snapshot has a part only."""
+        return self._held is None or bool(self._held[pair])
+
     def style(self, pair: int) -> Style:
         """Return the style of the cell of ``pair``: its tint, or that of a pair never or just updated."""
         palette = self._look.palette
+        if not self.holds(pair):
+            return palette.text
         if pair == self._lit:
             return palette.updated
         if self._is_new(pair):
@@ -115,7 +127,9 @@ class Figures:
 
     def share(self, pair: int) -> float:
         """Return how much of all visits went to ``pair``, 0 to 1."""
-        return int(self._visits[pair]) / max(1, int(self._visits.sum()))
+        if self._total_visits is None:
+            self._total_visits = int(self._visits.sum())
+        return int(self._visits[pair]) / max(1, self._total_visits)
 
     def is_lit(self, pair: int) -> bool:
         """Tell whether ``pair`` was just updated."""
@@ -123,6 +137,8 @@ class Figures:
 
     def greedy(self, pairs: range) -> tuple[int, ...]:
         """Return the greedy ones of ``pairs``, which are those of one state."""
+        if not self.holds(pairs.start):
+            return ()
         inside = slice(pairs.start, pairs.stop)
         if self._exact_greedy is not None:
             marked = self._exact_greedy[inside]
@@ -186,6 +202,8 @@ def _values(
 
 def _ends(values: npt.NDArray[np.float64] | npt.NDArray[np.int64]) -> tuple[float, float]:
     """Return the least and the greatest finite value; zeros where there is none."""
+    if not values.size:
+        return 0.0, 0.0
     low, high = float(values.min()), float(values.max())
     if math.isfinite(low) and math.isfinite(high):
         return low, high

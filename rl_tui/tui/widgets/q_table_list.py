@@ -76,6 +76,10 @@ class ListForm:
         is_new = is_first or entry == int(world.space.first_pair[world.state_of(entry)])
         return [segment for column in self.columns for segment in column.draw(entry, is_new)]
 
+    def pairs_in(self, entry: int) -> range:
+        """Return the pair of the row."""
+        return range(entry, entry + 1)
+
     def entry_of(self, state: int) -> int:
         """Return the row of the first pair of ``state``."""
         first, end = self.scene.world.space.first_pair[state : state + 2].tolist()

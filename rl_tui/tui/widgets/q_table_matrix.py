@@ -83,6 +83,10 @@ class MatrixForm:
             expected = action + 1
         return pieces + self._empty(len(world.action_names) - expected)
 
+    def pairs_in(self, entry: int) -> range:
+        """Return the pairs of the state."""
+        return self._world.space.pairs_of(int(self._world.live[entry]))
+
     def entry_of(self, state: int) -> int:
         """Return the row of ``state``."""
         return self._world.row_of(state)

@@ -42,6 +42,14 @@ class Sheet:
         """How many rows a page is."""
         return max(1, self._lines)
 
+    @property
+    def pairs(self) -> range:
+        """The pairs in view, from the first to the last."""
+        if self.shown == 0:
+            return range(0)
+        last = self.form.pairs_in(self.first + self.shown - 1)
+        return range(self.form.pairs_in(self.first).start, last.stop)
+
     def scroll(self, first: int, state: int | None = None) -> None:
         """Start at about entry ``first``, with ``state`` in view (None: whatever is)."""
         entry = NO_ROW if state is None else self.form.entry_of(state)

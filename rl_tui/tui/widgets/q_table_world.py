@@ -17,6 +17,7 @@ from rl_tui.worlds.world import World
 
 LONGEST_STATE: Final = 14
 NO_ROW: Final = -1
+MOST_MEASURED: Final = 10_000
 
 
 class TableWorld:
@@ -28,13 +29,22 @@ class TableWorld:
         self.glyphs = glyphs
         self.is_bandit = isinstance(world.drawing, Arms)
         self.live: IntArray = np.flatnonzero(np.diff(self.space.first_pair))
-        names = self.space.state_names
-        self.state_width = min(LONGEST_STATE, max(cell_len(names[state]) for state in self.live.tolist()))
+        self.state_width = min(LONGEST_STATE, self._longest_name())
         self.action_names = tuple(
             written(action_name(world, action, glyphs), glyphs)
             for action in range(len(self.space.action_names))
         )
         self.action_width = max(map(cell_len, self.action_names))
+
+    def _longest_name(self) -> int:
+        """Return the cells of the longest name; of very many states, those of the last and of a sample.
+
+        A name that the sample overlooks is drawn shortened.
+        """
+        names, live = self.space.state_names, self.live
+        if len(live) > MOST_MEASURED:
+            live = np.append(live[:: -(-len(live) // MOST_MEASURED)], live[-1])
+        return max(cell_len(names[state]) for state in live.tolist())
 
     def describes(self, world: World, glyphs: Glyphs) -> bool:
         """Tell whether this is what is known of ``world`` in these characters."""
@@ -52,7 +62,7 @@ class TableWorld:
 
     def state_of(self, pair: int) -> int:
         """Return the state that owns ``pair``."""
-        return int(np.searchsorted(self.space.first_pair, pair, side="right")) - 1
+        return self.space.state_of(pair)
 
     def action_of(self, pair: int) -> int:
         """Return the action of ``pair``."""

@@ -10,10 +10,10 @@ from textual.message import Message
 from textual.strip import Strip
 from textual.widget import Widget
 
-from rl_tui.agents.hyperparameters import Hyperparameters, Parameter
+from rl_tui.agents.hyperparameters import PARAMETERS, Hyperparameters, Parameter
 from rl_tui.tui.theme.look import Look
 from rl_tui.tui.widgets.slider_picture import SliderState, slider_form, slider_strip
-from rl_tui.tui.widgets.slider_scale import Scale, parsed
+from rl_tui.tui.widgets.slider_scale import Scale, parsed, scale_of
 
 _BEGINS_TYPING: Final = frozenset("0123456789.")
 _LONGEST_TYPED: Final = 14
@@ -94,11 +94,9 @@ class Slider(Widget, can_focus=True):
         classes: str | None = None,
     ) -> None:
         super().__init__(id=id, classes=classes)
-        if parameter.range is None:
-            raise ValueError(f"a slider needs a range; {parameter.name} takes words only")
         self.look = look
         self.parameter = parameter
-        self.scale = Scale(parameter.range)
+        self.scale = scale_of(parameter)
         self.tooltip = parameter.help
         self._value = value
         self._number = _first_number(parameter, self.scale, value)
@@ -259,5 +257,5 @@ class Slider(Widget, can_focus=True):
 
 def _first_number(parameter: Parameter, scale: Scale, value: float | str) -> float:
     """Return the number that a slider goes to from a word: the value, or the default of the parameter."""
-    default = getattr(Hyperparameters(), parameter.name, scale.low)
+    default = Hyperparameters().value(parameter.name) if parameter.name in PARAMETERS else scale.low
     return next((float(each) for each in (value, default) if not isinstance(each, str)), scale.low)

@@ -14,18 +14,24 @@ _NOISE: Final = 12  # decimals; what lies beyond is left over from adding steps
 
 @dataclass(frozen=True, slots=True)
 class Scale:
-    """A finite range, walked in steps of a hundredth; ``fine`` is a tenth of a step, ``coarse`` ten."""
+    """A finite range, walked in steps of a hundredth; ``fine`` is a tenth of a step, ``coarse`` ten.
+
+    A ``logarithmic`` one is walked in equal ratios: its steps are shares of the way from end to end.
+    """
 
     range: Range
+    logarithmic: bool = False
 
     def __post_init__(self) -> None:
         if not math.isfinite(self.span) or self.span <= 0.0:
             raise ValueError(f"a slider needs a finite range, not {self.range}")
+        if self.logarithmic and self.range.low <= 0.0:
+            raise ValueError(f"equal ratios do not reach {self.range.low:g}")
 
     @property
     def span(self) -> float:
-        """The width of the range."""
-        return self.range.high - self.range.low
+        """The width of the range; of equal ratios the whole way, 1."""
+        return 1.0 if self.logarithmic else self.range.high - self.range.low
 
     @property
     def step(self) -> float:
@@ -53,15 +59,15 @@ class Scale:
         return float(self.range.high)
 
     def moved(self, value: float, by: float) -> float:
-        """Return ``value`` moved within the ends; one typed below the lower end is not raised to it."""
-        target = round(value + by, _NOISE)
+        """Return ``value`` moved within the ends; one typed beyond an end is not brought back to it."""
+        target = self._by_ratio(value, by) if self.logarithmic else round(value + by, _NOISE)
         if by < 0.0:
             return max(target, min(value, self.low))
-        return min(target, self.high)
+        return min(target, max(value, self.high))
 
     def cell_of(self, value: float, cells: int) -> int:
         """Return the cell of the thumb on a track of ``cells``."""
-        return min(cells - 1, max(0, round((value - self.range.low) / self.span * (cells - 1))))
+        return min(cells - 1, max(0, round(self._share(value) * (cells - 1))))
 
     def at_cell(self, cell: int, cells: int) -> float:
         """Return the roundest value of a cell, clamped to the track; its ends are those of the scale."""
@@ -69,12 +75,45 @@ class Scale:
             return self.low
         if cell >= cells - 1:
             return self.high
+        if self.logarithmic:
+            value = self.range.low * self._ratio ** (cell / (cells - 1))
+            rounder = (_significant(value, digits) for digits in (1, 2, 3))
+            return next((each for each in rounder if self.cell_of(each, cells) == cell), value)
         value = self.range.low + cell / (cells - 1) * self.span
         for grain in (self.step, self.fine):
             rounded = round(round(value / grain) * grain, _NOISE)
             if self.cell_of(rounded, cells) == cell and rounded >= self.low:
                 return rounded
         return value
+
+    @property
+    def _ratio(self) -> float:
+        return self.range.high / self.range.low
+
+    def _share(self, value: float) -> float:
+        """Return how far from end to end ``value`` is."""
+        if self.logarithmic:
+            return math.log(max(value, self.range.low) / self.range.low) / math.log(self._ratio)
+        return (value - self.range.low) / self.span
+
+    def _by_ratio(self, value: float, by: float) -> float:
+        """Return ``value`` moved by a share of the way, rounded as fine as it was moved."""
+        return _significant(value * self._ratio**by, 2 if abs(by) >= self.step else 3)
+
+
+def scale_of(parameter: Parameter) -> Scale:
+    """Return the scale of the slider of ``parameter``; raises ValueError where it cannot have one."""
+    if parameter.range is None:
+        raise ValueError(f"a slider needs a range; {parameter.name} takes words only")
+    slide, whole = parameter.slide, parameter.range
+    if slide is None:
+        return Scale(whole)
+    is_open = whole.open_low and slide.low == whole.low
+    return Scale(Range(slide.low, slide.high, open_low=is_open), slide.logarithmic)
+
+
+def _significant(value: float, digits: int) -> float:
+    return float(f"{value:.{digits}g}")
 
 
 def parsed(text: str, parameter: Parameter) -> float | str:

@@ -92,15 +92,16 @@ def _fields(snapshot: Snapshot, look: Look, *, wide: bool) -> list[_Field]:
     """Return state, progress and measured speed, the most important first."""
     palette = look.palette
     fields = [_state(snapshot, look)]
-    if isinstance(snapshot.world.drawing, Arms) and snapshot.bandit is not None:
+    plans = BY_ID[snapshot.algorithm].planner
+    if isinstance(snapshot.world.drawing, Arms) and snapshot.bandit is not None and not plans:
         pulls, budget = snapshot.bandit.pulls, f"{snapshot.bandit.budget:,}"
         text = f"pull {numbers.count(pulls)} of {budget}"
         fields.append(_Field(text, len(f"pull {budget} of {budget}"), palette.text))
     else:
-        episode, step = ("episode", "step") if wide else ("ep", "step")
+        episode = "sweep" if plans else "episode" if wide else "ep"
         for label, count, columns in (
             (episode, snapshot.episodes, 9),
-            (step, snapshot.step, 11 if wide else 9),
+            ("step", snapshot.step, 11 if wide else 9),
         ):
             text = f"{label} {numbers.count(count, columns)}"
             fields.append(_Field(text, len(label) + 1 + columns, palette.text))
@@ -118,6 +119,9 @@ def _state(snapshot: Snapshot, look: Look) -> _Field:
     if snapshot.phase is Phase.SPENT:
         text = f"{glyphs.stopped} budget spent"
         return _Field(text, len(text), palette.accent)
+    if snapshot.phase is Phase.DONE:
+        text = f"{glyphs.stopped} {snapshot.message or snapshot.phase.value}"
+        return _Field(text, cell_len(written(text, glyphs)), palette.accent)
     if snapshot.phase is Phase.PAUSED:
         return _Field(f"{glyphs.paused} paused", _STATE_COLUMNS, palette.dim)
     return _Field(f"{glyphs.running} {speed_text(snapshot.speed)}", _STATE_COLUMNS, palette.good)

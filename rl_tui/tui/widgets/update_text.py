@@ -18,12 +18,12 @@ _LARGEST: Final = 1e6  # beyond this numbers are written with an exponent, and n
 
 @dataclass(frozen=True, slots=True)
 class UpdateText:
-    """The terms of before + step_size · (reward + gamma · bootstrap − before) = after, as written."""
+    """The terms of before + step_size · (gathered + discount · bootstrap − before) = after, as written."""
 
     before: str
     step_size: str
-    reward: str
-    gamma: str
+    gathered: str
+    discount: str
     bootstrap: str
     target: str
     error: str
@@ -38,13 +38,14 @@ class _Rounding:
     results: int
 
 
-def update_text(last: LastStep, alpha: float | str, glyphs: Glyphs) -> UpdateText:
+def update_text(last: LastStep, alpha: float | str, glyphs: Glyphs, *, bootstraps: bool) -> UpdateText:
     """Write the numbers of ``last`` with as few decimals (2 to 6) as let the printed arithmetic come out.
 
     What is worked out from the printed terms, rounded like the printed results, is the printed target, δ and
     new estimate. ``alpha`` is the step size in force: a step of 1/N that is not it is written as a fraction.
+    Without ``bootstraps`` the target is what was gathered.
     """
-    rounding = _rounding(last)
+    rounding = _rounding(last, bootstraps)
     terms, results = rounding.terms, rounding.results
 
     def written(x: float, decimals: int) -> str:
@@ -61,10 +62,10 @@ def update_text(last: LastStep, alpha: float | str, glyphs: Glyphs) -> UpdateTex
     return UpdateText(
         before=written(last.before, terms),
         step_size=step_size_text(last.step_size, alpha, glyphs),
-        reward=written(last.reward, terms),
-        gamma=setting(last.gamma, glyphs),
+        gathered=written(last.gathered, terms),
+        discount=setting(_discount_as_printed(last), glyphs),
         bootstrap=written(last.bootstrap, terms),
-        target=written(last.target, terms if last.terminated else results),
+        target=written(last.target, results if bootstraps else terms),
         error=sign + written(error, results),
         after=written(last.after, results),
     )
@@ -81,16 +82,16 @@ def setting(x: float, glyphs: Glyphs) -> str:
 
 def step_size_text(step_size: float, alpha: float | str, glyphs: Glyphs) -> str:
     """Return ``1/842`` where the step was the sample average's, otherwise the number."""
-    visits = round(1.0 / step_size)
+    visits = round(1.0 / step_size) if step_size > 0.0 else 0
     if step_size != alpha and abs(step_size * visits - 1.0) < 1e-12:
         return f"1/{visits}"
     return setting(step_size, glyphs)
 
 
-def _rounding(last: LastStep) -> _Rounding:
+def _rounding(last: LastStep, bootstraps: bool) -> _Rounding:
     """Return the first rounding that comes out, the coarsest one if none does."""
     candidates = list(_candidates(_decimals_that_show(last)))
-    return next((each for each in candidates if _comes_out(last, each)), candidates[0])
+    return next((each for each in candidates if _comes_out(last, each, bootstraps)), candidates[0])
 
 
 def _candidates(fewest: int) -> Iterator[_Rounding]:
@@ -113,14 +114,14 @@ def _decimals_that_show(last: LastStep) -> int:
     return _MOST_FOR_CHANGE
 
 
-def _comes_out(last: LastStep, rounding: _Rounding) -> bool:
-    before, reward, bootstrap = (
-        _as_printed(x, rounding.terms) for x in (last.before, last.reward, last.bootstrap)
+def _comes_out(last: LastStep, rounding: _Rounding, bootstraps: bool) -> bool:
+    before, gathered, bootstrap = (
+        _as_printed(x, rounding.terms) for x in (last.before, last.gathered, last.bootstrap)
     )
-    target = reward + last.gamma * bootstrap
+    target = gathered + (_discount_as_printed(last) * bootstrap if bootstraps else 0.0)
     error = target - before
     after = before + last.step_size * error
-    printed_target = target if last.terminated else _as_printed(last.target, rounding.results)
+    printed_target = _as_printed(last.target, rounding.results) if bootstraps else target
     printed_error, printed_after = (_as_printed(x, rounding.results) for x in (last.td_error, last.after))
     # the inspector's chain works on from printed results: δ = target − before, Q ← before + α · δ
     chained = (
@@ -132,6 +133,11 @@ def _comes_out(last: LastStep, rounding: _Rounding) -> bool:
     )
     allowed = 0.5 * 10.0**-rounding.results + numbers.NEGLIGIBLE
     return all(abs(worked_out - printed) <= allowed for worked_out, printed in chained)
+
+
+def _discount_as_printed(last: LastStep) -> float:
+    """Return γ as it is, its powers with four decimals."""
+    return last.discount if last.discount == last.gamma else round(last.discount, 4)
 
 
 def _as_printed(x: float, decimals: int) -> float:

@@ -9,6 +9,7 @@ import numpy as np
 from textual.strip import Strip
 
 from rl_tui.agents.hyperparameters import SAMPLE_AVERAGE, StepSize
+from rl_tui.lab.bandit import true_means
 from rl_tui.lab.snapshot import Snapshot
 from rl_tui.tui.theme.look import Look
 from rl_tui.tui.world_views.arms_drawing import Arm, draw_arms, names_width, rows_an_arm, true_mean_glyph
@@ -35,11 +36,10 @@ class ArmsView(WorldView):
         id: str | None = None,  # noqa: A002
         classes: str | None = None,
     ) -> None:
-        if not isinstance(world.drawing, Arms):
-            raise TypeError("an ArmsView draws worlds whose drawing is Arms")
+        if not isinstance(world.drawing, Arms) or world.mdp is None:
+            raise TypeError("an ArmsView draws worlds that have a table and whose drawing is Arms")
         super().__init__(world, look, id=id, classes=classes)
-        self._noise = noise_of_pairs(world.space)
-        self._means = mean_rewards(world.space)
+        self._mdp = world.mdp
         self._scale = NO_SCALE
         self._step = 0
         self._top = 0
@@ -54,7 +54,7 @@ class ArmsView(WorldView):
 
     def drawing(self, snapshot: Snapshot, width: int, height: int) -> list[Strip]:
         """Return the bars of the arms from the first in view on, and the axis where a row is left for it."""
-        arms = arms_of(self.world.space, snapshot, self._noise, self._means if self.revealed else None)
+        arms = arms_of(self._mdp, snapshot, true_means_now(self._mdp, snapshot) if self.revealed else None)
         self._scale = grown(self._scale, [value for arm in arms for value in arm.extent()])
         scale = shown_scale(self._scale)
         each = rows_an_arm(len(arms), height)
@@ -90,9 +90,25 @@ def noise_of_pairs(mdp: TabularMDP) -> FloatArray:
     return np.asarray(np.sqrt(variance))
 
 
-def mean_rewards(mdp: TabularMDP) -> FloatArray:
-    """Return the true mean q*(a) of each pair, [P]."""
-    return np.asarray(np.bincount(mdp.outcome_pair, mdp.probability * mdp.reward, minlength=mdp.pairs))
+def true_means_now(mdp: TabularMDP, snapshot: Snapshot) -> FloatArray | None:
+    """Return the true mean q*(a) of each pair at this step, [P]; None where it has drifted out of sight."""
+    if mdp.drift_std > 0.0 and snapshot.step > 0:
+        return None if snapshot.exact is None else snapshot.exact.q
+    return true_means(mdp)
+
+
+def noise_of_rewards(mdp: TabularMDP, q: FloatArray) -> FloatArray:
+    """Return the standard deviation of one reward of each pair, [P], as far as the agent can know it.
+
+    That is the noise that the scenario states. Where rewards are either of two numbers it depends on the
+    hidden mean, in whose place the estimate is taken: √((q − low)(high − q)).
+    """
+    values = np.unique(mdp.reward)
+    if len(values) != 2 or mdp.reward_std.any() or len(mdp.reward) == mdp.pairs:
+        return noise_of_pairs(mdp)
+    low, high = values
+    inside = np.clip(q, low, high)
+    return np.asarray(np.sqrt((inside - low) * (high - inside)))
 
 
 def standard_error(noise: float, pulls: int, alpha: StepSize) -> float:
@@ -108,11 +124,11 @@ def standard_error(noise: float, pulls: int, alpha: StepSize) -> float:
     return noise * math.sqrt(step_size / (2.0 - step_size) * (1.0 - (1.0 - step_size) ** (2 * pulls)))
 
 
-def arms_of(
-    mdp: TabularMDP, snapshot: Snapshot, noise: FloatArray, means: FloatArray | None
-) -> tuple[Arm, ...]:
+def arms_of(mdp: TabularMDP, snapshot: Snapshot, means: FloatArray | None) -> tuple[Arm, ...]:
     """Return what is known about each arm; true means only where ``means`` are given."""
     q, visits = snapshot.q.tolist(), snapshot.visits.tolist()
+    noise, values = noise_of_rewards(mdp, snapshot.q), snapshot.hyperparameters
+    alpha: StepSize = SAMPLE_AVERAGE if values.sample_average else values.alpha
     anything = any(visits)
     best_estimate, last = max(q), snapshot.last.pair if snapshot.last is not None else None
     best_mean = float(means.max()) if means is not None else None
@@ -120,9 +136,7 @@ def arms_of(
         Arm(
             name=mdp.action_names[int(mdp.pair_action[pair])],
             estimate=q[pair],
-            error=standard_error(float(noise[pair]), visits[pair], snapshot.hyperparameters.alpha)
-            if visits[pair]
-            else None,
+            error=standard_error(float(noise[pair]), visits[pair], alpha) if visits[pair] else None,
             pulls=visits[pair],
             greedy=anything and q[pair] == best_estimate,
             last=pair == last,

@@ -36,11 +36,11 @@ class GraphView(WorldView):
         id: str | None = None,  # noqa: A002
         classes: str | None = None,
     ) -> None:
-        if not isinstance(world.drawing, Graph):
-            raise TypeError("a GraphView draws worlds whose drawing is a Graph")
+        if not isinstance(world.drawing, Graph) or world.mdp is None:
+            raise TypeError("a GraphView draws worlds that have a table and whose drawing is a Graph")
         super().__init__(world, look, id=id, classes=classes)
-        self._graph = world.drawing
-        self._shape = graph_shape(world.space, self._graph, look.glyphs)
+        self._graph, self._mdp = world.drawing, world.mdp
+        self._shape = graph_shape(self._mdp, self._graph, look.glyphs)
         self._shape_glyphs = look.glyphs
         self._top = 0
         self.heading = "World · bold = greedy"
@@ -48,7 +48,7 @@ class GraphView(WorldView):
     def drawing(self, snapshot: Snapshot, width: int, height: int) -> list[Strip]:
         """Return the graph, or the list of its edges where it does not fit."""
         if self._shape_glyphs is not self.look.glyphs:
-            self._shape = graph_shape(self.world.space, self._graph, self.look.glyphs)
+            self._shape = graph_shape(self._mdp, self._graph, self.look.glyphs)
             self._shape_glyphs = self.look.glyphs
         values = state_values(self.world.space, snapshot)
         layout = graph_layout(self._shape, width, height)

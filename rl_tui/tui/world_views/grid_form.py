@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Final, NamedTuple
 
-LEAST_WIDTH = 5  # mark, arrow and a value of three characters
-MOST_HEIGHT = 5
+LEAST_WIDTH: Final = 5  # mark, arrow and a value of three characters
+LEAST_ARROWS: Final = 2  # mark and arrow
+MOST_HEIGHT: Final = 5
 
 
 class CellForm(NamedTuple):
@@ -14,13 +15,29 @@ class CellForm(NamedTuple):
     width: int
     height: int
 
+    @property
+    def has_values(self) -> bool:
+        """Whether there is room for V(s); narrower cells have mark and arrow alone."""
+        return self.width >= LEAST_WIDTH
+
+    @property
+    def digits(self) -> int:
+        """The characters that a value has."""
+        if self.height == 1:
+            return 3 if self.width < 8 else 4
+        return 4 if self.width < 12 else 6
+
 
 def cell_form(rows: int, columns: int, width: int, height: int) -> CellForm:
     """Return the largest form in which rows × columns cells fit into width × height characters.
 
-    Where not even the smallest fits, it is the smallest, so that as much as possible is in view.
+    Where they fit only without their values, they go without. Where even then they do not, the form is the
+    smallest with values: a part of the map is in view.
     """
-    fits = rows <= height and columns * LEAST_WIDTH <= width
-    cell_height = min(MOST_HEIGHT, height // rows) if fits else 1
+    if rows > height or columns * LEAST_ARROWS > width:
+        return CellForm(max(LEAST_WIDTH, min(8, width // columns)), 1)
+    if columns * LEAST_WIDTH > width:
+        return CellForm(width // columns, 1)
+    cell_height = min(MOST_HEIGHT, height // rows)
     widest = max(8, 4 * cell_height + 2)  # characters are about twice as high as wide
-    return CellForm(max(LEAST_WIDTH, min(widest, width // columns)), cell_height)
+    return CellForm(min(widest, width // columns), cell_height)

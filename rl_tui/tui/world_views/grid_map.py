@@ -2,66 +2,118 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
 from rl_tui.lab.snapshot import Snapshot
+from rl_tui.lab.windows import NO_STATE, first_state_of_cells, pairs_of_states
 from rl_tui.worlds.drawing import CellKind, Grid
-from rl_tui.worlds.space import FiniteSpace
+from rl_tui.worlds.space import FiniteSpace, IntArray
 
-NO_STATE = -1
+Sign = tuple[int, int] | str
 
 
-@dataclass(frozen=True, slots=True)
-class CellContent:
+class Part(NamedTuple):
+    """The rows × columns cells from (top, left) on."""
+
+    top: int
+    left: int
+    rows: int
+    columns: int
+
+
+class CellContent(NamedTuple):
     """One cell.
 
-    ``value`` is V(s) = max over a of Q(s, a), None where nothing can be done. ``known`` says that something
-    was learned about the state: it was updated or its estimates differ. ``greedy`` holds the greedy actions,
-    all ties, as their direction or the first letter of their name; it is empty where nothing is known.
+    ``value`` is V(s) = max over a of Q(s, a), None where nothing can be done or the snapshot does not tell.
+    ``known`` says that something was learned about the state: it was updated or its estimates differ.
+    ``greedy`` holds the greedy actions, all ties, as their direction or the first letter of their name; it is
+    empty where nothing is known.
     """
 
     kind: CellKind
     agent: bool
     value: float | None = None
     known: bool = False
-    greedy: tuple[tuple[int, int] | str, ...] = ()
+    greedy: tuple[Sign, ...] = ()
 
 
 class GridMap:
-    """A map and its states. Reading a cell costs the same in a map of any size."""
+    """A map and its states. Reading a part of it costs the same in a map of any size."""
 
     def __init__(self, space: FiniteSpace, grid: Grid) -> None:
         self.grid = grid
-        self._mdp = space
+        self._space = space
         self._signs = tuple(
-            step if step and 0 in step and any(step) else (name[:1] or "?")
+            (name[:1] or "?") if step is None else step
             for step, name in zip(grid.directions, space.action_names, strict=True)
         )
-        self._state_of_cell = np.full(grid.rows * grid.columns, NO_STATE, dtype=np.int64)
-        # backwards, so that the first of several states in one cell stays
-        self._state_of_cell[np.array(grid.cell_of_state)[::-1]] = np.arange(space.states)[::-1]
+        self._states = first_state_of_cells(grid)
 
-    def content(self, row: int, column: int, snapshot: Snapshot) -> CellContent:
-        """Return what stands in a cell. Of several states there it is the agent's, else the first."""
-        cell = row * self.grid.columns + column
-        kind = self.grid.kinds[cell]
-        agent = self.grid.cell_of_state[snapshot.state] == cell
-        state = snapshot.state if agent else int(self._state_of_cell[cell])
-        if state == NO_STATE:
-            return CellContent(kind, agent)
-        pairs = self._mdp.pairs_of(state)
-        if not pairs:
-            return CellContent(kind, agent)
-        q = snapshot.q[pairs.start : pairs.stop].tolist()
-        value = max(q)
-        known = min(q) != value or bool(snapshot.visits[pairs.start : pairs.stop].any())
-        if not known:
-            return CellContent(kind, agent, value)
-        greedy = tuple(
-            self._signs[int(self._mdp.pair_action[pair])]
-            for pair, each in zip(pairs, q, strict=True)
-            if each == value
-        )
-        return CellContent(kind, agent, value, known, greedy)
+    def contents(self, part: Part, snapshot: Snapshot) -> list[CellContent]:
+        """Return what stands in the cells of ``part``, row by row.
+
+        Of several states in one cell it is the agent's, else the first.
+        """
+        kinds, columns = self.grid.kinds, self.grid.columns
+        states = self._states_in(part, snapshot)
+        owners = states[states != NO_STATE]
+        pairs = pairs_of_states(self._space, owners)
+        counts = np.zeros(len(states), dtype=np.int64)
+        counts[states != NO_STATE] = self._space.first_pair[owners + 1] - self._space.first_pair[owners]
+        held = None if snapshot.window is None else snapshot.window.held[pairs].tolist()
+        q, visits = snapshot.q[pairs].tolist(), snapshot.visits[pairs].tolist()
+        signs = [self._signs[action] for action in self._space.pair_action[pairs].tolist()]
+        agent = self._agent_place(part, snapshot)
+        contents, first = [], 0
+        for place, count in enumerate(counts.tolist()):
+            row, column = divmod(place, part.columns)
+            kind = kinds[(part.top + row) * columns + part.left + column]
+            last = first + count
+            if count == 0 or (held is not None and not held[first]):
+                contents.append(CellContent(kind, place == agent))
+            else:
+                contents.append(
+                    _content(kind, place == agent, q[first:last], visits[first:last], signs[first:last])
+                )
+            first = last
+        return contents
+
+    def holds(self, part: Part, snapshot: Snapshot) -> bool:
+        """Tell whether ``snapshot`` has all that is to be seen in ``part``."""
+        if snapshot.window is None:
+            return True
+        states = self._states_in(part, snapshot)
+        pairs = pairs_of_states(self._space, states[states != NO_STATE])
+        return bool(snapshot.window.held[pairs].all())
+
+    def _states_in(self, part: Part, snapshot: Snapshot) -> IntArray:
+        top, left, rows, columns = part
+        states = self._states[top : top + rows, left : left + columns].flatten()
+        agent = self._agent_place(part, snapshot)
+        if agent is not None:
+            states[agent] = snapshot.state
+        return states
+
+    def _agent_place(self, part: Part, snapshot: Snapshot) -> int | None:
+        """Return which cell of ``part``, counted row by row, the agent is in, None if in no one."""
+        row, column = divmod(int(self.grid.cell_of_state[snapshot.state]), self.grid.columns)
+        row, column = row - part.top, column - part.left
+        inside = 0 <= row < part.rows and 0 <= column < part.columns
+        return row * part.columns + column if inside else None
+
+
+def _content(
+    kind: CellKind,
+    agent: bool,
+    q: list[float],
+    visits: list[int],
+    signs: list[Sign],
+) -> CellContent:
+    value = max(q)
+    known = min(q) != value or any(visits)
+    if not known:
+        return CellContent(kind, agent, value)
+    greedy = tuple(sign for sign, each in zip(signs, q, strict=True) if each == value)
+    return CellContent(kind, agent, value, known, greedy)

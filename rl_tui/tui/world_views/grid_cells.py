@@ -1,0 +1,173 @@
+"""How the cells of a map look: the sign, the number and the tint of each."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Final, NamedTuple
+
+from rich.segment import Segment
+from rich.style import Style
+
+from rl_tui.tui import numbers
+from rl_tui.tui.canvas import Canvas
+from rl_tui.tui.theme.look import Look
+from rl_tui.tui.world_views.grid_form import CellForm
+from rl_tui.tui.world_views.grid_map import CellContent, Sign
+from rl_tui.tui.world_views.state_values import fraction
+from rl_tui.worlds.drawing import CellKind
+
+SEVERAL: Final = "+"  # in place of the arrows where they do not fit
+START: Final = "S"
+_ROOM_FOR_SMALL: Final = 6
+_LEAST_SHOWN: Final = 0.005  # what is below would be rounded to .00
+_MOST_KEPT: Final = 20_000
+
+Drawn = list[list[Segment]]
+
+
+class Face(NamedTuple):
+    """All that makes a cell look as it does; ``text`` is its value, None where nothing can be done."""
+
+    kind: CellKind
+    agent: bool
+    text: str | None
+    signs: str
+    style: Style
+
+
+class CellArtist:
+    """Draws cells of one form. What looks the same is drawn once."""
+
+    def __init__(self, look: Look, form: CellForm) -> None:
+        self.look = look
+        self.form = form
+        palette, glyphs = look.palette, look.glyphs
+        self._idle_styles = {
+            CellKind.HOLE: palette.hole,
+            CellKind.GOAL: palette.goal,
+            CellKind.WALL: palette.wall,
+            CellKind.CLIFF: palette.cliff,
+        }
+        self._idle_signs = {
+            CellKind.HOLE: glyphs.hole,
+            CellKind.GOAL: glyphs.goal,
+            CellKind.CLIFF: glyphs.cliff,
+        }
+        self._faces: dict[Face, Drawn] = {}
+        self._texts: dict[float, str] = {}
+        self._signs: dict[tuple[Sign, ...], str] = {}
+
+    def drawn(self, cells: Sequence[CellContent], low: float, high: float) -> list[Drawn]:
+        """Return the rows of each of ``cells``, tinted by its value from ``low`` to ``high``."""
+        return [self._drawn(self._face(cell, low, high)) for cell in cells]
+
+    def _face(self, cell: CellContent, low: float, high: float) -> Face:
+        kind, agent, value, known, greedy = cell
+        palette = self.look.palette
+        if value is None:
+            style = self._idle_styles.get(kind, palette.dim)
+            return Face(kind, agent, None, self._idle_signs.get(kind, ""), style)
+        style = palette.value(fraction(value, low, high)) if known else palette.unvisited
+        return Face(kind, agent, self._text(value), self._signs_of(greedy), style)
+
+    def _drawn(self, face: Face) -> Drawn:
+        drawn = self._faces.get(face)
+        if drawn is None:
+            _make_room(self._faces)
+            canvas = Canvas(self.form.width, self.form.height, self.look.palette.text)
+            _draw_cell(canvas, face, self.form, self.look)
+            drawn = self._faces[face] = [list(strip) for strip in canvas.strips()]
+        return drawn
+
+    def _text(self, value: float) -> str:
+        text = self._texts.get(value)
+        if text is None:
+            _make_room(self._texts)
+            text = self._texts[value] = _value_text(value, self.form.digits, self.look)
+        return text
+
+    def _signs_of(self, greedy: tuple[Sign, ...]) -> str:
+        signs = self._signs.get(greedy)
+        if signs is None:
+            direction = self.look.glyphs.direction
+            signs = "".join(direction(each) if isinstance(each, tuple) else each for each in greedy)
+            self._signs[greedy] = signs
+        return signs
+
+
+def _make_room(kept: dict[Face, Drawn] | dict[float, str]) -> None:
+    if len(kept) >= _MOST_KEPT:
+        kept.clear()
+
+
+def _draw_cell(canvas: Canvas, face: Face, form: CellForm, look: Look) -> None:
+    if face.kind is CellKind.WALL:
+        for row in range(form.height):
+            canvas.put(0, row, look.glyphs.wall * form.width, face.style)
+        return
+    for row in range(form.height):
+        canvas.put(0, row, " " * form.width, face.style)
+    if not form.has_values or (form.height == 1 and face.text is None):
+        _draw_signs_alone(canvas, face, form, look)
+    elif form.height == 1:
+        _draw_small(canvas, face, form, look)
+    else:
+        _draw_large(canvas, face, form, look)
+
+
+def _draw_large(canvas: Canvas, face: Face, form: CellForm, look: Look) -> None:
+    """Draw arrows above the value, the mark beside the arrows."""
+    row = (form.height - 1) // 2
+    signs = _fitting(face, most=form.width - 2)
+    start = (form.width - max(1, len(signs))) // 2
+    canvas.put(start, row, signs, _sign_style(face))
+    _put_mark(canvas, start - (2 if form.width >= 10 else 1), row, face, look)
+    if face.text is not None:
+        canvas.put((form.width - len(face.text)) // 2, row + 1, face.text, face.style)
+
+
+def _draw_signs_alone(canvas: Canvas, face: Face, form: CellForm, look: Look) -> None:
+    """Draw mark and arrow."""
+    middle = max(1, (form.width - 1) // 2)
+    canvas.put(middle, 0, _fitting(face, most=1), _sign_style(face))
+    _put_mark(canvas, middle - 1, 0, face, look)
+
+
+def _draw_small(canvas: Canvas, face: Face, form: CellForm, look: Look) -> None:
+    """Draw mark, arrows and value in one row."""
+    text = (face.text or "").rjust(form.digits)
+    mark = 1 if _mark(face, look) else 0
+    # a blank before it all, so that neighbours keep apart without colours too
+    signs = _fitting(face, most=max(1, form.width - form.digits - mark - 1))
+    end = form.width - form.digits
+    canvas.put(end, 0, text, face.style)
+    canvas.put(end - len(signs), 0, signs, _sign_style(face))
+    _put_mark(canvas, end - max(1, len(signs)) - 1, 0, face, look)
+
+
+def _value_text(x: float, width: int, look: Look) -> str:
+    """Return a value; one too small for two decimals as a bound where there is no room for more."""
+    if width < _ROOM_FOR_SMALL and numbers.NEGLIGIBLE <= x < _LEAST_SHOWN:
+        return "<.01" if width >= len("<.01") else ".00"
+    return numbers.value(x, width, look.glyphs, decimals=2)
+
+
+def _fitting(face: Face, most: int) -> str:
+    """Return the arrows of the greedy actions, or what stands in a cell where nothing can be done."""
+    return face.signs if len(face.signs) <= most else SEVERAL
+
+
+def _sign_style(face: Face) -> Style:
+    return face.style if face.text is None else face.style + Style(bold=True)
+
+
+def _mark(face: Face, look: Look) -> str:
+    if face.agent:
+        return look.glyphs.agent
+    return START if face.kind is CellKind.START else ""
+
+
+def _put_mark(canvas: Canvas, x: int, y: int, face: Face, look: Look) -> None:
+    mark = _mark(face, look)
+    if mark:
+        canvas.put(x, y, mark, face.style + (look.palette.agent if face.agent else look.palette.start))

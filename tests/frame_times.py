@@ -1,0 +1,70 @@
+"""How long a frame takes on a map of any size: the player's snapshot, and the screen that draws it."""
+
+from __future__ import annotations
+
+import asyncio
+import time
+from functools import partial
+from statistics import median
+from typing import Final, NamedTuple
+
+from open_grids import open_grid_recipe
+
+from rl_tui.lab.commands import Train
+from rl_tui.lab.player import Player
+from rl_tui.lab.snapshot import Snapshot
+from rl_tui.tui.app import RlTuiApp
+from rl_tui.tui.display import Display
+from rl_tui.tui.screens.playground import Playground
+
+SIZE: Final = (120, 40)
+STEPS: Final = 20_000  # between two frames, so that much has changed in each
+
+
+class FrameTimes(NamedTuple):
+    """Medians, in milliseconds."""
+
+    snapshot: float
+    frame: float
+
+
+async def frame_times(side: int, frames: int = 40) -> FrameTimes:
+    """Return how long snapshot and frame take on an open side × side map at 120×40, with steps between."""
+    app = RlTuiApp(
+        Display(fps=1000.0),
+        open_grid_recipe(side),
+        make_player=partial(Player, automatic=False),
+        picture=True,
+    )
+    snapshots: list[Snapshot] = []
+    copied: list[float] = []
+    drawn: list[float] = []
+    async with app.run_test(size=SIZE) as pilot:
+        await pilot.pause()
+        screen = app.screen
+        assert isinstance(screen, Playground)
+        await screen.settled()
+        for _ in range(frames):
+            screen.send(Train(STEPS))
+            await screen.settled()
+            start = time.perf_counter()
+            # the player is idle now: nobody else touches its run
+            snapshots.append(screen.player._playback.snapshot())
+            copied.append(time.perf_counter() - start)
+        for snapshot in snapshots:
+            start = time.perf_counter()
+            screen._draw(snapshot)
+            await screen._painted()
+            drawn.append(time.perf_counter() - start)
+    return FrameTimes(median(copied) * 1e3, median(drawn) * 1e3)
+
+
+def main() -> None:
+    """Print the figures of a small and of a large map."""
+    for side in (4, 1_000):
+        times = asyncio.run(frame_times(side))
+        print(f"{side:,}×{side:,}: snapshot {times.snapshot:.2f} ms, frame {times.frame:.2f} ms")
+
+
+if __name__ == "__main__":
+    main()

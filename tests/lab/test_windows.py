@@ -1,0 +1,181 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from open_grids import open_grid, open_grid_recipe
+from recipes import recipe
+
+from rl_tui.lab.commands import LookAt, Step
+from rl_tui.lab.playback import Playback
+from rl_tui.lab.recipe import Recipe
+from rl_tui.lab.run import Run
+from rl_tui.lab.snapshot import Phase, Snapshot
+from rl_tui.lab.windows import (
+    MOST_COPIED,
+    NO_STATE,
+    Cells,
+    Sight,
+    Stretch,
+    first_state_of_cells,
+    followed_state,
+    is_large,
+    pairs_of_states,
+)
+from rl_tui.worlds.drawing import CellKind, Grid
+
+SIDE = 200
+STEPS = 5_000
+NEAR = Sight(Cells(9, 7), Stretch(40))
+
+
+@pytest.fixture(scope="module")
+def run() -> Run:
+    run = Run(open_grid_recipe(SIDE), evaluate=False)
+    run.advance(STEPS)
+    return run
+
+
+def state_at(row: int, column: int) -> int:
+    return row * SIDE + column
+
+
+def shown(run: Run, sight: Sight) -> Snapshot:
+    return run.snapshot(Phase.PAUSED, sight=sight)
+
+
+def test_a_small_world_is_copied_whole_whatever_is_in_sight() -> None:
+    run = Run(recipe("frozenlake"), evaluate=False)
+    snapshot = run.snapshot(Phase.PAUSED, sight=Sight(Cells(1, 1)))
+    assert not is_large(run.world.space)
+    assert snapshot.window is None
+    assert snapshot.holds(0)
+    assert snapshot.q.tolist() == run.learner.q.tolist()
+
+
+def test_a_large_world_is_copied_whole_until_somebody_says_what_is_shown(run: Run) -> None:
+    assert is_large(run.world.space)
+    assert run.world.space.pairs > MOST_COPIED
+    snapshot = run.snapshot(Phase.PAUSED)
+    assert snapshot.window is None
+    assert np.array_equal(snapshot.q, run.learner.q)
+
+
+def test_only_what_is_in_sight_is_copied(run: Run) -> None:
+    snapshot = shown(run, NEAR)
+    window = snapshot.window
+    assert window is not None
+    held = np.flatnonzero(window.held)
+    assert set(held.tolist()) == set(window.pairs.tolist())
+    # cells and rows on either side of the agent, and what the last step met
+    most = 4 * (19 * 15 + 4) + 2 * 40 + 4
+    assert 0 < len(held) <= most
+    assert np.array_equal(snapshot.q[held], run.learner.q[held])
+    assert np.array_equal(snapshot.visits[held], run.learner.visits[held])
+    elsewhere = ~window.held
+    assert not snapshot.q[elsewhere].any()
+    assert not snapshot.visits[elsewhere].any()
+
+
+def test_all_that_a_view_which_follows_may_show_is_there(run: Run) -> None:
+    snapshot = shown(run, NEAR)
+    row, column = divmod(snapshot.state, SIDE)
+    for top in range(max(0, row - 8), min(row, SIDE - 9) + 1):
+        for left in range(max(0, column - 6), min(column, SIDE - 7) + 1):
+            for state in (state_at(top, left), state_at(top + 8, left + 6)):
+                assert all(map(snapshot.holds, run.world.space.pairs_of(state)))
+    here = run.world.space.pairs_of(snapshot.state).start
+    assert all(snapshot.holds(pair) for pair in range(here - 40, here + 44))
+
+
+def test_parts_that_were_scrolled_to_are_there_as_well(run: Run) -> None:
+    sight = Sight(Cells(2, 3, top=0, left=150), Stretch(8, first=120_000), pair=99_999)
+    snapshot = shown(run, sight)
+    space = run.world.space
+    for state in (state_at(0, 150), state_at(1, 152)):
+        assert all(map(snapshot.holds, space.pairs_of(state)))
+    assert not any(map(snapshot.holds, space.pairs_of(state_at(2, 150))))
+    assert not any(map(snapshot.holds, space.pairs_of(state_at(1, 153))))
+    assert all(snapshot.holds(pair) for pair in range(120_000, 120_008))
+    assert not snapshot.holds(119_999)
+    assert not snapshot.holds(120_008)
+    assert snapshot.holds(99_999)
+
+
+def test_what_the_last_step_met_is_there(run: Run) -> None:
+    last = run.learner.last_step
+    assert last is not None
+    snapshot = shown(run, Sight())
+    assert snapshot.window is not None
+    assert snapshot.holds(last.updated_pair)
+    assert all(map(snapshot.holds, run.world.space.pairs_of(last.next_state)))
+    assert snapshot.window.held.sum() <= 3 * 4
+
+
+def test_a_sight_beyond_the_edges_is_cut_off() -> None:
+    run = Run(open_grid_recipe(SIDE), evaluate=False)
+    snapshot = shown(
+        run, Sight(Cells(500, 500, top=150, left=150), Stretch(1_000_000, first=run.world.space.pairs - 4))
+    )
+    assert snapshot.window is not None
+    assert snapshot.window.held.all()
+
+
+def test_a_snapshot_never_changes_and_cannot_be_changed() -> None:
+    run = Run(open_grid_recipe(SIDE), evaluate=False)
+    run.advance(1_000)
+    first = shown(run, NEAR)
+    assert first.window is not None
+    q, visits = first.q[first.window.pairs].tolist(), first.visits[first.window.pairs].tolist()
+    run.advance(20_000)
+    second = shown(run, NEAR)
+    assert first.q[first.window.pairs].tolist() == q
+    assert first.visits[first.window.pairs].tolist() == visits
+    assert second.visits.sum() != first.visits.sum()
+    for array in (first.q, first.visits, first.window.held):
+        with pytest.raises(ValueError, match="read-only"):
+            array[0] = 1
+
+
+def test_to_look_at_a_part_changes_nothing_but_the_pictures(run: Run) -> None:
+    playback = Playback(
+        open_grid_recipe(SIDE), speed=10.0, automatic=True, clock=lambda: 0.0, on_exact=lambda: None
+    )
+    while playback.busy:
+        playback.work()
+    assert playback.snapshot().window is None
+    playback.handle(LookAt(NEAR))
+    assert playback.changed
+    first = playback.snapshot()
+    assert first.window is not None
+    assert first.phase is Phase.PAUSED
+    for _ in range(3):
+        playback.handle(Step())
+    plain = Run(open_grid_recipe(SIDE), evaluate=False)
+    plain.advance(3)
+    after = playback.snapshot()
+    assert (after.step, after.state) == (3, plain.learner.state)
+    assert after.window is not None
+    assert np.array_equal(after.q[after.window.pairs], plain.learner.q[after.window.pairs])
+
+
+def test_the_first_of_several_states_in_a_cell_is_found() -> None:
+    grid = Grid(2, 2, (CellKind.FLOOR,) * 4, (3, 0, 3, 0, 2), ())
+    assert first_state_of_cells(grid).tolist() == [[1, NO_STATE], [4, 0]]
+
+
+def test_pairs_of_several_states() -> None:
+    space = open_grid(3).space
+    assert pairs_of_states(space, np.array([2, 8, 0])).tolist() == [8, 9, 10, 11, 0, 1, 2, 3]
+    assert pairs_of_states(space, np.array([], dtype=np.int64)).tolist() == []
+
+
+def test_a_table_follows_the_agent_to_the_end_of_its_episode() -> None:
+    made_from: Recipe = open_grid_recipe(3)
+    run = Run(made_from, evaluate=False)
+    run.advance(episodes=1)
+    last, goal = run.learner.last_step, 8
+    assert last is not None
+    assert last.next_state == goal
+    assert followed_state(run.world.space, goal, last) == last.state
+    assert followed_state(run.world.space, 4, last) == 4
+    assert followed_state(run.world.space, 4, None) == 4

@@ -1,0 +1,163 @@
+"""The playground of a map too large to be copied for every frame: 200×200, 159,996 pairs."""
+
+from __future__ import annotations
+
+from functools import partial
+
+import numpy as np
+import pytest
+from open_grids import open_grid_recipe
+from textual.pilot import Pilot
+
+from rl_tui.lab.commands import Train
+from rl_tui.lab.player import Player
+from rl_tui.lab.snapshot import Snapshot
+from rl_tui.lab.windows import Stretch
+from rl_tui.tui.app import RlTuiApp
+from rl_tui.tui.display import Display
+from rl_tui.tui.screens.playground import Playground
+from rl_tui.tui.screenshot import settle
+from rl_tui.tui.widgets.model import ModelPanel
+from rl_tui.tui.world_views.grid import GridView
+
+SIDE = 200
+
+
+def app_of(side: int = SIDE) -> RlTuiApp:
+    make_player = partial(Player, automatic=False)
+    return RlTuiApp(Display(fps=1000.0), open_grid_recipe(side), make_player=make_player, picture=True)
+
+
+def playground(pilot: Pilot[object]) -> Playground:
+    screen = pilot.app.screen_stack[1]
+    assert isinstance(screen, Playground)
+    return screen
+
+
+def map_of(screen: Playground) -> GridView:
+    view = screen.board.world
+    assert isinstance(view, GridView)
+    return view
+
+
+def newest(screen: Playground) -> Snapshot:
+    assert screen.snapshot is not None
+    return screen.snapshot
+
+
+def text_of(panel: GridView) -> str:
+    return "\n".join(panel.render_line(y).text for y in range(panel.size.height))
+
+
+async def train(pilot: Pilot[object], steps: int) -> None:
+    playground(pilot).send(Train(steps))
+    await settle(pilot)  # type: ignore[arg-type]
+
+
+def check_complete(screen: Playground) -> None:
+    """What is in view is what the newest snapshot has, and it has no more than some screens of it."""
+    snapshot = newest(screen)
+    assert screen.board.is_complete
+    assert snapshot.window is not None
+    assert snapshot.window.held.sum() < 30_000
+
+
+@pytest.mark.parametrize("size", [(80, 24), (120, 40)])
+async def test_map_and_table_follow_the_agent_and_snapshots_have_it(
+    size: tuple[int, int],
+) -> None:
+    async with app_of().run_test(size=size) as pilot:
+        await settle(pilot)
+        screen = playground(pilot)
+        for steps in (1, 1, 50, 3_000, 40_000, 1):
+            await train(pilot, steps)
+            check_complete(screen)
+            assert text_of(map_of(screen)).count("◉") == 1
+            table = screen.board.table
+            assert any(table.render_line(y).text.startswith("◉") for y in range(table.size.height))
+        assert "follows the agent" in map_of(screen).footing
+
+
+async def test_what_was_scrolled_to_while_the_run_stands_still_is_filled_in() -> None:
+    async with app_of().run_test(size=(120, 40)) as pilot:
+        await settle(pilot)
+        await train(pilot, 2_000)
+        screen = playground(pilot)
+        view = map_of(screen)
+        before = newest(screen)
+        view.focus()
+        for _ in range(4):
+            await pilot.press("pagedown")
+            await settle(pilot)
+            check_complete(screen)
+        assert newest(screen).step == before.step
+        assert newest(screen) is not before
+        assert "◉" not in text_of(view)
+        assert ".00" in text_of(view)
+        await pilot.press("escape")
+        await settle(pilot)
+        assert "◉" in text_of(view)
+        check_complete(screen)
+
+
+async def test_the_table_may_look_elsewhere_while_the_agent_walks_on() -> None:
+    async with app_of().run_test(size=(120, 40)) as pilot:
+        await settle(pilot)
+        screen = playground(pilot)
+        table = screen.board.table
+        table.focus()
+        await pilot.press("home")
+        await settle(pilot)
+        assert table.stretch is not None
+        assert table.stretch.first == 0
+        await train(pilot, 3_000)
+        check_complete(screen)
+        assert newest(screen).holds(0)
+        await pilot.press("end")
+        await settle(pilot)
+        check_complete(screen)
+        assert newest(screen).holds(newest(screen).world.space.pairs - 1)
+        await pilot.press("escape")
+        await settle(pilot)
+        check_complete(screen)
+        assert isinstance(table.stretch, Stretch)
+        assert table.stretch.first is None
+
+
+async def test_a_panel_that_covers_all_others_and_a_new_size_have_their_cells() -> None:
+    async with app_of().run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        screen = playground(pilot)
+        map_of(screen).focus()
+        await pilot.press("f")
+        await settle(pilot)
+        check_complete(screen)
+        await pilot.resize_terminal(160, 50)
+        await settle(pilot)
+        check_complete(screen)
+        await pilot.press("f", "r")
+        await settle(pilot)
+        check_complete(screen)
+
+
+async def test_the_model_of_a_far_pair_tells_what_was_learned_of_it() -> None:
+    async with app_of().run_test(size=(120, 40)) as pilot:
+        await settle(pilot)
+        await train(pilot, 5_000)
+        screen = playground(pilot)
+        await pilot.press("m")
+        await settle(pilot)
+        panel = pilot.app.screen.query_one(ModelPanel)
+        panel.show_pair(4)
+        await settle(pilot)
+        assert newest(screen).holds(4)
+        assert "not yet visited" in "\n".join(panel.render_line(y).text for y in range(panel.size.height))
+
+
+async def test_a_small_map_is_never_asked_for_in_parts() -> None:
+    async with app_of(4).run_test(size=(120, 40)) as pilot:
+        await settle(pilot)
+        await train(pilot, 100)
+        snapshot = newest(playground(pilot))
+        assert snapshot.window is None
+        assert np.array_equal(snapshot.visits > 0, snapshot.q != 0.0)
