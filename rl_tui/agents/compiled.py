@@ -15,6 +15,7 @@ from numba import types
 from numba.core import ir
 from numba.core.caching import FunctionCache
 from numba.core.compiler import CompileResult
+from numba.core.dispatcher import Dispatcher
 from numba.core.ir_utils import alias_analysis_extensions
 from numba.extending import overload
 
@@ -102,6 +103,18 @@ def compiled(function: Callable[Parameters, Result]) -> Compiled[Parameters, Res
     if CACHED and not numba.config.DISABLE_JIT:
         dispatcher._cache = _ForgivingCache(dispatcher.py_func)
     return cast("Compiled[Parameters, Result]", dispatcher)
+
+
+def entry(function: Compiled[Parameters, Result], *example: Any) -> Callable[..., Result]:
+    """Return ``function`` for arguments of just these types, by position; compiles it if need be.
+
+    A call then does not ask for their types, which for a dozen arrays takes longer than looking into them:
+    measured, 8 µs in place of 31. Other types give nonsense.
+    """
+    if not isinstance(function, Dispatcher):  # interpreted
+        return function
+    machine_code: Callable[..., Result] = function.compile(tuple(numba.typeof(each) for each in example))
+    return machine_code
 
 
 def inlined(function: Callable[Parameters, Result]) -> Callable[Parameters, Result]:

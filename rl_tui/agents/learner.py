@@ -21,6 +21,7 @@ from rl_tui.agents.stepped_loop import SteppedLoop
 from rl_tui.agents.stop import Stop
 from rl_tui.agents.tables import Tables, tables_of
 from rl_tui.worlds.environment import Environment
+from rl_tui.worlds.errors import UserError
 from rl_tui.worlds.mdp import TabularMDP
 from rl_tui.worlds.space import BoolArray, FiniteSpace, FloatArray, IntArray
 from rl_tui.worlds.streams import Streams
@@ -87,7 +88,9 @@ class Learner:
         self.visits: IntArray = np.zeros(space.pairs, dtype=np.int64)
         self._tables = tables_of(space)
         self._drift = new_drift(space)
-        self._stepped = None if environment is None else SteppedLoop(environment, streams.world)
+        self._stepped = (
+            None if environment is None else SteppedLoop(environment, streams.world, space.pair_action)
+        )
         self._position = new_position(0)
         self._log = new_episode_log(EPISODES_LOGGED)
         self._last = new_record()
@@ -305,8 +308,20 @@ class Learner:
             self._log.optimal[:count].copy(),
         )
 
+    @property
+    def rewindable(self) -> bool:
+        """Whether it can go back to a checkpoint: an environment that is stepped cannot."""
+        return self._stepped is None
+
     def checkpoint(self) -> LearnerState:
-        """Return all there is to come back to; episodes must have been drained."""
+        """Return all there is to come back to; episodes must have been drained.
+
+        Raises UserError where the learner is not ``rewindable``.
+        """
+        if not self.rewindable:
+            raise UserError(
+                "an environment that is stepped for real cannot go back: start again and take the same steps"
+            )
         return LearnerState(
             self.algorithm,
             self.hyperparameters,

@@ -2,23 +2,136 @@
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Callable
+from typing import Any, Final, NamedTuple
 
+import numpy as np
 from numpy.random import Generator
 
-from rl_tui.agents.position import EpisodeLog, LastRecord, Position
-from rl_tui.agents.settings import Schedules, Settings
-from rl_tui.agents.stop import Stop
-from rl_tui.agents.tables import Tables
-from rl_tui.worlds.environment import Environment
+from rl_tui.agents.action_rules.family import epsilon_of, in_force, reinforce
+from rl_tui.agents.algorithms.family import Transition, act, has_room, learn
+from rl_tui.agents.compiled import compiled, entry
+from rl_tui.agents.position import EpisodeLog, LastRecord, Position, record_transition, record_update
+from rl_tui.agents.settings import Schedules, Settings, scheduled, with_alpha
+from rl_tui.agents.stop import (
+    DIVERGED,
+    ENDLESS_EPISODE,
+    EPISODES_FULL,
+    LARGEST_ESTIMATE,
+    LONGEST_EPISODE,
+    MEMORY_FULL,
+    Stop,
+)
+from rl_tui.agents.tables import Tables, pairs_of
+from rl_tui.worlds.environment import Environment, EnvironmentFailedError
+from rl_tui.worlds.space import IntArray
+
+MOST_SEEDS: Final = 2**31
+
+
+class Chosen(NamedTuple):
+    """The action on its way, [1] each: its pair, and whether it was drawn to explore (1) or not (0)."""
+
+    pair: IntArray
+    explored: IntArray
+
+
+@compiled
+def turn(
+    memory: Any,
+    rule: Any,
+    settings: Settings,
+    schedules: Schedules,
+    tables: Tables,
+    position: Position,
+    log: EpisodeLog,
+    last: LastRecord,
+    chosen: Chosen,
+    learner: Generator,
+    answered: bool,
+    next_state: int,
+    reward: float,
+    terminated: bool,
+    truncated: bool,
+    start: int,
+    last_step: int,
+    last_episode: int,
+) -> int:
+    """Learn from the answer to the chosen action, if there is one, then choose the next.
+
+    ``start`` is where the next episode starts, if this one is over. Returns the state–action pair to take, or
+    −1 − :class:`Stop` where nothing more is to be done. One call a step, since every call costs more than
+    what it does.
+    """
+    step = position.step[0]
+    episode = position.episodes[0]
+    state = position.state[0]
+    rule = in_force(rule, scheduled(schedules.epsilon, episode))
+    settings = with_alpha(settings, scheduled(schedules.alpha, episode))
+    stop = 0
+    if answered:
+        # Take action A, observe R, S′: that has just been done
+        transition = Transition(state, chosen.pair[0], reward, next_state, terminated, truncated)
+        step += 1
+        position.step[0] = step
+        position.episode_step[0] += 1
+        position.episode_return[0] += reward
+        update = learn(memory, rule, settings, tables, transition, learner)
+        first_pair, last_pair = pairs_of(tables, state)
+        reinforce(rule, settings.alpha, first_pair, last_pair, chosen.pair[0], reward)
+        record_transition(last, step, episode + 1, chosen.explored[0] == 1, epsilon_of(rule), -1, transition)
+        record_update(last, update, settings.gamma)
+        # S ← S′, until S is terminal or the time is up
+        state = next_state
+        if position.first_reward_episode[0] == 0 and reward != 0.0:
+            position.first_reward_episode[0] = episode + 1
+        if not abs(update.extreme) <= LARGEST_ESTIMATE:  # written so that NaN is caught too
+            stop = DIVERGED
+        elif terminated or truncated:
+            logged = log.finished[0]
+            log.returns[logged] = position.episode_return[0]
+            log.lengths[logged] = position.episode_step[0]
+            log.optimal[logged] = False
+            log.finished[0] = logged + 1
+            if logged + 1 == len(log.returns):
+                stop = EPISODES_FULL
+            episode += 1
+            position.episodes[0] = episode
+            position.episode_step[0] = 0
+            position.episode_return[0] = 0.0
+            rule = in_force(rule, scheduled(schedules.epsilon, episode))
+            settings = with_alpha(settings, scheduled(schedules.alpha, episode))
+            state = start
+        elif position.episode_step[0] >= LONGEST_EPISODE:
+            stop = ENDLESS_EPISODE
+        elif not has_room(memory):
+            stop = MEMORY_FULL
+        position.state[0] = state
+    if stop != 0 or step >= last_step or episode >= last_episode:
+        return np.int64(-1 - stop)  # type: ignore[return-value]
+    # Choose A from S using the policy derived from Q
+    pair, explored = act(memory, rule, tables, state, learner)
+    chosen.pair[0] = pair
+    chosen.explored[0] = explored
+    return np.int64(pair)  # type: ignore[return-value]
 
 
 class SteppedLoop:
-    """One environment and where it stands; its own randomness starts from a draw of ``world``."""
+    """One environment and where it stands; its own randomness starts from a draw of ``world``.
 
-    def __init__(self, environment: Environment, world: Generator) -> None:
+    ``pair_action``, [P], tells which action a pair is. ``state`` is the one in which the first episode
+    starts, ``failure`` says, in one line, why the environment broke down, empty while it did not. Raises
+    EnvironmentFailedError where it cannot even start.
+    """
+
+    def __init__(self, environment: Environment, world: Generator, pair_action: IntArray) -> None:
         self.failure = ""
-        self.state = 0
+        self.state = environment.reset(int(world.integers(MOST_SEEDS)))
+        self._environment = environment
+        self._pair_action = pair_action
+        self._chosen = Chosen(np.zeros(1, np.int64), np.zeros(1, np.int64))
+        self._entry_for: tuple[type, ...] = ()
+        self._take_turn: Callable[..., int] = turn
 
     def advance(
         self,
@@ -34,5 +147,41 @@ class SteppedLoop:
         steps: int,
         episodes: int,
     ) -> Stop:
-        """Take at most ``steps`` steps, or until ``episodes`` more have ended."""
-        raise NotImplementedError
+        """Take at most ``steps`` steps, or until ``episodes`` more have ended.
+
+        The bits are those that the compiled loop gives where the environment answers alike. Where it breaks
+        down the loop stops after the last sound step, with all that was learned from it.
+        """
+        told = (memory, rule, settings, schedules, tables, position, log, last, self._chosen, learner)
+        last_step = int(position.step[0]) + steps
+        last_episode = int(position.episodes[0]) + episodes
+        nothing = (0, 0.0, False, False, 0)
+        numbers = (*rule, *settings, *schedules.epsilon, *schedules.alpha)
+        types = (type(memory), type(rule), *map(type, numbers))
+        if types != self._entry_for:
+            self._take_turn = entry(turn, *told, False, *nothing, last_step, last_episode)
+            self._entry_for = types
+        take_turn = self._take_turn
+        pair = take_turn(*told, False, *nothing, last_step, last_episode)
+        while pair >= 0:
+            try:
+                answer = self._environment.step(int(self._pair_action[pair]))
+            except EnvironmentFailedError as failure:
+                self.failure = str(failure)
+                return Stop.WORLD_FAILED
+            start = answer.next_state
+            if answer.terminated or answer.truncated:
+                start = self._start(answer.next_state)
+            if self.failure:
+                last_step = 0  # the step itself was sound: learn from it, and choose nothing after it
+            pair = take_turn(*told, True, *answer, start, last_step, last_episode)
+        stop = Stop(-1 - pair)
+        return Stop.WORLD_FAILED if self.failure and stop is not Stop.DIVERGED else stop
+
+    def _start(self, otherwise: int) -> int:
+        """Begin an episode and return where it starts, or ``otherwise`` if the environment breaks down."""
+        try:
+            return self._environment.reset()
+        except EnvironmentFailedError as failure:
+            self.failure = str(failure)
+            return otherwise

@@ -10,7 +10,7 @@ from rl_tui.cli.run_options import json_option, run_options, seed_option
 
 
 @click.command("bench")
-@click.argument("scenario", metavar="[SCENARIO|FILE.toml]", default="frozenlake-slippery")
+@click.argument("scenario", metavar="[SCENARIO|FILE.toml|gym:ENV_ID]", default="frozenlake-slippery")
 @click.option(
     "--rounds", type=Whole(1, 1000), default=5, show_default=True, help="how often each is timed, in turns"
 )

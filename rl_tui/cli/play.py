@@ -11,7 +11,7 @@ from rl_tui.cli.run_options import run_options, seed_option
 
 
 @click.command("play")
-@click.argument("scenario", metavar="[SCENARIO|FILE.toml]", required=False)
+@click.argument("scenario", metavar="[SCENARIO|FILE.toml|gym:ENV_ID]", required=False)
 @run_options
 @seed_option
 @display_options

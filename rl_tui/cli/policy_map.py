@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Final
 
 from rl_tui.cli.output import can_print, columns
 from rl_tui.tui.theme.glyphs import ASCII, UNICODE, Glyphs
 from rl_tui.worlds.drawing import CellKind, Grid
 from rl_tui.worlds.world import World
+
+MOST_ROWS: Final = 100
 
 
 def policy_map(world: World, policy: Sequence[Sequence[str]]) -> str:
@@ -19,9 +22,9 @@ def policy_map(world: World, policy: Sequence[Sequence[str]]) -> str:
     if isinstance(drawing, Grid) and None not in drawing.directions:
         return _grid(world, drawing, policy)
     states = zip(world.space.state_names, policy, strict=True)
-    return columns(
-        [("state", "greedy"), *((name, ", ".join(actions)) for name, actions in states if actions)]
-    )
+    rows = [(name, ", ".join(actions)) for name, actions in states if actions]
+    more = f"\n... and {len(rows) - MOST_ROWS:,} more: --json has all" if len(rows) > MOST_ROWS else ""
+    return columns([("state", "greedy"), *rows[:MOST_ROWS]]) + more
 
 
 def _grid(world: World, grid: Grid, policy: Sequence[Sequence[str]]) -> str:

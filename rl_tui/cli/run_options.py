@@ -14,7 +14,7 @@ from rl_tui.cli.number import ParameterValue, Whole
 
 Command = Callable[..., Any]
 
-scenario_argument: Final = click.argument("scenario", metavar="SCENARIO|FILE.toml")
+scenario_argument: Final = click.argument("scenario", metavar="SCENARIO|FILE.toml|gym:ENV_ID")
 seed_option: Final = click.option(
     "--seed", type=Whole(0), default=0, show_default=True, help="where all randomness comes from"
 )

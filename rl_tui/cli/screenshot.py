@@ -31,7 +31,7 @@ class ScreenSize(OptionValue):
 
 
 @click.command("screenshot")
-@click.argument("scenario", metavar="[SCENARIO|FILE.toml]", required=False)
+@click.argument("scenario", metavar="[SCENARIO|FILE.toml|gym:ENV_ID]", required=False)
 @click.option("--out", required=True, metavar="F.svg", help="the file to write; - for stdout")
 @click.option("--size", type=ScreenSize(), default="120x40", show_default=True, help="columns x rows")
 @click.option(

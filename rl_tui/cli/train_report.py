@@ -11,6 +11,7 @@ from rl_tui.agents.planning import best_expected_return
 from rl_tui.cli.advice import no_reward
 from rl_tui.cli.output import columns, counted, number
 from rl_tui.cli.policy_map import policy_map
+from rl_tui.lab.exact import NO_TABLE
 from rl_tui.lab.recipe import Recipe
 from rl_tui.lab.run import Run
 from rl_tui.lab.snapshot import BanditFigures
@@ -20,6 +21,7 @@ Row = tuple[str, str, str]
 
 LAST: Final = 100
 MOST_NAMES: Final = 8
+EXACT: Final = ("value_at_start", "expected_return", "max_error")
 _WHOLE: Final = ("episodes", "steps")
 _OF_SCHEDULES: Final = {
     "step_size_schedule": "alpha_decay",
@@ -48,7 +50,7 @@ def one_run(run: Run, figures: Figures) -> str:
             columns(_greedy_rows(figures, best)),
         ]
     else:
-        rows = _rows(figures, best)
+        rows = _rows(figures, best) if mdp else _inexact_rows(figures)
         drawing = policy_map(run.world, figures["policy"])
         parts = [_head(run.recipe), _done(figures, "episode"), "", drawing, "", columns(rows)]
     if figures["first_reward_episode"] is None and not run.learner.plans:
@@ -62,6 +64,8 @@ def several_runs(recipe: Recipe, figures: Figures) -> str:
     rows = [("", "mean", "stderr", "min", "max", "runs")]
     for name, title in _summary_titles(runs).items():
         summary = figures["summary"][name]
+        if summary["count"] == 0 and name in EXACT:
+            continue
         form = ",.0f" if name in _WHOLE else ".5g"
         shown = [number(summary[key], form) for key in ("mean", "stderr", "min", "max")]
         rows.append((title, shown[0], shown[1], shown[2], shown[3], f"{summary['count']:,}"))
@@ -84,6 +88,15 @@ def _done(figures: Figures, thing: str) -> str:
 def _planned(run: Run, figures: Figures) -> str:
     done = f"{counted(figures['episodes'], 'sweep')}, {counted(figures['steps'], 'backup')} of a state"
     return f"{done}\n{run.message}" if run.message else done
+
+
+def _inexact_rows(figures: Figures) -> list[Row]:
+    first = figures["first_reward_episode"]
+    return [
+        ("exact figures", "none", NO_TABLE),
+        *_last_rows(figures),
+        ("first reward", "never" if first is None else f"episode {first:,}", ""),
+    ]
 
 
 def _rows(figures: Figures, best: str) -> list[Row]:

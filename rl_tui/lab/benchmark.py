@@ -49,6 +49,14 @@ class PlainLoop:
                 "the plain loop of the benchmark has a constant step size: give a number for alpha"
             )
         self._env: Any = gymnasium.make(section.id, **section.kwargs)
+        if not all(
+            isinstance(space, gymnasium.spaces.Discrete)
+            for space in (self._env.observation_space, self._env.action_space)
+        ):
+            raise UserError(
+                f"{recipe.scenario.id} observes more than one number, which the plain loop of the benchmark "
+                f"cannot index its table with: choose a scenario such as frozenlake"
+            )
         self._alpha = float(recipe.hyperparameters.alpha)
         self._gamma = recipe.hyperparameters.gamma
         self._epsilon_at = recipe.hyperparameters.epsilon_at

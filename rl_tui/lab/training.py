@@ -11,6 +11,8 @@ from rl_tui.lab.run import Run
 from rl_tui.worlds.errors import UserError
 
 CHUNK: Final = 2_000_000
+# An environment that is stepped for real takes some 50 µs a step
+STEPPED_CHUNK: Final = 2_000
 
 OnProgress = Callable[[int, int], None]
 
@@ -40,6 +42,7 @@ def train(run: Run, goal: Goal, on_progress: OnProgress = no_progress) -> float:
     """
     run.warm_up()
     start = time.perf_counter()
+    chunk = CHUNK if run.world.new_environment is None else STEPPED_CHUNK
     while True:
         done, wanted = goal.reached_by(run)
         on_progress(done, wanted)
@@ -47,8 +50,8 @@ def train(run: Run, goal: Goal, on_progress: OnProgress = no_progress) -> float:
             return time.perf_counter() - start
         left = wanted - done
         if goal.steps is not None:
-            run.advance(min(CHUNK, left))
+            run.advance(min(chunk, left))
         else:
-            run.advance(CHUNK, left)
+            run.advance(chunk, left)
         if run.stop_reason:
             raise UserError(run.stop_reason)

@@ -12,6 +12,7 @@ import platformdirs
 
 from rl_tui.worlds.errors import Fault, ScenarioError, UserError
 from rl_tui.worlds.findings import shown
+from rl_tui.worlds.gymnasium_ids import PREFIX, environment_scenario
 from rl_tui.worlds.scenario import Scenario, read_scenario
 
 _SUFFIX: Final = ".toml"
@@ -70,10 +71,12 @@ def scenarios() -> list[Scenario]:
 def find(name_or_path: str) -> Scenario:
     """Return the scenario with this id, or that of a file where a path is given.
 
-    A path is what has a separator in it or ends in .toml. Environments are not asked: whether one is there
-    shows when the world is built. Raises ScenarioError where the file has faults, UserError with near names
-    where there is no such scenario.
+    A path is what has a separator in it or ends in .toml; ``gym:ENV_ID`` is any registered environment of
+    Gymnasium. Other environments are not asked: whether one is there shows when the world is built. Raises
+    ScenarioError where the file has faults, UserError with near names where there is no such scenario.
     """
+    if name_or_path.startswith(PREFIX):
+        return environment_scenario(name_or_path)
     if name_or_path.endswith(_SUFFIX) or "/" in name_or_path or "\\" in name_or_path:
         return read_scenario(name_or_path, ask_environment=False)
     for folder in (shipped_folder(), user_folder()):

@@ -1,4 +1,4 @@
-"""The ``[gymnasium]`` table: a registered environment whose transition table is read once."""
+"""The ``[gymnasium]`` table: a registered environment, by its transition table or stepped for real."""
 
 from __future__ import annotations
 
@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from pydantic import Field
 
+from rl_tui.worlds.bins import BinsSection
+from rl_tui.worlds.environment import EnvironmentFailedError
 from rl_tui.worlds.findings import Finding, shown
 from rl_tui.worlds.schema import Expect, is_table, text
 from rl_tui.worlds.world import World
@@ -17,15 +19,27 @@ if TYPE_CHECKING:
 
 
 class GymnasiumSection(WorldSection):
-    """The whole table: the environment's id and what it is made with."""
+    """The whole table: the environment's id, what it is made with, and how it is used.
+
+    Its transition table is read once where it has a sound one; else it is stepped. ``table`` says which of
+    both it has to be. ``bins`` cuts observations of real numbers into states.
+    """
 
     id: Annotated[str, text(100)]
     kwargs: Annotated[dict[str, Any], Expect("a table of arguments", is_table)] = Field(default_factory=dict)
+    table: (
+        Annotated[
+            bool,
+            Expect("true (its transition table) or false (stepped)", lambda value: isinstance(value, bool)),
+        ]
+        | None
+    ) = None
+    bins: BinsSection | None = None
 
     @classmethod
     def connection_findings(cls, raw: Mapping[str, Any]) -> Iterator[Finding]:
-        """Yield what may not be asked for: importing a module, opening a window."""
-        name, kwargs = raw.get("id"), raw.get("kwargs")
+        """Yield what may not be asked for: importing a module, opening a window, a table of bins."""
+        name, kwargs, bins = raw.get("id"), raw.get("kwargs"), raw.get("bins")
         if isinstance(name, str) and ":" in name:
             yield Finding(
                 ("id",), shown(name), "the id of a registered environment, without a module to import"
@@ -33,18 +47,35 @@ class GymnasiumSection(WorldSection):
         if isinstance(kwargs, dict) and "render_mode" in kwargs:
             found = shown(kwargs["render_mode"])
             yield Finding(("kwargs", "render_mode"), found, "no such argument: the world is drawn here")
+        if isinstance(bins, dict):
+            if raw.get("table") is True:
+                yield Finding(("table",), "true beside bins", "false: what is cut into bins has no table")
+            for finding in BinsSection.connection_findings(bins):
+                yield finding.inside("bins")
 
     def environment_findings(self) -> Iterator[Finding]:
-        """Yield why the environment cannot be used, if so. Imports gymnasium."""
-        from rl_tui.worlds.toy_text import world_of
-
+        """Yield why the environment cannot be used, if so. Imports gymnasium, starts a stepped one once."""
         try:
-            world_of(self.id, self.kwargs)
+            world = self._world()
+            if world.new_environment is not None:
+                world.new_environment().reset(seed=0)
         except WorldRefusedError as refusal:
             yield refusal.finding
+        except EnvironmentFailedError as failure:
+            yield Finding(("kwargs" if self.kwargs else "id",), str(failure), "an environment that starts")
 
     def build(self, generator: Generator) -> World:
         """Return the world; ``generator`` is not touched. Imports gymnasium, raises WorldRefusedError."""
-        from rl_tui.worlds.toy_text import world_of
+        return self._world()
 
-        return world_of(self.id, self.kwargs)
+    def _world(self) -> World:
+        from rl_tui.worlds.stepped import stepped_world
+        from rl_tui.worlds.toy_text import NoTableError, world_of
+
+        if self.table is not False and self.bins is None:
+            try:
+                return world_of(self.id, self.kwargs, computed=self.table is True)
+            except NoTableError:
+                if self.table:
+                    raise
+        return stepped_world(self.id, self.kwargs, self.bins)

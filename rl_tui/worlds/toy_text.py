@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from contextlib import closing
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rl_tui.worlds.findings import Finding, near, one_line, shown
+from rl_tui.worlds.blackjack import blackjack_world, is_blackjack
+from rl_tui.worlds.findings import Finding, one_line
 from rl_tui.worlds.mdp import Outcome, Transition, tabular_mdp
+from rl_tui.worlds.registered import made, time_limit_of
 from rl_tui.worlds.schema import LARGEST_NUMBER
 from rl_tui.worlds.tolerance import PROBABILITY_TOLERANCE
 from rl_tui.worlds.toy_text_layout import Layout, layout_of
@@ -19,28 +21,34 @@ from rl_tui.worlds.world_section import WorldRefusedError
 if TYPE_CHECKING:
     from gymnasium import Env
 
-UNSUPPORTED: Final = "environments without one are not supported by this version"
-TABULAR_ENTRY: Final = "gymnasium.envs.toy_text."
-# The one among them whose states are no single numbers, and that has no table
-UNTABLED_ENTRY: Final = "gymnasium.envs.toy_text.blackjack:"
+
+class NoTableError(WorldRefusedError):
+    """The environment may be sound, but has no transition table that can be read."""
 
 
 def _refusal(key: str, found: str, expected: str) -> WorldRefusedError:
     return WorldRefusedError(Finding((key,), found, expected))
 
 
-def world_of(name: str, kwargs: Mapping[str, Any]) -> World:
+def _no_table(found: str, expected: str) -> NoTableError:
+    return NoTableError(Finding(("id",), found, expected))
+
+
+def world_of(name: str, kwargs: Mapping[str, Any], *, computed: bool = False) -> World:
     """Return the world of the registered environment ``name`` made with ``kwargs``.
 
     States are called "0", "1", … where the environment has no better names; the time limit is the
-    environment's own. Raises WorldRefusedError where it is not registered, cannot be made, or is no finite
-    MDP with a table that can be read and rewards within ±1e12.
+    environment's own. ``computed`` also takes tables that are worked out here from the rules: that of
+    Blackjack. Raises WorldRefusedError where it is not registered, cannot be made, has no start or rewards
+    beyond ±1e12; NoTableError where it is no finite MDP with a table that can be read.
     """
-    with closing(_made(name, kwargs)) as environment:
+    with closing(made(name, kwargs)) as environment:
+        if computed and is_blackjack(environment.unwrapped):
+            return blackjack_world(environment.unwrapped, time_limit_of(environment))
         states, actions = _sizes(name, environment)
         table = _table(name, environment, states, actions)
         start = _start(name, environment, states)
-        limit = environment.spec.max_episode_steps if environment.spec else None
+        limit = time_limit_of(environment)
         layout = layout_of(environment.unwrapped, states, actions, start)
     try:
         mdp = tabular_mdp(
@@ -52,41 +60,16 @@ def world_of(name: str, kwargs: Mapping[str, Any]) -> World:
                 for action in range(actions)
             ),
             start,
-            limit or 0,
+            limit,
         )
     except (TypeError, ValueError) as error:
-        raise _refusal(
-            "id", f"a table in which {one_line(str(error), 200)}", "a sound transition table"
-        ) from error
+        found = f"a table in which {one_line(str(error), 200)}"
+        raise _no_table(found, "a sound transition table") from error
     largest = float(mdp.reward[np.argmax(np.abs(mdp.reward))])
     if abs(largest) > LARGEST_NUMBER:
         found = f"a reward of {largest:g}"
         raise _refusal("kwargs" if kwargs else "id", found, f"rewards within ±{LARGEST_NUMBER:g}")
     return World(mdp, layout.grid)
-
-
-def _made(name: str, kwargs: Mapping[str, Any]) -> Env[Any, Any]:
-    import gymnasium
-
-    if name not in gymnasium.registry:
-        known = (id_ for id_, spec in gymnasium.registry.items() if _may_have_table(spec.entry_point))
-        raise _refusal("id", shown(name), f"the id of a registered environment{near(name, known)}")
-    try:
-        # a map without a start divides by zero; the check of the start distribution tells that in plain words
-        with np.errstate(invalid="ignore", divide="ignore"):
-            # by its spec: looking an id up warns about newer versions, which is no concern of a scenario
-            return gymnasium.make(gymnasium.registry[name], **kwargs)
-    except Exception as error:  # whatever an environment's constructor may raise
-        reason = one_line(f"{type(error).__name__}: {error}", 200)
-        raise _refusal(
-            "kwargs" if kwargs else "id", f"what makes {name} fail ({reason})", f"what {name} takes"
-        ) from error
-
-
-def _may_have_table(entry_point: object) -> bool:
-    """Tell from where an environment comes from, without making it, whether it is worth suggesting."""
-    entry = str(entry_point)
-    return entry.startswith(TABULAR_ENTRY) and not entry.startswith(UNTABLED_ENTRY)
 
 
 def _sizes(name: str, environment: Env[Any, Any]) -> tuple[int, int]:
@@ -95,9 +78,8 @@ def _sizes(name: str, environment: Env[Any, Any]) -> tuple[int, int]:
     sizes = []
     for what, space in (("states", environment.observation_space), ("actions", environment.action_space)):
         if not isinstance(space, Discrete) or space.start != 0:
-            raise _refusal(
-                "id", f"{name}, whose {what} are {type(space).__name__}", f"discrete {what}, counted from 0"
-            )
+            found = f"{name}, whose {what} are {type(space).__name__}"
+            raise _no_table(found, f"discrete {what}, counted from 0")
         sizes.append(int(space.n))
     return sizes[0], sizes[1]
 
@@ -106,22 +88,20 @@ def _table(name: str, environment: Env[Any, Any], states: int, actions: int) -> 
     """Return P: ``P[state][action]`` is a list of (probability, next state, reward, terminated)."""
     table = getattr(environment.unwrapped, "P", None)
     if table is None:
-        raise _refusal("id", f"{name}, which has no transition table", f"one that has; {UNSUPPORTED}")
+        raise _no_table(f"{name}, which has no transition table", "one that has")
     try:
         complete = all(len(table[s][a]) > 0 for s in range(states) for a in range(actions))
     except (LookupError, TypeError):
         complete = False
     if not complete:
-        raise _refusal("id", f"{name}, whose table has gaps", "outcomes for every state and action")
+        raise _no_table(f"{name}, whose table has gaps", "outcomes for every state and action")
     return table
 
 
 def _start(name: str, environment: Env[Any, Any], states: int) -> dict[int, float]:
     distribution = getattr(environment.unwrapped, "initial_state_distrib", None)
     if distribution is None:
-        raise _refusal(
-            "id", f"{name}, which does not tell its start", f"initial_state_distrib; {UNSUPPORTED}"
-        )
+        raise _no_table(f"{name}, which does not tell its start", "initial_state_distrib")
     start = np.asarray(distribution, dtype=np.float64)
     sound = start.shape == (states,) and bool(np.all(start >= 0.0))
     if not sound or not abs(start.sum() - 1.0) <= PROBABILITY_TOLERANCE:

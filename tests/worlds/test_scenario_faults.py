@@ -236,17 +236,25 @@ ONE_FAULT = {
             'the id of a registered environment (did you mean "FrozenLake-v1"?)',
         ),
     ),
-    "an environment near to none that has a table": (
+    "an environment near to none that is small": (
         '[gymnasium]\nid = "Hoper-v5"\n',
         ("gymnasium.id", '"Hoper-v5"', "the id of a registered environment"),
     ),
-    "an environment near to one without a table": (
+    "an environment near to one in other letters": (
         '[gymnasium]\nid = "BlackJack-v2"\n',
-        ("gymnasium.id", '"BlackJack-v2"', "the id of a registered environment"),
+        (
+            "gymnasium.id",
+            '"BlackJack-v2"',
+            'the id of a registered environment (did you mean "Blackjack-v1"?)',
+        ),
     ),
     "an environment that is not discrete": (
         '[gymnasium]\nid = "CartPole-v1"\n',
-        ("gymnasium.id", "CartPole-v1, whose states are Box", "discrete states, counted from 0"),
+        (
+            "gymnasium.id",
+            "CartPole-v1, whose states are Box: 4 real numbers",
+            "[gymnasium.bins] in a scenario file, which cuts them into states",
+        ),
     ),
     "a module to import": (
         '[gymnasium]\nid = "os:FrozenLake-v1"\n',

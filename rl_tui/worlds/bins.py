@@ -1,0 +1,141 @@
+"""The ``[gymnasium.bins]`` table: a Box of real numbers cut into states, a dimension at a time.
+
+All observations that fall into the same bins are one state to the agent: state aggregation (Sutton & Barto,
+2nd ed., section 9.3, there for values).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from itertools import pairwise
+from typing import TYPE_CHECKING, Annotated, Any, Final
+
+from rl_tui.worlds.findings import Finding, shown
+from rl_tui.worlds.schema import Expect, Number, Section, is_number, number, whole_number
+from rl_tui.worlds.world_section import WorldRefusedError
+
+if TYPE_CHECKING:
+    from gymnasium.spaces import Box
+
+    from rl_tui.worlds.stepped_states import BinStates
+
+MOST_BINS: Final = 1_000_000
+
+
+def _is_list(value: object) -> bool:
+    return isinstance(value, list) and len(value) > 0
+
+
+_LIST: Final = Expect("a list with an entry for each dimension", _is_list)
+Count = Annotated[int, whole_number(1, MOST_BINS)]
+Edges = Annotated[list[Number], Expect("a list of numbers", lambda value: isinstance(value, list))]
+
+
+class BinsSection(Section):
+    """How each dimension is cut: into ``count`` equal bins from ``low`` to ``high``, or at ``edges``.
+
+    Without ``low`` and ``high`` the bounds are those of the Box itself. What lies outside falls into the bin
+    at that end. A count of 1, or no edges, leaves a dimension out of account.
+    """
+
+    low: Annotated[list[Number], _LIST] | None = None
+    high: Annotated[list[Number], _LIST] | None = None
+    count: Annotated[list[Count], _LIST] | None = None
+    edges: Annotated[list[Edges], _LIST] | None = None
+
+    @classmethod
+    def connection_findings(cls, raw: Mapping[str, Any]) -> Iterator[Finding]:
+        """Yield what does not fit together: lists of different lengths, bins that are empty."""
+        if "edges" in raw:
+            for key in ("low", "high", "count"):
+                if key in raw:
+                    yield Finding((key,), f"{key} beside edges", "either edges, or low, high and count")
+            yield from _edge_findings(raw["edges"])
+            return
+        if "count" not in raw:
+            yield Finding(("count",), "nothing", "the number of bins of each dimension, or edges")
+        yield from _length_findings(raw)
+        low, high = raw.get("low"), raw.get("high")
+        if isinstance(low, list) and isinstance(high, list):
+            for dimension, (least, most) in enumerate(zip(low, high, strict=False)):
+                if is_number(least) and is_number(most) and not least < most:
+                    expected = f"more than low, which is {shown(least)}"
+                    yield Finding(("high", dimension), shown(most), expected)
+
+    def states(self, name: str, space: Box) -> BinStates:
+        """Return the states of ``space``, that of the environment ``name``. Raises WorldRefusedError."""
+        from rl_tui.worlds.stepped_states import BinStates
+
+        dimensions = math.prod(space.shape)
+        key = "edges" if self.edges is not None else "count"
+        told = len(self.edges or self.count or ())
+        if told != dimensions:
+            expected = f"{dimensions}, one for each dimension of {name}"
+            raise _refusal((key,), f"{told} entries", expected)
+        if self.edges is not None:
+            return BinStates(self.edges, [_range_names(edges) for edges in self.edges])
+        counts = self.count or []
+        edges, names = [], []
+        low = self.low or _bounds(name, "low", space.low, counts)
+        high = self.high or _bounds(name, "high", space.high, counts)
+        for dimension, count in enumerate(counts):
+            least, most = low[dimension], high[dimension]
+            if not least < most:
+                raise _refusal(("high",), f"{most:g}", f"more than {least:g} in dimension {dimension}")
+            width = (most - least) / count
+            edges.append([least + width * place for place in range(1, count)])
+            names.append(_middle_names(least, width, count))
+        return BinStates(edges, names)
+
+
+def _refusal(location: tuple[str | int, ...], found: str, expected: str) -> WorldRefusedError:
+    return WorldRefusedError(Finding(("bins", *location), found, expected))
+
+
+def _edge_findings(edges: object) -> Iterator[Finding]:
+    for dimension, here in enumerate(edges if isinstance(edges, list) else []):
+        numbers = here if isinstance(here, list) and all(is_number(each) for each in here) else []
+        if any(not left < right for left, right in pairwise(numbers)):
+            yield Finding(("edges", dimension), shown(here), "edges that grow from each to the next")
+
+
+def _length_findings(raw: Mapping[str, Any]) -> Iterator[Finding]:
+    count = raw.get("count")
+    for key in ("low", "high"):
+        values = raw.get(key)
+        if isinstance(count, list) and isinstance(values, list) and len(values) != len(count):
+            expected = f"as many as there are counts ({len(count)})"
+            yield Finding((key,), f"{len(values)} numbers", expected)
+
+
+def _bounds(name: str, key: str, values: Any, counts: Sequence[int]) -> list[float]:
+    """Return the Box's own bounds; they count only where there are bins to cut."""
+    bounds: list[float] = values.ravel().astype(float).tolist()
+    for dimension, count in enumerate(counts):
+        if count == 1:
+            bounds[dimension] = 0.0 if key == "low" else 1.0
+        elif not number().test(bounds[dimension]):
+            found = f"nothing, and no bound of its own in dimension {dimension} of {name}"
+            raise _refusal((key,), found, "a number for each dimension")
+    return bounds
+
+
+def _middle_names(low: float, width: float, count: int) -> list[str]:
+    """Return the middles of equal bins, written as short as keeps them apart."""
+    middles = [low + width * (place + 0.5) for place in range(count)]
+    for digits in range(17):
+        names = [f"{middle:.{digits}f}" for middle in middles]
+        apart = len(set(names)) == count
+        if apart and all(abs(float(n) - m) <= 0.1 * width for n, m in zip(names, middles, strict=True)):
+            break
+    return [name.replace("-0", "0") if float(name) == 0.0 else name for name in names]
+
+
+def _range_names(edges: Sequence[float]) -> list[str]:
+    """Return the bins between edges as ranges: <a, a..b, ≥b."""
+    if not edges:
+        return ["any"]
+    shown_edges = [f"{edge:g}" for edge in edges]
+    between = [f"{low}..{high}" for low, high in pairwise(shown_edges)]
+    return [f"<{shown_edges[0]}", *between, f">={shown_edges[-1]}"]

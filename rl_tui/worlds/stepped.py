@@ -1,0 +1,149 @@
+"""Gymnasium environments without a transition table: stepped for real, one step at a time."""
+
+from __future__ import annotations
+
+import math
+import weakref
+from collections.abc import Mapping, Sequence
+from contextlib import closing, suppress
+from typing import TYPE_CHECKING, Any, Final
+
+from rl_tui.worlds.environment import EnvironmentFailedError, Stepped
+from rl_tui.worlds.findings import Finding, one_line
+from rl_tui.worlds.registered import made, reason_of, time_limit_of
+from rl_tui.worlds.space import all_pairs
+from rl_tui.worlds.stepped_drawing import product_grid
+from rl_tui.worlds.stepped_names import action_names, told_part_names
+from rl_tui.worlds.stepped_states import OutsideError, ProductNames, States, discrete_states
+from rl_tui.worlds.world import World
+from rl_tui.worlds.world_section import WorldRefusedError
+
+if TYPE_CHECKING:
+    from gymnasium import Env
+
+    from rl_tui.worlds.bins import BinsSection
+
+MOST_STATES: Final = 1_000_000
+MOST_ACTIONS: Final = 10_000
+MOST_PAIRS: Final = 10_000_000
+FAR_TOO_MANY: Final = 10**15
+
+
+class SteppedEnvironment:
+    """One Gymnasium environment, its observations made states; closed when nobody holds it any more."""
+
+    def __init__(self, name: str, environment: Env[Any, Any], states: States, first_action: int) -> None:
+        self._name = name
+        self._environment = environment
+        self._state_of = states.state_of
+        self._first_action = first_action
+        weakref.finalize(self, _close, environment)
+
+    def reset(self, seed: int | None = None) -> int:
+        """Begin an episode and return its first state."""
+        try:
+            observation, _ = self._environment.reset(seed=seed)
+        except Exception as error:  # whatever an environment may raise
+            raise EnvironmentFailedError(f"{self._name} failed to start: {reason_of(error)}") from error
+        return self._state(observation)
+
+    def step(self, action: int) -> Stepped:
+        """Take ``action``; an episode that is both terminated and truncated is terminated."""
+        try:
+            observation, reward, terminated, truncated, _ = self._environment.step(
+                action + self._first_action
+            )
+            reward, terminated, truncated = float(reward), bool(terminated), bool(truncated)
+        except Exception as error:  # whatever an environment may raise
+            raise EnvironmentFailedError(f"{self._name} failed in a step: {reason_of(error)}") from error
+        if not math.isfinite(reward):
+            raise EnvironmentFailedError(f"{self._name} gave a reward of {reward}")
+        return Stepped(self._state(observation), reward, terminated, truncated and not terminated)
+
+    def _state(self, observation: Any) -> int:
+        try:
+            return self._state_of(observation)
+        except (OutsideError, LookupError, TypeError, ValueError, OverflowError) as error:
+            seen = one_line(str(observation), 80)
+            raise EnvironmentFailedError(
+                f"{self._name} observed {seen}, which is not in its own space of observations"
+            ) from error
+
+
+def _close(environment: Env[Any, Any]) -> None:
+    with suppress(Exception):  # nobody is left whom a failure would concern
+        environment.close()
+
+
+def stepped_world(name: str, kwargs: Mapping[str, Any], bins: BinsSection | None = None) -> World:
+    """Return the world of the registered environment ``name``, to be stepped.
+
+    Observations have to be discrete: one number, or a tuple, dictionary or array of them, of which every
+    combination is a state. ``bins`` cuts a Box of real numbers into states. Raises WorldRefusedError where
+    the environment cannot be made, its observations or actions are of another kind, or they are too many.
+    """
+    with closing(made(name, kwargs)) as environment:
+        first_action, actions = _actions_of(name, environment)
+        states = _states_of(name, environment, bins)
+        names = action_names(environment.unwrapped, first_action, actions)
+        told = told_part_names(environment.unwrapped, [len(part) for part in states.part_names])
+        limit = time_limit_of(environment)
+    part_names = [given or part for given, part in zip(told, states.part_names, strict=True)]
+    _check_sizes(name, part_names, actions, "bins" if bins else "id")
+
+    def new_environment() -> SteppedEnvironment:
+        try:
+            return SteppedEnvironment(name, made(name, kwargs), states, first_action)
+        except WorldRefusedError as refusal:
+            raise EnvironmentFailedError(f"{name} cannot be made: {refusal.finding.found}") from refusal
+
+    return World(
+        all_pairs(ProductNames(part_names), names, limit),
+        product_grid([len(part) for part in part_names], actions),
+        new_environment=new_environment,
+    )
+
+
+def _states_of(name: str, environment: Env[Any, Any], bins: BinsSection | None) -> States:
+    from gymnasium.spaces import Box
+
+    space = environment.observation_space
+    if isinstance(space, Box):
+        if bins is None:
+            found = f"{name}, whose states are Box: {math.prod(space.shape)} real numbers"
+            raise WorldRefusedError(
+                Finding(("id",), found, "[gymnasium.bins] in a scenario file, which cuts them into states")
+            )
+        return bins.states(name, space)
+    if bins is not None:
+        found = f"bins for {name}, whose states are {type(space).__name__}"
+        raise WorldRefusedError(Finding(("bins",), found, "no bins: they cut a Box of real numbers"))
+    states = discrete_states(space)
+    if states is None:
+        found = f"{name}, whose states are {type(space).__name__}"
+        raise WorldRefusedError(Finding(("id",), found, "states made of discrete parts"))
+    return states
+
+
+def _actions_of(name: str, environment: Env[Any, Any]) -> tuple[int, int]:
+    """Return the first action and how many there are."""
+    from gymnasium.spaces import Discrete
+
+    space = environment.action_space
+    if not isinstance(space, Discrete):
+        found = f"{name}, whose actions are {type(space).__name__}"
+        raise WorldRefusedError(Finding(("id",), found, "discrete actions"))
+    return int(space.start), int(space.n)
+
+
+def _check_sizes(name: str, part_names: Sequence[Sequence[str]], actions: int, key: str) -> None:
+    states = math.prod(len(part) for part in part_names)
+    for what, count, most in (
+        ("states", states, MOST_STATES),
+        ("actions", actions, MOST_ACTIONS),
+        ("pairs of a state and an action", states * actions, MOST_PAIRS),
+    ):
+        if count > most:
+            number = f"{count:,}" if count < FAR_TOO_MANY else "more than 10^15"
+            found = f"{number} {what} of {name}"
+            raise WorldRefusedError(Finding((key,), found, f"at most {most:,}"))

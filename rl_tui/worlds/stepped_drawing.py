@@ -1,0 +1,46 @@
+"""Where the states of an environment without a map lie on a grid."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from rl_tui.worlds.drawing import CellKind, Grid
+
+
+def product_grid(sizes: Sequence[int], actions: int) -> Grid:
+    """Return the grid of states that are all combinations of parts with so many values each.
+
+    One part lies in the squarest grid. The first two of several give the rows and columns; with every
+    combination of the others begins a new block of those, set apart by a wall. Parts of one value do not
+    count. No action is a direction.
+    """
+    there = [size for size in sizes if size > 1] or [1]
+    if len(there) == 1:
+        columns = math.ceil(math.sqrt(there[0]))
+        shape = (math.ceil(there[0] / columns), columns)
+        cell = np.arange(there[0])
+    else:
+        cell, shape = _blocks(there[0], there[1], math.prod(there[2:]))
+    kinds = np.full(shape[0] * shape[1], CellKind.WALL, dtype=object)
+    kinds[cell] = CellKind.FLOOR
+    return Grid(
+        rows=shape[0],
+        columns=shape[1],
+        kinds=tuple(kinds.tolist()),
+        cell_of_state=tuple(cell.tolist()),
+        directions=(None,) * actions,
+    )
+
+
+def _blocks(rows: int, columns: int, blocks: int) -> tuple[np.ndarray, tuple[int, int]]:
+    """Return the cell of each state, [rows · columns · blocks], and the shape of the whole."""
+    across = min(max(round(math.sqrt(blocks * rows / columns)), 1), blocks)
+    down = math.ceil(blocks / across)
+    width = across * (columns + 1) - 1
+    row, column, block = np.unravel_index(np.arange(rows * columns * blocks), (rows, columns, blocks))
+    block_row, block_column = np.divmod(block, across)
+    cell = (block_row * (rows + 1) + row) * width + block_column * (columns + 1) + column
+    return cell, (down * (rows + 1) - 1, width)

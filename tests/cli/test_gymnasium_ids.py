@@ -1,0 +1,122 @@
+"""``gym:ENV_ID`` and environments without a table, on every command."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+from click.testing import CliRunner, Result
+
+from rl_tui.cli.main import program
+
+EXACT = ("value_at_start", "optimal_value_at_start", "expected_return", "max_error", "greedy_ends")
+BINS = """
+[gymnasium]
+id = "CartPole-v1"
+[gymnasium.bins]
+edges = [[], [], [0.0], [0.0]]
+"""
+
+
+def run(*args: str) -> Result:
+    return CliRunner().invoke(program, list(args))
+
+
+def document(*args: str) -> Any:
+    result = run(*args, "--json")
+    assert (result.exit_code, result.stderr) == (0, "")
+    return json.loads(result.stdout)
+
+
+def refusal(*args: str) -> str:
+    result = run(*args)
+    assert (result.exit_code, result.stdout) == (1, "")
+    (line,) = result.stderr.splitlines()
+    return str(line)
+
+
+def test_an_environment_with_a_table_has_exact_figures():
+    figures = document("train", "gym:FrozenLake-v1", "--episodes", "200")
+    assert figures["scenario"] == "gym:FrozenLake-v1"
+    assert figures["optimal_value_at_start"] == pytest.approx(0.54203, abs=1e-5)
+    solved = document("solve", "gym:FrozenLake-v1")
+    assert solved["value_at_start"] == pytest.approx(figures["optimal_value_at_start"])
+
+
+def test_an_environment_without_one_has_none():
+    figures = document("train", "gym:Blackjack-v1", "--episodes", "100")
+    assert {name: figures[name] for name in EXACT} == dict.fromkeys(EXACT)
+    assert figures["actions"] == ["stick", "hit"]
+    assert len(figures["states"]) == len(figures["q"]) == 704
+    assert figures["return_last_100"] is not None
+
+
+def test_many_runs_of_it():
+    figures = document("train", "blackjack", "--episodes", "60", "--runs", "3")
+    assert [row["value_at_start"] for row in figures["runs"]] == [None] * 3
+    assert figures["summary"]["value_at_start"] == {
+        "mean": None,
+        "stderr": None,
+        "min": None,
+        "max": None,
+        "count": 0,
+    }
+    assert figures["summary"]["length_last_100"]["count"] == 3
+
+
+def test_reports_leave_out_what_nobody_knows():
+    one = run("train", "blackjack", "--episodes", "60")
+    assert one.exit_code == 0
+    assert "this environment has no transition table" in one.stdout
+    assert "604 more" in one.stdout
+    several = run("train", "blackjack", "--episodes", "60", "--runs", "2")
+    assert several.exit_code == 0
+    assert "value at the start" not in several.stdout
+    assert "return, last 60 episodes" in several.stdout
+
+
+def test_bins_of_a_file(tmp_path: Path):
+    path = tmp_path / "cart.toml"
+    path.write_text(BINS)
+    assert run("check", str(path)).stdout == f"{path}: ok\n"
+    figures = document("train", str(path), "--episodes", "20")
+    assert figures["states"] == ["<0, <0", "<0, >=0", ">=0, <0", ">=0, >=0"]
+    assert figures["return_last_100"] == figures["length_last_100"] > 5
+
+
+def test_csv_has_the_episodes(tmp_path: Path):
+    path = tmp_path / "games.csv"
+    assert run("train", "blackjack", "--episodes", "30", "--csv", str(path)).exit_code == 0
+    rows = path.read_text().splitlines()
+    assert len(rows) == 31
+    assert {row.split(",")[2] for row in rows[1:]} <= {"-1.0", "0.0", "1.0"}
+
+
+@pytest.mark.parametrize(
+    ("args", "line"),
+    [
+        (
+            ["solve", "gym:Blackjack-v1"],
+            "gym:Blackjack-v1 has no exact answer: this environment has no transition table",
+        ),
+        (
+            ["train", "gym:Blackjak-v1"],
+            'gym:Blackjak-v1: found "Blackjak-v1"; expected the id of',
+        ),
+        (["train", "gym:CartPole-v1"], "[gymnasium.bins] in a scenario file"),
+        (["train", "gym:Blackjack-v1", "--algorithm", "value-iteration"], "this environment has none"),
+        (["bench", "gym:Blackjack-v1"], "choose a scenario such as frozenlake"),
+        (["check", "gym:FrozenLake-v1"], "gym:FrozenLake-v1: found no such file"),
+    ],
+)
+def test_what_cannot_be_done_is_one_line(args, line):
+    assert line in refusal(*args)
+
+
+def test_the_list_has_the_shipped_ones_and_no_other():
+    rows = {row["id"]: row for row in document("list")}
+    sizes = {name: (rows[name]["states"], rows[name]["actions"]) for name in ("blackjack", "cartpole")}
+    assert sizes == {"blackjack": (704, 2), "cartpole": (72, 2)}
+    assert not any(name.startswith("gym:") for name in rows)

@@ -1,0 +1,144 @@
+"""Real numbers cut into states: where the edges lie, what the states are called, what is refused."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from gymnasium.spaces import Box
+
+from rl_tui.worlds.bins import BinsSection
+from rl_tui.worlds.errors import ScenarioError
+from rl_tui.worlds.gymnasium_section import GymnasiumSection
+from rl_tui.worlds.scenario import read_scenario
+from rl_tui.worlds.stepped_states import OutsideError
+from rl_tui.worlds.world_section import WorldRefusedError
+
+PLANE = Box(np.array([-1.0, -np.inf]), np.array([1.0, np.inf]), dtype=np.float64)
+
+
+def states(space: Box = PLANE, **told: Any):
+    return BinsSection.model_validate(told).states("Plane", space)
+
+
+def test_equal_bins_and_what_lies_outside_them():
+    made = states(low=[-1.0, 0.0], high=[1.0, 10.0], count=[2, 5])
+    for observation, state in {
+        (-1.0, 0.0): 0,
+        (-1e-9, 1.99): 0,
+        (0.0, 2.0): 6,
+        (1.0, 9.99): 9,
+        (-7.0, -np.inf): 0,
+        (7.0, np.inf): 9,
+    }.items():
+        assert made.state_of(np.array(observation)) == state
+    assert made.part_names == [["-0.5", "0.5"], ["1", "3", "5", "7", "9"]]
+
+
+def test_edges_of_ones_own():
+    made = states(edges=[[], [-1.0, 0.5, 2.0]])
+    assert [made.state_of(np.array([9.0, y])) for y in (-2.0, -1.0, 0.6, 2.0)] == [0, 1, 2, 3]
+    assert made.part_names == [["any"], ["<-1", "-1..0.5", "0.5..2", ">=2"]]
+
+
+def test_bounds_of_the_box_count_where_none_are_given():
+    made = states(count=[4, 1])
+    assert made.part_names[0] == ["-0.75", "-0.25", "0.25", "0.75"]
+    assert [made.state_of(np.array([x, 1e30])) for x in (-0.6, -0.4, 0.0, 0.6)] == [0, 1, 2, 3]
+
+
+def test_the_names_of_narrow_bins_differ():
+    made = states(low=[0.0, 5.0], high=[1e-9, 5.00001], count=[10, 10])
+    assert all(len(set(names)) == 10 for names in made.part_names)
+
+
+def test_not_a_number_is_in_no_bin():
+    with pytest.raises(OutsideError):
+        states(count=[4, 1]).state_of(np.array([np.nan, 0.0]))
+
+
+@pytest.mark.parametrize(
+    ("told", "location", "found"),
+    [
+        ({"count": [4]}, ("bins", "count"), "1 entries"),
+        ({"edges": [[], [], []]}, ("bins", "edges"), "3 entries"),
+        ({"count": [4, 4]}, ("bins", "low"), "nothing, and no bound of its own in dimension 1 of Plane"),
+        (
+            {"count": [4, 4], "low": [0, 0]},
+            ("bins", "high"),
+            "nothing, and no bound of its own in dimension 1 .*",
+        ),
+        ({"count": [4, 1], "low": [2, 0]}, ("bins", "high"), "1"),
+    ],
+)
+def test_what_does_not_fit_the_box_is_refused(told, location, found):
+    with pytest.raises(WorldRefusedError, match=f"^{found}$") as refusal:
+        states(**told)
+    assert refusal.value.finding.location == location
+
+
+@pytest.mark.parametrize(
+    ("bins", "place", "found"),
+    [
+        ("", "gymnasium.bins.count", "nothing"),
+        ("count = [2, 0]", "gymnasium.bins.count[1]", "0"),
+        ("count = 2", "gymnasium.bins.count", "2"),
+        ("count = []", "gymnasium.bins.count", "[]"),
+        ("count = [2, 2]\nlow = [0, 0, 0]", "gymnasium.bins.low", "3 numbers"),
+        ("count = [2, 2]\nlow = [0, 0]\nhigh = [1, 0]", "gymnasium.bins.high[1]", "0"),
+        ("count = [2, 2]\nlow = [0, nan]", "gymnasium.bins.low[1]", "nan"),
+        ("edges = [[1.0, 1.0], []]", "gymnasium.bins.edges[0]", "[1.0, 1.0]"),
+        ("edges = [[], []]\ncount = [1, 1]", "gymnasium.bins.count", "count beside edges"),
+        ("counts = [2, 2]\ncount = [2, 2]", "gymnasium.bins.counts", "an unknown key"),
+        ("count = [2, 2, 2]", "gymnasium.bins.count", "3 entries"),
+        ("count = [2000, 2000]", "gymnasium.bins", "4,000,000 states of MountainCar-v0"),
+    ],
+)
+def test_faults_of_a_file(bins, place, found, tmp_path):
+    path = tmp_path / "mine.toml"
+    path.write_text(f'[gymnasium]\nid = "MountainCar-v0"\n[gymnasium.bins]\n{bins}\n')
+    with pytest.raises(ScenarioError) as error:
+        read_scenario(path)
+    (fault,) = error.value.faults
+    assert (fault.place, fault.found) == (place, found)
+
+
+@pytest.mark.parametrize(
+    ("text", "place", "found"),
+    [
+        (
+            'id = "Blackjack-v1"\nbins = { count = [2] }',
+            "gymnasium.bins",
+            "bins for Blackjack-v1, whose states are Tuple",
+        ),
+        (
+            'id = "MountainCar-v0"\ntable = true\nbins = { count = [2, 2] }',
+            "gymnasium.table",
+            "true beside bins",
+        ),
+        ('id = "MountainCar-v0"\nbins = 3', "gymnasium.bins", "3"),
+        ('id = "Blackjack-v1"\ntable = "yes"', "gymnasium.table", '"yes"'),
+        ('id = "CartPole-v1"\ntable = true', "gymnasium.id", "CartPole-v1, whose states are Box"),
+    ],
+)
+def test_bins_where_they_do_not_belong(text, place, found, tmp_path):
+    path = tmp_path / "mine.toml"
+    path.write_text(f"[gymnasium]\n{text}\n")
+    with pytest.raises(ScenarioError) as error:
+        read_scenario(path)
+    (fault,) = error.value.faults
+    assert (fault.place, fault.found) == (place, found)
+
+
+def test_a_world_of_bins():
+    section = GymnasiumSection.model_validate(
+        {"id": "CartPole-v1", "bins": {"edges": [[], [], [0.0], [0.0]]}}
+    )
+    world = section.build(np.random.default_rng(0))
+    assert list(world.space.state_names) == ["<0, <0", "<0, >=0", ">=0, <0", ">=0, >=0"]
+    assert world.space.action_names == ("left", "right")
+    assert (world.drawing.rows, world.drawing.columns, world.space.time_limit) == (2, 2, 500)
+    environment = world.new_environment()
+    assert environment.reset(0) in range(4)
+    assert environment.step(1).reward == 1.0

@@ -1,0 +1,282 @@
+"""Environments without a table: their states, names and drawings, and what they do when they break."""
+
+from __future__ import annotations
+
+import math
+import warnings
+from typing import Any
+
+import gymnasium
+import numpy as np
+import pytest
+from gymnasium import spaces
+
+from rl_tui.worlds.drawing import CellKind
+from rl_tui.worlds.environment import EnvironmentFailedError, Stepped
+from rl_tui.worlds.gymnasium_section import GymnasiumSection
+from rl_tui.worlds.stepped import SteppedEnvironment, stepped_world
+from rl_tui.worlds.stepped_drawing import product_grid
+from rl_tui.worlds.stepped_states import OutsideError, ProductNames, discrete_states
+from rl_tui.worlds.world_section import WorldRefusedError
+
+
+class Told(gymnasium.Env[Any, Any]):
+    """An environment that answers what its arguments tell; an exception among them is raised."""
+
+    closed = 0
+
+    def __init__(self, observation_space=None, action_space=None, start=0, answer=None, **attributes):
+        self.observation_space = observation_space or spaces.Discrete(3)
+        self.action_space = action_space or spaces.Discrete(2)
+        self._start, self._answer = start, answer
+        self.taken: list[Any] = []
+        for name, value in attributes.items():
+            setattr(self, name, value)
+
+    def reset(self, *, seed=None, options=None):
+        super().reset(seed=seed)
+        return self._told(self._start), {}
+
+    def step(self, action):
+        self.taken.append(action)
+        return self._told(self._answer)
+
+    def close(self):
+        type(self).closed += 1
+
+    def _told(self, answer):
+        if isinstance(answer, Exception):
+            raise answer
+        return answer
+
+
+@pytest.fixture(autouse=True)
+def told():
+    gymnasium.register("Told-v0", Told)
+    yield
+    del gymnasium.registry["Told-v0"]
+
+
+def environment(**kwargs: Any) -> SteppedEnvironment:
+    world = stepped_world("Told-v0", kwargs)
+    assert world.new_environment is not None
+    return world.new_environment()
+
+
+@pytest.mark.parametrize(
+    ("space", "observation", "state", "states"),
+    [
+        (spaces.Discrete(5), 3, 3, 5),
+        (spaces.Discrete(5, start=-2), -2, 0, 5),
+        (spaces.Discrete(5), np.int64(4), 4, 5),
+        (spaces.MultiDiscrete([2, 3]), np.array([1, 2]), 5, 6),
+        (spaces.MultiDiscrete([2, 3], start=[1, 10]), np.array([1, 12]), 2, 6),
+        (spaces.MultiDiscrete([[2, 3], [4, 5]]), np.array([[0, 0], [1, 0]]), 5, 120),
+        (spaces.MultiBinary(4), np.array([1, 0, 1, 1], np.int8), 11, 16),
+        (
+            spaces.Tuple((spaces.Discrete(32), spaces.Discrete(11), spaces.Discrete(2))),
+            (12, 7, True),
+            279,
+            704,
+        ),
+        (spaces.Dict(b=spaces.Discrete(2), a=spaces.MultiBinary(2)), {"a": np.array([1, 1]), "b": 0}, 3, 8),
+        (spaces.Tuple((spaces.Tuple((spaces.Discrete(2),)), spaces.Discrete(3))), ((1,), 2), 5, 6),
+    ],
+)
+def test_every_combination_of_discrete_parts_is_a_state(space, observation, state, states):
+    made = discrete_states(space)
+    assert made is not None
+    assert made.state_of(observation) == state
+    assert len(ProductNames(made.part_names)) == states
+
+
+@pytest.mark.parametrize("value", [-1, 5, 1.5, math.nan, "3", None, (3,)])
+def test_what_is_not_in_the_space_is_no_state(value):
+    made = discrete_states(spaces.Discrete(5))
+    assert made is not None
+    with pytest.raises((OutsideError, TypeError, ValueError)):
+        made.state_of(value)
+
+
+@pytest.mark.parametrize("space", [spaces.Box(0.0, 1.0), spaces.Text(3), spaces.Sequence(spaces.Discrete(2))])
+def test_other_spaces_have_no_states(space):
+    assert discrete_states(spaces.Tuple((spaces.Discrete(2), space))) is None
+
+
+def test_names_tell_the_parts():
+    names = ProductNames([["a", "b"], ["only"], ["0", "1", "2"]])
+    assert list(names) == ["a, 0", "a, 1", "a, 2", "b, 0", "b, 1", "b, 2"]
+    assert (names[-1], names[1:3]) == ("b, 2", ("a, 1", "a, 2"))
+    assert list(ProductNames([["any"], ["any"]])) == ["any"]
+    with pytest.raises(IndexError):
+        names[6]
+
+
+def test_a_grid_of_one_part_is_the_squarest():
+    grid = product_grid([7], 2)
+    assert (grid.rows, grid.columns, grid.cell_of_state) == (3, 3, tuple(range(7)))
+    assert grid.kinds == (CellKind.FLOOR,) * 7 + (CellKind.WALL,) * 2
+    assert grid.directions == (None, None)
+
+
+def test_a_grid_of_two_parts_has_the_first_down_and_the_second_across():
+    grid = product_grid([1, 2, 3, 1], 1)
+    assert (grid.rows, grid.columns, grid.cell_of_state) == (2, 3, tuple(range(6)))
+
+
+@pytest.mark.parametrize("sizes", [[32, 11, 2], [3, 3, 6, 6], [2, 2, 2, 2, 2], [10, 2, 7]])
+def test_further_parts_make_blocks_with_walls_between(sizes):
+    grid = product_grid(sizes, 1)
+    cells = np.array(grid.cell_of_state).reshape(sizes[0], sizes[1], -1)
+    assert len(set(grid.cell_of_state)) == math.prod(sizes)
+    assert np.all(np.diff(cells, axis=0) == grid.columns)
+    assert np.all(np.diff(cells, axis=1) == 1)
+    assert sum(kind is CellKind.FLOOR for kind in grid.kinds) == math.prod(sizes)
+    assert len(grid.kinds) == grid.rows * grid.columns
+
+
+def test_a_blackjack_hand_is_told_in_words():
+    world = GymnasiumSection(id="Blackjack-v1").build(np.random.default_rng(0))
+    assert world.mdp is None
+    assert (world.space.states, world.space.pairs, world.space.time_limit) == (704, 1408, 0)
+    assert world.space.state_names[(12 * 11 + 7) * 2] == "12, 7, no"
+    assert world.space.action_names == ("stick", "hit")
+    assert (world.drawing.rows, world.drawing.columns) == (32, 23)
+
+
+def test_the_seed_is_that_of_gymnasium():
+    world = stepped_world("Blackjack-v1", {})
+    plain = gymnasium.make("Blackjack-v1")
+    ours = world.new_environment()
+    names = world.space.state_names
+    for seed in range(20):
+        total, card, ace = plain.reset(seed=seed)[0]
+        assert names[ours.reset(seed)] == f"{total}, {card}, {'yes' if ace else 'no'}"
+        (total, card, ace), reward, terminated, _, _ = plain.step(1)
+        answer = ours.step(1)
+        assert names[answer.next_state] == f"{total}, {card}, {'yes' if ace else 'no'}"
+        assert (answer.reward, answer.terminated) == (reward, terminated)
+
+
+def test_actions_count_from_their_own_start():
+    ours = environment(action_space=spaces.Discrete(2, start=5), answer=(1, 2.0, False, False, {}))
+    ours.reset(0)
+    assert ours.step(1) == Stepped(1, 2.0, False, False)
+    assert ours._environment.unwrapped.taken == [6]
+    assert stepped_world("Told-v0", {"action_space": spaces.Discrete(2, start=5)}).space.action_names == (
+        "5",
+        "6",
+    )
+
+
+def test_terminated_wins_over_truncated():
+    ours = environment(answer=(1, 0.0, True, True, {}))
+    ours.reset(0)
+    assert ours.step(0) == Stepped(1, 0.0, True, False)
+
+
+def test_the_time_limit_is_the_environments_own():
+    world = stepped_world("Told-v0", {"max_episode_steps": 2, "answer": (0, 0.0, False, False, {})})
+    ours = world.new_environment()
+    ours.reset(0)
+    assert [ours.step(0).truncated for _ in range(2)] == [False, True]
+    assert world.space.time_limit == 2
+
+
+@pytest.mark.parametrize(
+    ("answer", "message"),
+    [
+        (RuntimeError("no\x1b[2J\nroom"), "Told-v0 failed in a step: RuntimeError: no\\u001b[2J room"),
+        (ValueError("x" * 5000), "Told-v0 failed in a step: ValueError: xxx"),
+        ((0, math.nan, False, False, {}), "Told-v0 gave a reward of nan"),
+        ((0, math.inf, False, False, {}), "Told-v0 gave a reward of inf"),
+        ((0, "much", False, False, {}), "Told-v0 failed in a step: ValueError"),
+        ((3, 0.0, False, False, {}), "Told-v0 observed 3, which is not in its own space of observations"),
+        ((None, 0.0, False, False, {}), "Told-v0 observed None, which is not in its own space"),
+        ((0, 0.0, False), "Told-v0 failed in a step: ValueError: not enough values"),
+    ],
+)
+def test_a_fault_in_a_step_is_one_clear_line(answer, message):
+    ours = environment(answer=answer)
+    ours.reset(0)
+    with pytest.raises(EnvironmentFailedError) as failure:
+        ours.step(0)
+    text = str(failure.value)
+    assert text.startswith(message)
+    assert text.isprintable()
+    assert len(text) < 300
+
+
+def test_a_fault_at_the_start_is_one_clear_line():
+    with pytest.raises(EnvironmentFailedError, match=r"^Told-v0 failed to start: OSError: gone$"):
+        environment(start=OSError("gone")).reset(0)
+    with pytest.raises(EnvironmentFailedError, match=r"^Told-v0 observed 9, which"):
+        environment(start=9).reset(0)
+
+
+def test_nothing_is_warned_about():
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        ours = environment(answer=(0, 0.0, True, False, {}))
+        ours.reset(0)
+        ours.step(0)
+        ours.step(0)
+        assert gymnasium.logger.min_level > gymnasium.logger.ERROR
+
+
+def test_it_is_closed_when_nobody_holds_it():
+    ours, before = environment(), Told.closed
+    del ours
+    assert Told.closed == before + 1
+
+
+@pytest.mark.parametrize(
+    ("kwargs", "key", "found"),
+    [
+        ({"observation_space": spaces.Discrete(1_000_001)}, "id", "1,000,001 states of Told-v0"),
+        ({"observation_space": spaces.MultiBinary(20_000)}, "id", "more than 10\\^15 states of Told-v0"),
+        ({"action_space": spaces.Discrete(10_001)}, "id", "10,001 actions of Told-v0"),
+        (
+            {"observation_space": spaces.Discrete(10_001), "action_space": spaces.Discrete(1_000)},
+            "id",
+            "10,001,000 pairs of a state and an action of Told-v0",
+        ),
+        ({"action_space": spaces.Box(0.0, 1.0)}, "id", "Told-v0, whose actions are Box"),
+        ({"observation_space": spaces.Text(3)}, "id", "Told-v0, whose states are Text"),
+        (
+            {"observation_space": spaces.Box(0.0, 1.0, (2, 2))},
+            "id",
+            "Told-v0, whose states are Box: 4 real numbers",
+        ),
+    ],
+)
+def test_refuses(kwargs, key, found):
+    with pytest.raises(WorldRefusedError) as refusal:
+        stepped_world("Told-v0", kwargs)
+    assert refusal.value.finding.location == (key,)
+    assert refusal.match(found)
+
+
+UNSOUND = {s: {a: [(0.5, 0, 0.0, False)] for a in (0, 1)} for s in range(3)}
+
+
+def test_by_its_table_where_it_is_sound_and_stepped_where_not():
+    sound = {s: {a: [(1.0, 0, 0.0, True)] for a in (0, 1)} for s in range(3)}
+    start = np.array([1.0, 0.0, 0.0])
+
+    def tabled(table: object, told: bool | None = None) -> bool:
+        kwargs = {"P": table, "initial_state_distrib": start}
+        return GymnasiumSection(id="Told-v0", kwargs=kwargs, table=told).build(None).mdp is not None
+
+    assert tabled(sound)
+    assert not tabled(sound, False)
+    assert not tabled(UNSOUND)
+    with pytest.raises(WorldRefusedError, match=r"sum to 0\.5"):
+        tabled(UNSOUND, True)
+    with pytest.raises(WorldRefusedError, match="Told-v0, which has no transition table"):
+        GymnasiumSection(id="Told-v0", table=True).build(None)
+
+
+def test_a_failing_start_is_found_when_the_file_is_checked():
+    (finding,) = GymnasiumSection(id="Told-v0", kwargs={"start": OSError("gone")}).environment_findings()
+    assert finding.found == "Told-v0 failed to start: OSError: gone"
