@@ -5,20 +5,11 @@ from __future__ import annotations
 from typing import Any
 
 from rl_tui.agents.algorithms.family import Transition, back_up, has_converged
-from rl_tui.agents.compiled import compiled, inlined
+from rl_tui.agents.compiled import compiled
 from rl_tui.agents.position import LastRecord, Position, record_transition, record_update
 from rl_tui.agents.settings import Settings
 from rl_tui.agents.stop import CONVERGED, DIVERGED, LARGEST_ESTIMATE
 from rl_tui.agents.tables import Tables
-
-
-@inlined
-def state_with_pairs(tables: Tables, start: int) -> int:
-    """Return the first state from ``start`` on that owns a pair, or the number of states if none does."""
-    state = start
-    while state < len(tables.first_pair) - 1 and tables.first_pair[state] == tables.first_pair[state + 1]:
-        state += 1
-    return state
 
 
 @compiled

@@ -11,7 +11,7 @@ from rl_tui.agents.planning import best_expected_return
 from rl_tui.cli.advice import no_reward
 from rl_tui.cli.output import columns, counted, number
 from rl_tui.cli.policy_map import policy_map
-from rl_tui.lab.exact import NO_TABLE
+from rl_tui.lab.figures import exact_world, why_inexact
 from rl_tui.lab.recipe import Recipe
 from rl_tui.lab.run import Run
 from rl_tui.lab.snapshot import BanditFigures
@@ -35,7 +35,7 @@ _OF_SCHEDULES: Final = {
 
 def one_run(run: Run, figures: Figures) -> str:
     """Return the report of one run; ``figures`` is its document of ``train --json``."""
-    spent, mdp = run.bandit, run.learner.mdp
+    spent, mdp = run.bandit, exact_world(run)
     best = number(best_expected_return(mdp) if mdp else None)
     if spent is not None and not run.learner.plans:
         parts = [_head(run.recipe), _done(figures, "pull"), "", columns(_bandit_rows(figures, spent))]
@@ -50,7 +50,7 @@ def one_run(run: Run, figures: Figures) -> str:
             columns(_greedy_rows(figures, best)),
         ]
     else:
-        rows = _rows(figures, best) if mdp else _inexact_rows(figures)
+        rows = _rows(figures, best) if mdp else _inexact_rows(figures, why_inexact(run))
         drawing = policy_map(run.world, figures["policy"])
         parts = [_head(run.recipe), _done(figures, "episode"), "", drawing, "", columns(rows)]
     if figures["first_reward_episode"] is None and not run.learner.plans:
@@ -90,10 +90,10 @@ def _planned(run: Run, figures: Figures) -> str:
     return f"{done}\n{run.message}" if run.message else done
 
 
-def _inexact_rows(figures: Figures) -> list[Row]:
+def _inexact_rows(figures: Figures, why: str) -> list[Row]:
     first = figures["first_reward_episode"]
     return [
-        ("exact figures", "none", NO_TABLE),
+        ("exact figures", "none", why),
         *_last_rows(figures),
         ("first reward", "never" if first is None else f"episode {first:,}", ""),
     ]

@@ -30,7 +30,6 @@ RUNS: Final = 64
 FRAMES_A_SECOND: Final = 20
 LIVE_SECONDS: Final = 0.5
 LIVE_ROUNDS: Final = 5
-RUNS: Final = 64
 
 
 class PlainLoop:

@@ -11,11 +11,13 @@ import numpy.typing as npt
 
 from rl_tui.agents.planning import figures, greedy_policy, solve
 from rl_tui.agents.solution import NoExactAnswer, Solution
+from rl_tui.lab.exact import NO_TABLE
 from rl_tui.lab.recipe import Recipe
 from rl_tui.lab.run import Run
 from rl_tui.worlds.mdp import TabularMDP
 from rl_tui.worlds.space import FiniteSpace, FloatArray
 
+MOST_STATES: Final = 50_000
 BANDIT_FIGURES: Final = ("winnings", "regret", "best_arm_rate")
 
 
@@ -30,6 +32,23 @@ class GreedyFigures:
     greedy_ends: float | None
 
 
+def exact_world(run: Run) -> TabularMDP | None:
+    """Return the table that figures of ``run`` are worked out from, as it is now.
+
+    None where there is no table, or where its more than 50,000 states would keep one waiting for minutes.
+    """
+    mdp = run.learner.mdp
+    return None if mdp is None or mdp.states > MOST_STATES else mdp
+
+
+def why_inexact(run: Run) -> str:
+    """Return why ``run`` has no exact figures; empty where it has."""
+    if run.learner.mdp is None:
+        return NO_TABLE
+    left_out = f"left out above {MOST_STATES:,} states; rl-tui solve works the optimum out"
+    return "" if exact_world(run) else left_out
+
+
 def optimum_of(mdp: TabularMDP | None, gamma: float) -> Solution | None:
     """Return the exact answer, None where there is none."""
     if mdp is None:
@@ -42,7 +61,7 @@ def optimum_of(mdp: TabularMDP | None, gamma: float) -> Solution | None:
 
 def greedy_figures(run: Run, optimum: Solution | None) -> GreedyFigures:
     """Return the figures of what ``run`` has learned, held against ``optimum`` for its γ."""
-    mdp, learner = run.learner.mdp, run.learner
+    mdp, learner = exact_world(run), run.learner
     if mdp is None:
         return GreedyFigures(None, None, None, None, None)
     policy = greedy_policy(mdp, learner.q, learner.hyperparameters.ties)
@@ -69,7 +88,7 @@ def head(recipe: Recipe) -> dict[str, Any]:
 def training_figures(run: Run, seconds: float) -> dict[str, Any]:
     """Return what ``run`` came to in ``seconds`` of learning: the document of ``train --json``."""
     space, learner = run.world.space, run.learner
-    exact = greedy_figures(run, optimum_of(learner.mdp, learner.hyperparameters.gamma))
+    exact = greedy_figures(run, optimum_of(exact_world(run), learner.hyperparameters.gamma))
     document: dict[str, Any] = finite(
         {
             **head(run.recipe),
@@ -114,8 +133,10 @@ def table(space: FiniteSpace, values: npt.NDArray[Any]) -> list[list[Any]]:
 def policy_names(space: FiniteSpace, policy: FloatArray) -> list[list[str]]:
     """Return the names of the actions ``policy``, [P], may take in each state; none in a terminal one."""
     names: list[list[str]] = [[] for _ in range(space.states)]
-    for pair in np.flatnonzero(policy).tolist():
-        names[int(space.pair_state[pair])].append(space.action_names[int(space.pair_action[pair])])
+    chosen = np.flatnonzero(policy)
+    states, actions = space.pair_state[chosen].tolist(), space.pair_action[chosen].tolist()
+    for state, action in zip(states, actions, strict=True):
+        names[state].append(space.action_names[action])
     return names
 
 

@@ -18,7 +18,7 @@ from typing import Any, Final, TextIO, TypeVar
 
 from rl_tui.agents.solution import Solution
 from rl_tui.lab.episode_rows import EpisodeRows, csv_file
-from rl_tui.lab.figures import BANDIT_FIGURES, finite, greedy_figures, head, optimum_of, pulls
+from rl_tui.lab.figures import BANDIT_FIGURES, exact_world, finite, greedy_figures, head, optimum_of, pulls
 from rl_tui.lab.learning_curve import RunCurve, mean_curve, no_curve
 from rl_tui.lab.recipe import Recipe, begin, drawn_from_seed
 from rl_tui.lab.run import OnEpisodes, Run
@@ -225,4 +225,4 @@ class _Experiment:
 
     @staticmethod
     def _optimum_of(run: Run) -> Solution | None:
-        return optimum_of(run.learner.mdp, run.recipe.hyperparameters.gamma)
+        return optimum_of(exact_world(run), run.recipe.hyperparameters.gamma)
