@@ -11,15 +11,17 @@ from rl_tui.worlds.drawing import CellKind, Grid
 from rl_tui.worlds.world import World
 
 MOST_ROWS: Final = 100
+MOST_COLUMNS: Final = 40
 
 
 def policy_map(world: World, policy: Sequence[Sequence[str]]) -> str:
     """Return a drawing of ``policy``, the names of the actions that it takes in each state (ties: several).
 
-    A dot says that all legal actions look equally good.
+    An arrow is a move, a letter the action that begins with it. A dot says that all legal actions look
+    equally good.
     """
     drawing = world.drawing
-    if isinstance(drawing, Grid) and None not in drawing.directions:
+    if isinstance(drawing, Grid) and drawing.rows <= MOST_ROWS and drawing.columns <= MOST_COLUMNS:
         return _grid(world, drawing, policy)
     states = zip(world.space.state_names, policy, strict=True)
     rows = [(name, ", ".join(actions)) for name, actions in states if actions]
@@ -28,10 +30,10 @@ def policy_map(world: World, policy: Sequence[Sequence[str]]) -> str:
 
 
 def _grid(world: World, grid: Grid, policy: Sequence[Sequence[str]]) -> str:
-    glyphs = UNICODE if can_print("←↓→↑●★█") else ASCII
+    glyphs = UNICODE if can_print("←↓→↑↖●▓★█") else ASCII
     space = world.space
     directions = zip(space.action_names, grid.directions, strict=True)
-    arrows = {name: glyphs.direction(step) for name, step in directions if step}
+    arrows = {name: glyphs.direction(step) if step else name[0] for name, step in directions}
     cells = [_cell(kind, glyphs) for kind in grid.kinds]
     for state, actions in enumerate(policy):
         legal = len(space.pairs_of(state))
@@ -44,5 +46,10 @@ def _grid(world: World, grid: Grid, policy: Sequence[Sequence[str]]) -> str:
 
 
 def _cell(kind: CellKind, glyphs: Glyphs) -> str:
-    special = {CellKind.HOLE: glyphs.hole, CellKind.GOAL: glyphs.goal, CellKind.WALL: glyphs.wall}
+    special = {
+        CellKind.HOLE: glyphs.hole,
+        CellKind.CLIFF: glyphs.cliff,
+        CellKind.GOAL: glyphs.goal,
+        CellKind.WALL: glyphs.wall,
+    }
     return special.get(kind, " ")

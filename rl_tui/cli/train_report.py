@@ -80,9 +80,13 @@ def several_runs(recipe: Recipe, figures: Figures) -> str:
 
 def _done(figures: Figures, thing: str) -> str:
     seconds, speed = number(figures["seconds"], ".3f"), figures["steps_per_second"]
-    rate = f", {speed / 1e6:.1f} million steps/s" if speed else ""
+    rate = f", {_rate(speed)} steps/s" if speed else ""
     steps = f", {counted(figures['steps'], 'step')}" if thing == "episode" else ""
     return f"{counted(figures['episodes'], thing)}{steps} in {seconds} s{rate}"
+
+
+def _rate(speed: float) -> str:
+    return f"{speed / 1e6:.1f} million" if speed >= 1e5 else f"{speed:,.0f}"
 
 
 def _planned(run: Run, figures: Figures) -> str:
