@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -139,6 +139,12 @@ def test_the_curve_counts_the_arm_that_was_best_when_it_was_pulled(drifting: Rec
     document = many_runs(drifting, 1, Goal(episodes=150))
     assert document["curve"]["optimal_action_rate"] == plain(drifting, 150).optimal
     assert document["runs"][0]["best_arm_rate"] == np.mean(plain(drifting, 150).optimal)
+
+
+def test_each_of_many_runs_is_held_against_its_own_means(drifting: Recipe) -> None:
+    for row in many_runs(drifting, 3, Goal(episodes=150))["runs"]:
+        alone = one_run(replace(drifting, seed=row["seed"]), Goal(episodes=150))
+        assert row == {name: alone[name] for name in row}
 
 
 def test_the_screen_is_told_the_means_of_the_moment(drifting: Recipe) -> None:
