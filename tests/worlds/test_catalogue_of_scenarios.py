@@ -19,6 +19,23 @@ SHIPPED = [
     "frozenlake-slippery",
     "frozenlake-8x8",
     "frozenlake-8x8-slippery",
+    "frozenlake-random",
+    "random-walk",
+    "cliff",
+    "windy",
+    "windy-king",
+    "max-bias",
+    "maze",
+    "karpathy",
+    "book",
+    "bridge",
+    "discount",
+    "maze-188",
+    "taxi",
+    "blackjack",
+    "blackjack-table",
+    "cartpole",
+    "mountain-car",
 ]
 
 

@@ -148,7 +148,7 @@ def test_without_noise_the_discount_decides_about_the_bridge(gamma: float, cross
     [
         (0.3, 0.0, 0.0, (1.0, 5)),
         (0.9, 0.0, 0.0, (10.0, 8)),
-        (0.5, 0.2, 0.0, (1.0, None)),
+        (0.4, 0.2, 0.0, (1.0, None)),
         (0.9, 0.2, 0.0, (10.0, None)),
     ],
 )
