@@ -52,8 +52,8 @@ def exploration_matters(mdp: TabularMDP) -> float:
 @pytest.mark.parametrize("seed", SEEDS)
 @pytest.mark.parametrize("algorithm", written("q-learning", "double-q-learning", "q-lambda"))
 def test_off_policy_whatever_is_explored(algorithm: str, seed: int) -> None:
-    # With α nearly 0 in the end, an estimate averages what its pair saw within 1/decay episodes or so: several
-    # thousand targets that scatter by about 1.5, so ±0.02, and handed on from state to state 1/(1 − γ) of that
+    # With α nearly 0 in the end, an estimate averages what its pair saw within some 1/decay episodes: several
+    # thousand targets that scatter by about 1.5: ±0.02, and handed on from state to state 1/(1 − γ) of that
     mdp = small_world(seed, certain=False)
     told = Hyperparameters(alpha=0.5, alpha_decay=3e-5, gamma=GAMMA, epsilon=0.5, lambda_=0.5)
     assert error_after(mdp, algorithm, told, 300_000) < 0.1 < exploration_matters(mdp) / 5

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from plain_world import PlainWorld, Table, as_array
 from random_worlds import worlds
@@ -62,7 +62,7 @@ SEEDS = st.integers(0, 1000)
 
 
 def examples(count: int) -> Callable[[Any], Any]:
-    return settings(max_examples=count, deadline=None)
+    return settings(max_examples=count, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 
 
 def learner(mdp: TabularMDP, algorithm: str, told: Hyperparameters, seed: int = 0) -> Learner:
@@ -209,3 +209,19 @@ def test_the_update_that_is_told_is_the_one_that_was_made(
             assert set(moved) <= {last.updated_pair}
         if last.others == 0 and last.table == 0:
             assert (before[last.updated_pair], ours.q[last.updated_pair]) == (last.before, last.after)
+
+
+@pytest.mark.parametrize("algorithm", LEARNING)
+@pytest.mark.parametrize(("ends", "value"), [(False, 1.0 + 0.5 * 10.0), (True, 1.0)])
+def test_a_terminated_step_does_not_bootstrap_a_truncated_one_does(
+    algorithm: str, ends: bool, value: float
+) -> None:
+    mdp = tabular_mdp(["s", "end"], ["a"], [Transition(0, 0, [Outcome(1.0, 0, 1.0, ends)])], {0: 1.0}, 1)
+    # Prioritized sweeping learns from its queue only
+    planning_steps = 1 if algorithm == "prioritized-sweeping" else 0
+    told = Hyperparameters(alpha=1.0, gamma=0.5, initial_q=10.0, planning_steps=planning_steps)
+    ours = learner(mdp, algorithm, told)
+    ours.advance(1)
+    last = ours.last_step
+    assert last is not None
+    assert (last.terminated, last.truncated, last.after) == (ends, not ends, value)

@@ -6,11 +6,12 @@ from typing import Any, NamedTuple
 
 from numpy.random import Generator
 
+from rl_tui.agents.action_rules.family import choose
 from rl_tui.agents.algorithms.family import Transition, Update, act, learn, one_update
-from rl_tui.agents.algorithms.next_action import choose_next, nothing_chosen, take_chosen
+from rl_tui.agents.algorithms.next_action import NO_PAIR, nothing_chosen
 from rl_tui.agents.compiled import member_of
 from rl_tui.agents.settings import Settings, step_size
-from rl_tui.agents.tables import Tables
+from rl_tui.agents.tables import Tables, pairs_of
 from rl_tui.worlds.space import FiniteSpace, FloatArray, IntArray
 
 
@@ -33,7 +34,10 @@ def new_memory(q: FloatArray, visits: IntArray, space: FiniteSpace) -> Memory:
 @member_of(act, Memory)
 def _act(memory: Memory, rule: Any, tables: Tables, state: int, generator: Generator) -> tuple[int, bool]:
     # A ← A′; at the start of an episode choose A from S using the policy derived from Q
-    return take_chosen(memory.chosen, rule, memory.q, memory.visits, tables, state, generator)
+    first, last = pairs_of(tables, state)
+    if first <= memory.chosen[0] < last:
+        return memory.chosen[0], memory.chosen[1] != 0
+    return choose(rule, memory.q, memory.visits, first, last, generator)
 
 
 @member_of(learn, Memory)
@@ -49,8 +53,15 @@ def _learn(
     pair = transition.pair
     memory.visits[pair] += 1
     alpha = step_size(settings, memory.visits[pair])
-    next_pair = choose_next(memory.chosen, rule, memory.q, memory.visits, tables, transition, generator)
-    bootstrap = memory.q[next_pair] if next_pair >= 0 else 0.0
+    bootstrap = 0.0
+    memory.chosen[0] = NO_PAIR
+    if not transition.terminated:
+        first, last = pairs_of(tables, transition.next_state)
+        next_pair, explores = choose(rule, memory.q, memory.visits, first, last, generator)
+        bootstrap = memory.q[next_pair]
+        if not transition.truncated:
+            memory.chosen[0] = next_pair
+            memory.chosen[1] = explores
     # Q(S,A) ← Q(S,A) + α [R + γ Q(S′,A′) − Q(S,A)]
     before = memory.q[pair]
     after = before + alpha * (transition.reward + settings.gamma * bootstrap - before)
