@@ -59,6 +59,7 @@ class OpenSection:
     """In place of the world's table of a scenario file."""
 
     side: int
+    drawn_from_seed: bool = False
 
     def build(self, generator: Generator) -> World:
         return open_grid(self.side)
