@@ -13,17 +13,9 @@ from rl_tui.tui.screens.playground import Playground
 from rl_tui.tui.screenshot import settle
 from rl_tui.tui.widgets.facts import defaults, sizes
 from rl_tui.worlds.catalogue import find, shipped_folder
+from rl_tui.worlds.catalogue import scenarios as shipped
 from rl_tui.worlds.errors import UserError
 from rl_tui.worlds.streams import streams
-
-SHIPPED = [
-    "bandit",
-    "student",
-    "frozenlake",
-    "frozenlake-slippery",
-    "frozenlake-8x8",
-    "frozenlake-8x8-slippery",
-]
 
 FAULTY = """
 title = "Nothing to do"
@@ -37,6 +29,12 @@ def scenarios(pilot: Pilot[UserError]) -> OptionList:
     return pilot.app.screen.query_one("#scenarios", OptionList)
 
 
+async def go_to(pilot: Pilot[UserError], scenario: str) -> None:
+    listed = scenarios(pilot)
+    listed.highlighted = listed.get_option_index(scenario)
+    await settle(pilot)
+
+
 def facts(pilot: Pilot[UserError]) -> str:
     lines = pilot.app.screen.query_one("#facts").render_lines(
         pilot.app.screen.query_one("#facts").size.region
@@ -48,15 +46,17 @@ async def test_it_lists_the_shipped_scenarios_in_teaching_order(make_app: MakeAp
     async with make_app().run_test(size=(80, 24)) as pilot:
         await settle(pilot)
         listed = scenarios(pilot)
-        assert [listed.get_option_at_index(number).id for number in range(listed.option_count)] == SHIPPED
+        ids = [listed.get_option_at_index(number).id for number in range(listed.option_count)]
+        assert ids == [scenario.id for scenario in shipped()]
+        assert ids[0] == "bandit"
+        assert ids.index("student") < ids.index("frozenlake") < ids.index("frozenlake-slippery")
 
 
 async def test_arrows_show_the_details_of_each(make_app: MakeApp) -> None:
     async with make_app().run_test(size=(120, 40)) as pilot:
         await settle(pilot)
         assert "10 arms" in facts(pilot) or "10 actions" in facts(pilot)
-        await pilot.press("down", "down")
-        await settle(pilot)
+        await go_to(pilot, "frozenlake")
         assert "16 states" in facts(pilot)
         assert "44 pairs" in facts(pilot)
 
@@ -65,7 +65,8 @@ async def test_enter_opens_and_escape_comes_back_to_the_same_entry(make_app: Mak
     app = make_app()
     async with app.run_test(size=(80, 24)) as pilot:
         await settle(pilot)
-        await pilot.press("down", "enter")
+        await go_to(pilot, "student")
+        await pilot.press("enter")
         await settle(pilot)
         screen = app.screen
         assert isinstance(screen, Playground)
@@ -74,7 +75,9 @@ async def test_enter_opens_and_escape_comes_back_to_the_same_entry(make_app: Mak
         await pilot.press("escape")
         await settle(pilot)
         assert isinstance(app.screen, Catalogue)
-        assert scenarios(pilot).highlighted == 1
+        highlighted = scenarios(pilot).highlighted_option
+        assert highlighted
+        assert highlighted.id == "student"
 
 
 async def test_a_faulty_file_is_listed_with_its_faults(

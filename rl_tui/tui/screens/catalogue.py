@@ -34,6 +34,7 @@ from rl_tui.worlds.world import World
 
 _SEED = 0
 _DETAILS = "details"
+_ROOM_FOR_WORDS = 11  # rows for what is said above a drawing, and a beginning of the notes
 _NEEDED_TO_PLAY = ("rl_tui.tui.screens.playground", "rl_tui.agents.learner")
 
 
@@ -221,7 +222,9 @@ def preview_rows(world: World, height: int) -> int:
     """Return the rows of the drawing where the screen has ``height`` rows."""
     match world.drawing:
         case Grid(rows=rows):
-            return rows * 2 if rows * 2 <= height // 3 else rows
+            if rows * 2 <= height // 3:
+                return rows * 2
+            return rows if rows <= height - _ROOM_FOR_WORDS else max(10, height * 2 // 5)
         case Arms():
-            return world.space.pairs
+            return min(world.space.pairs, height - _ROOM_FOR_WORDS)
     return max(10, height * 2 // 5)

@@ -21,18 +21,18 @@ from rl_tui.tui.written import written
 _PANELS: Final = (
     (
         "World",
-        "The scenario as the agent finds it. In a grid the tint and the number are V(s), the best "
-        "estimate of the state; arrows are the greedy actions, several (or + where there is no room) "
-        "where they tie, none where nothing is known yet; ◉ is the agent, ● a hole, ★ the goal, S the "
-        "start. In a graph each edge names action, probability and reward, and the greedy action is bold. "
-        "An arm of a bandit shows its estimate ± its standard error, the standard deviation that the noise "
-        "of the rewards leaves in it. ▸ marks the greedy arm, ◉ the last pull.",
+        "The scenario as the agent finds it. In a grid the tint and the number are V(s), the best estimate "
+        "of the state; arrows are the greedy actions, several (or + where there is no room) where they tie, "
+        "none where nothing is known yet; ◉ is the agent, ● a hole, ▓ a cliff, ★ the goal, S the start. In "
+        "a graph each edge names action, probability and reward, and the greedy action is bold. An arm of a "
+        "bandit shows its estimate ± its standard error, the standard deviation that the noise of the "
+        "rewards leaves in it. ▸ marks the greedy arm, ◉ the last pull.",
     ),
     (
         "Q",
         "One row a state, one column an action. The frame marks the greedy cell; the cell that the last "
-        "step updated is lit; an unvisited cell looks different from a zero. v turns to the exact Q*, "
-        "the error Q−Q* and visits. It has a cursor: tab to the table, then the arrows; m shows the model of "
+        "step updated is lit; an unvisited cell looks different from a zero. v turns to the exact Q*, the "
+        "error Q−Q* and visits. It has a cursor: tab to the table, then the arrows; m shows the model of "
         "the pair under it, and esc follows the agent again.",
     ),
     (
@@ -45,19 +45,35 @@ _PANELS: Final = (
     ),
     (
         "Budget",
-        "Pulls and winnings of a bandit; revealed or spent, its regret too: over all pulls, the true mean of "
-        "the best arm less that of the arm pulled. Luck is left out, so winnings and regret need not add up "
-        "to the best possible.",
+        "Pulls and winnings of a bandit; revealed or spent, its regret too: over all pulls, the true mean "
+        "of the best arm less that of the arm pulled. Luck is left out, so winnings and regret need not add "
+        "up to the best possible.",
     ),
     (
         "Controls",
-        "What the agent is told. Focus a slider with tab or 1, 2, 3: left and right change it, digits type "
-        "a value, the mouse drags it. A change acts from the next step on; initial Q and seed start again.",
+        "What the agent is told. Focus a slider with tab or 1, 2, 3, 4: left and right change it, digits "
+        "type a value, the mouse drags it. a chooses the algorithm, p the policy, which is the rule by "
+        "which actions are chosen; o lists everything, schedules and the sample average too. A change acts "
+        "from the next step on; initial Q and seed start again.",
     ),
     (
         "Last step",
-        "One turn of the loop with its real numbers: what was chosen and why, what the world did, and "
-        "the update. δ is the error that the update shrinks.",
+        "One turn of the loop with its real numbers: what was chosen and why, what the world did, and the "
+        "update. δ is the error that the update shrinks. Algorithms that wait for n rewards or for the end "
+        "of the episode say so. Where one step moves many estimates, by their traces (how recently each "
+        "pair was taken) or from a model, one is told in full and the others are counted.",
+    ),
+    (
+        "Planners",
+        "Value iteration and policy iteration take no steps in the world: they read its table. A step backs "
+        "up one state, and a sweep over all states stands in place of the episode, so s, e and space work "
+        "as ever. Nothing is played, so the curve has only the exact return of the greedy policy. When no "
+        "value moves any more the planner is done; another γ gives it something to do again.",
+    ),
+    (
+        "Stepped",
+        "An environment without a table is stepped for real. Nobody knows its exact answer, so Q*, the "
+        "error, the optimum and planners are missing; everything else is the same.",
     ),
     (
         "Focus",

@@ -42,11 +42,15 @@ def is_secret(snapshot: Snapshot, revealed: bool) -> bool:
 def exact_q(snapshot: Snapshot, revealed: bool) -> tuple[FloatArray, BoolArray] | None:
     """Return Q* and the pairs that are greedy for it, [P] each; None while unknown, secret or refused.
 
-    For a bandit they are the true means, whatever γ is: every pull ends its episode.
+    For a bandit they are the true means, whatever γ is: every pull ends its episode. Where they drift they
+    are those of this very step.
     """
     if isinstance(snapshot.world.drawing, Arms):
         mdp = snapshot.world.mdp
-        return (true_means(mdp), best_arms(mdp)) if revealed and mdp is not None else None
+        if mdp is None or not revealed:
+            return None
+        if mdp.drift_std == 0.0 or snapshot.step == 0:
+            return true_means(mdp), best_arms(mdp)
     return None if snapshot.exact is None else (snapshot.exact.q, snapshot.exact.greedy)
 
 

@@ -1,0 +1,123 @@
+"""The controls panel, built from the registry for every algorithm with every action rule."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+from rich.cells import cell_len
+from samples import lake, look
+from textual.app import App, ComposeResult
+
+from rl_tui.agents.catalogue import ACTION_RULES, ALGORITHMS, parameters_of
+from rl_tui.agents.hyperparameters import PARAMETERS, SAMPLE_AVERAGE, Hyperparameters
+from rl_tui.lab.snapshot import Phase, Snapshot
+from rl_tui.tui.widgets.controls import in_force, sliders_of
+from rl_tui.tui.widgets.settings import Settings, settings_of
+
+EVERY = [
+    (algorithm.id, rule.id)
+    for algorithm in ALGORITHMS
+    for rule in (ACTION_RULES[:1] if algorithm.planner else ACTION_RULES)
+]
+
+
+class Bench(App[None]):
+    def __init__(self, *, ascii: bool) -> None:  # noqa: A002
+        super().__init__()
+        self.settings = Settings(look(ascii))
+
+    def compose(self) -> ComposeResult:
+        yield self.settings
+
+    def lines(self, snapshot: Snapshot) -> list[str]:
+        self.settings.show(snapshot)
+        return [self.settings.render_line(y).text for y in range(self.settings.size.height)]
+
+
+def told(algorithm: str, policy: str, **changes: float | str) -> Snapshot:
+    values = replace(Hyperparameters(policy=policy), **changes)  # type: ignore[arg-type]
+    return replace(lake(), algorithm=algorithm, hyperparameters=values)
+
+
+def test_sliders_come_in_the_order_of_the_registry() -> None:
+    names = {
+        (algorithm, policy): [row.name for row in sliders_of(algorithm, policy)]
+        for algorithm, policy in EVERY
+    }
+    assert names["q-learning", "epsilon-greedy"] == ["alpha", "gamma", "epsilon"]
+    assert names["sarsa-lambda", "softmax"] == ["alpha", "gamma", "temperature", "lambda"]
+    assert names["q-learning", "ucb"] == ["alpha", "gamma", "confidence"]
+    assert names["q-learning", "thompson"] == ["alpha", "gamma"]
+    assert names["value-iteration", "epsilon-greedy"] == ["gamma"]
+    for key, sliders in names.items():
+        assert 1 <= len(sliders) <= 4
+        assert sliders == [name for name in parameters_of(*key) if name in sliders]
+
+
+def test_schedules_and_whole_numbers_have_no_slider() -> None:
+    for parameter in PARAMETERS.values():
+        assert not (parameter.slide and (parameter.schedule or parameter.whole or parameter.range is None))
+
+
+def test_the_slider_of_alpha_shows_a_sample_average_by_schedule_too() -> None:
+    alpha = PARAMETERS["alpha"]
+    assert in_force(Hyperparameters(alpha=0.2), alpha) == 0.2
+    assert in_force(Hyperparameters(alpha=SAMPLE_AVERAGE), alpha) == SAMPLE_AVERAGE  # type: ignore[arg-type]
+    assert in_force(Hyperparameters(alpha=0.2, step_size_schedule=SAMPLE_AVERAGE), alpha) == SAMPLE_AVERAGE
+    assert in_force(Hyperparameters(step_size_schedule=SAMPLE_AVERAGE), PARAMETERS["gamma"]) == 0.99
+
+
+def values_of(snapshot: Snapshot) -> dict[str, str]:
+    return {setting.full: setting.value for setting in settings_of(snapshot)}
+
+
+def test_settings_follow_algorithm_and_rule() -> None:
+    plain = values_of(told("q-learning", "epsilon-greedy"))
+    assert plain["algorithm"] == "Q-learning"
+    assert plain["policy"] == "ε-greedy"
+    assert plain["ties"] == "random"
+    assert "ties" not in values_of(told("q-learning", "softmax"))
+    assert values_of(told("n-step-sarsa", "epsilon-greedy", n=7))["n"] == "7"
+    assert values_of(told("dyna-q", "epsilon-greedy", planning_steps=50))["planning"] == "50"
+    assert values_of(told("q-lambda", "ucb", traces="accumulating"))["traces"] == "accumulating"
+    assert values_of(told("q-learning", "gradient"))["baseline"] == "mean"
+    planner = values_of(told("value-iteration", "epsilon-greedy"))
+    assert "policy" not in planner
+    assert planner["accuracy"] == "1e-09"
+
+
+def test_what_schedules_have_come_to_is_told() -> None:
+    decaying = told("sarsa", "epsilon-greedy", epsilon_decay=0.1, alpha=0.5, alpha_decay=0.1)
+    assert values_of(decaying)["ε now"] == "0.000"
+    assert values_of(replace(decaying, episodes=0))["α now"] == "0.500"
+    assert "ε now" not in values_of(told("sarsa", "softmax", epsilon_decay=0.1))
+    assert "ε now" not in values_of(
+        told("sarsa", "epsilon-greedy", epsilon_decay=0.1, epsilon_schedule="constant")
+    )
+
+
+def test_where_a_run_is_over_it_can_start_again() -> None:
+    for phase in (Phase.SPENT, Phase.DONE):
+        over = replace(told("value-iteration", "epsilon-greedy"), phase=phase)
+        assert "start again" in values_of(over).values()
+
+
+@pytest.mark.parametrize("ascii", [False, True])
+@pytest.mark.parametrize("size", [(80, 1), (60, 1), (58, 2), (58, 3), (58, 4), (60, 8), (58, 9), (200, 1)])
+async def test_every_algorithm_with_every_rule_fits(size: tuple[int, int], ascii: bool) -> None:  # noqa: A002
+    app = Bench(ascii=ascii)
+    async with app.run_test(size=size) as pilot:
+        await pilot.pause()
+        app.settings.styles.width, app.settings.styles.height = size
+        await pilot.pause()
+        for algorithm, policy in EVERY:
+            snapshot = told(algorithm, policy, epsilon_decay=0.1, alpha_decay=0.1)
+            lines = app.lines(snapshot)
+            assert [cell_len(line) for line in lines] == [size[0]] * size[1]
+            text = "\n".join(lines)
+            for setting in settings_of(snapshot):
+                if setting.rank <= 1 and not ascii:
+                    assert setting.value in text
+            assert "options" in text or size[0] < 80
+            assert all(line.rstrip() == line.rstrip()[: size[0]] for line in lines)

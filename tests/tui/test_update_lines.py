@@ -1,0 +1,240 @@
+"""What the inspector says of each algorithm, from last steps made by hand."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import pytest
+from samples import bandit, lake, look
+
+from rl_tui.agents.catalogue import ALGORITHMS
+from rl_tui.agents.hyperparameters import Hyperparameters
+from rl_tui.agents.last_step import NOTHING
+from rl_tui.lab.snapshot import Snapshot
+from rl_tui.tui.widgets.inspector import Inspector
+
+LAKE = lake(slippery=False)
+
+
+def drawn(snapshot: Snapshot, width: int = 80, height: int = 1, *, ascii: bool = False) -> str:  # noqa: A002
+    rows = Inspector(look(ascii)).picture(snapshot, width, height)
+    assert [row.cell_length for row in rows] == [width] * height
+    text = "\n".join(row.text.rstrip() for row in rows)
+    assert not ascii or text.isascii()
+    return text
+
+
+def step(algorithm: str, **changes: Any) -> Snapshot:
+    """A step of ``algorithm`` in state 6 of the lake, down to 10."""
+    assert LAKE.last is not None
+    pair = int(LAKE.world.space.first_pair[6]) + 1
+    usual = {
+        "state": 6,
+        "pair": pair,
+        "updated_pair": pair,
+        "outcome": pair,
+        "next_state": 10,
+        "terminated": False,
+        "reward": 0.0,
+        "gathered": 0.0,
+        "before": 0.36,
+        "bootstrap": 0.56,
+        "step_size": 0.1,
+    }
+    last = replace(LAKE.last, **(usual | changes))
+    if last.learned:
+        last = replace(last, after=last.before + last.step_size * last.td_error)
+    return replace(LAKE, algorithm=algorithm, last=last)
+
+
+@pytest.mark.parametrize(
+    ("algorithm", "symbols"),
+    [
+        ("q-learning", "target = r + γ · max Q(10,·)"),
+        ("sarsa", "target = r + γ · Q(10,a′)"),
+        ("expected-sarsa", "target = r + γ · Σ π Q(10,·)"),
+        ("sarsa-lambda", "target = r + γ · Q(10,a′)"),
+        ("q-lambda", "target = r + γ · max Q(10,·)"),
+        ("dyna-q", "target = r + γ · max Q(10,·)"),
+        ("prioritized-sweeping", "target = r + γ · max Q(10,·)"),
+    ],
+)
+def test_one_step_methods_differ_in_what_they_expect_next(algorithm: str, symbols: str) -> None:
+    text = drawn(step(algorithm), 60, 9)
+    assert symbols in text
+    assert "       = 0 + .99 · .56 = .55" in text
+    assert "Q(6,↓) ← .36 + .10 · (+.19) = .38" in text
+
+
+def test_double_q_learning_names_its_tables() -> None:
+    first = drawn(step("double-q-learning", table=1), 80, 9)
+    assert "target = r + γ · Q₂(10, best of Q₁)" in first
+    assert "Q₁(6,↓) ← .36" in first
+    second = drawn(step("double-q-learning", table=2), 80, 9)
+    assert "Q₁(10, best of Q₂)" in second
+    assert "Q₂(6,↓) ← .36" in second
+    assert "Q1(10, best of Q2)" in drawn(step("double-q-learning", table=2), 80, 9, ascii=True)
+
+
+def test_n_steps_gather_rewards_and_discount_by_a_power() -> None:
+    earlier = int(LAKE.world.space.first_pair[4]) + 1
+    snapshot = step("n-step-sarsa", updated_pair=earlier, gathered=0.3, discount=0.99**4)
+    text = drawn(snapshot, 80, 9)
+    assert "target = G + γⁿ · Q(10,a′)" in text
+    assert "= .3 + .9606 · .56 = .84" in text
+    assert "Q(4,↓) ← .36" in text
+
+
+def test_n_steps_at_the_end_of_an_episode() -> None:
+    snapshot = step(
+        "n-step-sarsa", terminated=True, next_state=15, bootstrap=0.0, reward=1.0, gathered=1.0, others=3
+    )
+    text = drawn(snapshot, 80, 9)
+    assert "target = G = 1 (terminal)" in text
+    assert "and 3 more at the end of the episode" in text
+
+
+@pytest.mark.parametrize(
+    ("algorithm", "reason"),
+    [
+        ("n-step-sarsa", "waits until n rewards are gathered"),
+        ("monte-carlo", "waits for the end of the episode"),
+        ("prioritized-sweeping", "no change above θ: nothing to update"),
+    ],
+)
+@pytest.mark.parametrize("height", [1, 2, 3, 4, 6, 9])
+def test_where_nothing_was_learned_yet_it_says_why(algorithm: str, reason: str, height: int) -> None:
+    waiting = step(algorithm, updated_pair=NOTHING, before=0.0, bootstrap=0.0, step_size=0.0)
+    text = drawn(waiting, 80, height)
+    assert reason in text
+    assert "Q(" not in text
+    assert "δ" not in text
+    drawn(waiting, 80, height, ascii=True)
+
+
+def test_monte_carlo_learns_from_the_whole_return() -> None:
+    start = int(LAKE.world.space.first_pair[0])
+    ended = step(
+        "monte-carlo",
+        terminated=True,
+        next_state=15,
+        updated_pair=start,
+        gathered=0.95,
+        discount=0.95,
+        bootstrap=0.0,
+        others=5,
+    )
+    text = drawn(ended, 80, 9)
+    assert "target = G = .95 (terminal)" in text
+    assert "Q(0,←) ← .36 + .10 · (+.59) = .42   and 5 more of the same episode" in text
+    assert drawn(ended).startswith(" Q(0,←) ← .36 + .10·(.95 − .36) = .42")
+    cut = replace(ended, last=replace(ended.last, terminated=False, truncated=True, bootstrap=0.2))  # type: ignore[type-var]
+    assert "Σ π Q(15,·)" in drawn(cut, 80, 9)
+
+
+@pytest.mark.parametrize(
+    ("algorithm", "words"),
+    [("sarsa-lambda", "and 12 more by their traces"), ("dyna-q", "and 12 more from the model")],
+)
+def test_further_updates_of_one_step_are_counted(algorithm: str, words: str) -> None:
+    snapshot = step(algorithm, others=12)
+    assert words in drawn(snapshot, 80, 9)
+    assert words in drawn(snapshot, 56, 9)
+    assert "+12" in drawn(snapshot, 120)
+    assert "equal" not in drawn(snapshot, 80, 9)
+
+
+def test_a_trace_makes_the_step_larger_or_smaller() -> None:
+    assert "+ .081 · (+.19)" in drawn(step("sarsa-lambda", step_size=0.081), 80, 9)
+
+
+def test_a_pair_from_the_model_leads_to_a_state_of_its_own() -> None:
+    other = int(LAKE.world.space.first_pair[9])
+    text = drawn(step("prioritized-sweeping", updated_pair=other, others=9), 80, 9)
+    assert "max Q(s′,·)" in text
+    assert "Q(9,←) ← " in text
+
+
+def planned(algorithm: str = "value-iteration", **changes: Any) -> Snapshot:
+    best = int(LAKE.world.space.first_pair[6]) + 1
+    usual = {
+        "pair": NOTHING,
+        "updated_pair": best,
+        "outcome": NOTHING,
+        "next_state": 6,
+        "episode": 3,
+        "step": 27,
+        "step_size": 1.0,
+        "gathered": 0.25,
+        "others": 2,
+    }
+    return step(algorithm, **(usual | changes))
+
+
+def test_a_planner_backs_up_a_state() -> None:
+    text = drawn(planned(), 64, 5)
+    assert text.splitlines() == [
+        " planner      sweep 3   backs up state s = 6   row 1, column 2",
+        " update       target = Σ p r + γ · Σ p max Q(s′,·)",
+        "                     = .25 + .99 · .56 = .8",
+        "              δ = .8 − .36 = +.44",
+        "   Q(6,↓) ← .8   and 2 more actions of this state",
+    ]
+    assert drawn(planned()).startswith(" Q(6,↓) ← .25 + .99·.56 = .8  δ +.44  +2  sweep 3")
+
+
+@pytest.mark.parametrize("algorithm", [each.id for each in ALGORITHMS if each.planner])
+def test_a_planner_tells_nothing_of_a_world_it_did_not_step_in(algorithm: str) -> None:
+    for height in (1, 2, 3, 4, 6, 9):
+        text = drawn(planned(algorithm), 70, height)
+        for word in ("agent", "environment", "reward", "greedy", "→", "random"):
+            assert word not in text
+    inspector = Inspector(look())
+    inspector.picture(planned(), 60, 8)
+    assert inspector.footing == "step 27 · sweep 3"
+    arms = bandit(400)
+    assert arms.last is not None
+    on_arms = replace(arms, algorithm=algorithm, last=replace(arms.last, pair=NOTHING, outcome=NOTHING))
+    assert "pulled" not in drawn(on_arms, 60, 8)
+
+
+@pytest.mark.parametrize(
+    ("policy", "explored", "words"),
+    [
+        ("softmax", False, "softmax (τ = .10), the greedy one"),
+        ("softmax", True, "softmax (τ = .10), not the greedy one"),
+        ("ucb", True, "UCB (c = 2), not the greedy one"),
+        ("thompson", False, "Thompson sampling, the greedy one"),
+        ("gradient", True, "gradient bandit, not the greedy one"),
+    ],
+)
+def test_every_action_rule_says_how_it_chose(policy: str, explored: bool, words: str) -> None:
+    snapshot = step("q-learning", explored=explored)
+    snapshot = replace(snapshot, hyperparameters=Hyperparameters(policy=policy))
+    assert words in drawn(snapshot, 100, 9)
+
+
+def test_a_schedule_is_no_fraction() -> None:
+    values = Hyperparameters(alpha=0.5, step_size_schedule="linear", alpha_decay=0.1)
+    snapshot = replace(step("q-learning", step_size=0.2), hyperparameters=values)
+    assert "+ .20·(" in drawn(snapshot)
+    average = replace(values, step_size_schedule="sample-average")
+    assert "+ 1/5·(" in drawn(replace(snapshot, hyperparameters=average))
+    assert "+ 0·(" in drawn(step("q-learning", step_size=0.0))
+
+
+def test_a_stepped_environment_has_no_chances() -> None:
+    text = drawn(step("q-learning", outcome=NOTHING), 70, 9)
+    assert "environment  → 10\n" in text
+    assert "(p" not in text
+
+
+@pytest.mark.parametrize("algorithm", [each.id for each in ALGORITHMS])
+@pytest.mark.parametrize("ascii", [False, True])
+def test_every_algorithm_fits_any_size(algorithm: str, ascii: bool) -> None:  # noqa: A002
+    plans = next(each for each in ALGORITHMS if each.id == algorithm).planner
+    snapshot = planned(algorithm) if plans else step(algorithm, others=1234)
+    for width in (1, 3, 10, 20, 40, 54, 80, 140):
+        for height in (1, 2, 3, 4, 5, 6, 7, 8, 20):
+            drawn(snapshot, width, height, ascii=ascii)
