@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import pairwise
 
 import pytest
-from rich.cells import cell_len
-from samples import lake, look
-from textual.app import App, ComposeResult
+from samples import lake
 
 from rl_tui.agents.catalogue import ACTION_RULES, ALGORITHMS, parameters_of
 from rl_tui.agents.hyperparameters import PARAMETERS, SAMPLE_AVERAGE, Hyperparameters
 from rl_tui.lab.snapshot import Phase, Snapshot
+from rl_tui.tui.theme.glyphs import ASCII, UNICODE, Glyphs
 from rl_tui.tui.widgets.controls import in_force, sliders_of
-from rl_tui.tui.widgets.settings import Settings, settings_of
+from rl_tui.tui.widgets.settings import laid_out, settings_of
 
+LAKE = lake()
 EVERY = [
     (algorithm.id, rule.id)
     for algorithm in ALGORITHMS
@@ -22,22 +23,9 @@ EVERY = [
 ]
 
 
-class Bench(App[None]):
-    def __init__(self, *, ascii: bool) -> None:  # noqa: A002
-        super().__init__()
-        self.settings = Settings(look(ascii))
-
-    def compose(self) -> ComposeResult:
-        yield self.settings
-
-    def lines(self, snapshot: Snapshot) -> list[str]:
-        self.settings.show(snapshot)
-        return [self.settings.render_line(y).text for y in range(self.settings.size.height)]
-
-
 def told(algorithm: str, policy: str, **changes: float | str) -> Snapshot:
     values = replace(Hyperparameters(policy=policy), **changes)  # type: ignore[arg-type]
-    return replace(lake(), algorithm=algorithm, hyperparameters=values)
+    return replace(LAKE, algorithm=algorithm, hyperparameters=values)
 
 
 def test_sliders_come_in_the_order_of_the_registry() -> None:
@@ -103,21 +91,23 @@ def test_where_a_run_is_over_it_can_start_again() -> None:
         assert "start again" in values_of(over).values()
 
 
-@pytest.mark.parametrize("ascii", [False, True])
+@pytest.mark.parametrize("glyphs", [UNICODE, ASCII], ids=["unicode", "ascii"])
 @pytest.mark.parametrize("size", [(80, 1), (60, 1), (58, 2), (58, 3), (58, 4), (60, 8), (58, 9), (200, 1)])
-async def test_every_algorithm_with_every_rule_fits(size: tuple[int, int], ascii: bool) -> None:  # noqa: A002
-    app = Bench(ascii=ascii)
-    async with app.run_test(size=size) as pilot:
-        await pilot.pause()
-        app.settings.styles.width, app.settings.styles.height = size
-        await pilot.pause()
-        for algorithm, policy in EVERY:
-            snapshot = told(algorithm, policy, epsilon_decay=0.1, alpha_decay=0.1)
-            lines = app.lines(snapshot)
-            assert [cell_len(line) for line in lines] == [size[0]] * size[1]
-            text = "\n".join(lines)
-            for setting in settings_of(snapshot):
-                if setting.rank <= 1 and not ascii:
-                    assert setting.value in text
-            assert "options" in text or size[0] < 80
-            assert all(line.rstrip() == line.rstrip()[: size[0]] for line in lines)
+def test_every_algorithm_with_every_rule_fits(size: tuple[int, int], glyphs: Glyphs) -> None:
+    width, height = size
+    for algorithm, policy in EVERY:
+        settings = settings_of(told(algorithm, policy, epsilon_decay=0.1, alpha_decay=0.1))
+        lines = laid_out(settings, width, height, glyphs)
+        assert 1 <= len(lines) <= height
+        for line in lines:
+            assert line[0].start >= 1
+            assert line[-1].end <= width
+            assert all(before.end < after.start for before, after in pairwise(line))
+        shown = [cell.setting for line in lines for cell in line]
+        assert len(shown) == len(set(shown))
+        left_out = set(settings) - set(shown)
+        assert not left_out or max(each.rank for each in shown) <= min(each.rank for each in left_out)
+        if width >= 80 or height > 1:
+            assert {"algorithm", "options"} <= {each.action for each in shown}
+        if height >= 9:
+            assert not left_out

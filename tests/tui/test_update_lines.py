@@ -177,11 +177,11 @@ def test_a_planner_backs_up_a_state() -> None:
     assert text.splitlines() == [
         " planner      sweep 3   backs up state s = 6   row 1, column 2",
         " update       target = Σ p r + γ · Σ p max Q(s′,·)",
-        "                     = .25 + .99 · .56 = .8",
-        "              δ = .8 − .36 = +.44",
-        "   Q(6,↓) ← .8   and 2 more actions of this state",
+        "                     = .25 + .99 · .56 = .80",
+        "              δ = .80 − .36 = +.44",
+        "   Q(6,↓) ← .80   and 2 more actions of this state",
     ]
-    assert drawn(planned()).startswith(" Q(6,↓) ← .25 + .99·.56 = .8  δ +.44  +2  sweep 3")
+    assert drawn(planned()).startswith(" Q(6,↓) ← .25 + .99·.56 = .80  δ +.44  +2  sweep 3")
 
 
 @pytest.mark.parametrize("algorithm", [each.id for each in ALGORITHMS if each.planner])

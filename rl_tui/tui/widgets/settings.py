@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -15,6 +15,7 @@ from textual.widget import Widget
 from rl_tui.agents.catalogue import BY_ID, RULE_BY_ID, parameters_of
 from rl_tui.agents.hyperparameters import PARAMETERS, Hyperparameters, Parameter
 from rl_tui.lab.snapshot import Phase, Snapshot
+from rl_tui.tui.theme.glyphs import Glyphs
 from rl_tui.tui.theme.look import Look
 from rl_tui.tui.written import written
 
@@ -94,11 +95,77 @@ def speed_text(speed: float | None) -> str:
     return "max" if speed is None else f"{speed:,.0f}/s"
 
 
-_Cell = tuple[int, int, Setting]
+@dataclass(frozen=True, slots=True)
+class Cell:
+    """Where a setting stands on its line, from column ``start`` to before ``end``, and how it is written."""
+
+    start: int
+    end: int
+    setting: Setting
+    key: str
+    label: str
+    value: str
+
+
+def laid_out(settings: Sequence[Setting], width: int, height: int, glyphs: Glyphs) -> list[list[Cell]]:
+    """Return the lines of ``settings``, at most ``height``: in two columns where they fit, else running on.
+
+    Where they do not all fit, those that matter least are left out.
+    """
+    lines = _in_two_columns(settings, width, height, glyphs)
+    if lines:
+        return lines
+    kept = list(settings)
+    while kept:
+        for gap in _GAPS:
+            lines = _running_on(kept, width, gap, glyphs)
+            if len(lines) <= height and all(cell.end <= width for line in lines for cell in line):
+                return lines
+        kept.remove(max(reversed(kept), key=lambda setting: setting.rank))
+    return []
+
+
+def _in_two_columns(settings: Sequence[Setting], width: int, height: int, glyphs: Glyphs) -> list[list[Cell]]:
+    """Return nothing where there are not lines enough, or one setting is too long for its column."""
+    lines, half = -(-len(settings) // 2), width // 2
+    if height <= 1 or height < lines:
+        return []
+    cells = [
+        _cell(
+            1 + number // lines * half,
+            each,
+            (f"{each.key:<{_KEY_COLUMNS}}", f"{each.full:<{_LABEL_COLUMNS}} ", each.value),
+            glyphs,
+        )
+        for number, each in enumerate(settings)
+    ]
+    if any(cell.end - cell.start >= half - 1 for cell in cells):
+        return []
+    return [cells[y::lines] for y in range(lines)]
+
+
+def _running_on(settings: Sequence[Setting], width: int, gap: int, glyphs: Glyphs) -> list[list[Cell]]:
+    lines: list[list[Cell]] = [[]]
+    column = 1
+    for setting in settings:
+        label = f"{setting.short} {setting.value}".strip().removesuffix(setting.value)
+        texts = (setting.key, f" {label}" if setting.key else label, setting.value)
+        cell = _cell(column, setting, texts, glyphs)
+        if lines[-1] and cell.end > width:
+            lines.append([])
+            cell = _cell(1, setting, texts, glyphs)
+        lines[-1].append(cell)
+        column = cell.end + gap
+    return lines
+
+
+def _cell(start: int, setting: Setting, texts: tuple[str, str, str], glyphs: Glyphs) -> Cell:
+    key, label, value = (written(text, glyphs) for text in texts)
+    return Cell(start, start + cell_len(key + label + value), setting, key, label, value)
 
 
 class Settings(Widget):
-    """Draws the settings on one line, or in two columns where it is taller; a click changes one."""
+    """Draws the settings on one line, or on several where it is taller; a click changes one."""
 
     def __init__(self, look: Look, *, id: str | None = None, classes: str | None = None) -> None:  # noqa: A002
         super().__init__(id=id, classes=classes)
@@ -114,84 +181,27 @@ class Settings(Widget):
 
     def render_line(self, y: int) -> Strip:
         """Draw one line."""
-        palette, glyphs = self.look.palette, self.look.glyphs
+        palette = self.look.palette
         segments: list[Segment] = []
         column = 0
-        for start, _, setting in self._cells(y):
-            key, label, value = self._texts(setting)
+        for cell in self._line(y):
             segments += [
-                Segment(" " * (start - column), palette.text),
-                Segment(written(key, glyphs), palette.accent),
-                Segment(written(label, glyphs), palette.dim),
-                Segment(written(value, glyphs), palette.text),
+                Segment(" " * (cell.start - column), palette.text),
+                Segment(cell.key, palette.accent),
+                Segment(cell.label, palette.dim),
+                Segment(cell.value, palette.text),
             ]
-            column = start + self._columns(setting)
+            column = cell.end
         strip = Strip(segments or [Segment(" ", palette.text)])
         return strip.adjust_cell_length(self.size.width, palette.text).apply_style(self.rich_style)
 
     async def on_click(self, event: events.Click) -> None:
         """Change the setting under the pointer."""
-        for start, end, setting in self._cells(event.y):
-            if start <= event.x < end and setting.action:
-                await self.screen.run_action(setting.action)
+        for cell in self._line(event.y):
+            if cell.start <= event.x < cell.end and cell.setting.action:
+                await self.screen.run_action(cell.setting.action)
                 return
 
-    def _texts(self, setting: Setting) -> tuple[str, str, str]:
-        if self._is_tall:
-            return self._in_columns(setting)
-        label = f"{setting.short} {setting.value}".strip().removesuffix(setting.value)
-        return setting.key, f" {label}" if setting.key else label, setting.value
-
-    def _in_columns(self, setting: Setting) -> tuple[str, str, str]:
-        return f"{setting.key:<{_KEY_COLUMNS}}", f"{setting.full:<{_LABEL_COLUMNS}} ", setting.value
-
-    def _columns(self, setting: Setting) -> int:
-        return cell_len(written("".join(self._texts(setting)), self.look.glyphs))
-
-    @property
-    def _lines(self) -> int:
-        """How many lines two columns take."""
-        return -(-len(self._settings) // 2)
-
-    @property
-    def _is_tall(self) -> bool:
-        if self.size.height <= 1 or self.size.height < self._lines:
-            return False
-        room = self.size.width // 2 - 1
-        return all(cell_len("".join(self._in_columns(each))) < room for each in self._settings)
-
-    def _cells(self, y: int) -> list[_Cell]:
-        """Return the settings of line ``y`` with their first column and the one after their last."""
-        return self._in_two_columns(y) if self._is_tall else self._running_on(y)
-
-    def _in_two_columns(self, y: int) -> list[_Cell]:
-        half = self.size.width // 2
-        numbers = range(y, len(self._settings), self._lines) if y < self._lines else ()
-        return [
-            (1 + column * half, (column + 1) * half, self._settings[number])
-            for column, number in enumerate(numbers)
-        ]
-
-    def _running_on(self, y: int) -> list[_Cell]:
-        """Return line ``y`` where the settings follow one another; the least important ones give way."""
-        kept = list(self._settings)
-        while True:
-            for gap in _GAPS:
-                lines = self._lines_with(kept, gap)
-                if len(lines) <= self.size.height:
-                    return lines[y] if y < len(lines) else []
-            if len(kept) <= 1:
-                return []
-            kept.remove(max(reversed(kept), key=lambda setting: setting.rank))
-
-    def _lines_with(self, settings: list[Setting], gap: int) -> list[list[_Cell]]:
-        lines: list[list[_Cell]] = [[]]
-        column = 1
-        for setting in settings:
-            columns = self._columns(setting)
-            if lines[-1] and column + columns > self.size.width:
-                lines.append([])
-                column = 1
-            lines[-1].append((column, column + columns, setting))
-            column += columns + gap
-        return lines
+    def _line(self, y: int) -> list[Cell]:
+        lines = laid_out(self._settings, self.size.width, self.size.height, self.look.glyphs)
+        return lines[y] if y < len(lines) else []

@@ -120,7 +120,7 @@ def _state(snapshot: Snapshot, look: Look) -> _Field:
         text = f"{glyphs.stopped} budget spent"
         return _Field(text, len(text), palette.accent)
     if snapshot.phase is Phase.DONE:
-        text = f"{glyphs.stopped} {snapshot.message or snapshot.phase.value}"
+        text = f"{glyphs.stopped} {snapshot.message.partition(':')[0] or snapshot.phase.value}"
         return _Field(text, cell_len(written(text, glyphs)), palette.accent)
     if snapshot.phase is Phase.PAUSED:
         return _Field(f"{glyphs.paused} paused", _STATE_COLUMNS, palette.dim)

@@ -1,0 +1,207 @@
+"""Algorithm, policy and options are chosen with keys."""
+
+from __future__ import annotations
+
+from conftest import MakeApp
+from samples import bandit_world, lake_world
+from test_playground import playground, press, slider, snapshot, train
+from textual.pilot import Pilot
+from textual.widgets import Input, OptionList
+
+from rl_tui.agents.catalogue import ACTION_RULES, ALGORITHMS, BY_ID
+from rl_tui.agents.hyperparameters import Hyperparameters
+from rl_tui.lab.library import recipe_for
+from rl_tui.lab.snapshot import Phase
+from rl_tui.tui.screens.choice import Choice, algorithm_choice, policy_choice
+from rl_tui.tui.screens.options import Options
+from rl_tui.tui.screens.prompt import Prompt
+from rl_tui.tui.screenshot import settle
+from rl_tui.tui.theme.glyphs import ASCII, UNICODE
+from rl_tui.tui.widgets.slider import Slider
+from rl_tui.tui.widgets.status_line import StatusLine
+from rl_tui.worlds.catalogue import find
+from rl_tui.worlds.errors import UserError
+from rl_tui.worlds.space import all_pairs
+
+
+async def choose(pilot: Pilot[UserError], id: str) -> None:  # noqa: A002
+    """Put the cursor of the list on top on ``id`` and press enter."""
+    choices = pilot.app.screen.query_one(OptionList)
+    choices.highlighted = choices.get_option_index(id)
+    await pilot.press("enter")
+    await settle(pilot)
+
+
+def refused(choice: Choice) -> dict[str, str]:
+    return {each.id: each.refused for each in choice._candidates if each.refused}
+
+
+def messages(pilot: Pilot[UserError]) -> list[str]:
+    return [note.message for note in pilot.app._notifications]
+
+
+def test_every_algorithm_and_rule_can_be_chosen_where_it_works() -> None:
+    recipe = recipe_for(find("bandit"), {}, 0)
+    arms, lake, unknown = bandit_world().space, lake_world().space, all_pairs("ab", "xy", 0)
+    assert not refused(algorithm_choice(arms, recipe, UNICODE))
+    assert not refused(policy_choice(arms, recipe, UNICODE))
+    assert set(refused(policy_choice(lake, recipe, UNICODE))) == {"gradient", "thompson"}
+    planners = {each.id for each in ALGORITHMS if each.planner}
+    assert set(refused(algorithm_choice(unknown, recipe, UNICODE))) == planners
+    assert all("table" in each for each in refused(algorithm_choice(unknown, recipe, UNICODE)).values())
+
+
+def test_every_choice_has_name_summary_and_equation() -> None:
+    recipe = recipe_for(find("student"), {}, 0)
+    for choice, rows in (
+        (algorithm_choice(lake_world().space, recipe, ASCII), ALGORITHMS),
+        (policy_choice(lake_world().space, recipe, ASCII), ACTION_RULES),
+    ):
+        texts = [choice._describe(each).plain for each in choice._candidates]
+        assert len(texts) == len(rows)
+        assert all(text.isascii() and "?" not in text and text.count("\n") >= 3 for text in texts)
+        assert sum("(in force)" in text for text in texts) == 1
+
+
+async def test_a_planner_is_chosen_stepped_and_done(make_app: MakeApp) -> None:
+    app = make_app("student")
+    async with app.run_test(size=(100, 24), notifications=True) as pilot:
+        await settle(pilot)
+        await press(pilot, "a")
+        assert isinstance(app.screen, Choice)
+        await choose(pilot, "value-iteration")
+        assert snapshot(pilot).algorithm == "value-iteration"
+        assert [each.parameter.name for each in playground(pilot).query(Slider)] == ["gamma"]
+        first = await press(pilot, "s")
+        assert first.last is not None
+        assert first.last.planned
+        assert (await press(pilot, "e")).episodes == 1
+        await press(pilot, "p")
+        assert messages(pilot)[-1] == "Value iteration tries every action: it follows no policy"
+        done = await train(pilot, 100_000)
+        assert done.phase is Phase.DONE
+        assert "converged after" in app.screen.query_one(StatusLine).render_line(0).text
+        await press(pilot, "space")
+        assert messages(pilot)[-1].startswith("converged after")
+        await press(pilot, "1", "pagedown")
+        assert snapshot(pilot).phase is Phase.PAUSED
+        app.set_focus(None)
+        again = await press(pilot, "e")
+        assert again.step > done.step
+        await press(pilot, "a")
+        await choose(pilot, "q-learning")
+        assert [each.parameter.name for each in playground(pilot).query(Slider)] == [
+            "alpha",
+            "gamma",
+            "epsilon",
+        ]
+
+
+async def test_a_policy_is_chosen_and_brings_its_slider(make_app: MakeApp) -> None:
+    app = make_app("bandit")
+    async with app.run_test(size=(120, 40), notifications=True) as pilot:
+        await settle(pilot)
+        assert snapshot(pilot).hyperparameters.sample_average
+        await press(pilot, "p")
+        await choose(pilot, "gradient")
+        gradient = snapshot(pilot).hyperparameters
+        assert gradient.policy == "gradient"
+        assert gradient.alpha == Hyperparameters().alpha
+        assert messages(pilot)[-1] == "gradient bandit needs a step size: α is 0.1 from here on"
+        await press(pilot, "o")
+        await choose(pilot, "alpha")
+        app.screen.query_one(Input).value = "1/n"
+        await press(pilot, "enter", "escape")
+        assert messages(pilot)[-1].startswith("policy gradient needs a step size")
+        assert snapshot(pilot).hyperparameters.alpha == Hyperparameters().alpha
+        assert playground(pilot).recipe.hyperparameters == snapshot(pilot).hyperparameters
+
+
+async def test_sliders_are_counted_on_screen(make_app: MakeApp) -> None:
+    app = make_app("student")
+    async with app.run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        playground(pilot).set_parameter("policy", "softmax")
+        await settle(pilot)
+        await press(pilot, "3")
+        assert app.focused is slider(app, "temperature")
+        before = snapshot(pilot).hyperparameters.temperature
+        await press(pilot, "right")
+        assert snapshot(pilot).hyperparameters.temperature > before
+        app.set_focus(None)
+        await press(pilot, "4")
+        assert app.focused is None
+
+
+async def test_options_list_all_that_counts_and_change_it(make_app: MakeApp) -> None:
+    app = make_app("student")
+    async with app.run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        await press(pilot, "o")
+        assert isinstance(app.screen, Options)
+        listed = app.screen.query_one(OptionList)
+        ids = [listed.get_option_at_index(number).id for number in range(listed.option_count)]
+        assert {"alpha", "step_size_schedule", "epsilon_decay", "policy", "ties", "initial_q"} <= set(ids)
+        assert not {"n", "temperature", "lambda", "accuracy"} & set(ids)
+        await choose(pilot, "epsilon_decay")
+        assert isinstance(app.screen, Prompt)
+        app.screen.query_one(Input).value = "0.25"
+        await press(pilot, "enter")
+        assert isinstance(app.screen, Options)
+        assert snapshot(pilot).hyperparameters.epsilon_decay == 0.25
+        listed = app.screen.query_one(OptionList)
+        assert listed.highlighted_option
+        assert listed.highlighted_option.id == "epsilon_decay"
+        assert "0.25" in str(listed.highlighted_option.prompt)
+        await choose(pilot, "epsilon_schedule")
+        assert isinstance(app.screen, Choice)
+        await choose(pilot, "linear")
+        assert snapshot(pilot).hyperparameters.epsilon_schedule == "linear"
+        await press(pilot, "escape")
+        assert snapshot(pilot).step == 0
+
+
+async def test_the_sample_average_can_be_chosen_and_left(make_app: MakeApp) -> None:
+    app = make_app("student")
+    async with app.run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        await press(pilot, "o")
+        await choose(pilot, "step_size_schedule")
+        await choose(pilot, "sample-average")
+        await press(pilot, "escape")
+        assert snapshot(pilot).hyperparameters.sample_average
+        assert slider(app, "alpha").value == "sample-average"
+        await press(pilot, "1", "right")
+        values = snapshot(pilot).hyperparameters
+        assert not values.sample_average
+        assert slider(app, "alpha").value == values.alpha
+
+
+async def test_initial_q_among_the_options_starts_again(make_app: MakeApp) -> None:
+    app = make_app("student")
+    async with app.run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        await train(pilot, 20)
+        await press(pilot, "o")
+        await choose(pilot, "initial_q")
+        app.screen.query_one(Input).value = "3"
+        await press(pilot, "enter", "escape")
+        assert snapshot(pilot).step == 0
+        assert set(snapshot(pilot).q.tolist()) == {3.0}
+
+
+async def test_values_out_of_range_are_refused_with_the_range(make_app: MakeApp) -> None:
+    app = make_app("student")
+    async with app.run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        await press(pilot, "o")
+        await choose(pilot, "epsilon_min")
+        app.screen.query_one(Input).value = "2"
+        await press(pilot, "enter")
+        assert isinstance(app.screen, Prompt)
+        assert "type a number in [0, 1]" in str(app.screen.query_one(".error").render())
+
+
+def test_every_planner_has_a_reason_to_follow_no_policy() -> None:
+    for algorithm in ALGORITHMS:
+        assert ("policy" in BY_ID[algorithm.id].parameters) is not algorithm.planner
