@@ -19,6 +19,7 @@ from rl_tui.tui.theme.palette import palette_for
 from rl_tui.worlds.drawing import Arms, CellKind, Graph, Grid
 from rl_tui.worlds.mdp import FloatArray, Outcome, TabularMDP, Transition, tabular_mdp
 from rl_tui.worlds.scenario import Scenario
+from rl_tui.worlds.space import FiniteSpace
 from rl_tui.worlds.world import World
 
 LEFT, DOWN, RIGHT, UP = range(4)
@@ -415,3 +416,36 @@ def bandit(pulls: int = 1_000, **changes: Any) -> Snapshot:
 def spent() -> Snapshot:
     """The bandit when its budget is used up."""
     return bandit(1_000)
+
+
+def stepped_lake() -> Snapshot:
+    """The slippery lake as somebody sees it who has to step it: no table, nothing exact."""
+    known = lake()
+    mdp = known.world.space
+    space = FiniteSpace(mdp.state_names, mdp.action_names, mdp.first_pair, mdp.pair_action, mdp.time_limit)
+    nothing = np.array([], dtype=np.int64)
+    return replace(
+        known,
+        world=World(space, known.world.drawing),
+        last=None if known.last is None else replace(known.last, outcome=-1),
+        marks=Marks(nothing, nothing, np.array([])),
+        greedy_return=None,
+        exact=None,
+        exact_refused="this environment has no transition table to work it out from",
+    )
+
+
+def planning(sweeps: int = 12, **changes: Any) -> Snapshot:
+    """Value iteration on the slippery lake, so many sweeps in."""
+    known = lake()
+    nothing, empty = np.array([], dtype=np.int64), np.array([])
+    shown: dict[str, Any] = {
+        "algorithm": "value-iteration",
+        "step": sweeps * 11,
+        "episodes": sweeps,
+        "curve": Curve(nothing, empty, empty, empty, empty),
+        "marks": marks(5, 0.0, 0.73, sweeps),
+        "return_last_100": None,
+        "length_last_100": None,
+    }
+    return replace(known, **(shown | changes))

@@ -11,8 +11,11 @@ from textual.strip import Strip
 
 from rl_tui.lab.snapshot import Snapshot
 from rl_tui.tui.theme.glyphs import ASCII, UNICODE
-from rl_tui.tui.world_views.arms import ArmsView, standard_error
+from rl_tui.tui.world_views.arms import ArmsView, arms_of, noise_of_rewards, standard_error, true_means_now
 from rl_tui.tui.world_views.arms_scale import NO_SCALE, Scale, bound_text, grown, round_up, shown_scale, ticks
+from rl_tui.worlds.drawing import Arms
+from rl_tui.worlds.mdp import Outcome, Transition, tabular_mdp
+from rl_tui.worlds.world import World
 
 
 def picture(
@@ -212,3 +215,44 @@ def test_every_size_is_filled_exactly(size: tuple[int, int], plain: bool) -> Non
 
 def style_at(strip: Strip, column: int) -> Style | None:
     return next(iter(strip.crop(column, column + 1))).style
+
+
+def two_valued(q: tuple[float, ...]) -> Snapshot:
+    """Arms that pay 1 with probability .2, .5 and .9, else 0."""
+    mdp = tabular_mdp(
+        ("bandit",),
+        ("0", "1", "2"),
+        [
+            Transition(0, arm, (Outcome(p, 0, 1.0, True), Outcome(1.0 - p, 0, 0.0, True)))
+            for arm, p in enumerate((0.2, 0.5, 0.9))
+        ],
+        {0: 1.0},
+        time_limit=1,
+    )
+    known = bandit(400)
+    visits = np.array([100, 200, 100], dtype=np.int64)
+    return replace(known, world=World(mdp, Arms(), 1_000), q=np.array(q), visits=visits, exact=None)
+
+
+def test_the_noise_of_bernoulli_arms_is_that_of_the_estimate_and_gives_nothing_away() -> None:
+    snapshot = two_valued((0.5, 0.0, 1.0))
+    mdp = snapshot.world.mdp
+    assert mdp is not None
+    assert noise_of_rewards(mdp, snapshot.q).tolist() == [0.5, 0.0, 0.0]
+    assert noise_of_rewards(mdp, np.array([5.0, -5.0, 0.5])).tolist() == [0.0, 0.0, 0.5]
+    errors = [arm.error for arm in arms_of(mdp, snapshot, None)]
+    assert errors == [0.05, 0.0, 0.0]
+    assert true_means_now(mdp, snapshot) == pytest.approx([0.2, 0.5, 0.9])
+
+
+def test_means_that_drift_are_the_current_ones() -> None:
+    known = bandit(400)
+    mdp = known.world.mdp
+    assert mdp is not None
+    drifts = replace(mdp, drift_std=0.1)
+    assert known.exact is not None
+    moved = replace(known.exact, q=known.exact.q + 1.0)
+    assert true_means_now(drifts, replace(known, exact=moved)) == pytest.approx(known.exact.q + 1.0)
+    assert true_means_now(drifts, replace(known, exact=None)) is None
+    assert true_means_now(drifts, bandit(0)) == pytest.approx(known.exact.q)
+    assert true_means_now(mdp, known) == pytest.approx(known.exact.q)

@@ -1,13 +1,15 @@
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
 from rich.style import Style
-from samples import bandit, curve, lake, look, marks, student
+from samples import bandit, curve, lake, look, marks, planning, stepped_lake, student
 
+from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.lab.snapshot import Curve, Marks, Phase, Snapshot
 from rl_tui.tui.widgets import braille
 from rl_tui.tui.widgets.braille import Steps
@@ -395,3 +397,48 @@ def test_a_new_run_has_a_new_axis() -> None:
     assert widget._scale.low <= -90.0
     widget.show(student(0))
     assert widget._scale is None
+
+
+# Planners, stepped worlds, other action rules
+
+
+def test_of_a_planner_only_the_greedy_policy_has_a_curve() -> None:
+    text, widget = drawn(planning())
+    assert widget.heading == "Greedy return, exact, per sweep"
+    assert "sweep" in text
+    assert "greedy, exact .73" in text
+    assert "episode" not in text
+    assert "no reward seen" not in drawn(planning(500))[0]
+    assert drawn(planning(), (24, 8))[1].heading == "Greedy return"
+    assert "no sweep has ended yet" in drawn(planning(0))[0]
+
+
+def test_a_stepped_world_has_the_episodes_alone() -> None:
+    text, widget = drawn(stepped_lake())
+    assert widget.heading == "Return per episode"
+    assert "episodes, last 100: .41" in text
+    assert "greedy" not in text
+    assert "best" not in text
+
+
+@pytest.mark.parametrize("make", [planning, stepped_lake])
+@pytest.mark.parametrize("ascii", [False, True])
+def test_they_fit_any_size(make: Callable[[], Snapshot], ascii: bool) -> None:  # noqa: A002
+    for width in (1, 5, 14, 30, 60, 120):
+        for height in (1, 3, 6, 20):
+            drawn(make(), (width, height), ascii=ascii)
+
+
+def test_a_greedy_policy_that_walks_into_walls_does_not_blow_up_the_axis() -> None:
+    early = marks(30, 0.0, 0.73, 12_500)
+    early.expected_return[3:6] = -100_000.0
+    assert curve_data(lake(marks=early), revealed=True).range[0] >= -1.0
+    assert curve_data(planning(marks=early), revealed=True).range[0] == -100_000.0
+
+
+def test_what_exploring_costs_names_no_rate_that_is_not_in_force() -> None:
+    softmax = replace(lake(), hyperparameters=Hyperparameters(policy="softmax"))
+    assert "(ε .10)" in drawn(lake())[0]
+    text = drawn(softmax)[0]
+    assert "mostly what exploring costs" in text
+    assert "ε" not in text

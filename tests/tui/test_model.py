@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from samples import bandit, big_lake, lake, look, student
+from samples import bandit, big_lake, lake, look, stepped_lake, student
 from textual.app import App, ComposeResult
 
 from rl_tui.lab.snapshot import Snapshot
@@ -177,3 +177,35 @@ async def test_what_does_not_fit_scrolls() -> None:
         assert "bootstraps" in bottom
         await pilot.press(*["pageup"] * 10)
         assert made.render_line(0).text == top
+
+
+def test_of_a_stepped_environment_it_says_what_is_known() -> None:
+    made = panel(stepped_lake(), 0)
+    text = drawn(made)
+    assert "S       16 states, 11 with actions" in text
+    assert "P       unknown: stepped for real, nobody wrote its table down; 44 legal pairs (s, a)" in text
+    assert "R       unknown" in text
+    assert "where the environment says so; after 100 steps the time limit" in text
+    assert "no transition table to work it out from" in text
+    assert "learned Q(0,←)" in text
+    assert panel(stepped_lake()).pair is not None
+    for width, height in ((20, 4), (60, 10), (100, 30)):
+        drawn(panel(stepped_lake(), 3, ascii=True), width, height)
+
+
+def test_means_that_drift_are_those_of_the_start_and_said_to_drift() -> None:
+    known = bandit()
+    mdp = known.world.mdp
+    assert mdp is not None
+    drifting = replace(known, world=replace(known.world, space=replace(mdp, drift_std=0.01)))
+    text = drawn(panel(drifting, 3), 100)
+    assert "drifts by a normal step of standard deviation 0.01" in text
+    assert "r at the start" in text
+    assert "means as they are now" in text
+
+
+def test_names_with_commas_are_kept_apart() -> None:
+    snapshot = lake()
+    names = [f"{state}, no" for state in range(16)]
+    world = replace(snapshot.world, space=replace(snapshot.world.space, state_names=names))
+    assert "0, no; 1, no; " in drawn(panel(replace(snapshot, world=world)))

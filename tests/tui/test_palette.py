@@ -265,3 +265,17 @@ async def test_the_themes_of_every_depth_can_be_used(depth: Depth, picture: bool
         for theme in (dark, light):
             app.theme = theme.name
             assert app.current_theme is theme
+
+
+def test_every_kings_move_has_an_arrow() -> None:
+    steps = [(rows, columns) for rows in (-1, 0, 1) for columns in (-1, 0, 1)]
+    assert "".join(map(UNICODE.direction, steps)) == "↖↑↗←·→↙↓↘"
+    assert [ASCII.direction(step) for step in steps] == ["^<", "^", "^>", "<", ".", ">", "v<", "v", "v>"]
+
+
+@pytest.mark.parametrize("depth", DEPTHS)
+@pytest.mark.parametrize("dark", BOTH)
+def test_a_cliff_is_neither_hole_nor_wall(depth: Depth, dark: bool) -> None:
+    palette = palette_for(depth, dark)
+    assert len({palette.cliff, palette.hole, palette.wall}) == 3 or depth == "none"
+    assert len({UNICODE.cliff, UNICODE.hole, UNICODE.wall}) == 3

@@ -11,7 +11,7 @@ from textual.widgets import Button
 from rl_tui.agents.hyperparameters import PARAMETERS, SAMPLE_AVERAGE, Parameter, Range
 from rl_tui.tui.widgets.slider import Slider
 from rl_tui.tui.widgets.slider_picture import SliderState, slider_form, slider_strip
-from rl_tui.tui.widgets.slider_scale import Scale, parsed
+from rl_tui.tui.widgets.slider_scale import Scale, parsed, scale_of
 
 ALPHA, GAMMA, EPSILON = (PARAMETERS[name] for name in ("alpha", "gamma", "epsilon"))
 UNIT, OPEN = Scale(Range(0, 1)), Scale(Range(0, 1, open_low=True))
@@ -58,7 +58,7 @@ class Bench(App[None]):
 
 def drawn(parameter: Parameter, state: SliderState, width: int, *, ascii: bool = False) -> str:  # noqa: A002
     assert parameter.range is not None
-    strip = slider_strip(parameter, Scale(parameter.range), state, look(ascii), width)
+    strip = slider_strip(parameter, scale_of(parameter), state, look(ascii), width)
     assert strip.cell_length == width
     assert all(isinstance(segment, Segment) and segment.style for segment in strip)
     return strip.text
@@ -319,3 +319,66 @@ def test_spelled_out_sliders_one_above_the_other_begin_in_one_column() -> None:
         for each in (ALPHA, GAMMA, EPSILON)
     ]
     assert len({row.index("=") for row in rows}) == 1
+
+
+# Equal ratios
+
+TAU = scale_of(PARAMETERS["temperature"])
+
+
+def test_a_temperature_is_walked_in_equal_ratios() -> None:
+    assert TAU.logarithmic
+    assert (TAU.low, TAU.high) == (0.01, 100.0)
+    for value in (0.01, 0.1, 1.0, 10.0):
+        assert TAU.moved(value, TAU.step) == pytest.approx(1.1 * value)
+        assert TAU.moved(value, TAU.coarse) == pytest.approx(2.5 * value)
+        assert TAU.moved(value, TAU.fine) == pytest.approx(1.01 * value)
+    walked = 0.1
+    for _ in range(30):
+        further = TAU.moved(walked, TAU.step)
+        assert walked < further <= 1.2 * walked
+        walked = further
+    for _ in range(40):
+        nearer = TAU.moved(walked, -TAU.step)
+        assert 0.8 * walked <= nearer < walked
+        walked = nearer
+
+
+def test_its_thumb_stands_where_the_ratio_is() -> None:
+    assert [TAU.cell_of(value, 41) for value in (0.001, 0.01, 0.1, 1.0, 10.0, 100.0, 1e6)] == [
+        0,
+        0,
+        10,
+        20,
+        30,
+        40,
+        40,
+    ]
+    assert [TAU.at_cell(cell, 41) for cell in (0, 10, 20, 30, 40)] == [0.01, 0.1, 1.0, 10.0, 100.0]
+    for cells in (5, 17, 33):
+        assert all(TAU.cell_of(TAU.at_cell(cell, cells), cells) == cell for cell in range(cells))
+
+
+def test_a_value_typed_beyond_an_end_is_not_brought_back() -> None:
+    assert TAU.moved(1000.0, TAU.step) == 1000.0
+    assert TAU.moved(1000.0, -TAU.step) < 1000.0
+    assert TAU.moved(100.0, TAU.step) == 100.0
+    assert parsed("1000", PARAMETERS["temperature"]) == 1000.0
+    with pytest.raises(ValueError, match="ratios"):
+        Scale(Range(0, 1), logarithmic=True)
+
+
+def test_a_slider_spans_what_people_try() -> None:
+    assert scale_of(PARAMETERS["confidence"]).high == 5.0
+    assert scale_of(PARAMETERS["alpha"]).low == 0.001
+    for parameter in PARAMETERS.values():
+        if parameter.slide is not None:
+            assert "●" in drawn(parameter, SliderState(0.1), 40)
+
+
+async def test_keys_move_a_temperature() -> None:
+    async with Bench(PARAMETERS["temperature"], 0.1).run_test() as pilot:
+        app = pilot.app
+        assert isinstance(app, Bench)
+        await pilot.press("right", "pageup", "end", "home")
+        assert [value for _, value in app.changes] == [0.11, 0.28, 100.0, 0.01]

@@ -1,7 +1,7 @@
 from __future__ import annotations
 
 import pytest
-from samples import bandit, lake, look, student
+from samples import bandit, lake, look, planning, student
 
 from rl_tui.lab.snapshot import Phase, Snapshot
 from rl_tui.tui.widgets.status_line import StatusLine
@@ -96,3 +96,15 @@ def test_ascii() -> None:
     text = drawn(lake(), 120, ascii=True)
     assert text.isascii()
     assert text.startswith(" FrozenLake 4x4 slippery - Q-learning - seed 0 ")
+
+
+def test_a_planner_counts_sweeps_and_says_when_it_is_done() -> None:
+    assert "sweep 12 " in drawn(planning())
+    assert " ep " not in drawn(planning())
+    message = "converged after 37 sweeps: no value moved by more than 1e-09 in the last one"
+    done = planning(37, phase=Phase.DONE, message=message)
+    for width in (80, 120):
+        text = drawn(done, width)
+        assert "■ converged after 37 sweeps  " in text
+        assert "sweep 37" in text
+    assert "# converged after" in drawn(done, ascii=True)

@@ -173,15 +173,19 @@ def _action(snapshot: Snapshot, action: int, look: Look) -> str:
 
 
 def _listed(items: Sequence[str], room: int, look: Look) -> str:
-    """Return ``items`` separated by commas; the first ones and the last if they take more than two lines."""
+    """Return ``items`` separated by commas; the first ones and the last if they take more than two lines.
+
+    Where the names themselves have commas, semicolons keep them apart.
+    """
+    between = "; " if any("," in item for item in items[:1]) else ", "
     shown: list[str] = []
     taken = 0
     for number, item in enumerate(items):
         taken += cell_len(written(item, look.glyphs)) + 2
         if taken > 2 * room - 30 and number < len(items) - 1:
-            return ", ".join([*shown, look.glyphs.ellipsis, items[-1]])
+            return between.join([*shown, look.glyphs.ellipsis, items[-1]])
         shown.append(item)
-    return ", ".join(shown)
+    return between.join(shown)
 
 
 def _labelled(label: str, text: str, look: Look, width: int) -> list[Line]:
