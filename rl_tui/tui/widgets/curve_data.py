@@ -50,14 +50,15 @@ class CurveData:
     def range(self) -> tuple[float, float]:
         """The lowest and highest value that must be on the vertical axis; the band may stick out.
 
-        So may greedy policies that are worth far less than any episode was: one that walks into walls until
-        the time limit would leave no room for the rest.
+        So may greedy policies that are worth far less than all the rest: one that walks into walls until the
+        time limit would leave no room for others.
         """
         known = [each for each in (self.optimum, self.greedy_now, self.mean_now) if each is not None]
         every = _numbers(self.episodes.low, self.episodes.high, np.array(known))
         greedy = _numbers(self.greedy.low)
-        if len(self.episodes.low):
-            greedy = greedy[greedy >= 2.0 * every.min() - every.max()]
+        if every.any():
+            room = max(float(every.max() - every.min()) / 2.0, abs(float(every.max())))
+            greedy = greedy[greedy >= every.min() - room]
         every = np.concatenate((every, greedy))
         return (float(every.min()), float(every.max())) if len(every) else (0.0, 0.0)
 
