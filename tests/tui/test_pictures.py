@@ -7,6 +7,7 @@ from typing import Any, Final
 import pytest
 from conftest import MakeApp
 from textual.pilot import Pilot
+from textual.widgets import OptionList
 
 from rl_tui.lab.commands import Train
 from rl_tui.tui.screens.playground import Playground
@@ -48,7 +49,8 @@ def test_playground(
 def test_catalogue(size: tuple[int, int], snap_compare: Any, make_app: MakeApp) -> None:
     async def choose_a_lake(pilot: Pilot[UserError]) -> None:
         await settle(pilot)
-        await pilot.press("down", "down", "down")
+        listed = pilot.app.screen.query_one("#scenarios", OptionList)
+        listed.highlighted = listed.get_option_index("frozenlake-slippery")
         await settle(pilot)
 
     assert snap_compare(make_app(), terminal_size=size, run_before=choose_a_lake)

@@ -18,7 +18,7 @@ from rl_tui.tui.theme.look import Look
 from rl_tui.tui.widgets.settings import option_text
 from rl_tui.tui.written import written
 
-_SYMBOL = 12
+_LEAST_SYMBOL = 12
 _VALUE = 20
 
 
@@ -55,7 +55,9 @@ class Options(Dialog[None]):
         choices = self.query_one(OptionList)
         at = choices.highlighted_option.id if choices.highlighted_option else None
         names = self._names
-        choices.set_options(Option(self._row(name), id=name) for name in names)
+        symbols = [len(written(PARAMETERS[name].symbol, self._look.glyphs)) for name in names]
+        columns = max(_LEAST_SYMBOL, *symbols)
+        choices.set_options(Option(self._row(name, columns), id=name) for name in names)
         choices.highlighted = names.index(at) if at in names else 0
 
     def on_option_list_option_highlighted(self, event: OptionList.OptionHighlighted) -> None:
@@ -74,10 +76,10 @@ class Options(Dialog[None]):
         recipe = self._recipe()
         return parameters_of(recipe.algorithm, recipe.hyperparameters.policy)
 
-    def _row(self, name: str) -> Text:
+    def _row(self, name: str, columns: int) -> Text:
         parameter, value = PARAMETERS[name], self._recipe().hyperparameters.value(name)
         shown = RULE_BY_ID[str(value)].name if name == "policy" else option_text(value)
         glyphs = self._look.glyphs
-        text = Text(f"{written(parameter.symbol, glyphs):<{_SYMBOL}} ")
+        text = Text(f"{written(parameter.symbol, glyphs):<{columns}} ")
         text.append(f"{written(shown, glyphs):<{_VALUE}} ", "bold")
         return text.append(name.replace("_", " "), "dim")
