@@ -224,7 +224,7 @@ class Run:
 
     def _window(self, sight: Sight | None) -> Window | None:
         """Return what ``sight`` shows of a large world, None where all is copied."""
-        if sight is None or not is_large(self.world.space):
+        if sight is None or not is_large(self.world):
             return None
         if self._windows is None:
             self._windows = Windows(self.world)

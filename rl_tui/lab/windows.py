@@ -57,9 +57,12 @@ class Window:
     held: BoolArray
 
 
-def is_large(space: FiniteSpace) -> bool:
-    """Tell whether to copy all of Q and visits for each frame would be felt."""
-    return space.pairs > MOST_COPIED
+def is_large(world: World) -> bool:
+    """Tell whether to copy all of Q and visits for each frame would be felt.
+
+    Only maps are shown in parts: other drawings show every state.
+    """
+    return world.space.pairs > MOST_COPIED and isinstance(world.drawing, Grid)
 
 
 def first_state_of_cells(grid: Grid) -> IntArray:

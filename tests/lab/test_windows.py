@@ -46,14 +46,14 @@ def shown(run: Run, sight: Sight) -> Snapshot:
 def test_a_small_world_is_copied_whole_whatever_is_in_sight() -> None:
     run = Run(recipe("frozenlake"), evaluate=False)
     snapshot = run.snapshot(Phase.PAUSED, sight=Sight(Cells(1, 1)))
-    assert not is_large(run.world.space)
+    assert not is_large(run.world)
     assert snapshot.window is None
     assert snapshot.holds(0)
     assert snapshot.q.tolist() == run.learner.q.tolist()
 
 
 def test_a_large_world_is_copied_whole_until_somebody_says_what_is_shown(run: Run) -> None:
-    assert is_large(run.world.space)
+    assert is_large(run.world)
     assert run.world.space.pairs > MOST_COPIED
     snapshot = run.snapshot(Phase.PAUSED)
     assert snapshot.window is None

@@ -137,7 +137,7 @@ class QTable(Panel, can_focus=True):
     def redraw(self) -> None:
         """Draw again; say so where another part of a large table has come into view."""
         super().redraw()
-        if self.snapshot is None or not self.is_attached or not is_large(self.snapshot.world.space):
+        if self.snapshot is None or not self.is_attached or not is_large(self.snapshot.world):
             return
         stretch = self.stretch
         if stretch != self._told:

@@ -87,7 +87,7 @@ class GridView(WorldView):
     def redraw(self) -> None:
         """Draw again; say so where another part of a large map has come into view."""
         super().redraw()
-        if self.cells != self._told and self.is_attached and is_large(self.world.space):
+        if self.cells != self._told and self.is_attached and is_large(self.world):
             self._told = self.cells
             self.post_message(Scrolled())
 
