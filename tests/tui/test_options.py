@@ -13,6 +13,7 @@ from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.lab.library import recipe_for
 from rl_tui.lab.snapshot import Phase
 from rl_tui.tui.screens.choice import Choice, algorithm_choice, policy_choice
+from rl_tui.tui.screens.model import ModelScreen
 from rl_tui.tui.screens.options import Options
 from rl_tui.tui.screens.prompt import Prompt
 from rl_tui.tui.screenshot import settle
@@ -76,6 +77,10 @@ async def test_a_planner_is_chosen_stepped_and_done(make_app: MakeApp) -> None:
         assert first.last is not None
         assert first.last.planned
         assert (await press(pilot, "e")).episodes == 1
+        await press(pilot, "m")
+        assert isinstance(app.screen, ModelScreen)
+        assert app.screen._panel.pair in range(5)
+        await press(pilot, "escape")
         await press(pilot, "p")
         assert messages(pilot)[-1] == "Value iteration tries every action: it follows no policy"
         done = await train(pilot, 100_000)

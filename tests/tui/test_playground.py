@@ -348,7 +348,7 @@ async def test_hints_and_settings_can_be_clicked(make_app: MakeApp) -> None:
         await pilot.click("#keys", offset=(14, 0))
         await settle(pilot)
         assert snapshot(pilot).step == 1
-        await pilot.click("#settings", offset=(18, 0))
+        await pilot.click("#settings", offset=(31, 0))
         await settle(pilot)
         assert snapshot(pilot).hyperparameters.ties == "first"
 

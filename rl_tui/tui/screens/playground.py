@@ -219,8 +219,8 @@ class Playground(AgentStage):
         if self.snapshot is None:
             return
         pair, last = self.board.table.cursor_pair, self.snapshot.last
-        if pair is None and last is not None:
-            pair = last.pair
+        if pair is None and last is not None and (last.learned or not last.planned):
+            pair = last.updated_pair if last.planned else last.pair
         self._model = ModelScreen(
             self.look, self.snapshot, pair, revealed=self._revealed, on_scrolled=self.on_scrolled
         )

@@ -78,7 +78,9 @@ def loop_text(snapshot: Snapshot, last: LastStep, glyphs: Glyphs) -> LoopText:
         meant=meant,
         went=went,
         chance=chance,
-        reward=numbers.brief(last.reward, glyphs, decimals=4),
+        reward=update.gathered
+        if last.gathered == last.reward
+        else numbers.brief(last.reward, glyphs, decimals=4),
         next_state="" if is_bandit else names.state_name(world, last.next_state, glyphs),
         landmark=names.landmark(world, last.next_state),
         endings=() if is_bandit or last.planned else _endings(last, bootstraps=bool(bootstrap)),

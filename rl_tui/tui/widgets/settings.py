@@ -25,6 +25,10 @@ _GAPS = (3, 2)
 _KEYED: Final = frozenset({"policy", "ties", "initial_q"})  # have a key and an entry of their own
 
 
+Texts = tuple[str, str, str]
+"""Key, label and value as they are written."""
+
+
 @dataclass(frozen=True, slots=True)
 class Setting:
     """One setting: the key that changes it, its name short and in full, its value, the action behind it.
@@ -108,13 +112,15 @@ class Cell:
 
 
 def laid_out(settings: Sequence[Setting], width: int, height: int, glyphs: Glyphs) -> list[list[Cell]]:
-    """Return the lines of ``settings``, at most ``height``: in two columns where they fit, else running on.
+    """Return the lines of ``settings``, at most ``height``: in columns where they fit, else running on.
 
     Where they do not all fit, those that matter least are left out.
     """
-    lines = _in_two_columns(settings, width, height, glyphs)
-    if lines:
-        return lines
+    full, short = [_in_full(each) for each in settings], [_in_short(each) for each in settings]
+    for texts, columns in ((full, 2), (short, 3), (short, 2)):
+        lines = _in_columns(settings, texts, columns, width, height, glyphs)
+        if lines:
+            return lines
     kept = list(settings)
     while kept:
         for gap in _GAPS:
@@ -125,21 +131,32 @@ def laid_out(settings: Sequence[Setting], width: int, height: int, glyphs: Glyph
     return []
 
 
-def _in_two_columns(settings: Sequence[Setting], width: int, height: int, glyphs: Glyphs) -> list[list[Cell]]:
+def _in_full(setting: Setting) -> Texts:
+    return f"{setting.key:<{_KEY_COLUMNS}}", f"{setting.full:<{_LABEL_COLUMNS}} ", setting.value
+
+
+def _in_short(setting: Setting) -> Texts:
+    label = f"{setting.short} {setting.value}".strip().removesuffix(setting.value)
+    return setting.key, f" {label}" if setting.key else label, setting.value
+
+
+def _in_columns(
+    settings: Sequence[Setting],
+    texts: Sequence[Texts],
+    columns: int,
+    width: int,
+    height: int,
+    glyphs: Glyphs,
+) -> list[list[Cell]]:
     """Return nothing where there are not lines enough, or one setting is too long for its column."""
-    lines, half = -(-len(settings) // 2), width // 2
+    lines, room = -(-len(settings) // columns), width // columns
     if height <= 1 or height < lines:
         return []
     cells = [
-        _cell(
-            1 + number // lines * half,
-            each,
-            (f"{each.key:<{_KEY_COLUMNS}}", f"{each.full:<{_LABEL_COLUMNS}} ", each.value),
-            glyphs,
-        )
-        for number, each in enumerate(settings)
+        _cell(1 + number // lines * room, setting, text, glyphs)
+        for number, (setting, text) in enumerate(zip(settings, texts, strict=True))
     ]
-    if any(cell.end - cell.start >= half - 1 for cell in cells):
+    if any(cell.end - cell.start >= room - 1 for cell in cells):
         return []
     return [cells[y::lines] for y in range(lines)]
 
@@ -148,18 +165,16 @@ def _running_on(settings: Sequence[Setting], width: int, gap: int, glyphs: Glyph
     lines: list[list[Cell]] = [[]]
     column = 1
     for setting in settings:
-        label = f"{setting.short} {setting.value}".strip().removesuffix(setting.value)
-        texts = (setting.key, f" {label}" if setting.key else label, setting.value)
-        cell = _cell(column, setting, texts, glyphs)
+        cell = _cell(column, setting, _in_short(setting), glyphs)
         if lines[-1] and cell.end > width:
             lines.append([])
-            cell = _cell(1, setting, texts, glyphs)
+            cell = _cell(1, setting, _in_short(setting), glyphs)
         lines[-1].append(cell)
         column = cell.end + gap
     return lines
 
 
-def _cell(start: int, setting: Setting, texts: tuple[str, str, str], glyphs: Glyphs) -> Cell:
+def _cell(start: int, setting: Setting, texts: Texts, glyphs: Glyphs) -> Cell:
     key, label, value = (written(text, glyphs) for text in texts)
     return Cell(start, start + cell_len(key + label + value), setting, key, label, value)
 
