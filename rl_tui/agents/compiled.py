@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import os
+import warnings
 from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
@@ -16,8 +17,9 @@ from numba.core import ir
 from numba.core.caching import FunctionCache
 from numba.core.compiler import CompileResult
 from numba.core.dispatcher import Dispatcher
+from numba.core.errors import NumbaIRAssumptionWarning
 from numba.core.ir_utils import alias_analysis_extensions
-from numba.extending import overload
+from numba.core.typing.templates import infer, infer_global, make_overload_template
 
 Parameters = ParamSpec("Parameters")
 Result = TypeVar("Result")
@@ -58,6 +60,10 @@ def _writable(folder: Path) -> bool:
         return False
     return True
 
+
+# Numba wonders about variables that one branch of an inlined function sets and no other reads. Whether the
+# code is right, the comparison with its interpreted form tells.
+warnings.simplefilter("ignore", NumbaIRAssumptionWarning)
 
 FOLDER: Final = cache_folder()
 CACHED: Final = _writable(FOLDER)
@@ -117,6 +123,30 @@ def entry(function: Compiled[Parameters, Result], *example: Any) -> Callable[...
     return machine_code
 
 
+def _inline(function: Callable[..., Any], implementation: Callable[..., Any]) -> None:
+    """Let compiled code inline what ``implementation``, given types of arguments, returns for ``function``.
+
+    It is numba's ``overload(function, inline="always")``, but for the time it takes: that types what is
+    inlined anew, and compiles it on its own for nothing, whenever a call of it is looked at, which happens
+    several times at every level of inlining. Here it is typed once for each types of arguments.
+    """
+    template = make_overload_template(function, implementation, {}, strict=False, inline="always")
+    type_anew, known = template.generic, dict[Any, Any]()
+
+    def type_once(self: Any, args: Any, kws: Any) -> Any:
+        key = self.context, tuple(args), tuple(kws.items())
+        if key not in known:
+            dispatcher, _ = self._get_impl(args, kws)
+            if dispatcher is not None:
+                dispatcher.disable_compile()
+            known[key] = type_anew(self, args, kws)
+        return known[key]
+
+    template.generic = type_once
+    infer(template)
+    infer_global(function, types.Function(template))
+
+
 def inlined(function: Callable[Parameters, Result]) -> Callable[Parameters, Result]:
     """Let compiled code call ``function`` by inlining it; Python calls it as it is.
 
@@ -126,7 +156,7 @@ def inlined(function: Callable[Parameters, Result]) -> Callable[Parameters, Resu
     def implementation(*_: object) -> Callable[Parameters, Result]:
         return function
 
-    overload(function, inline="always", strict=False)(implementation)
+    _inline(function, implementation)
     return function
 
 
@@ -147,7 +177,7 @@ def inlined_by_type(function: Callable[Parameters, Result]) -> Callable[Paramete
     dispatch.__name__, dispatch.__qualname__ = function.__name__, function.__qualname__
     dispatch.__doc__, dispatch.__module__ = function.__doc__, function.__module__
     dispatch.__dict__["family"] = family
-    overload(dispatch, inline="always", strict=False)(implementation)
+    _inline(dispatch, implementation)
     return cast("Callable[Parameters, Result]", dispatch)
 
 
