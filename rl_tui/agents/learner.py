@@ -28,6 +28,8 @@ from rl_tui.worlds.streams import Streams
 
 UNLIMITED: Final = 2**60
 EPISODES_LOGGED: Final = 8192
+# Which loops this process has loaded
+_WARM: Final = set[tuple[str, str, bool]]()
 _FOR_GOOD: Final = (Stop.DIVERGED, Stop.ENDLESS_EPISODE, Stop.MEMORY_FULL, Stop.WORLD_FAILED)
 
 
@@ -294,9 +296,20 @@ class Learner:
             return self._tables
         return self._tables._replace(reward=mdp.reward)
 
+    @property
+    def is_warm(self) -> bool:
+        """Whether the loop of this algorithm and action rule is compiled, or read from the cache, already."""
+        return self._loop in _WARM
+
     def warm_up(self) -> None:
         """Compile the loop, or read it from the cache, without taking a step."""
         self.advance(0)
+        _WARM.add(self._loop)
+
+    @property
+    def _loop(self) -> tuple[str, str, bool]:
+        policy = "" if self.plans else self.hyperparameters.policy
+        return self.algorithm, policy, self._stepped is not None
 
     def drain_episodes(self) -> Episodes:
         """Return copies of the episodes finished since the last call, and forget them."""

@@ -61,6 +61,8 @@ class Playback:
         self._sight: Sight | None = None  # None: nobody has said what is shown, so everything may be
         self._steps_to_train = 0
         self._episode_to_end: int | None = None
+        self._after_loading: Phase | None = None
+        self._announced = False
         self._pace = Pace()
         self._chunk = ChunkSize()
         self._meter = SpeedMeter()
@@ -68,12 +70,14 @@ class Playback:
     @property
     def busy(self) -> bool:
         """Whether commands have to wait."""
-        return self._run is None or self._steps_to_train > 0 or (not self._automatic and self.on_the_way)
+        loading = self._run is None or self._after_loading is not None
+        return loading or self._steps_to_train > 0 or (not self._automatic and self.on_the_way)
 
     @property
     def on_the_way(self) -> bool:
         """Whether something that was asked for and has an end is not done yet."""
-        return self._run is None or self._steps_to_train > 0 or self._episode_to_end is not None
+        loading = self._run is None or self._after_loading is not None
+        return loading or self._steps_to_train > 0 or self._episode_to_end is not None
 
     def handle(self, command: Command) -> None:
         """Carry out ``command``, or begin to. Raises UserError where a change does not fit."""
@@ -88,6 +92,9 @@ class Playback:
             self._ready_run.apply(command.change)
             if self.phase is Phase.DONE and not self._ready_run.over:
                 self.phase = Phase.PAUSED  # what was changed gives the planner something to do again
+            if not self._ready_run.learner.is_warm:
+                self._after_loading, self.phase = self.phase, Phase.PREPARING
+                self._announced = False
         elif self.phase not in (Phase.SPENT, Phase.DONE, Phase.STOPPED):
             self._move(command)
 
@@ -95,6 +102,9 @@ class Playback:
         """Do what is due, for some milliseconds; return in how many seconds to call again, None for never."""
         if self._run is None:
             self._prepare()
+            return 0.0
+        if self._after_loading is not None:
+            self._load(self._run, self._after_loading)
             return 0.0
         if self._steps_to_train:
             self._train()
@@ -120,7 +130,7 @@ class Playback:
         gamma = learner.hyperparameters.gamma
         return self._run.snapshot(
             self.phase,
-            message=self._run.message,
+            message=PREPARING if self._after_loading else self._run.message,
             speed=self._speed,
             steps_per_second=self._meter.steps_per_second,
             answer=exact_now(learner.mdp, gamma) if learner.drifted else self._answers.answer(gamma),
@@ -156,6 +166,16 @@ class Playback:
         self._run = run
         self._answers.answer(run.learner.hyperparameters.gamma)
         self._rest()
+
+    def _load(self, run: Run, phase_after: Phase) -> None:
+        """Say that another algorithm is being loaded, which may take seconds; at the next call, load it."""
+        if not self._announced:
+            self._announced = True
+            return
+        run.warm_up()
+        self.phase, self._after_loading = phase_after, None
+        self._meter.clear()
+        self.changed = True
 
     def _restart(self, recipe: Recipe) -> None:
         old = self._ready_run

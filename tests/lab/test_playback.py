@@ -5,9 +5,10 @@ import itertools
 import pytest
 from recipes import bandit, recipe
 
+from rl_tui.agents import learner
 from rl_tui.lab.commands import Apply, Pause, Play, Restart, RunEpisode, SetSpeed, Step, Train
 from rl_tui.lab.playback import Playback
-from rl_tui.lab.recipe import JournalEntry, Recipe, SetParameter
+from rl_tui.lab.recipe import JournalEntry, Recipe, SetParameter, SwitchAlgorithm
 from rl_tui.lab.run import replay
 from rl_tui.lab.snapshot import Phase
 from rl_tui.worlds.errors import UserError
@@ -238,3 +239,41 @@ def test_restarting_keeps_a_world_that_no_seed_shapes_and_draws_one_that_it_does
     playback.handle(Restart(Recipe(arms.scenario, arms.algorithm, arms.hyperparameters, seed=2)))
     second = playback.snapshot().world
     assert first.mdp.reward.tolist() != second.mdp.reward.tolist()
+
+
+def test_loading_another_algorithm_is_announced_and_then_goes_on(monkeypatch: pytest.MonkeyPatch) -> None:
+    playback = ready(recipe("frozenlake"), speed=None)
+    playback.handle(Play())
+    monkeypatch.setattr(learner, "_WARM", set())
+    playback.handle(Apply(SwitchAlgorithm("value-iteration")))
+    assert playback.work() == 0.0
+    shown = playback.snapshot()
+    assert (shown.phase, shown.algorithm, shown.step) == (Phase.PREPARING, "value-iteration", 0)
+    assert "compiled" in shown.message
+    assert playback.busy
+    playback.work()
+    assert (playback.phase, playback.busy) == (Phase.RUNNING, False)
+    playback.handle(Apply(SwitchAlgorithm("value-iteration")))
+    assert playback.phase is Phase.RUNNING  # loaded already
+
+
+def test_a_planner_that_is_done_goes_on_with_another_discount() -> None:
+    playback = ready(recipe("frozenlake", algorithm="value-iteration"), speed=None)
+    playback.handle(Play())
+    while playback.phase is Phase.RUNNING:
+        playback.work()
+    done = playback.snapshot()
+    assert done.phase is Phase.DONE
+    assert done.message.startswith(f"converged after {done.episodes} sweeps")
+    assert done.return_last_100 is None
+    playback.handle(Play())
+    assert playback.phase is Phase.DONE
+    playback.handle(Apply(SetParameter("gamma", 0.5)))
+    assert playback.phase is Phase.PAUSED
+    playback.handle(Play())
+    while playback.phase is Phase.RUNNING:
+        playback.work()
+    again = playback.snapshot()
+    assert again.phase is Phase.DONE
+    assert again.exact is not None
+    assert abs(again.q - again.exact.q).max() < 1e-8
