@@ -220,6 +220,7 @@ class Run:
             exact_refused=answer.refused,
             bandit=self.bandit,
             window=window,
+            planning=learner.planning,
         )
 
     def _window(self, sight: Sight | None) -> Window | None:

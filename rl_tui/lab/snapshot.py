@@ -75,6 +75,8 @@ class Snapshot:
     it ended in, until the next episode begins. ``q`` and ``visits`` are [P]; of a large world they are 0
     outside of ``window``, which has what the screen shows: read them where :meth:`holds` says so.
 
+    ``planning`` tells in words how a planner's sweep is getting on, empty for an agent.
+
     ``exact`` is the exact answer for the γ in force, None while it is computed or where there is none;
     ``exact_refused`` then says why. ``greedy_return`` is the exact expected undiscounted return of the greedy
     policy of this very ``q``, None where it has none or is too dear to compute live.
@@ -105,6 +107,7 @@ class Snapshot:
     exact_refused: str
     bandit: BanditFigures | None
     window: Window | None = None
+    planning: str = ""
 
     def holds(self, pair: int) -> bool:
         """Tell whether ``q`` and ``visits`` of ``pair`` are known."""

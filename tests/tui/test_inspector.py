@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
-from samples import bandit, lake, look, student
+from samples import bandit, lake, look, planning, student
 
 from rl_tui.agents.last_step import LastStep
 from rl_tui.lab.snapshot import Phase, Snapshot
@@ -324,3 +324,14 @@ def test_estimates_that_run_away_are_shown() -> None:
     (line,) = drawn(stepped(lake(), before=-3e11, bootstrap=7.5e11))
     assert "e11" in line
     assert np.isfinite(len(line))
+
+
+def test_a_planner_tells_how_its_sweep_gets_on_where_there_is_room() -> None:
+    last = replace(LAST, pair=-1, episode=7, outcome=-1)
+    progress = "policy 2, evaluation sweep 7: largest change 0.0123"
+    known = planning(last=last, planning=progress)
+    assert any(progress in row for row in drawn(known, 80, 8))
+    narrow = drawn(known, 44, 8)
+    assert any(row.endswith("policy 2, evaluation sweep 7") for row in narrow)
+    assert not any("policy 2" in row for row in drawn(known, 80, 4))
+    assert not any("policy 2" in row for row in drawn(lake(planning=progress), 80, 9))

@@ -30,7 +30,7 @@ class LoopText:
     ``Q(6,←)``, empty if nothing did, for which ``waiting`` gives the reason. ``gathered``, ``discount`` and
     ``bootstrap`` are the symbols of the target, the last empty where nothing is estimated. ``others`` tells
     of further updates of the same step, the longest form first. ``sweep`` is a planner's, from 1; 0 where the
-    step was taken in the world.
+    step was taken in the world. ``planning`` tells how that sweep is getting on.
     """
 
     state: str
@@ -56,6 +56,7 @@ class LoopText:
     is_bandit: bool
     visits: int
     sweep: int
+    planning: str
 
 
 def loop_text(snapshot: Snapshot, last: LastStep, glyphs: Glyphs) -> LoopText:
@@ -95,6 +96,7 @@ def loop_text(snapshot: Snapshot, last: LastStep, glyphs: Glyphs) -> LoopText:
         is_bandit=is_bandit,
         visits=0 if last.planned else int(snapshot.visits[last.pair]),
         sweep=last.episode if last.planned else 0,
+        planning=snapshot.planning if last.planned else "",
     )
 
 

@@ -46,6 +46,8 @@ class StepWriter:
             ]
             if len(form) <= height:
                 break
+        if text.planning and len(form) < height:
+            form[1:1] = [self._progress()]
         return self._with_others(form, height)
 
     def short(self, height: int) -> list[Line]:
@@ -91,6 +93,12 @@ class StepWriter:
         place = [Piece(f"{_GAP}{text.place}", palette.dim)] if text.place else []
         words = [[self._symbol(each), state] for each in (f"{_GAP}backs up state s = ", f"{_GAP}s = ")]
         forms = [[*start, *each, *where] for where in (place, []) for each in words]
+        return first_that_fits(forms, self.width, self._look)
+
+    def _progress(self) -> Line:
+        """Return how the sweep is getting on, in full or its first part."""
+        words = (self.text.planning, self.text.planning.split(":")[0])
+        forms = [[self._label(""), Piece(each, self._palette.text)] for each in words]
         return first_that_fits(forms, self.width, self._look)
 
     def _agent(self, rows: int) -> list[Line]:
