@@ -14,7 +14,7 @@ from rl_tui.agents.drift import new_drift
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.agents.last_step import LastStep
 from rl_tui.agents.loop import advance, start_state
-from rl_tui.agents.planning_loop import state_with_pairs, sweep
+from rl_tui.agents.planning_loop import sweep
 from rl_tui.agents.position import new_episode_log, new_position, new_record, read_record
 from rl_tui.agents.settings import schedules_of, settings_of
 from rl_tui.agents.stepped_loop import SteppedLoop
@@ -152,7 +152,7 @@ class Learner:
     def _begin_anew(self) -> None:
         """Stand where an episode or a sweep begins; one under way is given up."""
         if self.plans:
-            start = state_with_pairs.py_func(self._tables, 0)
+            start = int(np.argmax(np.diff(self.space.first_pair) > 0))
         elif self._stepped is None:
             start = start_state(self._tables, self.streams.world)
         else:

@@ -1,5 +1,8 @@
 from __future__ import annotations
 
+import os
+import subprocess
+import sys
 from collections.abc import Callable
 from dataclasses import replace
 
@@ -283,3 +286,30 @@ def test_a_planner_knows_rewards_where_they_have_drifted_to() -> None:
     assert ours.mdp is not None
     assert ours.q.tolist() == ours.mdp.reward.tolist()
     assert ours.q.tolist() != [0.0] * 3
+
+
+INTERPRETED = """
+from rl_tui.agents.hyperparameters import Hyperparameters
+from rl_tui.agents.learner import Learner
+from rl_tui.worlds.catalogue import find
+from rl_tui.worlds.streams import streams
+
+mdp = find("student").build(streams(0).world).mdp
+planner = Learner(mdp, "value-iteration", Hyperparameters(), streams(0))
+planner.advance(30)
+print(planner.q.tobytes().hex())
+"""
+
+
+def test_a_planner_works_without_the_compiler() -> None:
+    finished = subprocess.run(
+        [sys.executable, "-W", "error", "-c", INTERPRETED],
+        env=os.environ | {"NUMBA_DISABLE_JIT": "1"},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert finished.stderr == ""
+    compiled = learner(shipped("student"), "value-iteration")
+    compiled.advance(30)
+    assert finished.stdout.strip() == compiled.q.tobytes().hex()
