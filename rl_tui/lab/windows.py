@@ -122,7 +122,10 @@ class Windows:
             states += [each for each in (last.state, last.next_state) if each != NO_STATE]
             if last.learned:
                 states.append(self._space.state_of(last.updated_pair))
-        return states if sight.pair is None else [*states, self._space.state_of(sight.pair)]
+        # what a screen last asked for may be of the world before this one
+        if sight.pair is not None and sight.pair < self._space.pairs:
+            states.append(self._space.state_of(sight.pair))
+        return states
 
     def _states_in(self, cells: Cells, state: int) -> list[IntArray]:
         if self._cells is None:

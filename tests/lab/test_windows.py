@@ -158,6 +158,21 @@ def test_to_look_at_a_part_changes_nothing_but_the_pictures(run: Run) -> None:
     assert np.array_equal(after.q[after.window.pairs], plain.learner.q[after.window.pairs])
 
 
+def test_what_was_shown_of_a_larger_world_is_left_out(run: Run) -> None:
+    pairs = run.world.space.pairs
+    far = Sight(Cells(9, 7, 10 * SIDE, 10 * SIDE), Stretch(40, 10 * pairs), pairs)
+    window = shown(run, far).window
+    assert window is not None
+    assert set(window.pairs.tolist()) == set(near_pairs(run))
+
+
+def near_pairs(run: Run) -> list[int]:
+    window = shown(run, NEAR).window
+    assert window is not None
+    pairs: list[int] = window.pairs.tolist()
+    return pairs
+
+
 def test_the_first_of_several_states_in_a_cell_is_found() -> None:
     grid = Grid(2, 2, (CellKind.FLOOR,) * 4, (3, 0, 3, 0, 2), ())
     assert first_state_of_cells(grid).tolist() == [[1, NO_STATE], [4, 0]]
