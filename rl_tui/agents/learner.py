@@ -51,6 +51,13 @@ class Drifted(NamedTuple):
     optimal_pulls: int
 
 
+class Planned(NamedTuple):
+    """How many of the steps and of the episodes so far were a planner's: backups and sweeps."""
+
+    steps: int
+    sweeps: int
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class LearnerState:
     """All that a learner is at one step, to come back to."""
@@ -63,6 +70,7 @@ class LearnerState:
     position: tuple[Any, ...]
     last: tuple[Any, ...]
     streams: tuple[Any, ...]
+    planned: Planned
     stop: Stop
 
 
@@ -96,6 +104,7 @@ class Learner:
         self._position = new_position(0)
         self._log = new_episode_log(EPISODES_LOGGED)
         self._last = new_record()
+        self._planned = Planned(0, 0)
         self._rule: Any
         self._memory: Any
         self._stop = Stop.DONE
@@ -170,6 +179,11 @@ class Learner:
     def plans(self) -> bool:
         """Whether the algorithm in force is a planner, which takes no steps in the world."""
         return BY_ID[self.algorithm].planner
+
+    @property
+    def planned(self) -> Planned:
+        """What part of the work was a planner's, and so not in the world."""
+        return self._planned
 
     @property
     def planning(self) -> str:
@@ -269,9 +283,7 @@ class Learner:
 
     def _advance(self, steps: int, episodes: int) -> int:
         if self.plans:
-            return sweep(
-                self._memory, self._settings, self._tables_now(), self._position, self._last, steps, episodes
-            )
+            return self._plan(steps, episodes)
         told = (self._memory, self._rule, self._settings, self._schedules, self._tables)
         if self._stepped is not None:
             return self._stepped.advance(
@@ -288,6 +300,15 @@ class Learner:
             steps,
             episodes,
         )
+
+    def _plan(self, steps: int, sweeps: int) -> int:
+        before, swept = self.step, self.episodes
+        stop = sweep(
+            self._memory, self._settings, self._tables_now(), self._position, self._last, steps, sweeps
+        )
+        backups, done = self._planned
+        self._planned = Planned(backups + self.step - before, done + self.episodes - swept)
+        return stop
 
     def _tables_now(self) -> Tables:
         """Return the tables as planners know them: with rewards where they have drifted to."""
@@ -344,6 +365,7 @@ class Learner:
             tuple(array.copy() for array in self._position),
             tuple(array.copy() for array in self._last),
             tuple(generator.bit_generator.state for generator in self.streams),
+            self._planned,
             self._stop,
         )
 
@@ -363,6 +385,7 @@ class Learner:
         for generator, bits in zip(self.streams, state.streams, strict=True):
             generator.bit_generator.state = bits
         self._log.finished[0] = 0
+        self._planned = state.planned
         self._stop = state.stop
 
     def _pair_name(self, pair: int) -> str:

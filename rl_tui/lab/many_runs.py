@@ -107,6 +107,7 @@ class _Experiment:
         self._done = [0] * runs
         self._curves: list[RunCurve | None] = [None] * runs
         first = Run(recipe, evaluate=False)
+        self._planner = first.learner.plans
         self._bandit = isinstance(first.world.drawing, Arms)
         self._world = None if drawn_from_seed(recipe.scenario) else first.world
         # Where the world drifts, each run comes to other means, and so to another exact answer
@@ -146,9 +147,9 @@ class _Experiment:
 
         How wide its bins are shows only when all runs are done, if these were given a number of steps: then
         they are simply done once more, since the same recipe gives the same episodes, in no memory to speak
-        of.
+        of. The sweeps of a planner have no returns, and so no curve.
         """
-        if episodes == 0:
+        if episodes == 0 or self._planner:
             return no_curve(self._bandit)
         if any(curve is None for curve in self._curves):
             self._goal = Goal(episodes=episodes)
@@ -212,7 +213,7 @@ class _Experiment:
         return run
 
     def _curve_of(self, index: int) -> list[OnEpisodes]:
-        if not self._goal.episodes:
+        if not self._goal.episodes or self._planner:
             return []
         curve = RunCurve(self._goal.episodes)
         self._curves[index] = curve

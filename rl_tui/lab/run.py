@@ -41,9 +41,9 @@ class Run:
     """What one recipe and its journal come to, step by step: the same bits however the steps are chunked.
 
     ``beginning`` is what :func:`begin` made of the recipe, if it is at hand. ``evaluate`` takes marks, which
-    never influence learning. ``episode_limit`` ends the run after so many episodes. ``on_episodes`` is called
-    with the returns and lengths of finished episodes and whether each took the best arm of a bandit, [n]
-    each, in order and each once.
+    never influence learning. ``episode_limit`` ends the run after so many episodes of an agent.
+    ``on_episodes`` is called with the returns and lengths of finished episodes and whether each took the best
+    arm of a bandit, [n] each, in order and each once.
     """
 
     def __init__(
@@ -94,13 +94,17 @@ class Run:
     @property
     def bandit(self) -> BanditFigures | None:
         """How the pulls of a bandit were spent; None where the world is no bandit."""
+        if self.world.budget is None:
+            return None
         learner = self.learner
-        return bandit_figures(self.world, learner.visits, self.history.total_return, learner.drifted)
+        # A planner's backup counts as a visit of every arm, but it pulls none
+        pulled = learner.visits - learner.planned.steps
+        return bandit_figures(self.world, pulled, self.history.total_return, learner.drifted)
 
     @property
     def spent(self) -> bool:
-        """Whether the episodes it may take are used up."""
-        return self.learner.episodes >= self.episode_limit
+        """Whether the episodes it may take are used up; sweeps of a planner are none."""
+        return self.learner.episodes >= self._last_episode
 
     @property
     def converged(self) -> bool:
@@ -112,7 +116,7 @@ class Run:
         """Why it goes no further, as a sentence; empty while it does."""
         if not self.converged:
             return self.stop_reason
-        sweeps, accuracy = self.learner.episodes, self.learner.hyperparameters.accuracy
+        sweeps, accuracy = self.learner.planned.sweeps, self.learner.hyperparameters.accuracy
         return f"converged after {sweeps:,} sweeps: no value moved by more than {accuracy:g} in the last one"
 
     @property
@@ -130,10 +134,12 @@ class Run:
         """Take ``steps`` steps or finish ``episodes`` episodes, whichever is first, unless it is over."""
         learner = self.learner
         last_step = learner.step + steps
-        last_episode = min(learner.episodes + episodes, self.episode_limit)
+        last_episode = learner.episodes + episodes
+        if not learner.plans:
+            last_episode = min(last_episode, self._last_episode)
         while not self.stop_reason:
             self._mark_if_due()
-            if learner.converged or learner.step >= last_step or learner.episodes >= last_episode:
+            if self.over or learner.step >= last_step or learner.episodes >= last_episode:
                 return
             mark = self._next_mark
             until = last_step if mark is None else min(last_step, mark)
@@ -233,11 +239,21 @@ class Run:
         return self._windows.copy(sight, self._seen_state(), learner.last_step, learner.q, learner.visits)
 
     def _seen_state(self) -> int:
-        """Return where the agent is: after an episode's last step still where that step led."""
-        last = self.learner.last_step
-        if last is not None and self.learner.episode_step == 0:
-            return last.next_state
-        return self.learner.state
+        """Return where the agent is: after an episode's last step still where that step led.
+
+        After a sweep's last step it is the state backed up. Where a planner has taken over from an agent, or
+        the other way round, the last step tells nothing about that.
+        """
+        learner, last = self.learner, self.learner.last_step
+        if last is None or learner.episode_step > 0:
+            return learner.state
+        ended = last.planned if learner.plans else last.terminated or last.truncated
+        return last.next_state if ended else learner.state
+
+    @property
+    def _last_episode(self) -> int:
+        """The number of the last episode within the limit."""
+        return self.episode_limit + self.learner.planned.sweeps
 
     @property
     def _next_mark(self) -> int | None:

@@ -1,0 +1,92 @@
+"""Runs in which a planner takes over, or is all there is: what it does is not done in the world."""
+
+from __future__ import annotations
+
+import pytest
+from recipes import bandit, one_run, recipe
+
+from rl_tui.lab.many_runs import many_runs
+from rl_tui.lab.recipe import Recipe, SetParameter, SwitchAlgorithm
+from rl_tui.lab.run import Run, replay
+from rl_tui.lab.snapshot import Phase
+from rl_tui.lab.training import Goal
+
+PLAN = SwitchAlgorithm("value-iteration")
+LEARN = SwitchAlgorithm("q-learning")
+
+
+def seen_state(run: Run) -> int:
+    return run.snapshot(Phase.PAUSED).state
+
+
+def test_a_planner_pulls_no_arm() -> None:
+    figures = one_run(recipe("bandit", algorithm="value-iteration"), Goal(episodes=100))
+    assert (figures["regret"], figures["winnings"], figures["best_arm_rate"]) == (0.0, 0.0, None)
+
+
+@pytest.mark.parametrize("scenario", ["bandit", "bandit-drifting"])
+def test_what_was_pulled_stays_the_same_while_a_planner_is_at_work(scenario: str) -> None:
+    run = Run(recipe(scenario), evaluate=False)
+    run.advance(100)
+    before = run.bandit
+    run.apply(PLAN)
+    run.advance()
+    assert run.converged
+    assert run.bandit == before
+    assert before is not None
+    assert before.pulls == 100
+
+
+def test_sweeps_are_not_taken_from_the_budget() -> None:
+    run = Run(bandit(budget=50, algorithm="value-iteration"), evaluate=False, episode_limit=50)
+    run.advance()
+    run.apply(LEARN)
+    run.advance()
+    assert run.bandit is not None
+    assert (run.bandit.pulls, run.history.episodes, run.spent) == (50, 50, True)
+
+
+def test_a_planner_says_how_many_sweeps_were_its_own() -> None:
+    alone = Run(recipe("student", algorithm="value-iteration"), evaluate=False)
+    alone.advance()
+    later = Run(recipe("student"), evaluate=False)
+    later.advance(episodes=40)
+    later.learner.q[:] = 0.0
+    later.apply(PLAN)
+    later.advance()
+    assert later.message == alone.message
+    assert "converged after" in alone.message
+
+
+def test_many_runs_of_a_planner_have_no_curve() -> None:
+    for goal in (Goal(episodes=100), Goal(steps=40)):
+        document = many_runs(recipe("student", algorithm="value-iteration"), 2, goal)
+        assert set(map(len, document["curve"].values())) == {0}
+        assert all(row["episodes"] > 0 for row in document["runs"])
+
+
+def test_whoever_takes_over_is_seen_where_it_begins() -> None:
+    run = Run(recipe("frozenlake"), evaluate=False)
+    while run.learner.episode_step == 0 or run.learner.state == 0:
+        run.advance(1)
+    run.apply(PLAN)
+    assert seen_state(run) == run.learner.state == 0
+    run.advance(episodes=1)
+    last = run.learner.last_step
+    assert last is not None
+    assert seen_state(run) == last.state != 0
+    run.apply(LEARN)
+    assert seen_state(run) == run.learner.state == 0
+
+
+def test_a_checkpoint_knows_what_was_planned() -> None:
+    made_from: Recipe = bandit(budget=30, algorithm="value-iteration")
+    run = Run(made_from, evaluate=False)
+    run.advance()
+    run.apply(SetParameter("epsilon", 0.5))
+    run.apply(LEARN)
+    run.advance(10)
+    other = Run(made_from, evaluate=False)
+    other.restore(run.checkpoint())
+    assert other.bandit == run.bandit == replay(made_from, run.journal, run.step).bandit
+    assert other.learner.planned == run.learner.planned == (2, 2)
