@@ -8,6 +8,8 @@ from typing import Final
 TICK: Final = 1 / 60
 MOST_DEBT: Final = 0.25
 CHUNK: Final = 0.015
+# A step of Dyna-Q may take as long as 30,000 of Q-learning, and one in an environment as long as 1,000
+FIRST_CHUNK: Final = 16
 LARGEST_CHUNK: Final = 4_000_000
 WINDOW: Final = 1.0
 SHORTEST_MEASURE: Final = 0.2
@@ -54,7 +56,7 @@ class ChunkSize:
     """How many steps fit into one chunk, as measured, so that commands never wait long."""
 
     def __init__(self) -> None:
-        self.steps = 1_000
+        self.steps = FIRST_CHUNK
 
     def measured(self, steps: int, seconds: float) -> None:
         """Learn from a full chunk of ``steps`` that took ``seconds``."""

@@ -90,6 +90,7 @@ class Playback:
             self._sight = command.sight
         elif isinstance(command, Apply):
             self._ready_run.apply(command.change)
+            self._chunk = ChunkSize()  # a step may now take a thousand times as long
             if self.phase is Phase.DONE and not self._ready_run.over:
                 self.phase = Phase.PAUSED  # what was changed gives the planner something to do again
             if not self._ready_run.learner.is_warm:
@@ -164,6 +165,7 @@ class Playback:
         run = Run(self._recipe, beginning, episode_limit=beginning.world.budget)
         run.warm_up()
         self._run = run
+        self._chunk = ChunkSize()
         self._answers.answer(run.learner.hyperparameters.gamma)
         self._rest()
 

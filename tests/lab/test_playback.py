@@ -7,6 +7,7 @@ from recipes import bandit, recipe
 
 from rl_tui.agents import learner
 from rl_tui.lab.commands import Apply, Pause, Play, Restart, RunEpisode, SetSpeed, Step, Train
+from rl_tui.lab.pacing import FIRST_CHUNK
 from rl_tui.lab.playback import Playback
 from rl_tui.lab.recipe import JournalEntry, Recipe, SetParameter, SwitchAlgorithm
 from rl_tui.lab.run import replay
@@ -203,7 +204,8 @@ def test_a_change_that_does_not_fit_is_refused() -> None:
 def test_a_spent_budget_ends_the_run() -> None:
     playback = ready(bandit(100), speed=None)
     playback.handle(Play())
-    playback.work()
+    while playback.work() is not None:
+        pass
     spent = playback.snapshot()
     assert spent.phase is Phase.SPENT
     assert spent.bandit is not None
@@ -277,3 +279,19 @@ def test_a_planner_that_is_done_goes_on_with_another_discount() -> None:
     assert again.phase is Phase.DONE
     assert again.exact is not None
     assert abs(again.q - again.exact.q).max() < 1e-8
+
+
+@pytest.mark.parametrize(
+    "command", [Apply(SetParameter("planning_steps", 10_000)), Restart(recipe("student", seed=1))]
+)
+def test_how_long_a_step_takes_is_found_out_anew_after_a_change(command: Apply | Restart) -> None:
+    playback = ready(recipe("student"), speed=None)
+    playback.handle(Play())
+    for _ in range(12):
+        playback.work()
+    assert playback.snapshot().step > 1_000_000
+    playback.handle(command)
+    before = playback.snapshot().step
+    playback.handle(Play())
+    playback.work()
+    assert playback.snapshot().step - before == FIRST_CHUNK

@@ -15,7 +15,7 @@ from rl_tui.worlds.space import FiniteSpace, FloatArray, IntArray
 
 
 class Memory(NamedTuple):
-    """all that Expected SARSA remembers: an estimate and a count for each pair, both [P]."""
+    """All that Expected SARSA remembers: an estimate and a count for each pair, both [P]."""
 
     q: FloatArray
     visits: IntArray
