@@ -3,9 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, NamedTuple
+
+from rl_tui.agents.hyperparameters import Hyperparameters
 
 NOTHING: Final = -1
+
+
+class Author(NamedTuple):
+    """Who took the last step: the algorithm and the hyper-parameters that were in force then."""
+
+    algorithm: str
+    hyperparameters: Hyperparameters
 
 
 @dataclass(frozen=True, slots=True)

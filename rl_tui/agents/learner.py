@@ -12,7 +12,7 @@ from rl_tui.agents.catalogue import BY_ID, RULE_BY_ID
 from rl_tui.agents.compatibility import check_compatible
 from rl_tui.agents.drift import new_drift
 from rl_tui.agents.hyperparameters import Hyperparameters
-from rl_tui.agents.last_step import LastStep
+from rl_tui.agents.last_step import Author, LastStep
 from rl_tui.agents.loop import advance, start_state
 from rl_tui.agents.planning_loop import sweep
 from rl_tui.agents.position import new_episode_log, new_position, new_record, read_record
@@ -71,6 +71,7 @@ class LearnerState:
     last: tuple[Any, ...]
     streams: tuple[Any, ...]
     planned: Planned
+    author: Author
     stop: Stop
 
 
@@ -105,6 +106,7 @@ class Learner:
         self._log = new_episode_log(EPISODES_LOGGED)
         self._last = new_record()
         self._planned = Planned(0, 0)
+        self._author = Author(algorithm, hyperparameters)
         self._rule: Any
         self._memory: Any
         self._stop = Stop.DONE
@@ -244,6 +246,11 @@ class Learner:
         return read_record(self._last)
 
     @property
+    def author(self) -> Author:
+        """Who took the last step; before the first, who will."""
+        return self._author
+
+    @property
     def stop_reason(self) -> str:
         """Why the learner will not go on, as a sentence; empty while it will."""
         last = self.last_step
@@ -253,7 +260,8 @@ class Learner:
             return ""
         if self._stop is Stop.DIVERGED:
             pair = self._pair_name(int(np.argmax(np.nan_to_num(np.abs(self.q), nan=np.inf))))
-            remedy = "discount" if self.plans else "step size"
+            traces = "lambda" in BY_ID[self.algorithm].parameters
+            remedy = "discount" if self.plans else "step size or λ" if traces else "step size"
             return f"Q({pair}) left ±1e12 at step {last.step:,}: take a smaller {remedy} or start again"
         if self._stop is Stop.ENDLESS_EPISODE:
             return f"episode {last.episode:,} has not ended after 10,000,000 steps, at step {last.step:,}"
@@ -278,7 +286,10 @@ class Learner:
             return self._stop
         if self._log.finished[0] == EPISODES_LOGGED:
             return Stop.EPISODES_FULL
+        before = self.step
         self._stop = Stop(self._advance(steps, episodes))
+        if self.step > before:
+            self._author = Author(self.algorithm, self.hyperparameters)
         return self._stop
 
     def _advance(self, steps: int, episodes: int) -> int:
@@ -366,6 +377,7 @@ class Learner:
             tuple(array.copy() for array in self._last),
             tuple(generator.bit_generator.state for generator in self.streams),
             self._planned,
+            self._author,
             self._stop,
         )
 
@@ -386,6 +398,7 @@ class Learner:
             generator.bit_generator.state = bits
         self._log.finished[0] = 0
         self._planned = state.planned
+        self._author = state.author
         self._stop = state.stop
 
     def _pair_name(self, pair: int) -> str:

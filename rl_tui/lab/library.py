@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from rl_tui.agents.catalogue import BY_ID
-from rl_tui.agents.hyperparameters import PARAMETERS, Hyperparameters
+from rl_tui.agents.hyperparameters import PARAMETERS, SAMPLE_AVERAGE, Hyperparameters
 from rl_tui.lab.recipe import Recipe, begin
 from rl_tui.worlds import catalogue
 from rl_tui.worlds.errors import Fault, ScenarioError, UserError
@@ -89,6 +89,9 @@ def recipe_for(scenario: Scenario, overrides: Mapping[str, object] | None = None
         )
     if isinstance(seed, bool) or not isinstance(seed, int) or seed < 0:
         raise UserError(f"seed is {shown(seed)}; expected a whole number, 0 or more")
+    if chosen.get("policy") == "gradient" and "alpha" not in (overrides or {}):
+        # A gradient's step cannot be the sample average that a bandit's file suggests; a number there stays
+        chosen = {name: value for name, value in chosen.items() if value != SAMPLE_AVERAGE}
     hyperparameters = Hyperparameters()
     for name, value in chosen.items():
         if name not in PARAMETERS:

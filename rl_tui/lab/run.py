@@ -227,6 +227,7 @@ class Run:
             bandit=self.bandit,
             window=window,
             planning=learner.planning,
+            author=learner.author,
         )
 
     def _window(self, sight: Sight | None) -> Window | None:

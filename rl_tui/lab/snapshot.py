@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 
 from rl_tui.agents.hyperparameters import Hyperparameters
-from rl_tui.agents.last_step import LastStep
+from rl_tui.agents.last_step import Author, LastStep
 from rl_tui.agents.solution import Solution
 from rl_tui.lab.recipe import Recipe
 from rl_tui.lab.windows import Window
@@ -75,7 +75,8 @@ class Snapshot:
     it ended in, until the next episode begins. ``q`` and ``visits`` are [P]; of a large world they are 0
     outside of ``window``, which has what the screen shows: read them where :meth:`holds` says so.
 
-    ``planning`` tells in words how a planner's sweep is getting on, empty for an agent.
+    ``author`` is who took the last step, None where it is whoever is in force. ``planning`` tells in words
+    how a planner's sweep is getting on, empty for an agent.
 
     ``exact`` is the exact answer for the γ in force, None while it is computed or where there is none;
     ``exact_refused`` then says why. ``greedy_return`` is the exact expected undiscounted return of the greedy
@@ -108,6 +109,12 @@ class Snapshot:
     bandit: BanditFigures | None
     window: Window | None = None
     planning: str = ""
+    author: Author | None = None
+
+    @property
+    def learned_by(self) -> tuple[str, Hyperparameters]:
+        """The algorithm and the hyper-parameters by which the last step was taken."""
+        return (self.algorithm, self.hyperparameters) if self.author is None else self.author
 
     def holds(self, pair: int) -> bool:
         """Tell whether ``q`` and ``visits`` of ``pair`` are known."""

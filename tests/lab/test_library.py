@@ -149,3 +149,13 @@ def test_what_the_screen_imports_first_loads_neither_numba_nor_gymnasium() -> No
     )
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"
+
+
+def test_the_gradient_bandit_takes_a_step_size_where_the_file_averages() -> None:
+    bandit = find("bandit")
+    assert recipe_for(bandit, {"policy": "gradient"}).hyperparameters.alpha == 0.1
+    assert recipe_for(bandit, {"policy": "gradient", "alpha": 0.4}).hyperparameters.alpha == 0.4
+    assert recipe_for(
+        bandit, {"policy": "gradient", "alpha": "sample-average"}
+    ).hyperparameters.sample_average
+    assert recipe_for(bandit, {"policy": "ucb"}).hyperparameters.sample_average

@@ -204,3 +204,19 @@ def test_the_agent_is_seen_where_an_episode_ended_until_the_next_begins() -> Non
     begun = run.snapshot(Phase.PAUSED)
     assert begun.last is not None
     assert begun.last.state == int(run.world.space.start_state[0])
+
+
+def test_the_last_step_is_told_by_whoever_took_it() -> None:
+    run = Run(recipe("frozenlake"))
+    run.advance(steps=5)
+    run.apply(SwitchAlgorithm("value-iteration"))
+    run.apply(SetParameter("policy", "softmax"))
+    shown = run.snapshot(Phase.PAUSED)
+    assert shown.algorithm == "value-iteration"
+    algorithm, told = shown.learned_by
+    assert (algorithm, told.policy) == ("q-learning", "epsilon-greedy")
+    kept = run.checkpoint()
+    run.advance(steps=1)
+    assert run.snapshot(Phase.PAUSED).learned_by[0] == "value-iteration"
+    run.restore(kept)
+    assert run.snapshot(Phase.PAUSED).learned_by[0] == "q-learning"

@@ -14,11 +14,12 @@ from rl_tui.tui.widgets.update_text import setting
 
 def choice_text(snapshot: Snapshot, last: LastStep, glyphs: Glyphs) -> tuple[str, str]:
     """Return how the action came about, in full and in short."""
-    rule = RULE_BY_ID[snapshot.hyperparameters.policy]
+    _, told_by = snapshot.learned_by
+    rule = RULE_BY_ID[told_by.policy]
     if "epsilon" in rule.parameters:
         return _epsilon_greedy(snapshot, last, glyphs)
     values = [
-        f"{PARAMETERS[name].symbol} = {_value(snapshot.hyperparameters.value(name), glyphs)}"
+        f"{PARAMETERS[name].symbol} = {_value(told_by.value(name), glyphs)}"
         for name in rule.parameters
         if PARAMETERS[name].slide is not None
     ]

@@ -61,12 +61,11 @@ class LoopText:
 
 def loop_text(snapshot: Snapshot, last: LastStep, glyphs: Glyphs) -> LoopText:
     """Return the words of ``last``, the last step of ``snapshot``."""
-    world, terms = snapshot.world, BY_ID[snapshot.algorithm].update
+    algorithm, told = snapshot.learned_by
+    world, terms = snapshot.world, BY_ID[algorithm].update
     is_bandit = isinstance(world.drawing, Arms)
     bootstrap = _bootstrap(snapshot, last, terms, glyphs)
-    update = update_text(
-        last, _usual_step_size(snapshot.hyperparameters, last), glyphs, bootstraps=bool(bootstrap)
-    )
+    update = update_text(last, _usual_step_size(told, last), glyphs, bootstraps=bool(bootstrap))
     choice, brief_choice = ("", "") if last.planned else choice_text(snapshot, last, glyphs)
     meant, went, chance = _environment(snapshot, last, glyphs)
     table = _TABLES[last.table]
@@ -96,7 +95,7 @@ def loop_text(snapshot: Snapshot, last: LastStep, glyphs: Glyphs) -> LoopText:
         is_bandit=is_bandit,
         visits=0 if last.planned else int(snapshot.visits[last.pair]),
         sweep=last.episode if last.planned else 0,
-        planning=snapshot.planning if last.planned else "",
+        planning=snapshot.planning if last.planned and algorithm == snapshot.algorithm else "",
     )
 
 
