@@ -8,7 +8,9 @@ from samples import bandit, big_lake, lake, look, stepped_lake, student
 from textual.app import App, ComposeResult
 
 from rl_tui.lab.snapshot import Snapshot
+from rl_tui.tui.widgets import names
 from rl_tui.tui.widgets.model import ModelPanel
+from rl_tui.worlds.catalogue import find
 
 
 def panel(snapshot: Snapshot | None, pair: int | None = None, *, ascii: bool = False) -> ModelPanel:  # noqa: A002
@@ -36,6 +38,13 @@ def test_the_five_parts_of_a_grid() -> None:
     assert "terminal 5, 7, 11, 12, 15" in text
     assert "after 100 steps the time limit cuts the episode off" in text
     assert made.heading == "Model ⟨S, A, P, R, γ⟩ · FrozenLake 4×4 slippery"
+
+
+def test_the_place_in_the_drawing_is_told_of_plain_numbers_only() -> None:
+    taxi = find("taxi").build(np.random.default_rng(0))
+    state = taxi.space.state_names.index("2,3 R→B")
+    assert names.place(taxi, state) == ""
+    assert names.place(lake().world, 6) == "row 1, column 2"
 
 
 def test_the_outcomes_of_a_pair_and_where_it_slips() -> None:
