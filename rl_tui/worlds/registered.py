@@ -44,10 +44,13 @@ def made(name: str, kwargs: Mapping[str, Any]) -> Env[Any, Any]:
                 spec = gymnasium.registry[name]
                 return gymnasium.make(spec, **{"disable_env_checker": True, **kwargs})
     except Exception as error:  # whatever an environment's constructor may raise
-        found = f"what makes {name} fail ({reason_of(error)})"
-        raise WorldRefusedError(
-            Finding(("kwargs" if kwargs else "id",), found, f"what {name} takes")
-        ) from error
+        reason = reason_of(error)
+        finding = (
+            Finding(("kwargs",), f"what makes {name} fail ({reason})", f"what {name} takes")
+            if kwargs
+            else Finding(("id",), f"{name}, which cannot be made ({reason})", "one that can be made here")
+        )
+        raise WorldRefusedError(finding) from error
 
 
 def _may_serve(entry_point: object) -> bool:

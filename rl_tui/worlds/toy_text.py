@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from contextlib import closing
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
@@ -20,6 +20,8 @@ from rl_tui.worlds.world_section import WorldRefusedError
 
 if TYPE_CHECKING:
     from gymnasium import Env
+
+_ENTRY: Final = 4  # probability, next state, reward, terminated
 
 
 class NoTableError(WorldRefusedError):
@@ -39,8 +41,9 @@ def world_of(name: str, kwargs: Mapping[str, Any], *, computed: bool = False) ->
 
     States are called "0", "1", … where the environment has no better names; the time limit is the
     environment's own. ``computed`` also takes tables that are worked out here from the rules: that of
-    Blackjack. Raises WorldRefusedError where it is not registered, cannot be made, has no start or rewards
-    beyond ±1e12; NoTableError where it is no finite MDP with a table that can be read.
+    Blackjack. Raises WorldRefusedError where it is not registered, cannot be made, has no start, rewards
+    beyond ±1e12 or a table that contradicts itself; NoTableError where it is no finite MDP with a table that
+    can be read.
     """
     with closing(made(name, kwargs)) as environment:
         if computed and is_blackjack(environment.unwrapped):
@@ -63,8 +66,12 @@ def world_of(name: str, kwargs: Mapping[str, Any], *, computed: bool = False) ->
             limit,
         )
     except (TypeError, ValueError) as error:
+        # not "no table": to step what contradicts itself would only hide that
         found = f"a table in which {one_line(str(error), 200)}"
-        raise _no_table(found, "a sound transition table") from error
+        expected = (
+            "a sound transition table, or table = false in a scenario file, which steps it all the same"
+        )
+        raise _refusal("kwargs" if kwargs else "id", found, expected) from error
     largest = float(mdp.reward[np.argmax(np.abs(mdp.reward))])
     if abs(largest) > LARGEST_NUMBER:
         found = f"a reward of {largest:g}"
@@ -90,11 +97,15 @@ def _table(name: str, environment: Env[Any, Any], states: int, actions: int) -> 
     if table is None:
         raise _no_table(f"{name}, which has no transition table", "one that has")
     try:
-        complete = all(len(table[s][a]) > 0 for s in range(states) for a in range(actions))
+        outcomes = [table[s][a] for s in range(states) for a in range(actions)]
+        complete = all(len(entries) > 0 for entries in outcomes)
+        readable = all(len(entry) == _ENTRY for entries in outcomes for entry in entries)
     except (LookupError, TypeError):
-        complete = False
+        complete = readable = False
     if not complete:
         raise _no_table(f"{name}, whose table has gaps", "outcomes for every state and action")
+    if not readable:
+        raise _no_table(f"{name}, whose table has another form", "(probability, state, reward, terminated)")
     return table
 
 

@@ -260,7 +260,7 @@ def test_refuses(kwargs, key, found):
 UNSOUND = {s: {a: [(0.5, 0, 0.0, False)] for a in (0, 1)} for s in range(3)}
 
 
-def test_by_its_table_where_it_is_sound_and_stepped_where_not():
+def test_by_its_table_where_it_has_one_and_stepped_where_not():
     sound = {s: {a: [(1.0, 0, 0.0, True)] for a in (0, 1)} for s in range(3)}
     start = np.array([1.0, 0.0, 0.0])
 
@@ -270,9 +270,13 @@ def test_by_its_table_where_it_is_sound_and_stepped_where_not():
 
     assert tabled(sound)
     assert not tabled(sound, False)
-    assert not tabled(UNSOUND)
+    assert not tabled(None)
+    assert not tabled({s: {a: [(1.0, 0, 0.0)] for a in (0, 1)} for s in range(3)})
     with pytest.raises(WorldRefusedError, match=r"sum to 0\.5"):
         tabled(UNSOUND, True)
+    with pytest.raises(WorldRefusedError, match=r"sum to 0\.5"):
+        tabled(UNSOUND)
+    assert not tabled(UNSOUND, False)
     with pytest.raises(WorldRefusedError, match="Told-v0, which has no transition table"):
         GymnasiumSection(id="Told-v0", table=True).build(None)
 

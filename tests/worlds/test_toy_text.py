@@ -11,6 +11,7 @@ from gymnasium.spaces import Discrete
 
 from rl_tui.worlds.catalogue import find
 from rl_tui.worlds.drawing import CellKind, Grid
+from rl_tui.worlds.gymnasium_section import GymnasiumSection
 from rl_tui.worlds.toy_text import world_of
 from rl_tui.worlds.world_section import WorldRefusedError
 
@@ -189,6 +190,13 @@ def test_refuses(name, kwargs, found):
     assert refusal.value.finding.found == found
 
 
+def test_impossible_chances_are_refused_and_not_stepped():
+    section = GymnasiumSection(id="FrozenLake-v1", kwargs={"success_rate": 1.5})
+    (finding,) = section.environment_findings()
+    assert finding.location == ("kwargs",)
+    assert finding.found == "a table in which state 0, action 0: expected probabilities of at least 0"
+
+
 class Counting(gymnasium.Env):
     """A discrete environment; what it lacks or has is set by the test."""
 
@@ -227,6 +235,21 @@ def test_refuses_unsound_tables_and_closes_the_environment(attributes, found):
     finally:
         del gymnasium.registry["Counting-v0"]
     assert Counting.closed == before + 1
+
+
+def test_what_cannot_be_made_without_arguments_is_said_of_the_id():
+    def broken():
+        raise ImportError("no jax here")
+
+    gymnasium.register("Broken-v0", broken)
+    try:
+        with pytest.raises(WorldRefusedError) as refusal:
+            world_of("Broken-v0", {})
+    finally:
+        del gymnasium.registry["Broken-v0"]
+    assert refusal.value.finding.location == ("id",)
+    assert refusal.value.finding.found == "Broken-v0, which cannot be made (ImportError: no jax here)"
+    assert refusal.value.finding.expected == "one that can be made here"
 
 
 class Tabled(Counting):
