@@ -12,13 +12,16 @@ from rl_tui.worlds.world import World
 
 MOST_ROWS: Final = 100
 MOST_COLUMNS: Final = 40
+UNKNOWN: Final = "."
+BLANK: Final = "In no state does one action look better than the others."
 
 
 def policy_map(world: World, policy: Sequence[Sequence[str]]) -> str:
     """Return a drawing of ``policy``, the names of the actions that it takes in each state (ties: several).
 
     An arrow is a move, a letter the action that begins with it. A dot says that all legal actions look
-    equally good.
+    equally good. Of a world that is stepped nobody knows which states occur: there the rows and columns at
+    the edges in which nothing is known are left out.
     """
     drawing = world.drawing
     if isinstance(drawing, Grid) and drawing.rows <= MOST_ROWS and drawing.columns <= MOST_COLUMNS:
@@ -35,14 +38,27 @@ def _grid(world: World, grid: Grid, policy: Sequence[Sequence[str]]) -> str:
     directions = zip(space.action_names, grid.directions, strict=True)
     arrows = {name: glyphs.direction(step) if step else name[0] for name, step in directions}
     cells = [_cell(kind, glyphs) for kind in grid.kinds]
+    known = [False] * len(cells)
     for state, actions in enumerate(policy):
         legal = len(space.pairs_of(state))
         if legal:
             unknown = legal > 1 and len(actions) == legal
-            drawn = "." if unknown else "".join(arrows[action] for action in actions)
+            drawn = UNKNOWN if unknown else "".join(arrows[action] for action in actions)
             cells[grid.cell_of_state[state]] = drawn
+            known[grid.cell_of_state[state]] = not unknown
     rows = [cells[first : first + grid.columns] for first in range(0, len(cells), grid.columns)]
-    return columns(rows)
+    if world.mdp is not None:
+        return columns(rows)
+    if not any(known):
+        return BLANK
+    places = [divmod(cell, grid.columns) for cell, is_known in enumerate(known) if is_known]
+    down, across = zip(*places, strict=True)
+    top, bottom, left, right = min(down), max(down), min(across), max(across)
+    drawing = columns([row[left : right + 1] for row in rows[top : bottom + 1]])
+    if (top, bottom, left, right) == (0, grid.rows - 1, 0, grid.columns - 1):
+        return drawing
+    shown = f"rows {top} to {bottom} and columns {left} to {right}, counted from 0"
+    return f"{drawing}\n({shown}; nothing is known of those left out)"
 
 
 def _cell(kind: CellKind, glyphs: Glyphs) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +11,9 @@ import pytest
 from click.testing import CliRunner, Result
 
 from rl_tui.cli.main import program
+from rl_tui.cli.policy_map import policy_map
+from rl_tui.lab.library import find, recipe_for
+from rl_tui.lab.recipe import begin
 
 EXACT = ("value_at_start", "optimal_value_at_start", "expected_return", "max_error", "greedy_ends")
 BINS = """
@@ -70,11 +74,25 @@ def test_reports_leave_out_what_nobody_knows():
     one = run("train", "blackjack", "--episodes", "60")
     assert one.exit_code == 0
     assert "this environment has no transition table" in one.stdout
-    assert "604 more" in one.stdout
+    drawing = one.stdout.split("\n\n")[1].splitlines()
+    top, bottom, left, right = map(int, re.findall(r"[0-9]+(?= to| and|,)", drawing[-1]))
+    assert 4 <= top < bottom <= 21, "a sum below 4 or above 21 is never seen"
+    assert 1 <= left < right
+    assert len(drawing) == bottom - top + 2
+    assert "nothing is known of those left out" in drawing[-1]
     several = run("train", "blackjack", "--episodes", "60", "--runs", "2")
     assert several.exit_code == 0
     assert "value at the start" not in several.stdout
     assert "return, last 60 episodes" in several.stdout
+
+
+def test_a_policy_of_which_nothing_is_known_is_a_sentence():
+    world = begin(recipe_for(find("blackjack"), {}, 0)).world
+    nothing = [list(world.space.action_names)] * world.space.states
+    assert policy_map(world, nothing) == "In no state does one action look better than the others."
+    nothing[16 * 22 + 10 * 2] = ["hit"]
+    line = "(rows 16 to 16 and columns 10 to 10, counted from 0; nothing is known of those left out)"
+    assert policy_map(world, nothing) == f"h\n{line}"
 
 
 def test_bins_of_a_file(tmp_path: Path):
