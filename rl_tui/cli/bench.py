@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import click
 
+from rl_tui.cli.help_sections import SectionedCommand
 from rl_tui.cli.number import Whole
 from rl_tui.cli.output import columns, print_json
 from rl_tui.cli.run_options import json_option, run_options, seed_option
 
 
-@click.command("bench")
+@click.command("bench", cls=SectionedCommand)
 @click.argument("scenario", metavar="[SCENARIO|FILE.toml|gym:ENV_ID]", default="frozenlake-slippery")
 @click.option(
     "--rounds", type=Whole(1, 1000), default=5, show_default=True, help="how often each is timed, in turns"

@@ -7,10 +7,11 @@ from typing import Any
 import click
 
 from rl_tui.cli.display_options import display_of, display_options
+from rl_tui.cli.help_sections import SectionedCommand
 from rl_tui.cli.run_options import run_options, seed_option
 
 
-@click.command("play")
+@click.command("play", cls=SectionedCommand)
 @click.argument("scenario", metavar="[SCENARIO|FILE.toml|gym:ENV_ID]", required=False)
 @run_options
 @seed_option

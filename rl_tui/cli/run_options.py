@@ -9,7 +9,7 @@ from typing import Any, Final
 import click
 
 from rl_tui.agents.catalogue import BY_ID
-from rl_tui.agents.hyperparameters import PARAMETERS
+from rl_tui.agents.hyperparameters import PARAMETERS, Parameter
 from rl_tui.cli.number import ParameterValue, Whole
 
 Command = Callable[..., Any]
@@ -37,6 +37,15 @@ def run_options(command: Command) -> Command:
             f"--{parameter.name.replace('_', '-')}",
             parameter.name,
             type=ParameterValue(parameter),
-            help=f"{parameter.symbol}, {parameter.help}: {parameter.expected}",
+            help=_help(parameter),
         )(decorated)
-    return click.option("--algorithm", type=click.Choice(list(BY_ID)), help="how the agent learns")(decorated)
+    return click.option(
+        "--algorithm", type=click.Choice(list(BY_ID)), metavar="NAME", help=f"one of {', '.join(BY_ID)}"
+    )(decorated)
+
+
+def _help(parameter: Parameter) -> str:
+    """Return what it is and what it takes, each said once: words alone stand in place of the value."""
+    is_a_sign = len(parameter.symbol.strip("₀")) == 1 and parameter.symbol != parameter.name
+    named = f"{parameter.symbol}, {parameter.help}" if is_a_sign else parameter.help
+    return named if parameter.range is None else f"{named}: {parameter.expected}"

@@ -10,6 +10,7 @@ from typing import Any
 import click
 
 from rl_tui.cli.display_options import display_of, display_options
+from rl_tui.cli.help_sections import SectionedCommand
 from rl_tui.cli.number import OptionValue
 from rl_tui.cli.run_options import run_options, seed_option
 
@@ -30,7 +31,7 @@ class ScreenSize(OptionValue):
         return columns, rows
 
 
-@click.command("screenshot")
+@click.command("screenshot", cls=SectionedCommand)
 @click.argument("scenario", metavar="[SCENARIO|FILE.toml|gym:ENV_ID]", required=False)
 @click.option("--out", required=True, metavar="F.svg", help="the file to write; - for stdout")
 @click.option("--size", type=ScreenSize(), default="120x40", show_default=True, help="columns x rows")

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Final, TextIO
 
 import click
 
+from rl_tui.cli.help_sections import SectionedCommand
 from rl_tui.cli.number import Whole
 from rl_tui.cli.output import counted, print_json
 from rl_tui.cli.progress import progress
@@ -26,7 +27,7 @@ STDOUT: Final = "-"
 Outcome = tuple[dict[str, Any], Callable[[], str]]
 
 
-@click.command("train")
+@click.command("train", cls=SectionedCommand)
 @scenario_argument
 @click.option("--episodes", type=Whole(1, MOST), help="train so many episodes  [default: the scenario's]")
 @click.option("--steps", type=Whole(1, MOST), help="train so many steps instead")

@@ -262,14 +262,7 @@ def test_list() -> None:
     rows = document("list")
     assert all(list(row) == LIST for row in rows)
     shipped = {row["id"]: row for row in rows}
-    assert list(shipped)[:6] == [
-        "bandit",
-        "student",
-        "frozenlake",
-        "frozenlake-slippery",
-        "frozenlake-8x8",
-        "frozenlake-8x8-slippery",
-    ]
+    assert list(shipped)[:5] == ["bandit", "bandit-bernoulli", "bandit-drifting", "student", "frozenlake"]
     sizes = {name: tuple(row[key] for key in LIST[3:7]) for name, row in shipped.items()}
     assert sizes["student"] == (4, 5, 5, 100)
     assert sizes["frozenlake"] == (16, 4, 44, 100)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -49,6 +50,30 @@ def test_every_hyper_parameter_is_an_option_with_its_range() -> None:
         text = " ".join(run(command, "--help").stdout.split())
         for parameter in PARAMETERS.values():
             assert f"--{parameter.name.replace('_', '-')} " in text
+
+
+def test_help_has_a_section_for_each_purpose() -> None:
+    text = run("train", "--help").stdout
+    titles = re.findall(r"^(\w.*):$", text, re.MULTILINE)
+    assert titles == [
+        "Options",
+        "How the agent learns",
+        "How it chooses actions",
+        "For some algorithms only",
+        "How α and ε change from episode to episode",
+    ]
+    parts = dict(zip(titles, re.split(r"^\w.*:$", text, flags=re.MULTILINE)[1:], strict=True))
+    assert re.findall(r"^  --([\w-]+)", parts["How the agent learns"], re.MULTILINE) == [
+        "algorithm",
+        "alpha",
+        "gamma",
+        "initial-q",
+    ]
+    assert "--ties" in parts["How it chooses actions"]
+    assert "--traces" in parts["For some algorithms only"]
+    assert text.count("thompson") == 1, "a word is told once"
+    assert max(map(len, text.splitlines())) <= 80
+    assert "SCENARIO" not in text.split("\n", 1)[1]
 
 
 @pytest.mark.parametrize(
@@ -246,10 +271,11 @@ def test_more_pulls_than_the_budget_are_made_but_said(count: str, more: tuple[st
 
 def test_check_accepts_the_shipped_scenarios() -> None:
     folder = Path(__file__).parents[2] / "scenarios"
-    result = run("check", *sorted(str(file) for file in folder.glob("*.toml")))
+    files = sorted(str(file) for file in folder.glob("*.toml"))
+    result = run("check", *files)
     assert result.exit_code == 0
     assert result.stderr == ""
-    assert result.stdout.count(": ok\n") == 6
+    assert result.stdout.count(": ok\n") == len(files)
 
 
 @pytest.mark.parametrize("args", [(), ("play",), ("play", "frozenlake")])
