@@ -20,6 +20,7 @@ from rl_tui.worlds.grid_map import (
     MOST_CELLS,
     MOST_CHARACTERS,
     START,
+    WAY_CHARACTERS,
     RandomMap,
     first_place,
     lines_of,
@@ -175,6 +176,10 @@ def _meeting_findings(
     leaving = raw.get("rewards") == "leaving"
     for character, entry in sorted(on_map.items()):
         where = ("legend", character)
+        if key == "random" and entry.is_wall and character in WAY_CHARACTERS:
+            yield Finding(
+                (*where, "kind"), "wall", "a cell to walk on: a map that is drawn has a way to its goal"
+            )
         if entry.jump is not None:
             yield from _jump_findings((*where, "jump"), entry.jump, shape, legend)
         if entry.back and starts > 1:

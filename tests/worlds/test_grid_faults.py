@@ -45,6 +45,10 @@ ONE_FAULT = {
         ("random", "random beside map", "either a map or one to be drawn"),
     ),
     "a map that is no text": ("map = 3\n", ("map", "3", "a map of characters, a line for each row")),
+    "a wall in the way of a drawn map": (
+        'random = { rows = 3, columns = 3 }\n[grid.legend]\nG = { kind = "wall" }\n',
+        ("legend.G.kind", "wall", "a cell to walk on: a map that is drawn has a way to its goal"),
+    ),
     "an empty map": ('map = ""\n', ("map", "an empty map", "a line of characters for each row")),
     "a map of line breaks": (
         'map = "\\n\\n"\n',
