@@ -21,6 +21,8 @@ if TYPE_CHECKING:
     from rl_tui.worlds.stepped_states import BinStates
 
 MOST_BINS: Final = 1_000_000
+_MOST_DECIMALS: Final = 12
+_FINEST: Final = 1e-14  # of the bounds; a double has 16 digits
 
 
 def _is_list(value: object) -> bool:
@@ -84,6 +86,9 @@ class BinsSection(Section):
             if not least < most:
                 raise _refusal(("high",), f"{most:g}", f"more than {least:g} in dimension {dimension}")
             width = (most - least) / count
+            if width < _FINEST * max(abs(least), abs(most)) or width == 0.0:
+                found = f"{count:,} bins from {least:g} to {most:g}"
+                raise _refusal(("count", dimension), found, "fewer: numbers are not as fine as that")
             edges.append([least + width * place for place in range(1, count)])
             names.append(_middle_names(least, width, count))
         return BinStates(edges, names)
@@ -124,7 +129,10 @@ def _bounds(name: str, key: str, values: Any, counts: Sequence[int]) -> list[flo
 def _middle_names(low: float, width: float, count: int) -> list[str]:
     """Return the middles of equal bins, written as short as keeps them apart."""
     middles = [low + width * (place + 0.5) for place in range(count)]
-    for digits in range(17):
+    fewest = max(-math.floor(math.log10(width)) - 1, 0)
+    if fewest > _MOST_DECIMALS:
+        return [repr(middle) for middle in middles]
+    for digits in range(fewest, fewest + 4):
         names = [f"{middle:.{digits}f}" for middle in middles]
         apart = len(set(names)) == count
         if apart and all(abs(float(n) - m) <= 0.1 * width for n, m in zip(names, middles, strict=True)):
@@ -136,6 +144,9 @@ def _range_names(edges: Sequence[float]) -> list[str]:
     """Return the bins between edges as ranges: <a, a..b, ≥b."""
     if not edges:
         return ["any"]
-    shown_edges = [f"{edge:g}" for edge in edges]
+    for digits in range(6, 18):
+        shown_edges = [f"{edge:.{digits}g}" for edge in edges]
+        if len(set(shown_edges)) == len(edges):
+            break
     between = [f"{low}..{high}" for low, high in pairwise(shown_edges)]
     return [f"<{shown_edges[0]}", *between, f">={shown_edges[-1]}"]

@@ -142,3 +142,28 @@ def test_a_world_of_bins():
     environment = world.new_environment()
     assert environment.reset(0) in range(4)
     assert environment.step(1).reward == 1.0
+
+
+@pytest.mark.parametrize(
+    "raw",
+    [
+        {"low": [0.0], "high": [1e-300], "count": [1000]},
+        {"low": [-1e12], "high": [1e12], "count": [1000]},
+        {"low": [0.0], "high": [1e-9], "count": [3]},
+        {"edges": [[1.0000001, 1.0000002, 1.0000003]]},
+        {"edges": [[1e-300, 2e-300, 1.0]]},
+    ],
+)
+def test_bins_however_narrow_have_names_of_their_own(raw):
+    (names,) = BinsSection.model_validate(raw).states("a", Box(-1.0, 1.0, (1,))).part_names
+    assert len(set(names)) == len(names)
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "count"), [(0.0, 5e-324, 10), (1e12 - 1.0, 1e12, 1_000_000), (1.0, 1.0 + 1e-15, 2)]
+)
+def test_bins_narrower_than_numbers_are_refused(low, high, count):
+    section = BinsSection.model_validate({"low": [low], "high": [high], "count": [count]})
+    with pytest.raises(WorldRefusedError, match="fewer: numbers are not as fine as that") as refusal:
+        section.states("a", Box(-1.0, 1.0, (1,)))
+    assert refusal.value.finding.location == ("bins", "count", 0)
