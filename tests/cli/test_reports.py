@@ -6,6 +6,7 @@ import io
 import json
 import re
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -18,6 +19,7 @@ from rl_tui.cli.policy_map import policy_map
 from rl_tui.cli.progress import progress
 from rl_tui.lab.library import find, recipe_for
 from rl_tui.lab.recipe import begin
+from rl_tui.worlds.drawing import Graph
 
 
 def report(*args: str) -> str:
@@ -138,6 +140,13 @@ def test_where_all_actions_look_alike_the_map_shows_a_dot() -> None:
     names = list(world.space.action_names)
     drawing = policy_map(world, [names if world.space.pairs_of(state) else [] for state in range(16)])
     assert drawing.splitlines() == [".  .  .  .", ".  ●  .  ●", ".  .  .  ●", "●  .  .  ★"]
+
+
+def test_without_a_map_the_first_hundred_states_are_listed() -> None:
+    world = begin(recipe_for(find("blackjack"))).world
+    listed = policy_map(replace(world, drawing=Graph(())), [["hit"]] * 704).splitlines()
+    assert [line.split()[-1] for line in listed] == ["greedy", *["hit"] * 100, "all"]
+    assert listed[-1] == "... and 604 more: --json has all"
 
 
 def test_a_terminal_without_arrows_gets_ascii(monkeypatch: pytest.MonkeyPatch) -> None:
