@@ -1,3 +1,5 @@
+"""One learner and its steps, with Q-learning; what holds for every algorithm is tested for each elsewhere."""
+
 from __future__ import annotations
 
 import math
@@ -9,24 +11,12 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from random_worlds import worlds
 
-from rl_tui.agents import loop
 from rl_tui.agents.hyperparameters import Hyperparameters, Ties
 from rl_tui.agents.learner import EPISODES_LOGGED, Learner
 from rl_tui.agents.planning import solve
 from rl_tui.agents.stop import Stop
 from rl_tui.worlds.mdp import Outcome, TabularMDP, Transition, tabular_mdp
 from rl_tui.worlds.streams import streams
-
-hyperparameters = st.builds(
-    Hyperparameters,
-    alpha=st.sampled_from([0.1, 0.5, 1.0, "sample-average"]),
-    gamma=st.sampled_from([0.0, 0.9, 1.0]),
-    epsilon=st.sampled_from([0.0, 0.1, 1.0]),
-    epsilon_min=st.sampled_from([0.0, 0.05]),
-    epsilon_decay=st.sampled_from([0.0, 0.01]),
-    initial_q=st.sampled_from([0.0, 2.5]),
-    ties=st.sampled_from(["random", "first"]),
-)
 
 
 def learner(mdp: TabularMDP, told: Hyperparameters | None = None, seed: int = 0) -> Learner:
@@ -61,68 +51,6 @@ def endless(reward: float = 1.0, time_limit: int = 0) -> TabularMDP:
     )
 
 
-@given(worlds(), hyperparameters, st.integers(0, 1000), st.integers(0, 200))
-@settings(max_examples=40, deadline=None)
-def test_interpreted_and_compiled_give_the_same_bits(
-    mdp: TabularMDP, told: Hyperparameters, seed: int, steps: int
-) -> None:
-    compiled, interpreted = learner(mdp, told, seed), learner(mdp, told, seed)
-    compiled.advance(steps)
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("rl_tui.agents.learner.advance", loop.advance.py_func)
-        interpreted.advance(steps)
-    assert_same(compiled, interpreted)
-
-
-@given(worlds(), hyperparameters, st.integers(0, 1000), st.lists(st.integers(0, 120), max_size=8))
-@settings(max_examples=60, deadline=None)
-def test_how_the_work_is_cut_does_not_matter(
-    mdp: TabularMDP, told: Hyperparameters, seed: int, chunks: list[int]
-) -> None:
-    whole, cut = learner(mdp, told, seed), learner(mdp, told, seed)
-    whole.advance(sum(chunks))
-    for chunk in chunks:
-        cut.advance(chunk)
-    assert_same(whole, cut)
-
-
-@given(worlds(), hyperparameters, st.integers(0, 100), st.integers(0, 100))
-@settings(max_examples=40, deadline=None)
-def test_a_checkpoint_brings_everything_back(
-    mdp: TabularMDP, told: Hyperparameters, before: int, after: int
-) -> None:
-    straight, rewound = learner(mdp, told), learner(mdp, told)
-    straight.advance(before + after)
-    straight.drain_episodes()
-    rewound.advance(before)
-    rewound.drain_episodes()
-    kept = rewound.checkpoint()
-    rewound.configure(Hyperparameters(alpha=1.0, epsilon=1.0))
-    rewound.advance(500)
-    rewound.restore(kept)
-    rewound.advance(after)
-    rewound.drain_episodes()
-    assert_same(straight, rewound)
-
-
-def assert_same(one: Learner, other: Learner) -> None:
-    assert one.q.tobytes() == other.q.tobytes()
-    assert one.visits.tolist() == other.visits.tolist()
-    assert (one.step, one.episodes, one.state, one.episode_step) == (
-        other.step,
-        other.episodes,
-        other.state,
-        other.episode_step,
-    )
-    assert one.episode_return == other.episode_return
-    assert one.last_step == other.last_step
-    assert one.first_reward_episode == other.first_reward_episode
-    for mine, yours in zip(one.streams, other.streams, strict=True):
-        assert mine.bit_generator.state == yours.bit_generator.state
-    for mine, yours in zip(one.drain_episodes(), other.drain_episodes(), strict=True):
-        assert mine.tobytes() == yours.tobytes()
-
-
 def test_exploration_picks_every_legal_action_equally_the_greedy_one_included() -> None:
     pulls = 40_000
     ours = learner(one_state([0.0, 1.0, 0.0, 0.0]), Hyperparameters(alpha=1.0, epsilon=0.4))
@@ -145,22 +73,6 @@ def test_only_exact_equality_is_a_tie() -> None:
     ours.advance(100)
     assert ours.visits[0] in (0, 1)
     assert ours.visits.sum() == 100
-
-
-def test_a_terminated_step_does_not_bootstrap_a_truncated_one_does() -> None:
-    told = Hyperparameters(alpha=1.0, gamma=0.5, initial_q=10.0)
-    truncated = learner(endless(time_limit=1), told)
-    truncated.advance(1)
-    assert truncated.q.tolist() == [1.0 + 0.5 * 10.0]
-    assert truncated.last_step is not None
-    assert truncated.last_step.truncated
-    assert not truncated.last_step.terminated
-    terminated = learner(one_state([1.0], time_limit=1), told)
-    terminated.advance(1)
-    assert terminated.q.tolist() == [1.0]
-    assert terminated.last_step is not None
-    assert terminated.last_step.terminated
-    assert not terminated.last_step.truncated
 
 
 def test_sample_average_is_the_mean_of_what_was_seen() -> None:
