@@ -270,12 +270,12 @@ def test_more_pulls_than_the_budget_are_made_but_said(count: str, more: tuple[st
 
 
 def test_check_accepts_the_shipped_scenarios() -> None:
-    folder = Path(__file__).parents[2] / "scenarios"
-    files = sorted(str(file) for file in folder.glob("*.toml"))
+    files = sorted(str(file) for file in (Path(__file__).parents[2] / "scenarios").glob("*.toml"))
     result = run("check", *files)
     assert result.exit_code == 0
     assert result.stderr == ""
-    assert result.stdout.count(": ok\n") == len(files)
+    assert result.stdout == "".join(f"{file}: ok\n" for file in files)
+    assert len(files) >= 25
 
 
 @pytest.mark.parametrize("args", [(), ("play",), ("play", "frozenlake")])
