@@ -19,9 +19,10 @@ check: $(VENV)/ready
 test: $(VENV)/ready
 	$(BIN)/python -m pytest
 
-# Look at every picture that changed before you keep it: CONTRIBUTING.md says how
+# Look at every picture that changed before you keep it: CONTRIBUTING.md says how.
+# Only one process alone deletes pictures that no test draws any more
 snapshots: $(VENV)/ready
-	$(BIN)/python -m pytest tests/tui --snapshot-update
+	$(BIN)/python -m pytest tests/tui --snapshot-update -n 0
 
 run: $(VENV)/ready
 	$(BIN)/rl-tui

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any, Final
 
 import pytest
@@ -54,3 +55,11 @@ def test_catalogue(size: tuple[int, int], snap_compare: Any, make_app: MakeApp) 
         await settle(pilot)
 
     assert snap_compare(make_app(), terminal_size=size, run_before=choose_a_lake)
+
+
+def test_no_picture_is_left_over() -> None:
+    kept = Path(__file__).parent / "__snapshots__" / "test_pictures"
+    drawn = [f"playground[{scenario}-{moment}" for scenario, moments in MOMENTS.items() for moment in moments]
+    names = {f"test_{one}-{_named(size)}].svg" for one in drawn for size in SIZES}
+    names |= {f"test_catalogue[{_named(size)}].svg" for size in SIZES}
+    assert {path.name for path in kept.iterdir()} == names
