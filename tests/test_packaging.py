@@ -73,7 +73,7 @@ def test_the_wheel_works_in_an_empty_environment_from_another_folder(dist: Path,
     venv.EnvBuilder(with_pip=True).create(home)
     binaries = home / "bin"
     installing = subprocess.run(
-        [binaries / "python", "-m", "pip", "install", "--quiet", wheel_in(dist)],
+        [binaries / "python", "-m", "pip", "install", "--quiet", "--no-compile", wheel_in(dist)],
         capture_output=True,
         text=True,
         check=False,
