@@ -31,7 +31,7 @@ def command(scenario: str, gamma: float | None, seed: int, as_json: bool) -> Non
     """
     from rl_tui.agents.planning import solve
     from rl_tui.lab.exact import NO_TABLE
-    from rl_tui.lab.figures import policy_names, table
+    from rl_tui.lab.figures import MOST_STATES, policy_names, table
     from rl_tui.lab.library import find, recipe_for
     from rl_tui.lab.recipe import begin
     from rl_tui.worlds.errors import UserError
@@ -41,6 +41,8 @@ def command(scenario: str, gamma: float | None, seed: int, as_json: bool) -> Non
     mdp = world.mdp
     if mdp is None:
         raise UserError(f"{recipe.scenario.id} has no exact answer: {NO_TABLE}")
+    if mdp.states > MOST_STATES:
+        click.echo(f"{mdp.states:,} states: the exact answer may take many minutes", err=True)
     solution = solve(mdp, recipe.hyperparameters.gamma)
     answer = {
         "scenario": recipe.scenario.id,

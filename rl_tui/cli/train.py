@@ -66,6 +66,7 @@ def command(
     chosen = find(scenario)
     recipe = recipe_for(chosen, overrides, seed)
     goal = Goal(steps=steps) if steps is not None else Goal(episodes=episodes or episodes_of(chosen))
+    _warn_of_no_effect(recipe, overrides)
     _warn_beyond_budget(recipe, goal)
     target = _target(csv)
     if runs is None:
@@ -82,6 +83,16 @@ def _target(csv: str | None) -> Path | TextIO | None:
     if csv == STDOUT:
         return sys.stdout
     return None if csv is None else Path(csv)
+
+
+def _warn_of_no_effect(recipe: Recipe, overrides: dict[str, object]) -> None:
+    from rl_tui.agents.catalogue import BY_ID
+    from rl_tui.lab.library import without_effect
+
+    policy = "" if BY_ID[recipe.algorithm].planner else f" with policy {recipe.hyperparameters.policy}"
+    for name in without_effect(recipe, overrides):
+        option = f"--{name.replace('_', '-')}"
+        click.echo(f"{option} has no effect: {recipe.algorithm}{policy} does not use it", err=True)
 
 
 def _warn_beyond_budget(recipe: Recipe, goal: Goal) -> None:

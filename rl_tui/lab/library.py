@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any, Final
 
-from rl_tui.agents.catalogue import BY_ID
+from rl_tui.agents.catalogue import BY_ID, parameters_of
 from rl_tui.agents.hyperparameters import PARAMETERS, SAMPLE_AVERAGE, Hyperparameters
 from rl_tui.lab.recipe import Recipe, begin
 from rl_tui.worlds import catalogue
@@ -101,6 +101,12 @@ def recipe_for(scenario: Scenario, overrides: Mapping[str, object] | None = None
         except ValueError as fault:
             raise UserError(str(fault)) from fault
     return Recipe(scenario, algorithm, hyperparameters, seed)
+
+
+def without_effect(recipe: Recipe, overrides: Mapping[str, object]) -> list[str]:
+    """Return which of ``overrides`` the algorithm and the policy of ``recipe`` do not use."""
+    used = parameters_of(recipe.algorithm, recipe.hyperparameters.policy)
+    return [name for name in overrides if name in PARAMETERS and name not in used]
 
 
 def episodes_of(scenario: Scenario) -> int:

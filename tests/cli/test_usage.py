@@ -338,3 +338,16 @@ def test_an_interrupt_is_quiet(tmp_path: Path) -> None:
         out, err = process.communicate()
     assert process.returncode == 130
     assert (out, err.strip()) == (b"", b"")
+
+
+def test_an_option_that_nobody_uses_is_told() -> None:
+    result = run("train", "frozenlake", "--episodes", "5", "--lambda", "0.5", "--temperature", "1")
+    assert result.exit_code == 0
+    assert result.stderr.splitlines() == [
+        "--temperature has no effect: q-learning with policy epsilon-greedy does not use it",
+        "--lambda has no effect: q-learning with policy epsilon-greedy does not use it",
+    ]
+    planned = run("train", "frozenlake", "--algorithm", "value-iteration", "--epsilon", "0.5")
+    assert planned.stderr == "--epsilon has no effect: value-iteration does not use it\n"
+    used = run("train", "frozenlake", "--episodes", "5", "--algorithm", "sarsa-lambda", "--lambda", "0.5")
+    assert used.stderr == ""
