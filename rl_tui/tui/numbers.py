@@ -18,7 +18,8 @@ def value(x: float, width: int, glyphs: Glyphs = UNICODE, decimals: int = DECIMA
     """Return ``x`` in at most ``width`` cells, with as many decimals as fit, ``decimals`` at the most.
 
     ``0.540``, ``.54``, ``−1.20``, ``12.3``, ``1.2e6``. A number that would round to zero is
-    written ``4e-4`` where that fits, except below 1e-9. Where nothing fits, ``width`` times ``#``.
+    written ``4e-4`` where that fits, except below 1e-9. Where an exponent does not fit either, it is
+    written ``−12k``, ``−.1M``; where nothing fits, ``width`` times ``#``.
     """
     if not math.isfinite(x):
         text = "nan" if math.isnan(x) else "inf" if x > 0 else f"{glyphs.minus}inf"
@@ -31,7 +32,8 @@ def value(x: float, width: int, glyphs: Glyphs = UNICODE, decimals: int = DECIMA
     )
     if plain and (x == 0.0 or _has_digits(plain)):
         return plain
-    return _widest_that_fits(_with_exponent(x, glyphs), width) or plain or "#" * width
+    forms = _with_exponent(x, glyphs) if abs(x) < 1.0 else _in_short(x, glyphs)
+    return _widest_that_fits(forms, width) or plain or "#" * width
 
 
 def fixed(x: float, decimals: int, glyphs: Glyphs = UNICODE, leading_zero: bool = True) -> str:
@@ -102,6 +104,18 @@ def _scaled(x: float, decimals: int, gap: str) -> str:
     texts = [(f"{x / scale:.{decimals}f}", unit) for scale, unit in _SCALES]
     text, unit = next((each for each in texts if float(each[0]) < 1_000), texts[-1])
     return f"{text}{gap}{unit}" if unit else text
+
+
+def _in_short(x: float, glyphs: Glyphs) -> list[str]:
+    """Return forms of a large ``x``, the longest first; those in units cover what exponents do not."""
+    *longer, shortest = _with_exponent(x, glyphs)
+    units = [(x / scale, unit) for scale, unit in _SCALES[1:]]
+    whole = [fixed(part, 0, glyphs) + unit for part, unit in units if 1.0 <= abs(part) < 999.5]
+    tenths = [
+        fixed(part, 1, glyphs, leading_zero=False) + unit for part, unit in units if 0.095 <= abs(part) < 0.95
+    ]
+    bound = [f"<{glyphs.minus}1T" if x < 0.0 else ">1T"] if abs(x) > 1e12 else []
+    return [*longer, *whole, shortest, *tenths, *bound]
 
 
 def _with_exponent(x: float, glyphs: Glyphs) -> list[str]:

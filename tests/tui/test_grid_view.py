@@ -53,7 +53,8 @@ def small(snapshot: Snapshot, height: int = 4, width: int = 20) -> list[str]:
     assert isinstance(grid, Grid)
     grid_map = GridMap(snapshot.world.space, grid)
     artist = CellArtist(look(), CellForm(5, 1))
-    strips = draw_grid(grid_map, snapshot, artist, whole(snapshot), width, height)
+    part = whole(snapshot)
+    strips = draw_grid(grid_map.contents(part, snapshot), artist, part, width, height)
     return [strip.text for strip in strips]
 
 
@@ -207,6 +208,23 @@ def test_the_view_moves_only_where_the_agent_nears_its_edge(
     first: int, place: int | None, expected: int
 ) -> None:
     assert kept_in_view(first, place, shown=10, total=100) == expected
+
+
+def test_values_of_three_digits_are_never_number_signs() -> None:
+    snapshot = large_lake()
+    q = np.full_like(snapshot.q, -100.0)
+    view = GridView(snapshot.world, look())
+    assert view.picture(replace(snapshot, q=q), 60, 10)[1].text.startswith("  −100  −100  −100")
+    assert "−12k" in view.picture(replace(snapshot, q=120 * q), 60, 10)[1].text
+    assert view.picture(snapshot, 60, 10)[1].text.startswith("   .00")  # as wide as they have been
+    medium = large_lake(10)
+    view = GridView(medium.world, look())
+    assert view.picture(medium, 50, 10)[1].text.startswith("  .00")
+    below = replace(medium, q=np.full_like(medium.q, -100.0), step=1)
+    assert not set("#1") & set(view.picture(below, 50, 10)[1].text)
+    assert view.heading == "World · greedy, V as tint"
+    view.picture(medium, 50, 10)
+    assert view.heading == "World · V and greedy"
 
 
 def large_lake(side: int = 40) -> Snapshot:

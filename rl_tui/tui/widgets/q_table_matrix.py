@@ -125,7 +125,7 @@ def matrix_form(scene: Scene, width: int, lines: int) -> MatrixForm | None:
         if (form := _form(scene, needed, width, least)) is not None:
             return form
         width -= 1  # the scroll bar
-    return _form(scene, 1, width, LEAST_FIELD)
+    return _form(scene, 1, width, LEAST_FIELD if scene.shown.low > -99.5 else FIELD_WITH_SIGN)
 
 
 def _form(scene: Scene, blocks: int, width: int, least: int) -> MatrixForm | None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from itertools import chain
 from typing import Final
 
@@ -14,8 +15,8 @@ from rl_tui.lab.windows import Cells, is_large
 from rl_tui.tui.scrolling import Scrolled, kept_in_view
 from rl_tui.tui.theme.look import Look
 from rl_tui.tui.world_views.grid_cells import CellArtist
-from rl_tui.tui.world_views.grid_form import CellForm, cell_form
-from rl_tui.tui.world_views.grid_map import GridMap, Part
+from rl_tui.tui.world_views.grid_form import LEAST_DIGITS, CellForm, cell_form, digits_needed
+from rl_tui.tui.world_views.grid_map import CellContent, GridMap, Part
 from rl_tui.tui.world_views.view import WorldView
 from rl_tui.worlds.drawing import Grid
 from rl_tui.worlds.world import World
@@ -46,6 +47,7 @@ class GridView(WorldView):
         self._part: Part | None = None
         self._told: Cells | None = None
         self._artist: CellArtist | None = None
+        self._digits, self._step = LEAST_DIGITS, 0
         self.heading = HEADING
 
     @property
@@ -70,8 +72,11 @@ class GridView(WorldView):
 
     def drawing(self, snapshot: Snapshot, width: int, height: int) -> list[Strip]:
         """Return the map, or the part of it that fits."""
+        if snapshot.step < self._step:  # another run
+            self._digits = LEAST_DIGITS
+        self._step = snapshot.step
         grid = self._map.grid
-        form = cell_form(grid.rows, grid.columns, width, height)
+        form = cell_form(grid.rows, grid.columns, width, height, self._digits)
         rows, columns = (
             min(grid.rows, max(1, height // form.height)),
             min(grid.columns, max(1, width // form.width)),
@@ -80,9 +85,14 @@ class GridView(WorldView):
         self._top = kept_in_view(self._top, row if self._following else None, rows, grid.rows)
         self._left = kept_in_view(self._left, column if self._following else None, columns, grid.columns)
         self._part = part = Part(self._top, self._left, rows, columns)
+        cells = self._map.contents(part, snapshot)
+        needed = digits_needed(each.value for each in cells if each.value is not None)
+        if needed > self._digits:  # they stay as wide, lest the map jump to and fro
+            self._digits = needed
+            return self.drawing(snapshot, width, height)
         self.heading = HEADING if form.has_values else HEADING_WITHOUT_VALUES
         self.footing = self._where(width)
-        return draw_grid(self._map, snapshot, self._artist_for(form), part, width, height)
+        return draw_grid(cells, self._artist_for(form), part, width, height)
 
     def redraw(self) -> None:
         """Draw again; say so where another part of a large map has come into view."""
@@ -135,13 +145,13 @@ def _stretch(first: int, shown: int, total: int) -> str:
 
 
 def draw_grid(
-    grid_map: GridMap, snapshot: Snapshot, artist: CellArtist, part: Part, width: int, height: int
+    cells: Sequence[CellContent], artist: CellArtist, part: Part, width: int, height: int
 ) -> list[Strip]:
-    """Return ``part`` of the map in the middle of width × height characters.
+    """Return ``cells``, those of ``part`` row by row, in the middle of width × height characters.
 
     The tints go from the least to the greatest value in ``part``, 0 included.
     """
-    cells, form, text = grid_map.contents(part, snapshot), artist.form, artist.look.palette.text
+    form, text = artist.form, artist.look.palette.text
     shown = [each.value for each in cells if each.value is not None and math.isfinite(each.value)]
     low, high = min(shown, default=0.0), max(shown, default=0.0)
     drawn = artist.drawn(cells, min(low, 0.0), max(high, 0.0))

@@ -2,42 +2,59 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Final, NamedTuple
 
-LEAST_WIDTH: Final = 5  # mark, arrow and a value of three characters
+LEAST_DIGITS: Final = 3  # .54
+MOST_DIGITS_NEEDED: Final = 4  # −100, −12k
+_WITH_DIGITS: Final = 2  # mark and arrow beside a value in one row
 LEAST_ARROWS: Final = 2  # mark and arrow
 MOST_HEIGHT: Final = 5
 
 
 class CellForm(NamedTuple):
-    """Characters a cell: one row has the value beside the arrow, more have it below."""
+    """Characters a cell: one row has the value beside the arrow, more have it below.
+
+    Values need ``least_digits`` characters.
+    """
 
     width: int
     height: int
+    least_digits: int = LEAST_DIGITS
 
     @property
     def has_values(self) -> bool:
         """Whether there is room for V(s); narrower cells have mark and arrow alone."""
-        return self.width >= LEAST_WIDTH
+        return self.width >= _least_width(self.height, self.least_digits)
 
     @property
     def digits(self) -> int:
         """The characters that a value has."""
         if self.height == 1:
-            return 3 if self.width < 8 else 4
+            return self.least_digits if self.width < 8 else 4
         return 4 if self.width < 12 else 6
 
 
-def cell_form(rows: int, columns: int, width: int, height: int) -> CellForm:
+def digits_needed(values: Iterable[float]) -> int:
+    """Return the characters that all ``values`` can be written in: 4 where one is below −99, else 3."""
+    return LEAST_DIGITS if all(value > -99.5 for value in values) else MOST_DIGITS_NEEDED
+
+
+def cell_form(rows: int, columns: int, width: int, height: int, digits: int = LEAST_DIGITS) -> CellForm:
     """Return the largest form in which rows × columns cells fit into width × height characters.
 
-    Where they fit only without their values, they go without. Where even then they do not, the form is the
+    Values need ``digits`` characters. Where they fit only without their values, they go without. Where even then they do not, the form is the
     smallest with values: a part of the map is in view.
     """
     if rows > height or columns * LEAST_ARROWS > width:
-        return CellForm(max(LEAST_WIDTH, min(8, width // columns)), 1)
-    if columns * LEAST_WIDTH > width:
-        return CellForm(width // columns, 1)
+        return CellForm(max(_least_width(1, digits), min(8, width // columns)), 1, digits)
     cell_height = min(MOST_HEIGHT, height // rows)
+    if columns * _least_width(cell_height, digits) > width:
+        return CellForm(width // columns, 1, digits)
     widest = max(8, 4 * cell_height + 2)  # characters are about twice as high as wide
-    return CellForm(min(widest, width // columns), cell_height)
+    return CellForm(min(widest, width // columns), cell_height, digits)
+
+
+def _least_width(height: int, digits: int) -> int:
+    """Return the width from which a cell has room for its value; more than one row always has four digits."""
+    return _WITH_DIGITS + (digits if height == 1 else LEAST_DIGITS)
