@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from rl_tui.lab.bandit import bandit_figures
+from rl_tui.lab.exact import NO_TABLE
 from rl_tui.lab.recipe import Recipe
 from rl_tui.lab.snapshot import Curve, Marks, Phase, Snapshot
 from rl_tui.worlds.mdp import FloatArray, IntArray
@@ -40,6 +41,6 @@ def preparing(recipe: Recipe, world: World, speed: float | None, message: str) -
         length_last_100=None,
         greedy_return=None,
         exact=None,
-        exact_refused="",
+        exact_refused=NO_TABLE if world.mdp is None else "",
         bandit=bandit_figures(world, visits, winnings=0.0),
     )

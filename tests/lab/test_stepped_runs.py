@@ -14,6 +14,7 @@ from rl_tui.lab.exact import NO_TABLE, exact_now
 from rl_tui.lab.figures import training_figures
 from rl_tui.lab.library import find, listing, recipe_for
 from rl_tui.lab.many_runs import many_runs
+from rl_tui.lab.preparing import preparing
 from rl_tui.lab.recipe import Recipe, SetParameter
 from rl_tui.lab.run import Run
 from rl_tui.lab.snapshot import Phase
@@ -69,6 +70,7 @@ def test_a_snapshot_says_why_there_is_no_exact_answer():
     assert len(snapshot.marks.step) == 0
     assert snapshot.last is not None
     assert snapshot.last.outcome == -1
+    assert preparing(run.recipe, run.world, None, "").exact_refused == NO_TABLE
 
 
 def test_a_journal_is_followed_bit_for_bit():

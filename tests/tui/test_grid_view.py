@@ -19,6 +19,7 @@ from rl_tui.tui.world_views.grid_form import CellForm, cell_form
 from rl_tui.tui.world_views.grid_map import CellContent, GridMap, Part
 from rl_tui.worlds.drawing import CellKind, Grid
 from rl_tui.worlds.mdp import FloatArray
+from rl_tui.worlds.space import FiniteSpace
 from rl_tui.worlds.world import World
 
 
@@ -154,6 +155,16 @@ def test_nothing_known_has_no_arrow_and_another_style_than_a_zero_that_was_visit
     known = view.picture(visited(start, 1), 40, 8)
     assert known[1].text == unknown[1].text
     assert style_at(known[1], 14) == palette.value(0.0)
+
+
+def test_without_a_table_the_zero_of_a_state_never_visited_is_a_dot() -> None:
+    start = lake(step=0)
+    mdp = start.world.space
+    space = FiniteSpace(mdp.state_names, mdp.action_names, mdp.first_pair, mdp.pair_action, mdp.time_limit)
+    snapshot = visited(replace(start, world=World(space, start.world.drawing)), 1)
+    assert picture(snapshot, 40, 8)[1] == "    ·        .00        ·         ·     "
+    assert small(snapshot)[0] == "◉ .00 +.00  .00  .00"
+    assert picture(snapshot, 20, 4)[0] == "◉   · +.00    ·    ·"
 
 
 def test_optimistic_estimates_alone_are_not_knowledge() -> None:

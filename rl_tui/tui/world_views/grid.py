@@ -121,7 +121,7 @@ class GridView(WorldView):
     def _artist_for(self, form: CellForm) -> CellArtist:
         artist = self._artist
         if artist is None or artist.form != form or artist.look is not self.look:
-            artist = self._artist = CellArtist(self.look, form)
+            artist = self._artist = CellArtist(self.look, form, has_table=self.world.mdp is not None)
         return artist
 
     @property

@@ -36,9 +36,13 @@ class Face(NamedTuple):
 
 
 class CellArtist:
-    """Draws cells of one form. What looks the same is drawn once."""
+    """Draws cells of one form. What looks the same is drawn once.
 
-    def __init__(self, look: Look, form: CellForm) -> None:
+    Without a table of the world many states may be impossible: the zero of one that was never visited is
+    written as a dot.
+    """
+
+    def __init__(self, look: Look, form: CellForm, has_table: bool = True) -> None:
         self.look = look
         self.form = form
         palette, glyphs = look.palette, look.glyphs
@@ -55,6 +59,7 @@ class CellArtist:
         }
         self._faces: dict[Face, Drawn] = {}
         self._texts: dict[float, str] = {}
+        self._has_table = has_table
         self._signs: dict[tuple[Sign, ...], str] = {}
 
     def drawn(self, cells: Sequence[CellContent], low: float, high: float) -> list[Drawn]:
@@ -68,7 +73,9 @@ class CellArtist:
             style = self._idle_styles.get(kind, palette.dim)
             return Face(kind, agent, None, self._idle_signs.get(kind, ""), style)
         style = palette.value(fraction(value, low, high)) if known else palette.unvisited
-        return Face(kind, agent, self._text(value), self._signs_of(greedy), style)
+        is_dot = not known and value == 0.0 and not self._has_table
+        text = self.look.glyphs.stay if is_dot else self._text(value)
+        return Face(kind, agent, text, self._signs_of(greedy), style)
 
     def _drawn(self, face: Face) -> Drawn:
         drawn = self._faces.get(face)
