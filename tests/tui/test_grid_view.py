@@ -13,11 +13,13 @@ from textual.strip import Strip
 from rl_tui.lab.snapshot import Snapshot
 from rl_tui.tui.scrolling import kept_in_view
 from rl_tui.tui.world_views import world_view
+from rl_tui.tui.world_views.cell_rewards import cell_rewards
 from rl_tui.tui.world_views.grid import GridView, draw_grid
 from rl_tui.tui.world_views.grid_cells import CellArtist
 from rl_tui.tui.world_views.grid_form import CellForm, cell_form
 from rl_tui.tui.world_views.grid_map import CellContent, GridMap, Part
 from rl_tui.worlds.drawing import CellKind, Grid
+from rl_tui.worlds.grid_section import GridSection
 from rl_tui.worlds.mdp import FloatArray
 from rl_tui.worlds.space import FiniteSpace
 from rl_tui.worlds.world import World
@@ -370,3 +372,32 @@ def test_a_cliff_has_a_sign_and_a_colour_of_its_own() -> None:
     strip = GridView(snapshot.world, look()).picture(snapshot, 20, 4)[1]
     assert strip.text == "  .00  ▓    .00  ▓  "
     assert style_at(strip, 7) == look().palette.cliff
+
+
+def paying() -> Snapshot:
+    """A corridor whose second cell costs 1 to leave, and whose last pays 1 and goes back to the start."""
+    legend = {
+        "g": {"kind": "goal", "reward": 1.0, "terminal": False, "jump": "S"},
+        "-": {"kind": "floor", "reward": -1.0},
+    }
+    table = {"map": "S-..g\n.....\n", "moves": "four", "rewards": "leaving", "legend": legend}
+    world = GridSection.model_validate({**table, "time_limit": 9}).build(np.random.default_rng(0))
+    space = world.space
+    return replace(
+        lake(step=0), world=world, state=0, q=np.zeros(space.pairs), visits=np.zeros(space.pairs, np.int64)
+    )
+
+
+def test_cells_that_pay_something_unusual_say_so() -> None:
+    snapshot = paying()
+    grid = snapshot.world.drawing
+    assert isinstance(grid, Grid)
+    assert cell_rewards(snapshot.world.space, grid) == {1: (-1.0, False), 4: (1.0, True)}
+    strip = GridView(snapshot.world, look()).picture(snapshot, 50, 6)[0]
+    assert strip.text == "          −1                            +1        "
+    assert style_at(strip, 10) == look().palette.bad + Style(bold=True)
+    assert picture(snapshot, 25, 2)[0] == "◉ .00− .00  .00  .00+ .00"
+    assert picture(snapshot, 10, 2)[0] == "◉ −     + "
+    start = lake(step=0)
+    assert isinstance(start.world.drawing, Grid)
+    assert cell_rewards(start.world.space, start.world.drawing) == {}

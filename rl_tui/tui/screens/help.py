@@ -64,6 +64,11 @@ _PANELS: Final = (
         "pair was taken) or from a model, one is told in full and the others are counted.",
     ),
     (
+        "Rewards",
+        "A cell of a map that always pays something other than the usual step does says how much in its "
+        "corner; where there is no room, + means more and − less.",
+    ),
+    (
         "Planners",
         "Value iteration and policy iteration take no steps in the world: they read its table. A step backs "
         "up one state, and a sweep over all states stands in place of the episode, so s, e and space work "

@@ -11,6 +11,7 @@ from rich.style import Style
 from rl_tui.tui import numbers
 from rl_tui.tui.canvas import Canvas
 from rl_tui.tui.theme.look import Look
+from rl_tui.tui.world_views.cell_rewards import CellReward
 from rl_tui.tui.world_views.grid_form import CellForm
 from rl_tui.tui.world_views.grid_map import CellContent, Sign
 from rl_tui.tui.world_views.state_values import fraction
@@ -33,6 +34,7 @@ class Face(NamedTuple):
     text: str | None
     signs: str
     style: Style
+    reward: CellReward | None = None
 
 
 class CellArtist:
@@ -67,7 +69,7 @@ class CellArtist:
         return [self._drawn(self._face(cell, low, high)) for cell in cells]
 
     def _face(self, cell: CellContent, low: float, high: float) -> Face:
-        kind, agent, value, known, greedy = cell
+        kind, agent, value, known, greedy, reward = cell
         palette = self.look.palette
         if value is None:
             style = self._idle_styles.get(kind, palette.dim)
@@ -75,7 +77,7 @@ class CellArtist:
         style = palette.value(fraction(value, low, high)) if known else palette.unvisited
         is_dot = not known and value == 0.0 and not self._has_table
         text = self.look.glyphs.stay if is_dot else self._text(value)
-        return Face(kind, agent, text, self._signs_of(greedy), style)
+        return Face(kind, agent, text, self._signs_of(greedy), style, reward)
 
     def _drawn(self, face: Face) -> Drawn:
         drawn = self._faces.get(face)
@@ -123,12 +125,14 @@ def _draw_cell(canvas: Canvas, face: Face, form: CellForm, look: Look) -> None:
 
 
 def _draw_large(canvas: Canvas, face: Face, form: CellForm, look: Look) -> None:
-    """Draw arrows above the value, the mark beside the arrows."""
+    """Draw arrows above the value, the mark beside the arrows, what the cell pays in the corner."""
     row = (form.height - 1) // 2
     signs = _fitting(face, most=form.width - 2)
     start = (form.width - max(1, len(signs))) // 2
     canvas.put(start, row, signs, _sign_style(face))
-    _put_mark(canvas, start - (2 if form.width >= 10 else 1), row, face, look)
+    mark = start - (2 if form.width >= 10 else 1)
+    _put_mark(canvas, mark, row, face, look)
+    _put_reward(canvas, 0, 0, form.width if row else mark if _mark(face, look) else start, face, look)
     if face.text is not None:
         canvas.put((form.width - len(face.text)) // 2, row + 1, face.text, face.style)
 
@@ -137,19 +141,19 @@ def _draw_signs_alone(canvas: Canvas, face: Face, form: CellForm, look: Look) ->
     """Draw mark and arrow."""
     middle = max(1, (form.width - 1) // 2)
     canvas.put(middle, 0, _fitting(face, most=1), _sign_style(face))
-    _put_mark(canvas, middle - 1, 0, face, look)
+    _put_mark_or_reward(canvas, middle - 1, face, look)
 
 
 def _draw_small(canvas: Canvas, face: Face, form: CellForm, look: Look) -> None:
     """Draw mark, arrows and value in one row."""
     text = (face.text or "").rjust(form.digits)
-    mark = 1 if _mark(face, look) else 0
+    mark = 1 if _mark(face, look) or face.reward else 0
     # a blank before it all, so that neighbours keep apart without colours too
     signs = _fitting(face, most=max(1, form.width - form.digits - mark - 1))
     end = form.width - form.digits
     canvas.put(end, 0, text, face.style)
     canvas.put(end - len(signs), 0, signs, _sign_style(face))
-    _put_mark(canvas, end - max(1, len(signs)) - 1, 0, face, look)
+    _put_mark_or_reward(canvas, end - max(1, len(signs)) - 1, face, look)
 
 
 def _value_text(x: float, width: int, look: Look) -> str:
@@ -178,3 +182,25 @@ def _put_mark(canvas: Canvas, x: int, y: int, face: Face, look: Look) -> None:
     mark = _mark(face, look)
     if mark:
         canvas.put(x, y, mark, face.style + (look.palette.agent if face.agent else look.palette.start))
+
+
+def _put_mark_or_reward(canvas: Canvas, x: int, face: Face, look: Look) -> None:
+    """Put the mark, or where there is none the sign of what the cell pays."""
+    if _mark(face, look):
+        _put_mark(canvas, x, 0, face, look)
+    else:
+        _put_reward(canvas, x, 0, 1, face, look)
+
+
+def _put_reward(canvas: Canvas, x: int, y: int, room: int, face: Face, look: Look) -> None:
+    """Put what the cell pays; where it does not fit, whether that is more or less than usual.
+
+    It stands on the ground of the panel, so that it is seen on every tint.
+    """
+    if face.reward is None or room < 1:
+        return
+    reward, good = face.reward
+    text = ("+" if reward > 0.0 else "") + numbers.brief(reward, look.glyphs, decimals=2)
+    if len(text) > room:
+        text = "+" if good else look.glyphs.minus
+    canvas.put(x, y, text, (look.palette.good if good else look.palette.bad) + Style(bold=True))

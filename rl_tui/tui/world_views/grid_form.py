@@ -43,8 +43,8 @@ def digits_needed(values: Iterable[float]) -> int:
 def cell_form(rows: int, columns: int, width: int, height: int, digits: int = LEAST_DIGITS) -> CellForm:
     """Return the largest form in which rows × columns cells fit into width × height characters.
 
-    Values need ``digits`` characters. Where they fit only without their values, they go without. Where even then they do not, the form is the
-    smallest with values: a part of the map is in view.
+    Values need ``digits`` characters. Where they fit only without their values, they go without. Where even
+    then they do not, the form is the smallest with values: a part of the map is in view.
     """
     if rows > height or columns * LEAST_ARROWS > width:
         return CellForm(max(_least_width(1, digits), min(8, width // columns)), 1, digits)

@@ -8,6 +8,7 @@ import numpy as np
 
 from rl_tui.lab.snapshot import Snapshot
 from rl_tui.lab.windows import NO_STATE, first_state_of_cells, pairs_of_states
+from rl_tui.tui.world_views.cell_rewards import CellReward, cell_rewards
 from rl_tui.worlds.drawing import CellKind, Grid
 from rl_tui.worlds.space import FiniteSpace, IntArray
 
@@ -29,7 +30,7 @@ class CellContent(NamedTuple):
     ``value`` is V(s) = max over a of Q(s, a), None where nothing can be done or the snapshot does not tell.
     ``known`` says that something was learned about the state: it was updated or its estimates differ.
     ``greedy`` holds the greedy actions, all ties, as their direction or the first letter of their name; it is
-    empty where nothing is known.
+    empty where nothing is known. ``reward`` is what the cell pays where that is not the usual step's.
     """
 
     kind: CellKind
@@ -37,6 +38,7 @@ class CellContent(NamedTuple):
     value: float | None = None
     known: bool = False
     greedy: tuple[Sign, ...] = ()
+    reward: CellReward | None = None
 
 
 class GridMap:
@@ -50,6 +52,7 @@ class GridMap:
             for step, name in zip(grid.directions, space.action_names, strict=True)
         )
         self._states = first_state_of_cells(grid)
+        self._rewards = cell_rewards(space, grid)
 
     def contents(self, part: Part, snapshot: Snapshot) -> list[CellContent]:
         """Return what stands in the cells of ``part``, row by row.
@@ -69,14 +72,15 @@ class GridMap:
         contents, first = [], 0
         for place, count in enumerate(counts.tolist()):
             row, column = divmod(place, part.columns)
-            kind = kinds[(part.top + row) * columns + part.left + column]
+            cell = (part.top + row) * columns + part.left + column
+            kind = kinds[cell]
             last = first + count
             if count == 0 or (held is not None and not held[first]):
                 contents.append(CellContent(kind, place == agent))
             else:
-                contents.append(
-                    _content(kind, place == agent, q[first:last], visits[first:last], signs[first:last])
-                )
+                content = _content(kind, place == agent, q[first:last], visits[first:last], signs[first:last])
+                reward = self._rewards.get(cell)
+                contents.append(content if reward is None else content._replace(reward=reward))
             first = last
         return contents
 
