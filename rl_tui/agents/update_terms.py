@@ -47,7 +47,5 @@ MODEL = UpdateTerms(others="more from the model")
 SWEEPING = UpdateTerms(
     others="more from the model", waiting="no change above θ: nothing to update", remembered=True
 )
-MODEL_MAXIMUM = UpdateTerms(
-    gathered="Σ p r", bootstrap="Σ p max Q(s′,·)", others="more actions of this state"
-)
-MODEL_POLICY = UpdateTerms(gathered="Σ p r", bootstrap="Σ p V(s′)", others="more actions of this state")
+MODEL_MAXIMUM = UpdateTerms(gathered="Σ p r", bootstrap="Σ p max Q(s′,·)", others="more of this state")
+MODEL_POLICY = UpdateTerms(gathered="Σ p r", bootstrap="Σ p V(s′)", others="more of this state")

@@ -14,6 +14,8 @@ from textual.command import DiscoveryHit, Hit, Hits, Provider
 from rl_tui.tui.theme.look import Look
 from rl_tui.tui.written import written
 
+ORDINALS: Final = ("first", "second", "third", "fourth")
+
 
 class Place(Flag):
     """The screens on which an action applies."""
@@ -140,7 +142,7 @@ ACTIONS: Final[tuple[Action, ...]] = (
             Group.AGENT,
             command=f"slider({number})",
         )
-        for number, ordinal in enumerate(("first", "second", "third", "fourth"), start=1)
+        for number, ordinal in enumerate(ORDINALS, start=1)
     ),
     Action(
         "options",

@@ -17,6 +17,8 @@ from rl_tui.tui.widgets.chart import apart, taking_turns
 from rl_tui.tui.widgets.curve import ReturnCurve
 from rl_tui.tui.widgets.curve_data import curve_data, smoothed
 from rl_tui.tui.widgets.scale import Scale, round_range, round_scale, settled, tick_label, tick_step
+from rl_tui.worlds.space import all_pairs
+from rl_tui.worlds.world import World
 
 NARROW, WIDE = (40, 7), (60, 13)
 NO_MARKS = Marks(np.array([], dtype=np.int64), np.array([], dtype=np.int64), np.array([]))
@@ -119,6 +121,14 @@ def test_before_the_first_episode_it_says_what_to_do() -> None:
     assert "space runs, e runs one episode" in narrow
     assert "└0" in narrow
     assert "no arm has been pulled yet" in drawn(bandit(0))[0]
+
+
+def test_one_action_is_no_tie() -> None:
+    space = all_pairs(("A", "B"), ("go",), 0)
+    snapshot = lake(q=np.zeros(2), greedy_return=0.5)
+    alone = replace(snapshot, world=World(space, snapshot.world.drawing))
+    assert curve_data(alone, revealed=False).is_decided
+    assert not curve_data(lake(q=np.zeros(44)), revealed=False).is_decided
 
 
 def test_a_greedy_policy_of_mere_ties_has_no_figure() -> None:

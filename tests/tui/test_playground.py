@@ -375,3 +375,12 @@ async def test_scenarios_may_be_changed_faster_than_they_load(make_app: MakeApp)
         await pilot.press(*["right_square_bracket"] * 4, *["left_square_bracket"] * 3)
         await settle(pilot)
         assert snapshot(pilot).recipe.scenario.id == "frozenlake"
+
+
+async def test_a_slider_that_is_not_there_is_told(make_app: MakeApp) -> None:
+    app = make_app("frozenlake")
+    async with app.run_test(size=(80, 24), notifications=True) as pilot:
+        await settle(pilot)
+        await pilot.press("4", "3")
+        assert app.focused is slider(app, "epsilon")
+        assert [note.message for note in app._notifications] == ["there is no fourth slider here"]

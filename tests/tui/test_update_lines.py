@@ -179,7 +179,7 @@ def test_a_planner_backs_up_a_state() -> None:
         " update       target = Σ p r + γ · Σ p max Q(s′,·)",
         "                     = .25 + .99 · .56 = .80",
         "              δ = .80 − .36 = +.44",
-        "   Q(6,↓) ← .80   and 2 more actions of this state",
+        "   Q(6,↓) ← .80   and 2 more of this state",
     ]
     assert drawn(planned()).startswith(" Q(6,↓) ← .25 + .99·.56 = .80  δ +.44  +2  sweep 3")
 

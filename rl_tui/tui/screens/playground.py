@@ -14,7 +14,7 @@ from rl_tui.lab.commands import Command, LookAt, Pause, Play, Restart, RunEpisod
 from rl_tui.lab.player import START_SPEED, Player
 from rl_tui.lab.recipe import Recipe
 from rl_tui.lab.snapshot import Phase, Snapshot
-from rl_tui.tui.actions import Place, bindings_of
+from rl_tui.tui.actions import ORDINALS, Place, bindings_of
 from rl_tui.tui.pacing import Pacer
 from rl_tui.tui.screens.agent_stage import AgentStage
 from rl_tui.tui.screens.board import Board
@@ -184,11 +184,14 @@ class Playground(AgentStage):
         self.set_parameter(event.name, event.value)
 
     def action_slider(self, number: int) -> None:
-        """Put the focus on a slider, counted from 1, if there are so many."""
-        for slider in list(self.board.controls.query(Slider))[number - 1 : number]:
-            if self.board.zoomed:
-                self.board.zoom(None)
-            slider.focus()
+        """Put the focus on a slider, counted from 1; say so if there are not so many."""
+        sliders = list(self.board.controls.query(Slider))
+        if number > len(sliders):
+            self.notify(f"there is no {ORDINALS[number - 1]} slider here")
+            return
+        if self.board.zoomed:
+            self.board.zoom(None)
+        sliders[number - 1].focus()
 
     def show_in_force(self) -> None:
         """Let every slider go back to what is in force."""

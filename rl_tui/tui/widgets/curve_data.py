@@ -27,7 +27,7 @@ class CurveData:
     last 100 episodes) and ``optimum`` are the values to print, None where unknown or hidden. ``hidden`` tells
     that greedy and optimum are kept secret, ``barren`` that there were many episodes and none had a reward,
     ``is_decided`` that somewhere one action is estimated above another, so that being greedy means something
-    (false as well where ``greedy_now`` is unknown).
+    (true as well where there is no choice, false where ``greedy_now`` is unknown).
     ``unit`` is what the horizontal axis counts: pulls, a planner's sweeps, or episodes. The optimum is the
     undiscounted return of the policy that is best for the γ in force.
     """
@@ -119,8 +119,11 @@ def _greedy(snapshot: Snapshot) -> Steps:
 def _is_decided(snapshot: Snapshot) -> bool:
     if snapshot.greedy_return is None:  # then nothing is said of the greedy policy
         return False
-    mdp, q = snapshot.world.space, snapshot.q
-    return bool((q != q[mdp.first_pair[mdp.pair_state]]).any())
+    space, q = snapshot.world.space, snapshot.q
+    counts = np.diff(space.first_pair)
+    if not (counts > 1).any():  # one action is no tie
+        return True
+    return bool((q != np.repeat(q[space.first_pair[:-1][counts > 0]], counts[counts > 0])).any())
 
 
 def _barren(snapshot: Snapshot) -> bool:

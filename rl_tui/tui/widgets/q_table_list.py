@@ -124,7 +124,11 @@ def _pair_columns(scene: Scene, width: int) -> list[Column]:
     natural = world.state_width + world.action_width
     shows_all = width >= around + natural + BOX * (1 + len(exact))
     values = [Layer.Q, *exact] if shows_all else [_only_value(scene.layer)]
-    state, action = _shared(world.state_width, world.action_width, width - around - BOX * len(values))
+    room = width - around - BOX * len(values)
+    state, action = _shared(world.state_width, world.action_width, room)
+    # the heads may reach over the gaps, and where there is room the columns are made wide enough for them
+    state += _widening(len("state") - _STATE_GAP + 1 - state, room - state - action)
+    action += _widening(len("action") - action, room - state - action)
 
     def agent(pair: int, is_new: bool) -> Pieces:
         return _mark(
@@ -141,7 +145,7 @@ def _pair_columns(scene: Scene, width: int) -> list[Column]:
 
     return [
         Column("", 1, 1, agent),
-        Column(shortened("state", state, ""), state + _STATE_GAP, 2, state_name),
+        Column(shortened("state", state + _STATE_GAP - 1, ""), state + _STATE_GAP, 2, state_name),
         Column(shortened("action", action, ""), action + 1, 1, action_name),
         *_value_columns(scene, values),
         _count_column(scene),
@@ -189,6 +193,11 @@ def _shared(first: int, second: int, room: int) -> tuple[int, int]:
         else:
             second -= 1
     return first, second
+
+
+def _widening(wanted: int, room: int) -> int:
+    """Return ``wanted`` cells, or none where they are not there."""
+    return wanted if 0 < wanted <= room else 0
 
 
 def _value_columns(scene: Scene, layers: Sequence[Layer]) -> list[Column]:

@@ -53,10 +53,12 @@ class MatrixForm:
     def heads(self) -> Pieces:
         """Return the actions, each above the middle of its column."""
         width, ellipsis = self.field + _MARKS, self.scene.look.glyphs.ellipsis
-        names = [shortened(name, width, ellipsis) for name in self._world.action_names]
-        text = " " * (self.label + _AROUND_LABEL) + "".join(
-            _centred(name, width) + " " * _GAP for name in names
-        )
+        text = " " * (self.label + _AROUND_LABEL)
+        names = self._world.action_names
+        for name, following in zip(names, (*names[1:], ""), strict=True):
+            # the gap may be used where no other name begins right behind it
+            reach = width + _GAP if cell_len(following) < width - 1 else width
+            text += padded(_centred(shortened(name, reach, ellipsis), width), width + _GAP)
         return [Segment(text, self.scene.look.palette.dim)]
 
     def entry(self, entry: int, is_first: bool) -> Pieces:
@@ -142,4 +144,5 @@ def _fits_narrow(figures: Figures) -> bool:
 
 
 def _centred(text: str, width: int) -> str:
-    return padded(" " * ((width - cell_len(text)) // 2) + text, width)
+    """Return ``text`` with the blanks before it that put it in the middle of ``width`` cells."""
+    return " " * (max(0, width - cell_len(text)) // 2) + text
