@@ -178,4 +178,5 @@ def _table_drawing(states: list[tuple[Hand, int]]) -> Grid:
         kinds[cell] = CellKind.FLOOR
     for cell, kind in zip(ends, (CellKind.GOAL, CellKind.FLOOR, CellKind.HOLE), strict=True):
         kinds[cell] = kind
-    return Grid(rows, columns, tuple(kinds), (*cells, *ends), (None, None))
+    legend = "sum down, dealer's card across, usable ace right"
+    return Grid(rows, columns, tuple(kinds), (*cells, *ends), (None, None), legend)

@@ -23,7 +23,8 @@ class Grid:
 
     ``kinds`` holds rows · columns cells, row by row. ``cell_of_state[s]`` is the cell (row · columns +
     column) where state s is drawn. ``directions[a]`` is the step (rows down, columns right) that action a
-    means, or None where the action is not a direction.
+    means, or None where the action is not a direction. ``legend`` says in a line what rows and columns mean
+    where the grid is no place to walk about in; empty where it is.
     """
 
     rows: int
@@ -31,6 +32,7 @@ class Grid:
     kinds: tuple[CellKind, ...]
     cell_of_state: tuple[int, ...]
     directions: tuple[tuple[int, int] | None, ...]
+    legend: str = ""
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,7 +13,7 @@ from rl_tui.worlds.findings import Finding, one_line
 from rl_tui.worlds.registered import made, reason_of, time_limit_of
 from rl_tui.worlds.space import all_pairs
 from rl_tui.worlds.stepped_drawing import product_grid
-from rl_tui.worlds.stepped_names import action_names, told_part_names
+from rl_tui.worlds.stepped_names import action_names, part_terms, told_part_names
 from rl_tui.worlds.stepped_states import OutsideError, ProductNames, States, discrete_states
 from rl_tui.worlds.world import World
 from rl_tui.worlds.world_section import WorldRefusedError
@@ -87,6 +87,7 @@ def stepped_world(name: str, kwargs: Mapping[str, Any], bins: BinsSection | None
         states = _states_of(name, environment, bins)
         names = action_names(environment.unwrapped, first_action, actions)
         told = told_part_names(environment.unwrapped, [len(part) for part in states.part_names])
+        terms = part_terms(environment.unwrapped)
         limit = time_limit_of(environment)
     part_names = [given or part for given, part in zip(told, states.part_names, strict=True)]
     _check_sizes(name, part_names, actions, "bins" if bins else "id")
@@ -99,7 +100,7 @@ def stepped_world(name: str, kwargs: Mapping[str, Any], bins: BinsSection | None
 
     return World(
         all_pairs(ProductNames(part_names), names, limit),
-        product_grid([len(part) for part in part_names], actions),
+        product_grid([len(part) for part in part_names], actions, terms),
         new_environment=new_environment,
     )
 

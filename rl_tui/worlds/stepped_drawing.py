@@ -10,12 +10,13 @@ import numpy as np
 from rl_tui.worlds.drawing import CellKind, Grid
 
 
-def product_grid(sizes: Sequence[int], actions: int) -> Grid:
+def product_grid(sizes: Sequence[int], actions: int, terms: Sequence[str] = ()) -> Grid:
     """Return the grid of states that are all combinations of parts with so many values each.
 
     One part lies in the squarest grid. The first two of several give the rows and columns; with every
     combination of the others begins a new block of those, set apart by a wall. Parts of one value do not
-    count. No action is a direction.
+    count. No action is a direction. ``terms`` are what the parts are called in the legend, where that is
+    known; else they are numbered.
     """
     there = [size for size in sizes if size > 1] or [1]
     if len(there) == 1:
@@ -32,7 +33,19 @@ def product_grid(sizes: Sequence[int], actions: int) -> Grid:
         kinds=tuple(kinds.tolist()),
         cell_of_state=tuple(cell.tolist()),
         directions=(None,) * actions,
+        legend=_legend(sizes, terms),
     )
+
+
+def _legend(sizes: Sequence[int], terms: Sequence[str]) -> str:
+    """Return ``angle down, angular velocity across``; empty for one part, which just fills the rows."""
+    count = sum(size > 1 for size in sizes)
+    told = [term for term, size in zip(terms, sizes, strict=False) if size > 1]
+    names = told if len(told) == count else [f"part {place}" for place in range(1, count + 1)]
+    if count < 2:
+        return ""
+    blocks = f", blocks: {' and '.join(names[2:])}" if count > 2 else ""
+    return f"{names[0]} down, {names[1]} across{blocks}"
 
 
 def _blocks(rows: int, columns: int, blocks: int) -> tuple[np.ndarray, tuple[int, int]]:

@@ -17,6 +17,11 @@ _ACTIONS: Final[Mapping[str, tuple[str, ...]]] = {
 }
 # by part of an observation; empty: the part's own numbers
 _PARTS: Final[Mapping[str, tuple[tuple[str, ...], ...]]] = {"BlackjackEnv": ((), (), ("no", "yes"))}
+_TERMS: Final[Mapping[str, tuple[str, ...]]] = {
+    "BlackjackEnv": ("sum", "dealer", "usable ace"),
+    "CartPoleEnv": ("position", "velocity", "angle", "angular velocity"),
+    "MountainCarEnv": ("position", "velocity"),
+}
 
 
 def action_names(environment: Any, first: int, actions: int) -> tuple[str, ...]:
@@ -32,3 +37,8 @@ def told_part_names(environment: Any, sizes: Sequence[int]) -> Sequence[Sequence
         not part or len(part) == size for part, size in zip(names, sizes, strict=True)
     )
     return names if fits else [()] * len(sizes)
+
+
+def part_terms(environment: Any) -> Sequence[str]:
+    """Return what the parts of an observation are; empty where that is not known."""
+    return _TERMS.get(type(environment).__name__, ())

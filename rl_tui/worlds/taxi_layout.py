@@ -57,6 +57,7 @@ def taxi_grid() -> Grid:
         kinds=tuple(kinds),
         cell_of_state=tuple(cells),
         directions=_DIRECTIONS,
+        legend="towns: passenger down, destination across",
     )
 
 

@@ -291,6 +291,21 @@ def test_arrow_and_page_keys_scroll_by_hand_until_the_agent_is_followed_again() 
     assert view.footing == "follows the agent"
 
 
+def test_a_legend_stands_below_a_whole_map_and_above_one_that_scrolls() -> None:
+    snapshot = large_lake()
+    assert isinstance(snapshot.world.drawing, Grid)
+    drawing = replace(snapshot.world.drawing, legend="angle down, speed across")
+    view = GridView(World(snapshot.world.space, drawing), look())
+    view.picture(snapshot, 60, 10)
+    assert view.heading == "World · V and greedy · angle down, speed across"
+    view.picture(snapshot, 40, 10)
+    assert view.heading == "World · angle down, speed across"
+    view.picture(snapshot, 30, 10)
+    assert view.heading == "World · V and greedy"
+    view.picture(snapshot, 240, 40)
+    assert (view.heading, view.footing) == ("World · V and greedy", "angle down, speed across")
+
+
 def test_a_whole_map_does_not_scroll() -> None:
     view = GridView(lake().world, look())
     view.picture(lake(), 40, 8)

@@ -114,6 +114,7 @@ def test_names_tell_the_parts():
 
 def test_a_grid_of_one_part_is_the_squarest():
     grid = product_grid([7], 2)
+    assert grid.legend == ""
     assert (grid.rows, grid.columns, grid.cell_of_state) == (3, 3, tuple(range(7)))
     assert grid.kinds == (CellKind.FLOOR,) * 7 + (CellKind.WALL,) * 2
     assert grid.directions == (None, None)
@@ -121,6 +122,11 @@ def test_a_grid_of_one_part_is_the_squarest():
 
 def test_a_grid_of_two_parts_has_the_first_down_and_the_second_across():
     grid = product_grid([1, 2, 3, 1], 1)
+    assert grid.legend == "part 1 down, part 2 across"
+    terms = ("position", "velocity", "angle", "angular velocity")
+    assert product_grid([1, 2, 3, 1], 1, terms).legend == "velocity down, angle across"
+    told = product_grid([3, 2, 4, 2], 1, terms).legend
+    assert told == "position down, velocity across, blocks: angle and angular velocity"
     assert (grid.rows, grid.columns, grid.cell_of_state) == (2, 3, tuple(range(6)))
 
 

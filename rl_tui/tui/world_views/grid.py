@@ -21,8 +21,9 @@ from rl_tui.tui.world_views.view import WorldView
 from rl_tui.worlds.drawing import Grid
 from rl_tui.worlds.world import World
 
-HEADING: Final = "World · V and greedy"
-HEADING_WITHOUT_VALUES: Final = "World · greedy, V as tint"
+WORLD: Final = "World"
+HEADING: Final = f"{WORLD} · V and greedy"
+HEADING_WITHOUT_VALUES: Final = f"{WORLD} · greedy, V as tint"
 FOLLOWS: Final = "follows the agent"
 FOLLOW_HINT: Final = "esc: follow the agent"
 
@@ -90,7 +91,7 @@ class GridView(WorldView):
         if needed > self._digits:  # they stay as wide, lest the map jump to and fro
             self._digits = needed
             return self.drawing(snapshot, width, height)
-        self.heading = HEADING if form.has_values else HEADING_WITHOUT_VALUES
+        self.heading = self._title(HEADING if form.has_values else HEADING_WITHOUT_VALUES, width)
         self.footing = self._where(width)
         return draw_grid(cells, self._artist_for(form), part, width, height)
 
@@ -129,10 +130,20 @@ class GridView(WorldView):
         grid, part = self._map.grid, self._part
         return part is None or (part.rows, part.columns) == (grid.rows, grid.columns)
 
+    def _title(self, heading: str, width: int) -> str:
+        """Return ``heading``; where the footing is taken, with what rows and columns mean."""
+        legend = self._map.grid.legend
+        if self._is_whole or not legend:
+            return heading
+        return self.fitting((f"{heading} · {legend}", f"{WORLD} · {legend}"), width) or heading
+
     def _where(self, width: int) -> str:
-        """Return which part is in view, counted from 0 as the inspector counts, and how to follow again."""
+        """Return which part is in view, counted from 0 as the inspector counts, and how to follow again.
+
+        Of a whole map: what its rows and columns mean.
+        """
         if self._is_whole or self._part is None:
-            return ""
+            return self.fitting((self._map.grid.legend,), width)
         grid, (top, left, rows, columns) = self._map.grid, self._part
         down, across = _stretch(top, rows, grid.rows), _stretch(left, columns, grid.columns)
         follow = FOLLOWS if self._following else FOLLOW_HINT
