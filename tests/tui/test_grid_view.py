@@ -227,9 +227,9 @@ def test_values_of_three_digits_are_never_number_signs() -> None:
     snapshot = large_lake()
     q = np.full_like(snapshot.q, -100.0)
     view = GridView(snapshot.world, look())
-    assert view.picture(replace(snapshot, q=q), 60, 10)[1].text.startswith("  −100  −100  −100")
+    assert view.picture(replace(snapshot, q=q), 60, 10)[1].text.startswith("     −100   −100   −100")
     assert "−12k" in view.picture(replace(snapshot, q=120 * q), 60, 10)[1].text
-    assert view.picture(snapshot, 60, 10)[1].text.startswith("   .00")  # as wide as they have been
+    assert view.picture(snapshot, 60, 10)[1].text.startswith("      .00")  # as wide as they have been
     medium = large_lake(10)
     view = GridView(medium.world, look())
     assert view.picture(medium, 50, 10)[1].text.startswith("  .00")

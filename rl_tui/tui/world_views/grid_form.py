@@ -47,7 +47,9 @@ def cell_form(rows: int, columns: int, width: int, height: int, digits: int = LE
     then they do not, the form is the smallest with values: a part of the map is in view.
     """
     if rows > height or columns * LEAST_ARROWS > width:
-        return CellForm(max(_least_width(1, digits), min(8, width // columns)), 1, digits)
+        # more than fits scrolls anyway: a long value is kept apart from its arrows
+        least = _least_width(1, digits) + (digits > LEAST_DIGITS)
+        return CellForm(max(least, min(8, width // columns)), 1, digits)
     cell_height = min(MOST_HEIGHT, height // rows)
     if columns * _least_width(cell_height, digits) > width:
         return CellForm(width // columns, 1, digits)
