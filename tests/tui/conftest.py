@@ -30,6 +30,8 @@ def make_app() -> MakeApp:
     def make(scenario: str | None = None, *, seed: int = 0, **display: object) -> RlTuiApp:
         recipe = recipe_for(find(scenario), {}, seed) if scenario else None
         options = Display(**{"fps": 1000.0, **display})
-        return RlTuiApp(options, recipe, make_player=partial(Player, automatic=False), picture=True)
+        app = RlTuiApp(options, recipe, make_player=partial(Player, automatic=False), picture=True)
+        app.NOTIFICATION_TIMEOUT = 3600.0  # while a loop is compiled, messages stay
+        return app
 
     return make
