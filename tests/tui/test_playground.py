@@ -338,7 +338,7 @@ async def test_a_notice_is_one_line_at_the_top_right(make_app: MakeApp) -> None:
         notice = app.screen.query_one(Toast).region
         assert (notice.y, notice.height) == (1, 1)
         assert notice.right >= 78
-        assert app.NOTIFICATION_TIMEOUT <= 3
+        assert RlTuiApp.NOTIFICATION_TIMEOUT <= 3
 
 
 async def test_hints_and_settings_can_be_clicked(make_app: MakeApp) -> None:
