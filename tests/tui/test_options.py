@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pytest
 from conftest import MakeApp
 from samples import bandit_world, lake_world
 from test_playground import playground, press, slider, snapshot, train
@@ -102,8 +103,12 @@ async def test_a_planner_is_chosen_stepped_and_done(make_app: MakeApp) -> None:
         ]
 
 
-async def test_a_policy_is_chosen_and_brings_its_slider(make_app: MakeApp) -> None:
+async def test_a_policy_is_chosen_and_brings_its_slider(
+    make_app: MakeApp, monkeypatch: pytest.MonkeyPatch
+) -> None:
     app = make_app("bandit")
+    # a message stays while the new loop is compiled, however long that takes
+    monkeypatch.setattr(app, "NOTIFICATION_TIMEOUT", 600.0)
     async with app.run_test(size=(120, 40), notifications=True) as pilot:
         await settle(pilot)
         assert snapshot(pilot).hyperparameters.sample_average
