@@ -8,6 +8,7 @@ from textual.widgets import Input
 from textual.widgets._toast import Toast
 
 from rl_tui.agents.hyperparameters import Hyperparameters
+from rl_tui.lab.bandit import true_means
 from rl_tui.lab.commands import Train
 from rl_tui.lab.snapshot import Phase, Snapshot
 from rl_tui.tui.app import RlTuiApp
@@ -17,10 +18,14 @@ from rl_tui.tui.screens.model import ModelScreen
 from rl_tui.tui.screens.playground import Playground
 from rl_tui.tui.screens.prompt import Prompt
 from rl_tui.tui.screenshot import settle
+from rl_tui.tui.theme.glyphs import UNICODE
 from rl_tui.tui.widgets.q_table import QTable
 from rl_tui.tui.widgets.settings import Settings
 from rl_tui.tui.widgets.slider import Slider
+from rl_tui.tui.world_views.arms import ArmsView
+from rl_tui.tui.world_views.grid import GridView
 from rl_tui.worlds.catalogue import scenarios
+from rl_tui.worlds.drawing import CellKind, Grid
 from rl_tui.worlds.errors import UserError
 
 
@@ -45,6 +50,11 @@ async def train(pilot: Pilot[UserError], steps: int) -> Snapshot:
     playground(pilot).send(Train(steps))
     await settle(pilot)
     return snapshot(pilot)
+
+
+def holes_of(shown: Snapshot) -> list[int]:
+    assert isinstance(shown.world.drawing, Grid)
+    return [cell for cell, kind in enumerate(shown.world.drawing.kinds) if kind is CellKind.HOLE]
 
 
 def slider(app: RlTuiApp, name: str) -> Slider:
@@ -384,3 +394,32 @@ async def test_a_slider_that_is_not_there_is_told(make_app: MakeApp) -> None:
         await pilot.press("4", "3")
         assert app.focused is slider(app, "epsilon")
         assert [note.message for note in app._notifications] == ["there is no fourth slider here"]
+
+
+async def test_another_seed_shows_its_own_map(make_app: MakeApp) -> None:
+    async with make_app("frozenlake-random").run_test(size=(120, 40)) as pilot:
+        await settle(pilot)
+        first = snapshot(pilot)
+        second = await press(pilot, "n", "5", "enter")
+        holes = holes_of(second)
+        assert holes != holes_of(first)
+        view = playground(pilot).query_one(GridView)
+        text = "".join(view.render_line(y).text for y in range(view.size.height))
+        assert text.count(UNICODE.hole) == len(holes)
+        assert (await press(pilot, "e")).episodes == 1
+
+
+async def test_another_seed_reveals_its_own_means(make_app: MakeApp) -> None:
+    async with make_app("bandit").run_test(size=(120, 40)) as pilot:
+        await settle(pilot)
+        await press(pilot, "n", "5", "enter")
+        after = await press(pilot, "h")
+        assert after.world.mdp is not None
+        best = int(true_means(after.world.mdp).argmax())
+        view = playground(pilot).query_one(ArmsView)
+        starred = [
+            line.split()[0]
+            for y in range(view.size.height)
+            if UNICODE.goal in (line := view.render_line(y).text)
+        ]
+        assert starred == [str(best)]

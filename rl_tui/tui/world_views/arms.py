@@ -36,14 +36,18 @@ class ArmsView(WorldView):
         id: str | None = None,  # noqa: A002
         classes: str | None = None,
     ) -> None:
-        if not isinstance(world.drawing, Arms) or world.mdp is None:
-            raise TypeError("an ArmsView draws worlds that have a table and whose drawing is Arms")
         super().__init__(world, look, id=id, classes=classes)
-        self._mdp = world.mdp
         self._scale = NO_SCALE
         self._step = 0
         self._top = 0
         self.heading = HEADINGS[0]
+
+    def enter(self, world: World) -> None:
+        """Take ``world`` for the one that is drawn: its arms have means of their own."""
+        if not isinstance(world.drawing, Arms) or world.mdp is None:
+            raise TypeError("an ArmsView draws worlds that have a table and whose drawing is Arms")
+        super().enter(world)
+        self._mdp = world.mdp
 
     def show(self, snapshot: Snapshot) -> None:
         """Draw ``snapshot``. The scale only ever widens, until a run starts again."""

@@ -36,14 +36,18 @@ class GraphView(WorldView):
         id: str | None = None,  # noqa: A002
         classes: str | None = None,
     ) -> None:
-        if not isinstance(world.drawing, Graph) or world.mdp is None:
-            raise TypeError("a GraphView draws worlds that have a table and whose drawing is a Graph")
         super().__init__(world, look, id=id, classes=classes)
-        self._graph, self._mdp = world.drawing, world.mdp
-        self._shape = graph_shape(self._mdp, self._graph, look.glyphs)
-        self._shape_glyphs = look.glyphs
         self._top = 0
         self.heading = "World · bold = greedy"
+
+    def enter(self, world: World) -> None:
+        """Take ``world`` for the one that is drawn."""
+        if not isinstance(world.drawing, Graph) or world.mdp is None:
+            raise TypeError("a GraphView draws worlds that have a table and whose drawing is a Graph")
+        super().enter(world)
+        self._graph, self._mdp = world.drawing, world.mdp
+        self._shape = graph_shape(self._mdp, self._graph, self.look.glyphs)
+        self._shape_glyphs = self.look.glyphs
 
     def drawing(self, snapshot: Snapshot, width: int, height: int) -> list[Strip]:
         """Return the graph, or the list of its edges where it does not fit."""

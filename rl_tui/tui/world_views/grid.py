@@ -39,17 +39,21 @@ class GridView(WorldView):
         id: str | None = None,  # noqa: A002
         classes: str | None = None,
     ) -> None:
-        if not isinstance(world.drawing, Grid):
-            raise TypeError("a GridView draws worlds whose drawing is a Grid")
         super().__init__(world, look, id=id, classes=classes)
-        self._map = GridMap(world.space, world.drawing)
-        self._top = self._left = 0
-        self._following = True
         self._part: Part | None = None
         self._told: Cells | None = None
         self._artist: CellArtist | None = None
         self._digits, self._step = LEAST_DIGITS, 0
         self.heading = HEADING
+
+    def enter(self, world: World) -> None:
+        """Take ``world`` for the one that is drawn, and follow the agent in it."""
+        if not isinstance(world.drawing, Grid):
+            raise TypeError("a GridView draws worlds whose drawing is a Grid")
+        super().enter(world)
+        self._map = GridMap(world.space, world.drawing)
+        self._top = self._left = 0
+        self._following = True
 
     @property
     def cells(self) -> Cells | None:

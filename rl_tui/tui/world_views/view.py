@@ -67,7 +67,17 @@ class WorldView(Panel, can_focus=True):
         classes: str | None = None,
     ) -> None:
         super().__init__(look, id=id, classes=classes)
+        self.enter(world)
+
+    def enter(self, world: World) -> None:
+        """Take ``world`` for the one that is drawn from here on."""
         self.world = world
+
+    def show(self, snapshot: Snapshot) -> None:
+        """Draw ``snapshot``; another seed may have made another world of the same kind."""
+        if snapshot.world is not self.world:
+            self.enter(snapshot.world)
+        super().show(snapshot)
 
     @property
     def cells(self) -> Cells | None:
