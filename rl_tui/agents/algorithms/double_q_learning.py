@@ -6,8 +6,8 @@ from typing import Any, NamedTuple
 
 from numpy.random import Generator
 
-from rl_tui.agents.action_rules.family import choose, greedy
-from rl_tui.agents.algorithms.family import Transition, Update, act, learn
+from rl_tui.agents.action_rules.family import greedy
+from rl_tui.agents.algorithms.family import Transition, Update, learn
 from rl_tui.agents.compiled import member_of
 from rl_tui.agents.settings import Settings, step_size
 from rl_tui.agents.tables import Tables, pairs_of
@@ -31,13 +31,6 @@ class Memory(NamedTuple):
 def new_memory(q: FloatArray, visits: IntArray, space: FiniteSpace) -> Memory:
     """Return the memory around existing estimates and its visits; both tables start from them."""
     return Memory(q, visits, q.copy(), q.copy(), visits.copy(), visits.copy())
-
-
-@member_of(act, Memory)
-def _act(memory: Memory, rule: Any, tables: Tables, state: int, generator: Generator) -> tuple[int, bool]:
-    # Choose A from S using the policy ε-greedy in Q₁ + Q₂
-    first, last = pairs_of(tables, state)
-    return choose(rule, memory.q, memory.visits, first, last, generator)
 
 
 @member_of(learn, Memory)

@@ -12,12 +12,11 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.random import Generator
 
-from rl_tui.agents.action_rules.family import choose
-from rl_tui.agents.algorithms.family import Transition, Update, act, further, learn
+from rl_tui.agents.algorithms.family import Transition, Update, further, learn
 from rl_tui.agents.algorithms.model import THE_END, UNKNOWN, modelled_value
 from rl_tui.agents.compiled import compiled, member_of
 from rl_tui.agents.settings import Settings, step_size
-from rl_tui.agents.tables import Tables, pairs_of
+from rl_tui.agents.tables import Tables
 from rl_tui.worlds.space import FiniteSpace, FloatArray, IntArray
 
 
@@ -52,13 +51,6 @@ def new_memory(q: FloatArray, visits: IntArray, space: FiniteSpace) -> Memory:
         tried=np.zeros(space.pairs, dtype=np.int64),
         tried_count=np.zeros(space.states, dtype=np.int64),
     )
-
-
-@member_of(act, Memory)
-def _act(memory: Memory, rule: Any, tables: Tables, state: int, generator: Generator) -> tuple[int, bool]:
-    # A ← ε-greedy(S, Q)
-    first, last = pairs_of(tables, state)
-    return choose(rule, memory.q, memory.visits, first, last, generator)
 
 
 @member_of(learn, Memory)
@@ -123,10 +115,7 @@ def learn_and_practise(
         # R, S′ ← Model(S,A);  Q(S,A) ← Q(S,A) + α [R + γ max_a Q(S′,a) − Q(S,A)]
         value = modelled_value(q, tables, memory.model_next[each])
         target = memory.model_reward[each] + settings.gamma * value
-        own = settings.alpha
-        if settings.sample_average:
-            own = 1.0 / visits[each]
-        q[each] += own * (target - q[each])
+        q[each] += step_size(settings, visits[each]) * (target - q[each])
         extreme = further(extreme, q[each])
     return Update(
         pair,

@@ -6,9 +6,10 @@ from typing import Any, NamedTuple
 
 from numpy.random import Generator
 
+from rl_tui.agents.action_rules.family import choose
 from rl_tui.agents.compiled import inlined, inlined_by_type
 from rl_tui.agents.settings import Settings
-from rl_tui.agents.tables import Tables
+from rl_tui.agents.tables import Tables, pairs_of
 
 
 class Transition(NamedTuple):
@@ -65,6 +66,23 @@ def no_update() -> Update:
 
 
 @inlined
+def with_others(update: Update, others: int, extreme: float) -> Update:
+    """Return ``update`` as the one told of a step that made ``others`` besides, the furthest ``extreme``."""
+    return Update(
+        update.pair,
+        update.before,
+        update.step_size,
+        update.gathered,
+        update.discount,
+        update.bootstrap,
+        update.after,
+        others,
+        extreme,
+        update.table,
+    )
+
+
+@inlined
 def further(extreme: float, estimate: float) -> float:
     """Return whichever is further from 0; not a number counts as further than all."""
     return estimate if not abs(estimate) <= abs(extreme) else extreme
@@ -72,8 +90,13 @@ def further(extreme: float, estimate: float) -> float:
 
 @inlined_by_type
 def act(memory: Any, rule: Any, tables: Tables, state: int, generator: Generator) -> tuple[int, bool]:
-    """Choose the pair to take in ``state``; tell whether it was drawn to explore."""
-    raise NotImplementedError
+    """Choose the pair to take in ``state``; tell whether it was drawn to explore.
+
+    Most algorithms choose A from S using the policy derived from Q. Those that have chosen already, when they
+    arrived, bring a member of their own.
+    """
+    first, last = pairs_of(tables, state)
+    return choose(rule, memory.q, memory.visits, first, last, generator)
 
 
 @inlined_by_type

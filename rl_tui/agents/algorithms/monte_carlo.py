@@ -7,8 +7,8 @@ from typing import Any, Final, NamedTuple
 import numpy as np
 from numpy.random import Generator
 
-from rl_tui.agents.action_rules.family import choose, expectation
-from rl_tui.agents.algorithms.family import Transition, Update, act, further, has_room, learn, no_update
+from rl_tui.agents.action_rules.family import expectation
+from rl_tui.agents.algorithms.family import Transition, Update, further, has_room, learn, no_update
 from rl_tui.agents.compiled import member_of
 from rl_tui.agents.settings import Settings, step_size
 from rl_tui.agents.tables import Tables, pairs_of
@@ -48,13 +48,6 @@ def new_memory(q: FloatArray, visits: IntArray, space: FiniteSpace) -> Memory:
 @member_of(has_room, Memory)
 def _has_room(memory: Memory) -> bool:
     return int(memory.length[0]) < len(memory.pairs)
-
-
-@member_of(act, Memory)
-def _act(memory: Memory, rule: Any, tables: Tables, state: int, generator: Generator) -> tuple[int, bool]:
-    # Generate an episode following π
-    first, last = pairs_of(tables, state)
-    return choose(rule, memory.q, memory.visits, first, last, generator)
 
 
 @member_of(learn, Memory)

@@ -7,7 +7,7 @@ from typing import Any, Final, NamedTuple
 import numpy as np
 from numpy.random import Generator
 
-from rl_tui.agents.algorithms.family import Transition, Update, act, further, learn, no_update
+from rl_tui.agents.algorithms.family import Transition, Update, act, further, learn, no_update, with_others
 from rl_tui.agents.algorithms.next_action import choose_next, nothing_chosen, take_chosen
 from rl_tui.agents.compiled import inlined, member_of
 from rl_tui.agents.hyperparameters import MOST_STEPS
@@ -83,18 +83,7 @@ def _learn(
         made += 1
     memory.time[0] = 0 if ended else time
     memory.time[1] = 0 if ended else memory.time[1] + made
-    return Update(
-        update.pair,
-        update.before,
-        update.step_size,
-        update.gathered,
-        update.discount,
-        update.bootstrap,
-        update.after,
-        max(made - 1, 0),
-        extreme,
-        0,
-    )
+    return with_others(update, max(made - 1, 0), extreme)
 
 
 @inlined

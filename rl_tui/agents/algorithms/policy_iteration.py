@@ -77,7 +77,7 @@ def describe(memory: Memory) -> str:
     if memory.number[0] < 0:
         return ""
     policy = f"policy {memory.policies[0]:,}"
-    if memory.phase[0] == EVALUATION:
+    if phase_of(memory) == "evaluation":
         return f"{policy}, evaluation sweep {memory.sweeps[0]:,}: {change_in_words(memory.change)}"
     improved = f"{memory.improved[0]:,} state{'' if memory.improved[0] == 1 else 's'}"
     return f"{policy}, improvement: {improved} changed"

@@ -13,13 +13,20 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.random import Generator
 
-from rl_tui.agents.action_rules.family import choose
-from rl_tui.agents.algorithms.family import Transition, Update, act, further, learn
+from rl_tui.agents.algorithms.family import (
+    Transition,
+    Update,
+    further,
+    learn,
+    no_update,
+    one_update,
+    with_others,
+)
 from rl_tui.agents.algorithms.model import THE_END, UNKNOWN, modelled_value
 from rl_tui.agents.algorithms.priority_queue import Queue, dequeue, empty_queue, enqueue
 from rl_tui.agents.compiled import compiled, inlined, member_of
 from rl_tui.agents.settings import Settings, step_size
-from rl_tui.agents.tables import Tables, pairs_of
+from rl_tui.agents.tables import Tables
 from rl_tui.worlds.space import FiniteSpace, FloatArray, IntArray
 
 NONE = -1
@@ -62,13 +69,6 @@ def new_memory(q: FloatArray, visits: IntArray, space: FiniteSpace) -> Memory:
     )
 
 
-@member_of(act, Memory)
-def _act(memory: Memory, rule: Any, tables: Tables, state: int, generator: Generator) -> tuple[int, bool]:
-    # A ← policy(S, Q)
-    first, last = pairs_of(tables, state)
-    return choose(rule, memory.q, memory.visits, first, last, generator)
-
-
 @member_of(learn, Memory)
 def _learn(
     memory: Memory,
@@ -95,7 +95,7 @@ def remember_and_sweep(
     # P ← |R + γ max_a Q(S′,a) − Q(S,A)|;  if P > θ insert S,A with priority P
     queue = Queue(memory.heap, memory.place, memory.priority, memory.size)
     consider(memory, queue, settings, tables, pair)
-    told = Update(-1, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0, 0.0, 0)
+    told = no_update()
     updates, extreme = 0, 0.0
     # Loop repeat n times, while the queue is not empty
     while updates < settings.planning_steps and queue.size[0] > 0:
@@ -110,25 +110,14 @@ def remember_and_sweep(
         memory.q[each] = after
         extreme = further(extreme, after)
         if updates == 0:
-            told = Update(each, before, alpha, gathered, settings.gamma, bootstrap, after, 0, after, 0)
+            told = one_update(each, before, alpha, gathered, settings.gamma, bootstrap, after)
         updates += 1
         # Loop for all S̄,Ā predicted to lead to S
         before_that = memory.leading[state_of(tables, each)]
         while before_that != NONE:
             consider(memory, queue, settings, tables, before_that)
             before_that = memory.link_next[before_that]
-    return Update(
-        told.pair,
-        told.before,
-        told.step_size,
-        told.gathered,
-        told.discount,
-        told.bootstrap,
-        told.after,
-        max(updates - 1, 0),
-        extreme,
-        0,
-    )
+    return with_others(told, max(updates - 1, 0), extreme)
 
 
 @compiled

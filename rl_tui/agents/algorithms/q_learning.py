@@ -6,8 +6,8 @@ from typing import Any, NamedTuple
 
 from numpy.random import Generator
 
-from rl_tui.agents.action_rules.family import best_value, choose
-from rl_tui.agents.algorithms.family import Transition, Update, act, learn, one_update
+from rl_tui.agents.action_rules.family import best_value
+from rl_tui.agents.algorithms.family import Transition, Update, learn, one_update
 from rl_tui.agents.compiled import member_of
 from rl_tui.agents.settings import Settings, step_size
 from rl_tui.agents.tables import Tables, pairs_of
@@ -24,13 +24,6 @@ class Memory(NamedTuple):
 def new_memory(q: FloatArray, visits: IntArray, space: FiniteSpace) -> Memory:
     """Return the memory around an existing table of estimates and its visits."""
     return Memory(q, visits)
-
-
-@member_of(act, Memory)
-def _act(memory: Memory, rule: Any, tables: Tables, state: int, generator: Generator) -> tuple[int, bool]:
-    # Choose A from S using the policy derived from Q
-    first, last = pairs_of(tables, state)
-    return choose(rule, memory.q, memory.visits, first, last, generator)
 
 
 @member_of(learn, Memory)

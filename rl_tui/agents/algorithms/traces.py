@@ -68,10 +68,7 @@ def teach(
     for place in range(moved):
         each = active[place]
         # Q ← Q + α δ e
-        alpha = settings.alpha
-        if settings.sample_average:
-            alpha = 1.0 / visits[each]
-        estimate = q[each] + alpha * trace[each] * error
+        estimate = q[each] + step_size(settings, visits[each]) * trace[each] * error
         q[each] = estimate
         extreme = further(extreme, estimate)
         # e ← γλ e
