@@ -26,6 +26,9 @@ class LastStep:
     real. ``explored`` says that the action was drawn at random with probability ``epsilon`` (it may be the
     greedy one all the same), or by rules without an ε that it was not a greedy one.
 
+    ``episode_step`` counts the steps of its episode, this one included. ``by_hand`` says that a person chose
+    the action.
+
     A planner takes no step in the world: then ``pair`` is −1 as well, ``state`` is the one it backed up, and
     ``episode`` its sweep.
 
@@ -57,6 +60,8 @@ class LastStep:
     discount: float
     bootstrap: float
     after: float
+    episode_step: int = 0
+    by_hand: bool = False
 
     @property
     def planned(self) -> bool:

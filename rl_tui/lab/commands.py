@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from rl_tui.lab.recipe import Change, Recipe
+from rl_tui.lab.recipe import Change, Recipe, SetParameter, SwitchAlgorithm
+from rl_tui.lab.until import Until
 from rl_tui.lab.windows import Sight
 
 
@@ -63,4 +64,106 @@ class LookAt:
     sight: Sight
 
 
-Command = Play | Pause | Step | RunEpisode | Train | SetSpeed | Apply | Restart | LookAt
+@dataclass(frozen=True, slots=True)
+class StepBack:
+    """Pause, one step earlier."""
+
+
+@dataclass(frozen=True, slots=True)
+class EpisodeBack:
+    """Pause where the episode under way began, or the one before it if it has only begun."""
+
+
+@dataclass(frozen=True, slots=True)
+class GoTo:
+    """Pause at ``step``, or where ``episode`` (from 1) begins; at most as far as the branch has come."""
+
+    step: int | None = None
+    episode: int | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class ChooseBranch:
+    """Go to another branch, where it was left, and pause there."""
+
+    branch: int
+
+
+@dataclass(frozen=True, slots=True)
+class RunUntil:
+    """Run as fast as it goes until something happens, and pause there."""
+
+    until: Until
+
+
+@dataclass(frozen=True, slots=True)
+class ToggleBreakpoint:
+    """Set a breakpoint on a state or on a state–action pair, or take it away."""
+
+    state: int | None = None
+    pair: int | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class ClearBreakpoints:
+    """Take all breakpoints away."""
+
+
+@dataclass(frozen=True, slots=True)
+class Take:
+    """Pause if running, and take one step with this action (its number) in place of the agent."""
+
+    action: int
+
+
+@dataclass(frozen=True, slots=True)
+class AddLane:
+    """Begin another run beside the one shown, the same but for ``changes``, and let it catch up."""
+
+    changes: tuple[SetParameter | SwitchAlgorithm, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class ChooseLane:
+    """Show another lane, counted from 0: what is changed from now on is changed there."""
+
+    lane: int
+
+
+@dataclass(frozen=True, slots=True)
+class DropLane:
+    """End a lane, counted from 0, unless it is the only one."""
+
+    lane: int
+
+
+@dataclass(frozen=True, slots=True)
+class FollowCell:
+    """Tell in every snapshot how Q of ``pair`` went; None: of no pair."""
+
+    pair: int | None
+
+
+Command = (
+    Play
+    | Pause
+    | Step
+    | RunEpisode
+    | Train
+    | SetSpeed
+    | Apply
+    | Restart
+    | LookAt
+    | StepBack
+    | EpisodeBack
+    | GoTo
+    | ChooseBranch
+    | RunUntil
+    | ToggleBreakpoint
+    | ClearBreakpoints
+    | Take
+    | AddLane
+    | ChooseLane
+    | DropLane
+    | FollowCell
+)

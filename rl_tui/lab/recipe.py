@@ -59,7 +59,14 @@ class SwitchAlgorithm:
     algorithm: str
 
 
-Change = SetParameter | SwitchAlgorithm
+@dataclass(frozen=True, slots=True)
+class TakeAction:
+    """A person takes the next step in place of the agent, with this action (its number)."""
+
+    action: int
+
+
+Change = SetParameter | SwitchAlgorithm | TakeAction
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import StrEnum
+
+import numpy as np
 
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.agents.last_step import Author, LastStep
 from rl_tui.agents.solution import Solution
+from rl_tui.lab.branches import Branch
 from rl_tui.lab.recipe import Recipe
+from rl_tui.lab.until import Breakpoints
 from rl_tui.lab.windows import Window
 from rl_tui.worlds.mdp import FloatArray, IntArray
 from rl_tui.worlds.world import World
@@ -20,6 +24,7 @@ class Phase(StrEnum):
     PREPARING = "preparing"  # the world is built, the kernels are compiled or read from their cache
     PAUSED = "paused"
     RUNNING = "running"
+    SEEKING = "seeking"  # on the way to another moment; until it is there, the last one is shown
     SPENT = "spent"  # the budget is used up
     DONE = "done"  # a planner has converged: Snapshot.message says so
     STOPPED = "stopped"  # runaway: Snapshot.message names the step
@@ -66,6 +71,55 @@ class BanditFigures:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class CellHistory:
+    """How Q of ``pair`` went up to the moment shown: after ``step`` steps it was ``value``, [N] each.
+
+    The steps ascend from 0 and end with the moment itself.
+    """
+
+    pair: int
+    step: IntArray
+    value: FloatArray
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LaneView:
+    """One of several runs side by side, as far as it is shown beside the others.
+
+    ``name`` tells in a few words what is different here. ``q`` is [P], of a large world empty.
+    """
+
+    name: str
+    algorithm: str
+    hyperparameters: Hyperparameters
+    step: int
+    episodes: int
+    q: FloatArray
+    curve: Curve
+    marks: Marks
+    return_last_100: float | None
+    greedy_return: float | None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Timeline:
+    """Where a moment stands in time: ``branch`` is the number of the one in force of all ``branches``."""
+
+    branches: tuple[Branch, ...] = (Branch("1"),)
+    branch: int = 0
+
+    @property
+    def current(self) -> Branch:
+        """The branch in force."""
+        return self.branches[self.branch]
+
+    @property
+    def in_past(self) -> bool:
+        """Whether the run has been further than here: to change something now forks it."""
+        return self.current.here < self.current.end
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class Snapshot:
     """A run at one step. Arrays are copies that nobody writes.
 
@@ -74,6 +128,14 @@ class Snapshot:
     belong to the one under way. ``state`` is where the agent is; after an episode's last step still the state
     it ended in, until the next episode begins. ``q`` and ``visits`` are [P]; of a large world they are 0
     outside of ``window``, which has what the screen shows: read them where :meth:`holds` says so.
+
+    ``rewards``, [N], are those of the episode under way, or of the one that has just ended, oldest first; of
+    a long episode the last ones only, up to step ``last.episode_step`` of it. ``discounted_return`` is that
+    of the whole episode so far, seen from its start, with the γ that was in force at each step.
+
+    ``lanes`` are the runs side by side, the one shown among them at place ``lane``; empty where there is
+    one. ``until`` says what the run is on its way to, ``paused_by`` why it paused by itself; mostly both are
+    empty. ``cell`` is the history of the pair asked for. ``handled`` counts the commands taken in so far.
 
     ``author`` is who took the last step, None where it is whoever is in force. ``planning`` tells in words
     how a planner's sweep is getting on, empty for an agent.
@@ -110,6 +172,16 @@ class Snapshot:
     window: Window | None = None
     planning: str = ""
     author: Author | None = None
+    timeline: Timeline = Timeline()
+    breakpoints: Breakpoints = field(default_factory=Breakpoints)
+    until: str = ""
+    paused_by: str = ""
+    rewards: FloatArray = field(default_factory=lambda: np.empty(0))
+    discounted_return: float = 0.0
+    lanes: tuple[LaneView, ...] = ()
+    lane: int = 0
+    cell: CellHistory | None = None
+    handled: int = 0
 
     @property
     def learned_by(self) -> tuple[str, Hyperparameters]:

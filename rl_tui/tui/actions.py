@@ -29,8 +29,10 @@ class Group(StrEnum):
     """The headings of the help panel, in its order."""
 
     RUN = "Run"
+    TIME = "Time"
     AGENT = "Agent"
     VIEW = "View"
+    SESSION = "Session"
     SCENARIO = "Scenario"
     PROGRAM = "Program"
 
@@ -96,6 +98,68 @@ ACTIONS: Final[tuple[Action, ...]] = (
     Action("slower", ("minus", "underscore"), "−", "slower", "Next lower speed.", Group.RUN),
     Action("reset", ("r",), "r", "reset", "Start again: these settings, the same seed.", Group.RUN, rank=7),
     Action(
+        "step_back",
+        ("b",),
+        "b",
+        "step back",
+        "Go one step back; to change something there begins another branch.",
+        Group.TIME,
+        rank=3,
+        hint=("b B", "back"),
+    ),
+    Action(
+        "episode_back",
+        ("B",),
+        "B",
+        "episode back",
+        "Go back to where the episode began, then to the one before it.",
+        Group.TIME,
+    ),
+    Action(
+        "go_to",
+        ("g",),
+        "g",
+        "go to",
+        "Go to a step or an episode, as far as the run has come; or drag the timeline.",
+        Group.TIME,
+        rank=12,
+    ),
+    Action(
+        "branches",
+        ("j",),
+        "j",
+        "journal",
+        "Show the branches of the run and what was changed in each; enter goes to one.",
+        Group.TIME,
+        rank=16,
+    ),
+    Action(
+        "until",
+        ("u",),
+        "u",
+        "run until",
+        "Run until a reward, a change of the policy, a value: choose what to wait for.",
+        Group.TIME,
+        rank=9,
+    ),
+    Action(
+        "breakpoint",
+        ("k",),
+        "k",
+        "breakpoint",
+        "Pause whenever the state or pair under the cursor is met; again takes it away.",
+        Group.TIME,
+        rank=17,
+    ),
+    Action(
+        "clear_breakpoints",
+        ("K",),
+        "K",
+        "no breakpoints",
+        "Take all breakpoints away.",
+        Group.TIME,
+    ),
+    Action(
         "algorithm",
         ("a",),
         "a",
@@ -154,6 +218,15 @@ ACTIONS: Final[tuple[Action, ...]] = (
         rank=11,
     ),
     Action(
+        "take_over",
+        ("y",),
+        "y",
+        "you",
+        "Be the agent: arrows or numbers take its steps, and it learns from them; again hands back.",
+        Group.AGENT,
+        rank=12,
+    ),
+    Action(
         "layer",
         ("v",),
         "v",
@@ -171,8 +244,45 @@ ACTIONS: Final[tuple[Action, ...]] = (
         Group.VIEW,
         rank=5,
     ),
+    Action(
+        "microscope",
+        ("d",),
+        "d",
+        "dissect",
+        "Take the last step apart: the loop, the backup, the return, the history of a cell.",
+        Group.VIEW,
+        rank=8,
+    ),
+    Action(
+        "compare",
+        ("c",),
+        "c",
+        "compare",
+        "Run another agent beside this one, with one thing different.",
+        Group.VIEW,
+        rank=10,
+    ),
+    Action("lane", ("l",), "l", "next lane", "Show the next of the runs side by side.", Group.VIEW),
     Action("model", ("m",), "m", "model", "Show the model: the outcomes of each pair.", Group.VIEW, rank=8),
     Action("reveal", ("h",), "h", "reveal", "Show or hide what a bandit keeps secret.", Group.VIEW, rank=12),
+    Action(
+        "save",
+        ("w",),
+        "w",
+        "save",
+        "Save the session under a name; it is kept by itself as well.",
+        Group.SESSION,
+        rank=15,
+    ),
+    Action(
+        "export",
+        ("x",),
+        "x",
+        "export",
+        "Write the run as a command, a Python script, tables or a picture.",
+        Group.SESSION,
+        rank=15,
+    ),
     Action(
         "previous_scenario",
         ("left_square_bracket",),

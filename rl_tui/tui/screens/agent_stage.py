@@ -11,6 +11,7 @@ from rl_tui.agents.hyperparameters import PARAMETERS, SAMPLE_AVERAGE, Hyperparam
 from rl_tui.lab.commands import Apply, Command
 from rl_tui.lab.recipe import Recipe, SetParameter, SwitchAlgorithm
 from rl_tui.lab.snapshot import Snapshot
+from rl_tui.tui.screens.board import Board
 from rl_tui.tui.screens.choice import algorithm_choice, policy_choice, word_choice
 from rl_tui.tui.screens.options import Options
 from rl_tui.tui.screens.prompt import Prompt
@@ -30,6 +31,11 @@ class AgentStage(Stage):
         super().__init__(look)
         self.recipe = recipe
         self.snapshot: Snapshot | None = None
+
+    @property
+    def board(self) -> Board:
+        """The panels."""
+        return self.query_one(Board)
 
     def send(self, command: Command) -> None:
         """Ask the player for something."""

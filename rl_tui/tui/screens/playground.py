@@ -16,10 +16,16 @@ from rl_tui.lab.recipe import Recipe
 from rl_tui.lab.snapshot import Phase, Snapshot
 from rl_tui.tui.actions import ORDINALS, Place, bindings_of
 from rl_tui.tui.pacing import Pacer
-from rl_tui.tui.screens.agent_stage import AgentStage
 from rl_tui.tui.screens.board import Board
+from rl_tui.tui.screens.export_stage import ExportStage
+from rl_tui.tui.screens.hand_stage import HandStage
 from rl_tui.tui.screens.help import HelpScreen
+from rl_tui.tui.screens.lane_stage import LaneStage
+from rl_tui.tui.screens.microscope_stage import MicroscopeStage
 from rl_tui.tui.screens.model import ModelScreen
+from rl_tui.tui.screens.session_stage import SessionStage
+from rl_tui.tui.screens.time_stage import TimeStage
+from rl_tui.tui.screens.until_stage import UntilStage
 from rl_tui.tui.speeds import faster, slower
 from rl_tui.tui.theme.look import Look
 from rl_tui.tui.widgets.slider import Slider
@@ -28,7 +34,7 @@ from rl_tui.worlds.drawing import Arms
 from rl_tui.worlds.errors import UserError
 
 
-class Playground(AgentStage):
+class Playground(TimeStage, UntilStage, HandStage, LaneStage, MicroscopeStage, SessionStage, ExportStage):
     """One run: what it looks like and what may be done with it."""
 
     CSS_PATH = "playground.tcss"
@@ -120,11 +126,6 @@ class Playground(AgentStage):
         painted = asyncio.Event()
         self.call_after_refresh(painted.set)
         await painted.wait()
-
-    @property
-    def board(self) -> Board:
-        """The panels."""
-        return self.query_one(Board)
 
     @property
     def focus_chain(self) -> list[Widget]:
