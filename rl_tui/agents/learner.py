@@ -15,11 +15,20 @@ from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.agents.last_step import Author, LastStep
 from rl_tui.agents.loop import advance, start_state
 from rl_tui.agents.planning_loop import sweep
-from rl_tui.agents.position import new_episode_log, new_position, new_record, read_record
+from rl_tui.agents.position import (
+    NOBODY,
+    REWARDS_KEPT,
+    new_episode_log,
+    new_position,
+    new_record,
+    read_record,
+)
 from rl_tui.agents.settings import schedules_of, settings_of
 from rl_tui.agents.stepped_loop import SteppedLoop
 from rl_tui.agents.stop import Stop
 from rl_tui.agents.tables import Tables, tables_of
+from rl_tui.agents.watch import forget, new_watch, noticed_by
+from rl_tui.agents.watching import Noticed, Watching
 from rl_tui.worlds.environment import Environment
 from rl_tui.worlds.errors import UserError
 from rl_tui.worlds.mdp import TabularMDP
@@ -115,6 +124,7 @@ class Learner:
         self._take_rule(hyperparameters)
         self._take_algorithm(algorithm)
         self._begin_anew()
+        self.watch(None)
 
     def configure(self, hyperparameters: Hyperparameters) -> None:
         """Take these hyper-parameters from the next step on; ``initial_q`` only counts in the constructor.
@@ -123,11 +133,14 @@ class Learner:
         cannot work here.
         """
         check_compatible(self.space, self.algorithm, hyperparameters)
+        other_ties = hyperparameters.ties != self.hyperparameters.ties
         if hyperparameters.policy != self.hyperparameters.policy:
             self._take_rule(hyperparameters)
         else:
             self._rule = self._rule_module.changed_rule(self._rule, hyperparameters)
             self._take_settings(hyperparameters)
+        if other_ties:
+            self.watch(self._watching)  # what was greedy before has to be told by the new rule
         self._go_on_planning()
 
     def switch(self, algorithm: str) -> None:
@@ -275,22 +288,81 @@ class Learner:
         """Whether a planner is done: no estimate moves any more."""
         return self._stop is Stop.CONVERGED
 
+    @property
+    def rewards(self) -> FloatArray:
+        """The rewards of the last step's episode, oldest first: the last 256 at most; none for a planner."""
+        count = self._steps_of_last_episode
+        places = np.arange(max(0, count - REWARDS_KEPT), count) % REWARDS_KEPT
+        return self._position.rewards[places]
+
+    @property
+    def discounted_return(self) -> float:
+        """Σ γᵏ r of the last step's episode so far, with the γ in force at each step; 0 for a planner."""
+        return float(self._position.discounted[0]) if self._steps_of_last_episode else 0.0
+
+    @property
+    def _steps_of_last_episode(self) -> int:
+        last = self.last_step
+        return 0 if last is None or last.planned or self.plans else last.episode_step
+
+    def watch(self, watching: Watching | None) -> None:
+        """Stop after a step that brings any of ``watching``, from the estimates as they are; None: no more.
+
+        It changes nothing in what is learned, and is no part of a checkpoint. Raises ValueError where a state
+        or a pair is unknown.
+        """
+        self._watching = watching
+        told = watching or Watching()
+        random_ties = self.hyperparameters.ties == "random"
+        self._watch = new_watch(told, self.space, self._tables, self.q, random_ties)
+
+    @property
+    def noticed(self) -> Noticed:
+        """What the last step of the last :meth:`advance` or :meth:`take` brought of what is watched."""
+        return noticed_by(self._watch)
+
+    def take(self, pair: int) -> Stop:
+        """Take one step with ``pair`` in place of the agent's choice; it learns from it as from its own.
+
+        The choice draws nothing. Returns what :meth:`advance` returns for one step. Raises UserError for a
+        planner, and where ``pair`` is not one of the state in which the step starts.
+        """
+        if self.plans:
+            raise UserError(
+                f"{BY_ID[self.algorithm].name} plans and takes no steps: to act yourself, take an algorithm "
+                f"that learns, such as q-learning"
+            )
+        legal = self.space.pairs_of(self.state)
+        if pair not in legal:
+            names = ", ".join(self._action_name(each) for each in legal)
+            there = self.space.state_names[self.state]
+            raise UserError(f"that action cannot be taken in state {there}: take one of {names}")
+        self._position.forced[0] = pair
+        try:
+            return self.advance(1)
+        finally:
+            self._position.forced[0] = NOBODY
+
     def advance(self, steps: int, episodes: int = UNLIMITED) -> Stop:
         """Take ``steps`` steps or finish ``episodes`` more episodes, whichever comes first.
 
-        Stops early with ``Stop.EPISODES_FULL`` when :meth:`drain_episodes` is due, with ``Stop.CONVERGED``
-        when a planner is done, and for good on a runaway. For a planner a step is the backup of one state, an
-        episode a sweep over all.
+        Stops early with ``Stop.NOTICED`` after a step that brought something watched, with
+        ``Stop.EPISODES_FULL`` when :meth:`drain_episodes` is due (where it is both, the next call tells),
+        with ``Stop.CONVERGED`` when a planner is done, and for good on a runaway. For a planner a step is the
+        backup of one state, an episode a sweep over all.
         """
+        forget(self._watch)
         if self._stop in _FOR_GOOD or self._stop is Stop.CONVERGED:
             return self._stop
         if self._log.finished[0] == EPISODES_LOGGED:
             return Stop.EPISODES_FULL
         before = self.step
-        self._stop = Stop(self._advance(steps, episodes))
+        stop = Stop(self._advance(steps, episodes))
+        # What is watched must leave no trace in where it stands
+        self._stop = Stop.DONE if stop is Stop.NOTICED else stop
         if self.step > before:
             self._author = Author(self.algorithm, self.hyperparameters)
-        return self._stop
+        return stop
 
     def _advance(self, steps: int, episodes: int) -> int:
         if self.plans:
@@ -298,7 +370,14 @@ class Learner:
         told = (self._memory, self._rule, self._settings, self._schedules, self._tables)
         if self._stepped is not None:
             return self._stepped.advance(
-                *told, self._position, self._log, self._last, self.streams.learner, steps, episodes
+                *told,
+                self._position,
+                self._log,
+                self._last,
+                self._watch,
+                self.streams.learner,
+                steps,
+                episodes,
             )
         return advance(
             *told,
@@ -306,6 +385,7 @@ class Learner:
             self._position,
             self._log,
             self._last,
+            self._watch,
             self.streams.world,
             self.streams.learner,
             steps,
@@ -315,7 +395,14 @@ class Learner:
     def _plan(self, steps: int, sweeps: int) -> int:
         before, swept = self.step, self.episodes
         stop = sweep(
-            self._memory, self._settings, self._tables_now(), self._position, self._last, steps, sweeps
+            self._memory,
+            self._settings,
+            self._tables_now(),
+            self._position,
+            self._last,
+            self._watch,
+            steps,
+            sweeps,
         )
         backups, done = self._planned
         self._planned = Planned(backups + self.step - before, done + self.episodes - swept)
@@ -400,10 +487,14 @@ class Learner:
         self._planned = state.planned
         self._author = state.author
         self._stop = state.stop
+        self.watch(self._watching)
 
     def _pair_name(self, pair: int) -> str:
         state = self.space.state_names[self.space.state_of(pair)]
-        return f"{state}, {self.space.action_names[int(self.space.pair_action[pair])]}"
+        return f"{state}, {self._action_name(pair)}"
+
+    def _action_name(self, pair: int) -> str:
+        return self.space.action_names[int(self.space.pair_action[pair])]
 
 
 def _arrays(rule: tuple[Any, ...]) -> tuple[Any, ...]:

@@ -8,10 +8,18 @@ import numpy as np
 from numpy.random import Generator
 
 from rl_tui.agents.action_rules.family import epsilon_of, in_force, reinforce
-from rl_tui.agents.algorithms.family import Transition, act, has_room, learn
+from rl_tui.agents.algorithms.family import Transition, act, has_room, learn, overruled
 from rl_tui.agents.compiled import compiled, inlined
 from rl_tui.agents.drift import Drift, drift_on
-from rl_tui.agents.position import EpisodeLog, LastRecord, Position, record_transition, record_update
+from rl_tui.agents.position import (
+    REWARDS_KEPT,
+    EpisodeLog,
+    LastRecord,
+    Position,
+    discount_rewards,
+    record_transition,
+    record_update,
+)
 from rl_tui.agents.settings import Schedules, Settings, scheduled, with_alpha
 from rl_tui.agents.stop import (
     DIVERGED,
@@ -22,6 +30,7 @@ from rl_tui.agents.stop import (
     MEMORY_FULL,
 )
 from rl_tui.agents.tables import Tables, landing, outcomes_of, pairs_of
+from rl_tui.agents.watch import Watch, watched
 
 
 @inlined
@@ -70,64 +79,79 @@ def advance(
     position: Position,
     log: EpisodeLog,
     last: LastRecord,
+    watch: Watch,
     world: Generator,
     learner: Generator,
     steps: int,
     episodes: int,
 ) -> int:
     """Take at most ``steps`` steps, or until ``episodes`` more have ended; return a :class:`Stop`."""
-    first_step = step = position.step[0]
+    discounted_step = first_step = step = position.step[0]
     episode = position.episodes[0]
     state = position.state[0]
     episode_step = position.episode_step[0]
     episode_return = position.episode_return[0]
     first_reward_episode = position.first_reward_episode[0]
     logged = log.finished[0]
+    forced, watching = position.forced[0], watch.active[0]
     last_step, last_episode = step + steps, episode + episodes
     rule = in_force(rule, scheduled(schedules.epsilon, episode))
     settings = with_alpha(settings, scheduled(schedules.alpha, episode))
     stop = 0
     while stop == 0 and step < last_step and episode < last_episode:
-        # Choose A from S using the policy derived from Q
-        pair, explored = act(memory, rule, tables, state, learner)
-        # Take action A, observe R, S′
-        outcome = draw_outcome(tables, pair, world)
-        reward = draw_reward(tables, drift, pair, outcome, world)
-        next_state = landing(tables, outcome)
-        terminated = tables.terminated[outcome]
-        step += 1
-        episode_step += 1
-        episode_return += reward
-        truncated = episode_step == tables.time_limit and not terminated
-        transition = Transition(state, pair, reward, next_state, terminated, truncated)
-        update = learn(memory, rule, settings, tables, transition, learner)
-        first_pair, last_pair = pairs_of(tables, state)
-        reinforce(rule, settings.alpha, first_pair, last_pair, pair, reward)
-        # S ← S′, until S is terminal or the time is up
-        acted_episode, acted_epsilon = episode, epsilon_of(rule)
-        state = next_state
-        if first_reward_episode == 0 and reward != 0.0:
-            first_reward_episode = episode + 1
-        if not abs(update.extreme) <= LARGEST_ESTIMATE:  # written so that NaN is caught too
-            stop = DIVERGED
-        elif terminated or truncated:
-            log.returns[logged] = episode_return
-            log.lengths[logged] = episode_step
-            log.optimal[logged] = drift.optimal[pair]
-            logged += 1
-            if logged == len(log.returns):
-                stop = EPISODES_FULL
-            episode += 1
-            episode_step = 0
-            episode_return = 0.0
-            rule = in_force(rule, scheduled(schedules.epsilon, episode))
-            settings = with_alpha(settings, scheduled(schedules.alpha, episode))
-            state = start_state(tables, world)
-        elif episode_step >= LONGEST_EPISODE:
-            stop = ENDLESS_EPISODE
-        elif not has_room(memory):
-            stop = MEMORY_FULL
-        drift_on(drift, tables, pair, world)
+        pause = step + 1 if watching else last_step
+        while stop == 0 and step < pause and episode < last_episode:
+            # Choose A from S using the policy derived from Q
+            if forced >= 0:
+                pair, explored = forced, False
+                overruled(memory, tables, state, forced)
+            else:
+                pair, explored = act(memory, rule, tables, state, learner)
+            # Take action A, observe R, S′
+            outcome = draw_outcome(tables, pair, world)
+            reward = draw_reward(tables, drift, pair, outcome, world)
+            next_state = landing(tables, outcome)
+            terminated = tables.terminated[outcome]
+            step += 1
+            position.rewards[episode_step % REWARDS_KEPT] = reward
+            episode_step += 1
+            episode_return += reward
+            if episode_step % REWARDS_KEPT == 0:
+                discount_rewards(position, settings.gamma, step - discounted_step, episode_step)
+                discounted_step = step
+            truncated = episode_step == tables.time_limit and not terminated
+            transition = Transition(state, pair, reward, next_state, terminated, truncated)
+            update = learn(memory, rule, settings, tables, transition, learner)
+            first_pair, last_pair = pairs_of(tables, state)
+            reinforce(rule, settings.alpha, first_pair, last_pair, pair, reward)
+            # S ← S′, until S is terminal or the time is up
+            acted_episode, acted_epsilon = episode, epsilon_of(rule)
+            state = next_state
+            if first_reward_episode == 0 and reward != 0.0:
+                first_reward_episode = episode + 1
+            if not abs(update.extreme) <= LARGEST_ESTIMATE:  # written so that NaN is caught too
+                stop = DIVERGED
+            elif terminated or truncated:
+                log.returns[logged] = episode_return
+                log.lengths[logged] = episode_step
+                log.optimal[logged] = drift.optimal[pair]
+                logged += 1
+                if logged == len(log.returns):
+                    stop = EPISODES_FULL
+                episode += 1
+                episode_step = 0
+                episode_return = 0.0
+                rule = in_force(rule, scheduled(schedules.epsilon, episode))
+                settings = with_alpha(settings, scheduled(schedules.alpha, episode))
+                state = start_state(tables, world)
+            elif episode_step >= LONGEST_EPISODE:
+                stop = ENDLESS_EPISODE
+            elif not has_room(memory):
+                stop = MEMORY_FULL
+            drift_on(drift, tables, pair, world)
+        stop = watched(
+            watching, watch, memory.q, settings.random_ties, tables, transition, update, state, stop
+        )
     position.step[0] = step
     position.episodes[0] = episode
     position.state[0] = state
@@ -136,6 +160,10 @@ def advance(
     position.first_reward_episode[0] = first_reward_episode
     log.finished[0] = logged
     if step > first_step:
-        record_transition(last, step, acted_episode + 1, explored, acted_epsilon, outcome, transition)
+        taken = episode_step if episode_step > 0 else log.lengths[logged - 1]
+        discount_rewards(position, settings.gamma, step - discounted_step, taken)
+        record_transition(
+            last, step, acted_episode + 1, taken, forced >= 0, explored, acted_epsilon, outcome, transition
+        )
         record_update(last, update, settings.gamma)
     return stop

@@ -10,6 +10,7 @@ from rl_tui.agents.position import LastRecord, Position, record_transition, reco
 from rl_tui.agents.settings import Settings
 from rl_tui.agents.stop import CONVERGED, DIVERGED, LARGEST_ESTIMATE
 from rl_tui.agents.tables import Tables
+from rl_tui.agents.watch import Watch, watched
 
 
 @compiled
@@ -28,6 +29,7 @@ def sweep(
     tables: Tables,
     position: Position,
     last: LastRecord,
+    watch: Watch,
     steps: int,
     episodes: int,
 ) -> int:
@@ -38,12 +40,15 @@ def sweep(
     """
     step, episode, state = position.step[0], position.episodes[0], position.state[0]
     first_step, last_step, last_episode = step, step + steps, episode + episodes
+    watching = watch.active[0]
     stop = 0
     while stop == 0 and step < last_step and episode < last_episode:
         swept, backed_up = episode, state
         update = back_up(memory, settings, tables, state, episode)
         step += 1
         position.episode_step[0] += 1
+        swept_step = position.episode_step[0]
+        transition = Transition(backed_up, -1, 0.0, backed_up, False, False)
         state = state_with_pairs(tables, state + 1)
         if not abs(update.extreme) <= LARGEST_ESTIMATE:
             stop = DIVERGED
@@ -53,9 +58,11 @@ def sweep(
             position.episode_step[0] = 0
             if stop == 0 and has_converged(memory, settings):
                 stop = CONVERGED
+        stop = watched(
+            watching, watch, memory.q, settings.random_ties, tables, transition, update, backed_up, stop
+        )
     position.step[0], position.episodes[0], position.state[0] = step, episode, state
     if step > first_step:
-        transition = Transition(backed_up, -1, 0.0, backed_up, False, False)
-        record_transition(last, step, swept + 1, False, 0.0, -1, transition)
+        record_transition(last, step, swept + 1, swept_step, False, False, 0.0, -1, transition)
         record_update(last, update, settings.gamma)
     return stop

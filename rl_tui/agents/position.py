@@ -2,21 +2,30 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Final, NamedTuple
 
 import numpy as np
 
 from rl_tui.agents.algorithms.family import Transition, Update
-from rl_tui.agents.compiled import inlined
+from rl_tui.agents.compiled import compiled, inlined
 from rl_tui.agents.last_step import LastStep
 from rl_tui.worlds.space import BoolArray, FloatArray, IntArray
 
+REWARDS_KEPT: Final = 256
+# In place of the pair that a person takes
+NOBODY: Final = -1
+
 
 class Position(NamedTuple):
-    """Where a learner stands, each an array of one number so that the kernel can move it.
+    """Where a learner stands, as arrays so that the kernel can move it: of one number but for two.
 
     ``step`` and ``episodes`` count what is done; ``state`` is where the next step starts;
     ``first_reward_episode`` is the first episode (from 1) with a non-zero reward, 0 while there is none.
+    ``forced`` is the pair that a person takes in place of the agent, −1 where the agent chooses.
+
+    What the last step's episode has brought is kept until the next step: ``rewards``, [REWARDS_KEPT], the
+    last of its rewards, that of its step k (from 0) at k modulo the room for them; ``discounted``, [2], its
+    discounted return so far and the discount due on the next reward.
     """
 
     step: IntArray
@@ -25,14 +34,43 @@ class Position(NamedTuple):
     episode_step: IntArray
     episode_return: FloatArray
     first_reward_episode: IntArray
+    forced: IntArray
+    rewards: FloatArray
+    discounted: FloatArray
 
 
 def new_position(state: int) -> Position:
     """Return where a learner stands before its first step, in ``state``."""
-    whole = (np.zeros(1, dtype=np.int64) for _ in range(5))
-    step, episodes, at, episode_step, first_reward_episode = whole
-    at[0] = state
-    return Position(step, episodes, at, episode_step, np.zeros(1), first_reward_episode)
+    step, episodes, at, episode_step, first_reward_episode, forced = (
+        np.full(1, number, dtype=np.int64) for number in (0, 0, state, 0, 0, NOBODY)
+    )
+    return Position(
+        step,
+        episodes,
+        at,
+        episode_step,
+        np.zeros(1),
+        first_reward_episode,
+        forced,
+        np.zeros(REWARDS_KEPT),
+        np.zeros(2),
+    )
+
+
+@compiled
+def discount_rewards(position: Position, gamma: float, new: int, episode_step: int) -> None:
+    """Add the last ``new`` rewards to the discounted return of their episode, now of ``episode_step`` steps.
+
+    Those of an earlier episode are left out. To add up many now and then costs less than each when it comes.
+    """
+    total, discount = position.discounted[0], position.discounted[1]
+    if new >= episode_step:
+        total, discount = 0.0, 1.0
+    for step in range(max(episode_step - new, 0), episode_step):
+        total += discount * position.rewards[step % REWARDS_KEPT]
+        discount *= gamma
+    position.discounted[0] = total
+    position.discounted[1] = discount
 
 
 class EpisodeLog(NamedTuple):
@@ -58,7 +96,7 @@ def new_episode_log(episodes: int) -> EpisodeLog:
 
 
 class LastRecord(NamedTuple):
-    """The last step in two arrays: the whole fields of :class:`LastStep`, [12], and the real ones, [9]."""
+    """The last step in two arrays: the whole fields of :class:`LastStep`, [14], and the real ones, [9]."""
 
     whole: IntArray
     real: FloatArray
@@ -66,7 +104,7 @@ class LastRecord(NamedTuple):
 
 def new_record() -> LastRecord:
     """Return the record of no step."""
-    return LastRecord(np.zeros(12, dtype=np.int64), np.zeros(9, dtype=np.float64))
+    return LastRecord(np.zeros(14, dtype=np.int64), np.zeros(9, dtype=np.float64))
 
 
 @inlined
@@ -74,6 +112,8 @@ def record_transition(
     last: LastRecord,
     step: int,
     episode: int,
+    episode_step: int,
+    by_hand: bool,
     explored: bool,
     epsilon: float,
     outcome: int,
@@ -89,6 +129,8 @@ def record_transition(
     last.whole[6] = transition.next_state
     last.whole[7] = transition.terminated
     last.whole[8] = transition.truncated
+    last.whole[12] = episode_step
+    last.whole[13] = by_hand
     last.real[0] = epsilon
     last.real[1] = transition.reward
 
@@ -136,4 +178,6 @@ def read_record(last: LastRecord) -> LastStep | None:
         discount=real[6],
         bootstrap=real[7],
         after=real[8],
+        episode_step=whole[12],
+        by_hand=bool(whole[13]),
     )

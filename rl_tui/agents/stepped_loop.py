@@ -9,9 +9,17 @@ import numpy as np
 from numpy.random import Generator
 
 from rl_tui.agents.action_rules.family import epsilon_of, in_force, reinforce
-from rl_tui.agents.algorithms.family import Transition, act, has_room, learn
+from rl_tui.agents.algorithms.family import Transition, act, has_room, learn, overruled
 from rl_tui.agents.compiled import compiled, entry
-from rl_tui.agents.position import EpisodeLog, LastRecord, Position, record_transition, record_update
+from rl_tui.agents.position import (
+    REWARDS_KEPT,
+    EpisodeLog,
+    LastRecord,
+    Position,
+    discount_rewards,
+    record_transition,
+    record_update,
+)
 from rl_tui.agents.settings import Schedules, Settings, scheduled, with_alpha
 from rl_tui.agents.stop import (
     DIVERGED,
@@ -23,6 +31,7 @@ from rl_tui.agents.stop import (
     Stop,
 )
 from rl_tui.agents.tables import Tables, pairs_of
+from rl_tui.agents.watch import Watch, watched
 from rl_tui.worlds.environment import Environment, EnvironmentFailedError
 from rl_tui.worlds.space import IntArray
 
@@ -46,6 +55,7 @@ def turn(
     position: Position,
     log: EpisodeLog,
     last: LastRecord,
+    watch: Watch,
     chosen: Chosen,
     learner: Generator,
     answered: bool,
@@ -73,13 +83,19 @@ def turn(
         # Take action A, observe R, S′: that has just been done
         transition = Transition(state, chosen.pair[0], reward, next_state, terminated, truncated)
         step += 1
+        position.rewards[position.episode_step[0] % REWARDS_KEPT] = reward
+        episode_step = position.episode_step[0] + 1
+        discount_rewards(position, settings.gamma, 1, episode_step)
         position.step[0] = step
-        position.episode_step[0] += 1
+        position.episode_step[0] = episode_step
         position.episode_return[0] += reward
         update = learn(memory, rule, settings, tables, transition, learner)
         first_pair, last_pair = pairs_of(tables, state)
         reinforce(rule, settings.alpha, first_pair, last_pair, chosen.pair[0], reward)
-        record_transition(last, step, episode + 1, chosen.explored[0] == 1, epsilon_of(rule), -1, transition)
+        by_hand, explored = position.forced[0] >= 0, chosen.explored[0] == 1
+        record_transition(
+            last, step, episode + 1, episode_step, by_hand, explored, epsilon_of(rule), -1, transition
+        )
         record_update(last, update, settings.gamma)
         # S ← S′, until S is terminal or the time is up
         state = next_state
@@ -90,7 +106,7 @@ def turn(
         elif terminated or truncated:
             logged = log.finished[0]
             log.returns[logged] = position.episode_return[0]
-            log.lengths[logged] = position.episode_step[0]
+            log.lengths[logged] = episode_step
             log.optimal[logged] = False
             log.finished[0] = logged + 1
             if logged + 1 == len(log.returns):
@@ -102,15 +118,22 @@ def turn(
             rule = in_force(rule, scheduled(schedules.epsilon, episode))
             settings = with_alpha(settings, scheduled(schedules.alpha, episode))
             state = start
-        elif position.episode_step[0] >= LONGEST_EPISODE:
+        elif episode_step >= LONGEST_EPISODE:
             stop = ENDLESS_EPISODE
         elif not has_room(memory):
             stop = MEMORY_FULL
         position.state[0] = state
+        watching, random_ties = watch.active[0], settings.random_ties
+        stop = watched(watching, watch, memory.q, random_ties, tables, transition, update, state, stop)
     if stop != 0 or step >= last_step or episode >= last_episode:
         return np.int64(-1 - stop)  # type: ignore[return-value]
     # Choose A from S using the policy derived from Q
-    pair, explored = act(memory, rule, tables, state, learner)
+    forced = position.forced[0]
+    if forced >= 0:
+        pair, explored = forced, False
+        overruled(memory, tables, state, forced)
+    else:
+        pair, explored = act(memory, rule, tables, state, learner)
     chosen.pair[0] = pair
     chosen.explored[0] = explored
     return np.int64(pair)  # type: ignore[return-value]
@@ -143,6 +166,7 @@ class SteppedLoop:
         position: Position,
         log: EpisodeLog,
         last: LastRecord,
+        watch: Watch,
         learner: Generator,
         steps: int,
         episodes: int,
@@ -152,7 +176,7 @@ class SteppedLoop:
         The bits are those that the compiled loop gives where the environment answers alike. Where it breaks
         down the loop stops after the last sound step, with all that was learned from it.
         """
-        told = (memory, rule, settings, schedules, tables, position, log, last, self._chosen, learner)
+        told = (memory, rule, settings, schedules, tables, position, log, last, watch, self._chosen, learner)
         last_step = int(position.step[0]) + steps
         last_episode = int(position.episodes[0]) + episodes
         nothing = (0, 0.0, False, False, 0)

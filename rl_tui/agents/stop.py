@@ -19,11 +19,14 @@ class Stop(IntEnum):
     MEMORY_FULL = 4  # an episode is longer than the algorithm can remember
     CONVERGED = 5  # a planner is done
     WORLD_FAILED = 6  # the environment that is stepped broke down
+    NOTICED = 7  # something that is watched for came about in the last step
 
 
 # As numbers, for compiled code
+DONE: Final = Stop.DONE.value
 EPISODES_FULL: Final = Stop.EPISODES_FULL.value
 DIVERGED: Final = Stop.DIVERGED.value
 ENDLESS_EPISODE: Final = Stop.ENDLESS_EPISODE.value
 MEMORY_FULL: Final = Stop.MEMORY_FULL.value
 CONVERGED: Final = Stop.CONVERGED.value
+NOTICED: Final = Stop.NOTICED.value

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from rl_tui.agents.compiled import inlined
+from rl_tui.agents.compiled import compiled, inlined
 from rl_tui.worlds.mdp import TabularMDP
 from rl_tui.worlds.space import BoolArray, FiniteSpace, FloatArray
 
@@ -82,6 +82,19 @@ def _indices(array: npt.NDArray[np.int64]) -> IndexArray:
 def pairs_of(tables: Tables, state: int) -> tuple[int, int]:
     """Return the first pair of ``state`` and the one after its last; the same twice if it owns none."""
     return np.int64(tables.first_pair[state]), np.int64(tables.first_pair[state + 1])  # type: ignore[return-value]
+
+
+@compiled
+def state_of(tables: Tables, pair: int) -> int:
+    """Return the state that owns ``pair``, by halving."""
+    low, high = 0, len(tables.first_pair) - 1
+    while high - low > 1:
+        middle = (low + high) // 2
+        if tables.first_pair[middle] <= pair:
+            low = middle
+        else:
+            high = middle
+    return low
 
 
 @inlined

@@ -100,6 +100,16 @@ def act(memory: Any, rule: Any, tables: Tables, state: int, generator: Generator
 
 
 @inlined_by_type
+def overruled(memory: Any, tables: Tables, state: int, pair: int) -> None:
+    """Take note that a person takes ``pair`` in ``state``, whatever was to be taken.
+
+    Called in place of :func:`act`, before the step. Most algorithms need do nothing: they learn from what was
+    taken, and a pair that they chose on arrival gives way to the next one they choose.
+    """
+    return
+
+
+@inlined_by_type
 def learn(
     memory: Any, rule: Any, settings: Settings, tables: Tables, transition: Transition, generator: Generator
 ) -> Update:

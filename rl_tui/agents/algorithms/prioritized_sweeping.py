@@ -26,7 +26,7 @@ from rl_tui.agents.algorithms.model import THE_END, UNKNOWN, modelled_value
 from rl_tui.agents.algorithms.priority_queue import Queue, dequeue, empty_queue, enqueue
 from rl_tui.agents.compiled import compiled, inlined, member_of
 from rl_tui.agents.settings import Settings, step_size
-from rl_tui.agents.tables import Tables
+from rl_tui.agents.tables import Tables, state_of
 from rl_tui.worlds.space import FiniteSpace, FloatArray, IntArray
 
 NONE = -1
@@ -127,19 +127,6 @@ def consider(memory: Memory, queue: Queue, settings: Settings, tables: Tables, p
     priority = abs(memory.model_reward[pair] + settings.gamma * value - memory.q[pair])
     if priority > settings.threshold:
         enqueue(queue, pair, priority)
-
-
-@compiled
-def state_of(tables: Tables, pair: int) -> int:
-    """Return the state that owns ``pair``, by halving."""
-    low, high = 0, len(tables.first_pair) - 1
-    while high - low > 1:
-        middle = (low + high) // 2
-        if tables.first_pair[middle] <= pair:
-            low = middle
-        else:
-            high = middle
-    return low
 
 
 @inlined

@@ -11,9 +11,9 @@ from typing import Any
 from numpy.random import Generator
 
 from rl_tui.agents.action_rules.family import best_value
-from rl_tui.agents.algorithms.family import Transition, Update, act, learn
+from rl_tui.agents.algorithms.family import Transition, Update, act, learn, overruled
 from rl_tui.agents.algorithms.next_action import choose_next, take_chosen
-from rl_tui.agents.algorithms.traces import TracedMemory, no_traces, teach
+from rl_tui.agents.algorithms.traces import TracedMemory, cut_traces, no_traces, teach
 from rl_tui.agents.compiled import compiled, member_of
 from rl_tui.agents.settings import Settings
 from rl_tui.agents.tables import Tables, pairs_of
@@ -33,6 +33,14 @@ def new_memory(q: FloatArray, visits: IntArray, space: FiniteSpace) -> Memory:
 def _act(memory: Memory, rule: Any, tables: Tables, state: int, generator: Generator) -> tuple[int, bool]:
     # A ← A′; at the start of an episode choose A from S using the policy derived from Q
     return take_chosen(memory.chosen, rule, memory.q, memory.visits, tables, state, generator)
+
+
+@member_of(overruled, Memory)
+def _overruled(memory: Memory, tables: Tables, state: int, pair: int) -> None:
+    # A trace leads up to A′ or not, as was decided when A′ was chosen. Any other action is looked at now
+    first, last = pairs_of(tables, state)
+    if pair != memory.chosen[0] and memory.q[pair] != best_value(memory.q, first, last):
+        cut_traces(memory)
 
 
 @member_of(learn, Memory)

@@ -45,6 +45,14 @@ def no_traces(q: FloatArray, visits: IntArray, space: FiniteSpace) -> TracedMemo
 
 
 @inlined
+def cut_traces(memory: TracedMemory) -> None:
+    """Let no pair have a trace any more."""
+    for place in range(memory.active_count[0]):
+        memory.eligibility[memory.active[place]] = 0.0
+    memory.active_count[0] = 0
+
+
+@inlined
 def teach(
     memory: TracedMemory, settings: Settings, pair: int, reward: float, bootstrap: float, decay: float
 ) -> Update:
