@@ -64,6 +64,11 @@ class MarksState:
     episode: IntArray
     value: FloatArray
 
+    @property
+    def nbytes(self) -> int:
+        """How much memory it takes."""
+        return self.step.nbytes + self.episode.nbytes + self.value.nbytes
+
 
 class Evaluation:
     """Marks at multiples of a spacing that doubles, dropping every other mark, when there are many.

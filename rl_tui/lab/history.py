@@ -93,6 +93,11 @@ class HistoryState:
     recent_returns: FloatArray
     recent_lengths: IntArray
 
+    @property
+    def nbytes(self) -> int:
+        """How much memory it takes."""
+        return sum(each.nbytes for each in (*self.arrays, self.recent_returns, self.recent_lengths))
+
 
 class History:
     """Finished episodes in at most ``bins`` bins of equal width, merged in pairs when all are full.

@@ -1,42 +1,61 @@
-"""A run with a play button, one short piece of work at a time: what a player does, without its thread."""
+"""Runs with a play button, one short piece of work at a time: what a player does, without its thread."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
 from rl_tui.lab.commands import (
+    AddLane,
     Apply,
+    ChooseBranch,
+    ChooseLane,
+    ClearBreakpoints,
     Command,
+    DropLane,
+    EpisodeBack,
+    FollowCell,
+    GoTo,
     LookAt,
     Pause,
-    Play,
     Restart,
-    RunEpisode,
     SetSpeed,
-    Step,
-    Train,
+    StepBack,
+    ToggleBreakpoint,
 )
-from rl_tui.lab.exact import AT_ONCE_STATES, ExactAnswers, exact_now
-from rl_tui.lab.pacing import ChunkSize, Pace, SpeedMeter
+from rl_tui.lab.exact import AT_ONCE_STATES, Answer, ExactAnswers, exact_now
 from rl_tui.lab.preparing import preparing
 from rl_tui.lab.recipe import Beginning, Recipe, begin
+from rl_tui.lab.record import LaneRecord, Record
 from rl_tui.lab.snapshot import Phase, Snapshot
+from rl_tui.lab.travel import AT_ONCE, Travel
+from rl_tui.lab.until import Breakpoints
 from rl_tui.lab.windows import Sight
+from rl_tui.worlds.errors import UserError
 
 if TYPE_CHECKING:
+    from rl_tui.lab.lanes import Lanes
+    from rl_tui.lab.motion import Motion
     from rl_tui.lab.run import Run
 
 PREPARING: Final = "loading the learner; the very first time it is compiled, which takes a few seconds"
 
 
+_ENDED: Final = (Phase.SPENT, Phase.DONE, Phase.STOPPED)
+# What replaces a journey that is under way, or does not mind it
+_MEANWHILE: Final = (StepBack, GoTo, Pause, SetSpeed, LookAt, FollowCell)
+# What leaves nothing behind that is worth keeping
+_LOOKING: Final = (LookAt, FollowCell, SetSpeed)
+
+
 class Playback:
     """Takes commands and works them off in chunks of about 15 ms.
 
-    Call :meth:`work` again and again, as soon as it says; between two calls, :meth:`handle` commands while
-    not ``busy`` and take a :meth:`snapshot` where ``changed``. ``clock`` gives seconds. With ``automatic``
-    off no step passes but those that Step, RunEpisode and Train ask for. ``on_exact`` is called, from any
-    thread, when an exact answer has come that the last snapshot lacked.
+    Call :meth:`work` again and again, as soon as it says; between two calls, :meth:`handle` commands that it
+    :meth:`takes` and take a :meth:`snapshot` where ``changed``. ``clock`` gives seconds. With ``automatic``
+    off no step passes but those that commands ask for. ``on_exact`` is called, from any thread, when an exact
+    answer has come that the last snapshot lacked. With ``record`` it begins where that was written.
     """
 
     def __init__(
@@ -47,216 +66,298 @@ class Playback:
         automatic: bool,
         clock: Callable[[], float],
         on_exact: Callable[[], None],
+        record: Record | None = None,
     ) -> None:
-        self.phase = Phase.PREPARING
-        self.changed = False
+        self.handled = 0
+        """How many commands were taken in."""
+        self.touched = False
+        """Whether anything was done that is worth keeping."""
         self._recipe = recipe
-        self._speed = speed
+        self._record = record or Record((LaneRecord(recipe, ()),), speed=speed)
         self._automatic = automatic
         self._clock = clock
         self._on_exact = on_exact
         self._beginning: Beginning | None = None
-        self._run: Run | None = None
+        self._motion: Motion | None = None
         self._exact: ExactAnswers | None = None
         self._sight: Sight | None = None  # None: nobody has said what is shown, so everything may be
-        self._steps_to_train = 0
-        self._episode_to_end: int | None = None
-        self._after_loading: Phase | None = None
+        self._cell: int | None = None
+        self._travel: Travel | None = None
+        self._loads = True
         self._announced = False
-        self._pace = Pace()
-        self._chunk = ChunkSize()
-        self._meter = SpeedMeter()
+        self._news = False
+
+    @property
+    def phase(self) -> Phase:
+        """What is going on."""
+        if self._motion is None or self._loads:
+            return Phase.PREPARING
+        return self._motion.phase if self._travel is None else Phase.SEEKING
+
+    @property
+    def changed(self) -> bool:
+        """Whether the next snapshot differs from the last one."""
+        if self._motion is not None and self._motion.steps_to_train > 0:
+            return False
+        return self._news or (self._motion is not None and self._motion.changed)
 
     @property
     def busy(self) -> bool:
-        """Whether commands have to wait."""
-        loading = self._run is None or self._after_loading is not None
-        return loading or self._steps_to_train > 0 or (not self._automatic and self.on_the_way)
+        """Whether most commands have to wait."""
+        return self._is_occupied or self._travel is not None
 
     @property
     def on_the_way(self) -> bool:
         """Whether something that was asked for and has an end is not done yet."""
-        loading = self._run is None or self._after_loading is not None
-        return loading or self._steps_to_train > 0 or self._episode_to_end is not None
+        return self._motion is None or self._loads or self._motion.has_an_end or self._travel is not None
+
+    @property
+    def _is_occupied(self) -> bool:
+        """Whether no command at all can be taken."""
+        if self._motion is None or self._loads or self._motion.steps_to_train > 0:
+            return True
+        return not self._automatic and self.on_the_way
+
+    def takes(self, command: Command) -> bool:
+        """Tell whether ``command`` need not wait."""
+        if self._is_occupied or self._travel is None:
+            return not self._is_occupied
+        goal = self._lanes.current.goal
+        knows_where = goal is not None and goal.step is not None
+        return isinstance(command, _MEANWHILE) and (knows_where or not isinstance(command, StepBack))
+
+    @property
+    def record(self) -> Record:
+        """What is needed to come back to here."""
+        if self._motion is None:
+            return self._record
+        motion, lanes = self._motion, self._lanes
+        return Record(lanes.records, lanes.shown, motion.breakpoints, motion.speed)
 
     def handle(self, command: Command) -> None:
-        """Carry out ``command``, or begin to. Raises UserError where a change does not fit."""
-        self.changed = True
+        """Carry out ``command``, or begin to. Raises UserError where a change does not fit.
+
+        Whatever else cannot be done is told by the next snapshot.
+        """
+        self._news = True
+        self.handled += 1
+        self.touched = self.touched or not isinstance(command, _LOOKING)
         if isinstance(command, Restart):
             self._restart(command.recipe)
-        elif isinstance(command, SetSpeed):
-            self._set_speed(command.speed)
+        elif isinstance(command, Apply):
+            self._lanes.current.apply(command.change)
+            self._take_in_change()
+        else:
+            try:
+                self._begin(command)
+            except UserError as fault:
+                self._ready.paused_by = str(fault)
+
+    def _begin(self, command: Command) -> None:
+        motion = self._ready
+        if isinstance(command, SetSpeed):
+            motion.set_speed(command.speed)
         elif isinstance(command, LookAt):
             self._sight = command.sight
-        elif isinstance(command, Apply):
-            self._ready_run.apply(command.change)
-            self._chunk = ChunkSize()  # a step may now take a thousand times as long
-            if self.phase is Phase.DONE and not self._ready_run.over:
-                self.phase = Phase.PAUSED  # what was changed gives the planner something to do again
-            if not self._ready_run.learner.is_warm:
-                self._after_loading, self.phase = self.phase, Phase.PREPARING
-                self._announced = False
-        elif self.phase not in (Phase.SPENT, Phase.DONE, Phase.STOPPED):
-            self._move(command)
+        elif isinstance(command, FollowCell):
+            self._cell = command.pair
+        elif isinstance(command, ToggleBreakpoint):
+            self._set_breakpoints(motion.breakpoints.toggled(state=command.state, pair=command.pair))
+        elif isinstance(command, ClearBreakpoints):
+            self._set_breakpoints(Breakpoints())
+        elif isinstance(command, AddLane | ChooseLane | DropLane):
+            self._change_lanes(command)
+        elif isinstance(command, StepBack | EpisodeBack | GoTo | ChooseBranch):
+            self._set_out(command)
+        elif self._travel is not None and isinstance(command, Pause):
+            self._lanes.stay()
+            self._start_travel()
+        elif not isinstance(command, Restart | Apply) and motion.phase not in _ENDED:
+            motion.begin(command)
 
     def work(self) -> float | None:
         """Do what is due, for some milliseconds; return in how many seconds to call again, None for never."""
-        if self._run is None:
+        if self._motion is None:
             self._prepare()
-            return 0.0
-        if self._after_loading is not None:
-            self._load(self._run, self._after_loading)
-            return 0.0
-        if self._steps_to_train:
-            self._train()
-            return 0.0
-        if self._episode_to_end is not None:
-            self._finish_episode(self._episode_to_end)
-            return 0.0
-        if self.phase is not Phase.RUNNING or not self._automatic:
-            return None
-        if self._speed is None:
-            self._advance(self._chunk.steps)
-            return 0.0
-        return self._keep_pace()
+        elif self._loads:
+            self._load()
+        elif self._travel is not None:
+            self._go_on_travelling(self._travel)
+        else:
+            return self._motion.work()
+        return 0.0
 
     def snapshot(self) -> Snapshot:
         """Return the newest picture of the run; raises what made an exact answer fail."""
-        self.changed = False
-        if self._run is None:
+        self._news = False
+        motion = self._motion
+        if motion is None:
             if self._beginning is None:
                 raise RuntimeError("there is no world yet")
-            return preparing(self._recipe, self._beginning.world, self._speed, PREPARING)
-        learner = self._run.learner
-        gamma = learner.hyperparameters.gamma
-        return self._run.snapshot(
+            return preparing(self._recipe, self._beginning.world, self._record.speed, PREPARING)
+        motion.changed = False
+        lane, run = self._lanes.current, self._run
+        picture = run.snapshot(
             self.phase,
-            message=PREPARING if self._after_loading else self._run.message,
-            speed=self._speed,
-            steps_per_second=self._meter.steps_per_second,
-            answer=exact_now(learner.mdp, gamma) if learner.drifted else self._answers.answer(gamma),
+            message=self._message or run.message,
+            speed=motion.speed,
+            steps_per_second=motion.steps_per_second,
+            answer=self._answer(),
             sight=self._sight,
+        )
+        return replace(
+            picture,
+            timeline=lane.timeline,
+            breakpoints=motion.breakpoints,
+            until="" if motion.waiting is None else motion.waiting.describe(run.world),
+            paused_by=motion.paused_by,
+            lanes=self._lanes.views(),
+            lane=self._lanes.shown,
+            cell=None if self._cell is None else lane.cell_history(self._cell),
+            handled=self.handled,
         )
 
     @property
-    def _ready_run(self) -> Run:
-        if self._run is None:
-            raise RuntimeError("commands have to wait while playback is busy")
-        return self._run
+    def _message(self) -> str:
+        if self._loads:
+            return PREPARING
+        return "" if self._travel is None else self._travel.message
 
     @property
-    def _answers(self) -> ExactAnswers:
-        world = self._ready_run.world
-        if self._exact is None or self._exact.mdp is not world.mdp:
-            self._exact = ExactAnswers(world.mdp, self._on_exact, at_once_states=AT_ONCE_STATES)
-        return self._exact
+    def _ready(self) -> Motion:
+        if self._motion is None:
+            raise RuntimeError("commands have to wait while playback is busy")
+        return self._motion
+
+    @property
+    def _lanes(self) -> Lanes:
+        return self._ready.lanes
+
+    @property
+    def _run(self) -> Run:
+        return self._lanes.current.run
+
+    def _answer(self) -> Answer:
+        """Return the exact answer for the γ in force, as far as it is known."""
+        learner, mdp = self._run.learner, self._run.world.mdp
+        gamma = learner.hyperparameters.gamma
+        if learner.drifted:
+            return exact_now(learner.mdp, gamma)
+        if self._exact is None or self._exact.mdp is not mdp:
+            self._exact = ExactAnswers(mdp, self._on_exact, at_once_states=AT_ONCE_STATES)
+        return self._exact.answer(gamma)
+
+    # Beginning
 
     def _prepare(self) -> None:
         """Build the world; at the next call, load what learns in it."""
         if self._beginning is None:
             self._beginning = begin(self._recipe)
         else:
-            self._start_run(self._beginning)
-        self.changed = True
+            self._start(self._record, self._beginning)
+        self._news = True
 
-    def _start_run(self, beginning: Beginning) -> None:
-        from rl_tui.lab.run import Run
+    def _start(self, record: Record, beginning: Beginning) -> None:
+        from rl_tui.lab.lanes import Lanes
+        from rl_tui.lab.motion import Motion
 
-        run = Run(self._recipe, beginning, episode_limit=beginning.world.budget)
-        run.warm_up()
-        self._run = run
-        self._chunk = ChunkSize()
-        self._answers.answer(run.learner.hyperparameters.gamma)
-        self._rest()
+        lanes = Lanes(record.lanes, beginning.world, clock=self._clock)
+        lanes.shown = record.shown
+        lanes.current.run.warm_up()
+        self._motion = Motion(
+            lanes, speed=record.speed, automatic=self._automatic, clock=self._clock, answer=self._answer
+        )
+        self._loads = False
+        self._answer()  # it may take a while, so that it had better begin at once
+        lanes.resume(record)
+        self._set_breakpoints(record.breakpoints)
+        self._start_travel()
 
-    def _load(self, run: Run, phase_after: Phase) -> None:
+    def _restart(self, recipe: Recipe) -> None:
+        old, motion = self._run, self._ready
+        known = old.world if recipe.scenario == old.recipe.scenario else None
+        beginning = begin(recipe, known)
+        same = beginning.world is old.world
+        self._recipe = recipe
+        breakpoints = motion.breakpoints if same else Breakpoints()
+        self._start(
+            Record(self._lanes.restarted(recipe), self._lanes.shown, breakpoints, motion.speed), beginning
+        )
+
+    def _load(self) -> None:
         """Say that another algorithm is being loaded, which may take seconds; at the next call, load it."""
         if not self._announced:
             self._announced = True
             return
-        run.warm_up()
-        self.phase, self._after_loading = phase_after, None
-        self._meter.clear()
-        self.changed = True
+        for run in self._lanes.cold_runs:
+            run.warm_up()
+        self._loads = False
+        self._ready.go_on(self._ready.phase)
 
-    def _restart(self, recipe: Recipe) -> None:
-        old = self._ready_run
-        known = old.world if recipe.scenario == old.recipe.scenario else None
-        self._recipe = recipe
-        self._start_run(begin(recipe, known))
+    # Changes
 
-    def _set_speed(self, speed: float | None) -> None:
-        self._speed = speed
-        self._meter.clear()
-        if speed is not None:
-            self._pace.start(speed, self._clock(), at_once=False)
+    def _take_in_change(self) -> None:
+        """Take in that an agent was told something, or that another one is shown."""
+        motion = self._ready
+        motion.paused_by = ""
+        motion.measure_anew()
+        if motion.phase in _ENDED:
+            motion.go_on(Phase.PAUSED)  # what was changed may give a planner something to do again
+        self._load_what_is_cold()
 
-    def _move(self, command: Play | Pause | Step | RunEpisode | Train) -> None:
-        if isinstance(command, Play):
-            self._play()
-        elif isinstance(command, Train):
-            self._steps_to_train = max(0, command.steps)
-        elif isinstance(command, RunEpisode):
-            self._episode_to_end = self._ready_run.learner.episodes + 1
-            self.phase = Phase.RUNNING
+    def _load_what_is_cold(self) -> None:
+        if any(True for _ in self._lanes.cold_runs):
+            self._loads, self._announced = True, False
+
+    def _set_breakpoints(self, breakpoints: Breakpoints) -> None:
+        self._ready.breakpoints = breakpoints
+        self._ready.watch()
+
+    def _change_lanes(self, command: AddLane | ChooseLane | DropLane) -> None:
+        lanes, motion = self._lanes, self._ready
+        if isinstance(command, AddLane):
+            lanes.add(command.changes)
         else:
-            self._rest()
-            if isinstance(command, Step):
-                self._ready_run.advance(steps=1)
-                self._check_end()
+            if motion.waiting is not None:
+                motion.rest()  # what was waited for was of the lane shown until now
+            if isinstance(command, ChooseLane):
+                lanes.show(command.lane)
+            else:
+                lanes.drop(command.lane)
+            motion.watch()
+        self._take_in_change()
+        self._start_travel()
 
-    def _play(self) -> None:
-        if self.phase is Phase.RUNNING:
-            return
-        self.phase = Phase.RUNNING
-        self._meter.clear()
-        if self._speed is not None:
-            self._pace.start(self._speed, self._clock(), at_once=True)
+    # Going elsewhere
 
-    def _rest(self) -> None:
-        self.phase = Phase.PAUSED
-        self._steps_to_train = 0
-        self._episode_to_end = None
-        self._meter.clear()
-
-    def _train(self) -> None:
-        self._steps_to_train -= self._advance(min(self._steps_to_train, self._chunk.steps))
-        if self._ready_run.over:
-            self._steps_to_train = 0
-        self.changed = self._steps_to_train == 0
-
-    def _finish_episode(self, last: int) -> None:
-        run = self._ready_run
-        self._advance(self._chunk.steps, last - run.learner.episodes)
-        if run.learner.episodes >= last and not run.over:
-            self._rest()
-
-    def _keep_pace(self) -> float:
-        now = self._clock()
-        due = self._pace.due(now)
-        if due > 0:
-            self._pace.took(self._advance(min(due, self._chunk.steps)))
-        return self._pace.wait(self._clock())
-
-    def _advance(self, steps: int, episodes: int | None = None) -> int:
-        """Take at most so many steps, learn how long they take, and return how many they were."""
-        run, before, start = self._ready_run, self._ready_run.step, self._clock()
-        if episodes is None:
-            run.advance(steps)
+    def _set_out(self, command: StepBack | EpisodeBack | GoTo | ChooseBranch) -> None:
+        lanes, run = self._lanes, self._run
+        goal = lanes.current.goal
+        here = run.step if goal is None or goal.step is None else goal.step
+        self._ready.rest()
+        if isinstance(command, StepBack):
+            lanes.go_to(step=here - 1)
+        elif isinstance(command, EpisodeBack):
+            under_way = run.learner.episode_step > 0
+            lanes.go_to(episode=max(1, run.learner.episodes + under_way))
+        elif isinstance(command, ChooseBranch):
+            lanes.go_to(branch=command.branch)
         else:
-            run.advance(steps, episodes)
-        now = self._clock()
-        taken = run.step - before
-        if taken == self._chunk.steps:
-            self._chunk.measured(taken, now - start)
-        if self._automatic:
-            self._meter.note(now, run.step, self._speed)
-        self.changed = True
-        self._check_end()
-        return taken
+            lanes.go_to(step=command.step, episode=command.episode)
+        self._start_travel()
 
-    def _check_end(self) -> None:
-        run = self._ready_run
-        if run.over:
-            self._rest()
-            self.phase = Phase.DONE if run.converged else Phase.SPENT if run.spent else Phase.STOPPED
+    def _start_travel(self) -> None:
+        """Go at once as far as no one would notice, and on from there bit by bit."""
+        self._travel = Travel(self._lanes, self._clock)
+        if not self._loads:
+            self._go_on_travelling(self._travel)
+
+    def _go_on_travelling(self, travel: Travel) -> None:
+        travel.go_on(AT_ONCE)
+        if travel.done:
+            self._travel = None
+            self._ready.measure_anew()
+            self._ready.go_on(self._ready.phase)
+            self._load_what_is_cold()
+        elif self._automatic and travel.has_news():
+            self._news = True

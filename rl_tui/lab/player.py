@@ -166,9 +166,10 @@ class Player:
 
     def _may_take(self) -> bool:
         """Tell whether the first of what was sent, if anything, need not wait."""
-        if not self._commands or self._playback.busy:
+        if not self._commands:
             return False
-        return not (isinstance(self._commands[0], _Question) and self._playback.on_the_way)
+        first = self._commands[0]
+        return not self._playback.on_the_way if isinstance(first, _Question) else self._playback.takes(first)
 
     def _publish(self) -> None:
         """Hand over a snapshot if one is asked for and there is news; that of a new world in any case.

@@ -11,7 +11,7 @@ from rl_tui.lab.until import Breakpoints
 
 @dataclass(frozen=True, slots=True)
 class LaneRecord:
-    """One run: its recipe, every branch of it, and the number of the one in force."""
+    """One run: its recipe, every branch of it, and the number of the one in force; none before it begins."""
 
     recipe: Recipe
     branches: tuple[Branch, ...]
@@ -20,7 +20,7 @@ class LaneRecord:
     @property
     def step(self) -> int:
         """Where it stands."""
-        return self.branches[self.branch].here
+        return self.branches[self.branch].here if self.branches else 0
 
 
 @dataclass(frozen=True, slots=True)

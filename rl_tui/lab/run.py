@@ -2,17 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Final
 
 from rl_tui.agents.learner import Learner, LearnerState
 from rl_tui.agents.stop import Stop
+from rl_tui.agents.watching import NOTHING_NOTICED
 from rl_tui.lab.bandit import bandit_figures
 from rl_tui.lab.evaluation import DEAREST_LIVE, MOST_STATES, Evaluation, GreedyReturn, MarksState, visits_of
 from rl_tui.lab.exact import PENDING, Answer
 from rl_tui.lab.history import History, HistoryState
-from rl_tui.lab.recipe import Beginning, Change, JournalEntry, Recipe, SetParameter, begin
+from rl_tui.lab.recipe import (
+    Beginning,
+    Change,
+    JournalEntry,
+    Recipe,
+    SetParameter,
+    SwitchAlgorithm,
+    TakeAction,
+    begin,
+)
 from rl_tui.lab.snapshot import BanditFigures, Marks, Phase, Snapshot
 from rl_tui.lab.windows import Sight, Window, Windows, is_large
 from rl_tui.worlds.errors import UserError
@@ -31,10 +41,20 @@ def _nobody(returns: FloatArray, lengths: IntArray, optimal: BoolArray) -> None:
 class RunState:
     """A copy of all that a run knows at one step, for checkpoints."""
 
+    step: int
+    episodes: int
+    episode_step: int
     learner: LearnerState
     history: HistoryState
     marks: MarksState
     journal: tuple[JournalEntry, ...]
+
+    @property
+    def nbytes(self) -> int:
+        """How much memory it takes."""
+        parts = (self.learner.memory, self.learner.rule, self.learner.drift)
+        learned: int = sum(array.nbytes for part in parts for array in part)
+        return learned + self.history.nbytes + self.marks.nbytes
 
 
 class Run:
@@ -107,6 +127,11 @@ class Run:
         return self.learner.episodes >= self._last_episode
 
     @property
+    def noticed(self) -> bool:
+        """Whether the last step is one of those that the learner watches for."""
+        return self.learner.noticed != NOTHING_NOTICED
+
+    @property
     def converged(self) -> bool:
         """Whether a planner is done."""
         return self.learner.converged
@@ -143,38 +168,87 @@ class Run:
                 return
             mark = self._next_mark
             until = last_step if mark is None else min(last_step, mark)
-            stop = learner.advance(until - learner.step, last_episode - learner.episodes)
-            self._take_in_episodes()
-            if stop is not Stop.DONE:
-                self.stop_reason = learner.stop_reason
+            self._take_in(learner.advance(until - learner.step, last_episode - learner.episodes))
+            if self.noticed:
+                return
 
     def apply(self, change: Change) -> None:
         """Change something before the next step. Raises UserError, with the range, if it does not fit."""
         # A mark of this step belongs to what was in force until now
         self._mark_if_due()
+        entry = JournalEntry(self.step, change)
         if isinstance(change, SetParameter):
             try:
                 changed = self.learner.hyperparameters.changed(change.name, change.value)
             except ValueError as fault:
                 raise UserError(str(fault)) from fault
             self.learner.configure(changed)
-        else:
+        elif isinstance(change, SwitchAlgorithm):
             self.learner.switch(change.algorithm)
-        self._journal.append(JournalEntry(self.step, change))
+        else:
+            self._take(change.action)
+        self._journal.append(entry)
 
-    def follow(self, journal: Iterable[JournalEntry], step: int) -> None:
-        """Advance to ``step``, applying each entry at its step; those beyond ``step`` are left out."""
-        for entry in journal:
-            if entry.step > step:
+    def _take(self, action: int) -> None:
+        space, state = self.world.space, self.learner.state
+        pair = next((each for each in space.pairs_of(state) if space.pair_action[each] == action), None)
+        if pair is None:
+            known = 0 <= action < len(space.action_names)
+            name = space.action_names[action] if known else f"action {action}"
+            raise UserError(f"{name} is not possible in state {space.state_names[state]}")
+        if self.over:
+            raise UserError("the run is over: no step can be taken")
+        self._take_in(self.learner.take(pair))
+
+    def follow(self, journal: Sequence[JournalEntry], step: int) -> None:
+        """Advance to ``step`` along ``journal``, of which this run has applied the beginning.
+
+        Each entry is applied at its step; those beyond ``step`` are left out, and so is an action taken by a
+        person at ``step``, since that is a step further.
+        """
+        self.advance_along(journal, step - self.step)
+
+    def advance_along(
+        self, journal: Sequence[JournalEntry], steps: int = UNLIMITED, episodes: int = UNLIMITED
+    ) -> None:
+        """Take ``steps`` steps or finish ``episodes`` episodes, as :meth:`advance` does, along ``journal``.
+
+        ``journal`` begins with what has been applied already. All settings of the step that is reached are
+        applied too.
+        """
+        last_step, last_episode = self.step + steps, self.learner.episodes + episodes
+        self._apply_settings(journal)
+        while not self.over and self.step < last_step and self.learner.episodes < last_episode:
+            applied, before = len(self._journal), self.step
+            ahead = journal[applied] if applied < len(journal) else None
+            if ahead is not None and ahead.step == self.step:
+                self.apply(ahead.change)
+            else:
+                until = last_step if ahead is None else min(last_step, ahead.step)
+                self.advance(until - self.step, last_episode - self.learner.episodes)
+            self._apply_settings(journal)
+            if self.noticed or self.step == before:
                 break
-            self.advance(entry.step - self.step)
+        self._mark_if_due()
+
+    def _apply_settings(self, journal: Sequence[JournalEntry]) -> None:
+        """Apply what follows in ``journal`` at this step, up to an action, which is a step further."""
+        while len(self._journal) < len(journal):
+            entry = journal[len(self._journal)]
+            if entry.step != self.step or isinstance(entry.change, TakeAction):
+                return
             self.apply(entry.change)
-        self.advance(step - self.step)
 
     def checkpoint(self) -> RunState:
         """Return a copy of where the run stands."""
         return RunState(
-            self.learner.checkpoint(), self.history.checkpoint(), self._evaluation.checkpoint(), self.journal
+            self.step,
+            self.learner.episodes,
+            self.learner.episode_step,
+            self.learner.checkpoint(),
+            self.history.checkpoint(),
+            self._evaluation.checkpoint(),
+            self.journal,
         )
 
     def restore(self, state: RunState) -> None:
@@ -221,13 +295,15 @@ class Run:
             marks=self.marks,
             return_last_100=self.history.return_last_100,
             length_last_100=self.history.length_last_100,
-            greedy_return=self._live_greedy_return(),
+            greedy_return=self.greedy_return,
             exact=answer.solution,
             exact_refused=answer.refused,
             bandit=self.bandit,
             window=window,
             planning=learner.planning,
             author=learner.author,
+            rewards=learner.rewards,
+            discounted_return=learner.discounted_return,
         )
 
     def _window(self, sight: Sight | None) -> Window | None:
@@ -265,20 +341,25 @@ class Run:
             ties = self.learner.hyperparameters.ties
             self._evaluation.mark(self.learner.episodes, self.learner.q, ties)
 
-    def _live_greedy_return(self) -> float | None:
+    @property
+    def greedy_return(self) -> float | None:
+        """The exact expected return of the greedy policy; None where it has none or it is too dear."""
         mdp = self.world.mdp
         if mdp is None or self.stop_reason or mdp.states > MOST_STATES or visits_of(mdp) > DEAREST_LIVE:
             return None
         return self._greedy_return(self.learner.q, self.learner.hyperparameters.ties)
 
-    def _take_in_episodes(self) -> None:
+    def _take_in(self, stop: Stop) -> None:
+        """Take in the episodes that ended, and why the learner came back."""
         returns, lengths, optimal = self.learner.drain_episodes()
         if len(returns):
             self.history.add(returns, lengths)
             self._on_episodes(returns, lengths, optimal)
+        if stop is not Stop.DONE:
+            self.stop_reason = self.learner.stop_reason
 
 
-def replay(recipe: Recipe, journal: Iterable[JournalEntry], step: int) -> Run:
+def replay(recipe: Recipe, journal: Sequence[JournalEntry], step: int) -> Run:
     """Return the run of ``recipe`` and ``journal`` at ``step``."""
     run = Run(recipe)
     run.follow(journal, step)

@@ -1,0 +1,83 @@
+"""States of a run to come back to, in bounded memory."""
+
+from __future__ import annotations
+
+from bisect import bisect_right, insort
+from collections import deque
+from typing import TYPE_CHECKING, Final
+
+if TYPE_CHECKING:
+    from rl_tui.lab.run import RunState
+
+MOST: Final = 512
+MOST_BYTES: Final = 256 * 2**20
+FIRST_SPACING: Final = 0.05
+_LEAST: Final = 4
+_NEAR: Final = 4
+
+
+class Checkpoints:
+    """States along one branch, about evenly apart in the time it takes to compute from one to the next.
+
+    Where there are too many, or they take too much memory, every other is dropped, and the ``spacing``, in
+    seconds of computing, doubles. A few more, those left by the last journeys, make the next one short.
+    """
+
+    def __init__(self) -> None:
+        self.spacing = FIRST_SPACING
+        self._states: list[RunState] = []
+        self._near: deque[RunState] = deque(maxlen=_NEAR)
+
+    def __len__(self) -> int:
+        """Return how many there are."""
+        return len(self._states)
+
+    @property
+    def nbytes(self) -> int:
+        """How much memory they take."""
+        return sum(state.nbytes for state in self._states)
+
+    def add(self, state: RunState) -> None:
+        """Keep ``state``; some others may go for it."""
+        insort(self._states, state, key=_step)
+        if len(self._states) > self._room(state):
+            self._states = self._states[::2]
+            self.spacing *= 2
+
+    def add_near(self, state: RunState) -> None:
+        """Keep ``state`` for a while: somebody has just been about there."""
+        self._near.append(state)
+
+    def before_step(self, step: int) -> RunState | None:
+        """Return the last state that is not beyond ``step``, None if there is none."""
+        place = bisect_right(self._states, step, key=_step)
+        found = [
+            *self._states[max(0, place - 1) : place],
+            *(each for each in self._near if each.step <= step),
+        ]
+        return max(found, key=_step, default=None)
+
+    def before_episode(self, episode: int) -> RunState | None:
+        """Return the last state from which the beginning of ``episode`` (from 1) is still ahead."""
+        found = (each for each in (*self._states, *self._near) if _is_before(each, episode))
+        return max(found, key=_step, default=None)
+
+    def up_to(self, step: int, entries: int) -> Checkpoints:
+        """Return those not beyond ``step`` to which at most so many journal entries were applied."""
+        shared = Checkpoints()
+        shared.spacing = self.spacing
+        shared._states = [each for each in self._states if each.step <= step and len(each.journal) <= entries]
+        return shared
+
+    @staticmethod
+    def _room(state: RunState) -> int:
+        return max(_LEAST, min(MOST, MOST_BYTES // max(1, state.nbytes)))
+
+
+def _step(state: RunState) -> int:
+    return state.step
+
+
+def _is_before(state: RunState, episode: int) -> bool:
+    finished = episode - 1
+    return state.episodes < finished or (state.episodes == finished and state.episode_step == 0)
