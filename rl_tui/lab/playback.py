@@ -38,6 +38,7 @@ if TYPE_CHECKING:
     from rl_tui.lab.lanes import Lanes
     from rl_tui.lab.motion import Motion
     from rl_tui.lab.run import Run
+    from rl_tui.worlds.space import FloatArray
 
 PREPARING: Final = "loading the learner; the very first time it is compiled, which takes a few seconds"
 
@@ -133,6 +134,11 @@ class Playback:
             return self._record
         motion, lanes = self._motion, self._lanes
         return Record(lanes.records, lanes.shown, motion.breakpoints, motion.speed)
+
+    @property
+    def q(self) -> FloatArray | None:
+        """The live estimates of the run shown, [P], None while it is not where the record says."""
+        return None if self._motion is None or self._travel is not None else self._run.learner.q
 
     def handle(self, command: Command) -> None:
         """Carry out ``command``, or begin to. Raises UserError where a change does not fit.

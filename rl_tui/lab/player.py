@@ -9,18 +9,21 @@ from collections import deque
 from collections.abc import AsyncIterator, Callable
 from typing import Final
 
-from rl_tui.lab.commands import Command
+from rl_tui.lab.commands import Command, Restart
 from rl_tui.lab.interpreter import (
     leave_out_of_collections,
     switch_as_usual,
     switch_often,
     take_into_collections,
 )
+from rl_tui.lab.keeper import Keeper
 from rl_tui.lab.playback import Playback
 from rl_tui.lab.recipe import Recipe
+from rl_tui.lab.record import Record
 from rl_tui.lab.snapshot import Phase, Snapshot
 
 LONGEST_GOODBYE: Final = 0.2
+KEPT_EVERY: Final = 0.25
 START_SPEED: Final = 10.0
 
 
@@ -33,8 +36,9 @@ class Player:
 
     Everything is asked for by :meth:`send`; what came of it is read from :meth:`snapshots`, by one reader.
     The run never waits for that reader. ``speed`` is the wanted steps a second, None for as fast as it goes.
-    With ``automatic`` off only Step, RunEpisode and Train take steps, and no speed is measured, so that what
-    snapshots show depends on the commands alone.
+    With ``automatic`` off only what is asked for takes steps, and no speed is measured, so that what
+    snapshots show depends on the commands alone. With ``record`` it begins where that was written. ``keeper``
+    is offered the record after every command and, while the run goes on, some times a second.
     """
 
     def __init__(
@@ -44,11 +48,16 @@ class Player:
         speed: float | None = START_SPEED,
         automatic: bool = True,
         clock: Callable[[], float] = time.perf_counter,
+        record: Record | None = None,
+        keeper: Keeper | None = None,
     ) -> None:
         self._playback = Playback(
-            recipe, speed=speed, automatic=automatic, clock=clock, on_exact=self._on_exact
+            recipe, speed=speed, automatic=automatic, clock=clock, on_exact=self._on_exact, record=record
         )
         self._automatic = automatic
+        self._clock = clock
+        self._keeper = keeper
+        self._kept, self._kept_at = (0, Phase.PREPARING), clock()
         self._changed = threading.Condition()  # guards everything below
         self._commands: deque[Command | _Question] = deque()
         self._reader: _Reader | None = None
@@ -108,6 +117,8 @@ class Player:
             self._thread.join(LONGEST_GOODBYE)
             switch_as_usual()
             take_into_collections()
+        if self._keeper is not None:
+            self._keeper.close()
         self._refuse_questions(PlayerClosedError())
 
     def _post(self, item: Command | _Question) -> None:
@@ -141,15 +152,28 @@ class Player:
                 wait = self._playback.work()
                 if self._automatic and was_preparing and self._playback.phase is not Phase.PREPARING:
                     leave_out_of_collections()
+                self._keep()
                 self._publish()
                 if wait != 0.0:
                     self._sleep(wait)
+            self._keep()
         except BaseException as failure:  # it is raised again where the snapshots are read
             with self._changed:
                 self._failure = failure
                 if self._reader is not None:
                     self._reader.wake()
             self._refuse_questions(failure)
+
+    def _keep(self) -> None:
+        """Offer the record where something was asked for or has ended, or the run has gone on for a while."""
+        playback, now = self._playback, self._clock()
+        if self._keeper is None or not playback.touched:
+            return
+        stand = (playback.handled, playback.phase)
+        goes_on = playback.phase is Phase.RUNNING and now - self._kept_at >= KEPT_EVERY
+        if stand != self._kept or goes_on or self._closing:
+            self._kept, self._kept_at = stand, now
+            self._keeper.offer(playback.record, playback.q)
 
     def _take_commands(self) -> None:
         """Carry out what was sent until now, so that whoever sends without end does not hold up the run."""
@@ -163,6 +187,8 @@ class Player:
                 self._outdated = True
             else:
                 self._playback.handle(item)
+                if isinstance(item, Restart) and self._keeper is not None:
+                    self._keeper.begin_anew(self._playback.record)
 
     def _may_take(self) -> bool:
         """Tell whether the first of what was sent, if anything, need not wait."""
