@@ -11,9 +11,13 @@ if TYPE_CHECKING:
 
 MOST: Final = 512
 MOST_BYTES: Final = 256 * 2**20
+# Of a branch that nobody is on
+MOST_LEFT: Final = 32
+MOST_BYTES_LEFT: Final = 32 * 2**20
 FIRST_SPACING: Final = 0.05
 _LEAST: Final = 4
 _NEAR: Final = 4
+_LARGE: Final = 16 * 2**20  # of such states only one is kept that is near
 
 
 class Checkpoints:
@@ -46,6 +50,8 @@ class Checkpoints:
 
     def add_near(self, state: RunState) -> None:
         """Keep ``state`` for a while: somebody has just been about there."""
+        if state.nbytes > _LARGE:
+            self._near.clear()
         self._near.append(state)
 
     def before_step(self, step: int) -> RunState | None:
@@ -68,6 +74,13 @@ class Checkpoints:
         shared.spacing = self.spacing
         shared._states = [each for each in self._states if each.step <= step and len(each.journal) <= entries]
         return shared
+
+    def thin_out(self) -> None:
+        """Keep a few only: their branch has been left."""
+        self._near.clear()
+        while len(self._states) > MOST_LEFT or (len(self._states) > 1 and self.nbytes > MOST_BYTES_LEFT):
+            self._states = self._states[::2]
+            self.spacing *= 2
 
     @staticmethod
     def _room(state: RunState) -> int:

@@ -116,6 +116,7 @@ class Lane:
             branch = Branch(name, journal, self._at, step, step)
             self._leave()
             self._ways.append(_Way(branch, way.checkpoints.up_to(step, applied), way.samples.up_to(step)))
+            way.checkpoints.thin_out()
             self._at = len(self._ways) - 1
         self._way.branch = replace(self._way.branch, journal=journal)
         self._arrived_at(self.run, self._way)
@@ -182,7 +183,9 @@ class Lane:
         self._way.branch = replace(self._way.branch, here=self.run.step)
 
     def _new_run(self, beginning: Beginning) -> Run:
-        return Run(self.recipe, beginning, episode_limit=self.world.budget)
+        run = Run(self.recipe, beginning, episode_limit=self.world.budget)
+        run.advance(steps=0)  # the mark of the beginning is taken before anything is shown
+        return run
 
     def _set_out(self, goal: Goal, way: _Way) -> Journey:
         """Begin where the least is to be computed: where it stands, at a checkpoint, or at the seed."""
@@ -211,7 +214,9 @@ class Lane:
         if journey.run is not self.run:
             self._spare = self.run if self.run.learner.rewindable else None
             self.run = journey.run
-        self._at = journey.goal.branch
+        if journey.goal.branch != self._at:
+            self._way.checkpoints.thin_out()
+            self._at = journey.goal.branch
         self.stay()
 
     def _go_on(self, run: Run, way: _Way, last_step: int, last_episode: int) -> None:

@@ -316,6 +316,7 @@ class Playback:
             self._loads, self._announced = True, False
 
     def _set_breakpoints(self, breakpoints: Breakpoints) -> None:
+        breakpoints.check(self._run.world.space)
         self._ready.breakpoints = breakpoints
         self._ready.watch()
 

@@ -5,6 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import StrEnum
 
+from rl_tui.worlds.errors import UserError
+from rl_tui.worlds.space import FiniteSpace
+
 
 class Event(StrEnum):
     """What a run may run until."""
@@ -43,6 +46,13 @@ class Breakpoints:
         states = self.states if state is None else self.states ^ {state}
         pairs = self.pairs if pair is None else self.pairs ^ {pair}
         return Breakpoints(states, pairs)
+
+    def check(self, space: FiniteSpace) -> None:
+        """Raise UserError where one is on a state or a pair that ``space`` does not have."""
+        for marked, count, what in ((self.states, space.states, "state"), (self.pairs, space.pairs, "pair")):
+            unknown = next((each for each in sorted(marked) if not 0 <= each < count), None)
+            if unknown is not None:
+                raise UserError(f"there is no {what} {unknown} here: they are 0 to {count - 1:,}")
 
     def __bool__(self) -> bool:
         """Tell whether there are any."""
