@@ -20,6 +20,7 @@ from tempfile import TemporaryDirectory
 from typing import Final
 
 from frame_times import frame_times
+from journeys import journeys
 from pseudo_terminal import RL_TUI, PseudoTerminal
 
 SCENARIO: Final = "frozenlake-slippery"
@@ -201,6 +202,18 @@ def _percentile(delays: list[float]) -> float:
     return quantiles(delays, n=20)[-1]
 
 
+def travel(steps: int) -> Rows:
+    """Yield how long it takes to go to a random moment of a long run: median and slowest."""
+    for scenario, length in ((SCENARIO, steps), ("cliff", steps), ("blackjack", min(steps, 20_000))):
+        kinds: dict[str, list[float]] = {}
+        for kind, milliseconds in journeys(scenario, length):
+            kinds.setdefault(kind, []).append(milliseconds)
+        for kind, times in kinds.items():
+            wanted = "" if scenario == "blackjack" else "at most 200 ms"
+            figures = f"{median(times):.1f} ms, at most {max(times):.0f}"
+            yield f"{scenario} {length:,}: {kind}", figures, wanted
+
+
 def memory(steps: int) -> Rows:
     """Resident memory of a run after ten million steps and after ``steps``."""
     code = MEMORY.format(scenario=SCENARIO, first=10_000_000, last=steps)
@@ -216,7 +229,7 @@ def main() -> None:
     parser.add_argument(
         "what",
         nargs="*",
-        help="start-up, bench, algorithms, sizes, frames, first-paint, live, memory; default: all",
+        help="start-up, bench, algorithms, sizes, frames, first-paint, live, travel, memory; default: all",
     )
     parser.add_argument("--rounds", type=int, default=5)
     parser.add_argument("--memory-steps", type=int, default=1_000_000_000)
@@ -229,6 +242,7 @@ def main() -> None:
         "frames": lambda: frames(options.rounds),
         "first-paint": lambda: first_paint(options.rounds),
         "live": lambda: live(options.rounds),
+        "travel": lambda: travel(100_000_000),
         "memory": lambda: memory(options.memory_steps),
     }
     for name in options.what or measures:

@@ -148,9 +148,7 @@ def test_any_sequence_ends_in_the_bits_of_the_straight_replay(scenario: str, dee
     assert_true_to_the_record(playback)
 
 
-@pytest.mark.parametrize(
-    "scenario", ["frozenlake-slippery", "student", "bandit", "blackjack", "cliff"]
-)
+@pytest.mark.parametrize("scenario", ["frozenlake-slippery", "student", "bandit", "blackjack", "cliff"])
 def test_every_moment_looks_as_it_looked_then(scenario: str) -> None:
     playback = begin(recipe(scenario))
     moments = [do(playback, FollowCell(0))]

@@ -1,0 +1,48 @@
+"""How long it takes to go anywhere in a long run, and what the checkpoints weigh."""
+
+from __future__ import annotations
+
+import random
+import time
+from collections.abc import Iterator
+
+from rl_tui.lab.commands import Apply, Command, GoTo, StepBack, Train
+from rl_tui.lab.library import find, recipe_for
+from rl_tui.lab.playback import Playback
+from rl_tui.lab.recipe import SetParameter
+
+
+def journeys(scenario: str, steps: int, count: int = 100) -> Iterator[tuple[str, float]]:
+    """Yield the name and the milliseconds of ``count`` journeys in a run of ``steps`` steps, and of others."""
+    playback = Playback(
+        recipe_for(find(scenario)),
+        speed=None,
+        automatic=False,
+        clock=time.perf_counter,
+        on_exact=lambda: None,
+    )
+    _carry_out(playback)
+    _do(playback, Train(steps // 2))
+    _do(playback, Apply(SetParameter("alpha", 0.2)))
+    _do(playback, Train(steps - steps // 2))
+    aims = random.Random(0)
+    for _ in range(count):
+        yield "anywhere", _do(playback, GoTo(aims.randrange(steps)))
+    for _ in range(count):
+        yield "episode", _do(playback, GoTo(episode=aims.randrange(1, playback.snapshot().episodes + 2)))
+    _do(playback, GoTo(steps))
+    for _ in range(count):
+        yield "one step back", _do(playback, StepBack())
+
+
+def _do(playback: Playback, command: Command) -> float:
+    start = time.perf_counter()
+    playback.handle(command)
+    _carry_out(playback)
+    playback.snapshot()
+    return (time.perf_counter() - start) * 1e3
+
+
+def _carry_out(playback: Playback) -> None:
+    while playback.on_the_way:
+        playback.work()
