@@ -227,6 +227,13 @@ ACTION_RULES: Final[tuple[ActionRule, ...]] = (
 RULE_BY_ID: Final = {rule.id: rule for rule in ACTION_RULES}
 
 
+def algorithm_of(algorithm: str) -> Algorithm:
+    """Return the algorithm of that id; raises ValueError, naming those there are, if there is none."""
+    if algorithm not in BY_ID:
+        raise ValueError(f"there is no algorithm {algorithm}; expected one of {', '.join(BY_ID)}")
+    return BY_ID[algorithm]
+
+
 def parameters_of(algorithm: str, policy: str) -> tuple[str, ...]:
     """Return the names of all hyper-parameters that count, in the order of the controls panel."""
     own = BY_ID[algorithm].parameters

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from rl_tui.agents.catalogue import BY_ID, RULE_BY_ID
+from rl_tui.agents.catalogue import RULE_BY_ID, algorithm_of
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.worlds.errors import UserError
 from rl_tui.worlds.mdp import TabularMDP
@@ -18,18 +18,32 @@ def is_bandit(space: FiniteSpace) -> bool:
     return int(np.count_nonzero(np.diff(space.first_pair))) == 1
 
 
-def check_compatible(space: FiniteSpace, algorithm: str, told: Hyperparameters) -> None:
-    """Raise UserError, saying what to take instead, where ``algorithm`` cannot work in ``space``."""
-    chosen = BY_ID[algorithm]
+def incompatibility(space: FiniteSpace, algorithm: str, told: Hyperparameters) -> str:
+    """Return why ``algorithm`` cannot work in ``space`` and what to take instead; empty where it can.
+
+    Raises ValueError if there is no algorithm of that id.
+    """
+    chosen = algorithm_of(algorithm)
     if chosen.planner:
-        if not isinstance(space, TabularMDP):
-            raise UserError(
-                f"{chosen.name} plans with the transition table, and this environment has none: take an "
-                f"algorithm that learns, such as q-learning"
-            )
-        return
+        if isinstance(space, TabularMDP):
+            return ""
+        return (
+            f"{chosen.name} plans with the transition table, and this environment has none: take an "
+            f"algorithm that learns, such as q-learning"
+        )
     rule = RULE_BY_ID[told.policy]
     if rule.bandits_only and not is_bandit(space):
-        raise UserError(f"policy {rule.id} is for bandits: take epsilon-greedy, softmax or ucb here")
+        return f"policy {rule.id} is for bandits: take epsilon-greedy, softmax or ucb here"
     if rule.id == "gradient" and told.sample_average:
-        raise UserError("policy gradient needs a step size: give a number for alpha, such as 0.1")
+        return "policy gradient needs a step size: give a number for alpha, such as 0.1"
+    return ""
+
+
+def check_compatible(space: FiniteSpace, algorithm: str, told: Hyperparameters) -> None:
+    """Raise UserError, saying what to take instead, where ``algorithm`` cannot work in ``space``.
+
+    Raises ValueError if there is no algorithm of that id.
+    """
+    refused = incompatibility(space, algorithm, told)
+    if refused:
+        raise UserError(refused)

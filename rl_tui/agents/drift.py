@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.random import Generator
 
+from rl_tui.agents.compatibility import is_bandit
 from rl_tui.agents.compiled import inlined
 from rl_tui.agents.tables import Tables
 from rl_tui.worlds.mdp import TabularMDP
@@ -14,7 +15,7 @@ from rl_tui.worlds.space import BoolArray, FiniteSpace, FloatArray, IntArray
 
 
 class Drift(NamedTuple):
-    """``optimal``, [P], marks the best arms of a bandit; nothing where there are several states.
+    """``optimal``, [P], marks the best arms of a bandit; nothing in any other world.
 
     Where rewards drift, ``mean`` and ``offset``, [P], are the expected rewards now and how far they have
     moved; else both are empty. Only there the loop itself adds up, [1] each: the ``regret`` of all pulls,
@@ -30,11 +31,26 @@ class Drift(NamedTuple):
     optimal_pulls: IntArray
 
 
+class Drifted(NamedTuple):
+    """Sums over all pulls so far, each against the means of its own moment: see :class:`Drift`."""
+
+    regret: float
+    best_total: float
+    optimal_pulls: int
+
+
+def drifted_by(drift: Drift) -> Drifted | None:
+    """Return the sums so far; None where no means drift."""
+    if not len(drift.offset):
+        return None
+    return Drifted(float(drift.regret[0]), float(drift.best_total[0]), int(drift.optimal_pulls[0]))
+
+
 def new_drift(space: FiniteSpace) -> Drift:
     """Return how things stand before the first step."""
     optimal, mean, drifts = np.zeros(space.pairs, np.bool_), np.empty(0), False
-    if isinstance(space, TabularMDP) and np.count_nonzero(np.diff(space.first_pair)) == 1:
-        mean = np.add.reduceat(space.probability * space.reward, space.first_outcome[:-1])
+    if isinstance(space, TabularMDP) and is_bandit(space):
+        mean = space.expected_reward
         optimal = np.asarray(mean == mean.max())
         drifts = space.drift_std > 0.0
     if not drifts:

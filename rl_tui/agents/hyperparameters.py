@@ -193,7 +193,12 @@ class Hyperparameters:
     ties: Ties = "random"
 
     def changed(self, name: str, value: object) -> Hyperparameters:
-        """Return a copy with one value changed; raises ValueError naming the range if it does not fit."""
+        """Return a copy with one value changed.
+
+        Raises ValueError naming the range if it does not fit, or all parameters if none has that name.
+        """
+        if name not in PARAMETERS:
+            raise ValueError(f"there is no parameter {name}; expected one of {', '.join(PARAMETERS)}")
         parameter = PARAMETERS[name]
         if not parameter.accepts(value):
             raise ValueError(f"{name} is {value}; expected {parameter.expected}")

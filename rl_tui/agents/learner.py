@@ -3,27 +3,23 @@
 from __future__ import annotations
 
 import importlib
-from dataclasses import dataclass, replace
-from typing import Any, Final, NamedTuple
+from dataclasses import replace
+from typing import Any, Final
 
 import numpy as np
 
+from rl_tui.agents.breakdown import breakdown
 from rl_tui.agents.catalogue import BY_ID, RULE_BY_ID
 from rl_tui.agents.compatibility import check_compatible
-from rl_tui.agents.drift import new_drift
+from rl_tui.agents.drift import Drifted, drifted_by, new_drift
 from rl_tui.agents.hyperparameters import Hyperparameters
-from rl_tui.agents.last_step import Author, LastStep
+from rl_tui.agents.last_step import Author
+from rl_tui.agents.learner_state import LearnerState, Planned, arrays_of, copies, put_back
 from rl_tui.agents.loop import advance, start_state
 from rl_tui.agents.planning_loop import sweep
-from rl_tui.agents.position import (
-    NOBODY,
-    REWARDS_KEPT,
-    new_episode_log,
-    new_position,
-    new_record,
-    read_record,
-)
+from rl_tui.agents.position import NOBODY
 from rl_tui.agents.settings import schedules_of, settings_of
+from rl_tui.agents.standing import EPISODES_LOGGED, Standing
 from rl_tui.agents.stepped_loop import SteppedLoop
 from rl_tui.agents.stop import Stop
 from rl_tui.agents.tables import Tables, tables_of
@@ -32,59 +28,16 @@ from rl_tui.agents.watching import Noticed, Watching
 from rl_tui.worlds.environment import Environment
 from rl_tui.worlds.errors import UserError
 from rl_tui.worlds.mdp import TabularMDP
-from rl_tui.worlds.space import BoolArray, FiniteSpace, FloatArray, IntArray
+from rl_tui.worlds.space import FiniteSpace, FloatArray, IntArray
 from rl_tui.worlds.streams import Streams
 
 UNLIMITED: Final = 2**60
-EPISODES_LOGGED: Final = 8192
 # Which loops this process has loaded
 _WARM: Final = set[tuple[str, str, bool]]()
 _FOR_GOOD: Final = (Stop.DIVERGED, Stop.ENDLESS_EPISODE, Stop.MEMORY_FULL, Stop.WORLD_FAILED)
 
 
-class Episodes(NamedTuple):
-    """Finished episodes, oldest first, [n] each: undiscounted return, length in steps, and whether the last
-    pair was the best arm of a bandit.
-    """
-
-    returns: FloatArray
-    lengths: IntArray
-    optimal: BoolArray
-
-
-class Drifted(NamedTuple):
-    """Sums over all pulls so far, each against the means of its own moment; :mod:`rl_tui.agents.drift`."""
-
-    regret: float
-    best_total: float
-    optimal_pulls: int
-
-
-class Planned(NamedTuple):
-    """How many of the steps and of the episodes so far were a planner's: backups and sweeps."""
-
-    steps: int
-    sweeps: int
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class LearnerState:
-    """All that a learner is at one step, to come back to."""
-
-    algorithm: str
-    hyperparameters: Hyperparameters
-    memory: tuple[Any, ...]
-    rule: tuple[Any, ...]
-    drift: tuple[Any, ...]
-    position: tuple[Any, ...]
-    last: tuple[Any, ...]
-    streams: tuple[Any, ...]
-    planned: Planned
-    author: Author
-    stop: Stop
-
-
-class Learner:
+class Learner(Standing):
     """An algorithm at work in a world.
 
     ``q`` (float64) and ``visits`` (int64), both [P], are the live arrays: read them between calls of
@@ -102,6 +55,7 @@ class Learner:
         environment: Environment | None = None,
     ) -> None:
         check_compatible(space, algorithm, hyperparameters)
+        super().__init__(algorithm)
         self.space = space
         self.streams = streams
         self.q: FloatArray = np.full(space.pairs, hyperparameters.initial_q, dtype=np.float64)
@@ -111,15 +65,11 @@ class Learner:
         self._stepped = (
             None if environment is None else SteppedLoop(environment, streams.world, space.pair_action)
         )
-        self._position = new_position(0)
-        self._log = new_episode_log(EPISODES_LOGGED)
-        self._last = new_record()
         self._planned = Planned(0, 0)
         self._author = Author(algorithm, hyperparameters)
         self._rule: Any
         self._memory: Any
         self._stop = Stop.DONE
-        self.algorithm = algorithm
         self.hyperparameters = hyperparameters
         self._take_rule(hyperparameters)
         self._take_algorithm(algorithm)
@@ -149,7 +99,7 @@ class Learner:
         It goes on with the episode under way as well; but from an agent to a planner or back the one under
         way is given up, unfinished, and another episode or sweep begins.
 
-        Raises KeyError if there is no algorithm of that id, UserError where it cannot work here.
+        Raises ValueError if there is no algorithm of that id, UserError where it cannot work here.
         """
         check_compatible(self.space, algorithm, self.hyperparameters)
         planned = self.plans
@@ -191,11 +141,6 @@ class Learner:
             self._stop = Stop.DONE
 
     @property
-    def plans(self) -> bool:
-        """Whether the algorithm in force is a planner, which takes no steps in the world."""
-        return BY_ID[self.algorithm].planner
-
-    @property
     def planned(self) -> Planned:
         """What part of the work was a planner's, and so not in the world."""
         return self._planned
@@ -215,48 +160,7 @@ class Learner:
     @property
     def drifted(self) -> Drifted | None:
         """How the pulls of a bandit were spent whose means drift; None elsewhere."""
-        if not len(self._drift.offset):
-            return None
-        return Drifted(
-            float(self._drift.regret[0]),
-            float(self._drift.best_total[0]),
-            int(self._drift.optimal_pulls[0]),
-        )
-
-    @property
-    def step(self) -> int:
-        """Steps taken."""
-        return int(self._position.step[0])
-
-    @property
-    def episodes(self) -> int:
-        """Finished episodes."""
-        return int(self._position.episodes[0])
-
-    @property
-    def state(self) -> int:
-        """The state in which the next step starts."""
-        return int(self._position.state[0])
-
-    @property
-    def episode_step(self) -> int:
-        """Steps taken in the episode under way."""
-        return int(self._position.episode_step[0])
-
-    @property
-    def episode_return(self) -> float:
-        """Undiscounted return so far in the episode under way."""
-        return float(self._position.episode_return[0])
-
-    @property
-    def first_reward_episode(self) -> int:
-        """The first episode (from 1) with a non-zero reward, 0 while there is none."""
-        return int(self._position.first_reward_episode[0])
-
-    @property
-    def last_step(self) -> LastStep | None:
-        """The last step with all its numbers, None before the first."""
-        return read_record(self._last)
+        return drifted_by(self._drift)
 
     @property
     def author(self) -> Author:
@@ -269,41 +173,12 @@ class Learner:
         last = self.last_step
         if self._stop is Stop.WORLD_FAILED and self._stepped is not None:
             return f"{self._stepped.failure}, after step {self.step:,}"
-        if self._stop not in _FOR_GOOD or last is None:
-            return ""
-        if self._stop is Stop.DIVERGED:
-            pair = self._pair_name(int(np.argmax(np.nan_to_num(np.abs(self.q), nan=np.inf))))
-            traces = "lambda" in BY_ID[self.algorithm].parameters
-            remedy = "discount" if self.plans else "step size or λ" if traces else "step size"
-            return f"Q({pair}) left ±1e12 at step {last.step:,}: take a smaller {remedy} or start again"
-        if self._stop is Stop.ENDLESS_EPISODE:
-            return f"episode {last.episode:,} has not ended after 10,000,000 steps, at step {last.step:,}"
-        return (
-            f"{BY_ID[self.algorithm].name} remembers 1,000,000 steps of an episode, and episode "
-            f"{last.episode:,} has not ended, at step {last.step:,}"
-        )
+        return "" if last is None else breakdown(self._stop, self.algorithm, last, self.space, self.q)
 
     @property
     def converged(self) -> bool:
         """Whether a planner is done: no estimate moves any more."""
         return self._stop is Stop.CONVERGED
-
-    @property
-    def rewards(self) -> FloatArray:
-        """The rewards of the last step's episode, oldest first: the last 256 at most; none for a planner."""
-        count = self._steps_of_last_episode
-        places = np.arange(max(0, count - REWARDS_KEPT), count) % REWARDS_KEPT
-        return self._position.rewards[places]
-
-    @property
-    def discounted_return(self) -> float:
-        """Σ γᵏ r of the last step's episode so far, with the γ in force at each step; 0 for a planner."""
-        return float(self._position.discounted[0]) if self._steps_of_last_episode else 0.0
-
-    @property
-    def _steps_of_last_episode(self) -> int:
-        last = self.last_step
-        return 0 if last is None or last.planned or self.plans else last.episode_step
 
     def watch(self, watching: Watching | None) -> None:
         """Stop after a step that brings any of ``watching``, from the estimates as they are; None: no more.
@@ -334,7 +209,7 @@ class Learner:
             )
         legal = self.space.pairs_of(self.state)
         if pair not in legal:
-            names = ", ".join(self._action_name(each) for each in legal)
+            names = ", ".join(self.space.action_names[self.space.pair_action[each]] for each in legal)
             there = self.space.state_names[self.state]
             raise UserError(f"that action cannot be taken in state {there}: take one of {names}")
         self._position.forced[0] = pair
@@ -430,16 +305,6 @@ class Learner:
         policy = "" if self.plans else self.hyperparameters.policy
         return self.algorithm, policy, self._stepped is not None
 
-    def drain_episodes(self) -> Episodes:
-        """Return copies of the episodes finished since the last call, and forget them."""
-        count = int(self._log.finished[0])
-        self._log.finished[0] = 0
-        return Episodes(
-            self._log.returns[:count].copy(),
-            self._log.lengths[:count].copy(),
-            self._log.optimal[:count].copy(),
-        )
-
     @property
     def rewindable(self) -> bool:
         """Whether it can go back to a checkpoint: an environment that is stepped cannot."""
@@ -457,30 +322,32 @@ class Learner:
         return LearnerState(
             self.algorithm,
             self.hyperparameters,
-            tuple(array.copy() for array in self._memory),
-            _copies(self._rule),
-            tuple(array.copy() for array in self._drift),
-            tuple(array.copy() for array in self._position),
-            tuple(array.copy() for array in self._last),
+            copies(self._worth_keeping()),
+            copies(arrays_of(self._rule)),
+            copies(self._drift),
+            copies(self._position),
+            copies(self._last),
             tuple(generator.bit_generator.state for generator in self.streams),
             self._planned,
             self._author,
             self._stop,
         )
 
+    def _worth_keeping(self) -> tuple[Any, ...]:
+        """Return the memory, of its arrays only the beginning where the algorithm reads no further."""
+        if hasattr(self._module, "worth_keeping"):
+            return tuple(self._module.worth_keeping(self._memory))
+        return tuple(self._memory)
+
     def restore(self, state: LearnerState) -> None:
         """Go back to ``state``, bit for bit."""
         self._take_rule(state.hyperparameters)
         self._take_algorithm(state.algorithm)
-        for arrays, kept in (
-            (self._memory, state.memory),
-            (_arrays(self._rule), state.rule),
-            (self._drift, state.drift),
-            (self._position, state.position),
-            (self._last, state.last),
-        ):
-            for array, copy in zip(arrays, kept, strict=True):
-                array[...] = copy
+        put_back(self._memory, state.memory)
+        put_back(arrays_of(self._rule), state.rule)
+        put_back(self._drift, state.drift)
+        put_back(self._position, state.position)
+        put_back(self._last, state.last)
         for generator, bits in zip(self.streams, state.streams, strict=True):
             generator.bit_generator.state = bits
         self._log.finished[0] = 0
@@ -488,19 +355,3 @@ class Learner:
         self._author = state.author
         self._stop = state.stop
         self.watch(self._watching)
-
-    def _pair_name(self, pair: int) -> str:
-        state = self.space.state_names[self.space.state_of(pair)]
-        return f"{state}, {self._action_name(pair)}"
-
-    def _action_name(self, pair: int) -> str:
-        return self.space.action_names[int(self.space.pair_action[pair])]
-
-
-def _arrays(rule: tuple[Any, ...]) -> tuple[Any, ...]:
-    """Return what an action rule has learned."""
-    return tuple(part for part in rule if isinstance(part, np.ndarray))
-
-
-def _copies(rule: tuple[Any, ...]) -> tuple[Any, ...]:
-    return tuple(array.copy() for array in _arrays(rule))

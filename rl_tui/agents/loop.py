@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 from numpy.random import Generator
@@ -31,6 +31,9 @@ from rl_tui.agents.stop import (
 )
 from rl_tui.agents.tables import Tables, landing, outcomes_of, pairs_of
 from rl_tui.agents.watch import Watch, watched
+
+# Why the inner loop came back: the rewards that are kept have to be added up before they are written over
+_REWARDS_FULL: Final = -1
 
 
 @inlined
@@ -99,7 +102,8 @@ def advance(
     settings = with_alpha(settings, scheduled(schedules.alpha, episode))
     stop = 0
     while stop == 0 and step < last_step and episode < last_episode:
-        pause = step + 1 if watching else last_step
+        # What is rare is looked for out here: within, every question costs at each of a billion steps
+        pause = step + 1 if watching else min(last_step, step + LONGEST_EPISODE - episode_step)
         while stop == 0 and step < pause and episode < last_episode:
             # Choose A from S using the policy derived from Q
             if forced >= 0:
@@ -116,9 +120,6 @@ def advance(
             position.rewards[episode_step % REWARDS_KEPT] = reward
             episode_step += 1
             episode_return += reward
-            if episode_step % REWARDS_KEPT == 0:
-                discount_rewards(position, settings.gamma, step - discounted_step, episode_step)
-                discounted_step = step
             truncated = episode_step == tables.time_limit and not terminated
             transition = Transition(state, pair, reward, next_state, terminated, truncated)
             update = learn(memory, rule, settings, tables, transition, learner)
@@ -144,11 +145,17 @@ def advance(
                 rule = in_force(rule, scheduled(schedules.epsilon, episode))
                 settings = with_alpha(settings, scheduled(schedules.alpha, episode))
                 state = start_state(tables, world)
-            elif episode_step >= LONGEST_EPISODE:
-                stop = ENDLESS_EPISODE
             elif not has_room(memory):
                 stop = MEMORY_FULL
+            elif episode_step % REWARDS_KEPT == 0:
+                stop = _REWARDS_FULL
             drift_on(drift, tables, pair, world)
+        if stop == _REWARDS_FULL:
+            discount_rewards(position, settings.gamma, step - discounted_step, episode_step)
+            discounted_step = step
+            stop = 0
+        if stop == 0 and episode_step >= LONGEST_EPISODE:
+            stop = ENDLESS_EPISODE
         stop = watched(
             watching, watch, memory.q, settings.random_ties, tables, transition, update, state, stop
         )

@@ -64,7 +64,7 @@ def new_watch(
         noticed=np.array([0, 0, 0, NONE, NONE], dtype=np.int64),
     )
     if watching.policy:
-        policy_changed(watch.greedy, q, tables, random_ties)
+        policy_changed(watch.greedy, q, tables, random_ties, 0, space.states)
     return watch
 
 
@@ -157,19 +157,24 @@ def notice(
     seen[_PAIR] = _marked_pair(watch.pairs, tables, pair, landed)
     seen[_POLICY] = False
     if watch.policy[0]:
+        first, last = 0, 0
         if pair < 0:  # a planner moves estimates of one state only
-            seen[_POLICY] = choice_changed(watch.greedy, q, tables, random_ties, landed)
+            first, last = landed, landed + 1
         elif others > 0:
-            seen[_POLICY] = policy_changed(watch.greedy, q, tables, random_ties)
+            first, last = 0, len(tables.first_pair) - 1
         elif updated >= 0:
-            seen[_POLICY] = choice_changed(watch.greedy, q, tables, random_ties, state_of(tables, updated))
+            first = state_of(tables, updated)
+            last = first + 1
+        seen[_POLICY] = policy_changed(watch.greedy, q, tables, random_ties, first, last)
     marked = seen[_STATE] >= 0 or seen[_PAIR] >= 0
     return bool(marked or seen[_REWARD] + seen[_POLICY] + seen[_CELL] > 0)
 
 
 @inlined
 def _side(estimate: float, threshold: float) -> int:
-    return (estimate > threshold) - (estimate < threshold)
+    if estimate == threshold:
+        return 0
+    return 1 if estimate > threshold else -1
 
 
 @inlined
@@ -195,30 +200,29 @@ def _marked_pair(marked: BoolArray, tables: Tables, pair: int, state: int) -> in
 
 
 @compiled
-def choice_changed(
-    greedy: npt.NDArray[np.uint8], q: FloatArray, tables: Tables, random_ties: bool, state: int
+def policy_changed(
+    greedy: npt.NDArray[np.uint8],
+    q: FloatArray,
+    tables: Tables,
+    random_ties: bool,
+    first_state: int,
+    last_state: int,
 ) -> bool:
-    """Tell whether ``state`` has other greedy pairs than ``greedy`` says, and say it there."""
-    first, last = pairs_of(tables, state)
-    if first == last:
-        return False
-    highest = q[first]
-    for pair in range(first + 1, last):
-        if q[pair] > highest:
-            highest = q[pair]
-    changed, found = False, False
-    for pair in range(first, last):
-        best = q[pair] == highest and (random_ties or not found)
-        found = found or best
-        changed = changed or best != (greedy[pair] == 1)
-        greedy[pair] = best
-    return changed
+    """Tell whether the states ``first_state`` .. ``last_state`` have other greedy pairs than ``greedy`` says.
 
-
-@compiled
-def policy_changed(greedy: npt.NDArray[np.uint8], q: FloatArray, tables: Tables, random_ties: bool) -> bool:
-    """Tell whether any state has other greedy pairs than ``greedy`` says, and say it there."""
+    It says so from then on.
+    """
     changed = False
-    for state in range(len(tables.first_pair) - 1):
-        changed = choice_changed(greedy, q, tables, random_ties, state) or changed
+    for state in range(first_state, last_state):
+        first, last = pairs_of(tables, state)
+        highest = -np.inf
+        for pair in range(first, last):
+            if q[pair] > highest:
+                highest = q[pair]
+        found = False
+        for pair in range(first, last):
+            best = q[pair] == highest and (random_ties or not found)
+            found = found or best
+            changed = changed or best != (greedy[pair] == 1)
+            greedy[pair] = best
     return changed

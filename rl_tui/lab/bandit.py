@@ -12,13 +12,12 @@ from rl_tui.worlds.mdp import BoolArray, FloatArray, IntArray, TabularMDP
 from rl_tui.worlds.world import World
 
 if TYPE_CHECKING:
-    from rl_tui.agents.learner import Drifted
+    from rl_tui.agents.drift import Drifted
 
 
 def true_means(mdp: TabularMDP) -> FloatArray:
     """Return the expected reward of each pair, [P]: q* of a bandit's arms."""
-    means: FloatArray = np.add.reduceat(mdp.probability * mdp.reward, mdp.first_outcome[:-1])
-    return means
+    return mdp.expected_reward
 
 
 def best_arms(mdp: TabularMDP) -> BoolArray:

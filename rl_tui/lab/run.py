@@ -6,7 +6,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Final
 
-from rl_tui.agents.learner import Learner, LearnerState
+from rl_tui.agents.learner import Learner
+from rl_tui.agents.learner_state import LearnerState
 from rl_tui.agents.stop import Stop
 from rl_tui.agents.watching import NOTHING_NOTICED
 from rl_tui.lab.bandit import bandit_figures

@@ -97,6 +97,12 @@ class TabularMDP(FiniteSpace):
         return np.repeat(np.arange(self.pairs), np.diff(self.first_outcome))
 
     @property
+    def expected_reward(self) -> FloatArray:
+        """The expected reward of each pair, [P]."""
+        expected: FloatArray = np.add.reduceat(self.probability * self.reward, self.first_outcome[:-1])
+        return expected
+
+    @property
     def start_probability(self) -> FloatArray:
         """The probability of each of ``start_state``, [K]."""
         return np.diff(self.start_cumulative, prepend=0.0)

@@ -113,9 +113,9 @@ async def test_a_world_that_cannot_be_built_reaches_the_reader(monkeypatch: pyte
 
 async def test_an_unexpected_error_in_the_thread_is_not_lost() -> None:
     player = Player(replace(recipe("student"), algorithm="no such algorithm"))
-    with pytest.raises(KeyError):
+    with pytest.raises(ValueError, match="no algorithm no such algorithm"):
         await player.carried_out()
-    with pytest.raises(KeyError):
+    with pytest.raises(ValueError, match="no algorithm no such algorithm"):
         await until(player, Phase.PAUSED)
     player.close()
 

@@ -55,10 +55,8 @@ def _pays_0_or_1(mdp: TabularMDP) -> bool:
 
 def _variances(mdp: TabularMDP) -> FloatArray:
     """Return the variance of the reward of each pair, [P]."""
-    first = mdp.first_outcome[:-1]
-    mean = np.add.reduceat(mdp.probability * mdp.reward, first)
-    spread = mdp.reward_std**2 + (mdp.reward - mean[mdp.outcome_pair]) ** 2
-    variance: FloatArray = np.add.reduceat(mdp.probability * spread, first)
+    spread = mdp.reward_std**2 + (mdp.reward - mdp.expected_reward[mdp.outcome_pair]) ** 2
+    variance: FloatArray = np.add.reduceat(mdp.probability * spread, mdp.first_outcome[:-1])
     return variance
 
 

@@ -45,6 +45,12 @@ def new_memory(q: FloatArray, visits: IntArray, space: FiniteSpace) -> Memory:
     )
 
 
+def worth_keeping(memory: Memory) -> Memory:
+    """Return the memory without the room that the episode under way has not filled."""
+    length = int(memory.length[0])
+    return memory._replace(pairs=memory.pairs[:length], rewards=memory.rewards[:length])
+
+
 @member_of(has_room, Memory)
 def _has_room(memory: Memory) -> bool:
     return int(memory.length[0]) < len(memory.pairs)

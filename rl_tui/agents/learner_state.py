@@ -1,0 +1,58 @@
+"""All that a learner is at one step, to come back to."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from rl_tui.agents.hyperparameters import Hyperparameters
+from rl_tui.agents.last_step import Author
+from rl_tui.agents.stop import Stop
+
+Arrays = tuple[Any, ...]
+
+
+class Planned(NamedTuple):
+    """How many of the steps and of the episodes so far were a planner's: backups and sweeps."""
+
+    steps: int
+    sweeps: int
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LearnerState:
+    """All that a learner is at one step; the arrays are copies.
+
+    Of an array of the memory only the beginning may be there: see :func:`put_back`.
+    """
+
+    algorithm: str
+    hyperparameters: Hyperparameters
+    memory: Arrays
+    rule: Arrays
+    drift: Arrays
+    position: Arrays
+    last: Arrays
+    streams: tuple[Any, ...]
+    planned: Planned
+    author: Author
+    stop: Stop
+
+
+def arrays_of(parts: Iterable[Any]) -> Arrays:
+    """Return those of ``parts`` that are arrays: what an action rule has learned."""
+    return tuple(part for part in parts if isinstance(part, np.ndarray))
+
+
+def copies(arrays: Iterable[Any]) -> Arrays:
+    """Return copies of ``arrays``."""
+    return tuple(array.copy() for array in arrays)
+
+
+def put_back(arrays: Iterable[Any], kept: Arrays) -> None:
+    """Make each of ``arrays``, [n], begin with what was ``kept`` of it; what is behind that nobody reads."""
+    for array, copy in zip(arrays, kept, strict=True):
+        array[: len(copy)] = copy

@@ -1,0 +1,102 @@
+"""Where a learner stands, as others may read it between two calls that move it."""
+
+from __future__ import annotations
+
+from typing import Final, NamedTuple
+
+import numpy as np
+
+from rl_tui.agents.catalogue import BY_ID
+from rl_tui.agents.last_step import LastStep
+from rl_tui.agents.position import REWARDS_KEPT, new_episode_log, new_position, new_record, read_record
+from rl_tui.worlds.space import BoolArray, FloatArray, IntArray
+
+EPISODES_LOGGED: Final = 8192
+
+
+class Episodes(NamedTuple):
+    """Finished episodes, oldest first, [n] each: undiscounted return, length in steps, and whether the last
+    pair was the best arm of a bandit.
+    """
+
+    returns: FloatArray
+    lengths: IntArray
+    optimal: BoolArray
+
+
+class Standing:
+    """The counts, the last step and the episode under way of a learner with ``algorithm``."""
+
+    def __init__(self, algorithm: str) -> None:
+        self.algorithm = algorithm
+        self._position = new_position(0)
+        self._log = new_episode_log(EPISODES_LOGGED)
+        self._last = new_record()
+
+    @property
+    def plans(self) -> bool:
+        """Whether the algorithm in force is a planner, which takes no steps in the world."""
+        return BY_ID[self.algorithm].planner
+
+    @property
+    def step(self) -> int:
+        """Steps taken."""
+        return int(self._position.step[0])
+
+    @property
+    def episodes(self) -> int:
+        """Finished episodes."""
+        return int(self._position.episodes[0])
+
+    @property
+    def state(self) -> int:
+        """The state in which the next step starts."""
+        return int(self._position.state[0])
+
+    @property
+    def episode_step(self) -> int:
+        """Steps taken in the episode under way."""
+        return int(self._position.episode_step[0])
+
+    @property
+    def episode_return(self) -> float:
+        """Undiscounted return so far in the episode under way."""
+        return float(self._position.episode_return[0])
+
+    @property
+    def first_reward_episode(self) -> int:
+        """The first episode (from 1) with a non-zero reward, 0 while there is none."""
+        return int(self._position.first_reward_episode[0])
+
+    @property
+    def last_step(self) -> LastStep | None:
+        """The last step with all its numbers, None before the first."""
+        return read_record(self._last)
+
+    @property
+    def rewards(self) -> FloatArray:
+        """The rewards of the last step's episode, oldest first: the last 256 at most; none for a planner."""
+        count = self._rewards_seen
+        places = np.arange(max(0, count - REWARDS_KEPT), count) % REWARDS_KEPT
+        return self._position.rewards[places]
+
+    @property
+    def discounted_return(self) -> float:
+        """Σ γᵏ r of the last step's episode so far, with the γ in force at each step; 0 for a planner."""
+        return float(self._position.discounted[0]) if self._rewards_seen else 0.0
+
+    @property
+    def _rewards_seen(self) -> int:
+        """How many steps the last step's episode has had; 0 before the first step and for a planner."""
+        last = self.last_step
+        return 0 if last is None or last.planned or self.plans else last.episode_step
+
+    def drain_episodes(self) -> Episodes:
+        """Return copies of the episodes finished since the last call, and forget them."""
+        count = int(self._log.finished[0])
+        self._log.finished[0] = 0
+        return Episodes(
+            self._log.returns[:count].copy(),
+            self._log.lengths[:count].copy(),
+            self._log.optimal[:count].copy(),
+        )

@@ -1,0 +1,223 @@
+"""A person acts: the same learner learns from it, and nothing that it had chosen is taken by mistake."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from test_every_algorithm import everything, learner
+from test_stepped_loop import TOLD, Line, Table, facts, lake, untabled
+
+from rl_tui.agents.action_rules import gradient, thompson
+from rl_tui.agents.hyperparameters import Hyperparameters
+from rl_tui.agents.last_step import LastStep
+from rl_tui.agents.learner import Learner
+from rl_tui.agents.stop import Stop
+from rl_tui.agents.watching import Noticed, Watching
+from rl_tui.worlds.environment import Stepped
+from rl_tui.worlds.errors import UserError
+from rl_tui.worlds.mdp import Outcome, TabularMDP, Transition, tabular_mdp
+from rl_tui.worlds.space import all_pairs
+from rl_tui.worlds.streams import streams
+
+FULL_STEP = Hyperparameters(alpha=1.0, gamma=1.0, epsilon=0.0, lambda_=1.0, ties="first")
+ON, JUMP = 1, 2  # the pairs of the middle state of two_ways
+
+
+def two_ways() -> TabularMDP:
+    """From s0 to s1, and on to s2 for nothing or by a jump to the end for 1; the way out of s2 pays 1 too."""
+    return tabular_mdp(
+        ["s0", "s1", "s2", "end"],
+        ["on", "jump"],
+        [
+            Transition(0, 0, [Outcome(1.0, 1, 0.0, False)]),
+            Transition(1, 0, [Outcome(1.0, 2, 0.0, False)]),
+            Transition(1, 1, [Outcome(1.0, 3, 1.0, True)]),
+            Transition(2, 0, [Outcome(1.0, 3, 1.0, True)]),
+        ],
+        {0: 1.0},
+    )
+
+
+def arms(*rewards: float) -> TabularMDP:
+    return tabular_mdp(
+        ["here"],
+        [str(arm) for arm in range(len(rewards))],
+        [Transition(0, arm, [Outcome(1.0, 0, reward, True)]) for arm, reward in enumerate(rewards)],
+        {0: 1.0},
+    )
+
+
+def last_of(ours: Learner) -> LastStep:
+    assert ours.last_step is not None
+    return ours.last_step
+
+
+def test_q_learning_learns_from_it_as_from_its_own_and_the_choice_draws_nothing() -> None:
+    mdp, dice = lake(), np.random.default_rng(3)
+    ours = learner(mdp, "q-learning", TOLD, 5)
+    q, drawn = np.full(mdp.pairs, TOLD.initial_q), ours.streams.learner.bit_generator.state
+    for _ in range(300):
+        pair = int(dice.choice(mdp.pairs_of(ours.state)))
+        assert ours.take(pair) is Stop.DONE
+        last = last_of(ours)
+        assert (last.pair, last.by_hand, last.explored) == (pair, True, False)
+        there = [q[each] for each in mdp.pairs_of(last.next_state)]
+        bootstrap = 0.0 if last.terminated else max(there)
+        q[pair] += 0.3 * (last.reward + TOLD.gamma * bootstrap - q[pair])
+    assert ours.q.tolist() == q.tolist()
+    assert ours.streams.learner.bit_generator.state == drawn
+    assert ours.visits.sum() == 300
+    assert ours.episodes > 10
+
+
+def test_the_agent_goes_on_by_itself() -> None:
+    ours = learner(lake(), "q-learning", TOLD)
+    ours.take(ours.space.pairs_of(ours.state)[1])
+    ours.advance(50)
+    assert not last_of(ours).by_hand
+
+
+@pytest.mark.parametrize(
+    "algorithm",
+    [
+        "q-learning",
+        "sarsa",
+        "expected-sarsa",
+        "monte-carlo",
+        "n-step-sarsa",
+        "sarsa-lambda",
+        "q-lambda",
+        "prioritized-sweeping",
+    ],
+)
+def test_what_the_agent_would_have_done_teaches_the_same_by_hand(algorithm: str) -> None:
+    told = Hyperparameters(alpha=0.5, epsilon=0.0, ties="first", initial_q=0.5)
+    agent, hand = (learner(lake(), algorithm, told, 2) for _ in range(2))
+    for _ in range(200):
+        agent.advance(1)
+        hand.take(last_of(agent).pair)
+    assert hand.q.tolist() == agent.q.tolist()
+    assert hand.visits.tolist() == agent.visits.tolist()
+
+
+def test_what_sarsa_had_chosen_is_dropped() -> None:
+    ours = learner(two_ways(), "sarsa", FULL_STEP)
+    ours.q[ON] = 0.5
+    ours.advance(1)
+    assert ours.q.tolist() == [0.5, 0.5, 0.0, 0.0]  # it chose to go on
+    ours.take(JUMP)
+    assert ours.q.tolist() == [0.5, 0.5, 1.0, 0.0]
+    ours.advance(1)
+    assert (last_of(ours).pair, ours.q[0]) == (0, 1.0)  # and now it chooses to jump
+
+
+def test_n_step_sarsa_remembers_what_was_really_taken() -> None:
+    ours = learner(two_ways(), "n-step-sarsa", FULL_STEP.changed("n", 2))
+    ours.q[ON] = 0.5
+    ours.advance(1)
+    ours.take(JUMP)
+    assert ours.q.tolist() == [1.0, 0.5, 1.0, 0.0]
+    assert ours.visits.tolist() == [1, 0, 1, 0]
+
+
+def test_no_trace_of_watkins_leads_beyond_an_action_that_is_not_greedy() -> None:
+    ours = learner(two_ways(), "q-lambda", FULL_STEP)
+    ours.q[ON] = 0.5
+    ours.advance(1)
+    ours.take(JUMP)
+    assert ours.q.tolist() == [0.5, 0.5, 1.0, 0.0]
+    assert last_of(ours).others == 0
+
+
+def test_a_trace_leads_beyond_a_greedy_action_of_a_person() -> None:
+    ours = learner(two_ways(), "q-lambda", FULL_STEP)
+    ours.advance(1)
+    ours.take(JUMP)  # as good as to go on, as far as is known
+    assert ours.q.tolist() == [1.0, 0.0, 1.0, 0.0]
+
+
+def test_a_trace_of_sarsa_lambda_leads_beyond_whatever_is_done() -> None:
+    ours = learner(two_ways(), "sarsa-lambda", FULL_STEP)
+    ours.q[ON] = 0.5
+    ours.advance(1)
+    ours.take(JUMP)
+    assert ours.q.tolist() == [1.5, 0.5, 1.0, 0.0]
+
+
+def test_the_gradient_bandit_prefers_what_paid_by_hand() -> None:
+    ours = learner(arms(0.0, 1.0), "q-learning", Hyperparameters(alpha=0.5, policy="gradient"))
+    ours.take(0)
+    ours.take(1)
+    assert isinstance(ours._rule, gradient.Rule)
+    # R̄ = 0, the reward is 1: ± α (R − R̄) / 2
+    assert ours._rule.preference.tolist() == [-0.25, 0.25]
+
+
+def test_thompson_sampling_counts_what_was_pulled_by_hand() -> None:
+    ours = learner(arms(0.0, 1.0), "q-learning", Hyperparameters(policy="thompson"))
+    for arm in (1, 1, 0):
+        ours.take(arm)
+    assert isinstance(ours._rule, thompson.Rule)
+    assert (ours._rule.rewards.tolist(), ours._rule.total.tolist()) == ([1, 2], [0.0, 2.0])
+
+
+def test_upper_bounds_know_what_was_tried_by_hand() -> None:
+    ours = learner(arms(0.0, 1.0, 0.0), "q-learning", Hyperparameters(policy="ucb", ties="first"))
+    ours.take(0)
+    ours.take(1)
+    ours.advance(1)
+    assert last_of(ours).pair == 2  # the only one that was never tried
+
+
+@pytest.mark.parametrize("algorithm", ["q-learning", "sarsa", "q-lambda"])
+def test_a_stepped_environment_is_acted_in_alike(algorithm: str) -> None:
+    mdp = lake()
+    by_table = Learner(mdp, algorithm, TOLD, streams(7))
+    stepped = Learner(untabled(mdp), algorithm, TOLD, streams(7), Table(mdp, 7))
+    dice = np.random.default_rng(1)
+    for turn in range(200):
+        pair = int(dice.choice(mdp.pairs_of(by_table.state)))
+        for ours in (by_table, stepped):
+            ours.take(pair)
+            ours.advance(turn % 3)
+            ours.drain_episodes()
+    assert facts(stepped) == facts(by_table)
+
+
+def test_a_failure_of_the_environment_leaves_the_choice_to_nobody() -> None:
+    space = all_pairs(["here"], ["on"], 0)
+    ours = Learner(space, "q-learning", TOLD, streams(0), Line(Stepped(0, 1.0, False, False), None))
+    assert ours.take(0) is Stop.DONE
+    assert ours.take(0) is Stop.WORLD_FAILED
+    assert (ours.step, ours._position.forced[0]) == (1, -1)
+
+
+def test_a_step_by_hand_is_watched_and_comes_back_from_a_checkpoint() -> None:
+    ours = learner(two_ways(), "q-lambda", FULL_STEP)
+    ours.advance(1)
+    kept = ours.checkpoint()
+    ours.watch(Watching(pairs=frozenset({JUMP})))
+    assert ours.take(JUMP) is Stop.NOTICED
+    assert ours.noticed == Noticed(pair=JUMP)
+    ours.drain_episodes()
+    expected = everything(ours)
+    ours.advance(7)
+    ours.restore(kept)
+    ours.take(JUMP)
+    ours.drain_episodes()
+    assert everything(ours) == expected
+
+
+def test_an_action_of_another_state_cannot_be_taken() -> None:
+    ours = learner(two_ways(), "sarsa", FULL_STEP)
+    ours.advance(1)
+    for pair in (0, 3, -1, 99):
+        with pytest.raises(UserError, match="cannot be taken in state s1: take one of on, jump"):
+            ours.take(pair)
+    assert ours.step == 1
+
+
+def test_nobody_acts_for_a_planner() -> None:
+    ours = learner(two_ways(), "value-iteration", FULL_STEP)
+    with pytest.raises(UserError, match="Value iteration plans and takes no steps: to act yourself"):
+        ours.take(0)
