@@ -59,6 +59,10 @@ LINES = (
     "good",
     "bad",
     "unvisited",
+    "lane_1",
+    "lane_2",
+    "lane_3",
+    "lane_4",
 )
 
 
@@ -141,6 +145,22 @@ def test_colour_blind_eyes_tell_apart_what_must_be_told_apart(palette: Palette) 
     assert palette.updated.bgcolor is not None
     for color in grounds(palette.values + palette.signed):
         assert least_distance(palette.updated.bgcolor, color) > 10
+
+
+@pytest.mark.parametrize("palette", RGB_PALETTES, ids=NAMES)
+def test_colour_blind_eyes_tell_lanes_apart_from_each_other_and_from_the_other_lines(
+    palette: Palette,
+) -> None:
+    lines = [style.color for style in (*palette.lanes, palette.greedy_line, palette.optimum) if style.color]
+    assert len(lines) == 6
+    assert min(least_distance(*couple) for couple in combinations(lines, 2)) > 20
+
+
+@pytest.mark.parametrize("dark", BOTH)
+def test_lanes_have_colours_of_their_own_wherever_there_are_any(dark: bool) -> None:
+    told = {depth: palette_for(depth, dark).tells_lanes_apart for depth in DEPTHS}
+    assert told == {"none": False, "16": False, "256": True, "truecolor": True}
+    assert len(set(palette_for("16", dark).lanes)) == 4
 
 
 @pytest.mark.parametrize("palette", RGB_PALETTES, ids=NAMES)

@@ -105,16 +105,10 @@ class AgentStage(Stage):
         if name == "initial_q":
             self.restart(replace(self.recipe, hyperparameters=values.changed(name, value)))
             return
-        told: list[Told] = [(name, value)]
-        is_step_size = name in ("alpha", "step_size_schedule")
-        if is_step_size and values.sample_average and value != SAMPLE_AVERAGE:
-            told = [*(each for each in without_average(values) if each[0] != name), *told]
-        elif name == "policy" and values.sample_average and self._fault(told):
-            number = without_average(values)
-            if not self._fault([*number, *told]):
-                told = [*number, *told]
-                alpha = Hyperparameters().alpha
-                self.notify(f"{RULE_BY_ID[str(value)].name} needs a step size: α is {alpha:g} from here on")
+        told = told_together(values, name, value, self._fault)
+        if name == "policy" and len(told) > 1:
+            alpha = Hyperparameters().alpha
+            self.notify(f"{RULE_BY_ID[str(value)].name} needs a step size: α is {alpha:g} from here on")
         if told != [(name, values.value(name))]:
             self._tell(told)
 
@@ -124,7 +118,7 @@ class AgentStage(Stage):
             self.notify(fault, severity="warning", markup=False)
             self.show_in_force()
             return
-        self.recipe = replace(self.recipe, hyperparameters=_with(self.recipe.hyperparameters, told))
+        self.recipe = replace(self.recipe, hyperparameters=with_values(self.recipe.hyperparameters, told))
         for name, value in told:
             self.send(Apply(SetParameter(name, value)))
 
@@ -133,7 +127,7 @@ class AgentStage(Stage):
         if self.snapshot is None:
             return "the world is being built"
         try:
-            values = _with(self.recipe.hyperparameters, told)
+            values = with_values(self.recipe.hyperparameters, told)
             check_compatible(self.snapshot.world.space, self.recipe.algorithm, values)
         except (UserError, ValueError) as fault:
             return str(fault)
@@ -165,7 +159,26 @@ def without_average(values: Hyperparameters) -> list[Told]:
     ]
 
 
-def _with(values: Hyperparameters, told: list[Told]) -> Hyperparameters:
+def told_together(
+    values: Hyperparameters, name: str, value: float | str, fault: Callable[[list[Told]], str]
+) -> list[Told]:
+    """Return all that is told to make ``name`` be ``value``: with it a step size, where that needs a number.
+
+    ``fault`` says why values cannot work, empty if they can.
+    """
+    told: list[Told] = [(name, value)]
+    if not values.sample_average:
+        return told
+    number = without_average(values)
+    if name in ("alpha", "step_size_schedule") and value != SAMPLE_AVERAGE:
+        return [*(each for each in number if each[0] != name), *told]
+    if name == "policy" and fault(told) and not fault([*number, *told]):
+        return [*number, *told]
+    return told
+
+
+def with_values(values: Hyperparameters, told: list[Told]) -> Hyperparameters:
+    """Return ``values`` with all that is told; raises ValueError naming the range of what does not fit."""
     for name, value in told:
         values = values.changed(name, value)
     return values

@@ -268,4 +268,5 @@ def _shows(drawn: Snapshot, done: Snapshot) -> bool:
             snapshot.hyperparameters,
         )
 
-    return stand(drawn) == stand(done) and (drawn.exact is not None or bool(drawn.exact_refused))
+    is_new = drawn.handled >= done.handled
+    return is_new and stand(drawn) == stand(done) and (drawn.exact is not None or bool(drawn.exact_refused))

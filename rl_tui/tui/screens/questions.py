@@ -12,10 +12,13 @@ from rl_tui.tui.written import written
 _EXAMPLES = {"initial_q": "0 or 2.5"}
 
 
-def ask_number(name: str, value: float | str, glyphs: Glyphs) -> Prompt:
-    """Return the prompt for the hyper-parameter ``name``, whose ``value`` is in force."""
+def ask_number(name: str, value: float | str, glyphs: Glyphs, *, another_run: bool = False) -> Prompt:
+    """Return the prompt for the hyper-parameter ``name``, whose ``value`` is in force.
+
+    ``another_run`` tells that the value is for one beside this one.
+    """
     parameter = PARAMETERS[name]
-    starts = "; the run starts again" if name == "initial_q" else ""
+    starts = "; the run starts again" if name == "initial_q" and not another_run else ""
     word = "; 1/n is the sample average" if SAMPLE_AVERAGE in parameter.words else ""
 
     def read(text: str) -> float | str:

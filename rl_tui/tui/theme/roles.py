@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from rich.color import ColorType
 from rich.style import Style
 
 
@@ -17,7 +18,7 @@ class Palette:
     have a ground and a readable foreground where the depth has colours for it. ``unvisited`` is for estimates
     that were never updated, which must not look like a zero. ``agent`` and ``updated`` bring their own
     ground, so that they may be laid over any cell; the other roles are foregrounds for the ground of the
-    panel.
+    panel. ``lane_1`` to ``lane_4`` are those of the lines of runs side by side.
     """
 
     name: str
@@ -40,12 +41,29 @@ class Palette:
     greedy_line: Style
     episodes: Style
     band: Style
+    lane_1: Style
+    lane_2: Style
+    lane_3: Style
+    lane_4: Style
     good: Style
     bad: Style
     slider_done: Style
     slider_rest: Style
     slider_thumb: Style
     focus: Style
+
+    @property
+    def lanes(self) -> tuple[Style, ...]:
+        """The styles of runs side by side, in their order."""
+        return self.lane_1, self.lane_2, self.lane_3, self.lane_4
+
+    @property
+    def tells_lanes_apart(self) -> bool:
+        """Whether any eye tells the lanes by their colours; those of the terminal itself may be any."""
+        return all(
+            style.color is not None and style.color.type in (ColorType.EIGHT_BIT, ColorType.TRUECOLOR)
+            for style in self.lanes
+        )
 
     def value(self, fraction: float) -> Style:
         """Return the style at ``fraction`` (0 to 1, clamped; NaN as 0) of the way from low to high."""

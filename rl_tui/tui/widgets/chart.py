@@ -14,8 +14,10 @@ from textual.strip import Strip
 from rl_tui.tui.canvas import Canvas, shortened
 from rl_tui.tui.theme.look import Look
 from rl_tui.tui.widgets import braille
-from rl_tui.tui.widgets.braille import Steps
+from rl_tui.tui.widgets.chart_lanes import lane_cells
+from rl_tui.tui.widgets.chart_plot import Plot
 from rl_tui.tui.widgets.curve_data import CurveData
+from rl_tui.tui.widgets.curve_lanes import lane_columns, lane_labels
 from rl_tui.tui.widgets.curve_text import Label, barren_words, empty_words, label_columns, labels
 from rl_tui.tui.widgets.pieces import wrapped
 from rl_tui.tui.widgets.scale import Scale, round_range, tick_label, tick_step
@@ -24,42 +26,14 @@ LEAST_WIDTH: Final = 14
 LEAST_HEIGHT: Final = 3
 _TICK_COLUMNS: Final = 11  # a labelled episode number at most every so many columns
 _UNIT_ROOM: Final = 40
-_NOTHING, _LEVEL, _BAND, _EPISODES, _GREEDY = range(5)  # what a cell shows; the more important is greater
+# What a cell shows, the more important the greater; after the greedy line come the lanes
+_NOTHING, _LEVEL, _BAND, _EPISODES, _GREEDY = range(5)
 
 
-class _Plot(NamedTuple):
-    """Where the curves are: from column ``left``, ``columns`` × ``rows`` cells, episodes 0 .. ``right``."""
-
-    left: int
-    columns: int
-    rows: int
-    right: float
-    scale: Scale
-
-    @property
-    def top(self) -> float:
-        """The value of the uppermost dot.
-
-        The highest label has the lowest dots of its row: a line somewhat below it then has a row of its own.
-        """
-        above = braille.DOTS_DOWN - 1
-        per_dot = (self.scale.high - self.scale.low) / (self.rows * braille.DOTS_DOWN - 1 - above)
-        return self.scale.high + above * per_dot
-
-    def column(self, episode: float) -> int:
-        """Return the column, from 0, of an episode."""
-        return int(episode / self.right * self.columns)
-
-    def row(self, value: float) -> int:
-        """Return the row of ``value``, placed as dots are, so that labels stand beside their lines."""
-        last = self.rows * braille.DOTS_DOWN - 1
-        dot = round((self.top - value) / (self.top - self.scale.low) * last)
-        return min(max(dot, 0), last) // braille.DOTS_DOWN
-
-    def span(self, line: Steps, columns: int, rows: int) -> braille.Span:
-        """Return the dots of ``line`` where there are columns × rows of them."""
-        low, high = braille.decimated(line, self.right, columns)
-        return braille.span(low, high, self.scale.low, self.top, rows)
+def plot_columns(scale: Scale, look: Look, width: int) -> int:
+    """Return how many of ``width`` columns are right of the vertical axis and its labels."""
+    ticks = (tick_label(each, scale.step, look.glyphs) for each in scale.ticks)
+    return width - 1 - max(3, *(len(tick) for tick in ticks))
 
 
 def draw_chart(
@@ -67,19 +41,19 @@ def draw_chart(
 ) -> list[Strip]:
     """Return ``height`` strips of ``width`` cells, with numbers of so many decimals beside the lines."""
     canvas = Canvas(width, height, look.palette.text)
+    columns_of, labels_of = (lane_columns, lane_labels) if data.lanes else (label_columns, labels)
     if width < LEAST_WIDTH or height < LEAST_HEIGHT:
-        return _figures_only(canvas, labels(data, look, decimals, width), look)
+        return _figures_only(canvas, labels_of(data, look, decimals, width), look)
     ticks = [tick_label(each, scale.step, look.glyphs) for each in scale.ticks]
-    left = max(3, *(len(tick) for tick in ticks)) + 1
-    columns = width - left
-    reserved = min(label_columns(data, look, columns), columns - 2)
-    right = round_range(data.finished, (columns - reserved) / columns, data.limit)
-    plot = _Plot(left, columns, height - 1, right, scale)
+    columns = plot_columns(scale, look, width)
+    reserved = min(columns_of(data, look, columns), columns - 2)
+    right = round_range(data.furthest, (columns - reserved) / columns, data.limit)
+    plot = Plot(width - columns, columns, height - 1, right, scale)
     _draw_value_axis(canvas, plot, ticks, look)
     _draw_episode_axis(canvas, plot, data, look)
-    if data.finished:
+    if data.furthest:
         _draw_lines(canvas, plot, data, look)
-    _draw_names(canvas, plot, data, labels(data, look, decimals, columns), look)
+    _draw_names(canvas, plot, data, labels_of(data, look, decimals, columns), look)
     return canvas.strips()
 
 
@@ -89,7 +63,7 @@ def _figures_only(canvas: Canvas, names: Sequence[Label], look: Look) -> list[St
     return canvas.strips()
 
 
-def _draw_value_axis(canvas: Canvas, plot: _Plot, ticks: Sequence[str], look: Look) -> None:
+def _draw_value_axis(canvas: Canvas, plot: Plot, ticks: Sequence[str], look: Look) -> None:
     glyphs, style = look.glyphs, look.palette.dim
     axis = plot.left - 1
     for row in range(plot.rows):
@@ -100,11 +74,14 @@ def _draw_value_axis(canvas: Canvas, plot: _Plot, ticks: Sequence[str], look: Lo
         canvas.put(axis, row, glyphs.axis_tick, style)
 
 
-def _draw_episode_axis(canvas: Canvas, plot: _Plot, data: CurveData, look: Look) -> None:
+def _draw_episode_axis(canvas: Canvas, plot: Plot, data: CurveData, look: Look) -> None:
     """Draw the axis with its labels, none beyond the last episode there can be."""
     glyphs, style = look.glyphs, look.palette.dim
     canvas.put(plot.left - 1, plot.rows, glyphs.axis_corner + glyphs.axis_horizontal * plot.columns, style)
-    name = " ep" if data.unit == "episode" and plot.columns < _UNIT_ROOM else f" {data.unit}"
+    if data.has_both_units:
+        name = " ep, sweep"
+    else:
+        name = " ep" if data.unit == "episode" and plot.columns < _UNIT_ROOM else f" {data.unit}"
     canvas.put(plot.left + plot.columns - len(name), plot.rows, name, style)
     last = plot.right if data.limit is None else min(plot.right, data.limit)
     step = tick_step(last, plot.column(last) // _TICK_COLUMNS)
@@ -117,8 +94,11 @@ def _draw_episode_axis(canvas: Canvas, plot: _Plot, data: CurveData, look: Look)
             free = start + len(text) + 2
 
 
-def _draw_lines(canvas: Canvas, plot: _Plot, data: CurveData, look: Look) -> None:
+def _draw_lines(canvas: Canvas, plot: Plot, data: CurveData, look: Look) -> None:
     """Put every line into the plot; where they share a cell the more important shows."""
+    if data.lanes:
+        _draw_lanes(canvas, plot, data, look)
+        return
     codes = _braille(plot, data) if look.glyphs.braille else _ascii(plot, data)
     shown, kind = np.zeros_like(codes.greedy), np.full(codes.greedy.shape, _NOTHING)
     blank = braille.BLANK if look.glyphs.braille else 0
@@ -130,12 +110,34 @@ def _draw_lines(canvas: Canvas, plot: _Plot, data: CurveData, look: Look) -> Non
     everywhere = np.ones(kind.shape, dtype=bool)
     lay(codes.band, _BAND, everywhere)
     if data.optimum is not None:
-        every = 1 if look.glyphs.braille else 2
-        level = plot.row(data.optimum), slice(0, plot.column(data.finished) + 1, every)
+        level = _level_cells(plot, data, data.optimum, look)
         shown[level], kind[level] = ord(look.glyphs.level), _LEVEL
     lay(codes.episodes, _EPISODES, everywhere)
     lay(codes.greedy, _GREEDY, ~codes.yielded)
-    _put_cells(canvas, plot, kind, shown, look)
+    palette = look.palette
+    styles = (palette.text, palette.optimum, palette.band, palette.episodes, palette.greedy_line)
+    _put_cells(canvas, plot, kind, shown, styles)
+
+
+def _draw_lanes(canvas: Canvas, plot: Plot, data: CurveData, look: Look) -> None:
+    """Put the lines of runs side by side into the plot, over the level of the optimum and the band."""
+    cells, palette = lane_cells(plot, data, look), look.palette
+    shown, kind = cells.band.copy(), np.where(cells.band > 0, _BAND, _NOTHING)
+    if data.optimum is not None:
+        level = _level_cells(plot, data, data.optimum, look)
+        shown[level], kind[level] = ord(look.glyphs.level), _LEVEL
+    there = cells.line >= 0
+    shown[there], kind[there] = cells.codes[there], _GREEDY + cells.line[there]
+    lane = next(lane.number for lane in data.lanes if lane.shown)
+    band = palette.lanes[lane - 1] + Style(dim=True)
+    styles = (palette.text, palette.optimum, band, palette.episodes, palette.greedy_line, *palette.lanes)
+    _put_cells(canvas, plot, kind, shown, styles)
+
+
+def _level_cells(plot: Plot, data: CurveData, value: float, look: Look) -> tuple[int, slice]:
+    """Return the cells of a level line: its row, and its columns as far as there are episodes."""
+    every = 1 if look.glyphs.braille else 2
+    return plot.row(value), slice(0, plot.column(data.furthest) + 1, every)
 
 
 class _Codes(NamedTuple):
@@ -147,7 +149,7 @@ class _Codes(NamedTuple):
     yielded: npt.NDArray[np.bool_]
 
 
-def _braille(plot: _Plot, data: CurveData) -> _Codes:
+def _braille(plot: Plot, data: CurveData) -> _Codes:
     columns, rows = plot.columns * braille.DOTS_ACROSS, plot.rows * braille.DOTS_DOWN
     band = braille.stipple(braille.dots_of(plot.span(data.band, columns, rows), rows))
     episodes, greedy = (
@@ -158,7 +160,7 @@ def _braille(plot: _Plot, data: CurveData) -> _Codes:
     return _Codes(braille.braille_codes(band), episodes, greedy, yielded)
 
 
-def _ascii(plot: _Plot, data: CurveData) -> _Codes:
+def _ascii(plot: Plot, data: CurveData) -> _Codes:
     """Return ``'`` ``.`` ``:`` for the upper and lower half of the cells of a line, ``*`` for the greedy one.
 
     The band is left out: without colour it could not be told from a line.
@@ -190,44 +192,41 @@ def taking_turns(first: npt.NDArray[np.int64], second: npt.NDArray[np.int64]) ->
 
 
 def _put_cells(
-    canvas: Canvas, plot: _Plot, kind: npt.NDArray[np.int64], codes: npt.NDArray[np.int64], look: Look
+    canvas: Canvas,
+    plot: Plot,
+    kind: npt.NDArray[np.int64],
+    codes: npt.NDArray[np.int64],
+    styles: Sequence[Style],
 ) -> None:
-    palette = look.palette
-    styles: dict[int, Style] = {
-        _LEVEL: palette.optimum,
-        _BAND: palette.band,
-        _EPISODES: palette.episodes,
-        _GREEDY: palette.greedy_line,
-    }
+    """Write every cell that has something, in the one of ``styles`` that belongs to its kind."""
     for row in range(plot.rows):
         kinds = kind[row]
         ends = np.append(np.flatnonzero(np.diff(kinds)) + 1, plot.columns)
         start = 0
         for end in ends.tolist():
-            style = styles.get(int(kinds[start]))
-            if style is not None:
+            if kinds[start] != _NOTHING:
                 text = "".join(map(chr, codes[row, start:end].tolist()))
-                canvas.put(plot.left + start, row, text, style)
+                canvas.put(plot.left + start, row, text, styles[int(kinds[start])])
             start = end
 
 
-def _draw_names(canvas: Canvas, plot: _Plot, data: CurveData, names: Sequence[Label], look: Look) -> None:
+def _draw_names(canvas: Canvas, plot: Plot, data: CurveData, names: Sequence[Label], look: Look) -> None:
     """Write the names of the lines beside their ends, and what is to be said where there is no line."""
-    if not data.finished:
+    if not data.furthest:
         _put_message(canvas, plot, empty_words(data.unit), look, set())
         return
     placed = sorted(enumerate(names[: plot.rows]), key=lambda each: (-each[1].value, -each[0]))
     names = [label for _, label in placed]  # of equals the optimum, which comes last, is above
     rows = apart([plot.row(label.value) for label in names], plot.rows)
-    x = plot.left + plot.column(data.finished) + 2
+    x = plot.left + plot.column(data.furthest) + 2
     for label, row in zip(names, rows, strict=True):
         if x + cell_len(label.text) <= canvas.width:
             canvas.put(x, row, label.text, label.style)
-    if data.barren:
+    if data.barren and not data.lanes:
         _put_message(canvas, plot, barren_words(data), look, {*rows, plot.rows - 1})
 
 
-def _put_message(canvas: Canvas, plot: _Plot, words: Sequence[str], look: Look, taken: set[int]) -> None:
+def _put_message(canvas: Canvas, plot: Plot, words: Sequence[str], look: Look, taken: set[int]) -> None:
     """Write ``words`` into rows that are not ``taken``: on one line if they fit, else on a line each."""
     room = plot.columns - 2
     whole = " ".join(words)

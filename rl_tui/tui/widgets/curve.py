@@ -9,14 +9,16 @@ from textual.strip import Strip
 from rl_tui.lab.snapshot import Snapshot
 from rl_tui.tui.speeds import passes_too_fast
 from rl_tui.tui.theme.look import Look
-from rl_tui.tui.widgets.chart import draw_chart
-from rl_tui.tui.widgets.curve_data import curve_data
+from rl_tui.tui.widgets.chart import draw_chart, plot_columns
+from rl_tui.tui.widgets.curve_data import CurveData, curve_data
+from rl_tui.tui.widgets.curve_lanes import lane_remark, lane_titles
 from rl_tui.tui.widgets.curve_text import decimals_for, remark, titles
 from rl_tui.tui.widgets.panel import Panel
 from rl_tui.tui.widgets.pieces import Piece, strips_of
 from rl_tui.tui.widgets.scale import Scale, settled
 
 WAITING: Final = "the world is being built"
+Words = tuple[str, ...]
 _ROOM_FOR_REMARK: Final = 10  # rows; with fewer the remark goes into the border
 
 
@@ -28,8 +30,9 @@ class ReturnCurve(Panel):
         self._scale: Scale | None = None
 
     def show(self, snapshot: Snapshot) -> None:
-        """Draw ``snapshot``; one that stands earlier than the last one belongs to a new run."""
-        if self.snapshot is not None and snapshot.step < self.snapshot.step:
+        """Draw ``snapshot``; one that stands earlier than the last one, yet not in its past, is a new run."""
+        is_earlier = self.snapshot is not None and snapshot.step < self.snapshot.step
+        if is_earlier and not snapshot.timeline.in_past:
             self._scale = None
         super().show(snapshot)
 
@@ -41,16 +44,27 @@ class ReturnCurve(Panel):
         data = curve_data(snapshot, revealed=self.tells_all)
         self._scale = settled(self._scale, *data.range)
         decimals = decimals_for(self._scale.low, self._scale.high)
-        # Figures in the border would redraw the whole panel at every frame
-        fast, in_border = passes_too_fast(snapshot), height < _ROOM_FOR_REMARK
-        self.heading = self.fitting(
-            titles(None if fast and not data.is_bandit else data, self.look.glyphs, decimals, width), width
-        )
-        words = remark(snapshot, data, self.look.glyphs, decimals, with_figures=not (fast and in_border))
-        said = self.fitting(words, width)
+        in_border = height < _ROOM_FOR_REMARK
+        heads, words = self._words(snapshot, data, self._scale, width, in_border)
+        self.heading, said = self.fitting(heads, width), self.fitting(words, width)
         self.footing = said if in_border else ""
         if not said or in_border:
             return draw_chart(data, self._scale, self.look, decimals, width, height)
         line = [Piece(f"    {said}", self.look.palette.dim)]
         chart = draw_chart(data, self._scale, self.look, decimals, width, height - 1)
         return [*chart, *strips_of([line], width, 1, self.look)]
+
+    def _words(
+        self, snapshot: Snapshot, data: CurveData, scale: Scale, width: int, in_border: bool
+    ) -> tuple[Words, Words]:
+        """Return the titles and the remarks, the longest form of each first."""
+        look, decimals = self.look, decimals_for(scale.low, scale.high)
+        # Figures in the border would redraw the whole panel at every frame
+        fast = passes_too_fast(snapshot)
+        heads = titles(None if fast and not data.is_bandit else data, look.glyphs, decimals, width)
+        words = remark(snapshot, data, look.glyphs, decimals, with_figures=not (fast and in_border))
+        if not data.lanes:
+            return heads, words
+        if not data.hidden:
+            words = lane_remark(data, look, plot_columns(scale, look, width))
+        return lane_titles(data, heads, look.glyphs), words

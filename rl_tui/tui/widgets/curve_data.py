@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 
 from rl_tui.agents.catalogue import BY_ID
-from rl_tui.lab.snapshot import Snapshot
+from rl_tui.lab.snapshot import LaneView, Snapshot
 from rl_tui.tui.widgets.braille import Steps
 from rl_tui.tui.widgets.reward_range import reward_range
 from rl_tui.worlds.drawing import Arms
@@ -16,6 +16,25 @@ from rl_tui.worlds.space import FloatArray
 
 _SMOOTHED_SHARE: Final = 24  # a mean is taken over one in so many of the bins
 _MANY_WITHOUT_REWARD: Final = 10
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LaneLine:
+    """One of several runs side by side.
+
+    ``number`` counts from 1. ``line`` is the smoothed mean of its returns; of a planner, which has none, what
+    its greedy policy is worth (then ``is_exact``). ``value`` is where that line ends: the mean of the last
+    100 episodes, None before the first. ``greedy_now`` is None where unknown, hidden, or the line itself.
+    """
+
+    number: int
+    name: str
+    shown: bool
+    finished: int
+    line: Steps
+    is_exact: bool
+    value: float | None
+    greedy_now: float | None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -30,6 +49,8 @@ class CurveData:
     (true as well where there is no choice, false where ``greedy_now`` is unknown).
     ``unit`` is what the horizontal axis counts: pulls, a planner's sweeps, or episodes. The optimum is the
     undiscounted return of the policy that is best for the γ in force.
+
+    All this is of the run shown; ``lanes`` are the runs side by side, itself among them, none if it is alone.
     """
 
     finished: int
@@ -45,6 +66,17 @@ class CurveData:
     hidden: bool
     barren: bool
     is_decided: bool
+    lanes: tuple[LaneLine, ...] = ()
+
+    @property
+    def has_both_units(self) -> bool:
+        """Whether planners run beside agents, so that the horizontal axis counts sweeps and episodes."""
+        return len({lane.is_exact for lane in self.lanes}) > 1
+
+    @property
+    def furthest(self) -> int:
+        """The last episode that any run has finished."""
+        return max(self.finished, *(lane.finished for lane in self.lanes)) if self.lanes else self.finished
 
     @property
     def range(self) -> tuple[float, float]:
@@ -54,8 +86,10 @@ class CurveData:
         time limit would leave no room for others.
         """
         known = [each for each in (self.optimum, self.greedy_now, self.mean_now) if each is not None]
-        every = _numbers(self.episodes.low, self.episodes.high, np.array(known))
-        greedy = _numbers(self.greedy.low)
+        known += [lane.value for lane in self.lanes if lane.value is not None]
+        means = [lane.line.low for lane in self.lanes if not lane.is_exact]
+        every = _numbers(self.episodes.low, self.episodes.high, *means, np.array(known))
+        greedy = _numbers(self.greedy.low, *(lane.line.low for lane in self.lanes if lane.is_exact))
         if every.any():
             room = max(float(every.max() - every.min()) / 2.0, abs(float(every.max())))
             greedy = greedy[greedy >= every.min() - room]
@@ -73,16 +107,13 @@ def curve_data(snapshot: Snapshot, *, revealed: bool) -> CurveData:
     is_bandit = isinstance(snapshot.world.drawing, Arms)
     plans = BY_ID[snapshot.algorithm].planner
     hidden = is_bandit and not revealed
-    curve = snapshot.curve
-    end = curve.episode.astype(np.float64)
-    start = np.concatenate(([0.0], end[:-1])) if len(end) else end
-    mean = smoothed(curve.return_mean)
+    episodes, curve = _episodes(snapshot), snapshot.curve
     nothing = Steps(np.empty(0), np.empty(0), np.empty(0), np.empty(0))
     return CurveData(
         finished=snapshot.episodes,
         limit=None if plans else snapshot.world.budget,
-        episodes=Steps(start, end, mean, mean),
-        band=Steps(start, end, curve.return_low, curve.return_high),
+        episodes=episodes,
+        band=Steps(episodes.start, episodes.end, curve.return_low, curve.return_high),
         greedy=nothing if hidden else _greedy(snapshot),
         greedy_now=None if hidden else snapshot.greedy_return,
         mean_now=snapshot.return_last_100,
@@ -92,7 +123,33 @@ def curve_data(snapshot: Snapshot, *, revealed: bool) -> CurveData:
         hidden=hidden,
         barren=_barren(snapshot),
         is_decided=_is_decided(snapshot),
+        lanes=tuple(
+            _lane(number, lane, shown=number - 1 == snapshot.lane, hidden=hidden)
+            for number, lane in enumerate(snapshot.lanes, 1)
+        ),
     )
+
+
+def _lane(number: int, lane: LaneView, *, shown: bool, hidden: bool) -> LaneLine:
+    is_exact = BY_ID[lane.algorithm].planner and not len(lane.curve.episode)
+    greedy_now = None if hidden else lane.greedy_return
+    return LaneLine(
+        number=number,
+        name=lane.name,
+        shown=shown,
+        finished=lane.episodes,
+        line=_greedy(lane) if is_exact and not hidden else _episodes(lane),
+        is_exact=is_exact,
+        value=greedy_now if is_exact else lane.return_last_100,
+        greedy_now=None if is_exact else greedy_now,
+    )
+
+
+def _episodes(run: Snapshot | LaneView) -> Steps:
+    end = run.curve.episode.astype(np.float64)
+    start = np.concatenate(([0.0], end[:-1])) if len(end) else end
+    mean = smoothed(run.curve.return_mean)
+    return Steps(start, end, mean, mean)
 
 
 def smoothed(values: FloatArray) -> FloatArray:
@@ -106,11 +163,11 @@ def smoothed(values: FloatArray) -> FloatArray:
     return np.asarray((sums[behind] - sums[first]) / (behind - first))
 
 
-def _greedy(snapshot: Snapshot) -> Steps:
+def _greedy(run: Snapshot | LaneView) -> Steps:
     """Return the marks, each held until the next, and the value of this very moment at the end."""
-    marks = snapshot.marks
-    now = np.nan if snapshot.greedy_return is None else snapshot.greedy_return
-    episode = np.concatenate((marks.episode.astype(np.float64), [float(snapshot.episodes)]))
+    marks = run.marks
+    now = np.nan if run.greedy_return is None else run.greedy_return
+    episode = np.concatenate((marks.episode.astype(np.float64), [float(run.episodes)]))
     value = np.concatenate((marks.expected_return, [now]))
     end = np.concatenate((episode[1:], episode[-1:]))
     return Steps(episode, end, value, value)

@@ -20,7 +20,7 @@ from rl_tui.tui.written import written
 ROOM_FOR_LONG: Final = 50
 ROOM_FOR_NUMBERS: Final = 30
 ROOM_FOR_NAMES: Final = 20
-_NUMBER: Final = 6  # cells of the widest number beside a name
+NUMBER: Final = 6  # cells of the widest number beside a name
 _RECENT: Final = 100  # episodes in the mean that a snapshot tells
 _TIES: Final = "greedy: ties"
 
@@ -45,18 +45,23 @@ def amount(x: float, decimals: int, glyphs: Glyphs) -> str:
     if abs(x) < numbers.NEGLIGIBLE:
         return "0"
     text = numbers.fixed(x, decimals, glyphs, leading_zero=False)
-    return text if len(text) <= _NUMBER else numbers.value(x, _NUMBER, glyphs)
+    return text if len(text) <= NUMBER else numbers.value(x, NUMBER, glyphs)
 
 
-def labels(data: CurveData, look: Look, decimals: int, room: int) -> list[Label]:
-    """Return the names for a plot of ``room`` columns, the most important first; none if it is small."""
+def labels(
+    data: CurveData, look: Look, decimals: int, room: int, *, greedy: bool = True, mean: bool = True
+) -> list[Label]:
+    """Return the names for a plot of ``room`` columns, the most important first; none if it is small.
+
+    ``greedy`` and ``mean`` tell whether those two lines are named.
+    """
     palette = look.palette
     names = _names(data, room)
     if names is None:
         return []
     lines = (
-        (names[0], data.greedy_now, palette.greedy_line),
-        (names[1], data.mean_now, palette.episodes),
+        (names[0], data.greedy_now if greedy else None, palette.greedy_line),
+        (names[1], data.mean_now if mean else None, palette.episodes),
         (names[2], data.optimum, palette.optimum),
     )
     return [
@@ -66,15 +71,17 @@ def labels(data: CurveData, look: Look, decimals: int, room: int) -> list[Label]
     ]
 
 
-def label_columns(data: CurveData, look: Look, room: int) -> int:
+def label_columns(data: CurveData, look: Look, room: int, *, mean: bool = True) -> int:
     """Return how many columns the names take at most, their distance from the line included.
 
-    It does not change on the way, lest the whole plot be squeezed by a longer name.
+    It does not change on the way, lest the whole plot be squeezed by a longer name. ``mean`` tells whether
+    the mean is named.
     """
     if room < ROOM_FOR_NAMES:
         return 0
-    number = _NUMBER if room >= ROOM_FOR_NUMBERS else 0
-    names = _usual_names(data.is_bandit, room, f"last {_RECENT}:")
+    number = NUMBER if room >= ROOM_FOR_NUMBERS else 0
+    greedy, recent, best = _usual_names(data.is_bandit, room, f"last {_RECENT}:")
+    names = (greedy, recent, best) if mean else (greedy, best)
     return 2 + max(len(written(name, look.glyphs)) for name in names) + number
 
 

@@ -1,4 +1,4 @@
-"""The Q-table as a heat map, with its layers: Q, exact Q*, error Q − Q*, visits."""
+"""The Q-table as a heat map, with its layers: Q, exact Q*, error Q − Q*, visits, another run's."""
 
 from __future__ import annotations
 
@@ -17,7 +17,15 @@ from rl_tui.tui.theme.look import Look
 from rl_tui.tui.widgets.panel import Panel
 from rl_tui.tui.widgets.pieces import Piece, strips_of, wrapped
 from rl_tui.tui.widgets.q_table_form import Form, Scene
-from rl_tui.tui.widgets.q_table_layers import EXACT_LAYERS, Figures, Layer, exact_q, is_secret, lit_pair
+from rl_tui.tui.widgets.q_table_layers import (
+    EXACT_LAYERS,
+    Figures,
+    Layer,
+    exact_q,
+    is_secret,
+    lit_pair,
+    other_lane,
+)
 from rl_tui.tui.widgets.q_table_list import ListForm, list_form
 from rl_tui.tui.widgets.q_table_matrix import matrix_form
 from rl_tui.tui.widgets.q_table_sheet import Sheet, strip_cache
@@ -32,6 +40,7 @@ _TITLES: Final = {
     Layer.Q: "Q",
     Layer.OPTIMAL: "Q*, exact",
     Layer.ERROR: "Q − Q*",
+    Layer.LANES: "Q − Q₂",
     Layer.VISITS: "Visits",
 }
 
@@ -98,10 +107,17 @@ class QTable(Panel, can_focus=True):
 
     @property
     def layer_choices(self) -> tuple[Layer, ...]:
-        """The layers there are: of a bandit only those that give nothing away, until it is revealed."""
-        if self.snapshot is not None and is_secret(self.snapshot, self.revealed):
-            return tuple(layer for layer in Layer if layer not in EXACT_LAYERS)
-        return tuple(Layer)
+        """The layers there are: of a bandit only those that give nothing away, until it is revealed.
+
+        The difference from another run is there while runs are side by side.
+        """
+        snapshot = self.snapshot
+        missing: tuple[Layer, ...] = ()
+        if snapshot is None or other_lane(snapshot) is None:
+            missing = (Layer.LANES,)
+        if snapshot is not None and is_secret(snapshot, self.revealed):
+            missing = (*missing, *EXACT_LAYERS)
+        return tuple(layer for layer in Layer if layer not in missing)
 
     def next_layer(self) -> None:
         """Go to the next layer, from the last to the first."""
@@ -163,7 +179,7 @@ class QTable(Panel, can_focus=True):
         self._sheet = sheet = Sheet(form, scene, width, height)
         sheet.scroll(self._first, _followed(snapshot) if self._following else None)
         self._first = sheet.first
-        self.heading = f"{_TITLES[self.shown_layer]} · {_size_in_words(scene, form)}"
+        self.heading = self._heading(snapshot, _size_in_words(scene, form), width)
         self.footing = self._footing(width, sheet.is_scrolled)
         return sheet.strips(self._cache)
 
@@ -280,6 +296,15 @@ class QTable(Panel, can_focus=True):
             text, max(1, width - 2), palette.text if snapshot.exact_refused else palette.dim, self.look
         )
         return strips_of([[Piece(" ", palette.text), *line] for line in lines], width, height, self.look)
+
+    def _heading(self, snapshot: Snapshot, size: str, width: int) -> str:
+        other = other_lane(snapshot) if self.shown_layer is Layer.LANES else None
+        if other is None:
+            return f"{_TITLES[self.shown_layer]} · {size}"
+        title, own = f"Q − Q of {other.name}", snapshot.lanes[snapshot.lane].name
+        number = 1 + next(place for place, lane in enumerate(snapshot.lanes) if lane is other)
+        forms = (f"Q of {own} − Q of {other.name} · {size}", f"{title} · {size}", title)
+        return self.fitting((*forms, f"Q − Q of lane {number}"), width)
 
     def _footing(self, width: int, is_scrolled: bool) -> str:
         glyphs = self.look.glyphs

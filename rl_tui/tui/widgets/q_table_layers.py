@@ -11,7 +11,7 @@ import numpy.typing as npt
 from rich.style import Style
 
 from rl_tui.lab.bandit import best_arms, true_means
-from rl_tui.lab.snapshot import Snapshot
+from rl_tui.lab.snapshot import LaneView, Snapshot
 from rl_tui.tui import numbers
 from rl_tui.tui.speeds import passes_too_fast
 from rl_tui.tui.theme.glyphs import Glyphs
@@ -28,6 +28,7 @@ class Layer(StrEnum):
     Q = "Q"
     OPTIMAL = "Q*"
     ERROR = "Q−Q*"
+    LANES = "Q−Q₂"
     VISITS = "visits"
 
 
@@ -52,6 +53,13 @@ def exact_q(snapshot: Snapshot, revealed: bool) -> tuple[FloatArray, BoolArray] 
         if mdp.drift_std == 0.0 or snapshot.step == 0:
             return true_means(mdp), best_arms(mdp)
     return None if snapshot.exact is None else (snapshot.exact.q, snapshot.exact.greedy)
+
+
+def other_lane(snapshot: Snapshot) -> LaneView | None:
+    """Return the first of the other runs side by side, None where there is none or its table is too large."""
+    others = (lane for number, lane in enumerate(snapshot.lanes) if number != snapshot.lane)
+    other = next(others, None)
+    return other if other is not None and len(other.q) else None
 
 
 def lit_pair(snapshot: Snapshot) -> int | None:
@@ -155,6 +163,8 @@ class Figures:
         return tuple(pairs.start + place for place in np.flatnonzero(marked).tolist())
 
     def _is_new(self, pair: int) -> bool:
+        if self.layer is Layer.LANES and self._values[pair]:  # the other lane has been there
+            return False
         return self.layer is not Layer.OPTIMAL and not self._visits[pair]
 
     def _tint(self, x: float) -> Style:
@@ -163,7 +173,7 @@ class Figures:
             return palette.value(math.log1p(x) / math.log1p(self.high))
         if not math.isfinite(x):
             return palette.bad
-        if self.layer is Layer.ERROR:
+        if self.layer in (Layer.ERROR, Layer.LANES):
             largest = max(abs(self.low), abs(self.high))
             return palette.signed_value(x / largest if largest > numbers.NEGLIGIBLE else 0.0)
         low, high = min(self.low, 0.0), max(self.high, 0.0)
@@ -199,6 +209,9 @@ def _values(
         return snapshot.visits
     if layer is Layer.Q:
         return snapshot.q
+    if layer is Layer.LANES:
+        other = other_lane(snapshot)
+        return np.zeros(len(snapshot.q)) if other is None else np.asarray(snapshot.q - other.q)
     if exact is None:
         raise ValueError(f"the layer {layer} needs the exact answer")
     return exact[0] if layer is Layer.OPTIMAL else np.asarray(snapshot.q - exact[0])

@@ -119,7 +119,7 @@ def greedy_line(scene: Scene) -> str:
 
 def _pair_columns(scene: Scene, width: int) -> list[Column]:
     world, look = scene.world, scene.look
-    exact = [layer for layer in EXACT_LAYERS if layer in scene.figures]
+    exact = _compared(scene)
     around = 1 + _STATE_GAP + 1 + COUNT
     natural = world.state_width + world.action_width
     shows_all = width >= around + natural + BOX * (1 + len(exact))
@@ -155,9 +155,10 @@ def _pair_columns(scene: Scene, width: int) -> list[Column]:
 def _arm_columns(scene: Scene, width: int) -> list[Column]:
     world, look = scene.world, scene.look
     label = max(len("arm"), world.action_width)
-    exact = [layer for layer in EXACT_LAYERS if layer in scene.figures]
+    exact = _compared(scene)
     if width < label + 2 + 3 * BOX + COUNT + LEAST_BAR:
-        exact = [layer for layer in exact if (layer is Layer.ERROR) is (scene.layer is Layer.ERROR)]
+        in_force = scene.layer if scene.layer in (Layer.ERROR, Layer.LANES) else Layer.OPTIMAL
+        exact = [layer for layer in exact if layer is in_force]
 
     def last(pair: int, _: bool) -> Pieces:
         return _mark(look.glyphs.cursor, look.palette.accent, pair == scene.last_pair, look)
@@ -179,6 +180,12 @@ def _arm_columns(scene: Scene, width: int) -> list[Column]:
     ]
     room = width - sum(column.width for column in columns)
     return [*columns, _share_column(scene, room)] if room >= LEAST_BAR else columns
+
+
+def _compared(scene: Scene) -> list[Layer]:
+    """Return what Q is held against: what is exact, and another run while that is the layer in force."""
+    compared = (*EXACT_LAYERS, Layer.LANES) if scene.layer is Layer.LANES else EXACT_LAYERS
+    return [layer for layer in compared if layer in scene.figures]
 
 
 def _only_value(layer: Layer) -> Layer:

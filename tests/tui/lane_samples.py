@@ -1,0 +1,87 @@
+"""Snapshots of runs side by side, made by hand."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+from typing import Any
+
+import numpy as np
+from samples import curve, lake, marks
+
+from rl_tui.agents.hyperparameters import Hyperparameters
+from rl_tui.lab.snapshot import Curve, LaneView, Snapshot
+
+# name, algorithm, changed settings, highest mean return, greedy return, episodes
+LANES: tuple[tuple[str, str, dict[str, Any], float, float, int], ...] = (
+    ("α 0.1", "q-learning", {}, 0.5, 0.73, 12_500),
+    ("α 0.5", "q-learning", {"alpha": 0.5}, 0.32, 0.6, 14_000),
+    ("SARSA", "sarsa", {}, 0.44, 0.7, 11_000),
+    ("softmax, τ 0.3", "q-learning", {"policy": "softmax", "temperature": 0.3}, 0.62, 0.74, 9_000),
+)
+
+
+def lane_views(count: int) -> tuple[LaneView, ...]:
+    """So many runs of the slippery lake, which end apart from one another."""
+    q, base = _lake().q, _lake().hyperparameters
+    return tuple(
+        LaneView(
+            name=name,
+            algorithm=algorithm,
+            hyperparameters=_changed(base, changes),
+            step=150_000,
+            episodes=episodes,
+            q=q * (1.0 - 0.1 * number),
+            curve=curve(40, 0.0, high, episodes // 40),
+            marks=marks(30, 0.0, greedy, episodes),
+            return_last_100=high,
+            greedy_return=greedy,
+        )
+        for number, (name, algorithm, changes, high, greedy, episodes) in enumerate(LANES[:count])
+    )
+
+
+def side_by_side(count: int, shown: int = 0, **changes: Any) -> Snapshot:
+    """So many runs of the slippery lake; ``shown`` is the number, from 0, of the one on screen."""
+    lanes = lane_views(count)
+    return replace(showing(_lake(), lanes[shown]), lanes=lanes, lane=shown, **changes)
+
+
+def showing(snapshot: Snapshot, lane: LaneView) -> Snapshot:
+    """``snapshot`` with what is known of ``lane``."""
+    return replace(
+        snapshot,
+        algorithm=lane.algorithm,
+        hyperparameters=lane.hyperparameters,
+        step=lane.step,
+        episodes=lane.episodes,
+        q=lane.q,
+        curve=lane.curve,
+        marks=lane.marks,
+        return_last_100=lane.return_last_100,
+        greedy_return=lane.greedy_return,
+    )
+
+
+def without_episodes(lane: LaneView) -> LaneView:
+    """``lane`` as it was before its first episode ended."""
+    nothing, empty = np.array([], dtype=np.int64), np.array([])
+    return replace(
+        lane,
+        step=0,
+        episodes=0,
+        curve=Curve(nothing, empty, empty, empty, empty),
+        marks=marks(0, 0.0, 0.0, 0),
+        return_last_100=None,
+    )
+
+
+@cache
+def _lake() -> Snapshot:
+    return lake()
+
+
+def _changed(values: Hyperparameters, changes: dict[str, Any]) -> Hyperparameters:
+    for name, value in changes.items():
+        values = values.changed(name, value)
+    return values

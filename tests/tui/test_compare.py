@@ -1,0 +1,195 @@
+"""The dialog of runs side by side: what it shows, asks and refuses. What comes of it is another test's."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+from conftest import MakeApp
+from lane_samples import lane_views, showing
+from samples import bandit_world, lake_world
+from test_options import choose, messages
+from test_playground import playground
+from textual.pilot import Pilot
+from textual.widgets import Input, OptionList, Static
+
+from rl_tui.lab.commands import AddLane, ChooseLane, Command, DropLane
+from rl_tui.lab.library import recipe_for
+from rl_tui.lab.recipe import SetParameter, SwitchAlgorithm
+from rl_tui.tui.screens.choice import Choice
+from rl_tui.tui.screens.compare import Compare
+from rl_tui.tui.screens.lane_changes import lane_changes, what_may_differ
+from rl_tui.tui.screens.prompt import Prompt
+from rl_tui.tui.screenshot import settle
+from rl_tui.worlds.catalogue import find
+from rl_tui.worlds.errors import UserError
+
+LAKE, ARMS = lake_world().space, bandit_world().space
+RECIPE = recipe_for(find("frozenlake-slippery"), {"alpha": 0.1, "epsilon": 0.1}, 0)
+
+
+# What may be different
+
+
+def test_what_counts_may_be_different_and_what_does_not_may_not() -> None:
+    names = what_may_differ(RECIPE)
+    assert names[:7] == ("algorithm", "alpha", "gamma", "policy", "epsilon", "ties", "initial_q")
+    assert "epsilon_decay" in names
+    assert "temperature" not in names
+    planner = what_may_differ(replace(RECIPE, algorithm="value-iteration"))
+    assert planner == ("algorithm", "gamma", "accuracy", "initial_q")
+
+
+def test_a_difference_becomes_the_changes_that_make_it() -> None:
+    assert lane_changes(LAKE, RECIPE, "alpha", 0.5) == (SetParameter("alpha", 0.5),)
+    assert lane_changes(LAKE, RECIPE, "algorithm", "sarsa") == (SwitchAlgorithm("sarsa"),)
+    assert lane_changes(LAKE, RECIPE, "ties", "first") == (SetParameter("ties", "first"),)
+
+
+def test_a_step_size_comes_along_where_it_was_the_sample_average() -> None:
+    recipe = recipe_for(find("bandit"), {}, 0)
+    assert recipe.hyperparameters.sample_average
+    gradient = lane_changes(ARMS, recipe, "policy", "gradient")
+    assert gradient[-1] == SetParameter("policy", "gradient")
+    assert SetParameter("alpha", 0.1) in gradient
+    assert lane_changes(ARMS, recipe, "alpha", 0.3)[-1] == SetParameter("alpha", 0.3)
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "reason"),
+    [
+        ("alpha", 0.1, "no difference"),
+        ("algorithm", "q-learning", "no difference"),
+        ("alpha_min", 0.05, "no difference"),  # without a decay it never comes to that
+        ("policy", "gradient", "is for bandits"),
+    ],
+)
+def test_what_is_no_difference_or_cannot_work_is_refused(name: str, value: float | str, reason: str) -> None:
+    with pytest.raises(UserError, match=reason):
+        lane_changes(LAKE, RECIPE, name, value)
+
+
+# The dialog
+
+
+def rows(pilot: Pilot[UserError]) -> list[str]:
+    choices = pilot.app.screen.query_one(OptionList)
+    prompts = (choices.get_option_at_index(place).prompt for place in range(choices.option_count))
+    return [str(prompt) for prompt in prompts]
+
+
+async def beside(pilot: Pilot[UserError], count: int, monkeypatch: pytest.MonkeyPatch) -> list[Command]:
+    """Show so many lanes, the second one on screen; return the list that all commands go to."""
+    screen, sent = playground(pilot), list[Command]()
+    monkeypatch.setattr(screen, "send", sent.append)
+    before = screen.snapshot
+    assert before is not None
+    lanes = tuple(replace(lane, q=before.q) for lane in lane_views(count))
+    shown = 1 if count > 1 else 0
+    screen._draw(replace(showing(before, lanes[shown]), lanes=lanes if count > 1 else (), lane=shown))
+    await pilot.pause()
+    return sent
+
+
+async def test_it_lists_the_lanes_and_what_may_be_different(
+    make_app: MakeApp, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    app = make_app("frozenlake-slippery")
+    async with app.run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        sent = await beside(pilot, 3, monkeypatch)
+        await pilot.press("c")
+        assert isinstance(app.screen, Compare)
+        listed = rows(pilot)
+        assert listed[0].split() == ["lane", "algorithm", "step", "last", "100", "greedy"]
+        assert listed[1].split() == ["1", "α", "0.1", "Q-learning", "150,000", ".500", ".730"]
+        assert listed[2].startswith("▸ 2 α 0.5 ")
+        assert listed[3].split()[:3] == ["3", "SARSA", "SARSA"]
+        assert "Another lane, the same but for" in listed
+        assert next(row for row in listed if row.startswith("  α ")).split() == ["α", "0.5", "here"]
+        assert app.screen.query_one(OptionList).highlighted == 2
+        await pilot.press("up", "enter")
+        assert sent == [ChooseLane(0)]
+        assert not app.screen.query(OptionList)
+        await pilot.press("c", "down", "delete")
+        assert sent[1:] == [DropLane(2)]
+        await pilot.press("c", "up", "backspace")
+        assert sent[2:] == [DropLane(0)]
+        await pilot.press("c", "enter", "l")  # the one that is shown already, then the next
+        assert sent[3:] == [ChooseLane(2)]
+
+
+async def test_one_run_is_compared_with_what_is_chosen(
+    make_app: MakeApp, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    app = make_app("frozenlake-slippery")
+    async with app.run_test(size=(80, 24), notifications=True) as pilot:
+        await settle(pilot)
+        sent = await beside(pilot, 1, monkeypatch)
+        await pilot.press("l")
+        assert messages(pilot)[-1] == "there is one run only; c opens a second one beside it"
+        await pilot.press("c")
+        await pilot.press("up", "delete")
+        assert messages(pilot)[-1] == "the only run cannot be ended; esc leaves it"
+        await choose(pilot, "with-alpha")
+        assert isinstance(app.screen, Prompt)
+        app.screen.query_one(Input).value = "0.5"
+        await pilot.press("enter")
+        await pilot.press("c")
+        await choose(pilot, "with-algorithm")
+        assert isinstance(app.screen, Choice)
+        await choose(pilot, "sarsa")
+        await pilot.press("c")
+        await choose(pilot, "with-policy")
+        await choose(pilot, "softmax")
+        await pilot.press("c")
+        await choose(pilot, "with-ties")
+        await choose(pilot, "first")
+        await pilot.press("c")
+        await choose(pilot, "with-initial_q")
+        assert "starts again" not in str(app.screen.query_one(".hint", Static).render())
+        await pilot.press("5", "enter")
+        assert sent == [
+            AddLane((SetParameter("alpha", 0.5),)),
+            AddLane((SwitchAlgorithm("sarsa"),)),
+            AddLane((SetParameter("policy", "softmax"),)),
+            AddLane((SetParameter("ties", "first"),)),
+            AddLane((SetParameter("initial_q", 5.0),)),
+        ]
+        await pilot.press("c")
+        await choose(pilot, "with-gamma")
+        await pilot.press("enter")  # the value in force
+        assert len(sent) == 5
+        assert "no difference" in messages(pilot)[-1]
+
+
+async def test_four_lanes_are_the_most(make_app: MakeApp, monkeypatch: pytest.MonkeyPatch) -> None:
+    app = make_app("frozenlake-slippery")
+    async with app.run_test(size=(60, 18)) as pilot:
+        await settle(pilot)
+        await beside(pilot, 4, monkeypatch)
+        await pilot.press("c")
+        assert rows(pilot)[-1] == "Four lanes are the most: end one to open another."
+        assert not any("here" in row for row in rows(pilot))
+        await pilot.resize_terminal(120, 40)
+        assert "softmax, τ 0.3" in rows(pilot)[4]
+
+
+async def test_a_hidden_bandit_gives_nothing_away(make_app: MakeApp, monkeypatch: pytest.MonkeyPatch) -> None:
+    app = make_app("bandit", ascii=True)
+    async with app.run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        await beside(pilot, 2, monkeypatch)
+        await pilot.press("c")
+        assert rows(pilot)[1].split()[-1] == "-"
+        assert all(row.isascii() for row in rows(pilot))
+        await pilot.press("escape", "h", "c")
+        assert rows(pilot)[1].split()[-1] == ".730"
+
+
+async def test_nothing_is_asked_before_the_world_is_there(make_app: MakeApp) -> None:
+    async with make_app("student").run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        playground(pilot).snapshot = None
+        await pilot.press("c")
+        assert not isinstance(pilot.app.screen, Compare)

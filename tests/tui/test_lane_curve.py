@@ -1,0 +1,222 @@
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from lane_samples import lane_views, side_by_side, without_episodes
+from rich.cells import cell_len
+from rich.style import Style
+from samples import bandit, curve, lake, look, marks, planning
+
+from rl_tui.lab.branches import Branch
+from rl_tui.lab.snapshot import Curve, Snapshot, Timeline
+from rl_tui.tui.theme.look import Look
+from rl_tui.tui.widgets.curve import ReturnCurve
+from rl_tui.tui.widgets.curve_data import curve_data
+
+NARROW, WIDE, BROAD = (40, 7), (64, 14), (110, 14)
+
+
+def drawn(
+    snapshot: Snapshot, size: tuple[int, int] = WIDE, shown_with: Look | None = None
+) -> tuple[list[str], ReturnCurve]:
+    widget = ReturnCurve(shown_with or look())
+    widget.snapshot = snapshot
+    rows = widget.picture(snapshot, *size)
+    assert [row.cell_length for row in rows] == [size[0]] * size[1]
+    return [row.text for row in rows], widget
+
+
+def styles(snapshot: Snapshot, text: str, shown_with: Look | None = None) -> set[Style | None]:
+    """The styles of all pieces that hold ``text``."""
+    _, widget = drawn(snapshot, WIDE, shown_with)
+    pieces = [piece for row in widget.picture(snapshot, *WIDE) for piece in row]
+    return {piece.style for piece in pieces if text in piece.text}
+
+
+def dotted(snapshot: Snapshot) -> set[Style | None]:
+    """The styles of all pieces that are lines."""
+    _, widget = drawn(snapshot)
+    return {
+        piece.style
+        for row in widget.picture(snapshot, *WIDE)
+        for piece in row
+        if any(0x2800 < ord(character) <= 0x28FF for character in piece.text)
+    }
+
+
+def test_every_lane_is_named_with_its_mean() -> None:
+    lines, widget = drawn(side_by_side(4, 1))
+    text = "\n".join(lines)
+    for said in ("α 0.1: .50", "α 0.5: .32", "SARSA: .44", "softmax, τ 0.3: .62", "greedy, exact .60"):
+        assert said in text
+    assert "best for this γ .54" in text
+    assert "beside each name: the mean return of its last 100 episodes" in text
+    assert widget.heading == "Return per episode · lane 2 of 4: α 0.5"
+    assert widget.footing == ""
+
+
+def test_where_there_is_room_the_others_tell_their_greedy_return_too() -> None:
+    text = "\n".join(drawn(side_by_side(3), BROAD)[0])
+    assert "α 0.5: .32, greedy .60" in text
+    assert "SARSA: .44, greedy .70" in text
+    assert "α 0.1: .50 " in text  # that of the lane shown stands at its line
+
+
+def test_a_narrow_panel_says_which_lane_is_shown() -> None:
+    lines, widget = drawn(side_by_side(2, 1), NARROW)
+    assert "α 0.1: .500" in "\n".join(lines)
+    assert widget.heading == "Return · lane 2 of 2: α 0.5"
+    assert widget.footing == "mean of the last 100 each"
+    assert drawn(side_by_side(4, 3), (24, 7))[1].heading == "lane 4 of 4"
+
+
+def test_long_names_give_way_to_the_lines_and_then_carry_their_numbers() -> None:
+    lines, widget = drawn(side_by_side(4), (34, 8))
+    text = "\n".join(lines)
+    assert "4) softmax…" in text
+    assert "1) α 0.1" in text
+    assert ".50" not in text
+    assert widget.footing == ""  # no figures, so nothing to explain
+    assert min(line.index(") ") for line in lines if ") " in line) > 34 / 2
+
+
+def test_each_lane_has_a_colour_and_the_shown_one_is_bold() -> None:
+    snapshot, palette = side_by_side(3, 2), look().palette
+    assert styles(snapshot, "α 0.1:") == {palette.lane_1}
+    assert styles(snapshot, "α 0.5:") == {palette.lane_2}
+    assert styles(snapshot, "SARSA:") == {palette.lane_3 + Style(bold=True)}
+    assert {palette.lane_1, palette.lane_2, palette.lane_3, palette.greedy_line} <= dotted(snapshot)
+    assert palette.lane_3 + Style(dim=True) in dotted(snapshot)  # its band, and nobody else's
+    assert palette.band not in dotted(snapshot)
+
+
+def test_the_first_lane_keeps_the_colour_it_had_alone() -> None:
+    assert look().palette.lane_1 == look().palette.episodes
+
+
+@pytest.mark.parametrize("depth", ["none", "16"])
+def test_where_colours_do_not_tell_enough_lines_carry_numbers(depth: str) -> None:
+    lines, _ = drawn(side_by_side(4), WIDE, look(depth=depth))
+    plot = "\n".join(line[4:26] for line in lines[:-2])
+    assert all(number in plot for number in "1234")
+    assert "3) SARSA: .44" in "\n".join(lines)
+    alone, _ = drawn(lake(), WIDE, look(depth=depth))
+    assert "1" not in "\n".join(line[4:26] for line in alone[:-2])
+
+
+def test_ascii_lines_are_drawn_with_their_numbers() -> None:
+    lines, _ = drawn(side_by_side(3), WIDE, look(ascii=True))
+    text = "\n".join(lines)
+    assert text.isascii()
+    assert "222222" in text
+    assert "***" in text
+    assert "1) alpha 0.1: .50" in text
+
+
+def test_the_axis_reaches_as_far_as_the_longest_lane() -> None:
+    short, long = lane_views(2)
+    many = replace(long, episodes=100_000, curve=curve(40, 0.0, 0.3, 2_500))
+    snapshot = replace(side_by_side(2), lanes=(short, many))
+    data = curve_data(snapshot, revealed=True)
+    assert (data.finished, data.furthest) == (12_500, 100_000)
+    assert "100k" in "\n".join(drawn(snapshot, BROAD)[0])
+
+
+def test_the_vertical_axis_holds_every_lane() -> None:
+    first, second = lane_views(2)
+    low = replace(second, curve=curve(40, -8.0, -5.0, 300), return_last_100=-5.0)
+    data = curve_data(replace(side_by_side(2), lanes=(first, low)), revealed=True)
+    assert data.range[0] == pytest.approx(-8.0)
+    assert data.range[1] == pytest.approx(0.73)
+
+
+def test_lanes_that_run_alike_are_both_seen() -> None:
+    first, second = lane_views(2)
+    same = replace(side_by_side(2), lanes=(first, replace(first, name=second.name)))
+    palette = look().palette
+    assert {palette.lane_1, palette.lane_2} <= dotted(same)
+
+
+def test_a_greedy_line_that_goes_up_and_down_covers_no_lane() -> None:
+    wild = marks(400, 0.0, 0.7, 12_500)
+    wild.expected_return[::2] = 0.0
+    lines, _ = drawn(replace(side_by_side(2), marks=wild), WIDE, look(ascii=True))
+    calm, _ = drawn(side_by_side(2), WIDE, look(ascii=True))
+    assert sum(line.count("1") for line in lines[:-2]) >= sum(line.count("1") for line in calm[:-2])
+    assert sum(line.count("*") for line in lines) > sum(line.count("*") for line in calm)
+
+
+def test_no_two_names_share_a_row() -> None:
+    level = [replace(lane, return_last_100=0.5) for lane in lane_views(4)]
+    snapshot = side_by_side(4, greedy_return=0.5)
+    lines, _ = drawn(replace(snapshot, lanes=tuple(level)))
+    for name in ("α 0.1:", "α 0.5:", "SARSA:", "softmax, τ 0.3:"):
+        assert sum(name in line for line in lines) == 1
+    assert all(sum(line.count(sign) for sign in (": .50",)) <= 1 for line in lines)
+
+
+def test_a_lane_that_has_only_begun_has_no_line_and_no_name_at_its_end() -> None:
+    first, second = lane_views(2)
+    lines, widget = drawn(replace(side_by_side(2), lanes=(first, without_episodes(second))))
+    assert "α 0.5" not in "\n".join(lines)
+    assert widget.heading.endswith("lane 1 of 2: α 0.1")
+    nothing = tuple(without_episodes(lane) for lane in (first, second))
+    empty = Curve(nothing[0].curve.episode, *(np.array([]),) * 4)
+    start = replace(side_by_side(2), lanes=nothing, episodes=0, curve=empty, return_last_100=None)
+    assert "no episode has ended yet" in "\n".join(drawn(start)[0])
+
+
+def test_the_lane_of_a_planner_is_what_its_greedy_policy_is_worth() -> None:
+    first, second = lane_views(2)
+    planner = replace(
+        without_episodes(second), name="Value iteration", algorithm="value-iteration", episodes=12
+    )
+    planner = replace(planner, marks=marks(5, 0.0, 0.74, 12), greedy_return=0.74)
+    beside = replace(side_by_side(2), lanes=(first, planner))
+    assert "Value iteration: .74" in "\n".join(drawn(beside)[0])
+    assert "mean of the last 100; planners: exact" in "\n".join(drawn(beside)[0])
+    assert drawn(beside)[0][-2].endswith(" ep, sweep")
+    shown = replace(planning(), lanes=(first, planner), lane=1)
+    text = "\n".join(drawn(shown)[0])
+    assert "Value iteration: .73" in text or "Value iteration: .74" in text
+    assert "greedy, exact" not in text  # the lane's own line
+
+
+def test_a_hidden_bandit_gives_nothing_away_in_other_lanes() -> None:
+    secret = bandit(400)
+    lanes = tuple(replace(lane, greedy_return=1.5, return_last_100=1.2) for lane in lane_views(2))
+    hidden = curve_data(replace(secret, lanes=lanes), revealed=False)
+    assert all(lane.greedy_now is None for lane in hidden.lanes)
+    planner = replace(without_episodes(lanes[1]), algorithm="value-iteration", greedy_return=1.5)
+    also = curve_data(replace(secret, lanes=(lanes[0], planner)), revealed=False)
+    assert also.lanes[1].value is None
+    assert not len(also.lanes[1].line.low)
+    assert "h adds the best arm" in "\n".join(drawn(replace(secret, lanes=lanes))[0])
+
+
+def test_the_axis_stays_while_one_goes_back_in_time() -> None:
+    widget = ReturnCurve(look())
+    now = side_by_side(2)
+    widget.snapshot = now
+    widget.picture(now, *WIDE)
+    scale = widget._scale
+    past = replace(
+        now, step=now.step - 10, timeline=Timeline((Branch("1", end=now.step, here=now.step - 10),))
+    )
+    widget.show(past)
+    assert widget._scale is scale
+    widget.show(replace(now, step=now.step - 20))  # another run
+    assert widget._scale is None
+
+
+@pytest.mark.parametrize("count", [2, 4])
+@pytest.mark.parametrize("ascii", [False, True])
+def test_lanes_fit_any_size(count: int, ascii: bool) -> None:  # noqa: A002
+    for snapshot in (side_by_side(count), side_by_side(count, count - 1)):
+        for width in (1, 2, 5, 14, 20, 26, 30, 50, 120):
+            for height in (1, 2, 3, 5, 12, 30):
+                lines, widget = drawn(snapshot, (width, height), look(ascii))
+                assert all(cell_len(line) == width for line in lines)
+                assert cell_len(widget.heading) <= max(0, width - 4)

@@ -1,0 +1,90 @@
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from lane_samples import lane_views, side_by_side
+from samples import bandit, lake, look, student
+from textual.geometry import Size
+
+from rl_tui.lab.snapshot import LaneView, Snapshot
+from rl_tui.tui.widgets.q_table import QTable
+from rl_tui.tui.widgets.q_table_layers import Figures, Layer
+from rl_tui.worlds.space import FloatArray
+
+
+def table_of(
+    snapshot: Snapshot, width: int = 44, layer: Layer = Layer.LANES, *, ascii_only: bool = False
+) -> tuple[str, QTable]:
+    table = QTable(look(ascii_only))
+    table._size = Size(width, 14)
+    table.show(snapshot)
+    table.shown_layer = layer
+    rows = table.picture(snapshot, width, 14)
+    assert [row.cell_length for row in rows] == [width] * 14
+    return "\n".join(row.text for row in rows), table
+
+
+def with_tables(snapshot: Snapshot, own: FloatArray, other: FloatArray) -> Snapshot:
+    """Two lanes with these tables, the second one shown."""
+    first, second = lane_views(2)
+    lanes: tuple[LaneView, ...] = (replace(first, q=other), replace(second, q=own))
+    return replace(snapshot, q=own, lanes=lanes, lane=1)
+
+
+def test_the_layer_is_there_only_beside_another_run() -> None:
+    _, alone = table_of(lake())
+    assert Layer.LANES not in alone.layer_choices
+    assert alone.shown_layer is Layer.Q
+    _, table = table_of(side_by_side(2))
+    assert table.layer_choices == tuple(Layer)
+    assert table.shown_layer is Layer.LANES
+
+
+def test_of_a_large_world_there_is_no_other_table() -> None:
+    lanes = tuple(replace(lane, q=np.empty(0)) for lane in lane_views(2))
+    assert Layer.LANES not in table_of(replace(side_by_side(2), lanes=lanes))[1].layer_choices
+
+
+def test_it_shows_the_difference_with_colours_for_both_directions() -> None:
+    own, other = np.zeros(44), np.zeros(44)
+    own[0], other[1] = 0.5, 0.25
+    snapshot = with_tables(lake(0), own, other)
+    text, _ = table_of(snapshot)
+    assert "0.500" in text
+    assert "−0.250" in text
+    figures = Figures(snapshot, Layer.LANES, look(), None)
+    palette = look().palette
+    assert figures.style(0) == palette.signed_value(1.0)
+    assert figures.style(1) == palette.signed_value(-0.5)
+    assert figures.style(2) == palette.unvisited  # neither has been there
+    assert figures.text(2, 6) == "·"
+
+
+def test_the_title_says_whose_tables_they_are() -> None:
+    assert table_of(side_by_side(2, 1), 60)[1].heading == "Q of α 0.5 − Q of α 0.1 · 11 states × 4"
+    assert table_of(side_by_side(2, 0), 34)[1].heading == "Q − Q of α 0.5 · 11 states × 4"
+    assert table_of(side_by_side(4, 3), 24)[1].heading == "Q − Q of α 0.1"
+    assert table_of(side_by_side(2), 44, Layer.Q)[1].heading == "Q · 11 states × 4"
+
+
+def test_in_a_list_the_difference_has_a_column() -> None:
+    snapshot = student()
+    beside = with_tables(snapshot, snapshot.q, snapshot.q - 1.0)
+    text, _ = table_of(beside, 70)
+    assert "Q−Q₂" in text
+    assert text.count("1.000") == 5
+    narrow, _ = table_of(beside, 28)
+    assert "Q−Q₂" in narrow
+    assert "Q−Q₂" not in table_of(beside, 70, Layer.Q)[0]
+    plain, _ = table_of(beside, 70, ascii_only=True)
+    assert plain.isascii()
+
+
+@pytest.mark.parametrize("width", [24, 34, 44, 60, 90])
+def test_arms_have_the_column_too_and_keep_their_secrets(width: int) -> None:
+    snapshot = bandit(400)
+    text, _ = table_of(with_tables(snapshot, snapshot.q, snapshot.q - 1.0), width)
+    assert "Q−Q₂" in text
+    assert "1.50" not in text

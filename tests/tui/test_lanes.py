@@ -1,0 +1,114 @@
+"""Runs side by side, from the keys to the panels."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from conftest import MakeApp
+from test_options import choose
+from test_playground import playground, press, snapshot, train
+from textual.pilot import Pilot
+from textual.widgets import Input
+
+from rl_tui.tui.screens.compare import Compare
+from rl_tui.tui.screenshot import settle
+from rl_tui.tui.widgets.slider import Slider
+from rl_tui.worlds.errors import UserError
+
+
+async def open_lane(pilot: Pilot[UserError], name: str, value: str) -> None:
+    """Press c, choose what is to be different, and type or choose its value."""
+    await press(pilot, "c")
+    assert isinstance(pilot.app.screen, Compare)
+    await choose(pilot, f"with-{name}")
+    if pilot.app.screen.query(Input):
+        pilot.app.screen.query_one(Input).value = value
+        await press(pilot, "enter")
+    else:
+        await choose(pilot, value)
+
+
+def curve_text(pilot: Pilot[UserError]) -> str:
+    curve = playground(pilot).board.curve
+    return "\n".join(curve.render_line(y).text for y in range(curve.size.height))
+
+
+async def test_two_lanes_from_the_first_key_to_the_last(make_app: MakeApp) -> None:
+    app = make_app("frozenlake-slippery")
+    async with app.run_test(size=(80, 24), notifications=True) as pilot:
+        await settle(pilot)
+        await train(pilot, 500)
+        await open_lane(pilot, "alpha", "0.5")
+        first, second = snapshot(pilot).lanes
+        assert (first.name, second.name) == ("α 0.1", "α 0.5")
+        assert (first.step, second.step) == (500, 500)  # it has caught up
+        assert snapshot(pilot).lane == 0
+
+        shown = await press(pilot, "s")
+        assert [lane.step for lane in shown.lanes] == [501, 501]
+        shown = await train(pilot, 4_000)
+        assert [lane.step for lane in shown.lanes] == [4_501, 4_501]
+        assert "α 0.1: " in curve_text(pilot)
+        assert "α 0.5: " in curve_text(pilot)
+        board = playground(pilot).board
+        assert board.curve.heading == "Return · lane 1 of 2: α 0.1"
+
+        await press(pilot, "v", "v", "v")
+        assert board.table.heading == "Q − Q of α 0.5 · 11 states × 4"
+
+        shown = await press(pilot, "l")
+        assert shown.lane == 1
+        assert shown.hyperparameters.alpha == 0.5
+        assert np.array_equal(shown.q, shown.lanes[1].q)
+        assert board.curve.heading == "Return · lane 2 of 2: α 0.5"
+        assert board.table.heading == "Q − Q of α 0.1 · 11 states × 4"
+        assert app.screen.query_one("#alpha", Slider).value == 0.5
+
+        await press(pilot, "1", "left")
+        shown = snapshot(pilot)
+        assert shown.lanes[0].hyperparameters.alpha == 0.1
+        assert shown.lanes[1].hyperparameters.alpha == shown.hyperparameters.alpha != 0.5
+        app.set_focus(None)
+
+        await press(pilot, "c", "delete")  # the cursor starts on the one shown
+        shown = snapshot(pilot)
+        assert shown.lanes == ()
+        assert shown.hyperparameters.alpha == 0.1
+        assert playground(pilot).recipe.hyperparameters.alpha == 0.1
+        assert "lane" not in board.curve.heading
+        assert board.table.heading == "Q · 11 states × 4"
+
+
+async def test_what_is_told_goes_to_the_lane_shown_only(make_app: MakeApp) -> None:
+    """Back to a value that the first lane has all along is a change in the second."""
+    app = make_app("frozenlake-slippery")
+    async with app.run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        await open_lane(pilot, "alpha", "0.5")
+        await open_lane(pilot, "ties", "first")
+        assert [lane.name for lane in snapshot(pilot).lanes] == ["α 0.1, ties random", "α 0.5", "ties first"]
+        await press(pilot, "l")
+        playground(pilot).set_parameter("alpha", 0.1)
+        await settle(pilot)
+        assert [lane.hyperparameters.alpha for lane in snapshot(pilot).lanes] == [0.1, 0.1, 0.1]
+        await press(pilot, "l", "t")
+        assert [lane.hyperparameters.ties for lane in snapshot(pilot).lanes] == ["random"] * 3
+        await press(pilot, "c", "up", "delete")  # the one before the one shown
+        shown = snapshot(pilot)
+        assert (len(shown.lanes), shown.lane) == (2, 1)
+        await press(pilot, "l")
+        assert snapshot(pilot).lane == 0
+
+
+@pytest.mark.parametrize("size", [(60, 18), (80, 24), (120, 40)])
+async def test_four_lanes_fit_every_screen(make_app: MakeApp, size: tuple[int, int]) -> None:
+    app = make_app("frozenlake-slippery")
+    async with app.run_test(size=size) as pilot:
+        await settle(pilot)
+        for value in ("0.2", "0.5", "0.9"):
+            await open_lane(pilot, "alpha", value)
+        await train(pilot, 3_000)
+        text = curve_text(pilot)
+        assert all(f"α {value}" in text for value in ("0.1", "0.2", "0.5", "0.9"))
+        await press(pilot, "c")
+        assert app.screen.query_one("#box").size.height <= size[1]
