@@ -13,7 +13,7 @@ from rl_tui.lab.recipe import SetParameter
 
 
 def journeys(scenario: str, steps: int, count: int = 100) -> Iterator[tuple[str, float]]:
-    """Yield the name and the milliseconds of ``count`` journeys in a run of ``steps`` steps, and of others."""
+    """Yield kind and milliseconds of ``count`` journeys of each kind in a run of ``steps`` steps."""
     playback = Playback(
         recipe_for(find(scenario)),
         speed=None,

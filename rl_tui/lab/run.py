@@ -178,17 +178,21 @@ class Run:
         # A mark of this step belongs to what was in force until now
         self._mark_if_due()
         entry = JournalEntry(self.step, change)
-        if isinstance(change, SetParameter):
-            try:
-                changed = self.learner.hyperparameters.changed(change.name, change.value)
-            except ValueError as fault:
-                raise UserError(str(fault)) from fault
-            self.learner.configure(changed)
-        elif isinstance(change, SwitchAlgorithm):
-            self.learner.switch(change.algorithm)
-        else:
+        if isinstance(change, TakeAction):
             self._take(change.action)
+        else:
+            self._tell(change)
         self._journal.append(entry)
+
+    def _tell(self, change: SetParameter | SwitchAlgorithm) -> None:
+        learner = self.learner
+        try:
+            if isinstance(change, SwitchAlgorithm):
+                learner.switch(change.algorithm)
+            else:
+                learner.configure(learner.hyperparameters.changed(change.name, change.value))
+        except ValueError as fault:
+            raise UserError(str(fault)) from fault
 
     def _take(self, action: int) -> None:
         space, state = self.world.space, self.learner.state
