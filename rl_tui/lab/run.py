@@ -291,6 +291,7 @@ class Run:
             step=learner.step,
             episodes=learner.episodes,
             state=self._seen_state(),
+            step_from=learner.state,
             episode_step=learner.episode_step,
             episode_return=learner.episode_return,
             q=learner.q.copy() if window is None else window.q,

@@ -126,8 +126,10 @@ class Snapshot:
     ``speed`` is the wanted steps a second (None: as fast as it goes); ``steps_per_second`` the measured one
     (None while unknown). ``episodes`` counts finished episodes; ``episode_step`` and ``episode_return``
     belong to the one under way. ``state`` is where the agent is; after an episode's last step still the state
-    it ended in, until the next episode begins. ``q`` and ``visits`` are [P]; of a large world they are 0
-    outside of ``window``, which has what the screen shows: read them where :meth:`holds` says so.
+    it ended in, until the next episode begins; ``step_from`` is where the next step starts, which then is
+    another state already (None where no step can be taken yet). ``q`` and ``visits`` are [P]; of a large
+    world they are 0 outside of ``window``, which has what the screen shows: read them where :meth:`holds`
+    says so.
 
     ``rewards``, [N], are those of the episode under way, or of the one that has just ended, oldest first; of
     a long episode the last ones only, up to step ``last.episode_step`` of it. ``discounted_return`` is that
@@ -182,6 +184,7 @@ class Snapshot:
     lane: int = 0
     cell: CellHistory | None = None
     handled: int = 0
+    step_from: int | None = None
 
     @property
     def learned_by(self) -> tuple[str, Hyperparameters]:

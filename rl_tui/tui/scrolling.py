@@ -20,3 +20,8 @@ def kept_in_view(first: int, place: int | None, shown: int, total: int) -> int:
         if not first + margin <= place < first + shown - margin:
             first = place - shown // 2
     return max(0, min(first, total - shown))
+
+
+def scrolled_to(first: int, place: int, shown: int) -> int:
+    """Return the first of ``shown`` lines, as near to ``first`` as has ``place`` in view."""
+    return max(place - shown + 1, min(first, place))

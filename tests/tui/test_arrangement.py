@@ -38,13 +38,14 @@ def test_panels_cover_the_board_without_overlapping(size: tuple[int, int], shape
 def test_every_panel_keeps_a_line_of_content(size: tuple[int, int]) -> None:
     for shape in SHAPES.values():
         for name, region in arrangement(Size(*size), shape).items():
-            assert region.height >= (1 if name == "inspector" else 2), name
+            assert region.height >= (1 if name in ("inspector", "timeline") else 2), name
 
 
 def test_the_world_of_4x4_at_80x24_has_two_rows_a_cell_as_drawn() -> None:
     regions = arrangement(Size(80, 22), SHAPES["lake 4x4"])
     assert regions["world"] == Region(0, 0, 42, 10)
-    assert regions["curve"] == Region(0, 10, 42, 9)
+    assert regions["curve"] == Region(0, 10, 42, 8)
+    assert regions["timeline"] == Region(0, 18, 42, 1)
     assert regions["table"] == Region(42, 0, 38, 19)
     assert regions["controls"] == Region(0, 19, 80, 2)
     assert regions["inspector"] == Region(0, 21, 80, 1)
@@ -64,4 +65,21 @@ def test_only_a_bandit_has_a_budget(drawing: Drawing, has_budget: bool) -> None:
 
 
 def test_a_zoomed_panel_stands_alone() -> None:
-    assert arrangement(Size(80, 22), SHAPES["student"], "curve") == {"curve": Region(0, 0, 80, 22)}
+    assert arrangement(Size(80, 22), SHAPES["student"], "table") == {"table": Region(0, 0, 80, 22)}
+
+
+@pytest.mark.parametrize("panel", ["curve", "timeline"])
+def test_curve_and_timeline_are_zoomed_together(panel: str) -> None:
+    assert arrangement(Size(80, 22), SHAPES["student"], panel) == {
+        "curve": Region(0, 0, 80, 21),
+        "timeline": Region(0, 21, 80, 1),
+    }
+
+
+@pytest.mark.parametrize("size", [(60, 16), (80, 22), (120, 38), (200, 50)])
+def test_the_timeline_is_one_row_right_below_the_curve(size: tuple[int, int]) -> None:
+    for shape in SHAPES.values():
+        regions = arrangement(Size(*size), shape)
+        curve, timeline = regions["curve"], regions["timeline"]
+        assert (timeline.x, timeline.y, timeline.width) == (curve.x, curve.bottom, curve.width)
+        assert timeline.height == 1

@@ -10,7 +10,8 @@ from rich.style import Style
 from samples import bandit, curve, lake, look, marks, planning, stepped_lake, student
 
 from rl_tui.agents.hyperparameters import Hyperparameters
-from rl_tui.lab.snapshot import Curve, Marks, Phase, Snapshot
+from rl_tui.lab.branches import Branch
+from rl_tui.lab.snapshot import Curve, Marks, Phase, Snapshot, Timeline
 from rl_tui.tui.widgets import braille
 from rl_tui.tui.widgets.braille import Steps
 from rl_tui.tui.widgets.chart import apart, taking_turns
@@ -407,6 +408,41 @@ def test_a_new_run_has_a_new_axis() -> None:
     assert widget._scale.low <= -90.0
     widget.show(student(0))
     assert widget._scale is None
+
+
+def test_the_past_of_a_run_keeps_the_axis_of_its_present() -> None:
+    present = student(curve=flat(-90.0), timeline=Timeline((Branch("branch 1", end=2_433, here=2_433),)))
+    then = replace(
+        present,
+        step=40,
+        curve=flat(-1.0),
+        return_last_100=-1.0,
+        timeline=Timeline((Branch("branch 1", end=2_433, here=40),)),
+    )
+    widget = ReturnCurve(look())
+    widget.show(present)
+    widget.picture(present, *WIDE)
+    axis = widget._scale
+    widget.show(then)
+    widget.picture(then, *WIDE)
+    assert widget._scale == axis
+    fork = replace(
+        then,
+        timeline=Timeline((Branch("branch 1", end=2_433, here=40), Branch("branch 2", (), 0, 40, 40, 40)), 1),
+    )
+    widget.show(fork)
+    widget.picture(fork, *WIDE)
+    assert widget._scale is not None
+    assert axis is not None
+    assert widget._scale.low > axis.low
+
+
+def test_keys_may_stand_on_the_border_in_place_of_the_remark() -> None:
+    widget = ReturnCurve(look())
+    widget.hints = ("← →: move   pgup pgdn: a tenth", "← →: move")
+    for width, footing in ((40, "← →: move   pgup pgdn: a tenth"), (20, "← →: move"), (8, "")):
+        widget.picture(lake(), width, 8)
+        assert widget.footing == footing or not footing
 
 
 # Planners, stepped worlds, other action rules

@@ -236,7 +236,13 @@ def test_values_of_three_digits_are_never_number_signs() -> None:
     below = replace(medium, q=np.full_like(medium.q, -100.0), step=1)
     assert not set("#1") & set(view.picture(below, 50, 10)[1].text)
     assert view.heading == "World · greedy, V as tint"
+    view.show(below)
+    view.show(medium)  # the past of the same run
     view.picture(medium, 50, 10)
+    assert view.heading == "World · greedy, V as tint"
+    another = replace(medium, recipe=replace(medium.recipe, seed=1))
+    view.show(another)
+    view.picture(another, 50, 10)
     assert view.heading == "World · V and greedy"
 
 
@@ -254,9 +260,11 @@ def test_only_cells_in_view_are_read(monkeypatch: pytest.MonkeyPatch) -> None:
     read: list[Part] = []
     contents = GridMap.contents
 
-    def counted(self: GridMap, part: Part, snapshot: Snapshot) -> list[CellContent]:
+    def counted(
+        self: GridMap, part: Part, snapshot: Snapshot, cursor: int | None = None
+    ) -> list[CellContent]:
         read.append(part)
-        return contents(self, part, snapshot)
+        return contents(self, part, snapshot, cursor)
 
     monkeypatch.setattr(GridMap, "contents", counted)
     view = GridView(snapshot.world, look())
@@ -264,9 +272,10 @@ def test_only_cells_in_view_are_read(monkeypatch: pytest.MonkeyPatch) -> None:
     assert read == [Part(15, 26, 10, 8)]
 
 
-def test_arrow_and_page_keys_scroll_by_hand_until_the_agent_is_followed_again() -> None:
+def test_wheel_and_cursor_scroll_until_the_agent_is_followed_again() -> None:
     snapshot = large_lake()
     view = GridView(snapshot.world, look())
+    view.snapshot = snapshot
 
     def text(width: int = 60) -> str:
         return "".join(strip.text for strip in view.picture(snapshot, width, 10))
@@ -278,11 +287,16 @@ def test_arrow_and_page_keys_scroll_by_hand_until_the_agent_is_followed_again() 
         view.pan(1, 0)
     assert "◉" not in text()
     assert view.footing == "3–12 of 40 · 0–11 of 40 · esc: follow the agent"
-    view.page(1, 1)
+    view.action_page(1, 1)
     text()
-    assert view.footing.startswith("13–22 of 40 · 12–23 of 40")
-    view.page(9, -9)
+    assert view.cursor == 10 * 40 + 12  # a page from the agent, at the start
+    assert view.footing.startswith("3–12 of 40 · 1–12 of 40")  # no further than it takes
+    view.action_move(3, 0)
+    text()
+    assert view.footing.startswith("4–13 of 40 · 1–12 of 40")
+    view.action_page(9, -9)
     assert "★" not in text()
+    assert view.cursor == 39 * 40
     assert view.footing.startswith("30–39 of 40 · 0–11 of 40")
     assert view.check_action("back", ()) is True
     view.follow()
@@ -310,7 +324,7 @@ def test_a_whole_map_does_not_scroll() -> None:
     view = GridView(lake().world, look())
     view.picture(lake(), 40, 8)
     view.pan(1, 1)
-    assert not view.is_scrolled
+    assert not view.is_away
     assert view.cells is None
     view.picture(lake(), 40, 8)
     assert view.footing == ""

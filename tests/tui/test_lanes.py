@@ -109,6 +109,7 @@ async def test_four_lanes_fit_every_screen(make_app: MakeApp, size: tuple[int, i
             await open_lane(pilot, "alpha", value)
         await train(pilot, 3_000)
         text = curve_text(pilot)
-        assert all(f"α {value}" in text for value in ("0.1", "0.2", "0.5", "0.9"))
+        named = sum(f"α {value}" in text for value in ("0.1", "0.2", "0.5", "0.9"))
+        assert named == (3 if size == (60, 18) else 4)  # a name a row, and there are three rows
         await press(pilot, "c")
         assert app.screen.query_one("#box").size.height <= size[1]

@@ -269,7 +269,7 @@ async def test_tab_goes_from_world_to_table_to_curve_to_controls(make_app: MakeA
         for _ in range(6):
             await press(pilot, "tab")
             visited.append(board.panel_of(app.focused))
-        assert visited == ["world", "table", "curve", "controls", "controls", "controls"]
+        assert visited == ["world", "table", "curve", "timeline", "controls", "controls"]
 
 
 async def test_m_shows_the_model_and_closes_it(make_app: MakeApp) -> None:

@@ -3,7 +3,8 @@ from __future__ import annotations
 import pytest
 from samples import bandit, lake, look, planning, student
 
-from rl_tui.lab.snapshot import Phase, Snapshot
+from rl_tui.lab.branches import Branch
+from rl_tui.lab.snapshot import Phase, Snapshot, Timeline
 from rl_tui.tui.widgets.status_line import StatusLine
 
 
@@ -108,3 +109,96 @@ def test_a_planner_counts_sweeps_and_says_when_it_is_done() -> None:
         assert "■ converged after 37 sweeps  " in text
         assert "sweep 37" in text
     assert "# converged after" in drawn(done, ascii=True)
+
+
+# Time
+
+
+def past(here: int = 1_234, end: int = 10_000, branches: int = 1) -> Timeline:
+    forks = (Branch(f"branch {number}", (), 0, 100, end, here) for number in range(2, branches + 1))
+    return Timeline((Branch("branch 1", end=end, here=here), *forks), branches - 1)
+
+
+@pytest.mark.parametrize("width", [60, 80, 100, 120])
+def test_the_past_is_told_with_how_far_it_goes(width: int) -> None:
+    text = drawn(lake(1_234, timeline=past()), width)
+    assert "◀ the past" in text
+    assert "step 1,234 of 10,000" in text
+    assert "paused" not in text
+    assert "of 10,000" not in drawn(lake(10_000, timeline=past(10_000)), width)
+
+
+@pytest.mark.parametrize("width", [80, 100, 120])
+def test_nothing_moves_on_the_way_into_the_past(width: int) -> None:
+    present = drawn(lake(10_000, timeline=past(10_000)), width)
+    then = drawn(lake(9_999, timeline=past(9_999)), width)
+    for label in (" ep", " step"):
+        assert present.index(label) == then.index(label)
+    assert present.index("❚❚") == then.index("◀")
+
+
+@pytest.mark.parametrize("width", [80, 120])
+def test_the_longest_past_is_not_cut_off(width: int) -> None:
+    text = drawn(lake(99_999_999, timeline=past(99_999_999, 876_543_210, 12)), width).rstrip()
+    assert text.endswith("step 99,999,999 of 877M" if width == 80 else "step 99,999,999 of 876,543,210")
+
+
+def test_a_branch_is_named_where_there_are_several() -> None:
+    assert "branch" not in drawn(lake(timeline=past()), 120)
+    assert drawn(lake(timeline=past(branches=2)), 120).startswith(
+        " FrozenLake 4×4 slippery · seed 0 · branch 2  "
+    )
+    wide = drawn(lake(timeline=past(branches=2)), 140)
+    assert wide.startswith(" FrozenLake 4×4 slippery · Q-learning · seed 0 · branch 2  ")
+
+
+def test_running_in_the_past_repeats_what_happened() -> None:
+    text = running(timeline=past(), speed=10.0)
+    assert "▶ replaying" in text
+    assert "38 M/s" in text
+
+
+@pytest.mark.parametrize("width", [80, 100, 120])
+@pytest.mark.parametrize(
+    "why", ["breakpoint: state 6", "the next change of the greedy policy", "the greedy policy is optimal"]
+)
+def test_why_it_paused_is_not_cut_off(why: str, width: int) -> None:
+    for timeline in (Timeline(), past(branches=2)):
+        text = drawn(lake(1_234, paused_by=why, timeline=timeline), width)
+        assert f"❚❚ {why}  " in text
+        assert "step 1,234" in text
+        assert text.startswith((" FrozenLake", "    "))
+        assert f"|| {why}" in drawn(lake(1_234, paused_by=why), width, ascii=True)
+
+
+@pytest.mark.parametrize("width", [80, 120])
+@pytest.mark.parametrize("what", ["the next reward", "the next change of the greedy policy"])
+def test_what_it_runs_until(what: str, width: int) -> None:
+    text = running(width, until=what)
+    assert f"▶ until {what}  " in text
+    assert "step 151,002" in text
+    unknown = running(width, until=what, steps_per_second=None, step=7)
+    assert unknown.index("step") == text.index("step")
+
+
+def test_why_it_paused_is_gone_once_it_runs() -> None:
+    assert "breakpoint" not in running(paused_by="breakpoint: state 6")
+
+
+def test_the_way_to_another_moment_is_told() -> None:
+    message = "replaying from the seed: 12,000 of 100,000 steps, about 3 s"
+    for width in (60, 80, 120):
+        assert message in drawn(lake(phase=Phase.SEEKING, message=message), width)
+    assert "FrozenLake" in drawn(lake(phase=Phase.SEEKING, message=message))
+
+
+def test_a_short_way_changes_nothing() -> None:
+    seeking, paused = (drawn(lake(phase=phase)) for phase in (Phase.SEEKING, Phase.PAUSED))
+    assert seeking == paused
+
+
+def test_a_reason_longer_than_the_row_is_shortened() -> None:
+    long = "no policy can be told to be optimal: this environment has no transition table to work it out from"
+    assert drawn(lake(paused_by=long)).rstrip().endswith("…")
+    assert drawn(lake(paused_by=long), ascii=True).isascii()
+    assert long in drawn(lake(paused_by=long), 120)

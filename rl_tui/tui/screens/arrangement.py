@@ -11,6 +11,7 @@ from rl_tui.worlds.drawing import Arms, Drawing, Grid
 
 WORLD: Final = "world"
 CURVE: Final = "curve"
+TIMELINE: Final = "timeline"
 TABLE: Final = "table"
 BUDGET: Final = "budget"
 CONTROLS: Final = "controls"
@@ -23,7 +24,8 @@ _BORDERS = 2
 _LOOP_ROWS = 8  # the six lines of the controls, or of the last step, and their borders
 _BUDGET_ROWS = 6
 _LINES_BELOW = 3  # compact: sliders, settings, last step; a line each, without borders
-_LEAST_CURVE = 12
+_LEAST_CURVE = 11
+_TIMELINE_ROWS = 1
 _USUAL_TABLE = 15
 
 
@@ -43,6 +45,8 @@ def is_roomy(size: Size) -> bool:
 
 def arrangement(size: Size, shape: Shape, zoomed: str | None = None) -> dict[str, Region]:
     """Return the region of each panel by its id; panels that are not shown are left out."""
+    if zoomed in (CURVE, TIMELINE):
+        return _curve_and_timeline(0, size.width, size.height)
     if zoomed is not None:
         return {zoomed: Region(0, 0, size.width, size.height)}
     return _roomy(size, shape) if is_roomy(size) else _compact(size, shape)
@@ -51,7 +55,8 @@ def arrangement(size: Size, shape: Shape, zoomed: str | None = None) -> dict[str
 def _compact(size: Size, shape: Shape) -> dict[str, Region]:
     width, height = size
     left, body = round(width * 42 / 80), max(0, height - _LINES_BELOW)
-    world = _world_rows(shape, body, least_curve=max(5, body * 7 // 19))
+    rows = max(0, body - _TIMELINE_ROWS)
+    world = _world_rows(shape, rows, least_curve=max(5, rows * 7 // 19))
     regions = _left_column(left, world, body) | _right_column(shape, left, width - left, body)
     regions[CONTROLS] = Region(0, body, width, 2)
     regions[INSPECTOR] = Region(0, body + 2, width, 1)
@@ -64,12 +69,12 @@ def _roomy(size: Size, shape: Shape) -> dict[str, Region]:
     table = shape.table_rows + 1 + _BORDERS
     if table > height - 2 * _LOOP_ROWS:
         body = height - _LOOP_ROWS
-        world = _world_rows(shape, body, least_curve=_LEAST_CURVE)
+        world = _world_rows(shape, body - _TIMELINE_ROWS, least_curve=_LEAST_CURVE)
         regions = _left_column(left, world, body) | _right_column(shape, left, width - left, body)
         regions[CONTROLS] = Region(0, body, left, _LOOP_ROWS)
         regions[INSPECTOR] = Region(left, body, width - left, _LOOP_ROWS)
         return regions
-    world = _world_rows(shape, height, least_curve=_LEAST_CURVE)
+    world = _world_rows(shape, height - _TIMELINE_ROWS, least_curve=_LEAST_CURVE)
     regions = _left_column(left, world, height)
     table = min(max(table, min(world, _USUAL_TABLE)), height - 2 * _LOOP_ROWS - _budget_rows(shape))
     y = 0
@@ -86,7 +91,15 @@ def _roomy(size: Size, shape: Shape) -> dict[str, Region]:
 
 
 def _left_column(width: int, world: int, height: int) -> dict[str, Region]:
-    return {WORLD: Region(0, 0, width, world), CURVE: Region(0, world, width, height - world)}
+    return {WORLD: Region(0, 0, width, world)} | _curve_and_timeline(world, width, height - world)
+
+
+def _curve_and_timeline(y: int, width: int, height: int) -> dict[str, Region]:
+    curve = max(0, height - _TIMELINE_ROWS)
+    return {
+        CURVE: Region(0, y, width, curve),
+        TIMELINE: Region(0, y + curve, width, height - curve),
+    }
 
 
 def _right_column(shape: Shape, x: int, width: int, height: int) -> dict[str, Region]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from textual import events
 from textual.app import ComposeResult
 from textual.containers import Container
 from textual.geometry import NULL_OFFSET, NULL_SPACING, Size
@@ -12,12 +13,14 @@ from textual.widgets import Static
 from rl_tui.lab.recipe import Recipe
 from rl_tui.lab.snapshot import Phase, Snapshot
 from rl_tui.lab.windows import Sight
+from rl_tui.tui.pointing import Pointed
 from rl_tui.tui.screens.arrangement import (
     BUDGET,
     CONTROLS,
     CURVE,
     INSPECTOR,
     TABLE,
+    TIMELINE,
     WORLD,
     Shape,
     arrangement,
@@ -28,6 +31,7 @@ from rl_tui.tui.widgets.controls import Controls
 from rl_tui.tui.widgets.curve import ReturnCurve
 from rl_tui.tui.widgets.inspector import Inspector
 from rl_tui.tui.widgets.q_table import QTable
+from rl_tui.tui.widgets.timeline import HINTS, TimelineBar
 from rl_tui.tui.world_views import WorldView, world_view
 
 
@@ -44,6 +48,7 @@ class Board(Container):
         self.table = QTable(look, id=TABLE, classes="panel")
         self.curve = ReturnCurve(look, id=CURVE, classes="panel")
         self.curve.can_focus = True
+        self.timeline = TimelineBar(look, id=TIMELINE)
         self.budget = BudgetPanel(look, id=BUDGET, classes="panel")
         self.controls = Controls(look, recipe, id=CONTROLS, classes="panel")
         self.inspector = Inspector(look, id=INSPECTOR, classes="panel")
@@ -57,6 +62,7 @@ class Board(Container):
         yield preparing
         yield self.table
         yield self.curve
+        yield self.timeline
         yield self.budget
         yield self.controls
         yield self.inspector
@@ -71,6 +77,7 @@ class Board(Container):
         self.reveal(revealed or snapshot.phase is Phase.SPENT)
         for panel in (self.world, self.table, self.curve, self.budget, self.controls, self.inspector):
             panel.show(snapshot)
+        self.timeline.show(snapshot)
         world = snapshot.world
         shape = Shape(world.drawing, self.table.rows, world.space.pairs)
         if shape != self._arrangement.shape:
@@ -82,6 +89,21 @@ class Board(Container):
         for panel in (self.world, self.table, self.curve, self.budget):
             if panel is not None:
                 panel.revealed = revealed
+
+    def on_descendant_focus(self, event: events.DescendantFocus) -> None:
+        """Write the keys of the timeline, which has no border, on that of the curve above it."""
+        self.curve.hints = HINTS if event.widget is self.timeline else ()
+
+    def on_descendant_blur(self) -> None:
+        """Take them away."""
+        self.curve.hints = ()
+
+    def on_pointed(self, event: Pointed) -> None:
+        """Show in the table where the world's cursor stands, and in the world where the table's does."""
+        event.stop()
+        for panel in (self.table, self.world):
+            if panel is not None and panel is not event.panel:
+                panel.point_at(event.pairs)
 
     @property
     def sight(self) -> Sight:

@@ -26,7 +26,8 @@ _PANELS: Final = (
         "none where nothing is known yet; ◉ is the agent, ● a hole, ▓ a cliff, ★ the goal, S the start. In "
         "a graph each edge names action, probability and reward, and the greedy action is bold. An arm of a "
         "bandit shows its estimate ± its standard error, the standard deviation that the noise of the "
-        "rewards leaves in it. ▸ marks the greedy arm, ◉ the last pull.",
+        "rewards leaves in it. ▸ marks the greedy arm, ◉ the last pull. In focus it has a cursor, as the "
+        "table has; the place where one stands is marked in the other.",
     ),
     (
         "Q",
@@ -42,6 +43,13 @@ _PANELS: Final = (
         "undiscounted return of the policy that is best for the γ in force. At a smaller γ another policy "
         "can collect more undiscounted return than that one. Once something is learned, the gap between "
         "episodes and greedy policy is mostly what exploring costs.",
+    ),
+    (
+        "Timeline",
+        "The row below the curve is what was run so far, from step 0 to the end of the branch; the handle is "
+        "the moment that every panel shows. b, B and g go back, and so do the arrows (tab to the row), a "
+        "click or a drag. To play on from there repeats what happened; to change something begins a branch, "
+        "and j goes back to the other. ◆ is a change, ╍ steps taken by hand, ┻ where the branch began.",
     ),
     (
         "Budget",
@@ -81,8 +89,21 @@ _PANELS: Final = (
         "error, the optimum and planners are missing; everything else is the same.",
     ),
     (
+        "Breakpoints",
+        "k sets one where the cursor is, on a state in the world or on a pair in the table; an arm of a "
+        "bandit is a pair. ! marks it, and the run pauses each time the state is reached or the pair taken. "
+        "u lists them all, and what else a run may be run until.",
+    ),
+    (
+        "You",
+        "y makes you the agent: the arrows take the action of their direction, digits the first, second … "
+        "of the actions that the border of the world lists. The agent learns from what you do as from its "
+        "own steps; s lets it take one in between. y or esc hands back.",
+    ),
+    (
         "Focus",
-        "tab and shift+tab go from panel to panel; arrows scroll the one in focus, and f shows it alone.",
+        "tab and shift+tab go from panel to panel; arrows move the cursor of world and table, which scroll "
+        "with it, and f shows the panel in focus alone.",
     ),
 )
 _LEFT = 11

@@ -18,7 +18,7 @@ from rl_tui.tui.actions import ORDINALS, Place, bindings_of
 from rl_tui.tui.pacing import Pacer
 from rl_tui.tui.screens.board import Board
 from rl_tui.tui.screens.export_stage import ExportStage
-from rl_tui.tui.screens.hand_stage import HandStage
+from rl_tui.tui.screens.hand_stage import HAND_BINDINGS, HandStage
 from rl_tui.tui.screens.help import HelpScreen
 from rl_tui.tui.screens.lane_stage import LaneStage
 from rl_tui.tui.screens.microscope_stage import MicroscopeStage
@@ -38,7 +38,7 @@ class Playground(TimeStage, UntilStage, HandStage, LaneStage, MicroscopeStage, S
     """One run: what it looks like and what may be done with it."""
 
     CSS_PATH = "playground.tcss"
-    BINDINGS: ClassVar[list[BindingType]] = bindings_of(Place.PLAYGROUND)
+    BINDINGS: ClassVar[list[BindingType]] = [*bindings_of(Place.PLAYGROUND), *HAND_BINDINGS]
     AUTO_FOCUS = ""
     place = Place.PLAYGROUND
 
@@ -82,6 +82,8 @@ class Playground(TimeStage, UntilStage, HandStage, LaneStage, MicroscopeStage, S
 
     def send(self, command: Command) -> None:
         """Ask the player for something; its answer is drawn without waiting for the next frame."""
+        self.sent += 1
+        self.note_sent(command)
         self.player.send(command)
         self._pacer.hurry()
 
@@ -103,9 +105,11 @@ class Playground(TimeStage, UntilStage, HandStage, LaneStage, MicroscopeStage, S
             self.post_message(self.Left(self.recipe, fault))
 
     def _draw(self, snapshot: Snapshot) -> None:
-        self.snapshot = snapshot
+        before, self.snapshot = self.snapshot, snapshot
+        self.follow_time(before, snapshot)
         with self.app.batch_update():
             self.query_one(StatusLine).show(snapshot)
+            self.show_hand(snapshot)
             self.board.show(snapshot, revealed=self._revealed)
             if self._model is not None:
                 self._model.show(snapshot)

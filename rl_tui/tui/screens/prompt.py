@@ -15,14 +15,18 @@ Reader = Callable[[str], float | str]
 
 
 class Prompt(Dialog[float | str]):
-    """One line to type a value into. Answers the value that ``read`` makes of it; escape answers None."""
+    """One line to type a value into. Answers the value that ``read`` makes of it; escape answers None.
 
-    def __init__(self, title: str, hint: str, value: str, read: Reader) -> None:
+    ``does`` is what enter does with it, in a word.
+    """
+
+    def __init__(self, title: str, hint: str, value: str, read: Reader, does: str = "set") -> None:
         super().__init__()
         self._title = title
         self._hint = hint
         self._value = value
         self._read = read
+        self._does = does
 
     def compose(self) -> ComposeResult:
         """Yield the line, the sentence about it, and room for a fault."""
@@ -31,7 +35,7 @@ class Prompt(Dialog[float | str]):
             yield Static(self._hint, classes="hint", markup=False)
             yield Static("", classes="error", markup=False)
         box.border_title = self._title
-        box.border_subtitle = "enter: set   esc: close"
+        box.border_subtitle = f"enter: {self._does}   esc: close"
 
     def on_input_changed(self, event: Input.Changed) -> None:
         """Tell what is wrong while it is typed."""

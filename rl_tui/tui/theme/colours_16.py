@@ -42,6 +42,7 @@ DARK: Final = Palette(
     slider_rest=Style.parse("dim"),
     slider_thumb=Style.parse("bold"),
     focus=Style.parse("bold black on bright_yellow"),
+    breakpoint=Style.parse("bold black on bright_red"),
 )
 
 LIGHT: Final = Palette(
@@ -75,4 +76,5 @@ LIGHT: Final = Palette(
     slider_rest=Style.parse("dim"),
     slider_thumb=Style.parse("bold"),
     focus=Style.parse("bold black on bright_yellow"),
+    breakpoint=Style.parse("bold black on bright_red"),
 )

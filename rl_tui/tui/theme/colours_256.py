@@ -59,6 +59,7 @@ DARK: Final = Palette(
     slider_rest=Style.parse("color(241)"),
     slider_thumb=Style.parse("bold color(231)"),
     focus=Style.parse("bold color(16) on color(212)"),
+    breakpoint=Style.parse("bold color(231) on color(160)"),
 )
 
 LIGHT: Final = Palette(
@@ -108,4 +109,5 @@ LIGHT: Final = Palette(
     slider_rest=Style.parse("color(246)"),
     slider_thumb=Style.parse("bold color(16)"),
     focus=Style.parse("bold color(231) on color(125)"),
+    breakpoint=Style.parse("bold color(231) on color(160)"),
 )

@@ -39,4 +39,5 @@ ANY: Final = Palette(
     slider_rest=Style.parse("dim"),
     slider_thumb=Style.parse("bold"),
     focus=Style.parse("underline reverse"),
+    breakpoint=Style.parse("bold underline reverse"),
 )

@@ -63,6 +63,7 @@ DARK: Final = Palette(
     slider_rest=Style.parse("#56636f"),
     slider_thumb=Style.parse("bold #f4f8fa"),
     focus=Style.parse("bold #1a0014 on #ff86d6"),
+    breakpoint=Style.parse("bold #ffffff on #c2183a"),
 )
 
 LIGHT: Final = Palette(
@@ -120,4 +121,5 @@ LIGHT: Final = Palette(
     slider_rest=Style.parse("#a0a8ae"),
     slider_thumb=Style.parse("bold #05080b"),
     focus=Style.parse("bold #ffffff on #a8106e"),
+    breakpoint=Style.parse("bold #ffffff on #c2183a"),
 )

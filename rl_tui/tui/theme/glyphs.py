@@ -27,11 +27,16 @@ class Glyphs:
     lit_left: str  # frames the cell that was just updated, when it is greedy too
     lit_right: str
     cursor: str
+    breakpoint: str
     track_done: str  # slider
     track_rest: str
     thumb: str
+    change_mark: str  # timeline: a setting was changed, steps were taken by hand, the branch begins
+    hand_mark: str
+    fork_mark: str
     running: str  # status
     paused: str
+    past: str
     stopped: str
     bar: str
     axis_vertical: str
@@ -88,11 +93,16 @@ UNICODE: Final = Glyphs(
     lit_left="▐",
     lit_right="▌",
     cursor="▸",
+    breakpoint="!",
     track_done="━",
     track_rest="─",
     thumb="●",
+    change_mark="◆",
+    hand_mark="╍",
+    fork_mark="┻",
     running="▶",
     paused="❚❚",
+    past="◀",
     stopped="■",
     bar="█",
     axis_vertical="│",
@@ -138,11 +148,16 @@ ASCII: Final = Glyphs(
     lit_left="{",
     lit_right="}",
     cursor=">",
+    breakpoint="!",
     track_done="=",
     track_rest="-",
     thumb="o",
+    change_mark="+",
+    hand_mark=":",
+    fork_mark="Y",
     running=">",
     paused="||",
+    past="<",
     stopped="#",
     bar="#",
     axis_vertical="|",

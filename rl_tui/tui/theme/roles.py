@@ -16,9 +16,9 @@ class Palette:
 
     ``values`` goes from low to high, ``signed`` (of odd length) from negative through 0 to positive; both
     have a ground and a readable foreground where the depth has colours for it. ``unvisited`` is for estimates
-    that were never updated, which must not look like a zero. ``agent`` and ``updated`` bring their own
-    ground, so that they may be laid over any cell; the other roles are foregrounds for the ground of the
-    panel. ``lane_1`` to ``lane_4`` are those of the lines of runs side by side.
+    that were never updated, which must not look like a zero. ``agent``, ``updated`` and ``breakpoint`` bring
+    their own ground, so that they may be laid over any cell; the other roles are foregrounds for the ground
+    of the panel. ``lane_1`` to ``lane_4`` are those of the lines of runs side by side.
     """
 
     name: str
@@ -51,6 +51,7 @@ class Palette:
     slider_rest: Style
     slider_thumb: Style
     focus: Style
+    breakpoint: Style
 
     @property
     def lanes(self) -> tuple[Style, ...]:

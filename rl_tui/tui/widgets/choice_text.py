@@ -14,6 +14,8 @@ from rl_tui.tui.widgets.update_text import setting
 
 def choice_text(snapshot: Snapshot, last: LastStep, glyphs: Glyphs) -> tuple[str, str]:
     """Return how the action came about, in full and in short."""
+    if last.by_hand:
+        return "you chose it", "by you"
     _, told_by = snapshot.learned_by
     rule = RULE_BY_ID[told_by.policy]
     if "epsilon" in rule.parameters:

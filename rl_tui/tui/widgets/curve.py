@@ -7,6 +7,7 @@ from typing import Final
 from textual.strip import Strip
 
 from rl_tui.lab.snapshot import Snapshot
+from rl_tui.tui.same_run import is_another_run
 from rl_tui.tui.speeds import passes_too_fast
 from rl_tui.tui.theme.look import Look
 from rl_tui.tui.widgets.chart import draw_chart, plot_columns
@@ -23,16 +24,30 @@ _ROOM_FOR_REMARK: Final = 10  # rows; with fewer the remark goes into the border
 
 
 class ReturnCurve(Panel):
-    """The curve of a run. Its vertical axis changes in steps only, and starts afresh with a new run."""
+    """The curve of a run. Its vertical axis changes in steps only, and starts afresh with a new run.
+
+    ``hints`` are ways to write keys, the longest first, that stand on the border in place of all else.
+    """
 
     def __init__(self, look: Look, *, id: str | None = None, classes: str | None = None) -> None:  # noqa: A002
         super().__init__(look, id=id, classes=classes)
         self._scale: Scale | None = None
+        self._hints: tuple[str, ...] = ()
+
+    @property
+    def hints(self) -> tuple[str, ...]:
+        """The keys on the border, empty for none."""
+        return self._hints
+
+    @hints.setter
+    def hints(self, hints: tuple[str, ...]) -> None:
+        if hints != self._hints:
+            self._hints = hints
+            self.redraw()
 
     def show(self, snapshot: Snapshot) -> None:
-        """Draw ``snapshot``; one that stands earlier than the last one, yet not in its past, is a new run."""
-        is_earlier = self.snapshot is not None and snapshot.step < self.snapshot.step
-        if is_earlier and not snapshot.timeline.in_past:
+        """Draw ``snapshot``; the past of a run has the same axis as its present."""
+        if is_another_run(self.snapshot, snapshot):
             self._scale = None
         super().show(snapshot)
 
@@ -42,12 +57,12 @@ class ReturnCurve(Panel):
             self.heading = self.fitting(titles(None, self.look.glyphs, 2, width), width)
             return strips_of([[Piece(f" {WAITING}", self.look.palette.dim)]], width, height, self.look)
         data = curve_data(snapshot, revealed=self.tells_all)
-        self._scale = settled(self._scale, *data.range)
+        self._scale = settled(self._scale, *data.range, may_shrink=not snapshot.timeline.in_past)
         decimals = decimals_for(self._scale.low, self._scale.high)
         in_border = height < _ROOM_FOR_REMARK
         heads, words = self._words(snapshot, data, self._scale, width, in_border)
         self.heading, said = self.fitting(heads, width), self.fitting(words, width)
-        self.footing = said if in_border else ""
+        self.footing = self.fitting(self.hints, width) or (said if in_border else "")
         if not said or in_border:
             return draw_chart(data, self._scale, self.look, decimals, width, height)
         line = [Piece(f"    {said}", self.look.palette.dim)]

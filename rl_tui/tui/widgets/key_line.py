@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from rich.cells import cell_len
 from rich.segment import Segment
 from textual import events
 from textual.strip import Strip
 from textual.widget import Widget
 
 from rl_tui.tui.actions import Action, Place, actions_of
+from rl_tui.tui.theme.glyphs import Glyphs
 from rl_tui.tui.theme.look import Look
 from rl_tui.tui.written import written
 
@@ -45,8 +47,16 @@ def _columns(action: Action) -> int:
     return len(keys) + 1 + len(label)
 
 
+def _line_columns(hints: Sequence[tuple[str, str]], gap: int, glyphs: Glyphs) -> int:
+    texts = [written(f"{keys} {label}", glyphs) for keys, label in hints]
+    return 1 + sum(map(cell_len, texts)) + gap * (len(texts) - 1)
+
+
 class KeyLine(Widget):
-    """Key hints of the screen it stands on; a click on one does it."""
+    """Key hints of the screen it stands on; a click on one does it.
+
+    ``hints`` are keys and words to show in their place, as many as fit, while a mode has keys of its own.
+    """
 
     def __init__(
         self,
@@ -59,14 +69,27 @@ class KeyLine(Widget):
         super().__init__(id=id, classes=classes)
         self.look = look
         self._place = place
+        self._hints: tuple[tuple[str, str], ...] = ()
+
+    @property
+    def hints(self) -> tuple[tuple[str, str], ...]:
+        """What is shown in place of the screen's own hints; empty: those."""
+        return self._hints
+
+    @hints.setter
+    def hints(self, hints: tuple[tuple[str, str], ...]) -> None:
+        self._hints = hints
+        self.refresh()
 
     def render_line(self, y: int) -> Strip:
         """Draw the line."""
         palette, glyphs = self.look.palette, self.look.glyphs
         shown, gap = fitting(self._place, self.size.width)
+        hints = [action.key_hint for action in shown]
+        if self.hints:
+            hints, gap = self._fitting_hints(), _GAPS[1]
         segments = [Segment(" ", palette.text)]
-        for number, action in enumerate(shown):
-            keys, label = action.key_hint
+        for number, (keys, label) in enumerate(hints):
             segments += [
                 Segment(" " * gap if number else "", palette.text),
                 Segment(written(keys, glyphs), palette.accent),
@@ -75,8 +98,17 @@ class KeyLine(Widget):
         strip = Strip(segments).adjust_cell_length(self.size.width, palette.text)
         return strip.apply_style(self.rich_style)
 
+    def _fitting_hints(self) -> list[tuple[str, str]]:
+        """Return the hints of the mode; where not all fit, the last but one goes first."""
+        hints = list(self.hints)
+        while len(hints) > 1 and _line_columns(hints, _GAPS[1], self.look.glyphs) > self.size.width:
+            hints.pop(-2)
+        return hints
+
     async def on_click(self, event: events.Click) -> None:
         """Do what the hint under the pointer says."""
+        if self.hints:
+            return
         shown, gap = fitting(self._place, self.size.width)
         column = 1
         for action in shown:

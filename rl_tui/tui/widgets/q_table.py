@@ -12,6 +12,7 @@ from textual.strip import Strip
 
 from rl_tui.lab.snapshot import Snapshot
 from rl_tui.lab.windows import Stretch, followed_state, is_large
+from rl_tui.tui.pointing import NOWHERE, Pointed
 from rl_tui.tui.scrolling import Scrolled
 from rl_tui.tui.theme.look import Look
 from rl_tui.tui.widgets.panel import Panel
@@ -89,6 +90,7 @@ class QTable(Panel, can_focus=True):
         self.heading = "Q"
         self._layer = Layer.Q
         self._following = True
+        self._pointed = NOWHERE
         self._first = 0
         self._world: TableWorld | None = None
         self._sheet: Sheet | None = None
@@ -139,7 +141,7 @@ class QTable(Panel, can_focus=True):
         if sheet is None or self.snapshot is None:
             return None
         most = sheet.shown * len(self.snapshot.world.space.action_names)
-        return Stretch(most, None if self._following else sheet.pairs.start)
+        return Stretch(most, sheet.pairs.start if self._pointed or not self._following else None)
 
     @property
     def is_complete(self) -> bool:
@@ -163,7 +165,7 @@ class QTable(Panel, can_focus=True):
     def show(self, snapshot: Snapshot) -> None:
         """Draw ``snapshot``; in another world the table starts at its top and follows the agent."""
         if self.snapshot is not None and self.snapshot.world.space is not snapshot.world.space:
-            self.cursor_pair, self._following, self._first = None, True, 0
+            self.cursor_pair, self._following, self._first, self._pointed = None, True, 0, NOWHERE
         super().show(snapshot)
 
     def picture(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
@@ -177,10 +179,13 @@ class QTable(Panel, can_focus=True):
             return self._message(snapshot, width, height)
         form, scene = self._form(snapshot, width, height)
         self._sheet = sheet = Sheet(form, scene, width, height)
-        sheet.scroll(self._first, _followed(snapshot) if self._following else None)
+        if self._pointed:
+            sheet.scroll_to(self._first, self._pointed.start)
+        else:
+            sheet.scroll(self._first, _followed(snapshot) if self._following else None)
         self._first = sheet.first
         self.heading = self._heading(snapshot, _size_in_words(scene, form), width)
-        self.footing = self._footing(width, sheet.is_scrolled)
+        self.footing = self._footing(width, sheet.is_scrolled and not self._pointed)
         return sheet.strips(self._cache)
 
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
@@ -189,7 +194,7 @@ class QTable(Panel, can_focus=True):
 
     def action_move(self, rows: int, columns: int) -> None:
         """Move the cursor; the first move starts where the agent is."""
-        pair = self._cursor()
+        pair = self.shown_cursor
         if self._sheet is not None and pair is not None:
             self._put_cursor(self._sheet.form.moved(pair, rows, columns))
 
@@ -208,6 +213,7 @@ class QTable(Panel, can_focus=True):
         self.cursor_pair, self._following = None, True
         self.redraw()
         self.post_message(self.CursorMoved(None))
+        self._tell()
 
     def on_click(self, event: events.Click) -> None:
         """Put the cursor on the cell under the pointer."""
@@ -230,6 +236,19 @@ class QTable(Panel, can_focus=True):
         """Show or hide the cursor."""
         super().watch_has_focus(has_focus)
         self.redraw()
+        self._tell()
+
+    def point_at(self, pairs: range) -> None:
+        """Show where the cursor of another panel stands; no pairs: it has none."""
+        if pairs != self._pointed:
+            self._pointed = pairs
+            self.redraw()
+
+    def _tell(self) -> None:
+        """Tell other panels where the cursor stands."""
+        if self.is_attached:
+            pair = self.cursor_pair if self.has_focus else None
+            self.post_message(Pointed(self, NOWHERE if pair is None else range(pair, pair + 1)))
 
     def _scroll_by(self, rows: int, event: events.MouseEvent) -> None:
         if self._sheet is not None and self._sheet.is_scrolled:
@@ -245,9 +264,14 @@ class QTable(Panel, can_focus=True):
             self._first = self._sheet.first
         self.redraw()
         self.post_message(self.CursorMoved(pair))
+        self._tell()
 
-    def _cursor(self) -> int | None:
-        """Return the pair of the cursor: without one, the first of the agent's state, or of the table."""
+    @property
+    def shown_cursor(self) -> int | None:
+        """The pair of the cursor: until it is moved the first of the agent's state, or of the table.
+
+        None before the first snapshot.
+        """
         if self.cursor_pair is not None or self.snapshot is None:
             return self.cursor_pair
         world = self._world_of(self.snapshot)
@@ -284,9 +308,11 @@ class QTable(Panel, can_focus=True):
             layer=self.shown_layer,
             state=snapshot.state,
             last_pair=None if snapshot.last is None else snapshot.last.pair,
-            cursor=self._cursor() if self.has_focus else None,
+            cursor=self.shown_cursor if self.has_focus else None,
             is_secret=is_secret(snapshot, self.revealed),
             look=self.look,
+            breakpoints=snapshot.breakpoints,
+            pointed=self._pointed,
         )
 
     def _message(self, snapshot: Snapshot, width: int, height: int) -> list[Strip]:

@@ -3,24 +3,28 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Final, Protocol
 
 from rich.cells import cell_len
 from rich.segment import Segment
 
+from rl_tui.lab.until import Breakpoints
+from rl_tui.tui.pointing import NOWHERE
 from rl_tui.tui.theme.look import Look
 from rl_tui.tui.widgets.q_table_layers import Figures, Layer
 from rl_tui.tui.widgets.q_table_world import TableWorld
 
 Pieces = list[Segment]
+NO_BREAKPOINTS: Final = Breakpoints()
 
 
 @dataclass(frozen=True, slots=True)
 class Scene:
     """What is drawn: the figures of each layer that can be shown, the agent's state and the cursor's pair.
 
-    ``last_pair`` is the pair taken last. ``cursor`` is None where no cursor is to be seen. ``is_secret`` says
-    that the means of a bandit are hidden.
+    ``last_pair`` is the pair taken last. ``cursor`` is None where no cursor is to be seen; ``pointed`` are
+    the pairs on which the cursor of another panel stands, or none. ``is_secret`` says that the means of a
+    bandit are hidden.
     """
 
     world: TableWorld
@@ -31,11 +35,20 @@ class Scene:
     cursor: int | None
     is_secret: bool
     look: Look
+    breakpoints: Breakpoints = NO_BREAKPOINTS
+    pointed: range = NOWHERE
 
     @property
     def shown(self) -> Figures:
         """The figures of the layer in force."""
         return self.figures[self.layer]
+
+    def state_mark(self, state: int) -> Segment:
+        """Return the mark before a state: of the agent, of a breakpoint, or of both, or a blank."""
+        palette, glyphs = self.look.palette, self.look.glyphs
+        if state in self.breakpoints.states:
+            return Segment(glyphs.agent if state == self.state else glyphs.breakpoint, palette.breakpoint)
+        return Segment(glyphs.agent, palette.agent) if state == self.state else Segment(" ", palette.text)
 
 
 class Form(Protocol):
@@ -78,7 +91,8 @@ class Form(Protocol):
 def boxed(scene: Scene, figures: Figures, pair: int, width: int, digits: int, is_greedy: bool) -> Pieces:
     """Return the cell of ``pair``: a number of up to ``digits`` cells amid ``width`` ones, between marks.
 
-    Marks stand on the ground of the panel, so that they are seen beside every tint.
+    Marks stand on the ground of the panel, so that they are seen beside every tint; a breakpoint takes the
+    place of the left one.
     """
     palette, glyphs = scene.look.palette, scene.look.glyphs
     if pair == scene.cursor:
@@ -93,7 +107,10 @@ def boxed(scene: Scene, figures: Figures, pair: int, width: int, digits: int, is
         right = glyphs.lit_right if lit else glyphs.mark_right
     if pair == scene.cursor:
         left = glyphs.cursor
-    return [Segment(left, palette.greedy), Segment(number, style), Segment(right, palette.greedy)]
+    mark = Segment(left, palette.greedy)
+    if pair in scene.breakpoints.pairs:
+        mark = Segment(left if pair == scene.cursor else glyphs.breakpoint, palette.breakpoint)
+    return [mark, Segment(number, style), Segment(right, palette.greedy)]
 
 
 def padded(text: str, width: int) -> str:

@@ -6,11 +6,10 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Final
 
+from rich.cells import cell_len
 from rich.segment import Segment
-from rich.style import Style
 
 from rl_tui.tui.canvas import shortened
-from rl_tui.tui.theme.look import Look
 from rl_tui.tui.widgets.q_table_form import Pieces, Scene, aligned_right, boxed, padded
 from rl_tui.tui.widgets.q_table_layers import EXACT_LAYERS, Layer
 from rl_tui.tui.widgets.q_table_world import NO_ROW
@@ -130,21 +129,24 @@ def _pair_columns(scene: Scene, width: int) -> list[Column]:
     state += _widening(len("state") - _STATE_GAP + 1 - state, room - state - action)
     action += _widening(len("action") - action, room - state - action)
 
-    def agent(pair: int, is_new: bool) -> Pieces:
-        return _mark(
-            look.glyphs.agent, look.palette.agent, is_new and world.state_of(pair) == scene.state, look
-        )
+    def mark(pair: int, is_new: bool) -> Pieces:
+        return [scene.state_mark(world.state_of(pair)) if is_new else Segment(" ", look.palette.text)]
 
     def state_name(pair: int, is_new: bool) -> Pieces:
         name = world.state_name(world.state_of(pair), state) if is_new else ""
-        return [Segment(padded(name, state + _STATE_GAP), look.palette.strong)]
+        pointed = bool(name) and pair in scene.pointed
+        style = look.palette.focus if pointed else look.palette.strong
+        return [
+            Segment(name, style),
+            Segment(padded("", state + _STATE_GAP - cell_len(name)), look.palette.text),
+        ]
 
     def action_name(pair: int, _: bool) -> Pieces:
         name = shortened(world.action_names[world.action_of(pair)], action, look.glyphs.ellipsis)
         return [Segment(padded(name, action + 1), look.palette.text)]
 
     return [
-        Column("", 1, 1, agent),
+        Column("", 1, 1, mark),
         Column(shortened("state", state + _STATE_GAP - 1, ""), state + _STATE_GAP, 2, state_name),
         Column(shortened("action", action, ""), action + 1, 1, action_name),
         *_value_columns(scene, values),
@@ -161,11 +163,14 @@ def _arm_columns(scene: Scene, width: int) -> list[Column]:
         exact = [layer for layer in exact if layer is in_force]
 
     def last(pair: int, _: bool) -> Pieces:
-        return _mark(look.glyphs.cursor, look.palette.accent, pair == scene.last_pair, look)
+        if pair == scene.last_pair:
+            return [Segment(look.glyphs.cursor, look.palette.accent)]
+        return [Segment(" ", look.palette.text)]
 
     def arm(pair: int, _: bool) -> Pieces:
         name = aligned_right(world.action_names[world.action_of(pair)], label)
-        return [Segment(f"{name} ", look.palette.text)]
+        style = look.palette.focus if pair in scene.pointed else look.palette.text
+        return [Segment(name, style), Segment(" ", look.palette.text)]
 
     def secret(_: int, __: bool) -> Pieces:
         hidden = "..." if look.glyphs.name == "ascii" else "···"
@@ -254,10 +259,6 @@ def _share_column(scene: Scene, width: int) -> Column:
         return [Segment(padded(text, width), look.palette.slider_done)]
 
     return Column(" share", width, 4, draw)
-
-
-def _mark(glyph: str, style: Style, is_here: bool, look: Look) -> Pieces:
-    return [Segment(glyph, style)] if is_here else [Segment(" ", look.palette.text)]
 
 
 def _right(text: str, width: int) -> str:

@@ -69,9 +69,11 @@ class MatrixForm:
         pairs = world.space.pairs_of(state)
         here = state == scene.state
         name = aligned_right(world.state_name(state, self.label), self.label)
+        style = palette.strong if here else palette.dim
         pieces = [
-            Segment(scene.look.glyphs.agent, palette.agent) if here else Segment(" ", palette.text),
-            Segment(f"{name} ", palette.strong if here else palette.dim),
+            scene.state_mark(state),
+            Segment(name, palette.focus if scene.pointed == pairs else style),
+            Segment(" ", style),
         ]
         greedy = scene.shown.greedy(pairs)
         digits = min(self.field, MOST_DIGITS)

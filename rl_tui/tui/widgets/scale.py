@@ -41,13 +41,16 @@ def round_scale(low: float, high: float) -> Scale:
     raise AssertionError("a step of five times the range always does")
 
 
-def settled(previous: Scale | None, low: float, high: float) -> Scale:
-    """Return ``previous`` as long as ``low`` .. ``high`` fits into it and does not look lost in it."""
+def settled(previous: Scale | None, low: float, high: float, *, may_shrink: bool = True) -> Scale:
+    """Return ``previous`` as long as ``low`` .. ``high`` fits into it and does not look lost in it.
+
+    Unless it ``may_shrink``, it is kept however lost they look.
+    """
     fresh = round_scale(low, high)
     if previous is None or low < previous.low or high > previous.high:
         return fresh
     lost = fresh.high - fresh.low < _LEAST_SHARE * (previous.high - previous.low)
-    return fresh if lost else previous
+    return fresh if lost and may_shrink else previous
 
 
 def round_range(last: float, share: float, limit: float | None = None) -> float:

@@ -11,6 +11,8 @@ from textual.strip import Strip
 from rl_tui.agents.hyperparameters import SAMPLE_AVERAGE, StepSize
 from rl_tui.lab.bandit import true_means
 from rl_tui.lab.snapshot import Snapshot
+from rl_tui.tui.same_run import is_another_run
+from rl_tui.tui.scrolling import scrolled_to
 from rl_tui.tui.theme.look import Look
 from rl_tui.tui.world_views.arms_drawing import Arm, draw_arms, names_width, rows_an_arm, true_mean_glyph
 from rl_tui.tui.world_views.arms_scale import NO_SCALE, Scale, bound_text, grown, shown_scale
@@ -38,8 +40,8 @@ class ArmsView(WorldView):
     ) -> None:
         super().__init__(world, look, id=id, classes=classes)
         self._scale = NO_SCALE
-        self._step = 0
         self._top = 0
+        self._shown = self._each = 1
         self.heading = HEADINGS[0]
 
     def enter(self, world: World) -> None:
@@ -50,20 +52,24 @@ class ArmsView(WorldView):
         self._mdp = world.mdp
 
     def show(self, snapshot: Snapshot) -> None:
-        """Draw ``snapshot``. The scale only ever widens, until a run starts again."""
-        if snapshot.step < self._step:
+        """Draw ``snapshot``. The scale only ever widens, until another run starts."""
+        if is_another_run(self.snapshot, snapshot):
             self._scale = NO_SCALE
-        self._step = snapshot.step
         super().show(snapshot)
 
     def drawing(self, snapshot: Snapshot, width: int, height: int) -> list[Strip]:
         """Return the bars of the arms from the first in view on, and the axis where a row is left for it."""
-        arms = arms_of(self._mdp, snapshot, true_means_now(self._mdp, snapshot) if self.revealed else None)
+        means = true_means_now(self._mdp, snapshot) if self.revealed else None
+        arms = tuple(
+            arm._replace(cursor=pair == self.shown_cursor, stops=pair in snapshot.breakpoints.pairs)
+            for pair, arm in enumerate(arms_of(self._mdp, snapshot, means))
+        )
         self._scale = grown(self._scale, [value for arm in arms for value in arm.extent()])
         scale = shown_scale(self._scale)
         each = rows_an_arm(len(arms), height)
         shown = min(len(arms), max(1, height // each))
         self._top = max(0, min(self._top, len(arms) - shown))
+        self._shown, self._each = shown, each
         # where no row is left for the axis, its ends are named in the title
         ends = [] if len(arms) * each < height else [f"{form}  {self._ends(scale)}" for form in HEADINGS]
         self.heading = self.fitting([*ends, *HEADINGS], width)
@@ -74,6 +80,40 @@ class ArmsView(WorldView):
         self.footing = self.fitting(("  ".join(parts), *parts), width)
         names = names_width(arms, self.look)
         return draw_arms(arms[self._top : self._top + shown], scale, self.look, width, height, each, names)
+
+    def agent_place(self, snapshot: Snapshot) -> int:
+        """Return the arm pulled last, the first before any pull."""
+        return snapshot.last.pair if snapshot.last is not None and not snapshot.last.planned else 0
+
+    def moved(self, place: int, rows: int, columns: int) -> int:
+        """Return the arm so many rows below."""
+        return max(0, min(place + rows, self.world.space.pairs - 1))
+
+    def place_at(self, x: int, y: int) -> int | None:
+        """Return the arm whose bar is drawn in row ``y``."""
+        place = y // self._each
+        return self._top + place if place < self._shown else None
+
+    def state_at(self, place: int) -> int | None:
+        """Return nothing: an arm is a pair."""
+        return None
+
+    def pairs_at(self, place: int) -> range:
+        """Return the pair that an arm is."""
+        return range(place, place + 1)
+
+    def place_of(self, pair: int) -> int:
+        """Return the arm that is ``pair``."""
+        return pair
+
+    @property
+    def page_size(self) -> tuple[int, int]:
+        """As many arms as are in view."""
+        return self._shown, 1
+
+    def keep_in_view(self, place: int) -> None:
+        """Scroll so far that an arm is seen."""
+        self._top = scrolled_to(self._top, place, self._shown)
 
     def pan(self, rows: int, columns: int) -> None:
         """Scroll by arms."""

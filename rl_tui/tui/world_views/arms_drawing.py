@@ -24,7 +24,10 @@ _VALUES_WIDTH: Final = 18
 
 
 class Arm(NamedTuple):
-    """One arm. ``error`` is None before its first pull, ``mean`` None while the truth is hidden."""
+    """One arm. ``error`` is None before its first pull, ``mean`` None while the truth is hidden.
+
+    ``cursor`` marks the arm the cursor stands on, ``stops`` a breakpoint.
+    """
 
     name: str
     estimate: float
@@ -34,6 +37,8 @@ class Arm(NamedTuple):
     last: bool
     mean: float | None
     best: bool
+    cursor: bool = False
+    stops: bool = False
 
     def extent(self) -> Iterator[float]:
         """Yield the values that the scale has to hold."""
@@ -77,8 +82,8 @@ def draw_arms(
 ) -> list[Strip]:
     """Return the bars of ``arms``, ``each`` rows an arm, and below them the axis where a row is left.
 
-    A row: ▸ where greedy, ◉ where pulled last, the name, the bar; the best arm has a ★ at the end once the
-    truth is shown. Names get ``names`` cells.
+    A row: ▸ where greedy, ◉ where pulled last, the name, a breakpoint, the bar; the best arm has a ★ at the
+    end once the truth is shown. Names get ``names`` cells.
     """
     glyphs, palette = look.glyphs, look.palette
     canvas = Canvas(width, height, palette.text)
@@ -105,7 +110,10 @@ def _draw_head(canvas: Canvas, y: int, arm: Arm, names: int, look: Look) -> None
     if arm.last:
         canvas.put(1, y, glyphs.agent, palette.agent)
     name = shortened(written(arm.name, glyphs), names, glyphs.ellipsis)
-    canvas.put(2 + names - cell_len(name), y, name, palette.greedy if arm.greedy else palette.text)
+    style = palette.focus if arm.cursor else palette.greedy if arm.greedy else palette.text
+    canvas.put(2 + names - cell_len(name), y, name, style)
+    if arm.stops:
+        canvas.put(2 + names, y, glyphs.breakpoint, palette.breakpoint)
 
 
 def _draw_bar(canvas: Canvas, y: int, arm: Arm, plot: _Plot, look: Look) -> None:

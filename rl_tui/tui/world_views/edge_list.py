@@ -10,7 +10,7 @@ from textual.strip import Strip
 from rl_tui.tui import numbers
 from rl_tui.tui.canvas import Canvas
 from rl_tui.tui.theme.look import Look
-from rl_tui.tui.world_views.graph_shape import Action, GraphShape
+from rl_tui.tui.world_views.graph_shape import Action, GraphShape, Signs
 from rl_tui.tui.world_views.state_values import StateValues
 
 _VALUE_WIDTH: Final = 6
@@ -23,7 +23,7 @@ def edge_list_rows(shape: GraphShape) -> int:
 
 
 def draw_edge_list(
-    shape: GraphShape, values: StateValues, agent: int, look: Look, width: int, height: int, top: int
+    shape: GraphShape, values: StateValues, signs: Signs, look: Look, width: int, height: int, top: int
 ) -> list[Strip]:
     """Return one line an action from number ``top`` on: state, V, action with its reward, where it may lead.
 
@@ -38,17 +38,30 @@ def draw_edge_list(
     for y, action in enumerate(shown):
         if y == 0 or shown[y - 1].source != action.source:
             state = action.source
-            if state == agent:
-                canvas.put(0, y, look.glyphs.agent, look.palette.agent)
+            _put_mark(canvas, y, state, signs, look)
             if with_names:
-                canvas.put(1, y, shape.nodes[state].name, look.palette.text + Style(bold=True))
+                style = look.palette.focus if state == signs.cursor else look.palette.text + Style(bold=True)
+                canvas.put(1, y, shape.nodes[state].name, style)
             if with_values:
                 text = numbers.value(values.value[state] or 0.0, _VALUE_WIDTH, look.glyphs, decimals=2)
                 canvas.put(2 + names, y, text.rjust(_VALUE_WIDTH), values.style(state, look))
         greedy = action.pair in values.greedy
         style = look.palette.greedy if greedy else look.palette.text
         canvas.put(x, y, whole_words(edge_text(shape, action, greedy, look), width - x, look), style)
+        if action.pair in signs.breakpoints.pairs:
+            canvas.put(x, y, look.glyphs.breakpoint, look.palette.breakpoint)
     return canvas.strips()
+
+
+def _put_mark(canvas: Canvas, y: int, state: int, signs: Signs, look: Look) -> None:
+    """Put the agent, a breakpoint or the cursor before a state; the agent has the colour of what it is on."""
+    here, palette = state == signs.agent, look.palette
+    if state in signs.breakpoints.states:
+        canvas.put(0, y, look.glyphs.agent if here else look.glyphs.breakpoint, palette.breakpoint)
+    elif state == signs.cursor:
+        canvas.put(0, y, look.glyphs.agent if here else look.glyphs.cursor, palette.focus)
+    elif here:
+        canvas.put(0, y, look.glyphs.agent, palette.agent)
 
 
 def edge_text(shape: GraphShape, action: Action, greedy: bool, look: Look) -> str:

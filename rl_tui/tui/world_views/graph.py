@@ -10,10 +10,11 @@ from textual.strip import Strip
 from rl_tui.lab.snapshot import Snapshot
 from rl_tui.tui import numbers
 from rl_tui.tui.canvas import Canvas, centred, shortened
+from rl_tui.tui.scrolling import scrolled_to
 from rl_tui.tui.theme.look import Look
 from rl_tui.tui.world_views.edge_list import draw_edge_list, edge_list_rows
 from rl_tui.tui.world_views.graph_layout import GraphLayout, graph_layout
-from rl_tui.tui.world_views.graph_shape import GraphShape, Node, graph_shape
+from rl_tui.tui.world_views.graph_shape import GraphShape, Node, Signs, graph_shape
 from rl_tui.tui.world_views.routing import Box
 from rl_tui.tui.world_views.state_values import StateValues, state_values
 from rl_tui.tui.world_views.strokes import BOLD, THIN, Arms, joint
@@ -22,6 +23,7 @@ from rl_tui.worlds.drawing import Graph
 from rl_tui.worlds.world import World
 
 VALUE_WIDTH: Final = 6
+HEADING: Final = "World · bold = greedy"
 END: Final = "end"  # in place of the value of a terminal state
 
 
@@ -38,7 +40,8 @@ class GraphView(WorldView):
     ) -> None:
         super().__init__(world, look, id=id, classes=classes)
         self._top = 0
-        self.heading = "World · bold = greedy"
+        self._layout: GraphLayout | None = None
+        self._height = 1
 
     def enter(self, world: World) -> None:
         """Take ``world`` for the one that is drawn."""
@@ -54,15 +57,48 @@ class GraphView(WorldView):
         if self._shape_glyphs is not self.look.glyphs:
             self._shape = graph_shape(self._mdp, self._graph, self.look.glyphs)
             self._shape_glyphs = self.look.glyphs
+        self.heading = HEADING
         values = state_values(self.world.space, snapshot)
-        layout = graph_layout(self._shape, width, height)
+        signs = Signs(snapshot.state, self.shown_cursor, snapshot.breakpoints)
+        self._layout = layout = graph_layout(self._shape, width, height)
         if layout is not None:
             self.footing = ""
-            return draw_graph(self._shape, layout, values, snapshot.state, self.look, width, height)
+            return draw_graph(self._shape, layout, values, signs, self.look, width, height)
         rows = edge_list_rows(self._shape)
+        self._height = height
         self._top = max(0, min(self._top, rows - height))
         self.footing = f"↑↓ {self._top + 1}–{self._top + height} of {rows}" if rows > height else ""
-        return draw_edge_list(self._shape, values, snapshot.state, self.look, width, height, self._top)
+        return draw_edge_list(self._shape, values, signs, self.look, width, height, self._top)
+
+    def moved(self, place: int, rows: int, columns: int) -> int:
+        """Return the nearest state in that direction, ``place`` itself if there is none.
+
+        In the list of edges it is the state so many places further, of those that are listed.
+        """
+        if self._layout is None:
+            listed = sorted({action.source for action in self._shape.actions} | {place})
+            return listed[max(0, min(listed.index(place) + rows, len(listed) - 1))]
+        here, there = self._shape.nodes[place], {}
+        for state, node in enumerate(self._shape.nodes):
+            right, down = node.column - here.column, node.row - here.row
+            ahead, aside = rows * down + columns * right, abs(rows * right) + abs(columns * down)
+            if ahead > 0:
+                there[state] = ahead + 2 * aside
+        return min(there, key=there.__getitem__, default=place)
+
+    def place_at(self, x: int, y: int) -> int | None:
+        """Return the state whose box or edge is drawn there."""
+        if self._layout is not None:
+            boxes = enumerate(self._layout.boxes)
+            return next((state for state, box in boxes if (x, y) in set(box.cells())), None)
+        line = self._top + y
+        return self._shape.actions[line].source if line < len(self._shape.actions) else None
+
+    def keep_in_view(self, place: int) -> None:
+        """Scroll the list of edges to those of a state."""
+        lines = [line for line, action in enumerate(self._shape.actions) if action.source == place]
+        if lines:
+            self._top = scrolled_to(scrolled_to(self._top, lines[-1], self._height), lines[0], self._height)
 
     def pan(self, rows: int, columns: int) -> None:
         """Scroll the list of edges."""
@@ -77,16 +113,16 @@ def draw_graph(
     shape: GraphShape,
     layout: GraphLayout,
     values: StateValues,
-    agent: int,
+    signs: Signs,
     look: Look,
     width: int,
     height: int,
 ) -> list[Strip]:
-    """Return ``layout`` with the values, the greedy actions and the place of the agent stamped on it."""
+    """Return ``layout`` with the values, the greedy actions, agent, cursor and breakpoints stamped on it."""
     canvas = Canvas(width, height, look.palette.text)
     for state, (node, box) in enumerate(zip(shape.nodes, layout.boxes, strict=True)):
-        _draw_box(canvas, box, node, values, state, state == agent, look)
-    _draw_lines(canvas, layout, values, agent, look)
+        _draw_box(canvas, box, node, values, state, signs, look)
+    _draw_lines(canvas, layout, values, signs.agent, look)
     for fork in layout.forks:
         canvas.put(fork.x, fork.y, look.glyphs.estimate, _edge_style(fork.pair in values.greedy, look))
     heads = (look.glyphs.head_up, look.glyphs.head_right, look.glyphs.head_down, look.glyphs.head_left)
@@ -94,14 +130,20 @@ def draw_graph(
         canvas.put(head.x, head.y, heads[head.direction], _edge_style(head.pair in values.greedy, look))
     for label in layout.labels:
         greedy = label.pair in values.greedy
-        canvas.put(label.x, label.y, label.text, look.palette.greedy if greedy else look.palette.text)
+        style = look.palette.greedy if greedy else look.palette.text
+        if label.pair in signs.breakpoints.pairs:
+            style = look.palette.breakpoint
+        canvas.put(label.x, label.y, label.text, style)
+    for state in signs.breakpoints.states:
+        box = layout.boxes[state]
+        canvas.put(box.x + box.width - 1, box.y, look.glyphs.breakpoint, look.palette.breakpoint)
     return canvas.strips()
 
 
 def _draw_box(
-    canvas: Canvas, box: Box, node: Node, values: StateValues, state: int, agent: bool, look: Look
+    canvas: Canvas, box: Box, node: Node, values: StateValues, state: int, signs: Signs, look: Look
 ) -> None:
-    glyphs, palette = look.glyphs, look.palette
+    glyphs, palette, agent = look.glyphs, look.palette, state == signs.agent
     if node.terminal:
         horizontal, vertical, *corners = tuple(glyphs.double_box)
     else:
@@ -123,7 +165,8 @@ def _draw_box(
         canvas.put(box.x + 1 + start - (2 if start > 1 else 1), first, glyphs.agent, ground + palette.agent)
     value = values.value[state]
     text = END if value is None else numbers.value(value, VALUE_WIDTH, glyphs, decimals=2)
-    canvas.put(box.x + 1, first + 1, centred(text, inner), ground)
+    style = palette.focus if state == signs.cursor else ground
+    canvas.put(box.x + 1, first + 1, centred(text, inner), style)
 
 
 def _border_style(agent: bool, look: Look) -> Style:

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Final, NamedTuple
 
+from rl_tui.lab.until import Breakpoints
 from rl_tui.tui.theme.glyphs import Glyphs
 from rl_tui.tui.written import written
 from rl_tui.worlds.drawing import Graph
@@ -44,6 +45,20 @@ class GraphShape:
 
     nodes: tuple[Node, ...]
     actions: tuple[Action, ...]
+
+
+NO_BREAKPOINTS: Final = Breakpoints()
+
+
+class Signs(NamedTuple):
+    """What is marked in a graph besides its values: the states of agent and cursor, and the breakpoints.
+
+    ``cursor`` is None where no cursor is to be seen.
+    """
+
+    agent: int
+    cursor: int | None = None
+    breakpoints: Breakpoints = NO_BREAKPOINTS
 
 
 def graph_shape(mdp: TabularMDP, graph: Graph, glyphs: Glyphs) -> GraphShape:

@@ -12,7 +12,8 @@ from textual.strip import Strip
 
 from rl_tui.lab.snapshot import Snapshot
 from rl_tui.lab.windows import Cells, is_large
-from rl_tui.tui.scrolling import Scrolled, kept_in_view
+from rl_tui.tui.same_run import is_another_run
+from rl_tui.tui.scrolling import Scrolled, kept_in_view, scrolled_to
 from rl_tui.tui.theme.look import Look
 from rl_tui.tui.world_views.grid_cells import CellArtist
 from rl_tui.tui.world_views.grid_form import LEAST_DIGITS, CellForm, cell_form, digits_needed
@@ -29,7 +30,10 @@ FOLLOW_HINT: Final = "esc: follow the agent"
 
 
 class GridView(WorldView):
-    """A grid world. Where the map is larger than the panel, the part around the agent is drawn."""
+    """A grid world; its places are the cells, row by row.
+
+    Where the map is larger than the panel, the part around the agent is drawn, or that around the cursor.
+    """
 
     def __init__(
         self,
@@ -41,9 +45,11 @@ class GridView(WorldView):
     ) -> None:
         super().__init__(world, look, id=id, classes=classes)
         self._part: Part | None = None
+        self._form: CellForm | None = None
+        self._origin = (0, 0)  # column and row of the first cell's first character
         self._told: Cells | None = None
         self._artist: CellArtist | None = None
-        self._digits, self._step = LEAST_DIGITS, 0
+        self._digits = LEAST_DIGITS
         self.heading = HEADING
 
     def enter(self, world: World) -> None:
@@ -71,32 +77,78 @@ class GridView(WorldView):
         return self.snapshot is None or self._part is None or self._map.holds(self._part, self.snapshot)
 
     @property
-    def is_scrolled(self) -> bool:
-        """Whether it was scrolled by hand and not back."""
-        return not self._following
+    def is_away(self) -> bool:
+        """Whether cursor or view were moved away from the agent, and not back."""
+        return not self._following or super().is_away
+
+    def agent_place(self, snapshot: Snapshot) -> int:
+        """Return the cell the agent is in."""
+        return int(self._map.grid.cell_of_state[snapshot.state])
+
+    def moved(self, place: int, rows: int, columns: int) -> int:
+        """Return the cell so many rows below and columns to the right, or the last one there."""
+        grid = self._map.grid
+        row, column = divmod(place, grid.columns)
+        row, column = max(0, min(row + rows, grid.rows - 1)), max(0, min(column + columns, grid.columns - 1))
+        return row * grid.columns + column
+
+    def place_at(self, x: int, y: int) -> int | None:
+        """Return the cell drawn at column ``x`` of row ``y``."""
+        part, form = self._part, self._form
+        if part is None or form is None:
+            return None
+        row, column = (y - self._origin[1]) // form.height, (x - self._origin[0]) // form.width
+        if not (0 <= row < part.rows and 0 <= column < part.columns):
+            return None
+        return (part.top + row) * self._map.grid.columns + part.left + column
+
+    def state_at(self, place: int) -> int | None:
+        """Return the state of a cell: of several the agent's, else the first; None in a wall."""
+        return self._map.state_at(place, self.snapshot)
+
+    def place_of(self, pair: int) -> int:
+        """Return the cell of the state that owns ``pair``."""
+        return int(self._map.grid.cell_of_state[self.world.space.state_of(pair)])
+
+    @property
+    def page_size(self) -> tuple[int, int]:
+        """As many rows and columns as are in view."""
+        return (1, 1) if self._part is None else (self._part.rows, self._part.columns)
+
+    def keep_in_view(self, place: int) -> None:
+        """Scroll so far that a cell is seen, in a map that is not whole in view."""
+        if self._part is not None and not self._is_whole:
+            row, column = divmod(place, self._map.grid.columns)
+            self._following = False
+            self._top = scrolled_to(self._top, row, self._part.rows)
+            self._left = scrolled_to(self._left, column, self._part.columns)
+
+    def show(self, snapshot: Snapshot) -> None:
+        """Draw ``snapshot``. Its numbers only ever get wider, until another run starts."""
+        if is_another_run(self.snapshot, snapshot):
+            self._digits = LEAST_DIGITS
+        super().show(snapshot)
 
     def drawing(self, snapshot: Snapshot, width: int, height: int) -> list[Strip]:
         """Return the map, or the part of it that fits."""
-        if snapshot.step < self._step:  # another run
-            self._digits = LEAST_DIGITS
-        self._step = snapshot.step
         grid = self._map.grid
         form = cell_form(grid.rows, grid.columns, width, height, self._digits)
         rows, columns = (
             min(grid.rows, max(1, height // form.height)),
             min(grid.columns, max(1, width // form.width)),
         )
-        row, column = divmod(grid.cell_of_state[snapshot.state], grid.columns)
+        row, column = divmod(self.agent_place(snapshot), grid.columns)
         self._top = kept_in_view(self._top, row if self._following else None, rows, grid.rows)
         self._left = kept_in_view(self._left, column if self._following else None, columns, grid.columns)
         self._part = part = Part(self._top, self._left, rows, columns)
-        cells = self._map.contents(part, snapshot)
+        cells = self._map.contents(part, snapshot, self.shown_cursor)
         needed = digits_needed(each.value for each in cells if each.value is not None)
         if needed > self._digits:  # they stay as wide, lest the map jump to and fro
             self._digits = needed
             return self.drawing(snapshot, width, height)
         self.heading = self._title(HEADING if form.has_values else HEADING_WITHOUT_VALUES, width)
         self.footing = self._where(width)
+        self._form, self._origin = form, origin(form, part, width, height)
         return draw_grid(cells, self._artist_for(form), part, width, height)
 
     def redraw(self) -> None:
@@ -113,11 +165,6 @@ class GridView(WorldView):
         self._following = False
         self._top += rows
         self._left += columns
-
-    def page(self, rows: int, columns: int) -> None:
-        """Scroll by as many rows and columns as are in view."""
-        if self._part is not None:
-            self.pan(rows * self._part.rows, columns * self._part.columns)
 
     def follow(self) -> None:
         """Keep the agent in view again."""
@@ -159,6 +206,14 @@ def _stretch(first: int, shown: int, total: int) -> str:
     return f"{first}–{first + shown - 1} of {total:,}"
 
 
+def origin(form: CellForm, part: Part, width: int, height: int) -> tuple[int, int]:
+    """Return column and row at which ``part`` begins, in the middle of width × height characters."""
+    return (
+        max(0, (width - part.columns * form.width) // 2),
+        max(0, (height - part.rows * form.height) // 2),
+    )
+
+
 def draw_grid(
     cells: Sequence[CellContent], artist: CellArtist, part: Part, width: int, height: int
 ) -> list[Strip]:
@@ -170,9 +225,10 @@ def draw_grid(
     shown = [each.value for each in cells if each.value is not None and math.isfinite(each.value)]
     low, high = min(shown, default=0.0), max(shown, default=0.0)
     drawn = artist.drawn(cells, min(low, 0.0), max(high, 0.0))
-    before = Segment(" " * max(0, (width - part.columns * form.width) // 2), text)
+    left, top = origin(form, part, width, height)
+    before = Segment(" " * left, text)
     after = Segment(" " * max(0, width - part.columns * form.width - len(before.text)), text)
-    strips = [Strip([Segment(" " * width, text)], width)] * max(0, (height - part.rows * form.height) // 2)
+    strips = [Strip([Segment(" " * width, text)], width)] * top
     for row in range(part.rows):
         faces = drawn[row * part.columns : (row + 1) * part.columns]
         for line in range(form.height):

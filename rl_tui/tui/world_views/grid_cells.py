@@ -27,7 +27,10 @@ Drawn = list[list[Segment]]
 
 
 class Face(NamedTuple):
-    """All that makes a cell look as it does; ``text`` is its value, None where nothing can be done."""
+    """All that makes a cell look as it does; ``text`` is its value, None where nothing can be done.
+
+    ``stops`` marks a breakpoint, ``cursor`` the cell the cursor stands on.
+    """
 
     kind: CellKind
     agent: bool
@@ -35,6 +38,8 @@ class Face(NamedTuple):
     signs: str
     style: Style
     reward: CellReward | None = None
+    stops: bool = False
+    cursor: bool = False
 
 
 class CellArtist:
@@ -69,15 +74,15 @@ class CellArtist:
         return [self._drawn(self._face(cell, low, high)) for cell in cells]
 
     def _face(self, cell: CellContent, low: float, high: float) -> Face:
-        kind, agent, value, known, greedy, reward = cell
+        kind, agent, value, known, greedy, reward, stops, cursor = cell
         palette = self.look.palette
         if value is None:
             style = self._idle_styles.get(kind, palette.dim)
-            return Face(kind, agent, None, self._idle_signs.get(kind, ""), style)
+            return Face(kind, agent, None, self._idle_signs.get(kind, ""), style, None, stops, cursor)
         style = palette.value(fraction(value, low, high)) if known else palette.unvisited
         is_dot = not known and value == 0.0 and not self._has_table
         text = self.look.glyphs.stay if is_dot else self._text(value)
-        return Face(kind, agent, text, self._signs_of(greedy), style, reward)
+        return Face(kind, agent, text, self._signs_of(greedy), style, reward, stops, cursor)
 
     def _drawn(self, face: Face) -> Drawn:
         drawn = self._faces.get(face)
@@ -110,12 +115,15 @@ def _make_room(kept: dict[Face, Drawn] | dict[float, str]) -> None:
 
 
 def _draw_cell(canvas: Canvas, face: Face, form: CellForm, look: Look) -> None:
-    if face.kind is CellKind.WALL:
-        for row in range(form.height):
-            canvas.put(0, row, look.glyphs.wall * form.width, face.style)
-        return
+    if face.cursor and form.height == 1:
+        face = face._replace(style=look.palette.focus)
+    filling = look.glyphs.wall if face.kind is CellKind.WALL else " "
     for row in range(form.height):
-        canvas.put(0, row, " " * form.width, face.style)
+        canvas.put(0, row, filling * form.width, face.style)
+    if face.cursor:
+        canvas.put(0, _value_row(form), " " * form.width, look.palette.focus)
+    if face.kind is CellKind.WALL:
+        return
     if not form.has_values or (form.height == 1 and face.text is None):
         _draw_signs_alone(canvas, face, form, look)
     elif form.height == 1:
@@ -126,7 +134,7 @@ def _draw_cell(canvas: Canvas, face: Face, form: CellForm, look: Look) -> None:
 
 def _draw_large(canvas: Canvas, face: Face, form: CellForm, look: Look) -> None:
     """Draw arrows above the value, the mark beside the arrows, what the cell pays in the corner."""
-    row = (form.height - 1) // 2
+    row = _value_row(form) - 1
     signs = _fitting(face, most=form.width - 2)
     start = (form.width - max(1, len(signs))) // 2
     canvas.put(start, row, signs, _sign_style(face))
@@ -134,7 +142,15 @@ def _draw_large(canvas: Canvas, face: Face, form: CellForm, look: Look) -> None:
     _put_mark(canvas, mark, row, face, look)
     _put_reward(canvas, 0, 0, form.width if row else mark if _mark(face, look) else start, face, look)
     if face.text is not None:
-        canvas.put((form.width - len(face.text)) // 2, row + 1, face.text, face.style)
+        style = look.palette.focus if face.cursor else face.style
+        canvas.put((form.width - len(face.text)) // 2, row + 1, face.text, style)
+    if face.stops:
+        canvas.put(form.width - 1, 0, look.glyphs.breakpoint, look.palette.breakpoint)
+
+
+def _value_row(form: CellForm) -> int:
+    """Return the row of the value, which is where the cursor is drawn."""
+    return (form.height - 1) // 2 + (form.height > 1)
 
 
 def _draw_signs_alone(canvas: Canvas, face: Face, form: CellForm, look: Look) -> None:
@@ -147,7 +163,7 @@ def _draw_signs_alone(canvas: Canvas, face: Face, form: CellForm, look: Look) ->
 def _draw_small(canvas: Canvas, face: Face, form: CellForm, look: Look) -> None:
     """Draw mark, arrows and value in one row."""
     text = (face.text or "").rjust(form.digits)
-    mark = 1 if _mark(face, look) or face.reward else 0
+    mark = 1 if _mark(face, look) or face.reward or face.stops else 0
     # a blank before it all, so that neighbours keep apart without colours too
     signs = _fitting(face, most=max(1, form.width - form.digits - mark - 1))
     end = form.width - form.digits
@@ -185,8 +201,13 @@ def _put_mark(canvas: Canvas, x: int, y: int, face: Face, look: Look) -> None:
 
 
 def _put_mark_or_reward(canvas: Canvas, x: int, face: Face, look: Look) -> None:
-    """Put the mark, or where there is none the sign of what the cell pays."""
-    if _mark(face, look):
+    """Put the mark, or where there is none the sign of what the cell pays.
+
+    The agent on a breakpoint has the colour of one.
+    """
+    if face.stops:
+        canvas.put(x, 0, look.glyphs.agent if face.agent else look.glyphs.breakpoint, look.palette.breakpoint)
+    elif _mark(face, look):
         _put_mark(canvas, x, 0, face, look)
     else:
         _put_reward(canvas, x, 0, 1, face, look)

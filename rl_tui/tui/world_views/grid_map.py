@@ -31,6 +31,7 @@ class CellContent(NamedTuple):
     ``known`` says that something was learned about the state: it was updated or its estimates differ.
     ``greedy`` holds the greedy actions, all ties, as their direction or the first letter of their name; it is
     empty where nothing is known. ``reward`` is what the cell pays where that is not the usual step's.
+    ``stops`` marks a breakpoint, ``cursor`` the cell the cursor stands on.
     """
 
     kind: CellKind
@@ -39,6 +40,8 @@ class CellContent(NamedTuple):
     known: bool = False
     greedy: tuple[Sign, ...] = ()
     reward: CellReward | None = None
+    stops: bool = False
+    cursor: bool = False
 
 
 class GridMap:
@@ -54,8 +57,15 @@ class GridMap:
         self._states = first_state_of_cells(grid)
         self._rewards = cell_rewards(space, grid)
 
-    def contents(self, part: Part, snapshot: Snapshot) -> list[CellContent]:
-        """Return what stands in the cells of ``part``, row by row.
+    def state_at(self, cell: int, snapshot: Snapshot | None) -> int | None:
+        """Return the state in ``cell``: of several the agent's, else the first; None where there is none."""
+        if snapshot is not None and self.grid.cell_of_state[snapshot.state] == cell:
+            return snapshot.state
+        state = int(self._states[divmod(cell, self.grid.columns)])
+        return None if state == NO_STATE else state
+
+    def contents(self, part: Part, snapshot: Snapshot, cursor: int | None = None) -> list[CellContent]:
+        """Return what stands in the cells of ``part``, row by row; the cursor stands in the cell ``cursor``.
 
         Of several states in one cell it is the agent's, else the first.
         """
@@ -68,7 +78,7 @@ class GridMap:
         held = None if snapshot.window is None else snapshot.window.held[pairs].tolist()
         q, visits = snapshot.q[pairs].tolist(), snapshot.visits[pairs].tolist()
         signs = [self._signs[action] for action in self._space.pair_action[pairs].tolist()]
-        agent = self._agent_place(part, snapshot)
+        agent = self._place(part, int(self.grid.cell_of_state[snapshot.state]))
         contents, first = [], 0
         for place, count in enumerate(counts.tolist()):
             row, column = divmod(place, part.columns)
@@ -82,6 +92,13 @@ class GridMap:
                 reward = self._rewards.get(cell)
                 contents.append(content if reward is None else content._replace(reward=reward))
             first = last
+        for state in snapshot.breakpoints.states:
+            marked = self._place(part, int(self.grid.cell_of_state[state]))
+            if marked is not None:
+                contents[marked] = contents[marked]._replace(stops=True)
+        marked = None if cursor is None else self._place(part, cursor)
+        if marked is not None:
+            contents[marked] = contents[marked]._replace(cursor=True)
         return contents
 
     def holds(self, part: Part, snapshot: Snapshot) -> bool:
@@ -95,14 +112,14 @@ class GridMap:
     def _states_in(self, part: Part, snapshot: Snapshot) -> IntArray:
         top, left, rows, columns = part
         states = self._states[top : top + rows, left : left + columns].flatten()
-        agent = self._agent_place(part, snapshot)
+        agent = self._place(part, int(self.grid.cell_of_state[snapshot.state]))
         if agent is not None:
             states[agent] = snapshot.state
         return states
 
-    def _agent_place(self, part: Part, snapshot: Snapshot) -> int | None:
-        """Return which cell of ``part``, counted row by row, the agent is in, None if in no one."""
-        row, column = divmod(int(self.grid.cell_of_state[snapshot.state]), self.grid.columns)
+    def _place(self, part: Part, cell: int) -> int | None:
+        """Return which cell of ``part``, counted row by row, ``cell`` is, None if it is outside."""
+        row, column = divmod(cell, self.grid.columns)
         row, column = row - part.top, column - part.left
         inside = 0 <= row < part.rows and 0 <= column < part.columns
         return row * part.columns + column if inside else None

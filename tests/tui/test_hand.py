@@ -1,0 +1,89 @@
+from __future__ import annotations
+
+from dataclasses import replace
+
+from samples import LEFT, RIGHT, UP, bandit, bandit_world, lake, look, student
+
+from rl_tui.lab.snapshot import Snapshot
+from rl_tui.tui.hand import (
+    action_towards,
+    digit_keys,
+    has_directions,
+    legal_actions,
+    prompts,
+    title,
+    told_keys,
+)
+from rl_tui.tui.widgets.choice_text import choice_text
+from rl_tui.tui.widgets.inspector import inspector_lines
+
+GLYPHS = look().glyphs
+STUDY, PHONE, SCROLL, QUIT, SLEEP = range(5)
+
+
+def ended(snapshot: Snapshot, state: int, start: int = 0) -> Snapshot:
+    """``snapshot`` after an episode that ended in ``state``; the next one starts in ``start``."""
+    return replace(snapshot, state=state, episode_step=0, step_from=start)
+
+
+def test_digits_take_the_legal_actions_in_their_order() -> None:
+    assert digit_keys(lake()) == {"1": LEFT, "2": 1, "3": RIGHT, "4": UP}
+    assert digit_keys(student(state=0)) == {"1": STUDY, "2": PHONE}
+    assert digit_keys(student(state=1)) == {"1": SCROLL, "2": QUIT}
+    assert digit_keys(student(state=2)) == {"1": SLEEP}
+
+
+def test_arms_that_are_called_by_digits_have_those_keys() -> None:
+    assert digit_keys(bandit(5)) == {str(arm): arm for arm in range(10)}
+    few = replace(bandit(5), world=bandit_world(means=(0.0, 1.0, 2.0)), state=0)
+    assert digit_keys(few) == {"0": 0, "1": 1, "2": 2}
+    many = replace(bandit(5), world=bandit_world(means=tuple(map(float, range(12)))))
+    assert digit_keys(many) == {**{str(arm + 1): arm for arm in range(9)}, "0": 9}
+
+
+def test_after_an_episode_the_start_counts() -> None:
+    assert legal_actions(ended(student(), 3)) == (STUDY, PHONE)
+    assert legal_actions(ended(lake(), 5)) == (0, 1, 2, 3)
+    assert legal_actions(ended(student(), 3, start=1)) == (SCROLL, QUIT)
+
+
+def test_arrows_are_directions_on_a_grid_only() -> None:
+    assert action_towards(lake(), (0, 1)) == RIGHT
+    assert action_towards(lake(), (-1, 0)) == UP
+    assert action_towards(lake(), (-1, 1)) is None
+    assert action_towards(student(), (0, 1)) is None
+    assert [has_directions(each) for each in (lake(), student(), bandit(5))] == [True, False, False]
+
+
+def test_the_keys_are_told() -> None:
+    assert told_keys(lake()) == "arrows or 1…4"
+    assert told_keys(student(state=0)) == "1 or 2"
+    assert told_keys(student(state=2)) == "1"
+    assert told_keys(bandit(5)) == "0…9"
+    assert prompts(student(state=0), GLYPHS)[0] == "1 study  2 check phone · y: hand back"
+    assert prompts(lake(), GLYPHS)[:3] == (
+        "1 ←  2 ↓  3 →  4 ↑ · y: hand back",
+        "1← 2↓ 3→ 4↑ · y: hand back",
+        "1 ←  2 ↓  3 →  4 ↑",
+    )
+    assert "1 study 2 chec…" in prompts(student(state=0), GLYPHS)
+    assert prompts(bandit(5), GLYPHS)[0] == "0…9: act · y: hand back"
+
+
+def test_after_an_episode_the_title_says_where_the_next_one_starts() -> None:
+    assert title(lake(), GLYPHS) == ("you are the agent",)
+    assert title(ended(student(), 3), GLYPHS)[0] == "you are the agent · starts at Class"
+    assert title(bandit(5), GLYPHS) == ("you are the agent",)
+
+
+def test_a_step_by_hand_says_who_chose_it() -> None:
+    snapshot = lake()
+    assert snapshot.last is not None
+    by_hand = replace(snapshot.last, by_hand=True)
+    assert choice_text(snapshot, by_hand, GLYPHS) == ("you chose it", "by you")
+    shown = replace(snapshot, last=by_hand)
+    for height, words in ((10, "you chose it"), (5, "by you"), (1, "by you")):
+        lines = inspector_lines(shown, look(), 100, height)
+        text = "\n".join("".join(piece.text for piece in line) for line in lines)
+        assert words in text
+        assert "greedy" not in text

@@ -1,0 +1,227 @@
+"""The journal in words, and the prompt for a moment."""
+
+from __future__ import annotations
+
+import pytest
+from samples import bandit, lake, look, planning, student
+from textual.app import App
+from textual.widgets import OptionList, Static
+
+from rl_tui.lab.branches import Branch
+from rl_tui.lab.commands import GoTo
+from rl_tui.lab.recipe import JournalEntry, SetParameter, SwitchAlgorithm, TakeAction
+from rl_tui.lab.snapshot import Snapshot, Timeline
+from rl_tui.tui.screens.journal import HOW_TO_BRANCH, NO_CHANGE, JournalScreen, Moment
+from rl_tui.tui.screens.moments import ask_moment, moment_of
+from rl_tui.tui.theme.glyphs import ASCII, UNICODE, Glyphs
+from rl_tui.tui.widgets.journal_text import journal_lines
+from rl_tui.tui.written import written
+
+HANDS = tuple(JournalEntry(step, TakeAction(1)) for step in range(3_400, 3_461))
+
+
+def words(*journal: JournalEntry, of: Snapshot | None = None, glyphs: Glyphs = UNICODE) -> list[str]:
+    snapshot = of or lake()
+    lines = journal_lines(journal, snapshot.recipe, snapshot.world, glyphs)
+    return [written(line.text, glyphs) for line in lines]
+
+
+def test_a_change_tells_what_was_before() -> None:
+    assert words(
+        JournalEntry(1_200, SetParameter("alpha", 0.5)),
+        JournalEntry(3_000, SwitchAlgorithm("sarsa")),
+        JournalEntry(3_000, SetParameter("policy", "softmax")),
+        JournalEntry(4_000, SetParameter("alpha", 0.25)),
+        JournalEntry(5_000, SwitchAlgorithm("q-learning")),
+        JournalEntry(5_001, SetParameter("ties", "first")),
+    ) == [
+        "step 1,200: α 0.1 → 0.5",
+        "step 3,000: Q-learning → SARSA",
+        "step 3,000: policy ε-greedy → softmax",
+        "step 4,000: α 0.5 → 0.25",
+        "step 5,000: SARSA → Q-learning",
+        "step 5,001: ties random → first",
+    ]
+
+
+def test_a_slider_that_was_dragged_is_one_change() -> None:
+    drag = [JournalEntry(7, SetParameter("gamma", value / 100)) for value in range(98, 49, -1)]
+    assert words(*drag) == ["step 7: γ 0.99 → 0.5"]
+    again = JournalEntry(8, SetParameter("gamma", 0.4))
+    assert words(*drag, again) == ["step 7: γ 0.99 → 0.5", "step 8: γ 0.5 → 0.4"]
+
+
+def test_steps_by_hand_in_a_row_are_one_line() -> None:
+    assert words(JournalEntry(3_300, TakeAction(0)), *HANDS, JournalEntry(3_500, TakeAction(2))) == [
+        "step 3,300: by hand ←",
+        "steps 3,400–3,460: 61 by hand",
+        "step 3,500: by hand →",
+    ]
+    between = JournalEntry(3_461, SetParameter("alpha", 0.5))
+    assert words(*HANDS, between, JournalEntry(3_461, TakeAction(0))) == [
+        "steps 3,400–3,460: 61 by hand",
+        "step 3,461: α 0.1 → 0.5",
+        "step 3,461: by hand ←",
+    ]
+    assert words(JournalEntry(1, TakeAction(0)), of=student()) == ["step 1: by hand study"]
+
+
+def test_ascii() -> None:
+    lines = words(JournalEntry(7, SetParameter("alpha", 0.5)), *HANDS, glyphs=ASCII)
+    assert lines[0] == "step 7: alpha 0.1 -> 0.5"
+    assert lines[1] == "steps 3,400-3,460: 61 by hand"
+    assert all(line.isascii() for line in lines)
+
+
+# The dialog
+
+FIRST = (JournalEntry(1_200, SetParameter("alpha", 0.5)), JournalEntry(3_000, SwitchAlgorithm("sarsa")))
+SECOND = (JournalEntry(1_200, SetParameter("alpha", 0.3)), *HANDS)
+TWO = Timeline(
+    (
+        Branch("branch 1", FIRST, end=10_000, here=10_000),
+        Branch("branch 2", SECOND, 0, 1_200, end=5_001, here=5_001),
+    ),
+    1,
+)
+
+
+class Bench(App[None]):
+    CSS_PATH = "../../rl_tui/tui/app.tcss"
+
+    def __init__(self, timeline: Timeline) -> None:
+        super().__init__()
+        self.timeline = timeline
+        self.answers: list[Moment | None] = []
+
+    def on_mount(self) -> None:
+        journal = JournalScreen(look(), lake(timeline=self.timeline))
+        self.push_screen(journal, self.answers.append)
+
+    @property
+    def entries(self) -> list[str]:
+        return [str(each.prompt) for each in self.screen.query_one("#entries", OptionList).options]
+
+    @property
+    def texts(self) -> list[str]:
+        return [str(each.render()) for each in self.screen.query(Static)]
+
+
+async def test_the_branches_are_told_apart() -> None:
+    app = Bench(TWO)
+    async with app.run_test(size=(80, 24)) as pilot:
+        branches = app.screen.query_one("#branches", OptionList)
+        first, second = (str(each.prompt).splitlines() for each in branches.options)
+        assert first == ["branch 1", "10,000 steps, 2 changes"]
+        assert second == [
+            "branch 2  (in force)",
+            "5,001 steps, from branch 1 at step 1,200, 1 change, 61 by hand",
+        ]
+        assert branches.highlighted == 1
+        assert app.entries == ["step 1,200: α 0.1 → 0.3", "steps 3,400–3,460: 61 by hand"]
+        await pilot.press("up")
+        assert app.entries == ["step 1,200: α 0.1 → 0.5", "step 3,000: Q-learning → SARSA"]
+        assert "Changes in branch 1:" in app.texts
+
+
+@pytest.mark.parametrize(
+    ("keys", "answer"),
+    [
+        (["enter"], Moment(1)),
+        (["up", "enter"], Moment(0)),
+        (["up", "tab", "enter"], Moment(0, 1_200)),
+        (["up", "tab", "down", "enter"], Moment(0, 3_000)),
+        (["tab", "down", "shift+tab", "up", "tab", "enter"], Moment(0, 1_200)),
+        (["tab", "down", "enter"], Moment(1, 3_400)),
+        (["escape"], None),
+    ],
+)
+async def test_enter_goes_to_a_branch_or_to_a_change(keys: list[str], answer: Moment | None) -> None:
+    app = Bench(TWO)
+    async with app.run_test(size=(80, 24)) as pilot:
+        await pilot.press(*keys)
+    assert app.answers == [answer]
+
+
+async def test_an_empty_journal_says_how_to_make_a_branch() -> None:
+    app = Bench(Timeline((Branch("branch 1", end=7, here=7),)))
+    async with app.run_test(size=(80, 24)) as pilot:
+        assert NO_CHANGE in app.texts
+        assert HOW_TO_BRANCH in app.texts
+        await pilot.press("tab", "enter")
+    assert app.answers == [Moment(0)]
+
+
+# The prompt for a moment
+
+
+def here(end: int, now: int | None = None) -> Timeline:
+    return Timeline((Branch("branch 1", end=end, here=end if now is None else now),))
+
+
+@pytest.mark.parametrize(
+    ("text", "command"),
+    [
+        ("1234", GoTo(1_234)),
+        ("1,234", GoTo(1_234)),
+        (" step 1234 ", GoTo(1_234)),
+        ("Step 1,234", GoTo(1_234)),
+        ("0", GoTo(0)),
+        ("10000", GoTo(10_000)),
+        ("50%", GoTo(5_000)),
+        ("12.5 %", GoTo(1_250)),
+        ("100%", GoTo(10_000)),
+        ("start", GoTo(0)),
+        ("END", GoTo(10_000)),
+        ("episode 12", GoTo(episode=12)),
+        ("e12", GoTo(episode=12)),
+        ("ep 12", GoTo(episode=12)),
+    ],
+)
+def test_a_moment_may_be_written_in_many_ways(text: str, command: GoTo) -> None:
+    assert moment_of(text, lake(timeline=here(10_000))) == command
+
+
+@pytest.mark.parametrize(
+    ("text", "fault"),
+    [
+        ("", "that is none of these"),
+        ("x", "that is none of these"),
+        ("-1", "that is none of these"),
+        ("1.5", "that is none of these"),
+        ("1,2", "that is none of these"),
+        ("٣", "that is none of these"),
+        ("9" * 5_000, "that is none of these"),
+        ("month 3", "that is none of these"),
+        ("10001", "the run has come to step 10,000 so far"),
+        ("101%", "a share goes from 0% to 100%"),
+        ("e0", "episodes count from 1"),
+        ("e12502", "the run has come to episode 12,501 so far"),
+    ],
+)
+def test_what_is_wrong_is_told(text: str, fault: str) -> None:
+    with pytest.raises(ValueError, match=f"^{fault}$"):
+        moment_of(text, lake(timeline=here(10_000), episodes=12_500, episode_step=5))
+
+
+def test_in_the_past_nobody_knows_how_many_episodes_there_were() -> None:
+    assert moment_of("e12502", lake(timeline=here(10_000, 5_000))) == GoTo(episode=12_502)
+
+
+@pytest.mark.parametrize(
+    ("snapshot", "hint"),
+    [
+        (lake(timeline=here(10_000)), "a step from 0 to 10,000, e12 for episode 12, 50%, start or end"),
+        (planning(timeline=here(132)), "a step from 0 to 132, sweep 12, 50%, start or end"),
+        (bandit(400, timeline=here(400)), "a pull from 0 to 400, 50%, start or end"),
+    ],
+)
+def test_the_prompt_names_the_range(snapshot: Snapshot, hint: str) -> None:
+    assert ask_moment(snapshot)._hint == hint
+
+
+def test_sweeps_and_pulls() -> None:
+    assert moment_of("sweep 3", planning(timeline=here(132))) == GoTo(episode=3)
+    assert moment_of("pull 3", bandit(400, timeline=here(400))) == GoTo(3)
+    with pytest.raises(ValueError, match="sweeps count from 1"):
+        moment_of("sweep 0", planning(timeline=here(132)))

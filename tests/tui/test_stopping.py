@@ -1,0 +1,346 @@
+"""Run until and breakpoints with real keys: what is asked for, and what is said."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import pytest
+from conftest import MakeApp
+from textual.pilot import Pilot
+from textual.widgets import Input, OptionList, Static
+
+from rl_tui.lab.commands import ClearBreakpoints, Command, RunUntil, ToggleBreakpoint, Train
+from rl_tui.lab.snapshot import Phase, Snapshot
+from rl_tui.lab.until import Event, Until
+from rl_tui.tui.app import RlTuiApp
+from rl_tui.tui.screens.playground import Playground
+from rl_tui.tui.screens.prompt import Prompt
+from rl_tui.tui.screens.until import UntilChoice
+from rl_tui.tui.screenshot import settle
+from rl_tui.worlds.errors import UserError
+
+ASKED = (RunUntil, ToggleBreakpoint, ClearBreakpoints)
+
+
+def playground(pilot: Pilot[UserError]) -> Playground:
+    return next(screen for screen in pilot.app.screen_stack if isinstance(screen, Playground))
+
+
+def record(pilot: Pilot[UserError], monkeypatch: pytest.MonkeyPatch) -> list[Command]:
+    """Keep what is asked for here in a list, in place of the player."""
+    asked: list[Command] = []
+    player = playground(pilot).player
+    send: Callable[[Command], None] = player.send
+
+    def sorted_out(command: Command) -> None:
+        if isinstance(command, ASKED):
+            asked.append(command)
+        else:
+            send(command)
+
+    monkeypatch.setattr(player, "send", sorted_out)
+    return asked
+
+
+async def press(pilot: Pilot[UserError], *keys: str) -> Snapshot:
+    for key in keys:
+        await pilot.press(key)
+        await settle(pilot)
+    shown = playground(pilot).snapshot
+    assert shown is not None
+    return shown
+
+
+def notices(app: RlTuiApp) -> list[str]:
+    return [note.message for note in app._notifications]
+
+
+async def test_u_runs_until_what_is_chosen_and_remembers_it(
+    make_app: MakeApp, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    app = make_app("frozenlake")
+    async with app.run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        asked = record(pilot, monkeypatch)
+        await press(pilot, "u", "enter")
+        assert asked == [RunUntil(Until(Event.REWARD))]
+        await press(pilot, "u", "down", "down", "enter")
+        assert asked[1:] == [RunUntil(Until(Event.POLICY_CHANGE))]
+        await press(pilot, "u")
+        chosen = app.screen.query_one(OptionList).highlighted_option
+        assert chosen is not None
+        assert chosen.id == "policy"
+        await press(pilot, "escape")
+        assert isinstance(app.screen, Playground)
+        assert len(asked) == 2
+
+
+async def test_numbers_are_asked_for(make_app: MakeApp, monkeypatch: pytest.MonkeyPatch) -> None:
+    app = make_app("frozenlake")
+    async with app.run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        asked = record(pilot, monkeypatch)
+        await press(pilot, "u", *["down"] * 4, "enter")
+        assert isinstance(app.screen, Prompt)
+        await press(pilot, *"500", "enter")
+        assert asked == [RunUntil(Until(Event.STEP, number=500))]
+        await press(pilot, "u", "down", "enter")
+        app.screen.query_one(Input).value = "1"
+        await press(pilot, "enter")
+        assert "type a whole number, 2 or more" in str(app.screen.query_one(".error").render())
+        await press(pilot, "escape")
+        assert len(asked) == 1
+
+
+async def test_a_value_is_that_of_the_pair_under_the_cursor(
+    make_app: MakeApp, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    app = make_app("frozenlake")
+    async with app.run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        asked = record(pilot, monkeypatch)
+        playground(pilot).board.table.focus()
+        await press(pilot, "down", "right", "u", *["down"] * 6, "enter", *"0.5", "enter")
+        assert asked == [RunUntil(Until(Event.VALUE, pair=5, threshold=0.5))]
+
+
+async def test_what_cannot_be_waited_for_says_why_and_stays(
+    make_app: MakeApp, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    app = make_app("blackjack")
+    async with app.run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        asked = record(pilot, monkeypatch)
+        await press(pilot, "u", "down", "down", "down")
+        about = str(app.screen.query_one("#about", Static).render())
+        assert about.startswith("Not here. No exact answer")
+        await press(pilot, "enter")
+        assert isinstance(app.screen, UntilChoice)
+        assert not asked
+
+
+async def test_k_stops_where_the_cursor_is(make_app: MakeApp, monkeypatch: pytest.MonkeyPatch) -> None:
+    app = make_app("frozenlake")
+    async with app.run_test(size=(80, 24), notifications=True) as pilot:
+        await settle(pilot)
+        asked = record(pilot, monkeypatch)
+        board = playground(pilot).board
+        await press(pilot, "k")  # nothing in focus: where the agent is
+        board.table.focus()
+        await press(pilot, "k", "down", "right", "k")
+        assert board.world is not None
+        board.world.focus()
+        await press(pilot, "k", "down", "right", "k")
+        assert asked == [
+            ToggleBreakpoint(state=0),
+            ToggleBreakpoint(pair=0),
+            ToggleBreakpoint(pair=5),
+            ToggleBreakpoint(state=0),
+            ToggleBreakpoint(state=5),
+        ]
+        assert notices(app)[1:3] == [
+            "breakpoint on 0,←: pauses each time it is taken",
+            "breakpoint on 1,↓: pauses each time it is taken",
+        ]
+        assert notices(app)[-1] == "breakpoint on state 5: pauses each time it is reached"
+
+
+async def test_a_wall_is_no_place_to_stop_at(make_app: MakeApp, monkeypatch: pytest.MonkeyPatch) -> None:
+    app = make_app("taxi")
+    async with app.run_test(size=(120, 40), notifications=True) as pilot:
+        await settle(pilot)
+        asked = record(pilot, monkeypatch)
+        world = playground(pilot).board.world
+        assert world is not None
+        world.focus()
+        world.put_cursor(5)  # the line of wall between the first two towns
+        await press(pilot, "k")
+        assert not asked
+        assert notices(app) == ["here is no state to stop at"]
+
+
+async def test_arms_and_nodes_have_breakpoints(make_app: MakeApp, monkeypatch: pytest.MonkeyPatch) -> None:
+    for scenario, moves, command, said in (
+        (
+            "bandit",
+            ["down", "down"],
+            ToggleBreakpoint(pair=2),
+            "breakpoint on arm 2: pauses each time it is pulled",
+        ),
+        (
+            "student",
+            ["right"],
+            ToggleBreakpoint(state=2),
+            "breakpoint on state Pass: pauses each time it is reached",
+        ),
+    ):
+        app = make_app(scenario)
+        async with app.run_test(size=(80, 24), notifications=True) as pilot:
+            await settle(pilot)
+            asked = record(pilot, monkeypatch)
+            await press(pilot, "tab", *moves, "k")
+            assert asked == [command]
+            assert notices(app) == [said]
+
+
+async def test_a_bandit_without_a_cursor_says_how_to_get_one(
+    make_app: MakeApp, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    app = make_app("bandit")
+    async with app.run_test(size=(80, 24), notifications=True) as pilot:
+        await settle(pilot)
+        asked = record(pilot, monkeypatch)
+        await press(pilot, "k", "K")
+        assert not asked
+        assert notices(app) == [
+            "a breakpoint of a bandit is on an arm: tab goes to them, the arrows choose one",
+            "there are no breakpoints; k sets one where the cursor is",
+        ]
+
+
+async def test_a_spent_budget_has_nothing_to_wait_for(make_app: MakeApp) -> None:
+    app = make_app("bandit")
+    async with app.run_test(size=(80, 24), notifications=True) as pilot:
+        await settle(pilot)
+        playground(pilot).send(Train(1000))
+        await settle(pilot)
+        await press(pilot, "u")
+        assert isinstance(app.screen, Playground)
+        assert notices(app) == ["the run has come to its end; r starts again"]
+
+
+async def test_the_cursor_of_one_panel_shows_in_the_other(make_app: MakeApp) -> None:
+    app = make_app("frozenlake")
+    async with app.run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        board = playground(pilot).board
+        world, table = board.world, board.table
+        assert world is not None
+        world.focus()
+        await settle(pilot)
+        assert str(world.border_subtitle) == "arrows: cursor · k: breakpoint"
+        await press(pilot, "down", "right", "down", "right")
+        assert world.cursor == 10
+        assert str(world.border_subtitle) == "state 10 · k: breakpoint · esc: back"
+        assert table._pointed == playground(pilot).snapshot.world.space.pairs_of(10)  # type: ignore[union-attr]
+        await press(pilot, "tab")
+        assert not table._pointed
+        assert world.shown_cursor is None
+        await press(pilot, "down")
+        assert world.shown_cursor == 1
+        await press(pilot, "escape")
+        assert world.shown_cursor is None
+        assert table.cursor_pair is None
+        await press(pilot, "shift+tab", "escape")  # the first leaves the cursor, the second would the screen
+        assert world.cursor is None
+        assert isinstance(app.screen, Playground)
+        await pilot.click(world, offset=(1, 1))
+        await settle(pilot)
+        assert world.cursor == 0
+
+
+async def test_a_run_stops_right_after_the_next_reward(make_app: MakeApp) -> None:
+    async with make_app("frozenlake").run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        stopped = await press(pilot, "u", "enter")
+        assert stopped.phase is Phase.PAUSED
+        assert stopped.last is not None
+        assert stopped.last.reward == 1.0
+        assert stopped.visits.sum() == stopped.step
+        assert (stopped.q != 0.0).sum() == 1
+        assert stopped.paused_by == "the next reward"
+        again = await press(pilot, "u", "enter")
+        assert again.step > stopped.step
+        assert again.last is not None
+        assert again.last.reward == 1.0
+
+
+async def test_a_breakpoint_set_in_the_world_stops_the_run_and_is_taken_away(make_app: MakeApp) -> None:
+    async with make_app("frozenlake").run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        marked = await press(pilot, "tab", "down", "down", "right", "k")
+        assert marked.breakpoints.states == {9}
+        stopped = await press(pilot, "u", *["down"] * 4, "enter", *"99999", "enter")
+        assert stopped.state == 9
+        assert stopped.step < 99_999
+        assert stopped.paused_by == "breakpoint: state 9"
+        assert stopped.breakpoints.states == {9}
+        assert not (await press(pilot, "k")).breakpoints
+        assert (await press(pilot, "u", "enter", *"5000", "enter")).step == 5000
+
+
+async def test_a_breakpoint_set_in_the_table_stops_the_run_after_its_pair(make_app: MakeApp) -> None:
+    app = make_app("student")
+    async with app.run_test(size=(80, 24), notifications=True) as pilot:
+        await settle(pilot)
+        marked = await press(pilot, "tab", "tab", "down", "down", "k", "up", "k")
+        assert marked.breakpoints.pairs == {1, 2}
+        for _ in range(3):
+            stopped = await press(pilot, "e")
+            while not stopped.paused_by.startswith("breakpoint"):
+                stopped = await press(pilot, "e")
+            assert stopped.last is not None
+            assert stopped.last.pair in (1, 2)
+        assert not (await press(pilot, "K")).breakpoints
+        assert notices(app)[-1] == "all breakpoints are taken away"
+
+
+async def test_a_bandit_runs_until_an_arm_is_pulled_or_the_best_is_greedy(make_app: MakeApp) -> None:
+    async with make_app("bandit").run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        stopped = await press(pilot, "tab", *["down"] * 7, "k", "u", "down", "down", "down", "enter")
+        stopped = await press(pilot, "enter")
+        assert stopped.last is not None
+        assert stopped.last.pair == 7
+        assert stopped.visits[7] == 1
+        assert stopped.paused_by == "breakpoint: 7"
+        cleared = await press(pilot, "K", "u", "up", "enter")
+        assert cleared.world.mdp is not None
+        best = int(cleared.world.mdp.reward.argmax())
+        assert int(cleared.q.argmax()) == best
+        assert cleared.step < 1000
+
+
+async def test_a_stepped_world_stops_at_states_and_values(make_app: MakeApp) -> None:
+    async with make_app("blackjack").run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        await press(pilot, "s")
+        table = playground(pilot).board.table
+        table.focus()
+        pair = table.shown_cursor
+        assert pair is not None
+        marked = await press(pilot, "k", "u", "down", "down", "down", "down", "enter", *"9999", "enter")
+        assert marked.last is not None
+        assert marked.last.pair == pair
+        assert marked.step < 9_999
+
+
+async def test_a_planner_stops_after_a_sweep_and_at_a_state(make_app: MakeApp) -> None:
+    async with make_app("frozenlake").run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        playground(pilot)._switch("value-iteration")
+        await settle(pilot)
+        swept = await press(pilot, "u", "down", "enter")
+        assert swept.episodes == 1
+        world = playground(pilot).board.world
+        assert world is not None
+        world.focus()
+        world.put_cursor(9)
+        stopped = await press(pilot, "k", "e")
+        assert stopped.last is not None
+        assert stopped.last.state == 9
+        assert stopped.episodes == 1
+
+
+async def test_breakpoints_are_listed_and_taken_away_in_the_dialog(make_app: MakeApp) -> None:
+    app = make_app("frozenlake")
+    async with app.run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        await press(pilot, "k", "u")
+        listed = app.screen.query_one("#breakpoints", Static)
+        assert str(listed.render()) == "Breakpoints: state 0. K takes them away."
+        cleared = await press(pilot, "K")
+        assert not cleared.breakpoints
+        assert str(listed.render()) == "Breakpoints: none; k sets one where the cursor is."
+        await press(pilot, "u")
+        assert isinstance(app.screen, Playground)

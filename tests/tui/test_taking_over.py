@@ -1,0 +1,261 @@
+"""A person in place of the agent, with real keys."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import pytest
+from conftest import MakeApp
+from textual.pilot import Pilot
+
+from rl_tui.lab.commands import Command, GoTo, RunEpisode, Step, Take, Train
+from rl_tui.lab.recipe import JournalEntry, TakeAction
+from rl_tui.lab.snapshot import Phase, Snapshot
+from rl_tui.tui.app import RlTuiApp
+from rl_tui.tui.screens.help import HelpScreen
+from rl_tui.tui.screens.playground import Playground
+from rl_tui.tui.screenshot import settle
+from rl_tui.tui.widgets.key_line import KeyLine
+from rl_tui.tui.widgets.slider import Slider
+from rl_tui.worlds.errors import UserError
+
+LEFT, DOWN, RIGHT, UP = range(4)
+
+
+def playground(pilot: Pilot[UserError]) -> Playground:
+    return next(screen for screen in pilot.app.screen_stack if isinstance(screen, Playground))
+
+
+def record(pilot: Pilot[UserError], monkeypatch: pytest.MonkeyPatch) -> list[Command]:
+    """Keep all that is asked for in a list; what a person takes does not reach the player."""
+    asked: list[Command] = []
+    player = playground(pilot).player
+    send: Callable[[Command], None] = player.send
+
+    def sorted_out(command: Command) -> None:
+        asked.append(command)
+        if not isinstance(command, Take):
+            send(command)
+
+    monkeypatch.setattr(player, "send", sorted_out)
+    return asked
+
+
+async def press(pilot: Pilot[UserError], *keys: str) -> Snapshot:
+    for key in keys:
+        await pilot.press(key)
+        await settle(pilot)
+    shown = playground(pilot).snapshot
+    assert shown is not None
+    return shown
+
+
+def notices(app: RlTuiApp) -> list[str]:
+    return [note.message for note in app._notifications]
+
+
+def bottom_line(pilot: Pilot[UserError]) -> str:
+    return playground(pilot).query_one(KeyLine).render_line(0).text.strip()
+
+
+@pytest.mark.parametrize("focused", ["nothing", "alpha", "table", "world", "curve"])
+async def test_arrows_and_digits_act_whatever_is_in_focus(
+    focused: str, make_app: MakeApp, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    app = make_app("frozenlake")
+    async with app.run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        if focused != "nothing":
+            app.screen.query_one(f"#{focused}").focus()
+        asked = record(pilot, monkeypatch)
+        await press(pilot, "y", "right", "down", "1", "4")
+        assert asked == [Take(RIGHT), Take(DOWN), Take(LEFT), Take(UP)]
+        board = playground(pilot).board
+        assert board.table.cursor_pair is None
+        assert board.world is not None
+        assert board.world.cursor is None
+        assert app.screen.query_one("#alpha", Slider).value == 0.1
+
+
+async def test_the_mode_is_seen_and_y_ends_it(make_app: MakeApp) -> None:
+    app = make_app("student")
+    async with app.run_test(size=(120, 40), notifications=True) as pilot:
+        await settle(pilot)
+        world = playground(pilot).board.world
+        assert world is not None
+        before = (str(world.border_title), str(world.border_subtitle), bottom_line(pilot))
+        await press(pilot, "y")
+        assert str(world.border_title) == "you are the agent"
+        assert str(world.border_subtitle) == "1 study  2 check phone · y: hand back"
+        assert bottom_line(pilot) == "1 or 2 act  y hand back  s agent's step  space run  ? help"
+        assert world.has_class("-in-hand")
+        assert notices(app) == ["you are the agent: act with 1 or 2; y hands back"]
+        await press(pilot, "y")
+        assert (str(world.border_title), str(world.border_subtitle), bottom_line(pilot)) == before
+        assert not world.has_class("-in-hand")
+        assert notices(app)[-1] == "the agent acts again"
+
+
+async def test_escape_hands_back_and_stays_here(make_app: MakeApp) -> None:
+    app = make_app("student")
+    async with app.run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        await press(pilot, "y", "question_mark")
+        assert isinstance(app.screen, HelpScreen)
+        await press(pilot, "escape")
+        assert playground(pilot).in_hand
+        await press(pilot, "escape")
+        assert not playground(pilot).in_hand
+        assert isinstance(app.screen, Playground)
+
+
+async def test_without_the_mode_the_keys_do_what_they_did(
+    make_app: MakeApp, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    app = make_app("frozenlake")
+    async with app.run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        asked = record(pilot, monkeypatch)
+        await press(pilot, "y", "y", "2", "right")
+        assert app.focused is app.screen.query_one("#gamma")
+        assert not any(isinstance(command, Take) for command in asked)
+
+
+async def test_space_and_e_hand_back_and_s_does_not(
+    make_app: MakeApp, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    app = make_app("student")
+    async with app.run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        asked = record(pilot, monkeypatch)
+        await press(pilot, "y", "s")
+        assert asked == [Step()]
+        assert playground(pilot).in_hand
+        await press(pilot, "e")
+        assert asked[1:] == [RunEpisode()]
+        assert not playground(pilot).in_hand
+        for key in ("space", "r"):
+            await press(pilot, "y")
+            assert playground(pilot).in_hand
+            await press(pilot, key)
+            assert not playground(pilot).in_hand
+
+
+async def test_keys_without_an_action_say_so(make_app: MakeApp, monkeypatch: pytest.MonkeyPatch) -> None:
+    app = make_app("student")
+    async with app.run_test(size=(80, 24), notifications=True) as pilot:
+        await settle(pilot)
+        asked = record(pilot, monkeypatch)
+        await press(pilot, "y", "3", "2")
+        assert asked == [Take(1)]
+        assert notices(app)[-1] == "3 is no action here: act with 1 or 2"
+
+
+async def test_an_arm_is_pulled_by_its_name(make_app: MakeApp, monkeypatch: pytest.MonkeyPatch) -> None:
+    app = make_app("bandit")
+    async with app.run_test(size=(80, 24), notifications=True) as pilot:
+        await settle(pilot)
+        asked = record(pilot, monkeypatch)
+        await press(pilot, "y", "7", "0")
+        assert asked == [Take(7), Take(0)]
+        playground(pilot).send(Train(1000))
+        await settle(pilot)
+        assert not playground(pilot).in_hand
+        assert notices(app)[-1] == "the budget is spent; r starts again"
+
+
+async def test_a_planner_takes_no_actions(make_app: MakeApp) -> None:
+    app = make_app("frozenlake")
+    async with app.run_test(size=(80, 24), notifications=True) as pilot:
+        await settle(pilot)
+        screen = playground(pilot)
+        screen._switch("value-iteration")
+        await settle(pilot)
+        await press(pilot, "y")
+        assert not screen.in_hand
+        assert notices(app) == [
+            "Value iteration takes no actions: it plans with the model; a chooses an agent"
+        ]
+
+
+async def test_a_walk_to_the_goal_is_learned_from(make_app: MakeApp) -> None:
+    app = make_app("frozenlake")
+    async with app.run_test(size=(120, 40)) as pilot:
+        await settle(pilot)
+        at_goal = await press(pilot, "y", "down", "down", "right", "down", "right", "right")
+        space = at_goal.world.space
+        assert (at_goal.state, at_goal.step, at_goal.episodes, at_goal.phase) == (15, 6, 1, Phase.PAUSED)
+        walked = [(0, DOWN), (4, DOWN), (8, RIGHT), (9, DOWN), (13, RIGHT), (14, RIGHT)]
+        pairs = [space.pairs_of(state).start + action for state, action in walked]
+        assert sorted(at_goal.visits.nonzero()[0].tolist()) == sorted(pairs)
+        assert at_goal.q[pairs[-1]] == pytest.approx(0.1)
+        assert at_goal.timeline.current.journal == tuple(
+            JournalEntry(step, TakeAction(action)) for step, (_, action) in enumerate(walked)
+        )
+        inspector = playground(pilot).board.inspector
+        text = "\n".join(inspector.render_line(y).text for y in range(inspector.size.height))
+        assert "you chose it" in text
+        world = playground(pilot).board.world
+        assert world is not None
+        assert str(world.border_title) == "you are the agent · starts at 0"
+        again = await press(pilot, "right")
+        assert (again.state, again.episode_step) == (1, 1)
+        assert str(world.border_title) == "you are the agent"
+
+
+async def test_the_agent_and_a_person_take_turns(make_app: MakeApp) -> None:
+    async with make_app("student").run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        mine = await press(pilot, "y", "2")
+        assert mine.last is not None
+        assert (mine.last.pair, mine.last.by_hand, mine.state) == (1, True, 1)
+        theirs = await press(pilot, "s")
+        assert theirs.last is not None
+        assert not theirs.last.by_hand
+        assert playground(pilot).in_hand
+        assert theirs.step == 2
+        done = await press(pilot, "e")
+        assert (done.episodes, playground(pilot).in_hand) == (1, False)
+
+
+async def test_pulls_and_cards_by_hand(make_app: MakeApp) -> None:
+    async with make_app("bandit").run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        pulled = await press(pilot, "y", "7", "7", "0")
+        assert pulled.visits.tolist() == [1, 0, 0, 0, 0, 0, 0, 2, 0, 0]
+    async with make_app("blackjack").run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        dealt = await press(pilot, "y", "1")
+        assert dealt.last is not None
+        assert (dealt.last.by_hand, dealt.last.terminated) == (True, True)  # stick
+        assert dealt.step_from not in (None, dealt.state)
+        world = playground(pilot).board.world
+        assert world is not None
+        hand = dealt.world.space.state_names[dealt.step_from or 0]
+        assert str(world.border_title) == f"you act · starts at {hand}"
+        played = await press(pilot, "1")
+        assert played.episodes == 2
+        assert played.last is not None
+        assert played.last.state == dealt.step_from
+
+
+async def test_a_step_by_hand_in_the_past_begins_a_branch(make_app: MakeApp) -> None:
+    async with make_app("frozenlake").run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        playground(pilot).send(Train(50))
+        playground(pilot).send(GoTo(step=20))
+        await settle(pilot)
+        forked = await press(pilot, "y", "left")
+        assert forked.step == 21
+        assert len(forked.timeline.branches) == 2
+        assert forked.last is not None
+        assert forked.last.by_hand
+
+
+@pytest.mark.parametrize("plain", [False, True])
+async def test_the_keys_of_the_mode_fit_into_the_narrowest_screen(plain: bool, make_app: MakeApp) -> None:
+    async with make_app("windy-king", ascii=plain).run_test(size=(60, 18)) as pilot:
+        await settle(pilot)
+        await press(pilot, "y")
+        dots = "..." if plain else "…"
+        assert bottom_line(pilot) == f"arrows or 1{dots}8 act  y hand back  s agent's step  ? help"

@@ -1,0 +1,203 @@
+"""The keys of time travel: what they ask the player for, and what the screen makes of its answers."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+from conftest import MakeApp
+from test_playground import playground, snapshot
+from textual.pilot import Pilot
+from textual.widgets import Input
+
+from rl_tui.lab.branches import Branch
+from rl_tui.lab.commands import Apply, ChooseBranch, Command, EpisodeBack, GoTo, LookAt, Restart, StepBack
+from rl_tui.lab.recipe import JournalEntry, SetParameter
+from rl_tui.lab.snapshot import Phase, Snapshot, Timeline
+from rl_tui.tui.screens.prompt import Prompt
+from rl_tui.tui.screenshot import settle
+from rl_tui.tui.widgets.slider import Slider
+from rl_tui.worlds.errors import UserError
+
+JOURNAL = (JournalEntry(40, SetParameter("alpha", 0.5)),)
+
+
+def recorded(pilot: Pilot[UserError], monkeypatch: pytest.MonkeyPatch) -> list[Command]:
+    """Catch what is sent; the player hears nothing of it."""
+    sent: list[Command] = []
+
+    def send(command: Command) -> None:
+        if not isinstance(command, LookAt):
+            sent.append(command)
+
+    monkeypatch.setattr(playground(pilot).player, "send", send)
+    return sent
+
+
+def shows(pilot: Pilot[UserError], timeline: Timeline, **changes: object) -> Snapshot:
+    """Draw a moment made by hand that the player could have published just now."""
+    made = replace(snapshot(pilot), timeline=timeline, step=timeline.current.here, **changes)
+    screen = playground(pilot)
+    screen._draw(replace(made, handled=screen.sent))
+    return made
+
+
+def one(here: int, end: int) -> Timeline:
+    return Timeline((Branch("branch 1", JOURNAL, end=end, here=here),))
+
+
+def two(branch: int, here: int = 80) -> Timeline:
+    return Timeline(
+        (Branch("branch 1", JOURNAL, end=200, here=200), Branch("branch 2", (), 0, 20, end=here, here=here)),
+        branch,
+    )
+
+
+def messages(pilot: Pilot[UserError]) -> list[str]:
+    return [note.message for note in pilot.app._notifications]
+
+
+async def test_b_goes_back_a_step_and_B_an_episode_as_often_as_they_are_pressed(  # noqa: N802
+    make_app: MakeApp, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    async with make_app("student").run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        shows(pilot, one(100, 100))
+        sent = recorded(pilot, monkeypatch)
+        await pilot.press("b", "b", "b", "B", "b")
+        assert sent == [StepBack(), StepBack(), StepBack(), EpisodeBack(), StepBack()]
+
+
+async def test_at_step_0_they_say_so(make_app: MakeApp, monkeypatch: pytest.MonkeyPatch) -> None:
+    async with make_app("student").run_test(size=(80, 24), notifications=True) as pilot:
+        await settle(pilot)
+        shows(pilot, one(0, 100))
+        sent = recorded(pilot, monkeypatch)
+        await pilot.press("b")
+        assert sent == []
+        assert messages(pilot) == ["this is step 0, where the run begins"]
+
+
+async def test_the_timeline_is_scrubbed_with_keys_and_mouse(
+    make_app: MakeApp, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    async with make_app("student").run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        shows(pilot, one(200, 200))
+        sent = recorded(pilot, monkeypatch)
+        await pilot.press("tab", "tab", "tab", "tab", "pagedown", "pagedown", "shift+left", "home")
+        assert sent == [GoTo(180), GoTo(160), GoTo(159), GoTo(0)]
+        sent.clear()
+        await pilot.click("#timeline", offset=(23, 0))
+        assert len(sent) == 1
+        assert isinstance(sent[0], GoTo)
+        assert 60 < (sent[0].step or 0) < 140
+
+
+async def test_the_keys_of_the_timeline_stand_above_it_while_it_has_the_focus(make_app: MakeApp) -> None:
+    for size in ((80, 24), (120, 40)):
+        async with make_app("student").run_test(size=size) as pilot:
+            await settle(pilot)
+            shows(pilot, one(200, 200))
+            board = playground(pilot).board
+            assert "move" not in board.curve.footing
+            await pilot.press("tab", "tab", "tab", "tab")
+            assert board.timeline.has_focus
+            assert board.curve.footing.startswith("← →: move")
+            await pilot.press("tab")
+            assert "move" not in board.curve.footing
+
+
+async def test_g_asks_where_to_and_goes_there(make_app: MakeApp, monkeypatch: pytest.MonkeyPatch) -> None:
+    async with make_app("student").run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        shows(pilot, one(200, 200), episodes=60)
+        sent = recorded(pilot, monkeypatch)
+        await pilot.press("g", *"12", "enter")
+        await pilot.press("g", *"e12", "enter")
+        await pilot.press("g", *"50%", "enter")
+        await pilot.press("g", "escape")
+        assert sent == [GoTo(12), GoTo(episode=12), GoTo(100)]
+        await pilot.press("g", *"1234", "enter")
+        assert isinstance(pilot.app.screen, Prompt)
+        assert pilot.app.screen.query_one(Input).value == "1234"
+        assert len(sent) == 3
+
+
+async def test_j_goes_to_another_branch_or_to_a_change_in_it(
+    make_app: MakeApp, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    async with make_app("student").run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        shows(pilot, two(1))
+        sent = recorded(pilot, monkeypatch)
+        await pilot.press("j", "enter")
+        assert sent == []
+        await pilot.press("j", "up", "enter")
+        assert sent == [ChooseBranch(0)]
+        await pilot.press("j", "up", "tab", "enter")
+        assert sent[1:] == [ChooseBranch(0), GoTo(40)]
+
+
+async def test_a_fork_is_told_once(make_app: MakeApp) -> None:
+    async with make_app("student").run_test(size=(80, 24), notifications=True) as pilot:
+        await settle(pilot)
+        for timeline in (one(200, 200), one(20, 200)):
+            shows(pilot, timeline)
+        await pilot.pause()
+        assert messages(pilot) == []
+        for timeline in (two(1, 20), two(1, 25), two(0), two(1, 25)):
+            shows(pilot, timeline)
+        await pilot.pause()
+        assert messages(pilot) == ["branch 2 begins here; j goes back to branch 1"]
+
+
+async def test_branches_that_were_there_before_are_no_news(make_app: MakeApp) -> None:
+    async with make_app("student").run_test(size=(80, 24), notifications=True) as pilot:
+        await settle(pilot)
+        shows(pilot, one(0, 0), phase=Phase.PREPARING)
+        shows(pilot, two(1))
+        shows(pilot, one(200, 200))
+        shows(pilot, two(1), lane=1)
+        await pilot.pause()
+        assert messages(pilot) == []
+
+
+async def test_controls_and_recipe_follow_what_is_in_force(
+    make_app: MakeApp, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    async with make_app("student").run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        screen = playground(pilot)
+        values = snapshot(pilot).hyperparameters
+        later = values.changed("alpha", 0.5).changed("epsilon", 0.3)
+        shows(pilot, one(200, 200), hyperparameters=later)
+        assert screen.recipe.hyperparameters == later
+        assert screen.query_one("#alpha", Slider).value == 0.5
+        shows(pilot, one(20, 200), hyperparameters=values)
+        assert screen.query_one("#alpha", Slider).value == values.alpha
+        sent = recorded(pilot, monkeypatch)
+        await pilot.press("r")
+        assert sent == [Restart(screen.recipe)]
+        assert screen.recipe.hyperparameters == values
+        shows(pilot, one(20, 200), algorithm="sarsa", recipe=replace(screen.recipe, seed=7))
+        assert (screen.recipe.algorithm, screen.recipe.seed) == ("sarsa", 7)
+
+
+async def test_what_is_still_under_way_is_not_taken_back(
+    make_app: MakeApp, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    async with make_app("student").run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        screen = playground(pilot)
+        before = shows(pilot, one(200, 200))
+        sent = recorded(pilot, monkeypatch)
+        screen.query_one("#alpha", Slider).focus()
+        await pilot.press("right")
+        assert len(sent) == 1
+        assert isinstance(sent[0], Apply)
+        asked = screen.recipe.hyperparameters.alpha
+        assert asked != before.hyperparameters.alpha
+        screen._draw(replace(before, handled=screen.sent - 1))
+        assert screen.recipe.hyperparameters.alpha == asked
+        assert screen.query_one("#alpha", Slider).value == asked

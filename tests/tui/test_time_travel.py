@@ -1,0 +1,190 @@
+"""The five keys of time travel on all kinds of scenarios: every panel shows what it showed then."""
+
+from __future__ import annotations
+
+import pytest
+from conftest import MakeApp
+from test_playground import playground, press, snapshot, train
+from textual.pilot import Pilot
+from textual.widget import Widget
+
+from rl_tui.lab.snapshot import Phase, Snapshot
+from rl_tui.tui.screenshot import settle
+from rl_tui.tui.widgets.curve import ReturnCurve
+from rl_tui.tui.widgets.inspector import Inspector
+from rl_tui.tui.widgets.q_table import QTable
+from rl_tui.tui.widgets.slider import Slider
+from rl_tui.tui.world_views import world_view
+from rl_tui.worlds.errors import UserError
+
+Moment = tuple[str, ...]
+"""What the panels say, and the bits behind it."""
+
+
+def text_of(widget: Widget) -> str:
+    return "\n".join(widget.render_line(y).text for y in range(widget.size.height))
+
+
+def moment(pilot: Pilot[UserError]) -> Moment:
+    """Return what the panels say if they are made anew, so that no axis and no scrolling is left over."""
+    board, shown = playground(pilot).board, snapshot(pilot)
+    assert board.world is not None
+    fresh = (
+        (board.world, world_view(shown.world, board.look)),
+        (board.table, QTable(board.look)),
+        (board.curve, ReturnCurve(board.look)),
+        (board.inspector, Inspector(board.look)),
+    )
+    pictures = []
+    for shows, panel in fresh:
+        panel.show(shown)
+        pictures.append("\n".join(row.text for row in panel.picture(shown, *shows.size)))
+    return (*pictures, text_of(board.inspector), bits(shown))
+
+
+def bits(shown: Snapshot) -> str:
+    parts = (
+        shown.q.tobytes(),
+        shown.visits.tobytes(),
+        shown.rewards.tobytes(),
+        shown.curve.return_mean.tobytes(),
+    )
+    figures = (shown.state, shown.episodes, shown.episode_step, shown.episode_return, shown.discounted_return)
+    return f"{[part.hex() for part in parts]} {figures} {shown.last}"
+
+
+async def go(pilot: Pilot[UserError], text: str) -> Snapshot:
+    """Press g, type ``text``, and wait until that moment is on screen."""
+    await pilot.press("g", *text, "enter")
+    await settle(pilot)
+    return snapshot(pilot)
+
+
+async def chosen(pilot: Pilot[UserError], planner: bool) -> None:
+    """Let a planner take over, if that is wanted."""
+    if planner:
+        playground(pilot)._switch("value-iteration")
+        await settle(pilot)
+
+
+@pytest.mark.parametrize(
+    ("scenario", "planner"),
+    [("frozenlake", False), ("student", False), ("bandit", False), ("student", True), ("cartpole", False)],
+)
+async def test_every_panel_shows_what_it_showed_then(scenario: str, planner: bool, make_app: MakeApp) -> None:
+    async with make_app(scenario).run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        await chosen(pilot, planner)
+        then, begins = {0: moment(pilot)}, [0]
+        for key in ("s", "s", "s", "s", "s", "e", "s", "s", "e"):
+            shown = await press(pilot, key)
+            then[shown.step] = moment(pilot)
+            if shown.episode_step == 0:
+                begins.append(shown.step)
+        end = here = snapshot(pilot).step
+        for key in "bbBbB":
+            shown = await press(pilot, key)
+            here = here - 1 if key == "b" else max(step for step in begins if step < here)
+            assert (shown.step, shown.phase, shown.timeline.current.end) == (here, Phase.PAUSED, end)
+            assert here not in then or moment(pilot) == then[here], (key, here)
+        assert "◀ the past" in text_of(playground(pilot).query_one("#status"))
+        await go(pilot, "3")
+        assert moment(pilot) == then[3]
+        for step in (4, 5):
+            assert (await press(pilot, "s")).step == step
+            assert moment(pilot) == then[step]
+        await go(pilot, "end")
+        assert moment(pilot) == then[end]
+        assert not snapshot(pilot).timeline.in_past
+        assert len(snapshot(pilot).timeline.branches) == 1
+
+
+@pytest.mark.parametrize("scenario", ["frozenlake", "bandit", "cartpole"])
+async def test_fast_presses_all_count(scenario: str, make_app: MakeApp) -> None:
+    async with make_app(scenario).run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        await pilot.press(*"ssssssss")
+        await settle(pilot)
+        now = snapshot(pilot)
+        assert now.step == 8
+        await pilot.press(*"bbbbb")
+        await settle(pilot)
+        assert snapshot(pilot).step == 3
+        await pilot.press(*"sssss")
+        await settle(pilot)
+        assert bits(snapshot(pilot)) == bits(now)
+
+
+async def test_a_change_in_the_past_forks_and_j_goes_back(make_app: MakeApp) -> None:
+    app = make_app("student")
+    async with app.run_test(size=(120, 40), notifications=True) as pilot:
+        await settle(pilot)
+        await train(pilot, 300)
+        first = moment(pilot)
+        await go(pilot, "200")
+        app.screen.query_one("#alpha", Slider).focus()
+        await press(pilot, "right")
+        forked = await train(pilot, 100)
+        assert forked.timeline.branch == 1
+        assert forked.timeline.current.fork == 200
+        assert [note.message for note in app._notifications] == [
+            "branch 2 begins here; j goes back to branch 1"
+        ]
+        assert "branch 2  step 300" in text_of(playground(pilot).board.timeline)
+        second, changed = moment(pilot), forked.hyperparameters.alpha
+        assert second != first
+        await press(pilot, "j", "up", "enter")
+        await go(pilot, "end")
+        assert moment(pilot) == first
+        assert app.screen.query_one("#alpha", Slider).value == 0.1
+        assert playground(pilot).recipe.hyperparameters.alpha == 0.1
+        await press(pilot, "j", "down", "enter")
+        assert moment(pilot) == second
+        assert app.screen.query_one("#alpha", Slider).value == changed
+        assert playground(pilot).recipe.hyperparameters.alpha == changed
+        await press(pilot, "j", "tab", "enter")
+        assert snapshot(pilot).step == 200
+        assert len(app._notifications) == 1
+
+
+async def test_settings_of_then_are_in_force_then(make_app: MakeApp) -> None:
+    app = make_app("student")
+    async with app.run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        await train(pilot, 50)
+        await press(pilot, "t")
+        await train(pilot, 50)
+        playground(pilot)._switch("sarsa")
+        await settle(pilot)
+        await train(pilot, 50)
+        for step, ties, algorithm in (
+            (40, "random", "q-learning"),
+            (60, "first", "q-learning"),
+            (120, "first", "sarsa"),
+            (10, "random", "q-learning"),
+        ):
+            shown = await go(pilot, str(step))
+            assert (shown.hyperparameters.ties, shown.algorithm) == (ties, algorithm)
+            recipe = playground(pilot).recipe
+            assert (recipe.hyperparameters.ties, recipe.algorithm) == (ties, algorithm)
+        again = await press(pilot, "r")
+        assert (again.step, again.hyperparameters.ties, again.algorithm) == (0, "random", "q-learning")
+
+
+async def test_the_timeline_is_dragged_through_time(make_app: MakeApp) -> None:
+    async with make_app("student").run_test(size=(120, 40)) as pilot:
+        await settle(pilot)
+        now = await train(pilot, 1_000)
+        bar = playground(pilot).board.timeline
+        track = bar._form.track
+        await pilot.mouse_down(bar, offset=(track.start + 20, 0))
+        await pilot.hover(bar, offset=(track.start + 5, 0))
+        await pilot.mouse_up(bar, offset=(track.start + 5, 0))
+        await settle(pilot)
+        shown = snapshot(pilot)
+        assert shown.step == track.step_at(5)
+        assert bar.at == shown.step
+        await pilot.press("end")
+        await settle(pilot)
+        assert bits(snapshot(pilot)) == bits(now)
+        assert bar.at == 1_000
