@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 import math
+from typing import TYPE_CHECKING
 
 import click
 
 from rl_tui.agents.hyperparameters import Parameter, Range
+
+if TYPE_CHECKING:
+    from rl_tui.lab.changes import ChangeText
 
 
 class OptionValue(click.ParamType):  # type: ignore[type-arg]  # generic in newer versions only
@@ -71,6 +75,23 @@ class Whole(OptionValue):
             upper = "∞)" if self.high is None else f"{self.high:g}]"
             self.fail(f"{value} is not a whole number in [{self.low}, {upper}", param, ctx)
         return number
+
+
+class ChangeValue(OptionValue):
+    """A change on the way, STEP:NAME=VALUE."""
+
+    name = "STEP:NAME=VALUE"
+
+    def convert(self, value: object, param: click.Parameter | None, ctx: click.Context | None) -> ChangeText:
+        """Return the change; fails naming what is expected."""
+        from rl_tui.lab.changes import ChangeText, read_change
+
+        if isinstance(value, ChangeText):
+            return value
+        try:
+            return read_change(str(value))
+        except ValueError as fault:
+            self.fail(str(fault), param, ctx)
 
 
 def number_in(value: object) -> float | None:

@@ -10,13 +10,14 @@ from typing import TYPE_CHECKING, Any, Final, TextIO
 import click
 
 from rl_tui.cli.help_sections import SectionedCommand
-from rl_tui.cli.number import Whole
+from rl_tui.cli.number import ChangeValue, Whole
 from rl_tui.cli.output import counted, print_json
 from rl_tui.cli.progress import progress
 from rl_tui.cli.run_options import json_option, run_options, scenario_argument, seed_option
 
 if TYPE_CHECKING:
-    from rl_tui.lab.recipe import Recipe
+    from rl_tui.lab.changes import ChangeText
+    from rl_tui.lab.recipe import JournalEntry, Recipe
     from rl_tui.lab.run import Run
     from rl_tui.lab.training import Goal
 
@@ -39,6 +40,14 @@ Outcome = tuple[dict[str, Any], Callable[[], str]]
     type=click.Path(dir_okay=False, allow_dash=True),
     help="write a row an episode: run, episode, return, length; - is stdout, the report then goes to stderr",
 )
+@click.option(
+    "--change",
+    "changes",
+    type=ChangeValue(),
+    multiple=True,
+    help="after STEP steps set a hyper-parameter, algorithm=NAME, or take=ACTION in place of the agent; "
+    "may be given several times",
+)
 @run_options
 @seed_option
 @json_option
@@ -48,6 +57,7 @@ def command(
     steps: int | None,
     runs: int | None,
     csv: str | None,
+    changes: tuple[ChangeText, ...],
     overrides: dict[str, object],
     seed: int,
     as_json: bool,
@@ -60,17 +70,22 @@ def command(
         raise click.UsageError("--episodes and --steps exclude each other", click.get_current_context())
     if csv == STDOUT and as_json:
         raise click.UsageError("--csv - and --json both want stdout", click.get_current_context())
+    if changes and runs is not None:
+        raise click.UsageError(
+            "--change and --runs exclude each other: the steps of a change are those of one run",
+            click.get_current_context(),
+        )
     from rl_tui.lab.library import episodes_of, find, recipe_for
     from rl_tui.lab.training import Goal
 
     chosen = find(scenario)
     recipe = recipe_for(chosen, overrides, seed)
     goal = Goal(steps=steps) if steps is not None else Goal(episodes=episodes or episodes_of(chosen))
-    _warn_of_no_effect(recipe, overrides)
+    _warn_of_no_effect(recipe, overrides, changes)
     _warn_beyond_budget(recipe, goal)
     target = _target(csv)
     if runs is None:
-        figures, report = _train_once(recipe, goal, target)
+        figures, report = _train_once(recipe, goal, target, changes)
     else:
         figures, report = _train_many(recipe, runs, goal, target)
     if as_json:
@@ -85,10 +100,14 @@ def _target(csv: str | None) -> Path | TextIO | None:
     return None if csv is None else Path(csv)
 
 
-def _warn_of_no_effect(recipe: Recipe, overrides: dict[str, object]) -> None:
+def _warn_of_no_effect(
+    recipe: Recipe, overrides: dict[str, object], changes: tuple[ChangeText, ...] = ()
+) -> None:
     from rl_tui.agents.catalogue import BY_ID
     from rl_tui.lab.library import without_effect
 
+    if any(change.name in ("algorithm", "policy") for change in changes):
+        return  # what the first algorithm does not use may be for a later one
     policy = "" if BY_ID[recipe.algorithm].planner else f" with policy {recipe.hyperparameters.policy}"
     for name in without_effect(recipe, overrides):
         option = f"--{name.replace('_', '-')}"
@@ -107,11 +126,19 @@ def _warn_beyond_budget(recipe: Recipe, goal: Goal) -> None:
         click.echo(f"the budget of this bandit is {pulls_in_budget}; on screen the run ends there", err=True)
 
 
-def _train_once(recipe: Recipe, goal: Goal, csv: Path | TextIO | None) -> Outcome:
+def _train_once(
+    recipe: Recipe, goal: Goal, csv: Path | TextIO | None, changes: tuple[ChangeText, ...]
+) -> Outcome:
     from rl_tui.lab.figures import training_figures
 
-    run, seconds = _trained(recipe, goal, csv)
+    run, seconds, left_out = _trained(recipe, goal, csv, changes)
+    for change in left_out:
+        click.echo(f"--change {change} has no effect: the run ends after {run.step:,} steps", err=True)
     figures = training_figures(run, seconds)
+    if changes:
+        from rl_tui.lab.changes import as_json
+
+        figures["journal"] = as_json(run.journal, run.world.space.action_names)
 
     def report() -> str:
         from rl_tui.cli.train_report import one_run
@@ -121,18 +148,28 @@ def _train_once(recipe: Recipe, goal: Goal, csv: Path | TextIO | None) -> Outcom
     return figures, report
 
 
-def _trained(recipe: Recipe, goal: Goal, csv: Path | TextIO | None) -> tuple[Run, float]:
+def _trained(
+    recipe: Recipe, goal: Goal, csv: Path | TextIO | None, changes: tuple[ChangeText, ...]
+) -> tuple[Run, float, list[str]]:
+    """Return the run, the seconds it took, and the changes that it ended before."""
+    from rl_tui.lab.changes import journal_of, written_change
     from rl_tui.lab.episode_rows import EpisodeRows, csv_file
+    from rl_tui.lab.recipe import begin
     from rl_tui.lab.run import Run
     from rl_tui.lab.training import train
 
+    beginning = begin(recipe)
+    names = beginning.world.space.action_names
+    journal: tuple[JournalEntry, ...] = journal_of(changes, names)
     with progress(recipe.scenario.id) as on_progress:
         if csv is None:
-            run = Run(recipe, evaluate=False)
-            return run, train(run, goal, on_progress)
-        with csv_file(csv) as stream:
-            run = Run(recipe, evaluate=False, on_episodes=EpisodeRows(stream, 1))
-            return run, train(run, goal, on_progress)
+            run = Run(recipe, beginning, evaluate=False)
+            seconds = train(run, goal, on_progress, journal)
+        else:
+            with csv_file(csv) as stream:
+                run = Run(recipe, beginning, evaluate=False, on_episodes=EpisodeRows(stream, 1))
+                seconds = train(run, goal, on_progress, journal)
+    return run, seconds, [written_change(entry, names) for entry in journal[len(run.journal) :]]
 
 
 def _train_many(recipe: Recipe, runs: int, goal: Goal, csv: Path | TextIO | None) -> Outcome:

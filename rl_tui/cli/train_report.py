@@ -21,6 +21,7 @@ Row = tuple[str, str, str]
 
 LAST: Final = 100
 MOST_NAMES: Final = 8
+MOST_CHANGES: Final = 20
 EXACT: Final = ("value_at_start", "expected_return", "max_error")
 _WHOLE: Final = ("episodes", "steps")
 _OF_SCHEDULES: Final = {
@@ -53,9 +54,19 @@ def one_run(run: Run, figures: Figures) -> str:
         rows = _rows(figures, best) if mdp else _inexact_rows(figures, why_inexact(run))
         drawing = policy_map(run.world, figures["policy"])
         parts = [_head(run.recipe), _done(figures, "episode"), "", drawing, "", columns(rows)]
+    if "journal" in figures:
+        parts[1:1] = [_changes(figures["journal"])]
     if figures["first_reward_episode"] is None and not run.learner.plans:
         parts += ["", no_reward(run.recipe)]
     return "\n".join(parts)
+
+
+def _changes(journal: Sequence[Figures]) -> str:
+    """Return what was changed on the way, a line a change."""
+    rows = [(f"after {each['step']:,}", str(each["name"]), number(each["value"], ".12g")) for each in journal]
+    return columns([("step", "changed", "to"), *rows[:MOST_CHANGES]]) + (
+        f"\n... and {len(rows) - MOST_CHANGES:,} more: --json has all" if len(rows) > MOST_CHANGES else ""
+    )
 
 
 def several_runs(recipe: Recipe, figures: Figures) -> str:

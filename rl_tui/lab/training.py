@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Final
 
+from rl_tui.lab.recipe import JournalEntry, TakeAction
 from rl_tui.lab.run import Run
 from rl_tui.worlds.errors import UserError
 
@@ -35,23 +36,39 @@ class Goal:
         return run.learner.episodes, self.episodes or 0
 
 
-def train(run: Run, goal: Goal, on_progress: OnProgress = no_progress) -> float:
+def train(
+    run: Run, goal: Goal, on_progress: OnProgress = no_progress, journal: Sequence[JournalEntry] = ()
+) -> float:
     """Advance ``run`` to ``goal`` and return the seconds it took, compiling left out.
 
-    Raises UserError where the run broke down.
+    Each entry of ``journal``, whose steps ascend, is applied at its step; those beyond the goal are left out.
+    Raises UserError where the run broke down, or a change does not fit.
     """
     run.warm_up()
     start = time.perf_counter()
     chunk = CHUNK if run.world.new_environment is None else STEPPED_CHUNK
+    waiting = list(journal)
     while True:
         done, wanted = goal.reached_by(run)
+        while waiting and waiting[0].step <= run.step and not (done >= wanted and _is_step(waiting[0])):
+            before = time.perf_counter()
+            run.apply(waiting.pop(0).change)
+            run.warm_up()  # another algorithm has a loop of its own
+            start += time.perf_counter() - before
+            done, wanted = goal.reached_by(run)
         on_progress(done, wanted)
         if done >= wanted or run.converged:
             return time.perf_counter() - start
         left = wanted - done
+        steps = min(chunk, waiting[0].step - run.step) if waiting else chunk
         if goal.steps is not None:
-            run.advance(min(chunk, left))
+            run.advance(min(steps, left))
         else:
-            run.advance(chunk, left)
+            run.advance(steps, left)
         if run.stop_reason:
             raise UserError(run.stop_reason)
+
+
+def _is_step(entry: JournalEntry) -> bool:
+    """Tell whether ``entry`` is a step taken by hand."""
+    return isinstance(entry.change, TakeAction)

@@ -1,0 +1,1 @@
+"""A run written down for others: as a command, a script, tables."""

@@ -1,0 +1,56 @@
+"""Values as a person would write them in a script."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Mapping
+from typing import Any, Final
+
+WIDEST: Final = 96
+_INDENT: Final = "    "
+
+
+def literal(value: object) -> str:
+    """Return ``value`` in Python, texts in double quotes: numbers, texts, truth values, lists and tables."""
+    if isinstance(value, bool) or value is None:
+        return repr(value)
+    if isinstance(value, str):
+        return json.dumps(value, ensure_ascii=False)
+    if isinstance(value, Mapping):
+        return "{" + ", ".join(f"{literal(key)}: {literal(each)}" for key, each in value.items()) + "}"
+    if isinstance(value, tuple):
+        inside = ", ".join(map(literal, value))
+        return f"({inside},)" if len(value) == 1 else f"({inside})"
+    if isinstance(value, list):
+        return "[" + ", ".join(map(literal, value)) + "]"
+    return repr(value)
+
+
+def listed(items: Iterable[str], opening: str = "[", closing: str = "]", before: str = "") -> str:
+    """Return ``before`` and the list of ``items``: in one line if it fits, else one a line."""
+    items = list(items)
+    line = f"{before}{opening}{', '.join(items)}{closing}"
+    if len(line) <= WIDEST:
+        return line
+    return "\n".join([f"{before}{opening}", *(f"{_INDENT}{item}," for item in items), closing])
+
+
+def packed(items: Iterable[str], before: str) -> str:
+    """Return ``before`` and the list of ``items``, as many a line as fit."""
+    items = list(items)
+    line = f"{before}[{', '.join(items)}]"
+    if len(line) <= WIDEST:
+        return line
+    lines, current = [f"{before}["], _INDENT.rstrip("\n")
+    for item in items:
+        if len(current) + len(item) + 2 > WIDEST and current.strip():
+            lines.append(current.rstrip())
+            current = _INDENT
+        current += f"{item}, "
+    return "\n".join([*lines, current.rstrip(), "]"])
+
+
+def table(entries: Mapping[str, Any], before: str) -> str:
+    """Return ``before`` and a dictionary of literals."""
+    items = (f"{literal(key)}: {literal(value)}" for key, value in entries.items())
+    return listed(items, "{", "}", before)

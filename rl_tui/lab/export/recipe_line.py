@@ -1,0 +1,102 @@
+"""The one command line that reproduces a run."""
+
+from __future__ import annotations
+
+import shlex
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Final
+
+from rl_tui.agents.hyperparameters import PARAMETERS
+from rl_tui.lab.changes import written_change, written_value
+from rl_tui.lab.library import recipe_for
+from rl_tui.lab.recipe import JournalEntry, Recipe, SetParameter, TakeAction
+from rl_tui.worlds import catalogue
+from rl_tui.worlds.errors import UserError
+from rl_tui.worlds.gymnasium_ids import PREFIX
+from rl_tui.worlds.scenario import Scenario
+
+MOST_CHANGES: Final = 200
+
+
+def recipe_line(
+    recipe: Recipe, journal: Sequence[JournalEntry], step: int, action_names: Sequence[str]
+) -> str:
+    """Return the ``rl-tui train`` command that does again what was done up to ``step``, quoted for a shell.
+
+    It names every setting that is not the scenario's own. ``action_names``, [A], are those of the world.
+    Of step 0 it is the command that trains as long as the scenario says. Raises UserError where the journal
+    has more than 200 entries by then: a saved session is the better place for them.
+    """
+    entries = _without_passing(entries_until(journal, step))
+    if len(entries) > MOST_CHANGES:
+        raise UserError(
+            f"{len(entries):,} changes are too many for one line: save the session with w, and then "
+            f"rl-tui replay SESSION.json does it again"
+        )
+    words = ["rl-tui", "train", _name_of(recipe.scenario), *_settings(recipe), "--seed", str(recipe.seed)]
+    if step > 0:
+        words += ["--steps", str(step)]
+    for entry in entries:
+        words += ["--change", written_change(entry, action_names)]
+    return shlex.join(words)
+
+
+def entries_until(journal: Sequence[JournalEntry], step: int) -> list[JournalEntry]:
+    """Return what of ``journal`` belongs to the run at ``step``: settings of that step count, a step not."""
+    return [
+        entry
+        for entry in journal
+        if entry.step < step or (entry.step == step and not isinstance(entry.change, TakeAction))
+    ]
+
+
+def _without_passing(entries: Sequence[JournalEntry]) -> list[JournalEntry]:
+    """Return ``entries`` without settings that the next one takes back: a slider passes many values.
+
+    A policy that came and went stays: one that learns begins anew.
+    """
+    kept: list[JournalEntry] = []
+    for entry in entries:
+        if kept and _is_taken_back(kept[-1], entry):
+            kept.pop()
+        kept.append(entry)
+    return kept
+
+
+def _is_taken_back(entry: JournalEntry, after: JournalEntry) -> bool:
+    one, other = entry.change, after.change
+    if not (isinstance(one, SetParameter) and isinstance(other, SetParameter)):
+        return False
+    return entry.step == after.step and one.name == other.name != "policy"
+
+
+def _name_of(scenario: Scenario) -> str:
+    """Return what to call ``scenario`` on the command line: its id where that finds it, else its file."""
+    if scenario.id.startswith(PREFIX):
+        return scenario.id
+    try:
+        found = catalogue.find(scenario.id)
+    except UserError:
+        found = None
+    if found is not None and _same_file(found.source, scenario.source):
+        return scenario.id
+    return str(scenario.source)
+
+
+def _same_file(one: Path, other: Path) -> bool:
+    try:
+        return one.samefile(other)
+    except OSError:
+        return False
+
+
+def _settings(recipe: Recipe) -> list[str]:
+    """Return the options that make ``recipe`` of its scenario."""
+    usual = recipe_for(recipe.scenario)
+    options = [] if recipe.algorithm == usual.algorithm else ["--algorithm", recipe.algorithm]
+    for name in PARAMETERS:
+        value = recipe.hyperparameters.value(name)
+        if value != usual.hyperparameters.value(name):
+            options += [f"--{name.replace('_', '-')}", written_value(value)]
+    return options

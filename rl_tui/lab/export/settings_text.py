@@ -1,0 +1,104 @@
+"""What an agent is told, as the constants of a script and the expressions that use them."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from rl_tui.agents.catalogue import BY_ID, parameters_of
+from rl_tui.agents.hyperparameters import PARAMETERS, Hyperparameters
+
+# These count their own updates where the step size is the sample average: an update comes later than the
+# step, or in one of two tables
+OWN_COUNTS: Final = ("double-q-learning", "n-step-sarsa", "monte-carlo")
+
+_NAMES: Final = {"n": "STEPS"}
+_BY_TEXT: Final = ("policy", "ties", "baseline", "traces", "step_size_schedule", "epsilon_schedule")
+_SCHEDULES: Final = {
+    "epsilon": ("epsilon_schedule", "epsilon_min", "epsilon_decay"),
+    "alpha": ("step_size_schedule", "alpha_min", "alpha_decay"),
+}
+
+
+class Told:
+    """What one algorithm is told, in the words of a script."""
+
+    def __init__(self, algorithm: str, values: Hyperparameters) -> None:
+        self.algorithm = algorithm
+        self.values = values
+        self.used = parameters_of(algorithm, values.policy)
+        self.planner = BY_ID[algorithm].planner
+        self.sample_average = values.sample_average and not self.planner
+
+    def constants(self, episodes: int, seed: int) -> str:
+        """Return the lines of the constants, what each is beside it."""
+        told = [*self._parameters()]
+        if not self.planner:
+            told.append(("EPISODES", f"{episodes:_}", "how many episodes to train"))
+        told.append(("SEED", str(seed), "where all randomness comes from"))
+        width = max(len(f"{name} = {value}") for name, value, _ in told)
+        return "\n".join(f"{f'{name} = {value}':<{width}}  # {text}" for name, value, text in told)
+
+    def _parameters(self) -> list[tuple[str, str, str]]:
+        skipped = {*_BY_TEXT, "initial_q"}
+        for name, parts in _SCHEDULES.items():
+            if not self.is_scheduled(name):
+                skipped.update(parts)
+        if self.sample_average:
+            skipped.update(("alpha", *_SCHEDULES["alpha"]))
+        names = [name for name in self.used if name not in skipped]
+        if "gamma" not in names:
+            names.insert(0, "gamma")
+        return [self._constant(name) for name in [*names, "initial_q"]]
+
+    def _constant(self, name: str) -> tuple[str, str, str]:
+        parameter = PARAMETERS[name]
+        symbol = "" if parameter.symbol in (name, "planning", "accuracy") else f"{parameter.symbol}, "
+        return self.name_of(name), repr(self.values.value(name)), f"{symbol}{parameter.help}"
+
+    def name_of(self, name: str) -> str:
+        """Return what the constant of a hyper-parameter is called."""
+        return _NAMES.get(name, name.upper())
+
+    def is_scheduled(self, name: str) -> bool:
+        """Tell whether ``name``, epsilon or alpha, changes from episode to episode."""
+        schedule, _, decay = _SCHEDULES[name]
+        if name not in self.used or (name == "alpha" and self.sample_average):
+            return False
+        return self.values.value(schedule) != "constant" and self.values.value(decay) != 0.0
+
+    def begin(self) -> str:
+        """Return what is done when an episode begins: the schedules."""
+        return "\n".join(self._schedule(name) for name in _SCHEDULES if self.is_scheduled(name))
+
+    def _schedule(self, name: str) -> str:
+        schedule, least, decay = _SCHEDULES[name]
+        start, end, fall = (self.name_of(each) for each in (name, least, decay))
+        if self.values.value(schedule) == "exponential":
+            return f"{name} = {end} + ({start} - {end}) * np.exp(-{fall} * episode)"
+        if float(self.values.value(name)) >= float(self.values.value(least)):
+            return f"{name} = max({end}, {start} - {fall} * episode)"
+        return f"{name} = min({end}, {start} + {fall} * episode)"
+
+    @property
+    def epsilon(self) -> str:
+        """The expression of ε in an episode."""
+        return "epsilon" if self.is_scheduled("epsilon") else "EPSILON"
+
+    def alpha(self, state: str, action: str, counts: str) -> str:
+        """Return the expression of the step size for a pair, whose updates ``counts`` counts."""
+        if self.sample_average:
+            return f"1 / {counts}[{state}][{action}]"
+        return "alpha" if self.is_scheduled("alpha") else "ALPHA"
+
+    @property
+    def counts_visits(self) -> bool:
+        """Whether the script counts how often each pair is taken."""
+        if self.planner:
+            return False
+        averages = self.sample_average and self.algorithm not in OWN_COUNTS
+        return averages or self.values.policy == "ucb"
+
+    @property
+    def counts_updates(self) -> bool:
+        """Whether the script counts how often each estimate is updated, apart from that."""
+        return self.sample_average and self.algorithm in OWN_COUNTS

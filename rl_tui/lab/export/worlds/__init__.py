@@ -1,0 +1,1 @@
+"""Each kind of world as the text of a script."""

@@ -1,0 +1,174 @@
+"""An environment of Gymnasium as the text of a script."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from contextlib import closing
+from keyword import iskeyword
+from typing import TYPE_CHECKING, Any, Final
+
+from rl_tui.lab.export.literals import listed, literal
+from rl_tui.lab.export.template import fill
+from rl_tui.lab.export.worlds.text import (
+    ARRAY,
+    ARROWS_ON_MAP,
+    LOOKUP,
+    STATE_BY_STATE,
+    WorldText,
+    arrow,
+)
+from rl_tui.worlds.drawing import CellKind, Grid
+from rl_tui.worlds.errors import UserError
+from rl_tui.worlds.gymnasium_section import GymnasiumSection
+from rl_tui.worlds.registered import made, time_limit_of
+from rl_tui.worlds.world import World
+
+if TYPE_CHECKING:
+    from gymnasium import Env
+
+    from rl_tui.worlds.bins import BinsSection
+
+MODEL: Final = """
+P = env.unwrapped.P  # the transition table, which the environment shows to those who plan
+
+
+def outcomes(state, action):
+    # All that may happen: (probability, next state, reward, whether the episode ends)
+    return P[state][action]
+"""
+
+BINS: Final = """
+# Every number that is observed falls into one of the bins between these edges; observations that
+# fall into the same bins are one state to the agent
+$edges
+
+
+class Bins(gym.ObservationWrapper):
+    def observation(self, observation):
+        return tuple(bisect(inner, x) for inner, x in zip(EDGES, observation.ravel()))
+
+
+env = Bins($made)
+"""
+
+NUMBERS: Final = """
+class Numbers(gym.ObservationWrapper):
+    # An array of whole numbers is no key of a table, a tuple of them is
+    def observation(self, observation):
+        return tuple(observation.ravel().tolist())
+
+
+env = Numbers($made)
+"""
+
+_LETTERS: Final = {
+    CellKind.START: "S",
+    CellKind.FLOOR: ".",
+    CellKind.GOAL: "G",
+    CellKind.HOLE: "H",
+    CellKind.WALL: "#",
+    CellKind.CLIFF: "C",
+}
+_NATURALS: Final = "A dealt 21 (a natural) is the same state here as any other 21 with a usable ace."
+_LOOKUP_IMPORT: Final = "from collections import defaultdict"
+
+
+def gymnasium_text(section: GymnasiumSection, world: World) -> WorldText:
+    """Return the text of the environment of ``section``, of which ``world`` was made.
+
+    Raises UserError where its observations or actions are of a kind that a short script cannot number.
+    """
+    with closing(made(section.id, section.kwargs)) as environment:
+        has_table = world.mdp is not None and hasattr(environment.unwrapped, "P")
+        if int(environment.action_space.start) != 0:
+            raise UserError(f"no script for {section.id}: its actions do not count from 0")
+        make = _make(section)
+        truncates = time_limit_of(environment) > 0
+        if has_table:
+            return _tabular(world, make, truncates)
+        setup, imports = _observed(section, environment, make)
+    names = listed(map(literal, world.space.action_names), before="NAMES = ")
+    return WorldText(
+        setup=f"{setup}\n{names}",
+        new_table=fill(LOOKUP, {"actions": "len(NAMES)"}),
+        report=STATE_BY_STATE,
+        report_pieces={"states": "sorted(Q)"},
+        truncates=truncates,
+        imports=(*imports, _LOOKUP_IMPORT),
+        remarks=(_NATURALS,) if world.mdp is not None else (),
+    )
+
+
+def _make(section: GymnasiumSection) -> str:
+    """Return the expression that makes the environment."""
+    plain = {key: value for key, value in section.kwargs.items() if key.isidentifier() and not iskeyword(key)}
+    others = {key: value for key, value in section.kwargs.items() if key not in plain}
+    given = [f"{key}={literal(value)}" for key, value in plain.items()]
+    rest = [f"**{literal(others)}"] if others else []
+    return listed([literal(section.id), *given, *rest], "(", ")", "gym.make")
+
+
+def _tabular(world: World, make: str, truncates: bool) -> WorldText:
+    setup = [f"env = {make}"]
+    grid = world.drawing
+    report, pieces = STATE_BY_STATE, {"states": "range(len(Q))"}
+    if isinstance(grid, Grid) and grid.cell_of_state == tuple(range(len(grid.kinds))):
+        setup += _map(grid, world.space.action_names)
+        width = "2" if len(grid.directions) < 5 else "4"
+        report, pieces = ARROWS_ON_MAP, {"shown": '"HGC#"', "width": width}
+    else:
+        setup.append(listed(map(literal, world.space.action_names), before="NAMES = "))
+    return WorldText(
+        setup="\n".join(setup),
+        new_table=fill(ARRAY, {"states": "env.observation_space.n", "actions": "env.action_space.n"}),
+        report=report,
+        report_pieces=pieces,
+        model=MODEL,
+        starts="np.flatnonzero(env.unwrapped.initial_state_distrib).tolist()",
+        truncates=truncates,
+    )
+
+
+def _map(grid: Grid, action_names: Sequence[str]) -> list[str]:
+    """Return the lines that say how the policy is drawn."""
+    letters = "".join(_LETTERS[kind] for kind in grid.kinds)
+    rows = [letters[first : first + grid.columns] for first in range(0, len(letters), grid.columns)]
+    arrows = map(arrow, grid.directions, action_names)
+    return [
+        f"# The actions 0, 1, ...: {', '.join(action_names)}",
+        listed(map(literal, arrows), before="ARROWS = "),
+        "MAP = [  # only to draw the policy",
+        *(f"    {literal(row)}," for row in rows),
+        "]",
+    ]
+
+
+def _observed(
+    section: GymnasiumSection, environment: Env[Any, Any], make: str
+) -> tuple[str, tuple[str, ...]]:
+    """Return the text that makes an environment whose observations are states, and what it imports."""
+    from gymnasium import spaces
+
+    space = environment.observation_space
+    if section.bins is not None and isinstance(space, spaces.Box):
+        edges = listed(_edges(section.bins, space), before="EDGES = ")
+        return fill(BINS, {"edges": edges, "made": make}), ("from bisect import bisect",)
+    if isinstance(space, spaces.MultiDiscrete | spaces.MultiBinary):
+        return fill(NUMBERS, {"made": make}), ()
+    flat = isinstance(space, spaces.Tuple) and all(isinstance(each, spaces.Discrete) for each in space.spaces)
+    if flat or isinstance(space, spaces.Discrete):
+        return f"env = {make}", ()
+    raise UserError(f"no script for {section.id}: its observations are {type(space).__name__}, made of parts")
+
+
+def _edges(bins: BinsSection, space: Any) -> list[str]:
+    """Return the expression of the inner edges of each dimension."""
+    if bins.edges is not None:
+        return [literal([float(edge) for edge in inner]) for inner in bins.edges]
+    low, high = bins.low or space.low.ravel().tolist(), bins.high or space.high.ravel().tolist()
+    return [
+        "[]" if count == 1 else f"np.linspace({least:.8g}, {most:.8g}, {count + 1})[1:-1]"
+        for least, most, count in zip(low, high, bins.count or (), strict=True)
+        if not (count > 1 and math.isinf(least))
+    ]

@@ -1,0 +1,217 @@
+"""Exporting from the playground, with real keys."""
+
+from __future__ import annotations
+
+import csv
+import shlex
+import threading
+from functools import partial
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from conftest import MakeApp
+from open_grids import open_grid_recipe
+from textual.pilot import Pilot
+from textual.widgets import Input, OptionList, Static
+from textual.widgets._toast import Toast
+
+from rl_tui.lab.commands import Train
+from rl_tui.lab.player import Player
+from rl_tui.lab.snapshot import Snapshot
+from rl_tui.tui.app import RlTuiApp
+from rl_tui.tui.display import Display
+from rl_tui.tui.screens.export_dialogs import AskNewFile, BrokenOffError, CommandLine, ExportChoice, Working
+from rl_tui.tui.screens.playground import Playground
+from rl_tui.tui.screenshot import settle
+from rl_tui.worlds.errors import UserError
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def shown(pilot: Pilot[UserError]) -> Snapshot:
+    playground = next(screen for screen in pilot.app.screen_stack if isinstance(screen, Playground))
+    assert playground.snapshot is not None
+    return playground.snapshot
+
+
+async def press(pilot: Pilot[UserError], *keys: str) -> None:
+    for key in keys:
+        await pilot.press(key)
+        await settle(pilot)
+        while isinstance(pilot.app.screen, Working):
+            await pilot.pause()
+
+
+async def train(pilot: Pilot[UserError], steps: int) -> None:
+    await settle(pilot)
+    next(screen for screen in pilot.app.screen_stack if isinstance(screen, Playground)).send(Train(steps))
+    await settle(pilot)
+
+
+async def choose(pilot: Pilot[UserError], kind: str) -> None:
+    await press(pilot, "x")
+    options = pilot.app.screen.query_one(OptionList)
+    while options.highlighted_option is None or options.highlighted_option.id != kind:
+        await press(pilot, "down")
+    await press(pilot, "enter")
+
+
+def said(pilot: Pilot[UserError]) -> list[str]:
+    return [str(toast.render()) for toast in pilot.app.screen.query(Toast)]
+
+
+async def test_a_script_is_written_under_the_name_offered(make_app: MakeApp, folder: Path) -> None:
+    async with make_app("frozenlake").run_test(size=(80, 24), notifications=True) as pilot:
+        await train(pilot, 50)
+        await choose(pilot, "script")
+        assert isinstance(pilot.app.screen, AskNewFile)
+        assert pilot.app.screen.query_one(Input).value == "frozenlake-q-learning.py"
+        await press(pilot, "enter")
+        text = (folder / "frozenlake-q-learning.py").read_text(encoding="utf-8")
+        compile(text, "script", "exec")
+        assert "frozenlake-q-learning.py" in "".join(said(pilot)).replace("\n", "")
+        await choose(pilot, "script")
+        assert pilot.app.screen.query_one(Input).value == "frozenlake-q-learning-2.py"
+
+
+async def test_what_is_there_already_is_never_written_over(make_app: MakeApp, folder: Path) -> None:
+    (folder / "mine.py").write_text("mine", encoding="utf-8")
+    async with make_app("frozenlake").run_test(size=(80, 24), notifications=True) as pilot:
+        await train(pilot, 5)
+        await choose(pilot, "script")
+        await press(pilot, *"mine.py")
+        fault = pilot.app.screen.query_one(".error", Static)
+        assert str(fault.render()) == "mine.py is there already: type another name"
+        await press(pilot, "enter")
+        assert isinstance(pilot.app.screen, AskNewFile)
+        await press(pilot, "escape")
+    assert (folder / "mine.py").read_text(encoding="utf-8") == "mine"
+    assert [path.name for path in folder.iterdir()] == ["mine.py"]
+
+
+async def test_the_tables_are_those_that_are_shown(make_app: MakeApp, folder: Path) -> None:
+    async with make_app("student").run_test(size=(80, 24), notifications=True) as pilot:
+        await train(pilot, 300)
+        for kind in ("q-csv", "q-npy", "returns"):
+            await choose(pilot, kind)
+            await press(pilot, "enter")
+        snapshot = shown(pilot)
+        q = np.load(folder / "student-q-learning-q.npy")
+        np.testing.assert_array_equal(np.sort(q[~np.isnan(q)]), np.sort(snapshot.q))
+        with (folder / "student-q-learning-q.csv").open(encoding="utf-8") as stream:
+            assert [row["state"] for row in csv.DictReader(stream)] == ["Class", "Phone", "Pass"]
+        with (folder / "student-q-learning-returns.csv").open(encoding="utf-8") as stream:
+            assert len(list(csv.DictReader(stream))) == snapshot.episodes
+        assert len(said(pilot)) == 3
+
+
+async def test_of_a_map_that_is_shown_in_parts_all_of_q_is_written(folder: Path) -> None:
+    app = RlTuiApp(
+        Display(fps=1000.0),
+        open_grid_recipe(200),
+        make_player=partial(Player, automatic=False),
+        picture=True,
+    )
+    async with app.run_test(size=(80, 24), notifications=True) as pilot:
+        await train(pilot, 2000)
+        snapshot = shown(pilot)
+        assert snapshot.window is not None
+        await choose(pilot, "q-csv")
+        await press(pilot, "enter")
+        (path,) = folder.iterdir()
+        with path.open(encoding="utf-8") as stream:
+            rows = list(csv.DictReader(stream))
+        assert len(rows) == 200 * 200 - 1
+        visits = sum(int(count) for row in rows for name, count in row.items() if name.startswith("visits"))
+        assert visits == 2000
+
+
+async def test_the_picture_shows_the_screen_and_no_dialog(make_app: MakeApp, folder: Path) -> None:
+    async with make_app("student").run_test(size=(80, 24), notifications=True) as pilot:
+        await train(pilot, 20)
+        await choose(pilot, "svg")
+        await press(pilot, "enter")
+        picture = (folder / "student-q-learning.svg").read_text(encoding="utf-8")
+    assert picture.startswith("<svg")
+    assert "evening" in picture
+    assert "esc:" not in picture
+
+
+async def test_the_command_has_what_was_changed_and_can_be_copied_or_written(
+    make_app: MakeApp, folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    app = make_app("frozenlake", seed=3)
+    async with app.run_test(size=(80, 24), notifications=True) as pilot:
+        await train(pilot, 40)
+        await press(pilot, "t")
+        await train(pilot, 10)
+        await choose(pilot, "command")
+        assert isinstance(app.screen, CommandLine)
+        line = str(app.screen.query_one("#command Static", Static).render())
+        assert shlex.split(line) == [
+            *("rl-tui", "train", "frozenlake", "--seed", "3", "--steps", "50"),
+            *("--change", "40:ties=first"),
+        ]
+        await press(pilot, "c")
+        assert app.clipboard == line
+        await press(pilot, "w", "enter")
+        assert (folder / "frozenlake-q-learning.txt").read_text(encoding="utf-8") == f"{line}\n"
+
+
+async def test_a_bandit_warns_that_the_script_has_the_true_means(make_app: MakeApp) -> None:
+    for scenario, warns in (("bandit", True), ("student", False)):
+        async with make_app(scenario).run_test(size=(80, 24)) as pilot:
+            await settle(pilot)
+            await press(pilot, "x")
+            prompt = str(pilot.app.screen.query_one(OptionList).get_option("script").prompt)
+            assert ("true means" in prompt) is warns
+
+
+async def test_without_an_episode_there_are_no_returns(make_app: MakeApp) -> None:
+    async with make_app("student").run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        await press(pilot, "x")
+        assert isinstance(pilot.app.screen, ExportChoice)
+        option = pilot.app.screen.query_one(OptionList).get_option("returns")
+        assert option.disabled
+        assert "no episode is finished yet" in str(option.prompt)
+
+
+async def test_why_there_is_no_script_is_told_in_a_line(make_app: MakeApp, folder: Path) -> None:
+    async with make_app("blackjack-table").run_test(size=(80, 24), notifications=True) as pilot:
+        await settle(pilot)
+        await press(pilot, "a", "end", "enter")  # policy iteration
+        await choose(pilot, "script")
+        assert "transition table" in "".join(said(pilot)).replace("\n", " ")
+    assert list(folder.iterdir()) == []
+
+
+async def test_what_takes_long_can_be_broken_off(make_app: MakeApp) -> None:
+    met = SimpleNamespace(begun=threading.Event(), ended=threading.Event())
+
+    def endless(on_progress: object) -> None:
+        assert callable(on_progress)
+        met.begun.set()
+        try:
+            while True:
+                on_progress(1, 3)
+        except BrokenOffError:
+            met.ended.set()
+            raise
+
+    async with make_app("student").run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        answers: list[str | None] = []
+        pilot.app.push_screen(Working("Returns", endless), answers.append)
+        await pilot.pause()
+        assert met.begun.wait(20)
+        await pilot.press("escape")
+        await settle(pilot)
+        assert met.ended.wait(20)
+    assert answers == [None]
