@@ -143,6 +143,13 @@ async def test_enter_goes_to_a_branch_or_to_a_change(keys: list[str], answer: Mo
     assert app.answers == [answer]
 
 
+async def test_steps_by_hand_are_counted_apart() -> None:
+    app = Bench(Timeline((Branch("branch 1", HANDS, end=4_000, here=4_000),)))
+    async with app.run_test(size=(80, 24)):
+        (only,) = app.screen.query_one("#branches", OptionList).options
+        assert str(only.prompt).splitlines()[1] == "4,000 steps, 61 by hand"
+
+
 async def test_an_empty_journal_says_how_to_make_a_branch() -> None:
     app = Bench(Timeline((Branch("branch 1", end=7, here=7),)))
     async with app.run_test(size=(80, 24)) as pilot:

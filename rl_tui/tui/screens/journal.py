@@ -112,5 +112,6 @@ class JournalScreen(Dialog[Moment]):
 def _how_much(lines: list[JournalLine]) -> list[str]:
     """Return how many changes there are, and how many steps by hand: ``2 changes``, ``61 by hand``."""
     changes, by_hand = sum(not line.by_hand for line in lines), sum(line.by_hand for line in lines)
-    said = "no change" if not changes else "1 change" if changes == 1 else f"{changes:,} changes"
-    return [said, f"{by_hand:,} by hand"] if by_hand else [said]
+    settings = [] if not changes else ["1 change"] if changes == 1 else [f"{changes:,} changes"]
+    steps = [f"{by_hand:,} by hand"] if by_hand else []
+    return settings + steps or ["no change"]
