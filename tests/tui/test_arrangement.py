@@ -68,6 +68,11 @@ def test_a_zoomed_panel_stands_alone() -> None:
     assert arrangement(Size(80, 22), SHAPES["student"], "table") == {"table": Region(0, 0, 80, 22)}
 
 
+def test_the_graph_at_80x24_keeps_the_rows_it_needs() -> None:
+    assert arrangement(Size(80, 22), SHAPES["student"])["world"].height == 12
+    assert arrangement(Size(120, 38), SHAPES["student"])["world"].height == 20
+
+
 @pytest.mark.parametrize("panel", ["curve", "timeline"])
 def test_curve_and_timeline_are_zoomed_together(panel: str) -> None:
     assert arrangement(Size(80, 22), SHAPES["student"], panel) == {

@@ -24,7 +24,7 @@ _BORDERS = 2
 _LOOP_ROWS = 8  # the six lines of the controls, or of the last step, and their borders
 _BUDGET_ROWS = 6
 _LINES_BELOW = 3  # compact: sliders, settings, last step; a line each, without borders
-_LEAST_CURVE = 11
+_LEAST_CURVE = 12  # with the timeline
 _TIMELINE_ROWS = 1
 _USUAL_TABLE = 15
 
@@ -55,8 +55,7 @@ def arrangement(size: Size, shape: Shape, zoomed: str | None = None) -> dict[str
 def _compact(size: Size, shape: Shape) -> dict[str, Region]:
     width, height = size
     left, body = round(width * 42 / 80), max(0, height - _LINES_BELOW)
-    rows = max(0, body - _TIMELINE_ROWS)
-    world = _world_rows(shape, rows, least_curve=max(5, rows * 7 // 19))
+    world = _world_rows(shape, body, least_curve=max(6, body * 7 // 19))
     regions = _left_column(left, world, body) | _right_column(shape, left, width - left, body)
     regions[CONTROLS] = Region(0, body, width, 2)
     regions[INSPECTOR] = Region(0, body + 2, width, 1)
@@ -69,12 +68,12 @@ def _roomy(size: Size, shape: Shape) -> dict[str, Region]:
     table = shape.table_rows + 1 + _BORDERS
     if table > height - 2 * _LOOP_ROWS:
         body = height - _LOOP_ROWS
-        world = _world_rows(shape, body - _TIMELINE_ROWS, least_curve=_LEAST_CURVE)
+        world = _world_rows(shape, body, least_curve=_LEAST_CURVE)
         regions = _left_column(left, world, body) | _right_column(shape, left, width - left, body)
         regions[CONTROLS] = Region(0, body, left, _LOOP_ROWS)
         regions[INSPECTOR] = Region(left, body, width - left, _LOOP_ROWS)
         return regions
-    world = _world_rows(shape, height - _TIMELINE_ROWS, least_curve=_LEAST_CURVE)
+    world = _world_rows(shape, height, least_curve=_LEAST_CURVE)
     regions = _left_column(left, world, height)
     table = min(max(table, min(world, _USUAL_TABLE)), height - 2 * _LOOP_ROWS - _budget_rows(shape))
     y = 0
@@ -115,7 +114,7 @@ def _budget_rows(shape: Shape) -> int:
 
 
 def _world_rows(shape: Shape, height: int, least_curve: int) -> int:
-    """Return the rows of the world panel: whole rows of what it draws, and enough left for the curve."""
+    """Return the rows of the world panel: whole rows of what it draws, enough left for curve and timeline."""
     most = max(_BORDERS + 1, height - least_curve)
     match shape.drawing:
         case Grid(rows=rows):
