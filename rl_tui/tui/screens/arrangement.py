@@ -122,5 +122,5 @@ def _world_rows(shape: Shape, height: int, least_curve: int) -> int:
         case Arms():
             sizes = [shape.arms * 2 + 1 + _BORDERS, shape.arms + _BORDERS]
         case _:
-            sizes = [height * 2 // 3 if least_curve < _LEAST_CURVE else height * 20 // 38]
+            sizes = [height * 12 // 19 if least_curve < _LEAST_CURVE else height * 20 // 38]
     return next((rows for rows in sizes if rows <= most), most)
