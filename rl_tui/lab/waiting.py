@@ -127,6 +127,10 @@ def until_in_words(until: Until, world: World) -> str:
             return f"the start of {'pull' if is_bandit else 'episode'} {until.number:,}"
         case Event.EPISODE_END if is_bandit:
             return "the next pull"
+        case Event.POLICY_CHANGE if is_bandit:
+            return "another greedy arm"
+        case Event.OPTIMAL if is_bandit:
+            return "the greedy arm is the best"
         case Event.VALUE:
             return f"Q({pair_in_words(world.space, until.pair)}) reaches {until.threshold:g}"
     return until.event.value
@@ -136,7 +140,8 @@ def breakpoint_in_words(run: Run) -> str:
     """Return the breakpoint that the last step of ``run`` met; empty if none."""
     noticed, space = run.learner.noticed, run.world.space
     if noticed.pair is not None:
-        return f"breakpoint: {pair_in_words(space, noticed.pair)}"
+        arm = "arm " if isinstance(run.world.drawing, Arms) else ""
+        return f"breakpoint: {arm}{pair_in_words(space, noticed.pair)}"
     return "" if noticed.state is None else f"breakpoint: state {space.state_names[noticed.state]}"
 
 

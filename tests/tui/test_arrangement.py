@@ -64,6 +64,10 @@ def test_only_a_bandit_has_a_budget(drawing: Drawing, has_budget: bool) -> None:
         assert ("budget" in arrangement(size, Shape(drawing, 10, 10))) is has_budget
 
 
+def test_a_graph_has_the_rows_in_which_the_student_evening_is_drawn_whole() -> None:
+    assert arrangement(Size(80, 22), SHAPES["student"])["world"].height == 12
+
+
 def test_a_zoomed_panel_stands_alone() -> None:
     assert arrangement(Size(80, 22), SHAPES["student"], "table") == {"table": Region(0, 0, 80, 22)}
 

@@ -45,7 +45,8 @@ def record(pilot: Pilot[UserError], monkeypatch: pytest.MonkeyPatch) -> list[Com
 async def press(pilot: Pilot[UserError], *keys: str) -> Snapshot:
     for key in keys:
         await pilot.press(key)
-        await settle(pilot)
+        if isinstance(pilot.app.screen, Playground):
+            await settle(pilot)
     shown = playground(pilot).snapshot
     assert shown is not None
     return shown
@@ -293,11 +294,12 @@ async def test_a_bandit_runs_until_an_arm_is_pulled_or_the_best_is_greedy(make_a
         assert stopped.last is not None
         assert stopped.last.pair == 7
         assert stopped.visits[7] == 1
-        assert stopped.paused_by == "breakpoint: 7"
+        assert stopped.paused_by == "breakpoint: arm 7"
         cleared = await press(pilot, "K", "u", "up", "enter")
         assert cleared.world.mdp is not None
         best = int(cleared.world.mdp.reward.argmax())
         assert int(cleared.q.argmax()) == best
+        assert cleared.paused_by == "the greedy arm is the best"
         assert cleared.step < 1000
 
 

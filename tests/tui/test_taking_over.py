@@ -17,6 +17,7 @@ from rl_tui.tui.screens.playground import Playground
 from rl_tui.tui.screenshot import settle
 from rl_tui.tui.widgets.key_line import KeyLine
 from rl_tui.tui.widgets.slider import Slider
+from rl_tui.tui.widgets.status_line import StatusLine
 from rl_tui.worlds.errors import UserError
 
 LEFT, DOWN, RIGHT, UP = range(4)
@@ -44,7 +45,8 @@ def record(pilot: Pilot[UserError], monkeypatch: pytest.MonkeyPatch) -> list[Com
 async def press(pilot: Pilot[UserError], *keys: str) -> Snapshot:
     for key in keys:
         await pilot.press(key)
-        await settle(pilot)
+        if isinstance(pilot.app.screen, Playground):
+            await settle(pilot)
     shown = playground(pilot).snapshot
     assert shown is not None
     return shown
@@ -89,10 +91,12 @@ async def test_the_mode_is_seen_and_y_ends_it(make_app: MakeApp) -> None:
         assert str(world.border_subtitle) == "1 study  2 check phone · y: hand back"
         assert bottom_line(pilot) == "1 or 2 act  y hand back  s agent's step  space run  ? help"
         assert world.has_class("-in-hand")
+        assert "◉ you act" in playground(pilot).query_one(StatusLine).render_line(0).text
         assert notices(app) == ["you are the agent: act with 1 or 2; y hands back"]
         await press(pilot, "y")
         assert (str(world.border_title), str(world.border_subtitle), bottom_line(pilot)) == before
         assert not world.has_class("-in-hand")
+        assert "paused" in playground(pilot).query_one(StatusLine).render_line(0).text
         assert notices(app)[-1] == "the agent acts again"
 
 

@@ -13,6 +13,7 @@ from rl_tui.tui.hand import DIGITS, action_towards, digit_keys, has_directions, 
 from rl_tui.tui.screens.agent_stage import AgentStage
 from rl_tui.tui.screens.arrangement import WORLD
 from rl_tui.tui.widgets.key_line import KeyLine
+from rl_tui.tui.widgets.status_line import StatusLine
 from rl_tui.tui.written import written
 
 _STEPS: Final = {"up": (-1, 0), "down": (1, 0), "left": (0, -1), "right": (0, 1)}
@@ -128,6 +129,9 @@ class HandStage(AgentStage):
         self.in_hand = in_hand
         if self.board.world is not None:
             self.board.world.in_hand = in_hand
+        status = self.query_one(StatusLine)
+        status.in_hand = in_hand
+        status.redraw()
         if not in_hand:
             self.query_one(KeyLine).hints = ()
 

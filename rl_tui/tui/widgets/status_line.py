@@ -43,15 +43,21 @@ class _Field:
 
 
 class StatusLine(Panel):
-    """Draws phase, speed, episodes and steps of the newest snapshot; a message takes the whole row."""
+    """Draws phase, speed, episodes and steps of the newest snapshot; a message takes the whole row.
+
+    ``in_hand`` says that a person takes the steps.
+    """
+
+    in_hand = False
 
     def picture(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
         """Return the row, and blank ones below it."""
-        return strips_of([status_line(snapshot, self.look, width)], width, height, self.look)
+        line = status_line(snapshot, self.look, width, in_hand=self.in_hand)
+        return strips_of([line], width, height, self.look)
 
 
-def status_line(snapshot: Snapshot | None, look: Look, width: int) -> Line:
-    """Return the row for ``width`` cells."""
+def status_line(snapshot: Snapshot | None, look: Look, width: int, *, in_hand: bool = False) -> Line:
+    """Return the row for ``width`` cells; ``in_hand`` says that a person takes the steps."""
     palette, glyphs = look.palette, look.glyphs
     if snapshot is None:
         return [Piece(f" {WAITING}", palette.dim)]
@@ -64,7 +70,7 @@ def status_line(snapshot: Snapshot | None, look: Look, width: int) -> Line:
         return _waiting(snapshot, f"preparing: {snapshot.message}", look, width)
     if snapshot.phase is Phase.SEEKING and snapshot.message:
         return _waiting(snapshot, snapshot.message, look, width)
-    fields = _fitting(_fields(snapshot, look, width), width - 1)
+    fields = _fitting(_fields(snapshot, look, width, in_hand=in_hand), width - 1)
     right = [
         Piece(" " * _GAP + set_cell_size(written(field.text, glyphs), field.columns), field.style)
         for field in fields
@@ -121,10 +127,11 @@ def _waiting(snapshot: Snapshot, text: str, look: Look, width: int) -> Line:
     return [*([Piece(f" {title}", palette.strong)] if title else []), Piece(message, palette.accent)]
 
 
-def _fields(snapshot: Snapshot, look: Look, width: int) -> list[_Field]:
+def _fields(snapshot: Snapshot, look: Look, width: int, *, in_hand: bool) -> list[_Field]:
     """Return state, progress and measured speed."""
     wide = width >= WIDE
-    state, speed = _state(snapshot, look, width - 1 - _GAP), _speed(snapshot, look, wide=wide)
+    state = _state(snapshot, look, width - 1 - _GAP, in_hand=in_hand)
+    speed = _speed(snapshot, look, wide=wide)
     stands_in_past = snapshot.timeline.in_past and snapshot.phase is not Phase.RUNNING
     plans = BY_ID[snapshot.algorithm].planner
     if isinstance(snapshot.world.drawing, Arms) and snapshot.bandit is not None and not plans:
@@ -163,7 +170,7 @@ def _speed(snapshot: Snapshot, look: Look, *, wide: bool) -> _Field:
     return _Field(f"{text:>{columns}}", columns, look.palette.dim, _SPEED_RANK)
 
 
-def _state(snapshot: Snapshot, look: Look, most: int) -> _Field:
+def _state(snapshot: Snapshot, look: Look, most: int, *, in_hand: bool) -> _Field:
     """Return what goes on, in at most so many columns where it is told in words."""
     palette, glyphs = look.palette, look.glyphs
     if snapshot.phase is Phase.SPENT:
@@ -177,6 +184,8 @@ def _state(snapshot: Snapshot, look: Look, most: int) -> _Field:
             return _told(f"{glyphs.paused} {snapshot.paused_by}", look, most)
         if snapshot.timeline.in_past:
             return _Field(f"{glyphs.past} the past", _STATE_COLUMNS, palette.accent)
+        if in_hand:
+            return _Field(f"{glyphs.agent} you act", _STATE_COLUMNS, palette.accent)
         return _Field(f"{glyphs.paused} paused", _STATE_COLUMNS, palette.dim)
     if snapshot.until:
         return _told(f"{glyphs.running} until {snapshot.until}", look, most)

@@ -77,7 +77,7 @@ class GraphView(WorldView):
         """
         if self._layout is None:
             listed = sorted({action.source for action in self._shape.actions} | {place})
-            return listed[max(0, min(listed.index(place) + rows, len(listed) - 1))]
+            return listed[max(0, min(listed.index(place) + rows + columns, len(listed) - 1))]
         here, there = self._shape.nodes[place], {}
         for state, node in enumerate(self._shape.nodes):
             right, down = node.column - here.column, node.row - here.row
