@@ -180,6 +180,12 @@ class Learner(Standing):
         """Whether a planner is done: no estimate moves any more."""
         return self._stop is Stop.CONVERGED
 
+    def remembered(self, *names: str) -> tuple[FloatArray, ...]:
+        """Return copies of these arrays of the algorithm's own memory; none where it keeps none so named."""
+        if not all(hasattr(self._memory, name) for name in names):
+            return ()
+        return tuple(getattr(self._memory, name).copy() for name in names)
+
     def watch(self, watching: Watching | None) -> None:
         """Stop after a step that brings any of ``watching``, from the estimates as they are; None: no more.
 

@@ -28,7 +28,7 @@ from rl_tui.lab.exact import AT_ONCE_STATES, Answer, ExactAnswers, exact_now
 from rl_tui.lab.preparing import preparing
 from rl_tui.lab.recipe import Beginning, Recipe, begin
 from rl_tui.lab.record import LaneRecord, Record
-from rl_tui.lab.snapshot import Phase, Snapshot
+from rl_tui.lab.snapshot import CellHistory, Phase, Snapshot
 from rl_tui.lab.travel import AT_ONCE, Travel
 from rl_tui.lab.until import Breakpoints
 from rl_tui.lab.windows import Sight
@@ -219,9 +219,15 @@ class Playback:
             paused_by=motion.paused_by,
             lanes=self._lanes.views(),
             lane=self._lanes.shown,
-            cell=None if self._cell is None else lane.cell_history(self._cell),
+            cell=self._cell_history(),
             handled=self.handled,
         )
+
+    def _cell_history(self) -> CellHistory | None:
+        """Return how the cell asked for went; what was asked may be of the world before this one."""
+        if self._cell is None or self._cell >= self._run.world.space.pairs:
+            return None
+        return self._lanes.current.cell_history(self._cell)
 
     @property
     def _message(self) -> str:

@@ -6,6 +6,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Final
 
+import numpy as np
+
 from rl_tui.agents.learner import Learner
 from rl_tui.agents.learner_state import LearnerState
 from rl_tui.agents.stop import Stop
@@ -306,6 +308,8 @@ class Run:
             exact_refused=answer.refused,
             bandit=self.bandit,
             window=window,
+            tables=() if window is not None else learner.remembered("q1", "q2"),
+            values=np.empty(0) if window is not None or not learner.plans else learner.remembered("v")[0],
             planning=learner.planning,
             author=learner.author,
             rewards=learner.rewards,

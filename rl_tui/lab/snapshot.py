@@ -139,6 +139,9 @@ class Snapshot:
     one. ``until`` says what the run is on its way to, ``paused_by`` why it paused by itself; mostly both are
     empty. ``cell`` is the history of the pair asked for. ``handled`` counts the commands taken in so far.
 
+    ``tables``, [P] each, are the two of Double Q-learning, of which ``q`` is the mean; ``values``, [S], is
+    the V that a planner keeps. Both are empty elsewhere, and of a large world.
+
     ``author`` is who took the last step, None where it is whoever is in force. ``planning`` tells in words
     how a planner's sweep is getting on, empty for an agent.
 
@@ -185,6 +188,8 @@ class Snapshot:
     cell: CellHistory | None = None
     handled: int = 0
     step_from: int | None = None
+    tables: tuple[FloatArray, ...] = ()
+    values: FloatArray = field(default_factory=lambda: np.empty(0))
 
     @property
     def learned_by(self) -> tuple[str, Hyperparameters]:

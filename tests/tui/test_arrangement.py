@@ -3,7 +3,7 @@ from __future__ import annotations
 import pytest
 from textual.geometry import Region, Size
 
-from rl_tui.tui.screens.arrangement import Shape, arrangement
+from rl_tui.tui.screens.arrangement import Shape, arrangement, is_roomy
 from rl_tui.worlds.drawing import Arms, CellKind, Drawing, Graph, Grid
 
 
@@ -92,3 +92,20 @@ def test_the_timeline_is_one_row_right_below_the_curve(size: tuple[int, int]) ->
         curve, timeline = regions["curve"], regions["timeline"]
         assert (timeline.x, timeline.y, timeline.width) == (curve.x, curve.bottom, curve.width)
         assert timeline.height == 1
+
+
+@pytest.mark.parametrize("shape", SHAPES.values(), ids=SHAPES.keys())
+@pytest.mark.parametrize("size", [(60, 16), (80, 22), (100, 32), (120, 38), (250, 80)])
+def test_the_microscope_leaves_the_table_in_view(size: tuple[int, int], shape: Shape) -> None:
+    board = Size(*size)
+    regions = arrangement(board, shape, dissected=True)
+    assert sum(region.area for region in regions.values()) == board.area
+    assert all(board.region.contains_region(region) for region in regions.values())
+    assert {"microscope", "table", "timeline"} <= set(regions)
+    if is_roomy(board):
+        assert regions["microscope"].width == board.width
+        assert "world" in regions
+        assert min(regions["microscope"].height, regions["world"].height) >= 12
+    else:
+        assert regions["table"] == arrangement(board, shape)["table"]
+        assert {"controls", "inspector"} <= set(regions)

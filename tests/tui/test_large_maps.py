@@ -9,6 +9,7 @@ import pytest
 from open_grids import open_grid_recipe
 from textual.pilot import Pilot
 
+from rl_tui.lab.backup import backup_of
 from rl_tui.lab.commands import Train
 from rl_tui.lab.player import Player
 from rl_tui.lab.snapshot import Snapshot
@@ -161,3 +162,21 @@ async def test_a_small_map_is_never_asked_for_in_parts() -> None:
         snapshot = newest(playground(pilot))
         assert snapshot.window is None
         assert np.array_equal(snapshot.visits > 0, snapshot.q != 0.0)
+
+
+async def test_a_step_on_a_large_map_is_taken_apart() -> None:
+    async with app_of().run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        screen = playground(pilot)
+        await train(pilot, 20_000)
+        await pilot.press("d")
+        await settle(pilot)
+        for _ in range(3):
+            await train(pilot, 1)
+            check_complete(screen)
+            snapshot = newest(screen)
+            backup = backup_of(snapshot)
+            assert backup is not None
+            assert backup.expected == pytest.approx(backup.sampled)
+            assert snapshot.cell is not None
+            assert snapshot.cell.value[-1] == snapshot.q[snapshot.cell.pair]

@@ -16,6 +16,7 @@ TABLE: Final = "table"
 BUDGET: Final = "budget"
 CONTROLS: Final = "controls"
 INSPECTOR: Final = "inspector"
+MICROSCOPE: Final = "microscope"
 
 ROOMY_WIDTH: Final = 100
 ROOMY_HEIGHT: Final = 32
@@ -27,6 +28,7 @@ _LINES_BELOW = 3  # compact: sliders, settings, last step; a line each, without 
 _LEAST_CURVE = 12  # with the timeline
 _TIMELINE_ROWS = 1
 _USUAL_TABLE = 15
+_LEAST_MICROSCOPE = 20
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,12 +45,19 @@ def is_roomy(size: Size) -> bool:
     return size.width >= ROOMY_WIDTH and size.height >= ROOMY_HEIGHT
 
 
-def arrangement(size: Size, shape: Shape, zoomed: str | None = None) -> dict[str, Region]:
-    """Return the region of each panel by its id; panels that are not shown are left out."""
+def arrangement(
+    size: Size, shape: Shape, zoomed: str | None = None, *, dissected: bool = False
+) -> dict[str, Region]:
+    """Return the region of each panel by its id; panels that are not shown are left out.
+
+    Where the last step is ``dissected``, the microscope takes the place of what least belongs to it.
+    """
     if zoomed in (CURVE, TIMELINE):
         return _curve_and_timeline(0, size.width, size.height)
     if zoomed is not None:
         return {zoomed: Region(0, 0, size.width, size.height)}
+    if dissected:
+        return _dissected(size, shape)
     return _roomy(size, shape) if is_roomy(size) else _compact(size, shape)
 
 
@@ -87,6 +96,24 @@ def _roomy(size: Size, shape: Shape) -> dict[str, Region]:
             y += rows
     regions[INSPECTOR] = Region(left, y, width - left, height - y)
     return regions
+
+
+def _dissected(size: Size, shape: Shape) -> dict[str, Region]:
+    """Return world and table above the microscope; in a small terminal it takes the left column."""
+    if not is_roomy(size):
+        regions = _compact(size, shape)
+        return regions | {MICROSCOPE: regions.pop(WORLD).union(regions.pop(CURVE))}
+    width, height = size
+    left, most = round(width * 62 / 120), height - _LEAST_MICROSCOPE
+    top = max(
+        _world_rows(shape, height, least_curve=_LEAST_MICROSCOPE), min(shape.table_rows + 1 + _BORDERS, most)
+    )
+    return {
+        WORLD: Region(0, 0, left, top),
+        TABLE: Region(left, 0, width - left, top),
+        MICROSCOPE: Region(0, top, width, height - top - _TIMELINE_ROWS),
+        TIMELINE: Region(0, height - _TIMELINE_ROWS, width, _TIMELINE_ROWS),
+    }
 
 
 def _left_column(width: int, world: int, height: int) -> dict[str, Region]:

@@ -19,6 +19,7 @@ from rl_tui.tui.screens.arrangement import (
     CONTROLS,
     CURVE,
     INSPECTOR,
+    MICROSCOPE,
     TABLE,
     TIMELINE,
     WORLD,
@@ -30,6 +31,7 @@ from rl_tui.tui.widgets.budget import BudgetPanel
 from rl_tui.tui.widgets.controls import Controls
 from rl_tui.tui.widgets.curve import ReturnCurve
 from rl_tui.tui.widgets.inspector import Inspector
+from rl_tui.tui.widgets.microscope import Microscope, lit_sources
 from rl_tui.tui.widgets.q_table import QTable
 from rl_tui.tui.widgets.timeline import HINTS, TimelineBar
 from rl_tui.tui.world_views import WorldView, world_view
@@ -52,6 +54,8 @@ class Board(Container):
         self.budget = BudgetPanel(look, id=BUDGET, classes="panel")
         self.controls = Controls(look, recipe, id=CONTROLS, classes="panel")
         self.inspector = Inspector(look, id=INSPECTOR, classes="panel")
+        self.microscope = Microscope(look, id=MICROSCOPE, classes="panel")
+        self.microscope.display = False
         self.world: WorldView | None = None
         self._arrangement = _BoardLayout()
 
@@ -66,6 +70,7 @@ class Board(Container):
         yield self.budget
         yield self.controls
         yield self.inspector
+        yield self.microscope
 
     def show(self, snapshot: Snapshot, *, revealed: bool) -> None:
         """Draw ``snapshot``; ``revealed`` shows what a bandit keeps secret."""
@@ -75,9 +80,12 @@ class Board(Container):
             self.world.add_class("panel")
             self.run_worker(self._replace_placeholder(self.world))
         self.reveal(revealed or snapshot.phase is Phase.SPENT)
+        self.table.sources = lit_sources(snapshot) if self.dissects else frozenset()
         for panel in (self.world, self.table, self.curve, self.budget, self.controls, self.inspector):
             panel.show(snapshot)
         self.timeline.show(snapshot)
+        if self.dissects:
+            self.microscope.show(snapshot)
         world = snapshot.world
         shape = Shape(world.drawing, self.table.rows, world.space.pairs)
         if shape != self._arrangement.shape:
@@ -86,7 +94,7 @@ class Board(Container):
 
     def reveal(self, revealed: bool) -> None:
         """Show or hide what a bandit keeps secret."""
-        for panel in (self.world, self.table, self.curve, self.budget):
+        for panel in (self.world, self.table, self.curve, self.budget, self.microscope):
             if panel is not None:
                 panel.revealed = revealed
 
@@ -113,7 +121,8 @@ class Board(Container):
     @property
     def is_complete(self) -> bool:
         """Whether the newest snapshot has all that is in view."""
-        return self.table.is_complete and (self.world is None or self.world.is_complete)
+        panels = (self.table, self.world, self.microscope if self.dissects else None)
+        return all(panel is None or panel.is_complete for panel in panels)
 
     @property
     def zoomed(self) -> str | None:
@@ -124,6 +133,20 @@ class Board(Container):
         """Let ``panel`` cover all others; None shows all."""
         self._arrangement.zoomed = panel
         self._arrange_again()
+
+    @property
+    def dissects(self) -> bool:
+        """Whether the microscope is open."""
+        return self._arrangement.dissected
+
+    def dissect(self, *, opened: bool) -> None:
+        """Open or close the microscope; what covers all others gives way."""
+        self._arrangement.dissected = self.microscope.display = opened
+        self.zoom(None)
+
+    def shows(self, panel: str) -> bool:
+        """Tell whether ``panel`` has a place on the screen."""
+        return panel in self._arrangement.placed
 
     def panel_of(self, widget: Widget | None) -> str:
         """Return the id of the panel that ``widget`` stands in; of the world if in none."""
@@ -156,11 +179,14 @@ class _BoardLayout(Layout):
     def __init__(self) -> None:
         self.shape = Shape()
         self.zoomed: str | None = None
+        self.dissected = False
+        self.placed: frozenset[str] = frozenset()
 
     def arrange(
         self, parent: Widget, children: list[Widget], size: Size, greedy: bool = True
     ) -> ArrangeResult:
-        regions = arrangement(size, self.shape, self.zoomed)
+        regions = arrangement(size, self.shape, self.zoomed, dissected=self.dissected)
+        self.placed = frozenset(regions)
         return [
             WidgetPlacement(regions[child.id], NULL_OFFSET, NULL_SPACING, child)
             for child in children

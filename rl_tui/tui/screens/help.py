@@ -72,6 +72,15 @@ _PANELS: Final = (
         "pair was taken) or from a model, one is told in full and the others are counted.",
     ),
     (
+        "Microscope",
+        "d takes the last step apart, live. Numbers that came from a cell of the table look as that cell "
+        "does, which is lit: one was updated, the underlined ones were looked up. The backup hangs from the "
+        "state and its action all that might have followed; ▸ marks what did. The target of this sample "
+        "stands beside the expected one, the mean over all outcomes with the same estimates: what lies "
+        "between them is luck. At the end stands how the cell under the table's cursor went, else the one "
+        "updated last, with its exact value dotted.",
+    ),
+    (
         "Rewards",
         "A cell of a map that always pays something other than the usual step does says how much in its "
         "corner; where there is no room, + means more and − less.",
@@ -106,7 +115,7 @@ _PANELS: Final = (
         "with it, and f shows the panel in focus alone.",
     ),
 )
-_LEFT = 11
+_LEFT = 12
 
 
 class HelpScreen(Dialog[None]):

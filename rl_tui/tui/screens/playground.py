@@ -16,6 +16,7 @@ from rl_tui.lab.recipe import Recipe
 from rl_tui.lab.snapshot import Phase, Snapshot
 from rl_tui.tui.actions import ORDINALS, Place, bindings_of
 from rl_tui.tui.pacing import Pacer
+from rl_tui.tui.screens.arrangement import CONTROLS
 from rl_tui.tui.screens.board import Board
 from rl_tui.tui.screens.export_stage import ExportStage
 from rl_tui.tui.screens.hand_stage import HAND_BINDINGS, HandStage
@@ -107,6 +108,7 @@ class Playground(TimeStage, UntilStage, HandStage, LaneStage, MicroscopeStage, S
     def _draw(self, snapshot: Snapshot) -> None:
         before, self.snapshot = self.snapshot, snapshot
         self.follow_time(before, snapshot)
+        self.follow_last_update()
         with self.app.batch_update():
             self.query_one(StatusLine).show(snapshot)
             self.show_hand(snapshot)
@@ -133,9 +135,10 @@ class Playground(TimeStage, UntilStage, HandStage, LaneStage, MicroscopeStage, S
 
     @property
     def focus_chain(self) -> list[Widget]:
-        """The order of the tab key: that of the panels, wherever they stand."""
+        """The order of the tab key: that of the panels in view, wherever they stand."""
         panels = [panel.id for panel in self.board.children]
-        return sorted(super().focus_chain, key=lambda widget: panels.index(self.board.panel_of(widget)))
+        seen = [each for each in super().focus_chain if self.board.shows(self.board.panel_of(each))]
+        return sorted(seen, key=lambda widget: panels.index(self.board.panel_of(widget)))
 
     # Running
 
@@ -196,6 +199,8 @@ class Playground(TimeStage, UntilStage, HandStage, LaneStage, MicroscopeStage, S
             return
         if self.board.zoomed:
             self.board.zoom(None)
+        if not self.board.shows(CONTROLS):
+            self.close_microscope()
         sliders[number - 1].focus()
 
     def show_in_force(self) -> None:
@@ -255,6 +260,8 @@ class Playground(TimeStage, UntilStage, HandStage, LaneStage, MicroscopeStage, S
         """Leave the zoom, or go back to the catalogue."""
         if self.board.zoomed:
             self.board.zoom(None)
+        elif self.board.dissects:
+            self.close_microscope()
         else:
             self.post_message(self.Left(self.recipe))
 

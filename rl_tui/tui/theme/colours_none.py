@@ -20,6 +20,7 @@ ANY: Final = Palette(
     agent=Style.parse("bold reverse"),
     greedy=Style.parse("bold"),
     updated=Style.parse("bold reverse"),
+    source=Style.parse("italic reverse"),
     hole=Style.parse("dim"),
     cliff=Style.parse("dim underline"),
     goal=Style.parse("bold underline"),

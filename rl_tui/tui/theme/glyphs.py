@@ -61,6 +61,9 @@ class Glyphs:
     arrow_update: str  # ← of an assignment
     times: str
     minus: str
+    state_node: str  # backup diagrams: a state, an action taken in it, and where lines part
+    action_node: str
+    fork: str
     braille: bool  # curves in braille dots; otherwise in . : ' and *
 
     def direction(self, step: tuple[int, int]) -> str:
@@ -127,6 +130,9 @@ UNICODE: Final = Glyphs(
     arrow_update="←",
     times="·",
     minus="−",
+    state_node="○",
+    action_node="●",
+    fork="├",
     braille=True,
 )
 
@@ -182,5 +188,8 @@ ASCII: Final = Glyphs(
     arrow_update="<-",
     times="*",
     minus="-",
+    state_node="o",
+    action_node="*",
+    fork="+",
     braille=False,
 )

@@ -16,9 +16,10 @@ class Palette:
 
     ``values`` goes from low to high, ``signed`` (of odd length) from negative through 0 to positive; both
     have a ground and a readable foreground where the depth has colours for it. ``unvisited`` is for estimates
-    that were never updated, which must not look like a zero. ``agent``, ``updated`` and ``breakpoint`` bring
-    their own ground, so that they may be laid over any cell; the other roles are foregrounds for the ground
-    of the panel. ``lane_1`` to ``lane_4`` are those of the lines of runs side by side.
+    that were never updated, which must not look like a zero. ``agent``, ``updated``, ``source`` (an estimate
+    that an update looked up) and ``breakpoint`` bring their own ground, so that they may be laid over any
+    cell; the other roles are foregrounds for the ground of the panel. ``lane_1`` to ``lane_4`` are those of
+    the lines of runs side by side.
     """
 
     name: str
@@ -32,6 +33,7 @@ class Palette:
     agent: Style
     greedy: Style
     updated: Style
+    source: Style
     hole: Style
     cliff: Style
     goal: Style

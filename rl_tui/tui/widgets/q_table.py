@@ -50,7 +50,8 @@ class QTable(Panel, can_focus=True):
     """Rows are states and columns actions; a row a pair where few pairs are legal or the columns do not fit.
 
     It follows the agent until a key, the wheel or a click moves cursor or view; escape goes back to it.
-    ``lights`` lets the cell that was just updated light up, while steps are slow enough to follow.
+    ``lights`` lets the cell that was just updated light up, while steps are slow enough to follow;
+    ``sources`` are the pairs that light up because the update looked them up.
     """
 
     BINDINGS: ClassVar[list[BindingType]] = [
@@ -84,6 +85,7 @@ class QTable(Panel, can_focus=True):
     def __init__(self, look: Look, *, id: str | None = None, classes: str | None = None) -> None:  # noqa: A002
         super().__init__(look, id=id, classes=classes)
         self.lights = True
+        self.sources: frozenset[int] = frozenset()
         self.cursor_pair: int | None = (
             None  # where the user put the cursor; None while the table follows the agent
         )
@@ -183,6 +185,8 @@ class QTable(Panel, can_focus=True):
             sheet.scroll_to(self._first, self._pointed.start)
         else:
             sheet.scroll(self._first, _followed(snapshot) if self._following else None)
+            if self._following and self.sources and snapshot.last is not None:
+                sheet.reach(snapshot.last.updated_pair, _followed(snapshot))
         self._first = sheet.first
         self.heading = self._heading(snapshot, _size_in_words(scene, form), width)
         self.footing = self._footing(width, sheet.is_scrolled and not self._pointed)
@@ -301,7 +305,7 @@ class QTable(Panel, can_focus=True):
         return Scene(
             world=self._world_of(snapshot),
             figures={
-                layer: Figures(snapshot, layer, self.look, exact, lit)
+                layer: Figures(snapshot, layer, self.look, exact, lit, self.sources)
                 for layer in layers
                 if exact is not None or layer not in EXACT_LAYERS
             },

@@ -72,8 +72,9 @@ class Figures:
     """One layer at one moment. ``exact`` is what :func:`exact_q` returns; the exact layers need it.
 
     Ties between greedy pairs are exact equality of Q, as the agent compares, and those of the solution in the
-    layer of Q*. No pair is greedy where nothing is known about the state. Of a large world ``low`` and
-    ``high`` are the ends of what the snapshot holds, which is what is in view and around.
+    layer of Q*. No pair is greedy where nothing is known about the state. ``sources`` are pairs that the last
+    update looked up. Of a large world ``low`` and ``high`` are the ends of what the snapshot holds, which is
+    what is in view and around.
     """
 
     def __init__(
@@ -83,6 +84,7 @@ class Figures:
         look: Look,
         exact: tuple[FloatArray, BoolArray] | None,
         lit: int | None = None,
+        sources: frozenset[int] = frozenset(),
     ) -> None:
         self.layer = layer
         self._look = look
@@ -90,6 +92,7 @@ class Figures:
         self._visits = snapshot.visits
         self._exact_greedy = exact[1] if exact is not None and layer is Layer.OPTIMAL else None
         self._lit = lit if layer is not Layer.OPTIMAL else None
+        self._sources = sources if layer is not Layer.OPTIMAL else frozenset()
         self._values: npt.NDArray[np.float64] | npt.NDArray[np.int64] = _values(snapshot, layer, exact)
         window = None if layer is Layer.OPTIMAL else snapshot.window
         self._held = None if window is None else window.held
@@ -126,6 +129,8 @@ class Figures:
             return palette.text
         if pair == self._lit:
             return palette.updated
+        if pair in self._sources:
+            return palette.source
         if self._is_new(pair):
             return palette.unvisited
         return self._tint(self._values[pair].item())
@@ -135,6 +140,8 @@ class Figures:
         palette = self._look.palette
         if pair == self._lit:
             return palette.updated
+        if pair in self._sources:
+            return palette.source
         return palette.unvisited if self._is_new(pair) else palette.text
 
     def share(self, pair: int) -> float:

@@ -60,6 +60,13 @@ class Sheet:
         entry = self.form.entry_of_pair(pair)
         self.scroll(max(entry - self.shown + 1, min(first, entry)))
 
+    def reach(self, pair: int, state: int) -> None:
+        """Scroll so far that ``pair`` is in view as well, if ``state`` stays in view."""
+        first = self.first
+        self.scroll_to(first, pair)
+        if not self.first <= self.form.entry_of(state) < self.first + self.shown:
+            self.first = first
+
     def pair_at(self, x: int, y: int) -> int | None:
         """Return the pair drawn at column ``x`` of row ``y``."""
         block, x = divmod(x, max(1, self.form.block_width))

@@ -1,0 +1,195 @@
+"""Expected targets held against values worked out by hand."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+from recipes import recipe
+
+from rl_tui.agents.last_step import LastStep
+from rl_tui.lab.backup import Leaf, backup_of, expected_target, sources
+from rl_tui.lab.preparing import preparing
+from rl_tui.lab.recipe import begin
+from rl_tui.lab.run import Run
+from rl_tui.lab.snapshot import Phase, Snapshot
+
+STUDY, CHECK_PHONE, SCROLL, QUIT, SLEEP = range(5)
+Q = np.array([6.37, 5.0, 1.0, 2.0, 10.0])
+
+
+def study(algorithm: str, *, fails: bool = False, epsilon: float = 0.2, **changes: Any) -> Snapshot:
+    """A step of the student who studies: Q(Class, study) goes from 6.3 to 6.37, γ is .9."""
+    told = recipe("student", algorithm=algorithm, epsilon=epsilon)
+    shown = preparing(told, begin(told).world, None, "")
+    usual: dict[str, Any] = {
+        "step": 1,
+        "episode": 1,
+        "state": 0,
+        "pair": STUDY,
+        "explored": False,
+        "epsilon": epsilon,
+        "outcome": 1 if fails else 0,
+        "reward": -2.0,
+        "next_state": 0 if fails else 2,
+        "terminated": False,
+        "truncated": False,
+        "updated_pair": STUDY,
+        "others": 0,
+        "table": 0,
+        "before": 6.3,
+        "step_size": 0.1,
+        "gamma": 0.9,
+        "gathered": -2.0,
+        "discount": 0.9,
+        "bootstrap": 10.0,
+        "after": 6.37,
+    }
+    return replace(shown, q=Q, last=LastStep(**(usual | changes)))
+
+
+def test_the_greatest_of_the_next_state_is_what_q_learning_expects() -> None:
+    # .8 (−2 + .9·10) + .2 (−2 + .9·6.3): the estimate before the update counts where the student stays
+    backup = backup_of(study("q-learning"))
+    assert backup is not None
+    assert backup.expected == pytest.approx(0.8 * 7.0 + 0.2 * 3.67)
+    assert backup.sampled == pytest.approx(7.0)
+    assert [leaf.value for leaf in backup.leaves] == [10.0, 6.3]
+    assert [leaf.happened for leaf in backup.leaves] == [True, False]
+    assert backup.is_current
+    assert not backup.is_certain
+
+
+@pytest.mark.parametrize("algorithm", ["sarsa", "expected-sarsa"])
+def test_on_policy_methods_expect_the_mean_over_their_policy(algorithm: str) -> None:
+    # π = .9, .1 in Class: V = .9·6.3 + .1·5 = 6.17
+    shown = study(algorithm, fails=True, bootstrap=5.0 if algorithm == "sarsa" else 6.17)
+    backup = backup_of(shown)
+    assert backup is not None
+    assert backup.expected == pytest.approx(0.8 * 7.0 + 0.2 * (-2.0 + 0.9 * 6.17))
+    assert backup.sampled == pytest.approx(-2.0 + 0.9 * (5.0 if algorithm == "sarsa" else 6.17))
+    found = sources(shown)
+    assert found == (
+        {CHECK_PHONE: 1.0} if algorithm == "sarsa" else pytest.approx({STUDY: 0.9, CHECK_PHONE: 0.1})
+    )
+
+
+def test_each_of_two_tables_judges_the_best_of_the_other() -> None:
+    own, other = Q.copy(), Q + np.array([0.3, 0.5, 0.0, 0.0, 1.0])
+    shown = replace(study("double-q-learning", table=1, bootstrap=11.0), tables=(own, other))
+    backup = backup_of(shown)
+    assert backup is not None
+    # the best of table 1 in Class is study, before the update 6.3; table 2 takes it for 6.67
+    assert backup.expected == pytest.approx(0.8 * (-2.0 + 0.9 * 11.0) + 0.2 * (-2.0 + 0.9 * 6.67))
+    assert sources(shown) == {SLEEP: 1.0}
+    without = backup_of(replace(shown, tables=()))
+    assert without is not None
+    assert without.expected is None
+
+
+def test_nothing_follows_an_end() -> None:
+    ended = study("q-learning", state=2, pair=SLEEP, updated_pair=SLEEP, outcome=5, next_state=3,
+                  reward=10.0, gathered=10.0, terminated=True, bootstrap=0.0)  # fmt: skip
+    backup = backup_of(ended)
+    assert backup is not None
+    assert backup.leaves == (Leaf(1.0, 4, 10.0, 0.0, 3, True, 0.0, True),)
+    assert (backup.sampled, backup.expected) == (10.0, 10.0)
+    assert backup.is_certain
+    assert sources(ended) == {}
+
+
+def test_equal_estimates_share_what_was_looked_up() -> None:
+    shown = study("q-learning", fails=True, bootstrap=5.0, before=5.0)
+    assert sources(shown) == {STUDY: 0.5, CHECK_PHONE: 0.5}
+
+
+def test_what_spans_many_steps_has_no_expected_target() -> None:
+    for algorithm in ("n-step-sarsa", "monte-carlo"):
+        backup = backup_of(study(algorithm, gathered=3.0, discount=0.81))
+        assert backup is not None
+        assert (backup.sampled, backup.expected) == (None, None)
+
+
+def test_without_a_number_nothing_is_expected() -> None:
+    known = Leaf(0.5, -1, 1.0, 0.0, 1, False, 2.0, True)
+    assert expected_target((known, replace(known, value=4.0)), 0.9) == pytest.approx(1.0 + 0.9 * 3.0)
+    assert expected_target((known, replace(known, value=None)), 0.9) is None
+    assert expected_target((replace(known, probability=None),), 0.9) is None
+
+
+def test_before_the_first_step_there_is_none() -> None:
+    shown = replace(study("q-learning"), last=None)
+    assert backup_of(shown) is None
+    assert sources(shown) == {}
+
+
+def test_updates_beside_the_one_told_of_make_the_estimates_newer_than_it() -> None:
+    backup = backup_of(study("dyna-q", others=10))
+    assert backup is not None
+    assert not backup.is_current
+
+
+ONE_STEP = ["q-learning", "sarsa", "expected-sarsa", "double-q-learning"]
+
+
+@pytest.mark.parametrize("algorithm", ONE_STEP)
+def test_without_chance_sample_and_expectation_agree(algorithm: str) -> None:
+    run = Run(recipe("frozenlake", algorithm=algorithm, epsilon=0.5), evaluate=False)
+    run.advance(3_000)
+    for _ in range(60):
+        run.advance(1)
+        shown = run.snapshot(Phase.PAUSED)
+        backup = backup_of(shown)
+        assert backup is not None
+        assert backup.is_certain
+        if algorithm != "sarsa":
+            assert backup.expected == pytest.approx(backup.sampled, abs=1e-12)
+        looked_up = sources(shown)
+        assert shown.last is not None
+        if looked_up and not shown.last.table:
+            seen = {**dict(enumerate(shown.q)), shown.last.updated_pair: shown.last.before}
+            mean = sum(weight * seen[pair] for pair, weight in looked_up.items())
+            assert mean == pytest.approx(shown.last.bootstrap, abs=1e-12)
+
+
+@pytest.mark.parametrize("algorithm", ONE_STEP)
+def test_the_samples_of_a_slippery_step_have_the_expected_target_for_their_mean(algorithm: str) -> None:
+    run = Run(recipe("frozenlake-slippery", algorithm=algorithm), evaluate=False)
+    run.advance(20_000)
+    run.advance(1)
+    shown = run.snapshot(Phase.PAUSED)
+    backup = backup_of(shown)
+    assert backup is not None
+    assert backup.expected is not None
+    targets = [leaf.reward + backup.gamma * (leaf.value or 0.0) for leaf in backup.leaves]
+    assert backup.expected == pytest.approx(sum(targets) / 3, abs=1e-12)
+    if algorithm != "sarsa":
+        happened = [target for target, leaf in zip(targets, backup.leaves, strict=True) if leaf.happened]
+        assert happened == pytest.approx([backup.sampled], abs=1e-12)
+
+
+@pytest.mark.parametrize("algorithm", ["value-iteration", "policy-iteration"])
+def test_a_planner_backs_up_the_expectation_itself(algorithm: str) -> None:
+    run = Run(recipe("frozenlake-slippery", algorithm=algorithm), evaluate=False)
+    run.advance(60)
+    for _ in range(40):
+        run.advance(1)
+        shown = run.snapshot(Phase.PAUSED)
+        backup = backup_of(shown)
+        assert backup is not None
+        assert shown.last is not None
+        assert backup.sampled == backup.expected == shown.last.target
+        assert expected_target(backup.leaves, backup.gamma) == pytest.approx(shown.last.target, abs=1e-12)
+
+
+def test_of_a_world_without_a_table_only_the_sample_is_known() -> None:
+    run = Run(recipe("blackjack"), evaluate=False)
+    run.advance(50)
+    backup = backup_of(run.snapshot(Phase.PAUSED))
+    assert backup is not None
+    assert len(backup.leaves) == 1
+    assert backup.leaves[0].probability is None
+    assert backup.expected is None
+    assert backup.sampled is not None

@@ -1,0 +1,251 @@
+"""The microscope on the real screen, with real keys."""
+
+from __future__ import annotations
+
+import pytest
+from conftest import MakeApp
+from test_playground import playground, press, snapshot, train
+from textual.events import MouseScrollDown
+from textual.pilot import Pilot
+
+from rl_tui.lab.backup import sources
+from rl_tui.lab.commands import Apply, StepBack
+from rl_tui.lab.recipe import SwitchAlgorithm
+from rl_tui.tui.screens.arrangement import CONTROLS, CURVE, MICROSCOPE, TABLE, TIMELINE, WORLD
+from rl_tui.tui.screens.board import Board
+from rl_tui.tui.screenshot import settle
+from rl_tui.tui.widgets.microscope import Microscope
+from rl_tui.tui.widgets.slider import Slider
+from rl_tui.worlds.errors import UserError
+
+
+def board(pilot: Pilot[UserError]) -> Board:
+    return playground(pilot).board
+
+
+def lines(pilot: Pilot[UserError]) -> str:
+    """All that the microscope says, in however many rows."""
+    widget = board(pilot).microscope
+    rows = Microscope(widget.look)
+    rows.pair, rows.revealed = widget.pair, widget.revealed
+    return "\n".join(row.text.rstrip() for row in rows.picture(widget.snapshot, widget.size.width, 60))
+
+
+@pytest.mark.parametrize("size", [(80, 24), (120, 40)])
+async def test_d_opens_and_closes_it(make_app: MakeApp, size: tuple[int, int]) -> None:
+    async with make_app("frozenlake-slippery").run_test(size=size) as pilot:
+        await settle(pilot)
+        await press(pilot, "s", "d")
+        assert board(pilot).shows(MICROSCOPE)
+        assert board(pilot).shows(TABLE)
+        assert board(pilot).shows(WORLD) is (size == (120, 40))
+        assert board(pilot).microscope.has_focus
+        assert "Q(0," in lines(pilot)
+        await press(pilot, "d")
+        assert not board(pilot).shows(MICROSCOPE)
+        assert board(pilot).shows(CURVE)
+        assert not board(pilot).microscope.has_focus
+        assert playground(pilot).board.microscope.pair is None
+
+
+async def test_it_is_drawn_from_every_step(make_app: MakeApp) -> None:
+    async with make_app("frozenlake-slippery").run_test(size=(120, 40)) as pilot:
+        await settle(pilot)
+        await press(pilot, "d")
+        assert lines(pilot).strip() == "no step yet: s takes one"
+        await press(pilot, "s")
+        assert " The step  1, episode 1" in lines(pilot)
+        await train(pilot, 5_000)
+        assert "5,001, episode" in lines(pilot)
+        shown = await press(pilot, "s")
+        assert board(pilot).table.sources == frozenset(sources(shown))
+        await press(pilot, "d")
+        assert not board(pilot).table.sources
+
+
+async def test_closing_it_gives_the_focus_back(make_app: MakeApp) -> None:
+    async with make_app("student").run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        board(pilot).curve.focus()
+        await press(pilot, "s", "d", "d")
+        assert board(pilot).curve.has_focus
+        await press(pilot, "d")
+        board(pilot).table.focus()
+        await press(pilot, "d")
+        assert board(pilot).table.has_focus
+
+
+async def test_escape_closes_it_before_it_leaves(make_app: MakeApp) -> None:
+    async with make_app("student").run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        await press(pilot, "s", "d", "escape")
+        assert not board(pilot).dissects
+        assert playground(pilot).is_attached
+
+
+async def test_it_scrolls_by_keys_and_wheel(make_app: MakeApp) -> None:
+    async with make_app("frozenlake-slippery").run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        await press(pilot, "s", "d")
+        widget = board(pilot).microscope
+        assert "The step" in widget.render_line(0).text
+        await press(pilot, "down")
+        assert "state" in widget.render_line(0).text
+        await press(pilot, "end")
+        assert "The return so far" not in widget.render_line(0).text
+        last = widget.render_line(0).text
+        await press(pilot, "pagedown")
+        assert widget.render_line(0).text == last
+        await press(pilot, "home")
+        assert "The step" in widget.render_line(0).text
+        await pilot._post_mouse_events([MouseScrollDown], widget="#microscope")
+        await settle(pilot)
+        assert "The step" not in widget.render_line(0).text
+
+
+async def test_the_tab_key_goes_to_panels_in_view_only(make_app: MakeApp) -> None:
+    async with make_app("student").run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        await press(pilot, "s", "d")
+        seen = set()
+        for _ in range(12):
+            await press(pilot, "tab")
+            seen.add(board(pilot).panel_of(pilot.app.focused))
+        assert seen == {TABLE, TIMELINE, MICROSCOPE, CONTROLS}
+
+
+async def test_a_slider_that_it_hides_closes_it(make_app: MakeApp) -> None:
+    async with make_app("student").run_test(size=(120, 40)) as pilot:
+        await settle(pilot)
+        await press(pilot, "s", "d", "1")
+        assert not board(pilot).dissects
+        assert isinstance(pilot.app.focused, Slider)
+
+
+async def test_it_can_be_zoomed(make_app: MakeApp) -> None:
+    async with make_app("student").run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        await press(pilot, "s", "d", "f")
+        assert board(pilot).zoomed == MICROSCOPE
+        assert board(pilot).microscope.size.width == 78
+        await press(pilot, "d")
+        assert board(pilot).zoomed is None
+        assert not board(pilot).dissects
+
+
+async def test_the_cursor_of_the_table_chooses_the_cell(make_app: MakeApp) -> None:
+    async with make_app("student").run_test(size=(120, 40)) as pilot:
+        await settle(pilot)
+        await train(pilot, 50)
+        await press(pilot, "d")
+        shown = snapshot(pilot)
+        assert shown.last is not None
+        assert board(pilot).microscope.pair == shown.last.updated_pair
+        board(pilot).table.focus()
+        await press(pilot, "home", "end")
+        assert board(pilot).microscope.pair == 4
+        assert "History of Q(Pass,sleep)" in lines(pilot)
+        await press(pilot, "full_stop")
+        assert board(pilot).microscope.pair == shown.last.updated_pair
+
+
+async def test_the_history_is_that_of_the_run(make_app: MakeApp) -> None:
+    async with make_app("student").run_test(size=(120, 40)) as pilot:
+        await settle(pilot)
+        await press(pilot, "s", "d")
+        for _ in range(5):
+            shown = await press(pilot, "s")
+            assert shown.last is not None
+            assert shown.cell is not None
+            assert shown.cell.pair == shown.last.updated_pair == board(pilot).microscope.pair
+            assert shown.cell.step.tolist() == list(range(shown.step + 1))
+            assert shown.cell.value[-2:].tolist() == [shown.last.before, shown.last.after]
+        assert (await press(pilot, "r")).cell is None
+        assert board(pilot).microscope.pair is None
+        await press(pilot, "d")
+        assert snapshot(pilot).cell is None
+
+
+async def test_an_earlier_step_is_told_as_it_was_told_then(make_app: MakeApp) -> None:
+    async with make_app("frozenlake-slippery").run_test(size=(120, 40)) as pilot:
+        await settle(pilot)
+        await press(pilot, "d")
+        told = []
+        for _ in range(4):
+            await press(pilot, "s")
+            told.append(lines(pilot))
+        for before in reversed(told[:-1]):
+            playground(pilot).send(StepBack())
+            await settle(pilot)
+            assert lines(pilot) == before
+
+
+async def test_the_return_counts_the_steps_of_the_episode(make_app: MakeApp) -> None:
+    async with make_app("student").run_test(size=(120, 40)) as pilot:
+        await settle(pilot)
+        await press(pilot, "d", "s", "s")
+        shown = await press(pilot, "s")
+        assert " The return so far  t = 3 " in lines(pilot)
+        worked = sum(reward * 0.9**place for place, reward in enumerate(shown.rewards.tolist()))
+        assert shown.discounted_return == pytest.approx(worked)
+        await press(pilot, "e")
+        assert f" The return so far  t = {len(snapshot(pilot).rewards):,} " in lines(pilot)
+
+
+@pytest.mark.parametrize("scenario", ["frozenlake-random"])
+async def test_another_world_forgets_the_cell(make_app: MakeApp, scenario: str) -> None:
+    async with make_app(scenario).run_test(size=(120, 40)) as pilot:
+        await settle(pilot)
+        await train(pilot, 200)
+        await press(pilot, "d")
+        board(pilot).table.focus()
+        await press(pilot, "end", "n", "7", "enter")
+        assert snapshot(pilot).recipe.seed == 7
+        assert board(pilot).microscope.pair is None
+        await press(pilot, "s")
+        assert snapshot(pilot).cell is not None
+
+
+@pytest.mark.parametrize("size", [(80, 24), (120, 40)])
+async def test_a_bandit_tells_its_means_only_when_revealed(make_app: MakeApp, size: tuple[int, int]) -> None:
+    async with make_app("bandit").run_test(size=size) as pilot:
+        await settle(pilot)
+        await press(pilot, "s", "d")
+        assert "every pull is an episode" in lines(pilot)
+        assert "mean reward =" not in lines(pilot)
+        await press(pilot, "h")
+        assert "expected   mean reward =" in lines(pilot)
+
+
+async def test_of_a_stepped_world_it_shows_the_sample(make_app: MakeApp) -> None:
+    async with make_app("blackjack").run_test(size=(120, 40)) as pilot:
+        await settle(pilot)
+        await press(pilot, "s", "d", "s")
+        assert "this world is stepped" in lines(pilot)
+        assert "Q(" in lines(pilot)
+
+
+@pytest.mark.parametrize("algorithm", ["value-iteration", "double-q-learning"])
+async def test_other_updates_are_told_in_their_own_words(make_app: MakeApp, algorithm: str) -> None:
+    async with make_app("frozenlake-slippery").run_test(size=(120, 40)) as pilot:
+        await settle(pilot)
+        playground(pilot).send(Apply(SwitchAlgorithm(algorithm)))
+        await settle(pilot)
+        await train(pilot, 400)
+        await press(pilot, "d", "s")
+        if algorithm == "value-iteration":
+            assert "a planner takes the expectation itself" in lines(pilot)
+        else:
+            assert "the table shows the mean of Q₁ and Q₂" in lines(pilot)
+            assert "expected   Σ p (r + γ V(s′)) = " in lines(pilot)
+
+
+async def test_at_high_speed_it_stands_still(make_app: MakeApp) -> None:
+    async with make_app("frozenlake-slippery").run_test(size=(120, 40)) as pilot:
+        await settle(pilot)
+        await press(pilot, "s", "d", *["plus"] * 12, "space")
+        await train(pilot, 1_000)
+        assert "steps pass too fast" in lines(pilot)
+        assert not board(pilot).table.sources
+        await press(pilot, "space")
+        assert "steps pass too fast" not in lines(pilot)
