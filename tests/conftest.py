@@ -1,8 +1,19 @@
-"""Which tests share a process, as the suite runs in several."""
+"""Which tests share a process, as the suite runs in several, and where their sessions go."""
 
 from __future__ import annotations
 
+from itertools import count
+
 import pytest
+
+_TESTS = count()
+
+
+@pytest.fixture(autouse=True)
+def _sessions_of_its_own(monkeypatch: pytest.MonkeyPatch, tmp_path_factory: pytest.TempPathFactory) -> None:
+    """No test reads or writes the sessions of whoever runs it; programs that tests start do not either."""
+    folder = tmp_path_factory.getbasetemp() / "sessions" / str(next(_TESTS))
+    monkeypatch.setenv("RL_TUI_SESSIONS_DIR", str(folder))
 
 
 @pytest.hookimpl(tryfirst=True)

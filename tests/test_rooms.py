@@ -62,7 +62,10 @@ def test_the_screen_comes_up_without_what_is_slow() -> None:
     [
         ["--version"],
         ["--help"],
-        *([name, "--help"] for name in ("play", "train", "solve", "list", "check", "bench", "screenshot")),
+        *(
+            [name, "--help"]
+            for name in ("play", "train", "replay", "solve", "list", "check", "bench", "screenshot")
+        ),
     ],
     ids=" ".join,
 )

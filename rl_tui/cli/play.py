@@ -8,24 +8,24 @@ import click
 
 from rl_tui.cli.display_options import display_of, display_options
 from rl_tui.cli.help_sections import SectionedCommand
-from rl_tui.cli.run_options import run_options, seed_option
+from rl_tui.cli.run_options import run_options, seed_option, start_of
 
 
 @click.command("play", cls=SectionedCommand)
-@click.argument("scenario", metavar="[SCENARIO|FILE.toml|gym:ENV_ID]", required=False)
+@click.argument("scenario", metavar="[SCENARIO|FILE.toml|gym:ENV_ID|SESSION.json]", required=False)
 @run_options
 @seed_option
 @display_options
 def command(scenario: str | None, overrides: dict[str, object], seed: int, **display: Any) -> None:
-    """Open a scenario in the playground.
+    """Open a scenario in the playground, or go on with a session.
 
-    Without a name it is the first of the catalogue.
+    Without a name it is the first scenario of the catalogue. A session stands where it was left, to the last
+    bit, and goes on keeping itself in its file.
     """
     from rl_tui.cli.screen import require_terminal, run_app
 
     require_terminal()
-    from rl_tui.lab.library import find, recipe_for
     from rl_tui.worlds.catalogue import scenarios
 
-    chosen = find(scenario) if scenario is not None else scenarios()[0]
-    run_app(display_of(display), recipe_for(chosen, overrides, seed))
+    what = start_of(scenario if scenario is not None else scenarios()[0].id, overrides, seed)
+    run_app(display_of(display), what)

@@ -4,13 +4,18 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Callable
-from typing import Any, Final
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
 
 import click
 
 from rl_tui.agents.catalogue import BY_ID
 from rl_tui.agents.hyperparameters import PARAMETERS, Parameter
 from rl_tui.cli.number import ParameterValue, Whole
+
+if TYPE_CHECKING:
+    from rl_tui.lab.recipe import Recipe
+    from rl_tui.lab.session import StoredSession
 
 Command = Callable[..., Any]
 
@@ -42,6 +47,24 @@ def run_options(command: Command) -> Command:
     return click.option(
         "--algorithm", type=click.Choice(list(BY_ID)), metavar="NAME", help=f"one of {', '.join(BY_ID)}"
     )(decorated)
+
+
+def start_of(name: str, overrides: dict[str, object], seed: int) -> Recipe | StoredSession:
+    """Return the recipe of a scenario, or where ``name`` ends in .json the session in that file.
+
+    Raises UserError where there is none, UsageError where options of a run are given to a session.
+    """
+    from rl_tui.lab.library import find, recipe_for
+    from rl_tui.lab.session import SUFFIX, read_session
+
+    if not name.endswith(SUFFIX):
+        return recipe_for(find(name), overrides, seed)
+    if overrides or seed:
+        context = click.get_current_context()
+        raise click.UsageError("a session brings its own settings: leave the options of a run out", context)
+    session = read_session(Path(name))
+    session.record()  # what is wrong with it is said before the screen is taken
+    return session
 
 
 def _help(parameter: Parameter) -> str:

@@ -13,6 +13,7 @@ from rl_tui.tui.display import Display
 
 if TYPE_CHECKING:
     from rl_tui.lab.recipe import Recipe
+    from rl_tui.lab.session import StoredSession
 
 
 class NoTerminalError(click.ClickException):
@@ -32,15 +33,16 @@ def require_terminal() -> None:
     raise NoTerminalError(f"{problem}; rl-tui train and rl-tui screenshot do without")
 
 
-def run_app(display: Display, recipe: Recipe | None = None) -> None:
-    """Show the catalogue, or the playground of ``recipe``, until the user quits.
+def run_app(display: Display, start: Recipe | StoredSession | None = None) -> None:
+    """Show the catalogue, or the playground of a recipe or a session, until the user quits.
 
     Raises UserError where a fault ended it.
     """
     require_terminal()
+    from rl_tui.lab.session_folder import session_folder
     from rl_tui.tui.app import RlTuiApp
 
-    app = RlTuiApp(display, recipe)
+    app = RlTuiApp(display, start, sessions=session_folder())
     fault = app.run(mouse=display.mouse)
     if fault is not None:
         raise fault

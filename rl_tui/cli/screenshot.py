@@ -12,7 +12,7 @@ import click
 from rl_tui.cli.display_options import display_of, display_options
 from rl_tui.cli.help_sections import SectionedCommand
 from rl_tui.cli.number import OptionValue
-from rl_tui.cli.run_options import run_options, seed_option
+from rl_tui.cli.run_options import run_options, seed_option, start_of
 
 
 class ScreenSize(OptionValue):
@@ -32,7 +32,7 @@ class ScreenSize(OptionValue):
 
 
 @click.command("screenshot", cls=SectionedCommand)
-@click.argument("scenario", metavar="[SCENARIO|FILE.toml|gym:ENV_ID]", required=False)
+@click.argument("scenario", metavar="[SCENARIO|FILE.toml|gym:ENV_ID|SESSION.json]", required=False)
 @click.option("--out", required=True, metavar="F.svg", help="the file to write; - for stdout")
 @click.option("--size", type=ScreenSize(), default="120x40", show_default=True, help="columns x rows")
 @click.option(
@@ -52,8 +52,8 @@ def command(
 ) -> None:
     """Draw a screen as an SVG picture.
 
-    It is the playground of a scenario or, without one, the catalogue. The same call gives the same bytes, so
-    steps a second are left blank. An example:
+    It is the playground of a scenario or of a session or, without one, the catalogue. The same call gives
+    the same bytes, so steps a second are left blank. An example:
 
     rl-tui screenshot frozenlake --keys "wait:20000,v" --out lake.svg
     """
@@ -61,12 +61,11 @@ def command(
         raise click.UsageError("options of a run need a scenario", click.get_current_context())
     import asyncio
 
-    from rl_tui.lab.library import find, recipe_for
     from rl_tui.tui.screenshot import screenshot
 
-    recipe = recipe_for(find(scenario), overrides, seed) if scenario is not None else None
+    start = start_of(scenario, overrides, seed) if scenario is not None else None
     wanted = keys.split(",") if keys else []
-    svg = asyncio.run(screenshot(recipe, size, wanted, display_of(display)))
+    svg = asyncio.run(screenshot(start, size, wanted, display_of(display)))
     if out == "-":
         sys.stdout.write(svg)
     else:

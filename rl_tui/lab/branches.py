@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Final
 
 from rl_tui.lab.recipe import JournalEntry
 
@@ -22,3 +23,7 @@ class Branch:
     fork: int = 0
     end: int = 0
     here: int = 0
+
+
+FIRST: Final = Branch("branch 1")
+"""What every run begins on."""

@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 from rl_tui.agents.watching import Watching
-from rl_tui.lab.branches import Branch
+from rl_tui.lab.branches import FIRST, Branch
 from rl_tui.lab.checkpoints import Checkpoints
 from rl_tui.lab.journey import Goal, Journey
 from rl_tui.lab.recipe import Beginning, Change, Recipe, begin
@@ -48,7 +48,7 @@ class Lane:
         self.recipe = recipe
         self.world: World = beginning.world
         self.run = self._new_run(beginning)
-        known = branches or (Branch("branch 1"),)
+        known = branches or (FIRST,)
         self._ways = [_Way(each, Checkpoints(), TableSamples(self.world.space.pairs)) for each in known]
         self._at = branch
         self._clock = clock

@@ -72,7 +72,24 @@ class Action:
 
 ACTIONS: Final[tuple[Action, ...]] = (
     Action(
-        "open", ("enter",), "enter", "open", "Open the scenario.", Group.SCENARIO, Place.CATALOGUE, rank=0
+        "open",
+        ("enter",),
+        "enter",
+        "open",
+        "Open the scenario, or go on with the session.",
+        Group.SCENARIO,
+        Place.CATALOGUE,
+        rank=0,
+    ),
+    Action(
+        "delete_session",
+        ("delete",),
+        "del",
+        "delete",
+        "Delete the session under the cursor, after asking; tab goes to the sessions.",
+        Group.SESSION,
+        Place.CATALOGUE,
+        rank=1,
     ),
     Action("run", ("space",), "space", "run", "Run, or pause where it stands.", Group.RUN, rank=0),
     Action("step", ("s",), "s", "step", "Take one step, then pause.", Group.RUN, rank=1),

@@ -5,7 +5,8 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Callable
-from typing import TYPE_CHECKING, ClassVar
+from pathlib import Path
+from typing import TYPE_CHECKING, ClassVar, Protocol
 
 from textual.app import App
 from textual.command import CommandPalette, Provider
@@ -25,24 +26,33 @@ from rl_tui.worlds.catalogue import scenarios
 from rl_tui.worlds.errors import UserError
 
 if TYPE_CHECKING:
+    from rl_tui.lab.keeper import Keeper
     from rl_tui.lab.player import Player
+    from rl_tui.lab.record import Record
+    from rl_tui.lab.session import StoredSession
     from rl_tui.tui.screens.catalogue import Catalogue
     from rl_tui.tui.screens.playground import Playground
 
-MakePlayer = Callable[[Recipe], "Player"]
+
+class MakePlayer(Protocol):
+    """Makes the thread behind a playground; ``record`` is what to go on with."""
+
+    def __call__(self, recipe: Recipe, *, keeper: Keeper | None, record: Record | None) -> Player:
+        """Return the player of ``recipe``."""
 
 
-def _live_player(recipe: Recipe) -> Player:
+def _live_player(recipe: Recipe, *, keeper: Keeper | None, record: Record | None) -> Player:
     from rl_tui.lab.player import Player
 
-    return Player(recipe)
+    return Player(recipe, keeper=keeper, record=record)
 
 
 class RlTuiApp(App[UserError]):
-    """Catalogue and playground; started with a recipe, it goes straight to that playground.
+    """Catalogue and playground; started with a recipe or a session, it goes straight to that playground.
 
-    ``make_player`` makes the thread behind a playground. A ``picture`` asks no terminal what it can do. The
-    app's result is the fault that ended it, None if none did. Raises UserError where the theme is not known.
+    ``make_player`` makes the thread behind a playground. A ``picture`` asks no terminal what it can do.
+    ``sessions`` is the folder in which sessions are kept, None to keep none. The app's result is the fault
+    that ended it, None if none did. Raises UserError where the theme is not known.
     """
 
     TITLE = "rl-tui"
@@ -53,10 +63,11 @@ class RlTuiApp(App[UserError]):
     def __init__(
         self,
         display: Display | None = None,
-        recipe: Recipe | None = None,
+        start: Recipe | StoredSession | None = None,
         make_player: MakePlayer = _live_player,
         *,
         picture: bool = False,
+        sessions: Path | None = None,
     ) -> None:
         options = display or Display()
         depth = "truecolor" if picture and options.colors == "auto" else depth_of(options.colors, os.environ)
@@ -73,8 +84,10 @@ class RlTuiApp(App[UserError]):
         self.options = options
         self._depth: Depth = depth
         self._encoding = "utf-8" if picture else sys.stdout.encoding
-        self._recipe = recipe
+        self._start = start
         self._make_player = make_player
+        self._sessions = sessions
+        self._player: Player | None = None
         has_ascii_only = self.look.glyphs is ASCII
         self.set_class(has_ascii_only, "-ascii")
         use_scroll_bars(ascii_only=has_ascii_only)
@@ -89,7 +102,12 @@ class RlTuiApp(App[UserError]):
     def on_mount(self) -> None:
         """Open the first screen."""
         self.theme_changed_signal.subscribe(self, self._follow_theme)
-        self.push_screen(self._playground(self._recipe) if self._recipe else self._catalogue())
+        if self._start is None:
+            self.push_screen(self._catalogue())
+        elif isinstance(self._start, Recipe):
+            self.push_screen(self._playground(self._start))
+        else:
+            self.push_screen(self._resumed(self._start, self._start.record()))
 
     # Each screen is imported when it is first wanted: the first paint waits for one of them only, that of the
     # catalogue not for numpy and a dozen widgets
@@ -97,24 +115,47 @@ class RlTuiApp(App[UserError]):
     def _catalogue(self, start_at: str = "", fault: UserError | None = None) -> Catalogue:
         from rl_tui.tui.screens.catalogue import Catalogue
 
-        return Catalogue(self.look, start_at, fault)
+        return Catalogue(self.look, start_at, fault, self._sessions)
 
     def _playground(self, recipe: Recipe) -> Playground:
+        from rl_tui.lab.autosave import Autosave, untouched
         from rl_tui.tui.screens.playground import Playground
 
-        return Playground(self.look, recipe, self._make_player(recipe), self.options.fps)
+        autosave = None if self._sessions is None else Autosave(untouched(recipe), self._sessions)
+        self._player = self._make_player(recipe, keeper=autosave, record=None)
+        playground = Playground(self.look, recipe, self._player, self.options.fps)
+        playground.autosave = autosave
+        return playground
+
+    def _resumed(self, session: StoredSession, record: Record) -> Playground:
+        from rl_tui.lab.autosave import Autosave
+        from rl_tui.tui.screens.playground import Playground
+
+        autosave = None if self._sessions is None else Autosave(record, self._sessions, session)
+        lane = record.lanes[record.shown]
+        self._player = self._make_player(lane.recipe, keeper=autosave, record=record)
+        playground = Playground(self.look, lane.recipe, self._player, self.options.fps, record.speed)
+        playground.autosave, playground.resumed = autosave, session
+        return playground
 
     def on_catalogue_opened(self, event: Catalogue.Opened) -> None:
         """Go to the playground."""
-        self._recipe = None  # from here on a fault leads back to the catalogue
+        self._start = None  # from here on a fault leads back to the catalogue
         self.switch_screen(self._playground(event.recipe))
+
+    def on_session_shelf_resumed(self, event: Catalogue.Resumed) -> None:
+        """Go on with a session."""
+        self._start = None
+        self.switch_screen(self._resumed(event.session, event.record))
 
     def on_playground_left(self, event: Playground.Left) -> None:
         """Go back to the catalogue; end where a fault meets the only run that was asked for."""
-        if event.fault is not None and self._recipe is not None:
+        if event.fault is not None and self._start is not None:
             self.exit(event.fault, return_code=1)
             return
-        self._recipe = None
+        self._start = None
+        if self._player is not None:
+            self._player.close()  # the session has to be on the disk before the catalogue lists it
         self.switch_screen(self._catalogue(event.recipe.scenario.id, event.fault))
 
     def on_playground_neighbour_wanted(self, event: Playground.NeighbourWanted) -> None:
@@ -128,7 +169,7 @@ class RlTuiApp(App[UserError]):
         except UserError as fault:
             self.notify(str(fault), severity="error", markup=False)
             return
-        self._recipe = None
+        self._start = None
         self.switch_screen(self._playground(recipe))
 
     def action_command_palette(self) -> None:

@@ -14,6 +14,7 @@ from textual.widgets import Input
 from rl_tui.lab.commands import Train
 from rl_tui.lab.player import Player
 from rl_tui.lab.recipe import Recipe
+from rl_tui.lab.session import StoredSession
 from rl_tui.tui.actions import ACTIONS
 from rl_tui.tui.app import RlTuiApp
 from rl_tui.tui.display import Display
@@ -36,12 +37,12 @@ _NAMES: Final = {
 
 
 async def screenshot(
-    recipe: Recipe | None,
+    start: Recipe | StoredSession | None,
     size: tuple[int, int],
     keys: Sequence[str] = (),
     display: Display | None = None,
 ) -> str:
-    """Return the SVG of the playground of ``recipe``, or of the catalogue, after ``keys``.
+    """Return the SVG of the playground of a recipe or a session, or of the catalogue, after ``keys``.
 
     ``size`` is columns and rows. A key is one character or Textual's name of it; ``wait:N`` lets N steps of
     training pass. Nothing depends on the time: steps pass only as keys and waits say, and steps a second are
@@ -49,7 +50,7 @@ async def screenshot(
     """
     presses = [_press(key) for key in keys]
     options = replace(display or Display(), fps=_SWIFT)
-    app = RlTuiApp(options, recipe, make_player=partial(Player, automatic=False), picture=True)
+    app = RlTuiApp(options, start, make_player=partial(Player, automatic=False), picture=True)
     async with app.run_test(size=size, notifications=True) as pilot:
         await settle(pilot)
         for press in presses:

@@ -16,7 +16,7 @@ from rl_tui.worlds.grid_section import GridSection
 from rl_tui.worlds.gymnasium_section import GymnasiumSection
 from rl_tui.worlds.mdp_section import MDPSection
 from rl_tui.worlds.schema import Expect, Section, is_plain, is_table, parsed, text, unknown_key, whole_number
-from rl_tui.worlds.toml_file import UnreadableError, read_toml
+from rl_tui.worlds.toml_file import UnreadableError, read_text, tables_in
 from rl_tui.worlds.world import World
 from rl_tui.worlds.world_section import WorldRefusedError, WorldSection
 
@@ -47,7 +47,7 @@ class Scenario:
 
     ``id`` is the file's stem, ``kind`` the name of its world's table, ``defaults`` the raw table of that name
     (what its values may be is known to the agents). ``order`` says where it stands among its neighbours in
-    the catalogue.
+    the catalogue. ``text`` is the file as it was read, empty where there is none.
     """
 
     id: str
@@ -59,6 +59,7 @@ class Scenario:
     defaults: Mapping[str, Any]
     source: Path
     section: WorldSection
+    text: str = ""
 
     def build(self, generator: Generator) -> World:
         """Return the world. What is random about it (a bandit's arms, a random map) is drawn first from
@@ -83,9 +84,21 @@ def read_scenario(path: str | Path, *, ask_environment: bool = True) -> Scenario
     if not is_plain(str(path)):
         raise ScenarioError([Fault(shown(str(path)), "", "control characters", "a plain path")])
     try:
-        raw = read_toml(path)
+        text = read_text(path)
     except UnreadableError as reason:
-        raise ScenarioError([Fault(str(path), reason.place, reason.found, reason.expected)]) from reason
+        raise _unreadable(path, reason) from reason
+    return scenario_of(text, path, ask_environment=ask_environment)
+
+
+def scenario_of(text: str, path: Path, *, ask_environment: bool = True) -> Scenario:
+    """Return the scenario that ``text`` describes, the content of the file ``path``, which is not read.
+
+    Raises ScenarioError as :func:`read_scenario` does.
+    """
+    try:
+        raw = tables_in(text)
+    except UnreadableError as reason:
+        raise _unreadable(path, reason) from reason
     head, findings = _read_head(raw)
     kinds = [kind for kind in raw if kind in WORLD_KINDS]
     sections = []
@@ -111,7 +124,12 @@ def read_scenario(path: str | Path, *, ask_environment: bool = True) -> Scenario
         defaults=head.defaults,
         source=path,
         section=sections[0],
+        text=text,
     )
+
+
+def _unreadable(path: Path, reason: UnreadableError) -> ScenarioError:
+    return ScenarioError([Fault(str(path), reason.place, reason.found, reason.expected)])
 
 
 def _fault(path: Path, finding: Finding) -> Fault:

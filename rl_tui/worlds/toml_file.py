@@ -22,13 +22,22 @@ class UnreadableError(Exception):
 
 def read_toml(path: Path) -> dict[str, Any]:
     """Return the tables of the file. Raises UnreadableError."""
+    return tables_in(read_text(path))
+
+
+def read_text(path: Path) -> str:
+    """Return what stands in the file. Raises UnreadableError."""
     content = _content(path)
     try:
         # "sig" because editors on Windows begin a file with a byte order mark, which TOML does not know
-        text = content.decode("utf-8-sig")
+        return content.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         line = content.count(b"\n", 0, error.start) + 1
         raise UnreadableError(f"line {line}", f"byte {content[error.start]:#04x}", "text in UTF-8") from error
+
+
+def tables_in(text: str) -> dict[str, Any]:
+    """Return the tables that ``text`` spells in TOML. Raises UnreadableError."""
     try:
         return tomllib.loads(text)
     except RecursionError as error:

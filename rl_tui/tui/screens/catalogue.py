@@ -1,16 +1,20 @@
-"""The catalogue: the scenarios, with drawing, sizes, defaults and notes of the one under the cursor."""
+"""The catalogue: scenarios and recent sessions, with what is known of the one under the cursor."""
 
 from __future__ import annotations
 
 import asyncio
 from collections.abc import Iterable
 from contextlib import suppress
+from datetime import UTC, datetime
 from importlib import import_module
+from pathlib import Path
 from threading import Thread
 from typing import ClassVar
 
+from rich.console import RenderableType
 from textual.binding import BindingType
-from textual.containers import Container, Horizontal, VerticalScroll
+from textual.containers import Container, Horizontal, Vertical, VerticalScroll
+from textual.events import DescendantFocus
 from textual.message import Message
 from textual.widget import Widget
 from textual.widgets import OptionList, Static
@@ -19,12 +23,15 @@ from textual.worker import WorkerCancelled
 
 from rl_tui.lab.library import read_catalogue, recipe_for
 from rl_tui.lab.recipe import Recipe
+from rl_tui.lab.session import SessionError, StoredSession
 from rl_tui.tui.actions import Place, bindings_of
 from rl_tui.tui.screens.help import HelpScreen
-from rl_tui.tui.screens.stage import Stage
+from rl_tui.tui.screens.session_shelf import SessionShelf
 from rl_tui.tui.theme.look import Look
 from rl_tui.tui.widgets.facts import facts, faults_text
 from rl_tui.tui.widgets.notes import Notes
+from rl_tui.tui.widgets.session_list import SessionList
+from rl_tui.tui.widgets.session_text import session_facts, session_fault
 from rl_tui.tui.written import separated, written
 from rl_tui.worlds.drawing import Arms, Grid
 from rl_tui.worlds.errors import ScenarioError, UserError
@@ -38,10 +45,14 @@ _ROOM_FOR_WORDS = 11  # rows for what is said above a drawing, and a beginning o
 _NEEDED_TO_PLAY = ("rl_tui.tui.screens.playground", "rl_tui.agents.learner")
 
 
-class Catalogue(Stage):
-    """Left the scenarios, right what is known of the one under the cursor.
+Entry = Scenario | ScenarioError | StoredSession | SessionError
+
+
+class Catalogue(SessionShelf):
+    """Left the scenarios and the sessions, right what is known of the one under the cursor.
 
     Worlds are built in a thread after the first paint, those of Gymnasium last: importing it takes a moment.
+    ``sessions`` is the folder of sessions, None where none are kept.
     """
 
     CSS_PATH = "catalogue.tcss"
@@ -70,14 +81,21 @@ class Catalogue(Stage):
             super().__init__()
             self.reason = reason
 
-    def __init__(self, look: Look, start_at: str = "", fault: UserError | None = None) -> None:
-        super().__init__(look)
+    def __init__(
+        self,
+        look: Look,
+        start_at: str = "",
+        fault: UserError | None = None,
+        sessions: Path | None = None,
+    ) -> None:
+        super().__init__(look, sessions)
         self._scenarios, self._broken = read_catalogue()
         self._start_at = start_at
         self._fault = fault
         self._worlds: dict[str, World | UserError] = {}
-        self._shown: Scenario | None = None
+        self._shown: Entry | None = None
         self._all_built = asyncio.Event()
+        self._in_sessions = False
 
     def content(self) -> Iterable[Widget]:
         """Yield the list and the details."""
@@ -92,7 +110,8 @@ class Catalogue(Stage):
             classes="panel",
         )
         details.border_subtitle = "tab, arrows: scroll"
-        yield Horizontal(scenarios, details, id="columns")
+        lists = Vertical(scenarios, self.new_session_list(), id="lists")
+        yield Horizontal(lists, details, id="columns")
 
     def on_mount(self) -> None:
         """Put the cursor where the user came from; build the worlds once the first paint is done."""
@@ -134,15 +153,16 @@ class Catalogue(Stage):
         if len(self._worlds) == len(self._scenarios):
             self._all_built.set()
         if event.scenario is self._current:
-            self._show_current()
+            self.show_current()
 
     def on_catalogue_not_imported(self, event: NotImported) -> None:
         """Tell why nothing can be played."""
         self.notify(event.reason, title="cannot load", severity="error", timeout=30, markup=False)
 
     async def settled(self) -> None:
-        """Wait until every world is built and the details are drawn."""
+        """Wait until every world is built, the sessions are read and the details are drawn."""
         await self._all_built.wait()
+        await self.sessions_read()
         while under_way := [each for each in self.workers if each.group == _DETAILS and not each.is_finished]:
             with suppress(WorkerCancelled):
                 await self.workers.wait_for_complete(under_way)
@@ -150,39 +170,58 @@ class Catalogue(Stage):
     # The cursor
 
     @property
-    def _current(self) -> Scenario | ScenarioError | None:
+    def _current(self) -> Entry | None:
+        if self._in_sessions:
+            return self.query_one(SessionList).current
         entries: list[Scenario | ScenarioError] = [*self._scenarios, *self._broken]
         highlighted = self.query_one("#scenarios", OptionList).highlighted
         return None if highlighted is None else entries[highlighted]
 
+    def on_descendant_focus(self, event: DescendantFocus) -> None:
+        """Follow the focus from one list to the other; the details belong to the one it was last in."""
+        to_sessions = isinstance(event.widget, SessionList)
+        if isinstance(event.widget, OptionList) and to_sessions is not self._in_sessions:
+            self._in_sessions = to_sessions
+            self.show_current()
+
     def on_option_list_option_highlighted(self) -> None:
         """Show the details of the entry under the cursor."""
-        self._show_current()
+        self.show_current()
 
     def on_option_list_option_selected(self) -> None:
         """Open the entry."""
         self.action_open()
 
-    def _show_current(self) -> None:
-        self.run_worker(self._show(self._current), exclusive=True, group=_DETAILS)
+    def show_current(self) -> None:
+        """Show the details of the entry under the cursor."""
+        # not the coroutine itself: of several in a row only the last one begins
+        self.run_worker(self._show, exclusive=True, group=_DETAILS)  # type: ignore[arg-type]
 
-    async def _show(self, entry: Scenario | ScenarioError | None) -> None:
-        details, about = self.query_one("#details"), self.query_one("#facts", Static)
-        notes, drawing = self.query_one(Notes), self.query_one("#preview")
+    async def _show(self) -> None:
+        entry, details = self._current, self.query_one("#details")
+        if entry is not self._shown:
+            self._shown = entry
+            details.scroll_home(animate=False)
         if isinstance(entry, Scenario):
             world = self._worlds.get(entry.id)
-            details.border_title = written(entry.title, self.look.glyphs).replace("[", r"\[")
-            about.update(facts(entry, world, self.look))
+            await self._show_text(entry.title, facts(entry, world, self.look))
             await self._draw(entry, world)
-            await notes.show(entry.notes)
-            if entry is not self._shown:
-                self._shown = entry
-                details.scroll_home(animate=False)
+            await self.query_one(Notes).show(entry.notes)
+            return
+        if isinstance(entry, ScenarioError):
+            await self._show_text("Faults", faults_text(entry, self.look))
+        elif isinstance(entry, SessionError):
+            await self._show_text("Faults", session_fault(entry, self.look))
         elif entry is not None:
-            details.border_title = "Faults"
-            about.update(faults_text(entry, self.look))
-            await drawing.remove_children()
-            await notes.show("")
+            await self._show_text(entry.title, session_facts(entry, datetime.now(UTC), self.look))
+        drawing = self.query_one("#preview")
+        drawing.display = False
+        await drawing.remove_children()
+        await self.query_one(Notes).show("")
+
+    async def _show_text(self, title: str, about: RenderableType) -> None:
+        self.query_one("#details").border_title = written(title, self.look.glyphs).replace("[", r"\[")
+        self.query_one("#facts", Static).update(about)
 
     async def _draw(self, scenario: Scenario, world: World | UserError | None) -> None:
         drawing = self.query_one("#preview")
@@ -203,18 +242,37 @@ class Catalogue(Stage):
     # Verbs
 
     def action_open(self) -> None:
-        """Play the scenario under the cursor."""
-        if not isinstance(self._current, Scenario):
+        """Play the scenario under the cursor, or go on with the session."""
+        entry = self._current
+        if isinstance(entry, StoredSession):
+            self.resume(entry)
+        elif isinstance(entry, SessionError):
+            self.notify("this file cannot be resumed", severity="warning")
+        elif isinstance(entry, ScenarioError):
             self.notify("this file has faults; mend them first", severity="warning")
+        elif entry is not None:
+            try:
+                self.post_message(self.Opened(recipe_for(entry, {}, _SEED)))
+            except UserError as fault:
+                self.notify(str(fault), severity="error", markup=False)
+
+    def action_delete_session(self) -> None:
+        """Delete the session under the cursor, once that is confirmed."""
+        entry = self._current
+        if not isinstance(entry, StoredSession):
+            faulty = isinstance(entry, SessionError)
+            self.notify(
+                "a faulty file is left alone; remove it yourself"
+                if faulty
+                else "only sessions can be deleted"
+            )
             return
-        try:
-            self.post_message(self.Opened(recipe_for(self._current, {}, _SEED)))
-        except UserError as fault:
-            self.notify(str(fault), severity="error", markup=False)
+        self.ask_to_delete(entry)
 
     def action_help(self) -> None:
         """Show the help."""
-        notes = self._current.notes if isinstance(self._current, Scenario) else ""
+        entry = self._current
+        notes = entry.notes if isinstance(entry, Scenario) else ""
         self.app.push_screen(HelpScreen(self.look, self.place, notes))
 
 

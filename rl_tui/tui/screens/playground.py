@@ -59,10 +59,17 @@ class Playground(TimeStage, UntilStage, HandStage, LaneStage, MicroscopeStage, S
             self.recipe = recipe
             self.offset = offset
 
-    def __init__(self, look: Look, recipe: Recipe, player: Player, fps: float) -> None:
+    def __init__(
+        self,
+        look: Look,
+        recipe: Recipe,
+        player: Player,
+        fps: float,
+        speed: float | None = START_SPEED,
+    ) -> None:
         super().__init__(look, recipe)
         self.player = player
-        self._speed: float | None = START_SPEED
+        self._speed = speed
         self._revealed = False
         self._pacer = Pacer(fps)
         self._model: ModelScreen | None = None
@@ -103,12 +110,13 @@ class Playground(TimeStage, UntilStage, HandStage, LaneStage, MicroscopeStage, S
                 self._framed.set()
                 await self._pacer.wait()
         except UserError as fault:
-            self.post_message(self.Left(self.recipe, fault))
+            self.post_message(self.Left(self.recipe, self.named(fault)))
 
     def _draw(self, snapshot: Snapshot) -> None:
         before, self.snapshot = self.snapshot, snapshot
         self.follow_time(before, snapshot)
         self.follow_last_update()
+        self.compare_with_saved(snapshot)
         with self.app.batch_update():
             self.query_one(StatusLine).show(snapshot)
             self.show_hand(snapshot)
@@ -123,7 +131,10 @@ class Playground(TimeStage, UntilStage, HandStage, LaneStage, MicroscopeStage, S
 
     async def settled(self) -> None:
         """Wait until all that was asked for is done and on screen, the exact answer included."""
-        done = await self.player.carried_out()
+        try:
+            done = await self.player.carried_out()
+        except UserError as fault:
+            raise self.named(fault) from fault
         while not (self.snapshot and _shows(self.snapshot, done) and self.board.is_complete):
             self._framed.clear()
             await self._framed.wait()

@@ -1,0 +1,101 @@
+"""``rl-tui replay``: a session without a screen."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from contextlib import nullcontext
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
+
+import click
+
+from rl_tui.cli.number import Whole
+from rl_tui.cli.output import counted, number, print_json
+from rl_tui.cli.progress import progress
+from rl_tui.cli.run_options import json_option
+
+if TYPE_CHECKING:
+    from rl_tui.lab.run import Run
+    from rl_tui.lab.session import StoredSession
+    from rl_tui.lab.session_replay import Whereto
+
+STDOUT: Final = "-"
+MOST_SHOWN: Final = 10
+
+
+@click.command("replay")
+@click.argument("session", metavar="SESSION.json", type=click.Path(path_type=Path))
+@click.option("--lane", type=Whole(1), help="of several runs side by side  [default: the one shown last]")
+@click.option("--branch", metavar="NAME", help="of several branches  [default: the one it stands on]")
+@click.option(
+    "--csv",
+    type=click.Path(dir_okay=False, allow_dash=True),
+    help="write a row an episode: run, episode, return, length; - is stdout, the report then goes to stderr",
+)
+@json_option
+def command(session: Path, lane: int | None, branch: str | None, csv: str | None, as_json: bool) -> None:
+    """Run a session again, to where it was left.
+
+    Sessions are the files that w saves on screen, and that are kept by themselves. Prints what was learned
+    by then, the same to the last bit.
+    """
+    if csv == STDOUT and as_json:
+        raise click.UsageError("--csv - and --json both want stdout", click.get_current_context())
+    from rl_tui.lab.session import OTHER_BITS, read_session
+    from rl_tui.lab.session_replay import comes_out_otherwise, replay_figures, whereto
+
+    stored = read_session(session)
+    target = whereto(stored.record(), lane, branch)
+    run, seconds = _replayed(stored, target, csv)
+    if comes_out_otherwise(stored, target, run):
+        click.echo(f"{session}: {OTHER_BITS}", err=True)
+    figures = replay_figures(stored, target, run, seconds)
+    if as_json:
+        print_json(figures)
+    else:
+        click.echo(_report(stored, target, run, figures), err=csv == STDOUT)
+
+
+def _replayed(stored: StoredSession, target: Whereto, csv: str | None) -> tuple[Run, float]:
+    from rl_tui.lab.episode_rows import EpisodeRows, csv_file
+    from rl_tui.lab.session import SessionError
+    from rl_tui.lab.session_replay import no_episodes, replayed
+    from rl_tui.worlds.errors import UserError
+
+    file = sys.stdout if csv == STDOUT else Path(csv) if csv else None
+    with (
+        progress(stored.title) as on_progress,
+        nullcontext() if file is None else csv_file(file) as stream,
+    ):
+        rows = no_episodes if stream is None else EpisodeRows(stream, 1)
+        try:
+            return replayed(target, on_progress, rows)
+        except UserError as fault:
+            raise SessionError(stored.path, str(fault)) from fault
+
+
+def _report(stored: StoredSession, target: Whereto, run: Run, figures: dict[str, Any]) -> str:
+    from rl_tui.cli.train_report import one_run
+
+    lanes = len(stored.document.lanes)
+    parts = [stored.title]
+    if lanes > 1:
+        parts.append(f"lane {target.number + 1} of {lanes}")
+    if len(target.lane.branches) > 1:
+        parts.append(f"branch {target.branch.name} of {len(target.lane.branches)}")
+    parts.append(f"at step {run.step:,}")
+    return "\n".join([", ".join(parts), *_changes(figures["journal"]), "", one_run(run, figures)])
+
+
+def _changes(journal: Sequence[dict[str, Any]]) -> list[str]:
+    """Return the last changes, a line each."""
+    left_out = len(journal) - MOST_SHOWN
+    lines = [f"  {counted(left_out, 'change')} before"] if left_out > 0 else []
+    for entry in journal[-MOST_SHOWN:]:
+        if "set" in entry:
+            what = f"{entry['set']} {number(entry['to'], '.12g')}"
+        else:
+            what = entry["algorithm"] if "algorithm" in entry else f"a person took {entry['take']}"
+        lines.append(f"  after step {entry['step']:,}: {what}")
+    return lines

@@ -1,0 +1,43 @@
+"""Writing a file so that whoever reads it finds the old one or the new one, whole, whatever happens."""
+
+from __future__ import annotations
+
+import os
+from contextlib import suppress
+from pathlib import Path
+
+OURS_ALONE = 0o600
+
+
+def write_atomically(path: Path, content: bytes) -> None:
+    """Put ``content`` into ``path``, in place of what was there; on the disk once this returns.
+
+    Nobody but the owner may read it. Raises OSError, and then the old file is as it was.
+    """
+    new = draft_of(path)
+    try:
+        with open(os.open(new, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, OURS_ALONE), "wb") as stream:
+            stream.write(content)
+            stream.flush()
+            os.fsync(stream.fileno())
+        new.replace(path)
+    except OSError:
+        with suppress(OSError):
+            new.unlink()
+        raise
+    _settle(path.parent)
+
+
+def draft_of(path: Path) -> Path:
+    """Return where the next content of ``path`` is written: one place, so that none is left to pile up."""
+    return path.with_name(f".{path.name}.new")
+
+
+def _settle(folder: Path) -> None:
+    """Bring the name itself to the disk, where the system lets a folder be opened."""
+    with suppress(OSError):
+        descriptor = os.open(folder, os.O_RDONLY)
+        try:
+            os.fsync(descriptor)
+        finally:
+            os.close(descriptor)

@@ -1,0 +1,142 @@
+"""A session as JSON: what its fields may be."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Annotated, Final, Literal
+
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validator
+
+from rl_tui.worlds.schema import is_plain
+
+FORMAT: Final = "rl-tui session"
+VERSION: Final = 1
+LONGEST_NAME: Final = 80
+MOST_LANES: Final = 4
+MOST_BRANCHES: Final = 1_000
+MOST_ENTRIES: Final = 1_000_000
+MOST_STEPS: Final = 10**15
+_MOST_BREAKPOINTS: Final = 100_000
+MOST_IN_ALL: Final = 20_000_000  # entries of all branches, those that they share counted for each
+_LONGEST_TEXT: Final = 20_000_000
+
+
+def _plain(text: str) -> str:
+    if not is_plain(text):
+        raise ValueError("control characters are not allowed")
+    return text
+
+
+Name = Annotated[str, Field(max_length=LONGEST_NAME), AfterValidator(_plain)]
+Word = Annotated[str, Field(max_length=200), AfterValidator(_plain)]
+Number = Annotated[float, Field(allow_inf_nan=False)]
+Count = Annotated[int, Field(ge=0, le=MOST_STEPS)]
+Place = Annotated[int, Field(ge=0, le=10**12)]
+Value = Number | Word
+
+
+class Part(BaseModel):
+    """A table of the document. Nothing is converted, and unknown keys are refused."""
+
+    model_config = ConfigDict(strict=True, extra="forbid", frozen=True)
+
+
+class Entry(Part):
+    """One change after ``step`` steps: a parameter is ``set`` ``to`` a value, another ``algorithm`` takes
+    over, or a person takes the action of that number.
+    """
+
+    step: Count
+    set: Word | None = None
+    to: Value | None = None
+    algorithm: Word | None = None
+    take: Place | None = None
+
+
+class StoredBranch(Part):
+    """One branch; ``shared`` is how many entries it has from its parent, ``journal`` those that follow."""
+
+    name: Name
+    parent: Annotated[int, Field(ge=0, lt=MOST_BRANCHES)] | None = None
+    fork: Count = 0
+    end: Count = 0
+    here: Count = 0
+    shared: Annotated[int, Field(ge=0, le=MOST_ENTRIES)] = 0
+    journal: Annotated[tuple[Entry, ...], Field(max_length=MOST_ENTRIES, strict=False)] = ()
+
+
+class StoredLane(Part):
+    """One run: what it started from, its branches, and the number of the one in force."""
+
+    seed: Annotated[int, Field(ge=0)]
+    algorithm: Word
+    hyperparameters: dict[Word, Value]
+    branches: Annotated[tuple[StoredBranch, ...], Field(min_length=1, max_length=MOST_BRANCHES, strict=False)]
+    branch: Annotated[int, Field(ge=0)]
+
+    @model_validator(mode="after")
+    def _check_numbers(self) -> StoredLane:
+        if self.branch >= len(self.branches):
+            raise ValueError(f"there is no branch {self.branch}")
+        for number, branch in enumerate(self.branches):
+            if branch.parent is not None and branch.parent >= number:
+                raise ValueError(f"branch {number} has a parent that does not stand before it")
+        return self
+
+
+class StoredScenario(Part):
+    """The world: the whole text of its file, or where Gymnasium makes it its id alone."""
+
+    id: Annotated[str, Field(min_length=1, max_length=400), AfterValidator(_plain)]
+    kind: Literal["file", "gymnasium"]
+    title: Word
+    text: Annotated[str, Field(max_length=_LONGEST_TEXT)] = ""
+
+
+class StoredBreakpoints(Part):
+    """The numbers of states and pairs."""
+
+    states: Annotated[tuple[Place, ...], Field(max_length=_MOST_BREAKPOINTS, strict=False)] = ()
+    pairs: Annotated[tuple[Place, ...], Field(max_length=_MOST_BREAKPOINTS, strict=False)] = ()
+
+
+class Document(Part):
+    """A whole session, without its checksum."""
+
+    format: Literal["rl-tui session"]
+    version: Literal[1]
+    program: Word
+    title: Name
+    kept: bool
+    saved: Annotated[str, Field(max_length=40)]
+    scenario: StoredScenario
+    lanes: Annotated[tuple[StoredLane, ...], Field(min_length=1, max_length=MOST_LANES, strict=False)]
+    shown: Annotated[int, Field(ge=0)]
+    breakpoints: StoredBreakpoints
+    speed: Annotated[float, Field(gt=0, allow_inf_nan=False)] | None
+    digest: Annotated[str, Field(pattern=r"^([0-9a-f]{64})?$")]
+
+    @model_validator(mode="after")
+    def _check_numbers(self) -> Document:
+        if self.shown >= len(self.lanes):
+            raise ValueError(f"there is no lane {self.shown}")
+        return self
+
+
+def algorithm_in_force(lane: StoredLane) -> str:
+    """Return the algorithm at work where ``lane`` stands; switches of its branch's ancestors included."""
+    branch: StoredBranch | None = lane.branches[lane.branch]
+    here, own = lane.branches[lane.branch].here, MOST_ENTRIES
+    while branch is not None:
+        left = max(0, own - branch.shared)
+        for entry in reversed(branch.journal[:left]):
+            if entry.algorithm is not None and entry.step <= here:
+                return entry.algorithm
+        own = min(own, branch.shared)
+        branch = None if branch.parent is None else lane.branches[branch.parent]
+    return lane.algorithm
+
+
+def changes_in(lanes: Sequence[StoredLane]) -> int:
+    """Return how many changes were made, those that branches share counted once."""
+    return sum(len(branch.journal) for lane in lanes for branch in lane.branches)

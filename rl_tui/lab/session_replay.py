@@ -1,0 +1,107 @@
+"""A session without a screen: its run again, from step 0 to where it was left."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from rl_tui.lab.branches import Branch
+from rl_tui.lab.figures import training_figures
+from rl_tui.lab.recipe import JournalEntry, begin
+from rl_tui.lab.record import LaneRecord, Record
+from rl_tui.lab.run import OnEpisodes, Run
+from rl_tui.lab.session import StoredSession, digest_of
+from rl_tui.lab.session_encoding import stored_entry
+from rl_tui.lab.training import CHUNK, STEPPED_CHUNK, OnProgress, no_progress
+from rl_tui.worlds.errors import UserError
+from rl_tui.worlds.findings import shown
+from rl_tui.worlds.mdp import BoolArray, FloatArray, IntArray
+
+
+def no_episodes(returns: FloatArray, lengths: IntArray, optimal: BoolArray) -> None:
+    """Ignore finished episodes."""
+
+
+@dataclass(frozen=True, slots=True)
+class Whereto:
+    """One branch of one lane, counted from 0; ``left`` says that this is where the screen was left."""
+
+    lane: LaneRecord
+    number: int
+    branch: Branch
+    left: bool
+
+
+def whereto(record: Record, lane: int | None = None, branch: str | None = None) -> Whereto:
+    """Return the lane of that number, from 1, and the branch of that name; those in force where not given.
+
+    Raises UserError, saying which there are.
+    """
+    number = record.shown if lane is None else lane - 1
+    if not 0 <= number < len(record.lanes):
+        count = len(record.lanes)
+        raise UserError(f"there is no lane {lane}: the session has {count} lane{'' if count == 1 else 's'}")
+    chosen = record.lanes[number]
+    here = chosen.branches[chosen.branch]
+    if branch is None:
+        return Whereto(chosen, number, here, left=number == record.shown)
+    for each in chosen.branches:
+        if each.name == branch:
+            return Whereto(chosen, number, each, left=number == record.shown and each is here)
+    names = ", ".join(each.name for each in chosen.branches[:20])
+    raise UserError(f"no branch of lane {number + 1} is called {shown(branch)}: there are {names}")
+
+
+def replayed(
+    target: Whereto, on_progress: OnProgress = no_progress, on_episodes: OnEpisodes = no_episodes
+) -> tuple[Run, float]:
+    """Return the run at ``target`` and the seconds it took, compiling left out.
+
+    Raises UserError where it does not come so far.
+    """
+    recipe, branch = target.lane.recipe, target.branch
+    beginning = begin(recipe)
+    budget = beginning.world.budget
+    run = Run(recipe, beginning, evaluate=False, episode_limit=budget, on_episodes=on_episodes)
+    run.warm_up()
+    start = time.perf_counter()
+    chunk = CHUNK if run.world.new_environment is None else STEPPED_CHUNK
+    follow_in_chunks(run, branch.journal, branch.here, chunk, on_progress)
+    if run.stop_reason:
+        raise UserError(run.stop_reason)
+    if run.step < branch.here:
+        raise UserError(f"the run ends at step {run.step:,}, and it was left at step {branch.here:,}")
+    return run, time.perf_counter() - start
+
+
+def follow_in_chunks(
+    run: Run, journal: Sequence[JournalEntry], step: int, chunk: int, on_progress: OnProgress
+) -> None:
+    """Do as :meth:`Run.follow` does, telling after every ``chunk`` steps how far it has come."""
+    while step - run.step > chunk and not run.over:
+        run.follow(journal, run.step + chunk)
+        on_progress(run.step, step)
+    run.follow(journal, step)
+
+
+def comes_out_otherwise(session: StoredSession, target: Whereto, run: Run) -> bool:
+    """Tell whether Q is another one than when ``session`` was saved, where that is known."""
+    digest = session.document.digest
+    return target.left and digest != "" and digest_of(run.learner.q) != digest
+
+
+def replay_figures(session: StoredSession, target: Whereto, run: Run, seconds: float) -> dict[str, Any]:
+    """Return what the run came to, as JSON: what training tells, and where in the session it stands.
+
+    Lanes count from 1.
+    """
+    names = run.world.space.action_names
+    return {
+        "session": str(session.path),
+        "lane": target.number + 1,
+        "branch": target.branch.name,
+        "journal": [stored_entry(entry, names) for entry in run.journal],
+        **training_figures(run, seconds),
+    }

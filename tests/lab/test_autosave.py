@@ -1,0 +1,398 @@
+"""Sessions keep themselves: begun by the first action, gone on with, never two programs in one file."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import threading
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from recipes import recipe
+from session_samples import after, fresh
+
+from rl_tui.lab import held_file, session_folder
+from rl_tui.lab.autosave import Autosave
+from rl_tui.lab.file_lock import FileLock
+from rl_tui.lab.recipe import SetParameter
+from rl_tui.lab.record import Record
+from rl_tui.lab.session import StoredSession, digest_of, encoded, read_session
+from rl_tui.lab.session_folder import MOST_UNNAMED, file_stem, named_path, prune, remove, sessions_in
+from rl_tui.worlds.errors import UserError
+
+OPENED = fresh(recipe("student"))
+
+
+def at(step: int) -> Record:
+    return after(OPENED, step)
+
+
+def only(folder: Path) -> StoredSession:
+    """The only session in ``folder``, and nothing else in it."""
+    assert len(os.listdir(folder)) == 1
+    (session,), _ = sessions_in(folder)
+    return session
+
+
+def kept(folder: Path, *offered: Record, **how: Any) -> Autosave:
+    """An autosave that was offered these, and closed."""
+    autosave = Autosave(OPENED, folder, **how)
+    for record in offered:
+        autosave.offer(record)
+    autosave.close()
+    return autosave
+
+
+def told(autosave: Autosave) -> list[str]:
+    notices: list[str] = []
+    autosave.listen(notices.append)
+    return notices
+
+
+def resumed(path: Path, folder: Path) -> Autosave:
+    session = read_session(path)
+    return Autosave(session.record(), folder, session)
+
+
+def opened_by(autosave: Autosave) -> Record:
+    """What the session stood at when it was resumed."""
+    return autosave._session._opened
+
+
+def test_merely_looking_begins_no_file(tmp_path: Path) -> None:
+    kept(tmp_path / "sessions", OPENED, replace(OPENED, speed=None), OPENED)
+    assert not (tmp_path / "sessions").exists()
+
+
+def test_the_first_action_begins_a_file_and_the_last_one_is_in_it(tmp_path: Path) -> None:
+    kept(tmp_path, OPENED, at(1), at(2), at(3))
+    session = only(tmp_path)
+    assert session.step == 3
+    assert session.path.name.startswith("student-")
+    assert not session.document.kept
+
+
+def test_a_setting_alone_is_an_action(tmp_path: Path) -> None:
+    kept(tmp_path, after(OPENED, 0, (0, SetParameter("alpha", 0.5))))
+    assert only(tmp_path).changes == 1
+
+
+def test_another_seed_is_an_action(tmp_path: Path) -> None:
+    kept(tmp_path, fresh(replace(OPENED.lanes[0].recipe, seed=7)))
+    assert only(tmp_path).document.lanes[0].seed == 7
+
+
+def test_it_is_written_while_the_program_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    written = threading.Event()
+    write = held_file.write_atomically
+
+    def note(path: Path, content: bytes) -> None:
+        write(path, content)
+        written.set()
+
+    monkeypatch.setattr(held_file, "write_atomically", note)
+    autosave = Autosave(OPENED, tmp_path)
+    autosave.offer(at(5))
+    assert written.wait(30)
+    assert sessions_in(tmp_path)[0][0].step == 5
+    written.clear()
+    autosave.offer(at(6))
+    assert written.wait(30)
+    assert sessions_in(tmp_path)[0][0].step == 6
+    autosave.close()
+
+
+def test_offering_never_waits_for_the_disk(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    disk_hangs = threading.Event()
+    monkeypatch.setattr(held_file, "write_atomically", lambda *_: disk_hangs.wait(30))
+    autosave = Autosave(OPENED, tmp_path)
+    for step in range(1, 50):
+        autosave.offer(at(step))
+    disk_hangs.set()
+    autosave.close()
+
+
+def test_a_resumed_session_goes_on_in_its_file(tmp_path: Path) -> None:
+    kept(tmp_path, at(3))
+    path = only(tmp_path).path
+    autosave = resumed(path, tmp_path)
+    autosave.offer(after(opened_by(autosave), 9))
+    autosave.close()
+    assert only(tmp_path).path == path
+    assert only(tmp_path).step == 9
+    assert told(autosave) == []
+
+
+def test_a_resumed_session_that_is_only_looked_at_is_not_written(tmp_path: Path) -> None:
+    kept(tmp_path, at(3))
+    before = only(tmp_path).written
+    autosave = resumed(only(tmp_path).path, tmp_path)
+    autosave.offer(opened_by(autosave))
+    autosave.close()
+    assert only(tmp_path).written == before
+
+
+def test_the_second_program_gets_a_copy(tmp_path: Path) -> None:
+    first = Autosave(OPENED, tmp_path)
+    first.save_as("evening")
+    path = tmp_path / "evening.json"
+    second = resumed(path, tmp_path)
+    assert any("evening.json is open in another program" in notice for notice in told(second))
+    second.offer(after(opened_by(second), 77))
+    second.close()
+    first.offer(at(8))
+    first.close()
+    sessions, broken = sessions_in(tmp_path)
+    assert broken == []
+    assert {(each.title, each.step, each.document.kept) for each in sessions} == {
+        ("evening", 8, True),
+        ("evening (copy)", 77, False),
+    }
+
+
+def test_a_killed_program_leaves_no_lock(tmp_path: Path) -> None:
+    path = tmp_path / "evening.json"
+    hold = (
+        "import sys, time; from pathlib import Path; from rl_tui.lab.file_lock import FileLock\n"
+        "lock = FileLock(Path(sys.argv[1])); print(lock.acquire(), flush=True); time.sleep(600)"
+    )
+    with subprocess.Popen(
+        [sys.executable, "-c", hold, str(path)], stdout=subprocess.PIPE, text=True
+    ) as other:
+        assert other.stdout is not None
+        assert other.stdout.readline() == "True\n"
+        assert not FileLock(path).acquire()
+        other.kill()
+    lock = FileLock(path)
+    assert lock.acquire()
+    lock.release()
+    assert os.listdir(tmp_path) == []
+
+
+def test_a_file_that_somebody_else_wrote_is_left_alone(tmp_path: Path) -> None:
+    autosave = Autosave(OPENED, tmp_path)
+    path = autosave.save_as("evening")
+    path.write_text("mine now", encoding="utf-8")
+    autosave.offer(at(5))
+    autosave.close()
+    assert path.read_text(encoding="utf-8") == "mine now"
+    assert any("changed by somebody else" in notice for notice in told(autosave))
+    assert [each.step for each in sessions_in(tmp_path)[0]] == [5]
+
+
+def test_a_file_that_was_removed_is_there_again(tmp_path: Path) -> None:
+    autosave = Autosave(OPENED, tmp_path)
+    autosave.save_as("evening").unlink()
+    autosave.offer(at(5))
+    autosave.close()
+    assert only(tmp_path).step == 5
+
+
+def test_a_session_in_a_folder_that_is_read_only_goes_on_in_a_copy(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    elsewhere = tmp_path / "class" / "lesson.json"
+    elsewhere.parent.mkdir()
+    elsewhere.write_bytes(encoded(at(3)))
+    monkeypatch.setattr(held_file.os, "access", lambda *_: False)  # to root nothing is read-only
+    autosave = resumed(elsewhere, tmp_path / "sessions")
+    autosave.offer(after(opened_by(autosave), 4))
+    autosave.close()
+    assert read_session(elsewhere).step == 3
+    assert only(tmp_path / "sessions").step == 4
+    assert len(told(autosave)) == 1
+
+
+def test_a_session_from_elsewhere_goes_on_where_it_is(tmp_path: Path) -> None:
+    elsewhere = tmp_path / "lesson.json"
+    elsewhere.write_bytes(encoded(at(3)))
+    autosave = resumed(elsewhere, tmp_path / "sessions")
+    autosave.offer(after(opened_by(autosave), 4))
+    autosave.close()
+    assert only(tmp_path).step == 4
+
+
+def test_what_cannot_be_saved_is_told_once_and_the_program_goes_on(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    write, full = held_file.write_atomically, True
+
+    def fail(path: Path, content: bytes) -> None:
+        if full:
+            raise OSError(28, "No space left on device")
+        write(path, content)
+
+    monkeypatch.setattr(held_file, "write_atomically", fail)
+    autosave = Autosave(OPENED, tmp_path)
+    for step in range(1, 4):
+        autosave.offer(at(step))
+        autosave._write_all()
+    assert told(autosave) == ["this session is not being saved: No space left on device"]
+    full = False
+    autosave.close()
+    assert only(tmp_path).step == 3
+
+
+def test_without_a_home_it_is_told(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("in the way", encoding="utf-8")
+    autosave = kept(tmp_path / "file" / "sessions", at(1))
+    (notice,) = told(autosave)
+    assert notice.startswith("this session is not being saved: ")
+    assert "Not a directory" in notice or "File exists" in notice
+
+
+def test_saving_under_a_name(tmp_path: Path) -> None:
+    autosave = Autosave(OPENED, tmp_path)
+    autosave.offer(at(4))
+    autosave._write_all()
+    assert len(sessions_in(tmp_path)[0]) == 1
+    path = autosave.save_as("My evening!")
+    assert path == tmp_path / "my-evening.json"
+    assert [each.path for each in sessions_in(tmp_path)[0]] == [path], (
+        "the unnamed one is not needed any more"
+    )
+    autosave.offer(at(6))
+    autosave.close()
+    session = only(tmp_path)
+    assert (session.title, session.step, session.document.kept) == ("My evening!", 6, True)
+
+
+def test_saving_before_anything_was_done(tmp_path: Path) -> None:
+    autosave = Autosave(OPENED, tmp_path)
+    autosave.save_as("start")
+    autosave.close()
+    assert only(tmp_path).step == 0
+
+
+def test_a_named_session_stays_when_it_is_saved_under_another_name(tmp_path: Path) -> None:
+    autosave = Autosave(OPENED, tmp_path)
+    autosave.save_as("one")
+    autosave.offer(at(2))
+    autosave.save_as("two")
+    autosave.save_as("two")
+    autosave.close()
+    assert {each.title: each.step for each in sessions_in(tmp_path)[0]} == {"one": 0, "two": 2}
+
+
+def test_a_taken_name_is_refused(tmp_path: Path) -> None:
+    first = Autosave(OPENED, tmp_path)
+    first.save_as("evening")
+    first.close()
+    before = (tmp_path / "evening.json").read_bytes()
+    other = Autosave(OPENED, tmp_path)
+    other.offer(at(9))
+    with pytest.raises(UserError, match="another session is called Evening"):
+        other.save_as("Evening")
+    other.close()
+    assert (tmp_path / "evening.json").read_bytes() == before
+
+
+@pytest.mark.parametrize("name", ["", "  ", "a\nb", "x" * 81])
+def test_what_is_no_name(tmp_path: Path, name: str) -> None:
+    with pytest.raises(UserError):
+        named_path(tmp_path, name)
+
+
+def test_no_name_leads_out_of_the_folder() -> None:
+    assert file_stem("../../etc/passwd") == "etc-passwd"
+    assert file_stem("gym:FrozenLake-v1") == "gym-frozenlake-v1"
+    assert file_stem("Größe 2") == "größe-2"
+    assert file_stem("!!!") == "session"
+
+
+def test_the_newest_unnamed_sessions_are_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(session_folder, "MOST_UNNAMED", 3)
+    for number in range(7):
+        path = tmp_path / f"student-{number}.json"
+        path.write_bytes(encoded(at(number), title="named" * (number == 0), kept=number == 0))
+        os.utime(path, ns=(number, number))
+    (tmp_path / "broken.json").write_text("{", encoding="utf-8")
+    held = FileLock(tmp_path / "student-1.json")
+    assert held.acquire()
+    prune(tmp_path)
+    held.release()
+    left = sorted(each.name for each in tmp_path.iterdir())
+    assert left == ["broken.json", *(f"student-{number}.json" for number in (0, 1, 4, 5, 6))]
+
+
+def test_fifty_are_kept() -> None:
+    assert MOST_UNNAMED == 50
+
+
+def test_removing(tmp_path: Path) -> None:
+    autosave = Autosave(OPENED, tmp_path)
+    path = autosave.save_as("evening")
+    with pytest.raises(UserError, match="evening is open in another program"):
+        remove(read_session(path))
+    autosave.close()
+    remove(read_session(path))
+    assert os.listdir(tmp_path) == []
+
+
+def digest(folder: Path) -> str:
+    return only(folder).document.digest
+
+
+def test_the_table_is_taken_as_it_was_when_offered(tmp_path: Path) -> None:
+    q = np.zeros(5)
+    autosave = Autosave(OPENED, tmp_path)
+    with autosave._writing:
+        autosave.offer(at(1), q)
+        q[:] = 1.0
+    autosave.close()
+    assert digest(tmp_path) == digest_of(np.zeros(5))
+
+
+def test_a_table_that_comes_later_is_told_too(tmp_path: Path) -> None:
+    autosave = Autosave(OPENED, tmp_path)
+    autosave.offer(at(1))
+    autosave.offer(at(1), np.ones(5))
+    autosave.offer(at(1), np.ones(5))
+    autosave.close()
+    assert digest(tmp_path) == digest_of(np.ones(5))
+
+
+def test_starting_again_begins_another_session(tmp_path: Path) -> None:
+    autosave = Autosave(OPENED, tmp_path)
+    autosave.offer(at(4))
+    autosave.begin_anew(OPENED)
+    autosave.close()
+    assert only(tmp_path).step == 4, "nothing was done in the other one"
+    autosave = resumed(only(tmp_path).path, tmp_path)
+    autosave.begin_anew(OPENED)
+    autosave.offer(at(9))
+    autosave.close()
+    assert sorted(each.step for each in sessions_in(tmp_path)[0]) == [4, 9]
+
+
+def test_starting_again_with_other_settings_is_an_action(tmp_path: Path) -> None:
+    autosave = Autosave(OPENED, tmp_path)
+    autosave.offer(at(4))
+    autosave.begin_anew(fresh(recipe("student", seed=8)))
+    autosave.begin_anew(fresh(recipe("student", seed=9)))
+    autosave.close()
+    told = {(each.step, each.document.lanes[0].seed) for each in sessions_in(tmp_path)[0]}
+    assert told == {(4, 0), (0, 9)}, "a session in which nothing was done yet gives way"
+
+
+def test_a_named_session_stays_when_it_starts_again(tmp_path: Path) -> None:
+    autosave = Autosave(OPENED, tmp_path)
+    autosave.save_as("evening")
+    autosave.begin_anew(OPENED)
+    autosave.offer(at(2))
+    autosave.close()
+    told = {(each.title, each.step) for each in sessions_in(tmp_path)[0]}
+    assert told == {("evening", 0), ("A student's evening", 2)}
+
+
+def test_going_on_in_a_copy_on_purpose(tmp_path: Path) -> None:
+    kept(tmp_path, at(3))
+    autosave = resumed(only(tmp_path).path, tmp_path)
+    autosave.become_copy()
+    autosave.offer(after(opened_by(autosave), 5))
+    autosave.close()
+    assert sorted(each.step for each in sessions_in(tmp_path)[0]) == [3, 5]

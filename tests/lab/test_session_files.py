@@ -1,0 +1,267 @@
+"""Session files: what goes in comes out, and every file that is none says so in one line."""
+
+from __future__ import annotations
+
+import json
+import os
+import stat
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from recipes import recipe
+from session_samples import after, fresh, records
+
+from rl_tui.lab import atomic_file
+from rl_tui.lab.atomic_file import write_atomically
+from rl_tui.lab.branches import Branch
+from rl_tui.lab.recipe import JournalEntry, SetParameter, SwitchAlgorithm, TakeAction
+from rl_tui.lab.record import LaneRecord, Record
+from rl_tui.lab.session import (
+    LARGEST_FILE,
+    SessionError,
+    StoredSession,
+    _checksum,
+    digest_of,
+    encoded,
+    read_session,
+)
+from rl_tui.worlds.errors import UserError
+
+SOUND = after(
+    fresh(recipe("student", seed=3)),
+    40,
+    (12, SetParameter("alpha", 0.5)),
+    (12, SwitchAlgorithm("sarsa")),
+    (30, TakeAction(1)),
+)
+
+
+def stored(path: Path, record: Record = SOUND, **how: Any) -> StoredSession:
+    path.write_bytes(encoded(record, **how))
+    return read_session(path)
+
+
+def same_scenario(record: Record, like: Record) -> Record:
+    """Scenarios are equal only to themselves: let a record that was read have the one it was written with."""
+    scenario = like.lanes[0].recipe.scenario
+    lanes = (replace(lane, recipe=replace(lane.recipe, scenario=scenario)) for lane in record.lanes)
+    return replace(record, lanes=tuple(lanes))
+
+
+def rewritten(path: Path, **changes: Any) -> None:
+    """Change fields of a sound file, and let its checksum fit again."""
+    fields = json.loads(encoded(SOUND))
+    del fields["checksum"]
+    fields.update(changes)
+    path.write_text(json.dumps({**fields, "checksum": _checksum(fields)}), encoding="utf-8")
+
+
+def lane(**changes: Any) -> list[Any]:
+    fields = json.loads(encoded(SOUND))["lanes"][0]
+    return [{**fields, **changes}]
+
+
+def branch(**changes: Any) -> list[Any]:
+    fields = json.loads(encoded(SOUND))["lanes"][0]["branches"][0]
+    return lane(branches=[{**fields, **changes}])
+
+
+def fault(path: Path) -> str:
+    """The one line about a file that cannot be resumed."""
+    before = path.read_bytes() if path.is_file() else b""
+    with pytest.raises(SessionError) as refused:
+        read_session(path).record()
+    assert path.name in str(refused.value)
+    assert "\n" not in str(refused.value)
+    assert not path.is_file() or path.read_bytes() == before
+    return str(refused.value)
+
+
+@settings(max_examples=60, deadline=None)
+@given(records())
+def test_what_goes_in_comes_out(tmp_path_factory: pytest.TempPathFactory, record: Record) -> None:
+    path = tmp_path_factory.getbasetemp() / "any.json"
+    assert same_scenario(stored(path, record).record(), record) == record
+
+
+def test_the_world_comes_out_of_the_file_alone(tmp_path: Path) -> None:
+    scenario = stored(tmp_path / "a.json").record().lanes[0].recipe.scenario
+    assert (scenario.id, scenario.title) == ("student", SOUND.lanes[0].recipe.scenario.title)
+    assert scenario.text == SOUND.lanes[0].recipe.scenario.text
+    assert scenario.defaults == SOUND.lanes[0].recipe.scenario.defaults
+
+
+def test_an_environment_of_gymnasium_is_kept_by_its_id(tmp_path: Path) -> None:
+    record = fresh(recipe("gym:FrozenLake-v1"))
+    session = stored(tmp_path / "a.json", record)
+    assert session.document.scenario.text == ""
+    assert session.record().lanes[0].recipe.scenario.id == "gym:FrozenLake-v1"
+
+
+def test_facts_of_a_session(tmp_path: Path) -> None:
+    session = stored(tmp_path / "a.json", title="my evening", kept=True)
+    assert (session.title, session.step, session.algorithm) == ("my evening", 40, "sarsa")
+    assert session.changes == 3
+    assert stored(tmp_path / "b.json").title == SOUND.lanes[0].recipe.scenario.title
+
+
+def test_what_branches_share_is_written_once(tmp_path: Path) -> None:
+    first = SOUND.lanes[0].branches[0]
+    other = Branch("2", (*first.journal[:2], JournalEntry(25, SetParameter("epsilon", 0.0))), 0, 25, 90, 20)
+    forked = Record((LaneRecord(SOUND.lanes[0].recipe, (first, other), 1),))
+    session = stored(tmp_path / "a.json", forked)
+    written = session.document.lanes[0].branches[1]
+    assert (written.shared, len(written.journal)) == (2, 1)
+    assert session.changes == 4
+    assert session.algorithm == "sarsa"  # from the part that it shares
+    assert same_scenario(session.record(), forked) == forked
+
+
+def test_the_algorithm_is_the_one_in_force_where_it_stands(tmp_path: Path) -> None:
+    rewound = replace(SOUND.lanes[0].branches[0], here=11)
+    record = Record((replace(SOUND.lanes[0], branches=(rewound,)),))
+    assert stored(tmp_path / "a.json", record).algorithm == "q-learning"
+
+
+@pytest.mark.parametrize(
+    ("content", "line"),
+    [
+        (b"", "is empty"),
+        (b"hello", "is not JSON"),
+        (b"\xff\xfe", "is not JSON"),
+        (b"[1, 2]", "is not a session of rl-tui"),
+        (b'{"format": "something else"}', "is not a session of rl-tui"),
+        (b"{" * 100_000, "is not JSON"),
+        (b'{"a": NaN}', "is not JSON"),
+        (b'{"format": "rl-tui session", "version": 2}', "newer rl-tui (format 2, this one reads 1); update"),
+        (b'{"format": "rl-tui session", "version": 1}', "its checksum does not fit"),
+    ],
+)
+def test_a_file_that_is_no_session(tmp_path: Path, content: bytes, line: str) -> None:
+    path = tmp_path / "a.json"
+    path.write_bytes(content)
+    assert line in fault(path)
+
+
+def test_a_file_that_is_not_there(tmp_path: Path) -> None:
+    assert "there is no such file" in fault(tmp_path / "a.json")
+    assert "is a folder" in fault(tmp_path)
+
+
+def test_a_file_that_is_too_large(tmp_path: Path) -> None:
+    path = tmp_path / "a.json"
+    with path.open("wb") as stream:
+        stream.truncate(LARGEST_FILE + 1)
+    with pytest.raises(SessionError, match="too large"):
+        read_session(path)
+
+
+def test_every_truncation_is_told(tmp_path: Path) -> None:
+    whole, path = encoded(SOUND), tmp_path / "a.json"
+    for length in range(1, len(whole), 41):
+        path.write_bytes(whole[:length])
+        told = fault(path)
+        assert ("is cut off or damaged" if length > 40 else "is ") in told
+
+
+def test_every_flipped_byte_is_told(tmp_path: Path) -> None:
+    whole, path = encoded(SOUND), tmp_path / "a.json"
+    for place in range(0, len(whole), 97):
+        flipped = bytearray(whole)
+        flipped[place] ^= 0x01
+        path.write_bytes(flipped)
+        with pytest.raises(SessionError):
+            read_session(path)
+
+
+def test_an_edited_file_is_told(tmp_path: Path) -> None:
+    path = tmp_path / "a.json"
+    path.write_bytes(encoded(SOUND).replace(b'"seed": 3', b'"seed": 4'))
+    assert "was damaged or edited" in fault(path)
+
+
+@pytest.mark.parametrize(
+    ("changes", "line"),
+    [
+        ({"colour": "red"}, "colour"),
+        ({"shown": 1}, "there is no lane 1"),
+        ({"lanes": []}, "lanes"),
+        ({"lanes": lane() * 5}, "lanes"),
+        ({"lanes": lane(seed=-1)}, "lanes[0].seed"),
+        ({"lanes": lane(seed=True)}, "lanes[0].seed"),
+        ({"lanes": lane(branch=1)}, "there is no branch 1"),
+        ({"lanes": lane(algorithm="q-lerning")}, 'lanes[0].algorithm is "q-lerning"'),
+        ({"lanes": lane(hyperparameters={"alpha": 7})}, "alpha is 7"),
+        ({"lanes": lane(hyperparameters={"alfa": 0.1})}, 'did you mean "alpha"'),
+        ({"lanes": branch(name="\x1b[2J")}, "control characters"),
+        ({"lanes": branch(name="x" * 81)}, "lanes[0].branches[0].name"),
+        ({"lanes": branch(parent=0)}, "parent"),
+        ({"lanes": branch(shared=1)}, "shared is 1"),
+        ({"lanes": branch(here=41)}, "beyond its end"),
+        ({"lanes": branch(end=10**15 + 1)}, "lanes[0].branches[0].end"),
+        ({"lanes": branch(journal=[{"step": 9, "take": 1}, {"step": 8, "take": 1}])}, "out of order"),
+        ({"lanes": branch(journal=[{"step": 41, "take": 1}])}, "beyond its end"),
+        ({"lanes": branch(journal=[{"step": 4}])}, "journal[0] is no change"),
+        ({"lanes": branch(journal=[{"step": 4, "set": "alpha"}])}, "journal[0] is no change"),
+        ({"lanes": branch(journal=[{"step": 4, "set": "alpha", "to": 2}])}, "expected a number in (0, 1]"),
+        ({"lanes": branch(journal=[{"step": 4, "algorithm": "magic"}])}, "which is not known"),
+        ({"lanes": branch(journal=[{"step": "4", "take": 1}])}, "journal[0].step"),
+        ({"scenario": {"id": "x", "kind": "file", "title": "", "text": "[mdp]"}}, "its scenario cannot"),
+        ({"scenario": {"id": "gym:No-v0", "kind": "gymnasium", "title": ""}}, "gym:No-v0"),
+        ({"saved": "yesterday"}, "saved"),
+        ({"speed": 0}, "speed"),
+        ({"digest": "abc"}, "digest"),
+        ({"title": "a\nb"}, "control characters"),
+    ],
+)
+def test_a_file_whose_parts_do_not_fit(tmp_path: Path, changes: dict[str, Any], line: str) -> None:
+    path = tmp_path / "a.json"
+    rewritten(path, **changes)
+    assert line in fault(path)
+
+
+def test_a_scenario_without_a_file_cannot_be_saved() -> None:
+    made_from = recipe("student")
+    nameless = replace(made_from, scenario=replace(made_from.scenario, text=""))
+    with pytest.raises(UserError, match="the file of scenario student is not known"):
+        encoded(fresh(nameless))
+
+
+def test_a_digest_tells_tables_apart_to_the_last_bit() -> None:
+    q = np.linspace(0.0, 1.0, 12)
+    assert digest_of(q) == digest_of(q.copy())
+    assert digest_of(q) != digest_of(np.nextafter(q, 2.0))
+    assert digest_of(np.zeros(100_001)) == ""
+
+
+def test_a_file_is_its_owners_alone(tmp_path: Path) -> None:
+    path = tmp_path / "a.json"
+    write_atomically(path, b"one")
+    write_atomically(path, b"two")
+    assert path.read_bytes() == b"two"
+    assert stat.S_IMODE(path.stat().st_mode) == 0o600
+    assert [each.name for each in tmp_path.iterdir()] == ["a.json"]
+
+
+@pytest.mark.parametrize("failing", ["fsync", "replace"])
+def test_a_failing_write_leaves_the_old_file(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, failing: str
+) -> None:
+    path = tmp_path / "a.json"
+    write_atomically(path, b"one")
+
+    def fail(*_: object) -> None:
+        raise OSError(28, "No space left on device")
+
+    if failing == "fsync":
+        monkeypatch.setattr(atomic_file.os, "fsync", fail)
+    else:
+        monkeypatch.setattr(Path, "replace", fail)
+    with pytest.raises(OSError, match="No space left"):
+        write_atomically(path, b"two")
+    assert path.read_bytes() == b"one"
+    assert os.listdir(tmp_path) == ["a.json"]

@@ -1,0 +1,384 @@
+"""Sessions on screen: saved, listed, gone on with, deleted."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from datetime import UTC, datetime, timedelta
+from functools import partial
+from pathlib import Path
+
+import pytest
+from rich.console import Console
+from textual.pilot import Pilot
+from textual.widgets import Input, OptionList, Static
+
+from rl_tui.lab.autosave import untouched
+from rl_tui.lab.branches import FIRST
+from rl_tui.lab.library import find, recipe_for
+from rl_tui.lab.player import Player
+from rl_tui.lab.recipe import JournalEntry, Recipe, SetParameter
+from rl_tui.lab.record import LaneRecord, Record
+from rl_tui.lab.session import digest_of, encoded, read_session
+from rl_tui.lab.session_folder import sessions_in
+from rl_tui.tui.app import RlTuiApp
+from rl_tui.tui.display import Display
+from rl_tui.tui.screens.catalogue import Catalogue
+from rl_tui.tui.screens.confirm import Confirm
+from rl_tui.tui.screens.playground import Playground
+from rl_tui.tui.screens.prompt import Prompt
+from rl_tui.tui.screenshot import settle
+from rl_tui.tui.theme.glyphs import ASCII
+from rl_tui.tui.theme.look import Look
+from rl_tui.tui.theme.palette import palette_for
+from rl_tui.tui.widgets.session_list import SessionList
+from rl_tui.tui.widgets.session_text import SessionRow, long_age, session_facts, short_age
+from rl_tui.worlds.errors import UserError
+
+MakeSessionApp = Callable[..., RlTuiApp]
+NOW = datetime(2026, 3, 4, 12, 0, tzinfo=UTC)
+
+
+@pytest.fixture
+def app_with_sessions(tmp_path: Path) -> MakeSessionApp:
+    """An app that keeps its sessions in a folder of the test."""
+
+    def make(start: object = None) -> RlTuiApp:
+        app = RlTuiApp(
+            Display(fps=1000.0),
+            start,
+            make_player=partial(Player, automatic=False),
+            picture=True,
+            sessions=tmp_path,
+        )
+        app.NOTIFICATION_TIMEOUT = 3600.0
+        return app
+
+    return make
+
+
+def student() -> Recipe:
+    return recipe_for(find("student"))
+
+
+def record(step: int, *journal: JournalEntry) -> Record:
+    branch = FIRST.__class__(FIRST.name, journal, end=step, here=step)
+    return Record((LaneRecord(student(), (branch,)),), speed=30.0)
+
+
+def write(folder: Path, name: str, what: Record | None = None, order: int = 0, title: str = "") -> Path:
+    path = folder / name
+    path.write_bytes(encoded(what or record(7), title=title, kept=bool(title)))
+    os.utime(path, ns=(order, order))
+    return path
+
+
+def listed(pilot: Pilot[UserError]) -> SessionList:
+    return pilot.app.screen.query_one(SessionList)
+
+
+def details(pilot: Pilot[UserError]) -> str:
+    about = pilot.app.screen.query_one("#facts")
+    lines = about.render_lines(about.size.region)
+    return " ".join(" ".join(line.text for line in lines).split())
+
+
+async def finished(pilot: Pilot[UserError], work: str) -> None:
+    """Wait for the work of that name, if it is still under way."""
+    for worker in list(pilot.app.workers):
+        if worker.name == work:
+            await worker.wait()
+    await pilot.pause()
+
+
+def messages(app: RlTuiApp) -> list[str]:
+    return [note.message for note in app._notifications]
+
+
+def step(pilot: Pilot[UserError]) -> int:
+    screen = pilot.app.screen
+    assert isinstance(screen, Playground)
+    assert screen.snapshot
+    return screen.snapshot.step
+
+
+async def test_without_sessions_there_is_no_section(app_with_sessions: MakeSessionApp) -> None:
+    async with app_with_sessions().run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        assert not listed(pilot).display
+        assert pilot.app.screen.query_one("#scenarios").size.height == 20
+
+
+async def test_the_last_one_saved_is_the_first_and_faulty_ones_are_last(
+    app_with_sessions: MakeSessionApp, tmp_path: Path
+) -> None:
+    write(tmp_path, "old.json", order=1)
+    write(tmp_path, "new.json", order=2, title="an evening")
+    (tmp_path / "half.json").write_text('{"format": "rl-tui session", "vers', encoding="utf-8")
+    async with app_with_sessions().run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        assert "Ten slot machines" in details(pilot), "the cursor begins in the scenarios"
+        await pilot.press("tab")
+        await settle(pilot)
+        assert "step 7" in details(pilot)
+        assert pilot.app.screen.query_one("#details").border_title == "an evening"
+        await pilot.press("end")
+        await settle(pilot)
+        assert "cut off or damaged" in details(pilot)
+        await pilot.press("enter")
+        await pilot.press("delete")
+        await settle(pilot)
+        assert messages(pilot.app)[-2:] == [
+            "this file cannot be resumed",
+            "a faulty file is left alone; remove it yourself",
+        ]
+        await pilot.press("shift+tab")
+        await settle(pilot)
+        assert "Ten slot machines" in details(pilot)
+
+
+async def test_enter_goes_on_where_it_was_left(app_with_sessions: MakeSessionApp, tmp_path: Path) -> None:
+    journal = (JournalEntry(3, SetParameter("alpha", 0.5)), JournalEntry(5, SetParameter("ties", "first")))
+    path = write(tmp_path, "a.json", record(40, *journal))
+    async with app_with_sessions().run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        await pilot.press("tab", "enter")
+        await finished(pilot, "resume the session")
+        await settle(pilot)
+        screen = pilot.app.screen
+        assert isinstance(screen, Playground)
+        assert screen.snapshot
+        assert (step(pilot), screen.snapshot.speed) == (40, 30.0)
+        told = screen.recipe.hyperparameters
+        assert (told.alpha, told.ties) == (0.5, "first")
+        await pilot.press("s")
+        await settle(pilot)
+        await pilot.press("escape")
+        await settle(pilot)
+        assert isinstance(pilot.app.screen, Catalogue)
+        assert read_session(path).step == 41
+
+
+async def test_what_is_done_is_listed_when_one_comes_back(
+    app_with_sessions: MakeSessionApp, tmp_path: Path
+) -> None:
+    async with app_with_sessions(student()).run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        await pilot.press("s", "s", "t")
+        await settle(pilot)
+        await pilot.press("escape")
+        await settle(pilot)
+        assert listed(pilot).option_count == 1
+        (session,), _ = sessions_in(tmp_path)
+        assert (session.step, session.changes, session.document.kept) == (2, 1, False)
+        assert session.document.digest
+
+
+async def test_looking_leaves_nothing(app_with_sessions: MakeSessionApp, tmp_path: Path) -> None:
+    async with app_with_sessions(student()).run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        await pilot.press("v", "plus", "m", "escape", "space", "space")
+        await settle(pilot)
+        await pilot.press("escape")
+        await settle(pilot)
+    assert os.listdir(tmp_path) == []
+
+
+async def test_starting_again_keeps_what_was_before(
+    app_with_sessions: MakeSessionApp, tmp_path: Path
+) -> None:
+    async with app_with_sessions(student()).run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        await pilot.press("s", "s", "r", "s")
+        await settle(pilot)
+    assert sorted(each.step for each in sessions_in(tmp_path)[0]) == [1, 2]
+
+
+async def test_w_saves_under_a_name_and_goes_on_there(
+    app_with_sessions: MakeSessionApp, tmp_path: Path
+) -> None:
+    write(tmp_path, "evening.json", title="evening")
+    async with app_with_sessions(student()).run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        await pilot.press("s")
+        await settle(pilot)
+        await pilot.press("w")
+        assert isinstance(pilot.app.screen, Prompt)
+        pilot.app.screen.query_one(Input).value = "Evening"
+        await pilot.pause()
+        error = pilot.app.screen.query_one(".error", Static)
+        assert "another session has this name" in str(error.render())
+        await pilot.press("enter")
+        assert isinstance(pilot.app.screen, Prompt), "it is not taken"
+        pilot.app.screen.query_one(Input).value = "Evening 2"
+        await pilot.press("enter")
+        await pilot.pause()
+        await finished(pilot, "save the session")
+        assert any(f"saved: {tmp_path.resolve()}/evening-2.json" in each for each in messages(pilot.app))
+        await pilot.press("s")
+        await settle(pilot)
+        await pilot.press("w")
+        assert pilot.app.screen.query_one(Input).value == "Evening 2"
+        await pilot.press("escape")
+    told = {each.title: (each.step, each.document.kept) for each in sessions_in(tmp_path)[0]}
+    assert told == {"evening": (7, True), "Evening 2": (2, True)}
+
+
+async def test_where_no_session_is_kept_w_says_so(app_with_sessions: MakeSessionApp) -> None:
+    app = RlTuiApp(Display(fps=1000.0), student(), make_player=partial(Player, automatic=False), picture=True)
+    async with app.run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        await pilot.press("w")
+        await settle(pilot)
+        assert messages(app) == ["no session is kept here"]
+
+
+async def test_delete_asks_first(app_with_sessions: MakeSessionApp, tmp_path: Path) -> None:
+    write(tmp_path, "a.json", order=1)
+    write(tmp_path, "b.json", order=2)
+    async with app_with_sessions().run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        await pilot.press("delete")
+        await settle(pilot)
+        assert messages(pilot.app) == ["only sessions can be deleted"]
+        await pilot.press("tab", "delete")
+        assert isinstance(pilot.app.screen, Confirm)
+        await pilot.press("escape")
+        assert len(os.listdir(tmp_path)) == 2
+        await pilot.press("delete", "enter")
+        await pilot.pause()
+        screen = pilot.app.screen
+        assert isinstance(screen, Catalogue)
+        await screen.sessions_read()
+        await settle(pilot)
+        assert os.listdir(tmp_path) == ["a.json"]
+        await pilot.press("delete", "enter")
+        await pilot.pause()
+        await screen.sessions_read()
+        await settle(pilot)
+        assert os.listdir(tmp_path) == []
+        assert not listed(pilot).display
+        assert pilot.app.screen.query_one("#scenarios", OptionList).has_focus
+
+
+async def test_one_that_is_open_elsewhere_is_gone_on_with_in_a_copy(
+    app_with_sessions: MakeSessionApp, tmp_path: Path
+) -> None:
+    path = write(tmp_path, "a.json", title="an evening")
+    first, second = app_with_sessions(read_session(path)), app_with_sessions(read_session(path))
+    async with first.run_test(size=(80, 24)) as one:
+        await settle(one)
+        async with second.run_test(size=(80, 24)) as other:
+            await settle(other)
+            assert any("a.json is open in another program" in each for each in messages(second))
+            await other.press("s", "s")
+            await settle(other)
+        await one.press("s")
+        await settle(one)
+        assert not any("another program" in each for each in messages(first))
+    told = {each.title: each.step for each in sessions_in(tmp_path)[0]}
+    assert told == {"an evening": 8, "an evening (copy)": 9}
+
+
+async def test_other_bits_are_told_and_the_file_is_left_alone(
+    app_with_sessions: MakeSessionApp, tmp_path: Path
+) -> None:
+    path = tmp_path / "a.json"
+    path.write_bytes(encoded(record(7), digest="0" * 64))
+    app = app_with_sessions(read_session(path))
+    async with app.run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        assert any("Q does not come out as it was saved" in each for each in messages(app))
+        await pilot.press("s")
+        await settle(pilot)
+    assert sorted(each.step for each in sessions_in(tmp_path)[0]) == [7, 8]
+    assert read_session(path).step == 7
+
+
+async def test_the_right_bits_are_no_news(app_with_sessions: MakeSessionApp, tmp_path: Path) -> None:
+    async with app_with_sessions(student()).run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        await pilot.press("e", "e")
+        await settle(pilot)
+        screen = pilot.app.screen
+        assert isinstance(screen, Playground)
+        assert screen.snapshot
+        q = screen.snapshot.q
+    (session,), _ = sessions_in(tmp_path)
+    assert session.document.digest == digest_of(q)
+    app = app_with_sessions(session)
+    async with app.run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        assert step(pilot) == session.step
+        assert messages(app) == []
+
+
+async def test_what_cannot_be_saved_is_said_once(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("in the way", encoding="utf-8")
+    app = RlTuiApp(
+        Display(fps=1000.0),
+        student(),
+        make_player=partial(Player, automatic=False),
+        picture=True,
+        sessions=tmp_path / "file" / "sessions",
+    )
+    async with app.run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        await pilot.press("s", "s")
+        await settle(pilot)
+        screen = app.screen
+        assert isinstance(screen, Playground)
+        assert screen.autosave
+        screen.autosave.close()
+        await pilot.pause()
+        (told,) = messages(app)
+        assert told.startswith("this session is not being saved: ")
+        await pilot.press("s")
+        await settle(pilot)
+        assert step(pilot) == 3
+
+
+def test_ages_in_few_letters_and_in_words() -> None:
+    ages = {0: "now", 59: "now", 60: "1 min", 3_599: "59 min", 3_600: "1 h", 86_400: "1 d"}
+    for seconds, text in ages.items():
+        assert short_age(timedelta(seconds=seconds), NOW) == text
+    assert short_age(timedelta(days=14), NOW).startswith("2026-03-0")
+    assert long_age(timedelta(seconds=59)) == "less than a minute ago"
+    assert long_age(timedelta(seconds=60)) == "1 minute ago"
+    assert long_age(timedelta(hours=50)) == "2 days ago"
+
+
+def drawn(what: object, width: int) -> str:
+    console = Console(width=width, color_system=None)
+    with console.capture() as capture:
+        console.print(what)
+    return capture.get()
+
+
+def test_a_row_has_title_age_step_and_algorithm_at_any_width(tmp_path: Path) -> None:
+    look = Look(ASCII, palette_for("none", True))
+    path = write(tmp_path, "a.json", record(123_456_789), title="the long run of a Tuesday – évening")
+    session = read_session(path)
+    now = session.saved + timedelta(minutes=5)
+    lines = drawn(SessionRow(session, now, look), 30).splitlines()
+    assert lines == [
+        "the long run of a Tuesday~ 5 min".replace("day~", "d~"),
+        "  step 123,456,789 - Q-learni~",
+    ]
+    for width in range(1, 60):
+        assert all(
+            len(line) <= max(width, 7) for line in drawn(SessionRow(session, now, look), width).split("\n")
+        )
+
+
+def test_the_details_tell_lanes_branches_and_changes(tmp_path: Path) -> None:
+    look = Look(ASCII, palette_for("none", True))
+    one, two = record(40, JournalEntry(3, SetParameter("alpha", 0.5))).lanes[0], untouched(student()).lanes[0]
+    branch = one.branches[0].__class__("another", one.branches[0].journal, 0, 12, 30, 20)
+    both = Record((two, LaneRecord(one.recipe, (*one.branches, branch), 1)), shown=1)
+    session = read_session(write(tmp_path, "a.json", both))
+    text = drawn(session_facts(session, session.saved, look), 100)
+    assert "step 20 of 30 - lane 2 of 2 - branch another of 2" in text
+    assert "A student's evening (student)" in text
+    assert "changes   1" in text
+    assert "Only the newest 50" in text
