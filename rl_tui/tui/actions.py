@@ -2,17 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from enum import Flag, StrEnum, auto
-from functools import partial
-from typing import Final, Protocol, runtime_checkable
+from typing import Final
 
 from textual.binding import Binding, BindingType
-from textual.command import DiscoveryHit, Hit, Hits, Provider
-
-from rl_tui.tui.theme.look import Look
-from rl_tui.tui.written import written
 
 ORDINALS: Final = ("first", "second", "third", "fourth")
 
@@ -380,44 +374,3 @@ def bindings_of(place: Place) -> list[BindingType]:
         )
         for action in actions_of(place)
     ]
-
-
-@runtime_checkable
-class HasPlace(Protocol):
-    """A screen of which the registry knows the actions."""
-
-    place: Place
-    look: Look
-
-
-class ActionProvider(Provider):
-    """The palette entries: every action of the screen beneath the palette, and the themes."""
-
-    async def discover(self) -> Hits:
-        """Yield every entry, for an empty search."""
-        for name, command, sentence in self._entries():
-            yield DiscoveryHit(name, command, help=sentence)
-
-    async def search(self, query: str) -> Hits:
-        """Yield the entries whose name or sentence fits ``query``."""
-        matcher = self.matcher(query)
-        for name, command, sentence in self._entries():
-            score = max(matcher.match(name), matcher.match(f"{name} {sentence}") * 0.5)
-            if score > 0:
-                yield Hit(score, matcher.highlight(name), command, help=sentence)
-
-    def _entries(self) -> Iterator[tuple[str, Callable[[], object], str]]:
-        """Yield what is listed, what is done and the sentence about it."""
-        screen = self.screen
-        if isinstance(screen, HasPlace):
-            for action in actions_of(screen.place):
-                name, sentence = (
-                    written(text, screen.look.glyphs) for text in (palette_name(action), action.help)
-                )
-                yield name, partial(self.screen.run_action, action.textual_action), sentence
-        yield "Theme", self.app.action_change_theme, "Choose the colours."
-
-
-def palette_name(action: Action) -> str:
-    """Return how the palette lists ``action``: the word and its key."""
-    return f"{action.label[0].upper()}{action.label[1:]} ({action.shown})"

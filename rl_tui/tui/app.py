@@ -14,8 +14,8 @@ from textual.theme import Theme
 
 from rl_tui.lab.library import recipe_for
 from rl_tui.lab.recipe import Recipe
-from rl_tui.tui.actions import ActionProvider
 from rl_tui.tui.display import Display
+from rl_tui.tui.palette_entries import ActionProvider
 from rl_tui.tui.theme.depth import choose_look, depth_of, environment_for, is_native
 from rl_tui.tui.theme.glyphs import ASCII
 from rl_tui.tui.theme.limited_themes import PICTURE_DARK, PICTURE_LIGHT, themes_for

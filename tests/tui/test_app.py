@@ -11,9 +11,10 @@ from textual.command import CommandPalette
 
 from rl_tui.lab.library import recipe_for
 from rl_tui.lab.player import Player
-from rl_tui.tui.actions import ActionProvider, Place, actions_of, palette_name
+from rl_tui.tui.actions import Place, actions_of
 from rl_tui.tui.app import RlTuiApp
 from rl_tui.tui.display import Display
+from rl_tui.tui.palette_entries import ActionProvider, palette_name
 from rl_tui.tui.screens.catalogue import Catalogue
 from rl_tui.tui.screens.playground import Playground
 from rl_tui.tui.screenshot import settle
