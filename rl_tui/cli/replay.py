@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Sequence
 from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
@@ -11,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Final
 import click
 
 from rl_tui.cli.number import Whole
-from rl_tui.cli.output import counted, number, print_json
+from rl_tui.cli.output import print_json
 from rl_tui.cli.progress import progress
 from rl_tui.cli.run_options import json_option
 
@@ -21,7 +20,6 @@ if TYPE_CHECKING:
     from rl_tui.lab.session_replay import Whereto
 
 STDOUT: Final = "-"
-MOST_SHOWN: Final = 10
 
 
 @click.command("replay")
@@ -85,17 +83,4 @@ def _report(stored: StoredSession, target: Whereto, run: Run, figures: dict[str,
     if len(target.lane.branches) > 1:
         parts.append(f"branch {target.branch.name} of {len(target.lane.branches)}")
     parts.append(f"at step {run.step:,}")
-    return "\n".join([", ".join(parts), *_changes(figures["journal"]), "", one_run(run, figures)])
-
-
-def _changes(journal: Sequence[dict[str, Any]]) -> list[str]:
-    """Return the last changes, a line each."""
-    left_out = len(journal) - MOST_SHOWN
-    lines = [f"  {counted(left_out, 'change')} before"] if left_out > 0 else []
-    for entry in journal[-MOST_SHOWN:]:
-        if "set" in entry:
-            what = f"{entry['set']} {number(entry['to'], '.12g')}"
-        else:
-            what = entry["algorithm"] if "algorithm" in entry else f"a person took {entry['take']}"
-        lines.append(f"  after step {entry['step']:,}: {what}")
-    return lines
+    return "\n".join([", ".join(parts), "", one_run(run, figures)])

@@ -54,7 +54,7 @@ def one_run(run: Run, figures: Figures) -> str:
         rows = _rows(figures, best) if mdp else _inexact_rows(figures, why_inexact(run))
         drawing = policy_map(run.world, figures["policy"])
         parts = [_head(run.recipe), _done(figures, "episode"), "", drawing, "", columns(rows)]
-    if "journal" in figures:
+    if figures.get("journal"):
         parts[1:1] = [_changes(figures["journal"])]
     if figures["first_reward_episode"] is None and not run.learner.plans:
         parts += ["", no_reward(run.recipe)]

@@ -5,8 +5,10 @@ from __future__ import annotations
 import os
 from contextlib import suppress
 from pathlib import Path
+from typing import Final
 
-OURS_ALONE = 0o600
+OURS_ALONE: Final = 0o600
+_FLAGS: Final = os.O_WRONLY | os.O_CREAT | os.O_TRUNC | getattr(os, "O_BINARY", 0)
 
 
 def write_atomically(path: Path, content: bytes) -> None:
@@ -16,7 +18,7 @@ def write_atomically(path: Path, content: bytes) -> None:
     """
     new = draft_of(path)
     try:
-        with open(os.open(new, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, OURS_ALONE), "wb") as stream:
+        with open(os.open(new, _FLAGS, OURS_ALONE), "wb") as stream:
             stream.write(content)
             stream.flush()
             os.fsync(stream.fileno())

@@ -106,6 +106,8 @@ class Autosave:
             path = session.writer.save_as(title, newest.record, newest.digest)
             session.tried, session.begun = newest, True
             self._in_trouble = False
+            if self._closing:
+                session.writer.release()
         return path
 
     def become_copy(self) -> None:

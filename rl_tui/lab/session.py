@@ -150,7 +150,8 @@ def _document(path: Path, content: bytes) -> Document:
         raise SessionError(path, "was damaged or edited: its checksum does not fit; go back to a copy of it")
     try:
         document = Document.model_validate(fields)
-        datetime.fromisoformat(document.saved)
+        if not 1970 <= datetime.fromisoformat(document.saved).year < 9000:
+            raise ValueError(f"{document.saved} is no time at which anything was saved")
     except ValidationError as error:
         first = error.errors(include_url=False)[0]
         where = place(first["loc"]) or "the document"

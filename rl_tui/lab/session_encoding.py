@@ -94,19 +94,18 @@ def _stored_branch(branch: Branch, branches: Sequence[Branch]) -> dict[str, Any]
         "end": branch.end,
         "here": branch.here,
         "shared": shared,
-        "journal": [stored_entry(entry) for entry in branch.journal[shared:]],
+        "journal": [_stored_entry(entry) for entry in branch.journal[shared:]],
     }
 
 
-def stored_entry(entry: JournalEntry, action_names: Sequence[str] = ()) -> dict[str, Any]:
-    """Return ``entry`` as JSON, with the name of an action where ``action_names`` are given."""
+def _stored_entry(entry: JournalEntry) -> dict[str, Any]:
     match entry.change:
         case SetParameter(name, value):
             return {"step": entry.step, "set": name, "to": value}
         case SwitchAlgorithm(algorithm):
             return {"step": entry.step, "algorithm": algorithm}
-        case TakeAction(action):
-            return {"step": entry.step, "take": action_names[action] if action_names else action}
+        case TakeAction(action):  # its number: names are known only where the world is built
+            return {"step": entry.step, "take": action}
 
 
 # To a record

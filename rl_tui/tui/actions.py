@@ -83,7 +83,6 @@ ACTIONS: Final[tuple[Action, ...]] = (
         "Delete the session under the cursor, after asking; tab goes to the sessions.",
         Group.SESSION,
         Place.CATALOGUE,
-        rank=1,
     ),
     Action("run", ("space",), "space", "run", "Run, or pause where it stands.", Group.RUN, rank=0),
     Action("step", ("s",), "s", "step", "Take one step, then pause.", Group.RUN, rank=1),

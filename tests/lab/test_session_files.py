@@ -213,6 +213,7 @@ def test_an_edited_file_is_told(tmp_path: Path) -> None:
         ({"scenario": {"id": "x", "kind": "file", "title": "", "text": "[mdp]"}}, "its scenario cannot"),
         ({"scenario": {"id": "gym:No-v0", "kind": "gymnasium", "title": ""}}, "gym:No-v0"),
         ({"saved": "yesterday"}, "saved"),
+        ({"saved": "0001-01-01T00:00:00+23:00"}, "saved"),
         ({"speed": 0}, "speed"),
         ({"digest": "abc"}, "digest"),
         ({"title": "a\nb"}, "control characters"),

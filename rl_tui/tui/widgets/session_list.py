@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from datetime import datetime
+from typing import Final
 
 from rich.text import Text
 from textual.widgets import OptionList
@@ -13,6 +14,9 @@ from rl_tui.lab.session import SessionError, StoredSession
 from rl_tui.tui.theme.look import Look
 from rl_tui.tui.widgets.session_text import SessionRow
 from rl_tui.tui.written import written
+
+_WITHOUT_FOCUS: Final = "tab: here"
+_WITH_FOCUS: Final = "enter: go on   del: delete"
 
 Entry = StoredSession | SessionError
 
@@ -29,7 +33,7 @@ class SessionList(OptionList):
         )
         self.look = look
         self.border_title = "Recent sessions"
-        self.border_subtitle = "tab: here"
+        self.border_subtitle = _WITHOUT_FOCUS
         self.display = files > 0
         self._entries: Sequence[Entry] = ()
 
@@ -50,8 +54,13 @@ class SessionList(OptionList):
             return None
         return self._entries[self.highlighted]
 
+    def on_blur(self) -> None:
+        """Tell how to come here."""
+        self.border_subtitle = _WITHOUT_FOCUS
+
     def on_focus(self) -> None:
-        """Begin at the newest."""
+        """Begin at the newest; tell what can be done."""
+        self.border_subtitle = _WITH_FOCUS
         if self.highlighted is None and self._entries:
             self.highlighted = 0
 
