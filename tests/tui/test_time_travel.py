@@ -69,7 +69,15 @@ async def chosen(pilot: Pilot[UserError], planner: bool) -> None:
 
 @pytest.mark.parametrize(
     ("scenario", "planner"),
-    [("frozenlake", False), ("student", False), ("bandit", False), ("student", True), ("cartpole", False)],
+    [
+        ("frozenlake", False),
+        ("book", False),
+        ("student", False),
+        ("bandit", False),
+        ("student", True),
+        ("cartpole", False),
+        ("blackjack", False),
+    ],
 )
 async def test_every_panel_shows_what_it_showed_then(scenario: str, planner: bool, make_app: MakeApp) -> None:
     async with make_app(scenario).run_test(size=(80, 24)) as pilot:
