@@ -16,11 +16,18 @@ from rl_tui.tui.screenshot import settle
 from rl_tui.worlds.errors import UserError
 
 SIZES: Final = [(80, 24), (120, 40)]
-MOMENTS: Final = {
-    "bandit": {"started": 1, "halfway": 300, "trained": 1_000},
-    "student": {"started": 1, "halfway": 40, "trained": 2_000},
-    "frozenlake": {"started": 1, "halfway": 3_000, "trained": 60_000},
-    "frozenlake-slippery": {"started": 1, "halfway": 5_000, "trained": 400_000},
+SCENES: Final = {  # a scenario, then keys; a number lets so many steps pass
+    "bandit-halfway": ("bandit", 300),
+    "bandit-spent": ("bandit", 1_000),
+    "student-started": ("student", 1),
+    "student-trained": ("student", 2_000),
+    "lake-started": ("frozenlake-slippery", 1),
+    "lake-trained": ("frozenlake-slippery", 400_000),
+    "past": ("frozenlake-slippery", 5_000, "1", "right", 5_000, *"g7000", "enter", "b", "B"),
+    "journal": ("student", 300, *"g200", "enter", "1", "right", 100, "j"),
+    "microscope": ("frozenlake-slippery", 60_000, "d"),
+    "lanes": ("cliff", 3_000, "c", "enter", "down", "enter", 12_000),
+    "hand": ("student", 40, "y", "1"),
 }
 
 
@@ -29,21 +36,22 @@ def _named(size: tuple[int, int]) -> str:
 
 
 @pytest.mark.parametrize("size", SIZES, ids=_named)
-@pytest.mark.parametrize(
-    ("scenario", "moment"),
-    [(scenario, moment) for scenario, moments in MOMENTS.items() for moment in moments],
-)
-def test_playground(
-    scenario: str, moment: str, size: tuple[int, int], snap_compare: Any, make_app: MakeApp
-) -> None:
-    async def train(pilot: Pilot[UserError]) -> None:
-        await settle(pilot)
-        for screen in pilot.app.screen_stack:
-            if isinstance(screen, Playground):
-                screen.send(Train(MOMENTS[scenario][moment]))
-        await settle(pilot)
+@pytest.mark.parametrize("scene", SCENES)
+def test_playground(scene: str, size: tuple[int, int], snap_compare: Any, make_app: MakeApp) -> None:
+    scenario, *keys = SCENES[scene]
 
-    assert snap_compare(make_app(scenario), terminal_size=size, run_before=train)
+    async def play(pilot: Pilot[UserError]) -> None:
+        await settle(pilot)
+        for key in keys:
+            if isinstance(key, int):
+                screen = pilot.app.screen
+                assert isinstance(screen, Playground)
+                screen.send(Train(key))
+            else:
+                await pilot.press(key)
+            await settle(pilot)
+
+    assert snap_compare(make_app(scenario), terminal_size=size, run_before=play)
 
 
 @pytest.mark.parametrize("size", SIZES, ids=_named)
@@ -59,7 +67,6 @@ def test_catalogue(size: tuple[int, int], snap_compare: Any, make_app: MakeApp) 
 
 def test_no_picture_is_left_over() -> None:
     kept = Path(__file__).parent / "__snapshots__" / "test_pictures"
-    drawn = [f"playground[{scenario}-{moment}" for scenario, moments in MOMENTS.items() for moment in moments]
-    names = {f"test_{one}-{_named(size)}].svg" for one in drawn for size in SIZES}
+    names = {f"test_playground[{scene}-{_named(size)}].svg" for scene in SCENES for size in SIZES}
     names |= {f"test_catalogue[{_named(size)}].svg" for size in SIZES}
     assert {path.name for path in kept.iterdir()} == names
