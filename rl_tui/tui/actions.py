@@ -106,7 +106,7 @@ ACTIONS: Final[tuple[Action, ...]] = (
         hint=("+ −", "speed"),
     ),
     Action("slower", ("minus", "underscore"), "−", "slower", "Next lower speed.", Group.RUN),
-    Action("reset", ("r",), "r", "reset", "Start again: these settings, the same seed.", Group.RUN, rank=7),
+    Action("reset", ("r",), "r", "reset", "Start again: these settings, the same seed.", Group.RUN, rank=12),
     Action(
         "step_back",
         ("b",),
@@ -132,7 +132,7 @@ ACTIONS: Final[tuple[Action, ...]] = (
         "go to",
         "Go to a step or an episode, as far as the run has come; or drag the timeline.",
         Group.TIME,
-        rank=12,
+        rank=15,
     ),
     Action(
         "branches",
@@ -150,7 +150,7 @@ ACTIONS: Final[tuple[Action, ...]] = (
         "run until",
         "Run until a reward, a change of the policy, a value: choose what to wait for.",
         Group.TIME,
-        rank=9,
+        rank=6,
     ),
     Action(
         "breakpoint",
@@ -185,7 +185,7 @@ ACTIONS: Final[tuple[Action, ...]] = (
         "policy",
         "Choose the rule by which actions are chosen.",
         Group.AGENT,
-        rank=10,
+        rank=13,
     ),
     Action(
         "ties",
@@ -194,7 +194,7 @@ ACTIONS: Final[tuple[Action, ...]] = (
         "ties",
         "Break ties between equal best actions at random, or take the first.",
         Group.AGENT,
-        rank=13,
+        rank=20,
     ),
     Action(
         "initial_q",
@@ -203,9 +203,9 @@ ACTIONS: Final[tuple[Action, ...]] = (
         "initial Q",
         "Set what every estimate starts from, and start again.",
         Group.AGENT,
-        rank=14,
+        rank=21,
     ),
-    Action("seed", ("n",), "n", "seed", "Set the seed, and start again.", Group.AGENT, rank=15),
+    Action("seed", ("n",), "n", "seed", "Set the seed, and start again.", Group.AGENT, rank=22),
     *(
         Action(
             f"slider_{number}",
@@ -225,7 +225,7 @@ ACTIONS: Final[tuple[Action, ...]] = (
         "options",
         "Everything the agent is told, schedules and sample averages too; enter changes it.",
         Group.AGENT,
-        rank=11,
+        rank=14,
     ),
     Action(
         "take_over",
@@ -234,7 +234,7 @@ ACTIONS: Final[tuple[Action, ...]] = (
         "you",
         "Be the agent: arrows or numbers take its steps, and it learns from them; again hands back.",
         Group.AGENT,
-        rank=12,
+        rank=8,
     ),
     Action(
         "layer",
@@ -252,7 +252,7 @@ ACTIONS: Final[tuple[Action, ...]] = (
         "zoom",
         "Show the focused panel (else the world) alone, and back.",
         Group.VIEW,
-        rank=5,
+        rank=11,
     ),
     Action(
         "microscope",
@@ -261,7 +261,7 @@ ACTIONS: Final[tuple[Action, ...]] = (
         "dissect",
         "Take the last step apart: the loop, the backup, the return, the history of a cell.",
         Group.VIEW,
-        rank=8,
+        rank=5,
     ),
     Action(
         "compare",
@@ -270,11 +270,11 @@ ACTIONS: Final[tuple[Action, ...]] = (
         "compare",
         "Run another agent beside this one, with one thing different.",
         Group.VIEW,
-        rank=10,
+        rank=7,
     ),
     Action("lane", ("l",), "l", "next lane", "Show the next of the runs side by side.", Group.VIEW),
-    Action("model", ("m",), "m", "model", "Show the model: the outcomes of each pair.", Group.VIEW, rank=8),
-    Action("reveal", ("h",), "h", "reveal", "Show or hide what a bandit keeps secret.", Group.VIEW, rank=12),
+    Action("model", ("m",), "m", "model", "Show the model: the outcomes of each pair.", Group.VIEW, rank=11),
+    Action("reveal", ("h",), "h", "reveal", "Show or hide what a bandit keeps secret.", Group.VIEW, rank=18),
     Action(
         "save",
         ("w",),
@@ -282,7 +282,7 @@ ACTIONS: Final[tuple[Action, ...]] = (
         "save",
         "Save the session under a name; it is kept by itself as well.",
         Group.SESSION,
-        rank=15,
+        rank=19,
     ),
     Action(
         "export",
@@ -291,7 +291,7 @@ ACTIONS: Final[tuple[Action, ...]] = (
         "export",
         "Write the run as a command, a Python script, tables or a picture.",
         Group.SESSION,
-        rank=15,
+        rank=10,
     ),
     Action(
         "previous_scenario",
@@ -300,7 +300,7 @@ ACTIONS: Final[tuple[Action, ...]] = (
         "previous scenario",
         "Go to the previous scenario.",
         Group.SCENARIO,
-        rank=6,
+        rank=12,
         hint=("[ ]", "scenario"),
     ),
     Action(
@@ -318,7 +318,7 @@ ACTIONS: Final[tuple[Action, ...]] = (
         "back",
         "Leave the zoom, or go back to the catalogue.",
         Group.SCENARIO,
-        rank=16,
+        rank=18,
     ),
     Action(
         "help",
@@ -339,7 +339,7 @@ ACTIONS: Final[tuple[Action, ...]] = (
         Group.PROGRAM,
         Place.BOTH,
         command="app.command_palette",
-        rank=17,
+        rank=23,
     ),
     Action(
         "quit",
@@ -350,7 +350,7 @@ ACTIONS: Final[tuple[Action, ...]] = (
         Group.PROGRAM,
         Place.BOTH,
         command="app.quit",
-        rank=18,
+        rank=24,
     ),
 )
 

@@ -100,7 +100,7 @@ def test_the_key_line_drops_whole_entries_and_keeps_help() -> None:
         "+ − speed",
         "b B back",
         "v layer",
-        "f zoom",
+        "d dissect",
         "? help",
     ]
     assert hints(Place.PLAYGROUND, 22) == ["space run", "? help"]

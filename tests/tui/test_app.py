@@ -124,6 +124,21 @@ async def test_a_world_that_cannot_be_built_ends_what_play_started(tmp_path: Pat
     assert "Nowhere-v0" in str(app.return_value)
 
 
+async def test_escape_leaves_a_run_only_when_pressed_again(make_app: MakeApp) -> None:
+    app = make_app("student")
+    async with app.run_test(size=(80, 24), notifications=True) as pilot:
+        await settle(pilot)
+        await pilot.press("s", "escape", "s")
+        await settle(pilot)
+        await pilot.press("escape")
+        await settle(pilot)
+        assert isinstance(app.screen, Playground)
+        assert [note.message for note in app._notifications][-1].startswith("esc again")
+        await pilot.press("escape")
+        await settle(pilot)
+        assert isinstance(app.screen, Catalogue)
+
+
 async def test_escape_goes_back_to_the_catalogue(make_app: MakeApp) -> None:
     app = make_app("student")
     async with app.run_test(size=(80, 24)) as pilot:

@@ -76,7 +76,7 @@ def test_the_loop_in_five_parts() -> None:
         " action  a = ←   greedy (ε = .10)",
         " reward  r = 0",
         " next    s′ = 2   slipped ↑, p 1/3",
-        " update  Q(6,←) .24 → .25   Q-learning",
+        " update  Q(6,←) .2394 → .2464",
     ]
 
 
@@ -89,8 +89,8 @@ def test_an_action_of_a_person_is_told_as_such() -> None:
 def test_every_number_of_the_update_says_where_it_comes_from() -> None:
     lines = part(shown(LAKE), "The update", "The backup")
     text = " ".join(" ".join(lines).split())
-    assert "Q(6,←) ← .24 + .10·(0 + .99·.31 − .24) = .25 δ = +.07" in text
-    assert ".24 Q(6,←) before .10 α 0 reward .99 γ .31 max Q(2,·): ↑" in text
+    assert "Q(6,←) ← .2394 + .10·(0 + .99·.3130 − .2394) = .2464 δ = +.0705" in text
+    assert ".2394 Q(6,←) before .10 α 0 reward .99 γ .3130 max Q(2,·): ↑" in text
 
 
 def test_a_mean_over_the_policy_lists_its_cells() -> None:
@@ -120,8 +120,8 @@ def test_numbers_of_cells_look_as_their_cells_do() -> None:
     for row in widget.picture(LAKE, NARROW, 60):
         for segment in row:
             styles.setdefault(segment.style, []).append(segment.text)
-    assert styles[palette.updated] == [".24", ".24", ".25", ".24"]
-    assert styles[palette.source] == [".31", ".31"]
+    assert styles[palette.updated] == [".2394", ".2394", ".2464", ".2394"]
+    assert styles[palette.source] == [".3130", ".3130"]
 
 
 def test_the_table_lights_up_what_was_looked_up() -> None:

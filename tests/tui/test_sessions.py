@@ -153,7 +153,7 @@ async def test_enter_goes_on_where_it_was_left(app_with_sessions: MakeSessionApp
         assert (told.alpha, told.ties) == (0.5, "first")
         await pilot.press("s")
         await settle(pilot)
-        await pilot.press("escape")
+        await pilot.press("escape", "escape")
         await settle(pilot)
         assert isinstance(pilot.app.screen, Catalogue)
         assert read_session(path).step == 41
@@ -166,7 +166,7 @@ async def test_what_is_done_is_listed_when_one_comes_back(
         await settle(pilot)
         await pilot.press("s", "s", "t")
         await settle(pilot)
-        await pilot.press("escape")
+        await pilot.press("escape", "escape")
         await settle(pilot)
         assert listed(pilot).option_count == 1
         (session,), _ = sessions_in(tmp_path)

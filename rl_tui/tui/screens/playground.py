@@ -71,6 +71,7 @@ class Playground(TimeStage, UntilStage, HandStage, LaneStage, MicroscopeStage, S
         self.player = player
         self._speed = speed
         self._revealed = False
+        self._leaves = False  # whether escape has just been pressed, and nothing done since
         self._pacer = Pacer(fps)
         self._model: ModelScreen | None = None
         self._framed = asyncio.Event()
@@ -91,6 +92,7 @@ class Playground(TimeStage, UntilStage, HandStage, LaneStage, MicroscopeStage, S
     def send(self, command: Command) -> None:
         """Ask the player for something; its answer is drawn without waiting for the next frame."""
         self.sent += 1
+        self._leaves = False
         self.note_sent(command)
         self.player.send(command)
         self._pacer.hurry()
@@ -273,6 +275,9 @@ class Playground(TimeStage, UntilStage, HandStage, LaneStage, MicroscopeStage, S
             self.board.zoom(None)
         elif self.board.dissects:
             self.close_microscope()
+        elif self.snapshot is not None and self.snapshot.step and not self._leaves:
+            self._leaves = True
+            self.notify("esc again goes to the catalogue; this session is kept there")
         else:
             self.post_message(self.Left(self.recipe))
 

@@ -13,6 +13,7 @@ from rl_tui.tui.theme.glyphs import Glyphs
 _FEWEST: Final = 2
 _MOST: Final = 6
 _MOST_FOR_CHANGE: Final = 4  # a change that only shows further behind is shown as none
+_ROOM_FOR_EXPONENT: Final = 7
 _LARGEST: Final = 1e6  # beyond this numbers are written with an exponent, and nobody checks them by hand
 
 
@@ -55,6 +56,8 @@ def update_text(last: LastStep, alpha: float | str, glyphs: Glyphs, *, bootstrap
             return numbers.value(x, 8, glyphs)
         if _has_no_more_decimals(x, 1):
             return numbers.brief(x, glyphs)
+        if _vanishes(x, decimals):
+            return numbers.value(x, _ROOM_FOR_EXPONENT, glyphs)
         return numbers.fixed(x, decimals, glyphs, leading_zero=False)
 
     error = last.td_error
@@ -103,13 +106,15 @@ def _candidates(fewest: int) -> Iterator[_Rounding]:
 def _decimals_that_show(last: LastStep) -> int:
     """Return the fewest decimals with which no term looks whole that is not, and the change is seen.
 
-    That is as far as four decimals show it.
+    That is as far as four decimals show it. Of δ two digits are seen, so that it is no rough guess.
     """
     terms = (last.before, last.bootstrap, last.after, last.td_error)
     for decimals in range(_FEWEST, _MOST_FOR_CHANGE):
         honest = all(round(term, decimals) % 1.0 or _has_no_more_decimals(term, 0) for term in terms)
         changed = round(last.before, decimals) != round(last.after, decimals)
-        if honest and (changed or last.before == last.after):
+        error = last.td_error
+        precise = abs(error) >= 10.0 ** (1 - decimals) or _has_no_more_decimals(error, decimals)
+        if honest and precise and (changed or last.before == last.after):
             return decimals
     return _MOST_FOR_CHANGE
 
@@ -141,7 +146,14 @@ def _discount_as_printed(last: LastStep) -> float:
 
 
 def _as_printed(x: float, decimals: int) -> float:
-    return x if _has_no_more_decimals(x, 1) else round(x, decimals)
+    if _has_no_more_decimals(x, 1) or _vanishes(x, decimals):
+        return x
+    return round(x, decimals)
+
+
+def _vanishes(x: float, decimals: int) -> bool:
+    """Tell whether so many decimals would show nothing of ``x``, which is then written with an exponent."""
+    return numbers.NEGLIGIBLE <= abs(x) < 0.5 * 10.0**-decimals
 
 
 def _has_no_more_decimals(x: float, decimals: int) -> bool:
