@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import re
+import signal
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
 from pseudo_terminal import RL_TUI, PseudoTerminal, visible
+
+from rl_tui.lab.session_folder import sessions_in
 
 KEYBOARD_ON = re.compile(rb"\x1b\[>\d+u")  # the protocol that tells all keys apart
 KEYBOARD_OFF = b"\x1b[<u"
@@ -17,12 +20,12 @@ A_MILLION_STEPS = r"step\s+(\d{1,3}(,\d{3}){2,}|[\d.]+ ?[MG])"
 
 
 @contextmanager
-def rl_tui(*args: str, cache: Path | None = None, **more: str) -> Iterator[PseudoTerminal]:
+def rl_tui(*args: str, cache: Path | None = None, status: int = 0, **more: str) -> Iterator[PseudoTerminal]:
     """Start rl-tui; when the block has ended it must have quit and put everything back."""
     environment = {**({"RL_TUI_CACHE_DIR": str(cache)} if cache else {}), **more}
     with PseudoTerminal([*RL_TUI, *args], environment) as terminal:
         yield terminal
-        assert terminal.wait_for_end() == 0
+        assert terminal.wait_for_end() == status
         assert b"\x1b[?1049h" in terminal.written  # it did take the alternate screen
         assert terminal.modes_left_changed == set()
         assert len(KEYBOARD_ON.findall(terminal.written)) == terminal.written.count(KEYBOARD_OFF)
@@ -48,6 +51,19 @@ def test_it_quits_in_the_middle_of_a_chunk() -> None:
         terminal.press(" " + FASTER)
         terminal.wait_for(A_MILLION_STEPS)
         terminal.press("q")
+
+
+@pytest.mark.parametrize(("number", "status"), [(signal.SIGTERM, 143), (signal.SIGHUP, 129)])
+def test_it_keeps_what_was_done_when_it_is_told_to_end(tmp_path: Path, number: int, status: int) -> None:
+    with rl_tui("play", "student", status=status, RL_TUI_SESSIONS_DIR=str(tmp_path)) as terminal:
+        terminal.wait_for("paused")
+        for step in range(1, 6):
+            terminal.press("s")
+            terminal.wait_for(rf"step\s+{step}\b")
+        terminal.process.send_signal(number)
+    (session,), _ = sessions_in(tmp_path)
+    assert session.step == 5
+    assert len(list(tmp_path.iterdir())) == 1, "the lock is given back"
 
 
 def test_it_quits_while_compiling(tmp_path: Path) -> None:

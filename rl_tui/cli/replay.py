@@ -40,14 +40,16 @@ def command(session: Path, lane: int | None, branch: str | None, csv: str | None
     """
     if csv == STDOUT and as_json:
         raise click.UsageError("--csv - and --json both want stdout", click.get_current_context())
-    from rl_tui.lab.session import OTHER_BITS, read_session
+    from rl_tui.lab.session import OTHER_BITS, SessionError, read_session
     from rl_tui.lab.session_replay import comes_out_otherwise, replay_figures, whereto
 
     stored = read_session(session)
+    if csv is not None and csv != STDOUT and Path(csv).exists() and session.samefile(csv):
+        raise click.UsageError("--csv would write over the session", click.get_current_context())
     target = whereto(stored.record(), lane, branch)
     run, seconds = _replayed(stored, target, csv)
     if comes_out_otherwise(stored, target, run):
-        click.echo(f"{session}: {OTHER_BITS}", err=True)
+        click.echo(str(SessionError(session, OTHER_BITS)), err=True)
     figures = replay_figures(stored, target, run, seconds)
     if as_json:
         print_json(figures)

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from rl_tui.worlds.space import FloatArray
 
 INTERVAL: Final = 0.3
+AGAIN: Final = 2.0  # seconds until it is tried again what could not be written
 LONGEST_GOODBYE: Final = 3.0
 _REST: Final = 3  # times as long as writing took: a large session does not keep the disk busy
 
@@ -104,7 +105,7 @@ class Autosave:
             session = self._session
             newest = session.newest
             path = session.writer.save_as(title, newest.record, newest.digest)
-            session.tried, session.begun = newest, True
+            session.written, session.begun = newest, True
             self._in_trouble = False
             if self._closing:
                 session.writer.release()
@@ -132,7 +133,8 @@ class Autosave:
             self._thread.join(LONGEST_GOODBYE)
             if self._thread.is_alive():
                 return  # the disk hangs: the lock is held until the program is gone
-        self._session.writer.release()
+        for session in (*self._left, self._session):
+            session.writer.release()
 
     def _start_or_wake(self) -> None:
         if self._thread is None and self._has_work:
@@ -163,7 +165,8 @@ class Autosave:
             self._write_all()
             if closing:
                 return
-            pause = max(INTERVAL, _REST * (time.perf_counter() - started))
+            least = AGAIN if self._in_trouble else INTERVAL
+            pause = max(least, _REST * (time.perf_counter() - started))
             with self._changed:
                 self._changed.wait_for(lambda: self._closing, pause)
 
@@ -171,25 +174,32 @@ class Autosave:
         with self._writing:
             with self._changed:
                 left, self._left = self._left, []
-            for session in left:
-                self._write(session)
-                session.writer.release()
-            self._write(self._session)
+            faults = [(session, self._fault_of(session)) for session in (*left, self._session)]
+            for session, fault in faults:
+                if session in left and fault is None:
+                    session.writer.release()
+            with self._changed:
+                self._left = [each for each, fault in faults if each in left and fault] + self._left
+            self._tell_of([fault for _, fault in faults if fault is not None])
 
-    def _write(self, session: _Session) -> None:
-        if not (session.is_due or (session.begun and self._in_trouble)):
-            return
-        newest = session.tried = session.newest
+    def _tell_of(self, faults: list[Exception]) -> None:
+        if faults and not self._in_trouble:
+            self._tell(f"this session is not being saved: {reason(faults[0])}")
+        elif self._in_trouble and not faults:
+            self._tell("this session is being saved again")
+        self._in_trouble = bool(faults)
+
+    def _fault_of(self, session: _Session) -> Exception | None:
+        """Write ``session`` if that is due; return why it cannot be."""
+        if not session.is_due:
+            return None
+        newest = session.newest
         try:
             session.writer.write(newest.record, newest.digest)
         except Exception as error:  # whatever it is, the program goes on, and says so
-            if not self._in_trouble:
-                self._tell(f"this session is not being saved: {reason(error)}")
-            self._in_trouble = True
-        else:
-            if self._in_trouble:
-                self._tell("this session is being saved again")
-            self._in_trouble = False
+            return error
+        session.written = newest
+        return None
 
 
 class _Session:
@@ -202,12 +212,12 @@ class _Session:
         self.writer = writer
         self.newest = _Offer(opened, None)
         self.begun = False
-        self.tried = self.newest
+        self.written = self.newest
         self._opened = opened
 
     @property
     def is_due(self) -> bool:
-        return self.begun and self.newest is not self.tried
+        return self.begun and self.newest is not self.written
 
     def take(self, offer: _Offer) -> None:
         self.newest = offer

@@ -45,12 +45,10 @@ def read_change(text: str) -> ChangeText:
             f"{shown(text)}: expected the name of a hyper-parameter, {ALGORITHM} or {TAKE}"
             f"{near(name, _NAMES)}"
         )
-    return ChangeText(int(step), name, _value(text, name, value.strip()))
+    return ChangeText(int(step), name, value if name == TAKE else _value(text, name, value.strip()))
 
 
 def _value(text: str, name: str, value: str) -> float | str:
-    if name == TAKE:
-        return value
     if name == ALGORITHM:
         if value not in BY_ID:
             expected = f"one of {', '.join(BY_ID)}{near(value, BY_ID)}"
@@ -83,6 +81,8 @@ def _change(change: ChangeText, action_names: Sequence[str]) -> Change:
     if change.name != TAKE:
         return SetParameter(change.name, change.value)
     wanted = str(change.value)
+    if wanted not in action_names:  # spaces may belong to a name
+        wanted = wanted.strip()
     if wanted not in action_names:
         known = ", ".join(action_names[:20]) + (", …" if len(action_names) > 20 else "")
         raise UserError(

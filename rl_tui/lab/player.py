@@ -164,14 +164,17 @@ class Player:
                     self._reader.wake()
             self._refuse_questions(failure)
 
-    def _keep(self) -> None:
-        """Offer the record where something was asked for or has ended, or the run has gone on for a while."""
+    def _keep(self, *, ends: bool = False) -> None:
+        """Offer the record where something was asked for or has ended, or the run has gone on for a while.
+
+        The last one of a run that ``ends`` is offered in any case.
+        """
         playback, now = self._playback, self._clock()
         if self._keeper is None or not playback.touched:
             return
         stand = (playback.handled, playback.phase)
         goes_on = playback.phase is Phase.RUNNING and now - self._kept_at >= KEPT_EVERY
-        if stand != self._kept or goes_on or self._closing:
+        if stand != self._kept or goes_on or ends or self._closing:
             self._kept, self._kept_at = stand, now
             self._keeper.offer(playback.record, playback.q)
 
@@ -185,10 +188,16 @@ class Player:
             if isinstance(item, _Question):
                 item.reply(self._playback.snapshot())
                 self._outdated = True
+            elif isinstance(item, Restart):
+                self._start_again(item)
             else:
                 self._playback.handle(item)
-                if isinstance(item, Restart) and self._keeper is not None:
-                    self._keeper.begin_anew(self._playback.record)
+
+    def _start_again(self, restart: Restart) -> None:
+        self._keep(ends=True)
+        self._playback.handle(restart)
+        if self._keeper is not None:
+            self._keeper.begin_anew(self._playback.record)
 
     def _may_take(self) -> bool:
         """Tell whether the first of what was sent, if anything, need not wait."""

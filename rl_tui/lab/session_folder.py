@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import re
+from contextlib import suppress
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Final
@@ -12,14 +13,14 @@ import platformdirs
 
 from rl_tui.lab.atomic_file import draft_of
 from rl_tui.lab.file_lock import FileLock
-from rl_tui.lab.session import SUFFIX, SessionError, StoredSession, read_session
+from rl_tui.lab.session import SUFFIX, SessionError, StoredSession, read_session, signature
 from rl_tui.lab.session_document import LONGEST_NAME
 from rl_tui.worlds.errors import UserError
 from rl_tui.worlds.schema import is_plain
 
 VARIABLE: Final = "RL_TUI_SESSIONS_DIR"
 MOST_UNNAMED: Final = 50
-_LONGEST_STEM: Final = 100
+_LONGEST_STEM: Final = 200  # bytes: file systems take 255, of which a lock needs some
 
 
 def session_folder() -> Path:
@@ -53,13 +54,18 @@ def sessions_in(folder: Path) -> tuple[list[StoredSession], list[SessionError]]:
 
 
 def prune(folder: Path) -> None:
-    """Remove all but the newest 50 sessions that nobody gave a name; those open somewhere stay."""
+    """Remove all but the newest 50 sessions that nobody gave a name; those open somewhere stay.
+
+    One that cannot be removed stays too: that is no reason to keep nothing new.
+    """
     sound, _ = sessions_in(folder)
     for session in [each for each in sound if not each.document.kept][MOST_UNNAMED:]:
         lock = FileLock(session.path)
-        if lock.acquire():
-            _unlink(session.path)
-            lock.release()
+        with suppress(OSError):
+            # it may have been gone on with, or named, since it was read
+            if lock.acquire() and signature(session.path.stat()) == session.written:
+                _unlink(session.path)
+        lock.release()
 
 
 def remove(session: StoredSession) -> None:
@@ -98,7 +104,7 @@ def named_path(folder: Path, name: str) -> Path:
 def file_stem(name: str) -> str:
     """Return ``name`` with nothing but letters, digits and dashes: harmless in every file system."""
     words = re.sub(r"[\W_]+", "-", name.lower()).strip("-")
-    return words[:_LONGEST_STEM] or "session"
+    return words.encode()[:_LONGEST_STEM].decode(errors="ignore") or "session"
 
 
 def _unlink(path: Path) -> None:

@@ -15,6 +15,7 @@ from textual.theme import Theme
 from rl_tui.lab.library import recipe_for
 from rl_tui.lab.recipe import Recipe
 from rl_tui.tui.display import Display
+from rl_tui.tui.ending import end_when_told
 from rl_tui.tui.palette_entries import ActionProvider
 from rl_tui.tui.theme.depth import choose_look, depth_of, environment_for, is_native
 from rl_tui.tui.theme.glyphs import ASCII
@@ -102,6 +103,8 @@ class RlTuiApp(App[UserError]):
     def on_mount(self) -> None:
         """Open the first screen."""
         self.theme_changed_signal.subscribe(self, self._follow_theme)
+        if not self.is_headless:
+            end_when_told(self._end)
         if self._start is None:
             self.push_screen(self._catalogue())
         elif isinstance(self._start, Recipe):
@@ -176,6 +179,11 @@ class RlTuiApp(App[UserError]):
         """Open the palette."""
         if not isinstance(self.screen, CommandPalette):
             self.push_screen(CommandPalette(placeholder="find an action"))
+
+    def _end(self, status: int) -> None:
+        if self._player is not None:
+            self._player.close()  # what was done is kept first: there may be little time
+        self.exit(return_code=status)
 
     def _follow_theme(self, _: Theme) -> None:
         look = self.look

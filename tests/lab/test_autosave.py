@@ -219,22 +219,64 @@ def test_a_session_from_elsewhere_goes_on_where_it_is(tmp_path: Path) -> None:
 def test_what_cannot_be_saved_is_told_once_and_the_program_goes_on(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    write, full = held_file.write_atomically, True
-
-    def fail(path: Path, content: bytes) -> None:
-        if full:
-            raise OSError(28, "No space left on device")
-        write(path, content)
-
-    monkeypatch.setattr(held_file, "write_atomically", fail)
+    disk = FullDisk(monkeypatch)
     autosave = Autosave(OPENED, tmp_path)
     for step in range(1, 4):
         autosave.offer(at(step))
         autosave._write_all()
     assert told(autosave) == ["this session is not being saved: No space left on device"]
-    full = False
+    disk.full = False
     autosave.close()
     assert only(tmp_path).step == 3
+
+
+class FullDisk:
+    """Writes nothing while it is ``full``."""
+
+    def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        self.full = True
+        self._write = held_file.write_atomically
+        monkeypatch.setattr(held_file, "write_atomically", self._fail)
+
+    def _fail(self, path: Path, content: bytes) -> None:
+        if self.full:
+            raise OSError(28, "No space left on device")
+        self._write(path, content)
+
+
+def test_it_is_tried_again_though_nothing_more_is_done(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    disk = FullDisk(monkeypatch)
+    autosave = Autosave(OPENED, tmp_path)
+    with autosave._writing:
+        autosave.offer(at(3))
+    autosave._write_all()
+    disk.full = False
+    assert autosave._has_work
+    autosave._write_all()
+    assert sessions_in(tmp_path)[0][0].step == 3
+    assert not autosave._has_work
+    assert [each.split(":")[0] for each in told(autosave)] == [
+        "this session is not being saved",
+        "this session is being saved again",
+    ]
+    autosave.close()
+
+
+def test_a_session_that_was_left_while_the_disk_was_full_is_not_lost(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    disk = FullDisk(monkeypatch)
+    autosave = Autosave(OPENED, tmp_path)
+    autosave.offer(at(4))
+    autosave.begin_anew(OPENED)
+    autosave.offer(at(9))
+    autosave._write_all()
+    disk.full = False
+    autosave.close()
+    assert sorted(each.step for each in sessions_in(tmp_path)[0]) == [4, 9]
+    assert all(each.suffix == ".json" for each in tmp_path.iterdir()), "every lock is given back"
 
 
 def test_without_a_home_it_is_told(tmp_path: Path) -> None:
@@ -304,6 +346,14 @@ def test_no_name_leads_out_of_the_folder() -> None:
     assert file_stem("!!!") == "session"
 
 
+@pytest.mark.parametrize("letter", ["漢", "𝒜", "İ"])
+def test_the_longest_name_is_not_too_long_for_a_file(tmp_path: Path, letter: str) -> None:
+    autosave = Autosave(OPENED, tmp_path)
+    autosave.save_as(letter * 80)
+    autosave.close()
+    assert only(tmp_path).title == letter * 80
+
+
 def test_the_newest_unnamed_sessions_are_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(session_folder, "MOST_UNNAMED", 3)
     for number in range(7):
@@ -317,6 +367,33 @@ def test_the_newest_unnamed_sessions_are_kept(tmp_path: Path, monkeypatch: pytes
     held.release()
     left = sorted(each.name for each in tmp_path.iterdir())
     assert left == ["broken.json", *(f"student-{number}.json" for number in (0, 1, 4, 5, 6))]
+
+
+def test_what_cannot_be_pruned_is_no_reason_to_keep_nothing_new(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refuse(path: Path) -> None:
+        raise PermissionError(1, "Operation not permitted", str(path))
+
+    monkeypatch.setattr(session_folder, "MOST_UNNAMED", 0)
+    monkeypatch.setattr(session_folder, "_unlink", refuse)
+    (tmp_path / "old.json").write_bytes(encoded(at(1)))
+    assert told(kept(tmp_path, at(2))) == []
+    assert sorted(each.step for each in sessions_in(tmp_path)[0]) == [1, 2]
+    assert len(os.listdir(tmp_path)) == 2, "every lock is given back"
+
+
+def test_a_session_that_was_gone_on_with_meanwhile_is_not_pruned(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "old.json"
+    path.write_bytes(encoded(at(1)))
+    before = sessions_in(tmp_path)
+    path.write_bytes(encoded(at(200), title="evening", kept=True))
+    monkeypatch.setattr(session_folder, "MOST_UNNAMED", 0)
+    monkeypatch.setattr(session_folder, "sessions_in", lambda _: before)
+    prune(tmp_path)
+    assert only(tmp_path).step == 200
 
 
 def test_fifty_are_kept() -> None:

@@ -339,3 +339,13 @@ def test_a_script_says_that_its_run_had_other_settings_at_first() -> None:
     text = script(recipe_of("frozenlake"), 10, changed=True)
     assert "had other settings at first" in text
     assert "other settings" not in script_of("frozenlake")
+
+
+def test_a_policy_with_many_equally_good_moves_stays_in_its_columns(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    exec(compile(script_of("windy-king", episodes=3), "script", "exec"), {"__name__": "script"})
+    rows = capsys.readouterr().out.splitlines()[-7:]
+    assert len({len(row) for row in rows}) == 1
+    assert all(len(row.split()) == 10 for row in rows)
+    assert "/" in "".join(rows), "moves of two characters are told apart"

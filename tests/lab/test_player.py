@@ -11,10 +11,11 @@ from typing import Any
 import pytest
 from recipes import bandit, recipe
 
-from rl_tui.lab.commands import Apply, Pause, Play, RunEpisode, SetSpeed, Step, Train
+from rl_tui.lab.commands import Apply, Pause, Play, Restart, RunEpisode, SetSpeed, Step, Train
 from rl_tui.lab.interpreter import SWITCH_INTERVAL, USUAL_SWITCH_INTERVAL
 from rl_tui.lab.player import Player, PlayerClosedError
 from rl_tui.lab.recipe import SetParameter
+from rl_tui.lab.record import Record
 from rl_tui.lab.run import replay
 from rl_tui.lab.snapshot import Phase, Snapshot
 from rl_tui.worlds.errors import UserError
@@ -67,6 +68,39 @@ async def test_what_happens_on_screen_is_what_a_replay_gives() -> None:
     assert snapshot.q.tobytes() == straight.learner.q.tobytes()
     assert snapshot.curve.return_mean.tobytes() == straight.history.curve().return_mean.tobytes()
     assert snapshot.marks.expected_return.tobytes() == straight.marks.expected_return.tobytes()
+
+
+class Kept:
+    """A keeper that notes what it is offered."""
+
+    def __init__(self) -> None:
+        self.steps: list[int] = []
+        self.left_at: list[int] = []
+
+    def offer(self, record: Record, q: Any = None) -> None:
+        self.steps.append(record.lanes[0].step)
+
+    def begin_anew(self, record: Record) -> None:
+        assert record.lanes[0].step == 0
+        self.left_at.append(self.steps[-1])
+
+    def close(self) -> None:
+        pass
+
+
+async def test_the_last_steps_before_a_restart_are_kept() -> None:
+    keeper = Kept()
+    player = Player(recipe("student"), speed=None, clock=lambda: 0.0, keeper=keeper)
+    player.send(Play())
+    seen = 0
+    async for snapshot in player.snapshots():
+        seen = snapshot.step
+        if seen > 1_000:
+            break
+    player.send(Restart(recipe("student")))
+    await player.carried_out()
+    player.close()
+    assert keeper.left_at[0] >= seen
 
 
 async def test_a_reader_that_sleeps_gets_the_newest_and_not_the_backlog() -> None:

@@ -18,7 +18,7 @@ from rl_tui.lab.library import recipe_for
 from rl_tui.lab.recipe import JournalEntry, Recipe, SetParameter, SwitchAlgorithm, TakeAction
 from rl_tui.lab.run import Run
 from rl_tui.worlds.errors import UserError
-from rl_tui.worlds.scenario import read_scenario
+from rl_tui.worlds.scenario import read_scenario, scenario_of
 
 ACTIONS = ("left", "down", "right", "up")
 JOURNAL = (
@@ -86,6 +86,27 @@ def test_a_file_is_named_by_its_path_and_quoted(tmp_path: Path) -> None:
     assert shlex.split(line) == ["rl-tui", "train", str(path), "--seed", "0", "--steps", "10"]
 
 
+def test_a_session_that_was_gone_on_with_names_its_scenario_where_it_is_now(tmp_path: Path) -> None:
+    path = tmp_path / "mine.toml"
+    text = recipe_of("student").scenario.source.read_text(encoding="utf-8")
+    shipped = scenario_of(text, Path("student.toml"))  # the file where it was saved is not this one
+    assert recipe_line(recipe_for(shipped), (), 5, ACTIONS) == "rl-tui train student --seed 0 --steps 5"
+    path.write_text(text, encoding="utf-8")
+    mine = recipe_for(read_scenario(path))
+    path.write_text(text + "# changed", encoding="utf-8")
+    for gone in (mine, recipe_for(scenario_of(text + "\n", Path("student.toml")))):
+        with pytest.raises(UserError, match=r"no file .* holds this scenario any more: save the session"):
+            recipe_line(gone, (), 5, ACTIONS)
+
+
+def test_a_setting_without_effect_is_left_out_unless_it_may_have_one_later() -> None:
+    recipe = recipe_of("student", planning_steps=3, temperature=0.5)
+    assert recipe_line(recipe, (), 5, ACTIONS) == "rl-tui train student --seed 0 --steps 5"
+    for change in (SwitchAlgorithm("dyna-q"), SetParameter("policy", "softmax")):
+        line = recipe_line(recipe, [JournalEntry(2, change)], 5, ACTIONS)
+        assert " --temperature 0.5 --planning-steps 3 " in line
+
+
 def test_a_negative_value_and_a_gradient_bandit_come_back_as_they_were() -> None:
     recipe = recipe_of("bandit", policy="gradient", initial_q=-2.5)
     document = done_again(recipe_line(recipe, (), 30, ("0",)))
@@ -115,8 +136,8 @@ def test_a_change_is_read_as_it_is_written(entry: JournalEntry) -> None:
 
 def test_names_of_actions_may_have_any_characters() -> None:
     entry = JournalEntry(3, TakeAction(1))
-    names = ("check phone", "a=b: c")
-    assert journal_of([read_change(written_change(entry, names))], names) == (entry,)
+    for names in (("check phone", "a=b: c"), ("left", " left ")):
+        assert journal_of([read_change(written_change(entry, names))], names) == (entry,)
 
 
 def test_changes_are_put_in_the_order_of_their_steps() -> None:

@@ -152,6 +152,17 @@ def test_episodes_as_csv(tmp_path: Path) -> None:
     assert "at step 110" in out.stderr
 
 
+def test_a_session_is_never_written_over_by_its_episodes(tmp_path: Path) -> None:
+    path = saved(tmp_path / "a.json")
+    before = path.read_bytes()
+    (tmp_path / "link.csv").symlink_to(path)
+    for csv in (path, tmp_path / "link.csv"):
+        result = replay(path, "--csv", csv)
+        assert (result.exit_code, result.stdout) == (2, "")
+        assert "--csv would write over the session" in result.stderr
+        assert path.read_bytes() == before
+
+
 def test_other_bits_are_a_warning(tmp_path: Path) -> None:
     path = saved(tmp_path / "a.json", digest="0" * 64)
     result = replay(path, "--json")

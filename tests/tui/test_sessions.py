@@ -109,6 +109,20 @@ async def test_without_sessions_there_is_no_section(app_with_sessions: MakeSessi
         assert pilot.app.screen.query_one("#scenarios").size.height == 20
 
 
+async def test_no_file_name_steers_the_terminal(app_with_sessions: MakeSessionApp, tmp_path: Path) -> None:
+    write(tmp_path, "a\x1b[31m.json", order=2)
+    (tmp_path / "b\x1b[2J.json").write_text("{", encoding="utf-8")
+    async with app_with_sessions().run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        await pilot.press("tab")
+        await settle(pilot)
+        sessions = listed(pilot)
+        drawn = [line.text for line in sessions.render_lines(sessions.size.region)]
+        assert any("\\u001b[2J" in line for line in drawn)
+        assert "1b[31m.json" in details(pilot).replace(" ", "")
+        assert not any("\x1b" in line for line in [*drawn, details(pilot)])
+
+
 async def test_the_last_one_saved_is_the_first_and_faulty_ones_are_last(
     app_with_sessions: MakeSessionApp, tmp_path: Path
 ) -> None:

@@ -9,12 +9,13 @@ from typing import Final
 
 from rl_tui.agents.hyperparameters import PARAMETERS
 from rl_tui.lab.changes import written_change, written_value
-from rl_tui.lab.library import recipe_for
-from rl_tui.lab.recipe import JournalEntry, Recipe, SetParameter, TakeAction
+from rl_tui.lab.library import recipe_for, without_effect
+from rl_tui.lab.recipe import JournalEntry, Recipe, SetParameter, SwitchAlgorithm, TakeAction
 from rl_tui.worlds import catalogue
 from rl_tui.worlds.errors import UserError
 from rl_tui.worlds.gymnasium_ids import PREFIX
 from rl_tui.worlds.scenario import Scenario
+from rl_tui.worlds.toml_file import UnreadableError, read_text
 
 MOST_CHANGES: Final = 200
 
@@ -24,9 +25,10 @@ def recipe_line(
 ) -> str:
     """Return the ``rl-tui train`` command that does again what was done up to ``step``, quoted for a shell.
 
-    It names every setting that is not the scenario's own. ``action_names``, [A], are those of the world.
-    Of step 0 it is the command that trains as long as the scenario says. Raises UserError where the journal
-    has more than 200 entries by then: a saved session is the better place for them.
+    It names every setting that counts and is not the scenario's own. ``action_names``, [A], are those of the
+    world. Of step 0 it is the command that trains as long as the scenario says. Raises UserError where a
+    saved session is the better way: the journal has more than 200 entries by then, or no file holds the
+    scenario.
     """
     entries = _without_passing(entries_until(journal, step))
     if len(entries) > MOST_CHANGES:
@@ -34,7 +36,14 @@ def recipe_line(
             f"{len(entries):,} changes are too many for one line: save the session with w, and then "
             f"rl-tui replay SESSION.json does it again"
         )
-    words = ["rl-tui", "train", _name_of(recipe.scenario), *_settings(recipe), "--seed", str(recipe.seed)]
+    words = [
+        "rl-tui",
+        "train",
+        _name_of(recipe.scenario),
+        *_settings(recipe, entries),
+        "--seed",
+        str(recipe.seed),
+    ]
     if step > 0:
         words += ["--steps", str(step)]
     for entry in entries:
@@ -72,31 +81,51 @@ def _is_taken_back(entry: JournalEntry, after: JournalEntry) -> bool:
 
 
 def _name_of(scenario: Scenario) -> str:
-    """Return what to call ``scenario`` on the command line: its id where that finds it, else its file."""
+    """Return what to call ``scenario`` on the command line: its id where that finds it, else its file.
+
+    What counts is what stands in there: of a session that was gone on with, the file may be elsewhere.
+    """
     if scenario.id.startswith(PREFIX):
         return scenario.id
     try:
         found = catalogue.find(scenario.id)
     except UserError:
         found = None
-    if found is not None and _same_file(found.source, scenario.source):
+    if found is not None and found.text == scenario.text:
         return scenario.id
-    return str(scenario.source)
+    if _holds(scenario.source, scenario.text):
+        return str(scenario.source)
+    raise UserError(
+        f"no file {scenario.source} holds this scenario any more: save the session with w, and then "
+        f"rl-tui replay SESSION.json does the run again"
+    )
 
 
-def _same_file(one: Path, other: Path) -> bool:
+def _holds(file: Path, text: str) -> bool:
     try:
-        return one.samefile(other)
-    except OSError:
+        return read_text(file) == text
+    except UnreadableError:
         return False
 
 
-def _settings(recipe: Recipe) -> list[str]:
-    """Return the options that make ``recipe`` of its scenario."""
+def _settings(recipe: Recipe, entries: Sequence[JournalEntry]) -> list[str]:
+    """Return the options that make ``recipe`` of its scenario.
+
+    Those without effect are left out, unless what is changed on the way may give them one.
+    """
     usual = recipe_for(recipe.scenario)
+    idle = [] if any(map(_brings_others, entries)) else without_effect(recipe, PARAMETERS)
     options = [] if recipe.algorithm == usual.algorithm else ["--algorithm", recipe.algorithm]
     for name in PARAMETERS:
         value = recipe.hyperparameters.value(name)
-        if value != usual.hyperparameters.value(name):
+        if value != usual.hyperparameters.value(name) and name not in idle:
             options += [f"--{name.replace('_', '-')}", written_value(value)]
     return options
+
+
+def _brings_others(entry: JournalEntry) -> bool:
+    """Tell whether other hyper-parameters may count after ``entry``."""
+    change = entry.change
+    return isinstance(change, SwitchAlgorithm) or (
+        isinstance(change, SetParameter) and change.name == "policy"
+    )

@@ -55,8 +55,8 @@ class SessionShelf(Stage):
         raise NotImplementedError
 
     def on_mount(self) -> None:
-        """Begin to read the files."""
-        self._read_sessions()
+        """Begin to read the files once the first paint is done."""
+        self.call_after_refresh(self._read_sessions)
 
     async def sessions_read(self) -> None:
         """Wait until the files are read and listed."""

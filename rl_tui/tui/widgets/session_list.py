@@ -14,7 +14,9 @@ from rl_tui.lab.session import SessionError, StoredSession
 from rl_tui.tui.theme.look import Look
 from rl_tui.tui.widgets.session_text import SessionRow
 from rl_tui.tui.written import written
+from rl_tui.worlds.findings import one_line
 
+_LONGEST_NAME: Final = 255
 _WITHOUT_FOCUS: Final = "tab: here"
 _WITH_FOCUS: Final = "enter: go on   del: delete"
 
@@ -69,5 +71,5 @@ class SessionList(OptionList):
             if isinstance(entry, StoredSession):
                 yield Option(SessionRow(entry, now, self.look))
             else:
-                name = written(entry.path.name, self.look.glyphs)
+                name = written(one_line(entry.path.name, _LONGEST_NAME), self.look.glyphs)
                 yield Option(Text(f"{name}\n  faulty", no_wrap=True))

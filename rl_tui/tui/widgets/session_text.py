@@ -17,11 +17,13 @@ from rl_tui.tui import numbers
 from rl_tui.tui.canvas import shortened
 from rl_tui.tui.theme.look import Look
 from rl_tui.tui.written import separated, written
+from rl_tui.worlds.findings import one_line
 
 _MINUTE: Final = 60
 _HOUR: Final = 60 * _MINUTE
 _DAY: Final = 24 * _HOUR
 _MOST_DAYS: Final = 14
+_LONGEST_PATH: Final = 1_000
 
 
 class SessionRow:
@@ -69,7 +71,7 @@ def session_facts(session: StoredSession, now: datetime, look: Look) -> Renderab
         ("stands at", stands),
         ("changes", f"{session.changes:,}" if session.changes else "none so far"),
         ("saved", f"{long_age(now - session.saved)} · {_local(session.saved)}"),
-        ("file", str(session.path)),
+        ("file", one_line(str(session.path), _LONGEST_PATH)),
     ):
         table.add_row(label, Text(separated(line, glyphs), overflow="fold"))
     kept = (

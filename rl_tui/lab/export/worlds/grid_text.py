@@ -16,6 +16,7 @@ from rl_tui.lab.export.worlds.text import (
     RAGGED,
     WorldText,
     arrow,
+    between,
     limited,
 )
 from rl_tui.worlds.drawing import CellKind
@@ -86,16 +87,18 @@ class _Text:
     def text(self) -> WorldText:
         """Return the whole."""
         shown = self.walls + self.ends + self.exits
-        width = 2 if len(self.moves) == 4 else 4
         return WorldText(
             setup=f"{self._setup()}\n\n\n{self._environment()}",
             new_table=self._new_table(),
             report=ARROWS_ON_MAP,
-            report_pieces={"shown": literal(shown), "width": str(width)},
+            report_pieces={"shown": literal(shown), "between": between(self._arrows())},
             starts="STARTS",
             truncates=self.section.time_limit > 0,
             remarks=("The map was drawn for this seed.",) if self.section.random else (),
         )
+
+    def _arrows(self) -> list[str]:
+        return [arrow(STEPS[name], name) for name in self.moves]
 
     def _characters(self, quality: Callable[[LegendEntry], bool]) -> str:
         return "".join(each for each, entry in self.legend.items() if quality(entry))
@@ -122,7 +125,6 @@ class _Text:
 
     def _setup(self) -> str:
         moves = {name: STEPS[name] for name in self.moves}
-        arrows = [arrow(STEPS[name], name) for name in self.moves]
         return fill(
             pieces.SETUP,
             {
@@ -130,7 +132,7 @@ class _Text:
                 "cells": "\n".join(self._cells()),
                 "rules": "\n".join(self._rules()),
                 "moves": table(moves, "MOVES = "),
-                "arrows": literal(arrows),
+                "arrows": literal(self._arrows()),
                 "starts": literal(self.starts),
                 "no_wall": " and MAP[row][column] not in WALLS" if self.walls else "",
                 "land": self._land(),

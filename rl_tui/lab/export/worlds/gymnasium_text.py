@@ -17,6 +17,7 @@ from rl_tui.lab.export.worlds.text import (
     STATE_BY_STATE,
     WorldText,
     arrow,
+    between,
 )
 from rl_tui.worlds.drawing import CellKind, Grid
 from rl_tui.worlds.errors import UserError
@@ -114,9 +115,9 @@ def _tabular(world: World, make: str, truncates: bool) -> WorldText:
     grid = world.drawing
     report, pieces = STATE_BY_STATE, {"states": "range(len(Q))"}
     if isinstance(grid, Grid) and grid.cell_of_state == tuple(range(len(grid.kinds))):
-        setup += _map(grid, world.space.action_names)
-        width = "2" if len(grid.directions) < 5 else "4"
-        report, pieces = ARROWS_ON_MAP, {"shown": '"HGC#"', "width": width}
+        arrows = list(map(arrow, grid.directions, world.space.action_names))
+        setup += _map(grid, world.space.action_names, arrows)
+        report, pieces = ARROWS_ON_MAP, {"shown": '"HGC#"', "between": between(arrows)}
     else:
         setup.append(listed(map(literal, world.space.action_names), before="NAMES = "))
     return WorldText(
@@ -130,11 +131,10 @@ def _tabular(world: World, make: str, truncates: bool) -> WorldText:
     )
 
 
-def _map(grid: Grid, action_names: Sequence[str]) -> list[str]:
+def _map(grid: Grid, action_names: Sequence[str], arrows: Sequence[str]) -> list[str]:
     """Return the lines that say how the policy is drawn."""
     letters = "".join(_LETTERS[kind] for kind in grid.kinds)
     rows = [letters[first : first + grid.columns] for first in range(0, len(letters), grid.columns)]
-    arrows = map(arrow, grid.directions, action_names)
     return [
         f"# The actions 0, 1, ...: {', '.join(action_names)}",
         listed(map(literal, arrows), before="ARROWS = "),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Final
 
@@ -52,6 +52,7 @@ NOISE: Final = "reward += noise * self.np_random.standard_normal()"
 
 ARROWS_ON_MAP: Final = """
 # An arrow for each move that looks best, a question mark where nothing is known
+drawn = []
 for row, line in enumerate(MAP):
     cells = []
     for column, letter in enumerate(line):
@@ -62,8 +63,11 @@ for row, line in enumerate(MAP):
             cells.append("?")
         else:
             best = np.flatnonzero($equals)
-            cells.append("".join(ARROWS[a] for a in best))
-    print(" ".join(f"{cell:>$width}" for cell in cells))
+            cells.append($between.join(ARROWS[a] for a in best))
+    drawn.append(cells)
+width = max(len(cell) for cells in drawn for cell in cells)
+for cells in drawn:
+    print(" ".join(f"{cell:>{width}}" for cell in cells))
 """
 
 STATE_BY_STATE: Final = """
@@ -104,6 +108,11 @@ def limited(time_limit: int) -> str:
     if not time_limit:
         return "World()"
     return f"gym.wrappers.TimeLimit(World(), max_episode_steps={time_limit})"
+
+
+def between(arrows: Iterable[str]) -> str:
+    """Return, as a literal, what stands between moves that are equally good: some are two characters."""
+    return '""' if all(len(each) == 1 for each in arrows) else '"/"'
 
 
 def arrow(step: tuple[int, int] | None, name: str) -> str:

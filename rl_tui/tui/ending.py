@@ -1,0 +1,35 @@
+"""Being told to end from outside: the terminal is closed, the machine shuts down."""
+
+from __future__ import annotations
+
+import asyncio
+import os
+import signal
+from collections.abc import Callable
+from contextlib import suppress
+from threading import Timer
+from typing import Final
+
+LONGEST: Final = 6.0
+_SIGNALS: Final = ("SIGTERM", "SIGHUP")  # Windows knows the first only
+
+
+def end_when_told(end: Callable[[int], None]) -> None:
+    """Call ``end`` with the exit status when the program is told to end; it is gone some seconds later.
+
+    What is ignored, as nohup does, stays ignored. Nothing happens where signals cannot be awaited.
+    """
+    loop = asyncio.get_running_loop()
+
+    def told(number: int) -> None:
+        # a terminal that is gone may keep the farewell waiting for ever
+        last_resort = Timer(LONGEST, os._exit, (128 + number,))
+        last_resort.daemon = True
+        last_resort.start()
+        end(128 + number)
+
+    for name in _SIGNALS:
+        number = getattr(signal, name, None)
+        if number is not None and signal.getsignal(number) is not signal.SIG_IGN:
+            with suppress(NotImplementedError, RuntimeError, ValueError):
+                loop.add_signal_handler(number, told, number)
