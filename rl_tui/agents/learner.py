@@ -90,7 +90,9 @@ class Learner(Standing):
             self._rule = self._rule_module.changed_rule(self._rule, hyperparameters)
             self._take_settings(hyperparameters)
         if other_ties:
+            noticed = self._watch.noticed
             self.watch(self._watching)  # what was greedy before has to be told by the new rule
+            self._watch.noticed[:] = noticed
         self._go_on_planning()
 
     def switch(self, algorithm: str) -> None:

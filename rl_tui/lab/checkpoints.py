@@ -11,11 +11,11 @@ if TYPE_CHECKING:
 
 MOST: Final = 512
 MOST_BYTES: Final = 256 * 2**20
-# Of a branch that nobody is on
+# Of a branch that nobody is on; the bytes are those of all such branches of a lane
 MOST_LEFT: Final = 32
-MOST_BYTES_LEFT: Final = 32 * 2**20
+MOST_BYTES_LEFT: Final = 128 * 2**20
 FIRST_SPACING: Final = 0.05
-_LEAST: Final = 4
+_LEAST: Final = 2
 _NEAR: Final = 4
 _LARGE: Final = 16 * 2**20  # of such states only one is kept that is near
 
@@ -48,6 +48,11 @@ class Checkpoints:
             self._states = self._states[::2]
             self.spacing *= 2
 
+    def any_between(self, after: int, step: int) -> bool:
+        """Tell whether one that is kept for good is beyond ``after``, but not beyond ``step``."""
+        place = bisect_right(self._states, step, key=_step)
+        return place > 0 and self._states[place - 1].step > after
+
     def add_near(self, state: RunState) -> None:
         """Keep ``state`` for a while: somebody has just been about there."""
         if state.nbytes > _LARGE:
@@ -75,11 +80,11 @@ class Checkpoints:
         shared._states = [each for each in self._states if each.step <= step and len(each.journal) <= entries]
         return shared
 
-    def thin_out(self) -> None:
-        """Keep a few only: their branch has been left."""
+    def thin_out(self, branches: int) -> None:
+        """Keep a few only, or none of very large ones: their branch is one of ``branches`` that were left."""
         self._near.clear()
-        while len(self._states) > MOST_LEFT or (len(self._states) > 1 and self.nbytes > MOST_BYTES_LEFT):
-            self._states = self._states[::2]
+        while len(self._states) > MOST_LEFT or self.nbytes > MOST_BYTES_LEFT // branches:
+            self._states = self._states[::2] if len(self._states) > 1 else []
             self.spacing *= 2
 
     @staticmethod
@@ -93,4 +98,4 @@ def _step(state: RunState) -> int:
 
 def _is_before(state: RunState, episode: int) -> bool:
     finished = episode - 1
-    return state.episodes < finished or (state.episodes == finished and state.episode_step == 0)
+    return state.episodes < finished or (state.episodes == finished and state.begins_episode)

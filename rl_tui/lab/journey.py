@@ -32,7 +32,7 @@ class Goal:
             return run.step <= self.step
         finished = (self.episode or 1) - 1
         episodes = run.learner.episodes
-        return episodes < finished or (episodes == finished and run.learner.episode_step == 0)
+        return episodes < finished or (episodes == finished and run.begins_episode)
 
 
 class Journey:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from typing import Final
 
 from rl_tui.agents.watching import Watching
 from rl_tui.lab.branches import FIRST, Branch
@@ -15,7 +16,11 @@ from rl_tui.lab.record import LaneRecord
 from rl_tui.lab.run import UNLIMITED, Run, RunState
 from rl_tui.lab.snapshot import CellHistory, Timeline
 from rl_tui.lab.table_samples import TableSamples
+from rl_tui.worlds.errors import UserError
 from rl_tui.worlds.world import World
+
+# Between two states that are kept on a journey it goes on for so many times as long as to keep one takes
+_COPY_SHARE: Final = 4
 
 
 class _Way:
@@ -53,6 +58,8 @@ class Lane:
         self._at = branch
         self._clock = clock
         self._spent = 0.0
+        self._travelled = 0.0  # seconds since something was kept on a journey
+        self._copying = 0.0  # seconds that keeping it took
         self._spare: Run | None = None
         self._journey: Journey | None = None
         self._watching: Watching | None = None
@@ -109,15 +116,16 @@ class Lane:
         way, applied = self._way, len(self.run.journal)
         _sample(self.run, way)
         step, in_past = self.run.step, self.run.step < way.branch.end
+        left = replace(way.branch, here=step)
         self.run.apply(change)
         journal = self.run.journal
         if in_past or applied < len(way.branch.journal):
             name = f"branch {len(self._ways) + 1}"
             branch = Branch(name, journal, self._at, step, step)
-            self._leave()
+            way.branch = left
             self._ways.append(_Way(branch, way.checkpoints.up_to(step, applied), way.samples.up_to(step)))
-            way.checkpoints.thin_out()
             self._at = len(self._ways) - 1
+            self._thin_out()
         self._way.branch = replace(self._way.branch, journal=journal)
         self._arrived_at(self.run, self._way)
 
@@ -126,15 +134,18 @@ class Lane:
     ) -> None:
         """Set out for ``step``, or for where ``episode`` (from 1) begins, at most as far as it has come.
 
-        With ``branch`` alone it is where that one was left.
+        With ``branch`` alone it is where that one was left. Raises UserError where there is no such branch.
         """
-        self._leave()
         at = self._at if branch is None else branch
+        if not 0 <= at < len(self._ways):
+            raise UserError(f"there is no branch {at + 1} here: they are 1 to {len(self._ways)}")
+        self._leave()
         way = self._ways[at]
         if step is None and episode is None:
             step = way.branch.here
         goal = Goal(at, None if step is None else max(0, min(step, way.branch.end)), episode)
         self._journey = self._set_out(goal, way)
+        self._travelled = 0.0
         if self._journey.done:
             self._arrive(self._journey)
 
@@ -144,16 +155,26 @@ class Lane:
         if journey is None:
             return 0
         way = self._ways[journey.goal.branch]
-        before = journey.run.step
-        if self.run.learner.rewindable and journey.run is not self.run and before > journey.origin:
-            way.checkpoints.add_near(journey.run.checkpoint())
+        before, start = journey.run.step, self._clock()
+        if before > journey.origin and journey.run is not self.run:
+            self._keep_near(journey.run, way)
         self._go_on(journey.run, way, min(before + steps, journey.last_step), journey.last_episode)
+        self._travelled += self._clock() - start
         taken = journey.run.step - before
         if taken == 0 and not journey.done:  # it is over before it is there
             way.branch = replace(way.branch, end=journey.run.step)
         if taken == 0 or journey.done:
             self._arrive(journey)
         return taken
+
+    def _keep_near(self, run: Run, way: _Way) -> None:
+        """Keep where ``run`` is on its journey, so that the next one is short, unless that slows this one."""
+        if not run.learner.rewindable or self._travelled < _COPY_SHARE * self._copying:
+            return
+        start = self._clock()
+        way.checkpoints.add_near(run.checkpoint())
+        self._copying = self._clock() - start
+        self._travelled = -self._copying  # it is counted with what comes next
 
     def stay(self) -> None:
         """Give up the journey."""
@@ -214,10 +235,19 @@ class Lane:
         if journey.run is not self.run:
             self._spare = self.run if self.run.learner.rewindable else None
             self.run = journey.run
+        # a checkpoint may be older than what was set there last, and at the seed nothing is set yet
+        self.run.follow(self._ways[journey.goal.branch].branch.journal, self.run.step)
         if journey.goal.branch != self._at:
-            self._way.checkpoints.thin_out()
             self._at = journey.goal.branch
+            self._thin_out()
         self.stay()
+
+    def _thin_out(self) -> None:
+        """Let all branches that nobody is on share the memory that is kept for them."""
+        left = [way for way in self._ways if way is not self._way]
+        for way in left:
+            way.checkpoints.thin_out(len(left))
+            way.samples.thin_out(len(left))
 
     def _go_on(self, run: Run, way: _Way, last_step: int, last_episode: int) -> None:
         """Take ``run`` on along ``way``, keeping what is needed to come back."""
@@ -228,6 +258,8 @@ class Lane:
             before, start = run.step, self._clock()
             run.advance_along(way.branch.journal, until - run.step, last_episode - run.learner.episodes)
             self._spent += self._clock() - start
+            if way.checkpoints.any_between(before, run.step):
+                self._spent = 0.0  # it has been here before: as many as are needed are kept already
             self._arrived_at(run, way)
             ended = run.step >= last_step or run.learner.episodes >= last_episode
             if ended or run.noticed or run.over or run.step == before:

@@ -46,6 +46,7 @@ class Lanes:
     ) -> None:
         self.shown = 0
         self.step = 0
+        self._resumes = False
         self._world = world
         self._clock = clock
         self._lanes = [self._new_lane(record) for record in records]
@@ -97,8 +98,9 @@ class Lanes:
         for lane, known in zip(self._lanes, record.lanes, strict=True):
             if known.branches:
                 lane.go_to(step=known.step)
-        if not self.current.travels:
-            self.step = self.current.step
+        self._resumes = True
+        self.step = max(known.step for known in record.lanes)
+        self._arrive_if_there()
 
     def restarted(self, recipe: Recipe) -> tuple[LaneRecord, ...]:
         """Return lanes that begin again: the one in force with ``recipe``, the others as they are now."""
@@ -111,15 +113,30 @@ class Lanes:
     ) -> None:
         """Let the one in force set out for another moment, as :meth:`Lane.go_to` does."""
         self.current.go_to(step=step, episode=episode, branch=branch)
-        if not self.current.travels:
+        for lane in self._others:
+            lane.stay()  # where it was going is no longer where it has to be
+        self._resumes = False
+        self._arrive_if_there()
+
+    def gather(self) -> None:
+        """Let the one in force lead again, unless it is over: then the others stay as far as they are."""
+        if not self.current.run.over:
+            self.step = self.current.step
+
+    def _arrive_if_there(self) -> None:
+        if self.current.travels:
+            return
+        if self._resumes:
+            self._resumes = False
+            self.gather()
+        else:
             self.step = self.current.step
 
     def work_off(self, steps: int) -> int:
         """Bring whoever is elsewhere nearer to where it has to be, by at most ``steps``; return how many."""
         if self.current.travels:
             taken = self.current.travel(steps)
-            if not self.current.travels:
-                self.step = self.current.step
+            self._arrive_if_there()
             return taken
         lane = next((each for each in self._others if self._is_elsewhere(each)), None)
         if lane is None:
@@ -167,6 +184,9 @@ class Lanes:
             self.current.watch(None)
             del self._lanes[lane]
             self.shown -= lane < self.shown or self.shown == len(self._lanes)
+            if not self.current.travels:
+                self.step = max(each.step for each in self._lanes)
+                self.gather()
 
     def views(self) -> tuple[LaneView, ...]:
         """Return how each is getting on; nothing where there is one."""

@@ -77,6 +77,8 @@ class Motion:
         if isinstance(command, Play):
             self._play()
         elif isinstance(command, Train):
+            if self.waiting is not None:
+                self.rest()
             self.steps_to_train = max(0, command.steps)
             self.watch()
         elif isinstance(command, RunEpisode | RunUntil):
@@ -120,7 +122,7 @@ class Motion:
             self._pace.start(self._speed, self._clock(), at_once=False)
         self._meter.clear()
         self.changed = True
-        self.check_end()
+        self._end_if_over()
 
     def measure_anew(self) -> None:
         """Forget how long a step takes: it may now take a thousand times as long."""
@@ -141,12 +143,16 @@ class Motion:
     def check_end(self) -> None:
         """Rest where the run is over or has met a breakpoint."""
         run = self._run
+        if not self._end_if_over() and run.noticed and (words := breakpoint_in_words(run)):
+            self.rest()
+            self.paused_by = words
+
+    def _end_if_over(self) -> bool:
+        run = self._run
         if run.over:
             self.rest()
             self.phase = Phase.DONE if run.converged else Phase.SPENT if run.spent else Phase.STOPPED
-        elif run.noticed and (words := breakpoint_in_words(run)):
-            self.rest()
-            self.paused_by = words
+        return run.over
 
     def _play(self) -> None:
         if self.phase is Phase.RUNNING:
@@ -175,7 +181,7 @@ class Motion:
         run, until = self._run, self._clock() + CHUNK
         while self.waiting is waiting:
             before = run.step
-            steps = min(self._chunk.steps, waiting.steps - before)
+            steps = min(waiting.stride or self._chunk.steps, waiting.steps - before)
             self._advance(steps, waiting.episodes - run.learner.episodes)
             if run.step > before and waiting.is_over(run) and not run.over:
                 self.rest()

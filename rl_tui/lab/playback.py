@@ -26,7 +26,7 @@ from rl_tui.lab.commands import (
 )
 from rl_tui.lab.exact import AT_ONCE_STATES, Answer, ExactAnswers, exact_now
 from rl_tui.lab.preparing import preparing
-from rl_tui.lab.recipe import Beginning, Recipe, begin
+from rl_tui.lab.recipe import Beginning, Change, Recipe, begin
 from rl_tui.lab.record import LaneRecord, Record
 from rl_tui.lab.snapshot import CellHistory, Phase, Snapshot
 from rl_tui.lab.travel import AT_ONCE, Travel
@@ -45,7 +45,9 @@ PREPARING: Final = "loading the learner; the very first time it is compiled, whi
 
 _ENDED: Final = (Phase.SPENT, Phase.DONE, Phase.STOPPED)
 # What replaces a journey that is under way, or does not mind it
-_MEANWHILE: Final = (StepBack, GoTo, Pause, SetSpeed, LookAt, FollowCell)
+_MEANWHILE: Final = (StepBack, GoTo, Pause, SetSpeed, LookAt, FollowCell, DropLane)
+# What needs to know where the run shown is to stand
+_FROM_HERE: Final = (StepBack, EpisodeBack, ChooseBranch)
 # What leaves nothing behind that is worth keeping
 _LOOKING: Final = (LookAt, FollowCell, SetSpeed)
 
@@ -124,6 +126,8 @@ class Playback:
         if self._is_occupied or self._travel is None:
             return not self._is_occupied
         goal = self._lanes.current.goal
+        if goal is None and isinstance(command, _FROM_HERE):
+            return True  # it is there; others have to catch up
         knows_where = goal is not None and goal.step is not None
         return isinstance(command, _MEANWHILE) and (knows_where or not isinstance(command, StepBack))
 
@@ -141,27 +145,28 @@ class Playback:
         return None if self._motion is None or self._travel is not None else self._run.learner.q
 
     def handle(self, command: Command) -> None:
-        """Carry out ``command``, or begin to. Raises UserError where a change does not fit.
+        """Carry out ``command``, or begin to. Raises UserError where the world of a restart cannot be built.
 
-        Whatever else cannot be done is told by the next snapshot.
+        Whatever else cannot be done, such as a change that does not fit, is told by the next snapshot.
         """
         self._news = True
         self.handled += 1
         self.touched = self.touched or not isinstance(command, _LOOKING)
         if isinstance(command, Restart):
             self._restart(command.recipe)
-        elif isinstance(command, Apply):
-            self._lanes.current.apply(command.change)
-            self._take_in_change()
         else:
             try:
                 self._begin(command)
             except UserError as fault:
+                if self._ready.phase is Phase.RUNNING:
+                    self._ready.rest()
                 self._ready.paused_by = str(fault)
 
     def _begin(self, command: Command) -> None:
         motion = self._ready
-        if isinstance(command, SetSpeed):
+        if isinstance(command, Apply):
+            self._change(command.change)
+        elif isinstance(command, SetSpeed):
             motion.set_speed(command.speed)
         elif isinstance(command, LookAt):
             self._sight = command.sight
@@ -176,9 +181,10 @@ class Playback:
         elif isinstance(command, StepBack | EpisodeBack | GoTo | ChooseBranch):
             self._set_out(command)
         elif self._travel is not None and isinstance(command, Pause):
+            motion.rest()
             self._lanes.stay()
             self._start_travel()
-        elif not isinstance(command, Restart | Apply) and motion.phase not in _ENDED:
+        elif not isinstance(command, Restart) and motion.phase not in _ENDED:
             motion.begin(command)
 
     def work(self) -> float | None:
@@ -308,6 +314,14 @@ class Playback:
 
     # Changes
 
+    def _change(self, change: Change) -> None:
+        lanes = self._lanes
+        lanes.current.apply(change)
+        lanes.gather()
+        self._take_in_change()
+        if lanes.travel:
+            self._start_travel()
+
     def _take_in_change(self) -> None:
         """Take in that an agent was told something, or that another one is shown."""
         motion = self._ready
@@ -351,8 +365,7 @@ class Playback:
         if isinstance(command, StepBack):
             lanes.go_to(step=here - 1)
         elif isinstance(command, EpisodeBack):
-            under_way = run.learner.episode_step > 0
-            lanes.go_to(episode=max(1, run.learner.episodes + under_way))
+            lanes.go_to(episode=max(1, run.learner.episodes + (not run.begins_episode)))
         elif isinstance(command, ChooseBranch):
             lanes.go_to(branch=command.branch)
         else:

@@ -77,7 +77,7 @@ class Player:
         """Yield the newest snapshot whenever it differs from the last one, until the player is closed.
 
         The first has Phase.PREPARING, as soon as the world is there. Raises UserError where the world cannot
-        be built or a change does not fit, and whatever else made the player end.
+        be built, and whatever else made the player end.
         """
         reader = _Reader()
         with self._changed:

@@ -46,7 +46,7 @@ class RunState:
 
     step: int
     episodes: int
-    episode_step: int
+    begins_episode: bool
     learner: LearnerState
     history: HistoryState
     marks: MarksState
@@ -130,6 +130,15 @@ class Run:
         return self.learner.episodes >= self._last_episode
 
     @property
+    def begins_episode(self) -> bool:
+        """Whether an episode or a sweep has just ended, or nothing has happened yet.
+
+        Where another kind of algorithm has taken over in the middle of an episode, none has.
+        """
+        last = self.learner.last_step
+        return last is None or last.episode == self.learner.episodes
+
+    @property
     def noticed(self) -> bool:
         """Whether the last step is one of those that the learner watches for."""
         return self.learner.noticed != NOTHING_NOTICED
@@ -206,6 +215,7 @@ class Run:
         if self.over:
             raise UserError("the run is over: no step can be taken")
         self._take_in(self.learner.take(pair))
+        self._mark_if_due()
 
     def follow(self, journal: Sequence[JournalEntry], step: int) -> None:
         """Advance to ``step`` along ``journal``, of which this run has applied the beginning.
@@ -251,7 +261,7 @@ class Run:
         return RunState(
             self.step,
             self.learner.episodes,
-            self.learner.episode_step,
+            self.begins_episode,
             self.learner.checkpoint(),
             self.history.checkpoint(),
             self._evaluation.checkpoint(),

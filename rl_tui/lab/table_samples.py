@@ -11,14 +11,16 @@ from rl_tui.worlds.space import FloatArray
 
 MOST: Final = 256
 MOST_BYTES: Final = 32 * 2**20
+# Of all branches of a lane that nobody is on
+MOST_BYTES_LEFT: Final = 64 * 2**20
 _LEAST: Final = 16
 
 
 class TableSamples:
     """Copies of Q at multiples of a spacing that doubles, dropping every other copy, when there are many.
 
-    Where they lie depends on the step number and the size of the table alone. Of a table of which there is
-    no room for 16 copies there are none.
+    Where they lie depends on the step number and the size of the table alone, but for a branch that was left
+    in between. Of a table of which there is no room for 16 copies there are none.
     """
 
     def __init__(self, pairs: int) -> None:
@@ -38,6 +40,16 @@ class TableSamples:
         if len(self._tables) == self._most:
             self._tables = self._tables[::2]
             self._spacing *= 2
+
+    def thin_out(self, branches: int) -> None:
+        """Keep fewer: their branch is one of ``branches`` that were left."""
+        while len(self._tables) > _LEAST and self._nbytes > MOST_BYTES_LEFT // branches:
+            self._tables = self._tables[::2]
+            self._spacing *= 2
+
+    @property
+    def _nbytes(self) -> int:
+        return sum(table.nbytes for table in self._tables)
 
     def up_to(self, step: int) -> TableSamples:
         """Return those that were taken after at most ``step`` steps; the copies are shared."""

@@ -9,6 +9,7 @@ import numpy as np
 
 from rl_tui.agents.planning import greedy_policy
 from rl_tui.agents.watching import Watching
+from rl_tui.lab.exact import exact_now
 from rl_tui.lab.run import UNLIMITED
 from rl_tui.lab.until import Breakpoints, Event, Until
 from rl_tui.worlds.drawing import Arms
@@ -45,6 +46,8 @@ class Waiting:
 
     def __init__(self, until: Until, run: Run, answer: Answer) -> None:
         self.until = until
+        self.stride: int | None = None
+        """After how many steps to look, None where the learner itself stops for what is waited for."""
         self._optimum = answer.solution
         self.steps, self.episodes = UNLIMITED, UNLIMITED
         """After how many steps or episodes, counted from the start of the run, it is over."""
@@ -66,6 +69,8 @@ class Waiting:
                     raise UserError(f"there is no pair {until.pair} here")
             case Event.OPTIMAL:
                 _check_answer(answer)
+                if run.learner.drifted:
+                    self.stride = 1  # what is best changes with every step, whatever the policy does
                 if self._is_optimal(run):
                     raise UserError("the greedy policy is optimal already")
 
@@ -85,10 +90,12 @@ class Waiting:
                 return learner.noticed.policy
             case Event.VALUE:
                 return learner.noticed.cell
-        return learner.noticed.policy and self._is_optimal(run)
+        return (learner.noticed.policy or self.stride is not None) and self._is_optimal(run)
 
     def _is_optimal(self, run: Run) -> bool:
         learner, optimum = run.learner, self._optimum
+        if learner.drifted:
+            optimum = exact_now(learner.mdp, learner.hyperparameters.gamma).solution
         if learner.mdp is None or optimum is None:
             return False
         return is_optimal(learner.mdp, learner.q, learner.hyperparameters.ties, optimum)

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from recipes import bandit, recipe
 
 from rl_tui.agents.hyperparameters import SAMPLE_AVERAGE
-from rl_tui.lab.checkpoints import MOST, Checkpoints
+from rl_tui.lab.checkpoints import MOST, MOST_BYTES_LEFT, MOST_LEFT, Checkpoints
 from rl_tui.lab.commands import (
     AddLane,
     Apply,
@@ -108,7 +108,8 @@ SETTINGS = st.one_of(
     st.builds(SetParameter, st.just("epsilon"), st.sampled_from([0.0, 0.3, 1.0])),
     st.builds(SetParameter, st.just("gamma"), st.sampled_from([0.0, 0.5, 0.95])),
     st.builds(SetParameter, st.just("ties"), st.sampled_from(["random", "first"])),
-    st.builds(SwitchAlgorithm, st.sampled_from(["q-learning", "sarsa"])),
+    # each loop costs some seconds to compile: of the dearer ones only one that waits, and a planner
+    st.builds(SwitchAlgorithm, st.sampled_from(["q-learning", "sarsa", "n-step-sarsa", "value-iteration"])),
 )
 COMMANDS = st.one_of(
     st.builds(Train, st.integers(0, 300)),
@@ -120,8 +121,11 @@ COMMANDS = st.one_of(
     st.just(EpisodeBack()),
     st.builds(GoTo, st.integers(-5, 400)),
     st.builds(GoTo, st.none(), st.integers(1, 60)),
-    st.builds(ChooseBranch, st.integers(0, 2)),
-    st.builds(RunUntil, st.sampled_from([Until(Event.REWARD), Until(Event.POLICY_CHANGE)])),
+    st.builds(ChooseBranch, st.integers(0, 3)),
+    st.builds(
+        RunUntil,
+        st.sampled_from([Until(Event.REWARD), Until(Event.POLICY_CHANGE), Until(Event.EPISODE, number=20)]),
+    ),
     st.builds(ToggleBreakpoint, st.integers(0, 3)),
     st.just(ClearBreakpoints()),
     st.builds(AddLane, st.tuples(SETTINGS)),
@@ -132,7 +136,9 @@ COMMANDS = st.one_of(
 
 
 @settings(max_examples=60, deadline=None)
-@given(st.sampled_from(["student", "frozenlake-slippery", "bandit"]), st.lists(COMMANDS, max_size=14))
+@given(
+    st.sampled_from(["student", "frozenlake-slippery", "bandit-drifting"]), st.lists(COMMANDS, max_size=14)
+)
 def test_any_sequence_ends_in_the_bits_of_the_straight_replay(scenario: str, deeds: list[Any]) -> None:
     made_from = recipe(scenario)
     playback = begin(made_from)
@@ -141,8 +147,6 @@ def test_any_sequence_ends_in_the_bits_of_the_straight_replay(scenario: str, dee
             saved = playback.record
             playback = begin(saved.lanes[saved.shown].recipe, saved)
             assert playback.record == saved
-        elif isinstance(deed, ChooseBranch) and deed.branch >= len(playback.snapshot().timeline.branches):
-            continue
         else:
             do(playback, deed)
     assert_true_to_the_record(playback)
@@ -206,6 +210,20 @@ def test_a_change_at_the_very_end_is_no_fork() -> None:
     assert shown.hyperparameters.alpha == 0.5  # what was set at step 50 is in force there
 
 
+def test_what_was_set_at_a_step_is_in_force_there_however_one_comes_to_it() -> None:
+    playback = begin(recipe("student"))
+    do(playback, Apply(SetParameter("alpha", 0.9)))
+    for number in range(1, 13):
+        do(playback, Step(), Apply(SetParameter("alpha", number / 100)))
+    do(playback, Step())
+    for number in range(1, 13):
+        shown = do(playback, GoTo(number))
+        assert (shown.hyperparameters.alpha, len(playback._run.journal)) == (number / 100, number + 1)
+    assert do(playback, GoTo(0)).hyperparameters.alpha == 0.9
+    saved = playback.record
+    assert begin(saved.lanes[0].recipe, saved).snapshot().hyperparameters.alpha == 0.9
+
+
 def test_back_by_steps_and_episodes() -> None:
     playback = begin(recipe("frozenlake"))
     shown = do(playback, RunEpisode(), RunEpisode(), Step(), Step())
@@ -227,6 +245,18 @@ def test_an_episode_is_gone_to_by_its_number() -> None:
     assert do(playback, GoTo(episode=10**9)).step == 5_000
     assert do(playback, GoTo(step=10**12)).step == 5_000
     assert do(playback, GoTo(step=-3)).step == 0
+
+
+def test_an_episode_that_a_planner_cut_short_begins_where_the_one_before_ended() -> None:
+    playback = begin(recipe("frozenlake-slippery"))
+    shown = do(playback, RunEpisode(), Step(), Step())
+    here = shown.step - 2
+    do(playback, Apply(SwitchAlgorithm("value-iteration")), Train(5))
+    for _ in range(2):
+        assert do(playback, GoTo(here + 7), EpisodeBack()).step == here
+    assert do(playback, GoTo(here + 2), EpisodeBack()).step == here
+    assert do(playback, GoTo(here + 3), GoTo(episode=2)).step == here
+    assert do(playback, EpisodeBack()).step == 0
 
 
 def test_time_travel_of_a_planner() -> None:
@@ -324,6 +354,49 @@ def test_a_lane_that_is_over_waits_while_others_go_on() -> None:
     assert [lane.step for lane in shown.lanes] == [50, 50]
 
 
+def test_lanes_come_back_where_they_stood_though_the_one_shown_is_over() -> None:
+    playback = begin(recipe("frozenlake-slippery", algorithm="value-iteration"))
+    do(playback, AddLane((SwitchAlgorithm("q-learning"),)), Train(20_000), ChooseLane(1), Train(20_000))
+    shown = do(playback, ChooseLane(0))
+    assert shown.phase is Phase.DONE
+    assert shown.lanes[0].step < shown.lanes[1].step
+    saved = playback.record
+    assert begin(saved.lanes[0].recipe, saved).record == saved
+    # with another discount it goes on, and leads again
+    shown = do(playback, Apply(SetParameter("gamma", 0.5)))
+    assert shown.phase is Phase.PAUSED
+    assert shown.lanes[0].step == shown.lanes[1].step
+    assert_true_to_the_record(playback)
+
+
+def test_a_lane_that_takes_long_to_catch_up_can_be_dropped_or_left_behind() -> None:
+    playback = Playback(
+        recipe("blackjack"), speed=None, automatic=True, clock=Ticking(), on_exact=lambda: None
+    )
+
+    def settle() -> Snapshot:
+        while playback.on_the_way:
+            playback.work()
+        return playback.snapshot()
+
+    settle()
+    playback.handle(Train(3000))
+    settle()
+    playback.handle(Play())
+    playback.handle(AddLane((SetParameter("alpha", 0.5),)))
+    assert (playback.phase, playback.takes(Step())) == (Phase.SEEKING, False)
+    playback.handle(Pause())
+    assert playback.takes(StepBack())
+    assert playback.takes(DropLane(1))
+    playback.handle(DropLane(1))
+    shown = playback.snapshot()
+    assert (shown.phase, shown.step, shown.lanes) == (Phase.PAUSED, 3000, ())
+    playback.handle(AddLane((SetParameter("alpha", 0.5),)))
+    playback.handle(GoTo(40))
+    assert [lane.step for lane in settle().lanes] == [40, 40]
+    assert_true_to_the_record(playback)
+
+
 def test_there_are_four_lanes_at_most_and_they_must_be_able_to_work() -> None:
     playback = begin(recipe("frozenlake"))
     for alpha in (0.2, 0.3, 0.4):
@@ -377,6 +450,37 @@ def test_the_first_moment_the_policy_is_optimal() -> None:
     assert "optimal" in do(begin(recipe("cartpole")), RunUntil(Until(Event.OPTIMAL))).paused_by
 
 
+def test_the_best_arm_is_looked_for_where_it_drifts_to() -> None:
+    playback = begin(recipe("bandit-drifting", seed=1))
+
+    def is_best(shown: Snapshot) -> bool:
+        assert shown.exact is not None
+        return bool(shown.exact.greedy[int(shown.q.argmax())])
+
+    assert not is_best(do(playback, Train(20)))
+    shown = do(playback, RunUntil(Until(Event.OPTIMAL)))
+    assert is_best(shown)
+    assert not any(is_best(do(playback, GoTo(step))) for step in range(20, shown.step))
+
+
+def test_a_breakpoint_is_met_in_the_past_though_something_is_set_there() -> None:
+    playback = begin(recipe("frozenlake-slippery"))
+    do(playback, ToggleBreakpoint(state=4))
+    shown = do(playback, RunUntil(Until(Event.STEP, 1000)))
+    assert shown.paused_by == "breakpoint: state 4"
+    shown = do(playback, Apply(SetParameter("ties", "first")), Train(10), GoTo(0))
+    again = do(playback, RunUntil(Until(Event.STEP, 1000)))
+    assert again.paused_by == "breakpoint: state 4"
+    assert again.hyperparameters.ties == "first"
+
+
+def test_what_cannot_be_done_is_told_and_ends_nothing() -> None:
+    playback = begin(recipe("frozenlake"))
+    for command in (ChooseBranch(3), ChooseBranch(-1), Apply(SetParameter("alpha", 7.0)), Take(9)):
+        assert do(playback, command).paused_by
+    assert do(playback, Step()).step == 1
+
+
 def test_an_action_that_is_not_possible_is_refused() -> None:
     playback = begin(recipe("student"))
     before = stand(playback._run)
@@ -402,6 +506,11 @@ def test_the_history_of_a_cell_is_what_it_was() -> None:
     assert shown.cell.value[-1] == shown.q[3]
     straight = replay(shown.recipe, shown.timeline.current.journal, int(shown.cell.step[-3]))
     assert straight.learner.q[3] == shown.cell.value[-3]
+
+
+def test_a_mark_is_taken_after_a_step_by_hand_as_after_any_other() -> None:
+    by_hand = do(begin(recipe("frozenlake")), *(Take(1) for _ in range(16)))
+    assert by_hand.marks.step.tolist() == [0, 16]
 
 
 def test_steps_by_hand_do_not_stop_the_history_of_cells() -> None:
@@ -433,3 +542,18 @@ def test_checkpoints_keep_within_their_bounds() -> None:
     assert found is not None
     assert 1000 - 3 * 16 < found.step <= 1000
     assert kept.before_step(0) is None
+    one, many = kept.up_to(10**9, 0), kept.up_to(10**9, 0)
+    one.thin_out(1)
+    many.thin_out(2_000)
+    assert 1 <= len(many) < len(one) <= MOST_LEFT
+    assert many.nbytes <= MOST_BYTES_LEFT // 2_000
+
+
+def test_passing_by_the_same_moments_again_and_again_keeps_no_more_of_them() -> None:
+    playback = begin(recipe("frozenlake-slippery"))
+    do(playback, Train(2_000))
+    kept = playback._lanes.current._way.checkpoints
+    spacing = kept.spacing
+    for _ in range(10):
+        do(playback, GoTo(0), Train(500))
+    assert kept.spacing == spacing
