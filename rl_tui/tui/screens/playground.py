@@ -165,7 +165,7 @@ class Playground(TimeStage, UntilStage, HandStage, LaneStage, MicroscopeStage, S
         elif phase is Phase.STOPPED and self.snapshot:
             self.notify(f"{self.snapshot.message}; r starts again", severity="error", markup=False)
         else:
-            self.send(Pause() if phase is Phase.RUNNING else Play())
+            self.send(Pause() if phase in (Phase.RUNNING, Phase.SEEKING) else Play())
 
     def action_step(self) -> None:
         """Take one step."""
