@@ -316,7 +316,7 @@ ACTIONS: Final[tuple[Action, ...]] = (
         ("escape",),
         "esc",
         "back",
-        "Leave the zoom, or go back to the catalogue.",
+        "Leave the zoom or the microscope, else go back to the catalogue.",
         Group.SCENARIO,
         rank=18,
     ),

@@ -12,7 +12,7 @@ from rl_tui.tui.widgets.names import LONGEST_NAME, action_name, state_name
 from rl_tui.worlds.drawing import Arms, Grid
 
 DIGITS: Final = "1234567890"
-IN_HAND: Final = "you are the agent"
+IN_HAND: Final = "You are the agent"
 _HAND_BACK: Final = " · y: hand back"
 _SHORTENED: Final = (LONGEST_NAME, 8, 5, 3)  # the cells that the name of an action gets
 _STRAIGHT: Final = ((-1, 0), (1, 0), (0, -1), (0, 1))
@@ -37,7 +37,7 @@ def title(snapshot: Snapshot, glyphs: Glyphs) -> tuple[str, ...]:
     if isinstance(snapshot.world.drawing, Arms) or state == snapshot.state:
         return (IN_HAND,)
     start = f"starts at {state_name(snapshot.world, state, glyphs)}"
-    return f"{IN_HAND} · {start}", f"you act · {start}", IN_HAND
+    return f"{IN_HAND} · {start}", f"You act · {start}", IN_HAND
 
 
 def digit_keys(snapshot: Snapshot) -> dict[str, int]:

@@ -6,5 +6,11 @@ from rl_tui.lab.snapshot import Snapshot
 
 
 def is_another_run(before: Snapshot | None, now: Snapshot) -> bool:
-    """Tell whether a run began between ``before`` and ``now``: neither a way back nor a look at a lane."""
-    return before is not None and before.lane == now.lane and before.recipe != now.recipe
+    """Tell whether a run began between ``before`` and ``now``: neither a way back nor a look at a lane.
+
+    A way back leaves its first branch as long as it was; a run that starts again has a new one.
+    """
+    if before is None or before.lane != now.lane:
+        return False
+    first, was = now.timeline.branches[0], before.timeline.branches[0]
+    return before.recipe != now.recipe or first.end < was.end

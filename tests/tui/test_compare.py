@@ -119,6 +119,19 @@ async def test_it_lists_the_lanes_and_what_may_be_different(
         assert sent[3:] == [ChooseLane(2)]
 
 
+async def test_in_a_narrow_terminal_each_lane_keeps_to_its_row(
+    make_app: MakeApp, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    async with make_app("frozenlake-slippery").run_test(size=(60, 18)) as pilot:
+        await settle(pilot)
+        await beside(pilot, 3, monkeypatch)
+        await pilot.press("c")
+        listed = rows(pilot)[:4]
+        assert listed[1].split() == ["1", "α", "0.1", "150,000", ".500", ".730"]
+        width = pilot.app.screen.query_one(OptionList).scrollable_content_region.width
+        assert max(map(len, listed)) <= width
+
+
 async def test_one_run_is_compared_with_what_is_chosen(
     make_app: MakeApp, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -12,9 +12,12 @@ from samples import bandit, curve, lake, look, marks, planning, stepped_lake, st
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.lab.branches import Branch
 from rl_tui.lab.snapshot import Curve, Marks, Phase, Snapshot, Timeline
+from rl_tui.tui.canvas import Canvas
 from rl_tui.tui.widgets import braille
+from rl_tui.tui.widgets.axes import draw_value_axis
 from rl_tui.tui.widgets.braille import Steps
 from rl_tui.tui.widgets.chart import apart, taking_turns
+from rl_tui.tui.widgets.chart_plot import Plot
 from rl_tui.tui.widgets.curve import ReturnCurve
 from rl_tui.tui.widgets.curve_data import curve_data, smoothed
 from rl_tui.tui.widgets.scale import Scale, round_range, round_scale, settled, tick_label, tick_step
@@ -231,6 +234,15 @@ def test_vertical_axes_are_round_and_hold_zero(low: float, high: float, scale: S
     assert 2 <= len(found.ticks) <= 4
 
 
+def test_of_two_labels_in_one_row_the_end_of_the_axis_is_kept() -> None:
+    scale = Scale(-1_000.0, 500.0, 500.0)
+    plot = Plot(6, 10, 3, 20.0, scale)
+    assert plot.row(-500.0) == plot.row(-1_000.0)
+    canvas = Canvas(16, 3, look().palette.text)
+    draw_value_axis(canvas, plot, look())
+    assert [strip.text.rstrip() for strip in canvas.strips()] == ["  500┤", "    0┤", "−1000┤"]
+
+
 def test_the_vertical_axis_stays_until_the_data_leave_it_or_get_lost_in_it() -> None:
     first = settled(None, 0.0, 0.8)
     assert settled(first, 0.0, 0.5) is first
@@ -439,8 +451,8 @@ def test_the_past_of_a_run_keeps_the_axis_of_its_present() -> None:
 
 def test_keys_may_stand_on_the_border_in_place_of_the_remark() -> None:
     widget = ReturnCurve(look())
-    widget.hints = ("← →: move   pgup pgdn: a tenth", "← →: move")
-    for width, footing in ((40, "← →: move   pgup pgdn: a tenth"), (20, "← →: move"), (8, "")):
+    widget.hints = ("← →: move · pgup pgdn: a tenth", "← →: move")
+    for width, footing in ((40, "← →: move · pgup pgdn: a tenth"), (20, "← →: move"), (8, "")):
         widget.picture(lake(), width, 8)
         assert widget.footing == footing or not footing
 

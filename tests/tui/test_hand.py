@@ -71,9 +71,9 @@ def test_the_keys_are_told() -> None:
 
 
 def test_after_an_episode_the_title_says_where_the_next_one_starts() -> None:
-    assert title(lake(), GLYPHS) == ("you are the agent",)
-    assert title(ended(student(), 3), GLYPHS)[0] == "you are the agent · starts at Class"
-    assert title(bandit(5), GLYPHS) == ("you are the agent",)
+    assert title(lake(), GLYPHS) == ("You are the agent",)
+    assert title(ended(student(), 3), GLYPHS)[0] == "You are the agent · starts at Class"
+    assert title(bandit(5), GLYPHS) == ("You are the agent",)
 
 
 def test_a_step_by_hand_says_who_chose_it() -> None:

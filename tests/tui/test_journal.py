@@ -89,14 +89,13 @@ TWO = Timeline(
 class Bench(App[None]):
     CSS_PATH = "../../rl_tui/tui/app.tcss"
 
-    def __init__(self, timeline: Timeline) -> None:
+    def __init__(self, timeline: Timeline, snapshot: Snapshot | None = None) -> None:
         super().__init__()
-        self.timeline = timeline
+        self.snapshot = snapshot or lake(timeline=timeline)
         self.answers: list[Moment | None] = []
 
     def on_mount(self) -> None:
-        journal = JournalScreen(look(), lake(timeline=self.timeline))
-        self.push_screen(journal, self.answers.append)
+        self.push_screen(JournalScreen(look(), self.snapshot), self.answers.append)
 
     @property
     def entries(self) -> list[str]:
@@ -148,6 +147,15 @@ async def test_steps_by_hand_are_counted_apart() -> None:
     async with app.run_test(size=(80, 24)):
         (only,) = app.screen.query_one("#branches", OptionList).options
         assert str(only.prompt).splitlines()[1] == "4,000 steps, 61 by hand"
+
+
+async def test_one_step_is_no_plural_and_a_bandit_has_pulls() -> None:
+    timeline = Timeline((Branch("branch 1", end=1, here=1),))
+    for snapshot, told in ((lake(timeline=timeline), "1 step"), (bandit(1, timeline=timeline), "1 pull")):
+        app = Bench(timeline, snapshot)
+        async with app.run_test(size=(80, 24)):
+            (only,) = app.screen.query_one("#branches", OptionList).options
+            assert str(only.prompt).splitlines()[1] == f"{told}, no change"
 
 
 async def test_an_empty_journal_says_how_to_make_a_branch() -> None:

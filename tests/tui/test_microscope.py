@@ -234,6 +234,11 @@ def test_the_terms_of_the_return() -> None:
         "    = .9321   undiscounted 1",
         " Gₜ = Rₜ₊₁ + γ Rₜ₊₂ + γ² Rₜ₊₃ + …",
     ]
+    assert part(shown(LAKE, 60, ascii=True), "The return", "History") == [
+        " G0 = 0 + .99*0 + ... + .99^5*0 + .99^6*0 + .99^7*1",
+        "    = .9321   undiscounted 1",
+        " Gt = Rt+1 + gamma Rt+2 + gamma^2 Rt+3 + ...",
+    ]
     short = with_episode(lake(), [0.0, -1.0, 1.0])
     assert " G₀ = 0 + .99·(−1) + .99²·1" in shown(short, 60)
     assert " G0 = 0 + .99*(-1) + .99^2*1" in shown(short, 60, ascii=True)
@@ -297,7 +302,7 @@ def test_steps_that_pass_too_fast_leave_the_history_only() -> None:
 def test_what_does_not_fit_is_scrolled_with_a_bar_and_a_hint() -> None:
     widget = Microscope(look())
     rows = widget.picture(LAKE, NARROW, 17)
-    assert widget.footing == "↑ ↓ pgup pgdn: more   d: close"
+    assert widget.footing == "↑ ↓ pgup pgdn: more · d: close"
     assert all(row.text[-1] in "█│" for row in rows)
     top, end = shown(LAKE, NARROW, 17), shown(LAKE, NARROW, 17, scrolled=999)
     assert "The step" in top[0]

@@ -289,7 +289,11 @@ async def test_a_breakpoint_set_in_the_table_stops_the_run_after_its_pair(make_a
 async def test_a_bandit_runs_until_an_arm_is_pulled_or_the_best_is_greedy(make_app: MakeApp) -> None:
     async with make_app("bandit").run_test(size=(80, 24)) as pilot:
         await settle(pilot)
-        stopped = await press(pilot, "tab", *["down"] * 7, "k", "u", "down", "down", "down", "enter")
+        await press(pilot, "tab", *["down"] * 7)
+        world = playground(pilot).board.world
+        assert world is not None
+        assert str(world.border_subtitle) == "arm 7 · k: breakpoint · esc: back"
+        stopped = await press(pilot, "k", "u", "down", "down", "down", "enter")
         stopped = await press(pilot, "enter")
         assert stopped.last is not None
         assert stopped.last.pair == 7

@@ -12,6 +12,7 @@ from rl_tui.lab.commands import Command, GoTo, RunEpisode, Step, Take, Train
 from rl_tui.lab.recipe import JournalEntry, TakeAction
 from rl_tui.lab.snapshot import Phase, Snapshot
 from rl_tui.tui.app import RlTuiApp
+from rl_tui.tui.screens.arrangement import WORLD
 from rl_tui.tui.screens.help import HelpScreen
 from rl_tui.tui.screens.playground import Playground
 from rl_tui.tui.screenshot import settle
@@ -87,7 +88,7 @@ async def test_the_mode_is_seen_and_y_ends_it(make_app: MakeApp) -> None:
         assert world is not None
         before = (str(world.border_title), str(world.border_subtitle), bottom_line(pilot))
         await press(pilot, "y")
-        assert str(world.border_title) == "you are the agent"
+        assert str(world.border_title) == "You are the agent"
         assert str(world.border_subtitle) == "1 study  2 check phone · y: hand back"
         assert bottom_line(pilot) == "1 or 2 act  y hand back  s agent's step  space run  ? help"
         assert world.has_class("-in-hand")
@@ -201,10 +202,10 @@ async def test_a_walk_to_the_goal_is_learned_from(make_app: MakeApp) -> None:
         assert "you chose it" in text
         world = playground(pilot).board.world
         assert world is not None
-        assert str(world.border_title) == "you are the agent · starts at 0"
+        assert str(world.border_title) == "You are the agent · starts at 0"
         again = await press(pilot, "right")
         assert (again.state, again.episode_step) == (1, 1)
-        assert str(world.border_title) == "you are the agent"
+        assert str(world.border_title) == "You are the agent"
 
 
 async def test_the_agent_and_a_person_take_turns(make_app: MakeApp) -> None:
@@ -236,7 +237,7 @@ async def test_pulls_and_cards_by_hand(make_app: MakeApp) -> None:
         world = playground(pilot).board.world
         assert world is not None
         hand = dealt.world.space.state_names[dealt.step_from or 0]
-        assert str(world.border_title) == f"you act · starts at {hand}"
+        assert str(world.border_title) == f"You act · starts at {hand}"
         played = await press(pilot, "1")
         assert played.episodes == 2
         assert played.last is not None
@@ -263,3 +264,32 @@ async def test_the_keys_of_the_mode_fit_into_the_narrowest_screen(plain: bool, m
         await press(pilot, "y")
         dots = "..." if plain else "…"
         assert bottom_line(pilot) == f"arrows or 1{dots}8 act  y hand back  s agent's step  ? help"
+
+
+@pytest.mark.parametrize(("size", "beside"), [((80, 24), False), ((120, 40), True)])
+async def test_the_world_is_in_view_beside_the_microscope_or_in_its_place(
+    size: tuple[int, int], beside: bool, make_app: MakeApp
+) -> None:
+    async with make_app("frozenlake").run_test(size=size) as pilot:
+        await settle(pilot)
+        await press(pilot, "s", "d", "f", "y")
+        board = playground(pilot).board
+        assert board.zoomed is None
+        assert board.shows(WORLD)
+        assert board.dissects is beside
+        assert (await press(pilot, "down")).step == 2
+
+
+async def test_the_key_line_is_drawn_again_only_where_its_keys_change(
+    make_app: MakeApp, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    async with make_app("frozenlake").run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        await press(pilot, "y")
+        line = playground(pilot).query_one(KeyLine)
+        drawn: list[object] = []
+        monkeypatch.setattr(line, "refresh", lambda *regions: drawn.append(regions))
+        await press(pilot, "down", "down")
+        assert not drawn
+        await press(pilot, "y")
+        assert drawn

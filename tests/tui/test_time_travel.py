@@ -15,6 +15,8 @@ from rl_tui.tui.widgets.inspector import Inspector
 from rl_tui.tui.widgets.q_table import QTable
 from rl_tui.tui.widgets.slider import Slider
 from rl_tui.tui.world_views import world_view
+from rl_tui.tui.world_views.arms import ArmsView
+from rl_tui.tui.world_views.arms_scale import NO_SCALE
 from rl_tui.worlds.errors import UserError
 
 Moment = tuple[str, ...]
@@ -196,3 +198,17 @@ async def test_the_timeline_is_dragged_through_time(make_app: MakeApp) -> None:
         await settle(pilot)
         assert bits(snapshot(pilot)) == bits(now)
         assert bar.at == 1_000
+
+
+async def test_a_way_back_keeps_the_axes_and_a_new_start_forgets_them(make_app: MakeApp) -> None:
+    async with make_app("bandit").run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        await train(pilot, 50)
+        arms = playground(pilot).board.world
+        assert isinstance(arms, ArmsView)
+        scale = arms._scale
+        assert scale != NO_SCALE
+        await press(pilot, "B")
+        assert arms._scale == scale
+        await press(pilot, "r")
+        assert arms._scale == NO_SCALE

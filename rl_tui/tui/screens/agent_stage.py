@@ -49,6 +49,10 @@ class AgentStage(Stage):
         """Let every control show what is in force, whatever was tried."""
         raise NotImplementedError
 
+    def bring_into_view(self, panel: str) -> None:
+        """Show ``panel``, whatever stands in its place."""
+        raise NotImplementedError
+
     def action_algorithm(self) -> None:
         """Choose the algorithm."""
         if self.snapshot is not None:

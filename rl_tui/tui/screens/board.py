@@ -144,6 +144,10 @@ class Board(Container):
         self._arrangement.dissected = self.microscope.display = opened
         self.zoom(None)
 
+    def has_room_for(self, panel: str) -> bool:
+        """Tell whether ``panel`` has a place while none is zoomed, beside the microscope if that is open."""
+        return panel in arrangement(self.size, self._arrangement.shape, dissected=self.dissects)
+
     def shows(self, panel: str) -> bool:
         """Tell whether ``panel`` has a place on the screen."""
         return panel in self._arrangement.placed

@@ -67,7 +67,7 @@ class Compare(Dialog[Answer]):
             yield OptionList()
             yield Static(classes="hint", markup=False)
         box.border_title = "Compare"
-        box.border_subtitle = "enter: choose   delete: end lane   esc: close"
+        box.border_subtitle = "enter: choose   del: end lane   esc: close"
 
     def on_mount(self) -> None:
         """Start on the run shown, or on what may be different where there is only one."""
@@ -143,10 +143,12 @@ class Compare(Dialog[Answer]):
         glyphs = self._look.glyphs
         algorithms = max(len(written(BY_ID[lane.algorithm].name, glyphs)) for lane in self._lanes)
         algorithms = max(algorithms, len("algorithm"))
-        room = max(_LEAST_NAME, self._room - len("> 1 ") - 1 - algorithms - 3 * (_NUMBER + 1))
-        name = shortened(written(name, glyphs), room, glyphs.ellipsis)
         right = "".join(f" {each:>{_NUMBER}}" for each in (step, mean, greedy))
-        return f"{mark:<3} {name:<{room}} {written(algorithm, glyphs):<{algorithms}}{right}"
+        room = self._room - len("> 1 ") - len(right)
+        if room - 1 - algorithms >= _LEAST_NAME:  # else the name alone has to tell the lanes apart
+            room -= 1 + algorithms
+            right = f" {written(algorithm, glyphs):<{algorithms}}{right}"
+        return f"{mark:<3} {shortened(written(name, glyphs), room, glyphs.ellipsis):<{room}}{right}"
 
     def _figure(self, value: float | None) -> str:
         if value is None:

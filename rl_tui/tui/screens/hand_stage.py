@@ -68,8 +68,7 @@ class HandStage(AgentStage):
             return
         if snapshot.phase is not Phase.PAUSED:
             self.send(Pause())
-        if self.board.zoomed not in (None, WORLD):
-            self.board.zoom(None)
+        self.bring_into_view(WORLD)
         self._show_mode(True)
         self.board.table.action_follow()
         self.show_hand(snapshot)

@@ -47,9 +47,17 @@ _PANELS: Final = (
     (
         "Timeline",
         "The row below the curve is what was run so far, from step 0 to the end of the branch; the handle is "
-        "the moment that every panel shows. b, B and g go back, and so do the arrows (tab to the row), a "
-        "click or a drag. To play on from there repeats what happened; to change something begins a branch, "
-        "and j goes back to the other. ◆ is a change, ╍ steps taken by hand, ┻ where the branch began.",
+        "the moment that every panel shows. b, B and g go back, and so do a click, a drag and, with the row "
+        "in focus (tab), the arrows, < and > by one step, pgup and pgdn by a tenth. To play on from there "
+        "repeats what happened; to change something begins a branch, and j goes back to the other. ◆ is a "
+        "change, ╍ steps taken by hand, ┻ where the branch began.",
+    ),
+    (
+        "Lanes",
+        "c opens a run beside this one: the same scenario and seed, one thing different; up to four. All "
+        "advance together, and the curves lie over one another. Every other panel shows one lane, which the "
+        "title of the curve names: l goes to the next, and what is changed is changed there only. The layer "
+        "Q−Q₂ of the table is its difference from the first of the others.",
     ),
     (
         "Budget",

@@ -12,10 +12,12 @@ from textual.widgets import OptionList, Static
 from textual.widgets.option_list import Option
 
 from rl_tui.lab.snapshot import Snapshot
+from rl_tui.tui import numbers
 from rl_tui.tui.screens.dialog import Dialog
 from rl_tui.tui.theme.look import Look
 from rl_tui.tui.widgets.journal_text import JournalLine, journal_lines
 from rl_tui.tui.written import written
+from rl_tui.worlds.drawing import Arms
 
 HOW_TO_BRANCH = "To make another branch, go back with b or B and change something."
 NO_CHANGE = "Nothing was changed in this branch."
@@ -35,6 +37,7 @@ class JournalScreen(Dialog[Moment]):
         super().__init__()
         self._look = look
         self._timeline = snapshot.timeline
+        self._unit = "pull" if isinstance(snapshot.world.drawing, Arms) else "step"
         self._lines = [
             journal_lines(branch.journal, snapshot.recipe, snapshot.world, look.glyphs)
             for branch in snapshot.timeline.branches
@@ -101,7 +104,7 @@ class JournalScreen(Dialog[Moment]):
         branches, glyphs = self._timeline.branches, self._look.glyphs
         branch = branches[number]
         in_force = "  (in force)" if number == self._timeline.branch else ""
-        parts = [f"{branch.end:,} steps"]
+        parts = [numbers.counted(branch.end, self._unit)]
         if branch.parent is not None:
             parts.append(f"from {branches[branch.parent].name} at step {branch.fork:,}")
         parts += _how_much(self._lines[number])
@@ -112,6 +115,6 @@ class JournalScreen(Dialog[Moment]):
 def _how_much(lines: list[JournalLine]) -> list[str]:
     """Return how many changes there are, and how many steps by hand: ``2 changes``, ``61 by hand``."""
     changes, by_hand = sum(not line.by_hand for line in lines), sum(line.by_hand for line in lines)
-    settings = [] if not changes else ["1 change"] if changes == 1 else [f"{changes:,} changes"]
+    settings = [numbers.counted(changes, "change")] if changes else []
     steps = [f"{by_hand:,} by hand"] if by_hand else []
     return settings + steps or ["no change"]

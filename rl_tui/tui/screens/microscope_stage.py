@@ -38,6 +38,13 @@ class MicroscopeStage(AgentStage):
             self.set_focus(self._focused_before)
         self._focused_before = None
 
+    def bring_into_view(self, panel: str) -> None:
+        """Show ``panel``: what is zoomed gives way, and the microscope where there is no room for both."""
+        if self.board.zoomed not in (None, panel):
+            self.board.zoom(None)
+        if self.board.dissects and not self.board.has_room_for(panel):
+            self.close_microscope()
+
     def follow_last_update(self) -> None:
         """Tell the history of the pair updated last, as long as there is none yet, or while nothing runs."""
         runs = self.snapshot is not None and self.snapshot.phase is Phase.RUNNING

@@ -210,10 +210,7 @@ class Playground(TimeStage, UntilStage, HandStage, LaneStage, MicroscopeStage, S
         if number > len(sliders):
             self.notify(f"there is no {ORDINALS[number - 1]} slider here")
             return
-        if self.board.zoomed:
-            self.board.zoom(None)
-        if not self.board.shows(CONTROLS):
-            self.close_microscope()
+        self.bring_into_view(CONTROLS)
         sliders[number - 1].focus()
 
     def show_in_force(self) -> None:

@@ -13,8 +13,10 @@ from rl_tui.lab.snapshot import CellHistory
 from rl_tui.tui.canvas import Canvas
 from rl_tui.tui.theme.look import Look
 from rl_tui.tui.widgets import braille
+from rl_tui.tui.widgets.axes import draw_count_axis, draw_value_axis, value_axis_columns
 from rl_tui.tui.widgets.braille import Steps
-from rl_tui.tui.widgets.scale import Scale, round_scale, tick_label, tick_step
+from rl_tui.tui.widgets.chart_plot import Plot
+from rl_tui.tui.widgets.scale import round_range, round_scale
 
 LEAST_HEIGHT: Final = 4
 _LEAST_WIDTH: Final = 16
@@ -35,83 +37,43 @@ def draw_history(cell: CellHistory, exact: float | None, look: Look, width: int,
         *([] if exact is None else [exact]),
         *([float(finite.min()), float(finite.max())] if len(finite) else [0.0]),
     ]
-    scale = round_scale(min(known), max(known))
-    ticks = [tick_label(each, scale.step, look.glyphs) for each in scale.ticks]
-    left = max(3, *map(len, ticks)) + 2
-    plot = _Plot(left, width - left, height - 1, float(max(1, cell.step[-1])), scale)
-    plot.draw_axes(canvas, ticks, look)
+    scale, last = round_scale(min(known), max(known)), float(cell.step[-1])
+    left = 1 + value_axis_columns(scale, look)
+    plot = Plot(left, width - left, height - 1, round_range(last, 1.0), scale)
+    draw_value_axis(canvas, plot, look)
+    draw_count_axis(canvas, plot, plot.right, plot.columns // _TICK_COLUMNS, _UNIT, look)
     if exact is not None:
-        plot.draw_level(canvas, exact, look)
-    plot.draw_line(canvas, cell, look)
+        dots = look.glyphs.level if look.glyphs.braille else f"{look.glyphs.level} "
+        canvas.put(plot.left, plot.row(exact), (dots * plot.columns)[: plot.columns], look.palette.optimum)
+    _draw_line(canvas, plot, cell, look)
     return canvas.strips()
 
 
-class _Plot:
-    """Where the curve is: from column ``left``, ``columns`` × ``rows`` cells, steps 0 .. ``right``."""
+def _draw_line(canvas: Canvas, plot: Plot, cell: CellHistory, look: Look) -> None:
+    """Draw the estimate over what is there."""
+    codes = _braille(plot, cell) if look.glyphs.braille else _ascii(plot, cell)
+    blank = braille.BLANK if look.glyphs.braille else ord(" ")
+    for row, line in enumerate(codes.tolist()):
+        start = 0
+        for is_blank, cells in groupby(line, blank.__eq__):
+            text = "".join(map(chr, cells))
+            if not is_blank:
+                canvas.put(plot.left + start, row, text, look.palette.episodes)
+            start += len(text)
 
-    def __init__(self, left: int, columns: int, rows: int, right: float, scale: Scale) -> None:
-        self.left = left
-        self.columns = columns
-        self.rows = rows
-        self.right = right
-        self.scale = scale
 
-    def row(self, value: float) -> int:
-        """Return the row of ``value``, placed as dots are."""
-        last = self.rows * braille.DOTS_DOWN - 1
-        share = (self.scale.high - value) / (self.scale.high - self.scale.low)
-        return min(max(round(share * last), 0), last) // braille.DOTS_DOWN
+def _dots(plot: Plot, cell: CellHistory, columns: int, rows: int) -> npt.NDArray[np.bool_]:
+    start = cell.step.astype(np.float64)
+    line = Steps(start, np.append(start[1:], start[-1]), cell.value, cell.value)
+    return braille.dots_of(braille.joined(plot.span(line, columns, rows)), rows)
 
-    def draw_axes(self, canvas: Canvas, ticks: list[str], look: Look) -> None:
-        """Draw both axes: values at the left, steps below."""
-        glyphs, style = look.glyphs, look.palette.dim
-        axis = self.left - 1
-        for row in range(self.rows):
-            canvas.put(axis, row, glyphs.axis_vertical, style)
-        for value, text in zip(self.scale.ticks, ticks, strict=True):
-            canvas.put(axis - len(text), self.row(value), text, style)
-            canvas.put(axis, self.row(value), glyphs.axis_tick, style)
-        canvas.put(axis, self.rows, glyphs.axis_corner + glyphs.axis_horizontal * self.columns, style)
-        canvas.put(self.left + self.columns - len(_UNIT), self.rows, _UNIT, style)
-        step = tick_step(self.right, self.columns // _TICK_COLUMNS)
-        free, end = 0, self.columns - len(_UNIT) - 1
-        for number in range(int(self.right / step) + 1):
-            text = tick_label(number * step, step, glyphs)
-            start = max(0, int(number * step / self.right * self.columns) - len(text) // 2)
-            if free <= start and start + len(text) <= end:
-                canvas.put(self.left + start, self.rows, text, style)
-                free = start + len(text) + 2
 
-    def draw_level(self, canvas: Canvas, exact: float, look: Look) -> None:
-        """Draw the line of the exact value."""
-        dots = look.glyphs.level if look.glyphs.braille else f"{look.glyphs.level} "
-        text = (dots * self.columns)[: self.columns]
-        canvas.put(self.left, self.row(exact), text, look.palette.optimum)
+def _braille(plot: Plot, cell: CellHistory) -> npt.NDArray[np.int64]:
+    dots = _dots(plot, cell, plot.columns * braille.DOTS_ACROSS, plot.rows * braille.DOTS_DOWN)
+    return braille.braille_codes(dots)
 
-    def draw_line(self, canvas: Canvas, cell: CellHistory, look: Look) -> None:
-        """Draw the estimate over what is there."""
-        codes = self._dots(cell) if look.glyphs.braille else self._characters(cell)
-        blank = braille.BLANK if look.glyphs.braille else ord(" ")
-        for row, line in enumerate(codes.tolist()):
-            start = 0
-            for is_blank, cells in groupby(line, blank.__eq__):
-                text = "".join(map(chr, cells))
-                if not is_blank:
-                    canvas.put(self.left + start, row, text, look.palette.episodes)
-                start += len(text)
 
-    def _span(self, cell: CellHistory, columns: int, rows: int) -> npt.NDArray[np.bool_]:
-        start = cell.step.astype(np.float64)
-        end = np.append(start[1:], self.right)
-        low, high = braille.decimated(Steps(start, end, cell.value, cell.value), self.right, columns)
-        line = braille.joined(braille.span(low, high, self.scale.low, self.scale.high, rows))
-        return braille.dots_of(line, rows)
-
-    def _dots(self, cell: CellHistory) -> npt.NDArray[np.int64]:
-        dots = self._span(cell, self.columns * braille.DOTS_ACROSS, self.rows * braille.DOTS_DOWN)
-        return braille.braille_codes(dots)
-
-    def _characters(self, cell: CellHistory) -> npt.NDArray[np.int64]:
-        """Return ``'`` ``.`` ``:`` for the upper and lower half of each cell of the line."""
-        dots = self._span(cell, self.columns, self.rows * 2).astype(np.int64)
-        return np.asarray(np.array([ord(" "), ord("'"), ord("."), ord(":")])[dots[::2] + 2 * dots[1::2]])
+def _ascii(plot: Plot, cell: CellHistory) -> npt.NDArray[np.int64]:
+    """Return ``'`` ``.`` ``:`` for the upper and lower half of each cell of the line."""
+    dots = _dots(plot, cell, plot.columns, plot.rows * 2).astype(np.int64)
+    return np.asarray(np.array([ord(" "), ord("'"), ord("."), ord(":")])[dots[::2] + 2 * dots[1::2]])

@@ -14,13 +14,14 @@ from textual.strip import Strip
 from rl_tui.tui.canvas import Canvas, shortened
 from rl_tui.tui.theme.look import Look
 from rl_tui.tui.widgets import braille
+from rl_tui.tui.widgets.axes import draw_count_axis, draw_value_axis, value_axis_columns
 from rl_tui.tui.widgets.chart_lanes import lane_cells
 from rl_tui.tui.widgets.chart_plot import Plot
 from rl_tui.tui.widgets.curve_data import CurveData
 from rl_tui.tui.widgets.curve_lanes import lane_columns, lane_labels
 from rl_tui.tui.widgets.curve_text import Label, barren_words, empty_words, label_columns, labels
 from rl_tui.tui.widgets.pieces import wrapped
-from rl_tui.tui.widgets.scale import Scale, round_range, tick_label, tick_step
+from rl_tui.tui.widgets.scale import Scale, round_range
 
 LEAST_WIDTH: Final = 14
 LEAST_HEIGHT: Final = 3
@@ -32,8 +33,7 @@ _NOTHING, _LEVEL, _BAND, _EPISODES, _GREEDY = range(5)
 
 def plot_columns(scale: Scale, look: Look, width: int) -> int:
     """Return how many of ``width`` columns are right of the vertical axis and its labels."""
-    ticks = (tick_label(each, scale.step, look.glyphs) for each in scale.ticks)
-    return width - 1 - max(3, *(len(tick) for tick in ticks))
+    return width - value_axis_columns(scale, look)
 
 
 def draw_chart(
@@ -44,12 +44,11 @@ def draw_chart(
     columns_of, labels_of = (lane_columns, lane_labels) if data.lanes else (label_columns, labels)
     if width < LEAST_WIDTH or height < LEAST_HEIGHT:
         return _figures_only(canvas, labels_of(data, look, decimals, width), look)
-    ticks = [tick_label(each, scale.step, look.glyphs) for each in scale.ticks]
     columns = plot_columns(scale, look, width)
     reserved = min(columns_of(data, look, columns), columns - 2)
     right = round_range(data.furthest, (columns - reserved) / columns, data.limit)
     plot = Plot(width - columns, columns, height - 1, right, scale)
-    _draw_value_axis(canvas, plot, ticks, look)
+    draw_value_axis(canvas, plot, look)
     _draw_episode_axis(canvas, plot, data, look)
     if data.furthest:
         _draw_lines(canvas, plot, data, look)
@@ -63,35 +62,14 @@ def _figures_only(canvas: Canvas, names: Sequence[Label], look: Look) -> list[St
     return canvas.strips()
 
 
-def _draw_value_axis(canvas: Canvas, plot: Plot, ticks: Sequence[str], look: Look) -> None:
-    glyphs, style = look.glyphs, look.palette.dim
-    axis = plot.left - 1
-    for row in range(plot.rows):
-        canvas.put(axis, row, glyphs.axis_vertical, style)
-    for value, text in zip(plot.scale.ticks, ticks, strict=True):
-        row = plot.row(value)
-        canvas.put(axis - len(text), row, text, style)
-        canvas.put(axis, row, glyphs.axis_tick, style)
-
-
 def _draw_episode_axis(canvas: Canvas, plot: Plot, data: CurveData, look: Look) -> None:
     """Draw the axis with its labels, none beyond the last episode there can be."""
-    glyphs, style = look.glyphs, look.palette.dim
-    canvas.put(plot.left - 1, plot.rows, glyphs.axis_corner + glyphs.axis_horizontal * plot.columns, style)
     if data.has_both_units:
-        name = " ep, sweep"
+        unit = " ep, sweep"
     else:
-        name = " ep" if data.unit == "episode" and plot.columns < _UNIT_ROOM else f" {data.unit}"
-    canvas.put(plot.left + plot.columns - len(name), plot.rows, name, style)
+        unit = " ep" if data.unit == "episode" and plot.columns < _UNIT_ROOM else f" {data.unit}"
     last = plot.right if data.limit is None else min(plot.right, data.limit)
-    step = tick_step(last, plot.column(last) // _TICK_COLUMNS)
-    free, end = 0, plot.columns - len(name) - 1
-    for number in range(int(last / step) + 1):
-        text = tick_label(number * step, step, glyphs)
-        start = max(0, plot.column(number * step) - len(text) // 2)
-        if start >= free and start + len(text) <= end:
-            canvas.put(plot.left + start, plot.rows, text, style)
-            free = start + len(text) + 2
+    draw_count_axis(canvas, plot, last, plot.column(last) // _TICK_COLUMNS, unit, look)
 
 
 def _draw_lines(canvas: Canvas, plot: Plot, data: CurveData, look: Look) -> None:

@@ -12,6 +12,7 @@ from rich.text import Text
 
 from rl_tui.agents.catalogue import BY_ID
 from rl_tui.agents.hyperparameters import PARAMETERS
+from rl_tui.tui import numbers
 from rl_tui.tui.theme.look import Look
 from rl_tui.tui.widgets.pieces import KEPT_BLANK, wrapped
 from rl_tui.tui.written import separated, written
@@ -42,9 +43,9 @@ def sizes(world: World | UserError | None) -> str:
         return f"unknown: {world}"
     mdp = world.space
     parts = [
-        _count(mdp.states, "state"),
-        _count(len(mdp.action_names), "action"),
-        _count(mdp.pairs, "pair"),
+        numbers.counted(mdp.states, "state"),
+        numbers.counted(len(mdp.action_names), "action"),
+        numbers.counted(mdp.pairs, "pair"),
     ]
     if world.budget is not None:
         parts.append(f"budget {world.budget:,}")
@@ -64,7 +65,7 @@ def defaults(values: Mapping[str, object]) -> str:
             parts.append(f"{PARAMETERS[name].symbol} {shown}")
         else:
             singular = name.removesuffix("s")  # what is counted has a plural as its name: episodes
-            parts.append(_count(value, singular) if isinstance(value, int) else f"{name} {value}")
+            parts.append(numbers.counted(value, singular) if isinstance(value, int) else f"{name} {value}")
     return _DOT.join(parts) or "those of the program"
 
 
@@ -92,7 +93,3 @@ def faults_text(error: ScenarioError, look: Look) -> Text:
     for fault in error.faults:
         text.append(written(f"\n{fault}\n", look.glyphs), look.palette.bad)
     return text
-
-
-def _count(number: int, noun: str) -> str:
-    return f"{number:,} {noun}{'' if number == 1 else 's'}"

@@ -78,8 +78,9 @@ class KeyLine(Widget):
 
     @hints.setter
     def hints(self, hints: tuple[tuple[str, str], ...]) -> None:
-        self._hints = hints
-        self.refresh()
+        if hints != self._hints:
+            self._hints = hints
+            self.refresh()
 
     def render_line(self, y: int) -> Strip:
         """Draw the line."""

@@ -124,4 +124,4 @@ def _keys(*, is_scrolled: bool) -> list[str]:
     close = "d: close"
     if not is_scrolled:
         return [close]
-    return [f"↑ ↓ pgup pgdn: more   {close}", f"↑ ↓: more   {close}", close]
+    return [f"↑ ↓ pgup pgdn: more · {close}", f"↑ ↓: more · {close}", close]

@@ -41,17 +41,17 @@ def model_lines(snapshot: Snapshot, look: Look, width: int, *, revealed: bool) -
     actors = f", {space.states - len(others)} with actions" if len(others) else ""
     room = width - _LABEL - 1
     actions = _actions(snapshot, look)
-    pairs = f"{_count(space.pairs, 'legal pair')} (s, a)"
+    pairs = f"{numbers.counted(space.pairs, 'legal pair')} (s, a)"
     if mdp is None:
         chances, rewards, start = f"{UNKNOWN}; {pairs}", UNKNOWN, "drawn by the environment"
         end = "where the environment says so" + _time_limit(space)
     else:
-        chances = f"{pairs}, {_count(len(mdp.next_state), 'outcome')}"
+        chances = f"{pairs}, {numbers.counted(len(mdp.next_state), 'outcome')}"
         rewards = _rewards(snapshot, mdp, look, revealed=revealed)
         start, end = _start(snapshot.world, mdp, look, room), _end(snapshot.world, mdp, look, room)
     parts = [
-        ("S", f"{_count(space.states, 'state')}{actors}: {_listed(space.state_names, room, look)}"),
-        ("A", f"{_count(len(actions), 'action')}: {_listed(actions, room, look)}"),
+        ("S", f"{numbers.counted(space.states, 'state')}{actors}: {_listed(space.state_names, room, look)}"),
+        ("A", f"{numbers.counted(len(actions), 'action')}: {_listed(actions, room, look)}"),
         ("P", chances),
         ("R", rewards),
         ("γ", setting(snapshot.hyperparameters.gamma, look.glyphs)),
@@ -95,7 +95,7 @@ def pair_lines(snapshot: Snapshot, pair: int, look: Look, width: int, *, reveale
     estimate: Line = [
         Piece(f" learned Q({names.pair_name(world, pair, glyphs)}) = ", palette.dim),
         Piece(learned, palette.text),
-        Piece(f", taken {taken:,} time{'' if taken == 1 else 's'}" if taken else "", palette.dim),
+        Piece(f", taken {numbers.counted(taken, 'time')}" if taken else "", palette.dim),
     ]
     unknown: Line = [Piece(f"   {UNKNOWN}", palette.dim)]
     mdp = world.mdp
@@ -195,7 +195,3 @@ def _labelled(label: str, text: str, look: Look, width: int) -> list[Line]:
     for number, line in enumerate(wrapped(text, max(1, width - _LABEL - 1), palette.text, look)):
         lines.append([Piece(f" {spelled if number == 0 else '':<{_LABEL}}", palette.accent), *line])
     return lines
-
-
-def _count(number: int, noun: str) -> str:
-    return f"{number:,} {noun}{'' if number == 1 else 's'}"

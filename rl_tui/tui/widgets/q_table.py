@@ -12,6 +12,7 @@ from textual.strip import Strip
 
 from rl_tui.lab.snapshot import Snapshot
 from rl_tui.lab.windows import Stretch, followed_state, is_large
+from rl_tui.tui import numbers
 from rl_tui.tui.pointing import NOWHERE, Pointed
 from rl_tui.tui.scrolling import Scrolled
 from rl_tui.tui.theme.look import Look
@@ -357,5 +358,5 @@ def _followed(snapshot: Snapshot) -> int:
 def _size_in_words(scene: Scene, form: Form) -> str:
     if isinstance(form, ListForm):
         noun = "arm" if scene.world.is_bandit else "pair"
-        return f"{form.entries:,} {noun}{'' if form.entries == 1 else 's'}"
+        return numbers.counted(form.entries, noun)
     return f"{form.entries:,} states × {len(scene.world.action_names)}"

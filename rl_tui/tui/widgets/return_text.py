@@ -20,6 +20,7 @@ HEADING: Final = "The return so far"
 ROWS: Final = 3
 MEANING: Final = "Gₜ = Rₜ₊₁ + γ Rₜ₊₂ + γ² Rₜ₊₃ + …"
 PLANNER: Final = "a planner takes no steps: nothing is earned"
+_LEFT_OUT: Final = "…"
 _SUPERSCRIPTS: Final = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
 _TOLERANCE: Final = 1e-6
 
@@ -89,12 +90,12 @@ def terms_of(rewards: Sequence[float], steps: int, gamma: float, look: Look, roo
         whole = _joined([_term(rewards, skipped, place, gamma, look) for place in range(min(steps, room))])
         if steps <= room and _fits(whole, room, look):
             return whole
-    best = look.glyphs.ellipsis
+    best = _LEFT_OUT
     for count in range(1, len(rewards)):
         ahead = 0 if skipped else count // 2
         first = [_term(rewards, skipped, place, gamma, look) for place in range(ahead)]
         end = [_term(rewards, skipped, steps - back, gamma, look) for back in range(count - ahead, 0, -1)]
-        shown = _joined([*first, look.glyphs.ellipsis, *end])
+        shown = _joined([*first, _LEFT_OUT, *end])
         if not _fits(shown, room, look):
             break
         best = shown

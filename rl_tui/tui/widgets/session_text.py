@@ -114,7 +114,7 @@ def long_age(age: timedelta) -> str:
     for length, word in ((_DAY, "day"), (_HOUR, "hour"), (_MINUTE, "minute")):
         count = seconds // length
         if count >= 1:
-            return f"{count:,} {word}{'' if count == 1 else 's'} ago"
+            return f"{numbers.counted(count, word)} ago"
     return "less than a minute ago"
 
 

@@ -8,10 +8,10 @@ from textual import events
 from textual.binding import Binding, BindingType
 from textual.message import Message
 from textual.strip import Strip
-from textual.widget import Widget
 
 from rl_tui.agents.hyperparameters import PARAMETERS, Hyperparameters, Parameter
 from rl_tui.tui.theme.look import Look
+from rl_tui.tui.widgets.draggable import Draggable
 from rl_tui.tui.widgets.slider_picture import SliderState, slider_form, slider_strip
 from rl_tui.tui.widgets.slider_scale import Scale, parsed, scale_of
 
@@ -20,7 +20,7 @@ _LONGEST_TYPED: Final = 14
 _LEAVE_TYPING: Final = frozenset({"tab", "shift+tab"})
 
 
-class Slider(Widget, can_focus=True):
+class Slider(Draggable, can_focus=True):
     """Shows and sets the value of ``parameter``, which needs a finite range (ValueError otherwise).
 
     ``value`` is a number, or one of the parameter's words (sample-average). Changed is posted for what the
@@ -102,7 +102,6 @@ class Slider(Widget, can_focus=True):
         self._number = _first_number(parameter, self.scale, value)
         self._typed: str | None = None
         self._refused = False
-        self._dragged = False
 
     @property
     def value(self) -> float | str:
@@ -206,24 +205,7 @@ class Slider(Widget, can_focus=True):
         self._type(None)
         start, cells = self._track()
         if start <= offset.x < start + cells:
-            self._dragged = True
-            self.capture_mouse()
-            self._set_from_column(offset.x)
-
-    def on_mouse_move(self, event: events.MouseMove) -> None:
-        """Follow the pointer while the thumb is held, past the ends too."""
-        if self._dragged:
-            self._set_from_column(event.get_content_offset_capture(self).x)
-
-    def on_mouse_up(self) -> None:
-        """Let the thumb go."""
-        if self._dragged:
-            self._dragged = False
-            self.release_mouse()
-
-    def on_mouse_release(self) -> None:
-        """Let the thumb go where somebody else took the mouse."""
-        self._dragged = False
+            self.take_hold(offset.x)
 
     def on_mouse_scroll_up(self, event: events.MouseScrollUp) -> None:
         """One step more."""
@@ -240,9 +222,10 @@ class Slider(Widget, can_focus=True):
         form = slider_form(self.parameter, plain, self.look.glyphs, self.size.width)
         return form.start, form.cells
 
-    def _set_from_column(self, x: int) -> None:
+    def drag_to(self, column: int) -> None:
+        """Set the value that belongs to ``column``."""
         start, cells = self._track()
-        self._set(self.scale.at_cell(x - start, cells))
+        self._set(self.scale.at_cell(column - start, cells))
 
     def _moved(self, by: float) -> float:
         return self._number if isinstance(self._value, str) else self.scale.moved(self._value, by)

@@ -11,6 +11,7 @@ from textual.strip import Strip
 
 from rl_tui.lab.snapshot import Phase, Snapshot, Timeline
 from rl_tui.tui.theme.look import Look
+from rl_tui.tui.widgets.draggable import Draggable
 from rl_tui.tui.widgets.panel import Panel
 from rl_tui.tui.widgets.timeline_picture import (
     TimelineForm,
@@ -23,14 +24,14 @@ from rl_tui.tui.written import written
 from rl_tui.worlds.drawing import Arms
 
 HINTS: Final = (
-    "← →: move   < >: one step   pgup pgdn: a tenth",
-    "← →: move   pgup pgdn: a tenth",
+    "← →: move · < >: one step · pgup pgdn: a tenth",
+    "← →: move · pgup pgdn: a tenth",
     "← →: move",
 )
 _STEP, _CELL, _TENTH = "step", "cell", "tenth"
 
 
-class TimelineBar(Panel, can_focus=True):
+class TimelineBar(Draggable, Panel, can_focus=True):
     """Shows the branch in force from step 0 to its end; keys, click and drag ask for another moment.
 
     The handle goes at once to where it is asked for, and stays there until the run has come to it.
@@ -92,7 +93,6 @@ class TimelineBar(Panel, can_focus=True):
             glyphs,
         )
         self._sought: int | None = None
-        self._dragged = False
 
     @property
     def at(self) -> int:
@@ -146,24 +146,12 @@ class TimelineBar(Panel, can_focus=True):
         offset = event.get_content_offset(self)
         if event.button != 1 or offset is None or offset.x < self._form.track.start:
             return
-        self._dragged = True
-        self.capture_mouse()
-        self._seek_column(offset.x)
+        self.take_hold(offset.x)
 
-    def on_mouse_move(self, event: events.MouseMove) -> None:
-        """Follow the pointer while the handle is held, past the ends too."""
-        if self._dragged:
-            self._seek_column(event.get_content_offset_capture(self).x)
-
-    def on_mouse_up(self) -> None:
-        """Let the handle go."""
-        if self._dragged:
-            self._dragged = False
-            self.release_mouse()
-
-    def on_mouse_release(self) -> None:
-        """Let the handle go where somebody else took the mouse."""
-        self._dragged = False
+    def drag_to(self, column: int) -> None:
+        """Ask for the moment that belongs to ``column``."""
+        track: Track = self._form.track
+        self._seek(track.step_at(column - track.start))
 
     @property
     def _timeline(self) -> Timeline:
@@ -176,10 +164,6 @@ class TimelineBar(Panel, can_focus=True):
     def _at(self, timeline: Timeline) -> int:
         branch = timeline.current
         return branch.here if self._sought is None else min(self._sought, branch.end)
-
-    def _seek_column(self, column: int) -> None:
-        track: Track = self._form.track
-        self._seek(track.step_at(column - track.start))
 
     def _seek(self, step: int) -> None:
         step = min(max(step, 0), self._timeline.current.end)

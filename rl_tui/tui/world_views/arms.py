@@ -14,6 +14,7 @@ from rl_tui.lab.snapshot import Snapshot
 from rl_tui.tui.same_run import is_another_run
 from rl_tui.tui.scrolling import scrolled_to
 from rl_tui.tui.theme.look import Look
+from rl_tui.tui.widgets.breakpoint_text import pair_in_words
 from rl_tui.tui.world_views.arms_drawing import Arm, draw_arms, names_width, rows_an_arm, true_mean_glyph
 from rl_tui.tui.world_views.arms_scale import NO_SCALE, Scale, bound_text, grown, shown_scale
 from rl_tui.tui.world_views.view import WorldView
@@ -97,6 +98,10 @@ class ArmsView(WorldView):
     def state_at(self, place: int) -> int | None:
         """Return nothing: an arm is a pair."""
         return None
+
+    def name_at(self, place: int) -> str:
+        """Return which arm it is."""
+        return pair_in_words(self.world, place, self.look.glyphs)
 
     def pairs_at(self, place: int) -> range:
         """Return the pair that an arm is."""

@@ -122,6 +122,11 @@ class WorldView(Panel, can_focus=True):
         """Return the state at ``place``, None where there is none."""
         return place
 
+    def name_at(self, place: int) -> str:
+        """Return what stands at ``place``, empty where nothing does that has a name."""
+        state = self.state_at(place)
+        return "" if state is None else f"state {state_name(self.world, state, self.look.glyphs)}"
+
     def pairs_at(self, place: int) -> range:
         """Return the pairs that ``place`` is about."""
         state = self.state_at(place)
@@ -194,10 +199,9 @@ class WorldView(Panel, can_focus=True):
         """Return where the cursor stands and what may be done there, the longest form first."""
         if self.cursor is None:
             return "arrows: cursor · k: breakpoint", "arrows: cursor"
-        state = self.state_at(self.cursor)
-        if state is None:
+        name = self.name_at(self.cursor)
+        if not name:
             return "esc: back to the agent", "esc: back"
-        name = f"state {state_name(self.world, state, self.look.glyphs)}"
         return f"{name} · k: breakpoint · esc: back", f"{name} · esc: back", name
 
     def drawing(self, snapshot: Snapshot, width: int, height: int) -> list[Strip]:
