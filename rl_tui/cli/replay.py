@@ -83,6 +83,6 @@ def _report(stored: StoredSession, target: Whereto, run: Run, figures: dict[str,
     if lanes > 1:
         parts.append(f"lane {target.number + 1} of {lanes}")
     if len(target.lane.branches) > 1:
-        parts.append(f"branch {target.branch.name} of {len(target.lane.branches)}")
+        parts.append(f"{target.branch.name} of {len(target.lane.branches)}")
     parts.append(f"at step {run.step:,}")
     return "\n".join([", ".join(parts), "", one_run(run, figures)])

@@ -106,7 +106,7 @@ async def test_it_lists_the_lanes_and_what_may_be_different(
         assert listed[2].startswith("▸ 2 α 0.5 ")
         assert listed[3].split()[:3] == ["3", "SARSA", "SARSA"]
         assert "Another lane, the same but for" in listed
-        assert next(row for row in listed if row.startswith("  α ")).split() == ["α", "0.5", "here"]
+        assert next(row for row in listed if row.startswith("  α ")).split() == ["α", "instead", "of", "0.5"]
         assert app.screen.query_one(OptionList).highlighted == 2
         await pilot.press("up", "enter")
         assert sent == [ChooseLane(0)]
@@ -183,7 +183,7 @@ async def test_four_lanes_are_the_most(make_app: MakeApp, monkeypatch: pytest.Mo
         await beside(pilot, 4, monkeypatch)
         await pilot.press("c")
         assert rows(pilot)[-1] == "Four lanes are the most: end one to open another."
-        assert not any("here" in row for row in rows(pilot))
+        assert not any("instead of" in row for row in rows(pilot))
         await pilot.resize_terminal(120, 40)
         assert "softmax, τ 0.3" in rows(pilot)[4]
 

@@ -53,23 +53,23 @@ def test_a_slider_that_was_dragged_is_one_change() -> None:
 
 def test_steps_by_hand_in_a_row_are_one_line() -> None:
     assert words(JournalEntry(3_300, TakeAction(0)), *HANDS, JournalEntry(3_500, TakeAction(2))) == [
-        "step 3,300: by hand ←",
-        "steps 3,400–3,460: 61 by hand",
-        "step 3,500: by hand →",
+        "step 3,301: by hand ←",
+        "steps 3,401–3,461: 61 by hand",
+        "step 3,501: by hand →",
     ]
     between = JournalEntry(3_461, SetParameter("alpha", 0.5))
     assert words(*HANDS, between, JournalEntry(3_461, TakeAction(0))) == [
-        "steps 3,400–3,460: 61 by hand",
+        "steps 3,401–3,461: 61 by hand",
         "step 3,461: α 0.1 → 0.5",
-        "step 3,461: by hand ←",
+        "step 3,462: by hand ←",
     ]
-    assert words(JournalEntry(1, TakeAction(0)), of=student()) == ["step 1: by hand study"]
+    assert words(JournalEntry(1, TakeAction(0)), of=student()) == ["step 2: by hand study"]
 
 
 def test_ascii() -> None:
     lines = words(JournalEntry(7, SetParameter("alpha", 0.5)), *HANDS, glyphs=ASCII)
     assert lines[0] == "step 7: alpha 0.1 -> 0.5"
-    assert lines[1] == "steps 3,400-3,460: 61 by hand"
+    assert lines[1] == "steps 3,401-3,461: 61 by hand"
     assert all(line.isascii() for line in lines)
 
 
@@ -111,13 +111,13 @@ async def test_the_branches_are_told_apart() -> None:
     async with app.run_test(size=(80, 24)) as pilot:
         branches = app.screen.query_one("#branches", OptionList)
         first, second = (str(each.prompt).splitlines() for each in branches.options)
-        assert first == ["branch 1", "10,000 steps, 2 changes"]
+        assert first == ["branch 1", "to step 10,000, 2 changes"]
         assert second == [
             "branch 2  (in force)",
-            "5,001 steps, from branch 1 at step 1,200, 1 change, 61 by hand",
+            "to step 5,001, from branch 1 at step 1,200, 1 change, 61 by hand",
         ]
         assert branches.highlighted == 1
-        assert app.entries == ["step 1,200: α 0.1 → 0.3", "steps 3,400–3,460: 61 by hand"]
+        assert app.entries == ["step 1,200: α 0.1 → 0.3", "steps 3,401–3,461: 61 by hand"]
         await pilot.press("up")
         assert app.entries == ["step 1,200: α 0.1 → 0.5", "step 3,000: Q-learning → SARSA"]
         assert "Changes in branch 1:" in app.texts
@@ -146,12 +146,15 @@ async def test_steps_by_hand_are_counted_apart() -> None:
     app = Bench(Timeline((Branch("branch 1", HANDS, end=4_000, here=4_000),)))
     async with app.run_test(size=(80, 24)):
         (only,) = app.screen.query_one("#branches", OptionList).options
-        assert str(only.prompt).splitlines()[1] == "4,000 steps, 61 by hand"
+        assert str(only.prompt).splitlines()[1] == "to step 4,000, 61 by hand"
 
 
-async def test_one_step_is_no_plural_and_a_bandit_has_pulls() -> None:
+async def test_a_bandit_has_pulls() -> None:
     timeline = Timeline((Branch("branch 1", end=1, here=1),))
-    for snapshot, told in ((lake(timeline=timeline), "1 step"), (bandit(1, timeline=timeline), "1 pull")):
+    for snapshot, told in (
+        (lake(timeline=timeline), "to step 1"),
+        (bandit(1, timeline=timeline), "to pull 1"),
+    ):
         app = Bench(timeline, snapshot)
         async with app.run_test(size=(80, 24)):
             (only,) = app.screen.query_one("#branches", OptionList).options

@@ -163,14 +163,14 @@ class Compare(Dialog[Answer]):
     def _entry(self, name: str, columns: int) -> Text:
         values = self._recipe.hyperparameters
         if name == ALGORITHM:
-            here = BY_ID[self._recipe.algorithm].name
+            now = BY_ID[self._recipe.algorithm].name
         elif name == "policy":
-            here = RULE_BY_ID[values.policy].name
+            now = RULE_BY_ID[values.policy].name
         else:
-            here = option_text(values.value(name))
+            now = option_text(values.value(name))
         glyphs = self._look.glyphs
         text = Text(f"  {self._symbol(name):<{columns}} ")
-        return text.append(written(f"{here} here", glyphs), "dim")
+        return text.append(written(f"instead of {now}", glyphs), "dim")
 
     @property
     def _room(self) -> int:

@@ -57,14 +57,14 @@ class HandStage(AgentStage):
         """Take over, or hand back."""
         if self.in_hand:
             self.hand_back()
-            self.notify("the agent acts again")
+            self.tell("the agent acts again")
             return
         snapshot = self.snapshot
         if snapshot is None or snapshot.phase is Phase.PREPARING:
             return
         refused = _refused(snapshot)
         if refused:
-            self.notify(refused, markup=False)
+            self.tell(refused)
             return
         if snapshot.phase is not Phase.PAUSED:
             self.send(Pause())
@@ -75,7 +75,7 @@ class HandStage(AgentStage):
         if self.board.world is not None:
             self.board.world.action_follow()
         text = f"you are the agent: act with {told_keys(snapshot)}; y hands back"
-        self.notify(written(text, self.look.glyphs))
+        self.tell(written(text, self.look.glyphs))
 
     def action_let_go(self) -> None:
         """Hand back."""
@@ -98,7 +98,7 @@ class HandStage(AgentStage):
         refused = _refused(snapshot)
         if refused:
             self.hand_back()
-            self.notify(refused, markup=False)
+            self.tell(refused)
         elif self.board.world is not None:
             self.board.world.title = title(snapshot, self.look.glyphs)
             self.board.world.prompt = prompts(snapshot, self.look.glyphs)

@@ -104,9 +104,9 @@ class JournalScreen(Dialog[Moment]):
         branches, glyphs = self._timeline.branches, self._look.glyphs
         branch = branches[number]
         in_force = "  (in force)" if number == self._timeline.branch else ""
-        parts = [numbers.counted(branch.end, self._unit)]
+        parts = [f"to {self._unit} {branch.end:,}"]
         if branch.parent is not None:
-            parts.append(f"from {branches[branch.parent].name} at step {branch.fork:,}")
+            parts.append(f"from {branches[branch.parent].name} at {self._unit} {branch.fork:,}")
         parts += _how_much(self._lines[number])
         text = Text(f"{branch.name}{in_force}", "bold")
         return text.append(f"\n{written(', '.join(parts), glyphs)}", "not bold")

@@ -36,7 +36,7 @@ class LaneStage(AgentStage):
         """Show the next lane."""
         snapshot = self.snapshot
         if snapshot is None or not snapshot.lanes:
-            self.notify("there is one run only; c opens a second one beside it")
+            self.tell("there is one run only; c opens a second one beside it")
             return
         self._show_lane((snapshot.lane + 1) % len(snapshot.lanes))
 

@@ -159,9 +159,9 @@ class Playground(TimeStage, UntilStage, HandStage, LaneStage, MicroscopeStage, S
         """Run, or pause."""
         phase = self.snapshot.phase if self.snapshot else Phase.PREPARING
         if phase is Phase.SPENT:
-            self.notify("the budget is spent; r starts again")
+            self.tell("the budget is spent; r starts again")
         elif phase is Phase.DONE and self.snapshot:
-            self.notify(f"{self.snapshot.message}; another γ goes on, r starts again", markup=False)
+            self.tell(f"{self.snapshot.message}; another γ goes on, r starts again")
         elif phase is Phase.STOPPED and self.snapshot:
             self.notify(f"{self.snapshot.message}; r starts again", severity="error", markup=False)
         else:
@@ -189,6 +189,8 @@ class Playground(TimeStage, UntilStage, HandStage, LaneStage, MicroscopeStage, S
 
     def action_reset(self) -> None:
         """Start again with the settings in force and the same seed."""
+        if self.snapshot is not None and self.snapshot.timeline.current.end:
+            self.tell("the run starts again; the one until now is kept in the catalogue")
         self.restart(self.recipe)
 
     def restart(self, recipe: Recipe) -> None:
@@ -208,7 +210,7 @@ class Playground(TimeStage, UntilStage, HandStage, LaneStage, MicroscopeStage, S
         """Put the focus on a slider, counted from 1; say so if there are not so many."""
         sliders = list(self.board.controls.query(Slider))
         if number > len(sliders):
-            self.notify(f"there is no {ORDINALS[number - 1]} slider here")
+            self.tell(f"there is no {ORDINALS[number - 1]} slider here")
             return
         self.bring_into_view(CONTROLS)
         sliders[number - 1].focus()
@@ -232,7 +234,7 @@ class Playground(TimeStage, UntilStage, HandStage, LaneStage, MicroscopeStage, S
     def action_reveal(self) -> None:
         """Show or hide what a bandit keeps secret."""
         if self.snapshot is None or not isinstance(self.snapshot.world.drawing, Arms):
-            self.notify("nothing is hidden here; h is for bandits, whose true means it shows")
+            self.tell("nothing is hidden here; h is for bandits, whose true means it shows")
             return
         self._revealed = not self._revealed
         self._draw(self.snapshot)
@@ -274,7 +276,7 @@ class Playground(TimeStage, UntilStage, HandStage, LaneStage, MicroscopeStage, S
             self.close_microscope()
         elif self.snapshot is not None and self.snapshot.step and not self._leaves:
             self._leaves = True
-            self.notify("esc again goes to the catalogue; this session is kept there")
+            self.tell("esc again goes to the catalogue; this session is kept there")
         else:
             self.post_message(self.Left(self.recipe))
 

@@ -65,6 +65,11 @@ class Stage(Screen[None]):
         yield KeyLine(self.look, self.place, id="keys")
         yield TooSmall(self.look, id="too-small")
 
+    def tell(self, message: str) -> None:
+        """Say something in passing, in place of what was said before."""
+        self.app.clear_notifications()
+        self.notify(message, markup=False)
+
     def content(self) -> Iterable[Widget]:
         """Yield the widgets above the key line."""
         raise NotImplementedError

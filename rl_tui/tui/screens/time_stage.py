@@ -54,12 +54,12 @@ class TimeStage(AgentStage):
         if before is not None and _has_forked(before, now):
             branch = now.timeline.current
             parent = now.timeline.branches[branch.parent or 0]
-            self.notify(f"{branch.name} begins here; j goes back to {parent.name}")
+            self.tell(f"{branch.name} begins here; j goes back to {parent.name}")
 
     def _go_back(self, command: StepBack | EpisodeBack) -> None:
         now = self.snapshot
         if now is not None and now.handled == self.sent and now.step == 0:
-            self.notify("this is step 0, where the run begins")
+            self.tell("this is step 0, where the run begins")
         else:
             self.send(command)
 

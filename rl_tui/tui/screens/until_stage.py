@@ -27,7 +27,7 @@ class UntilStage(AgentStage):
         if snapshot is None or snapshot.phase is Phase.PREPARING:
             return
         if snapshot.phase in (Phase.SPENT, Phase.DONE, Phase.STOPPED):
-            self.notify("the run has come to its end; r starts again")
+            self.tell("the run has come to its end; r starts again")
             return
         glyphs = self.look.glyphs
         found = waits(snapshot, self._pair_under_cursor(), glyphs)
@@ -46,7 +46,7 @@ class UntilStage(AgentStage):
         elif isinstance(focused, ArmsView):
             self._toggle_pair(snapshot, focused.cursor_place)
         elif isinstance(snapshot.world.drawing, Arms):
-            self.notify("a breakpoint of a bandit is on an arm: tab goes to them, the arrows choose one")
+            self.tell("a breakpoint of a bandit is on an arm: tab goes to them, the arrows choose one")
         elif isinstance(focused, WorldView) and focused.cursor_place is not None:
             self._toggle_state(snapshot, focused.state_at(focused.cursor_place))
         else:
@@ -55,10 +55,10 @@ class UntilStage(AgentStage):
     def action_clear_breakpoints(self) -> None:
         """Take all breakpoints away."""
         if self.snapshot is None or not self.snapshot.breakpoints:
-            self.notify("there are no breakpoints; k sets one where the cursor is")
+            self.tell("there are no breakpoints; k sets one where the cursor is")
             return
         self.send(ClearBreakpoints())
-        self.notify("all breakpoints are taken away")
+        self.tell("all breakpoints are taken away")
 
     def _wait_for(self, wait: Wait | None) -> None:
         if wait is None or self.snapshot is None:
@@ -85,7 +85,7 @@ class UntilStage(AgentStage):
 
     def _toggle_state(self, snapshot: Snapshot, state: int | None) -> None:
         if state is None:
-            self.notify("here is no state to stop at")
+            self.tell("here is no state to stop at")
             return
         is_set = state in snapshot.breakpoints.states
         name = f"state {state_name(snapshot.world, state, self.look.glyphs)}"
@@ -104,4 +104,4 @@ class UntilStage(AgentStage):
 
     def _tell_breakpoint(self, name: str, when: str, *, is_set: bool) -> None:
         text = f"no breakpoint on {name} any more" if is_set else f"breakpoint on {name}: pauses {when}"
-        self.notify(written(text, self.look.glyphs), markup=False)
+        self.tell(written(text, self.look.glyphs))

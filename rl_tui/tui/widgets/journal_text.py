@@ -17,7 +17,7 @@ from rl_tui.worlds.world import World
 
 @dataclass(frozen=True, slots=True)
 class JournalLine:
-    """What was done after ``step`` steps, up to step ``last``; ``by_hand`` counts steps of a person."""
+    """What was done after ``step`` steps; ``by_hand`` counts steps of a person, up to step ``last``."""
 
     step: int
     last: int
@@ -27,7 +27,8 @@ class JournalLine:
     @property
     def text(self) -> str:
         """The line: ``step 1,200: α 0.1 → 0.5``, ``steps 3,400–3,460: 61 by hand``."""
-        when = f"step {self.step:,}" if self.last == self.step else f"steps {self.step:,}–{self.last:,}"
+        first = self.step + bool(self.by_hand)  # a setting applies after its step, a person takes the next
+        when = f"step {first:,}" if self.last <= first else f"steps {first:,}–{self.last:,}"
         return f"{when}: {self.what}"
 
 
@@ -44,7 +45,7 @@ def journal_lines(
             what = f"{len(entries)} by hand"
             if len(entries) == 1:
                 what = f"by hand {action_name(world, first.change.action, glyphs)}"
-            lines.append(JournalLine(first.step, last.step, what, len(entries)))
+            lines.append(JournalLine(first.step, last.step + 1, what, len(entries)))
         else:
             was, is_now = before.change(last.change)
             lines.append(JournalLine(first.step, first.step, f"{kind} {was} → {is_now}".strip()))

@@ -42,7 +42,7 @@ _TITLES: Final = {
     Layer.Q: "Q",
     Layer.OPTIMAL: "Q*, exact",
     Layer.ERROR: "Q − Q*",
-    Layer.LANES: "Q − Q₂",
+    Layer.LANES: "Q − other lane",
     Layer.VISITS: "Visits",
 }
 

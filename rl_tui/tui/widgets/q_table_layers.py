@@ -28,7 +28,7 @@ class Layer(StrEnum):
     Q = "Q"
     OPTIMAL = "Q*"
     ERROR = "Q−Q*"
-    LANES = "Q−Q₂"
+    LANES = "Q−other"
     VISITS = "visits"
 
 
