@@ -16,6 +16,7 @@ from random_worlds import worlds
 from scipy import stats
 
 from rl_tui.agents import loop
+from rl_tui.agents.action_rules import gradient, thompson
 from rl_tui.agents.action_rules.family import choose, expectation
 from rl_tui.agents.action_rules.thompson import beta_draw, gamma_draw, normal_draw
 from rl_tui.agents.catalogue import RULE_BY_ID
@@ -35,6 +36,10 @@ def gaussian(means: list[float], std: float = 1.0) -> TabularMDP:
 
 def bernoulli(means: list[float]) -> TabularMDP:
     return _bandit([[Outcome(p, 0, 1.0, True), Outcome(1.0 - p, 0, 0.0, True)] for p in means])
+
+
+def certain(*rewards: float) -> TabularMDP:
+    return _bandit([[Outcome(1.0, 0, reward, True)] for reward in rewards])
 
 
 def _bandit(arms: list[list[Outcome]]) -> TabularMDP:
@@ -442,3 +447,29 @@ def test_what_cannot_work_is_refused_in_one_line(mdp: TabularMDP, told: dict[str
     ours = learner(mdp, Hyperparameters())
     refused(lambda: ours.configure(unfit))
     ours.advance(5)
+
+
+def test_the_gradient_bandit_prefers_what_paid_by_hand() -> None:
+    ours = learner(certain(0.0, 1.0), Hyperparameters(alpha=0.5, policy="gradient"))
+    ours.take(0)
+    ours.take(1)
+    assert isinstance(ours._rule, gradient.Rule)
+    # R̄ = 0, the reward is 1: ± α (R − R̄) / 2
+    assert ours._rule.preference.tolist() == [-0.25, 0.25]
+
+
+def test_thompson_sampling_counts_what_was_pulled_by_hand() -> None:
+    ours = learner(certain(0.0, 1.0), Hyperparameters(policy="thompson"))
+    for arm in (1, 1, 0):
+        ours.take(arm)
+    assert isinstance(ours._rule, thompson.Rule)
+    assert (ours._rule.rewards.tolist(), ours._rule.total.tolist()) == ([1, 2], [0.0, 2.0])
+
+
+def test_upper_bounds_know_what_was_tried_by_hand() -> None:
+    ours = learner(certain(0.0, 1.0, 0.0), Hyperparameters(policy="ucb", ties="first"))
+    ours.take(0)
+    ours.take(1)
+    ours.advance(1)
+    assert ours.last_step is not None
+    assert ours.last_step.pair == 2  # the only one that was never tried

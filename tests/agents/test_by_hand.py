@@ -7,7 +7,6 @@ import pytest
 from test_every_algorithm import everything, learner
 from test_stepped_loop import TOLD, Line, Table, facts, lake, untabled
 
-from rl_tui.agents.action_rules import gradient, thompson
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.agents.last_step import LastStep
 from rl_tui.agents.learner import Learner
@@ -38,23 +37,15 @@ def two_ways() -> TabularMDP:
     )
 
 
-def arms(*rewards: float) -> TabularMDP:
-    return tabular_mdp(
-        ["here"],
-        [str(arm) for arm in range(len(rewards))],
-        [Transition(0, arm, [Outcome(1.0, 0, reward, True)]) for arm, reward in enumerate(rewards)],
-        {0: 1.0},
-    )
-
-
 def last_of(ours: Learner) -> LastStep:
     assert ours.last_step is not None
     return ours.last_step
 
 
-def test_q_learning_learns_from_it_as_from_its_own_and_the_choice_draws_nothing() -> None:
+@pytest.mark.parametrize("algorithm", ["q-learning"])
+def test_q_learning_learns_from_it_as_from_its_own_and_the_choice_draws_nothing(algorithm: str) -> None:
     mdp, dice = lake(), np.random.default_rng(3)
-    ours = learner(mdp, "q-learning", TOLD, 5)
+    ours = learner(mdp, algorithm, TOLD, 5)
     q, drawn = np.full(mdp.pairs, TOLD.initial_q), ours.streams.learner.bit_generator.state
     for _ in range(300):
         pair = int(dice.choice(mdp.pairs_of(ours.state)))
@@ -70,8 +61,9 @@ def test_q_learning_learns_from_it_as_from_its_own_and_the_choice_draws_nothing(
     assert ours.episodes > 10
 
 
-def test_the_agent_goes_on_by_itself() -> None:
-    ours = learner(lake(), "q-learning", TOLD)
+@pytest.mark.parametrize("algorithm", ["q-learning"])
+def test_the_agent_goes_on_by_itself(algorithm: str) -> None:
+    ours = learner(lake(), algorithm, TOLD)
     ours.take(ours.space.pairs_of(ours.state)[1])
     ours.advance(50)
     assert not last_of(ours).by_hand
@@ -100,8 +92,9 @@ def test_what_the_agent_would_have_done_teaches_the_same_by_hand(algorithm: str)
     assert hand.visits.tolist() == agent.visits.tolist()
 
 
-def test_what_sarsa_had_chosen_is_dropped() -> None:
-    ours = learner(two_ways(), "sarsa", FULL_STEP)
+@pytest.mark.parametrize("algorithm", ["sarsa"])
+def test_what_sarsa_had_chosen_is_dropped(algorithm: str) -> None:
+    ours = learner(two_ways(), algorithm, FULL_STEP)
     ours.q[ON] = 0.5
     ours.advance(1)
     assert ours.q.tolist() == [0.5, 0.5, 0.0, 0.0]  # it chose to go on
@@ -111,8 +104,9 @@ def test_what_sarsa_had_chosen_is_dropped() -> None:
     assert (last_of(ours).pair, ours.q[0]) == (0, 1.0)  # and now it chooses to jump
 
 
-def test_n_step_sarsa_remembers_what_was_really_taken() -> None:
-    ours = learner(two_ways(), "n-step-sarsa", FULL_STEP.changed("n", 2))
+@pytest.mark.parametrize("algorithm", ["n-step-sarsa"])
+def test_n_step_sarsa_remembers_what_was_really_taken(algorithm: str) -> None:
+    ours = learner(two_ways(), algorithm, FULL_STEP.changed("n", 2))
     ours.q[ON] = 0.5
     ours.advance(1)
     ours.take(JUMP)
@@ -120,8 +114,9 @@ def test_n_step_sarsa_remembers_what_was_really_taken() -> None:
     assert ours.visits.tolist() == [1, 0, 1, 0]
 
 
-def test_no_trace_of_watkins_leads_beyond_an_action_that_is_not_greedy() -> None:
-    ours = learner(two_ways(), "q-lambda", FULL_STEP)
+@pytest.mark.parametrize("algorithm", ["q-lambda"])
+def test_no_trace_of_watkins_leads_beyond_an_action_that_is_not_greedy(algorithm: str) -> None:
+    ours = learner(two_ways(), algorithm, FULL_STEP)
     ours.q[ON] = 0.5
     ours.advance(1)
     ours.take(JUMP)
@@ -129,44 +124,21 @@ def test_no_trace_of_watkins_leads_beyond_an_action_that_is_not_greedy() -> None
     assert last_of(ours).others == 0
 
 
-def test_a_trace_leads_beyond_a_greedy_action_of_a_person() -> None:
-    ours = learner(two_ways(), "q-lambda", FULL_STEP)
+@pytest.mark.parametrize("algorithm", ["q-lambda"])
+def test_a_trace_leads_beyond_a_greedy_action_of_a_person(algorithm: str) -> None:
+    ours = learner(two_ways(), algorithm, FULL_STEP)
     ours.advance(1)
     ours.take(JUMP)  # as good as to go on, as far as is known
     assert ours.q.tolist() == [1.0, 0.0, 1.0, 0.0]
 
 
-def test_a_trace_of_sarsa_lambda_leads_beyond_whatever_is_done() -> None:
-    ours = learner(two_ways(), "sarsa-lambda", FULL_STEP)
+@pytest.mark.parametrize("algorithm", ["sarsa-lambda"])
+def test_a_trace_of_sarsa_lambda_leads_beyond_whatever_is_done(algorithm: str) -> None:
+    ours = learner(two_ways(), algorithm, FULL_STEP)
     ours.q[ON] = 0.5
     ours.advance(1)
     ours.take(JUMP)
     assert ours.q.tolist() == [1.5, 0.5, 1.0, 0.0]
-
-
-def test_the_gradient_bandit_prefers_what_paid_by_hand() -> None:
-    ours = learner(arms(0.0, 1.0), "q-learning", Hyperparameters(alpha=0.5, policy="gradient"))
-    ours.take(0)
-    ours.take(1)
-    assert isinstance(ours._rule, gradient.Rule)
-    # R̄ = 0, the reward is 1: ± α (R − R̄) / 2
-    assert ours._rule.preference.tolist() == [-0.25, 0.25]
-
-
-def test_thompson_sampling_counts_what_was_pulled_by_hand() -> None:
-    ours = learner(arms(0.0, 1.0), "q-learning", Hyperparameters(policy="thompson"))
-    for arm in (1, 1, 0):
-        ours.take(arm)
-    assert isinstance(ours._rule, thompson.Rule)
-    assert (ours._rule.rewards.tolist(), ours._rule.total.tolist()) == ([1, 2], [0.0, 2.0])
-
-
-def test_upper_bounds_know_what_was_tried_by_hand() -> None:
-    ours = learner(arms(0.0, 1.0, 0.0), "q-learning", Hyperparameters(policy="ucb", ties="first"))
-    ours.take(0)
-    ours.take(1)
-    ours.advance(1)
-    assert last_of(ours).pair == 2  # the only one that was never tried
 
 
 @pytest.mark.parametrize("algorithm", ["q-learning", "sarsa", "q-lambda"])
@@ -192,8 +164,9 @@ def test_a_failure_of_the_environment_leaves_the_choice_to_nobody() -> None:
     assert (ours.step, ours._position.forced[0]) == (1, -1)
 
 
-def test_a_step_by_hand_is_watched_and_comes_back_from_a_checkpoint() -> None:
-    ours = learner(two_ways(), "q-lambda", FULL_STEP)
+@pytest.mark.parametrize("algorithm", ["q-lambda"])
+def test_a_step_by_hand_is_watched_and_comes_back_from_a_checkpoint(algorithm: str) -> None:
+    ours = learner(two_ways(), algorithm, FULL_STEP)
     ours.advance(1)
     kept = ours.checkpoint()
     ours.watch(Watching(pairs=frozenset({JUMP})))
@@ -208,8 +181,9 @@ def test_a_step_by_hand_is_watched_and_comes_back_from_a_checkpoint() -> None:
     assert everything(ours) == expected
 
 
-def test_an_action_of_another_state_cannot_be_taken() -> None:
-    ours = learner(two_ways(), "sarsa", FULL_STEP)
+@pytest.mark.parametrize("algorithm", ["sarsa"])
+def test_an_action_of_another_state_cannot_be_taken(algorithm: str) -> None:
+    ours = learner(two_ways(), algorithm, FULL_STEP)
     ours.advance(1)
     for pair in (0, 3, -1, 99):
         with pytest.raises(UserError, match="cannot be taken in state s1: take one of on, jump"):

@@ -127,7 +127,7 @@ def test_it_is_the_run_of_train(tmp_path: Path) -> None:
 def test_the_report_for_people(tmp_path: Path) -> None:
     result = replay(saved(tmp_path / "a.json"))
     assert result.exit_code == 0
-    assert result.stdout.startswith("evening, lane 1 of 2, branch 2 of 2, at step 110\n")
+    assert result.stdout.startswith("evening, lane 1 of 2, 2 of 2, at step 110\n")
     assert "after 12  alpha    0.5\n" in result.stdout
     assert "expected return" in result.stdout
 

@@ -127,7 +127,7 @@ def test_monte_carlo_learns_from_the_whole_return() -> None:
     )
     text = drawn(ended, 80, 9)
     assert "target = G = .95 (terminal)" in text
-    assert "Q(0,←) ← .36 + .10 · (+.59) = .42   and 5 more of the same episode" in text
+    assert "Q(0,←) ← .36 + .10 · (+.59) = .42   and 5 more, back to its start" in text
     assert drawn(ended).startswith(" Q(0,←) ← .36 + .10·(.95 − .36) = .42")
     cut = replace(ended, last=replace(ended.last, terminated=False, truncated=True, bootstrap=0.2))  # type: ignore[type-var]
     assert "Σ π Q(15,·)" in drawn(cut, 80, 9)
