@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import fields, replace
+from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
@@ -39,6 +41,7 @@ from rl_tui.lab.playback import Playback
 from rl_tui.lab.recipe import Recipe, SetParameter, SwitchAlgorithm, TakeAction
 from rl_tui.lab.record import Record
 from rl_tui.lab.run import Run, replay
+from rl_tui.lab.session import encoded, read_session
 from rl_tui.lab.snapshot import Phase, Snapshot
 from rl_tui.lab.table_samples import TableSamples
 from rl_tui.lab.until import Breakpoints, Event, Until
@@ -103,6 +106,14 @@ def assert_true_to_the_record(playback: Playback) -> None:
     playback.handle(ChooseLane(record.shown))
 
 
+def through_a_file(record: Record) -> Record:
+    """What a session file makes of ``record``."""
+    with TemporaryDirectory() as folder:
+        path = Path(folder) / "session.json"
+        path.write_bytes(encoded(record))
+        return read_session(path).record()
+
+
 SETTINGS = st.one_of(
     st.builds(SetParameter, st.just("alpha"), st.sampled_from([0.05, 0.5, SAMPLE_AVERAGE])),
     st.builds(SetParameter, st.just("epsilon"), st.sampled_from([0.0, 0.3, 1.0])),
@@ -144,7 +155,7 @@ def test_any_sequence_ends_in_the_bits_of_the_straight_replay(scenario: str, dee
     playback = begin(made_from)
     for deed in deeds:
         if deed == "save and load":
-            saved = playback.record
+            saved = through_a_file(playback.record)
             playback = begin(saved.lanes[saved.shown].recipe, saved)
             assert playback.record == saved
         else:
