@@ -25,11 +25,11 @@ def journeys(scenario: str, steps: int, count: int = 100) -> Iterator[tuple[str,
     _do(playback, Train(steps // 2))
     _do(playback, Apply(SetParameter("alpha", 0.2)))
     _do(playback, Train(steps - steps // 2))
-    aims = random.Random(0)
+    aims, episodes = random.Random(0), playback.snapshot().episodes
     for _ in range(count):
         yield "anywhere", _do(playback, GoTo(aims.randrange(steps)))
     for _ in range(count):
-        yield "episode", _do(playback, GoTo(episode=aims.randrange(1, playback.snapshot().episodes + 2)))
+        yield "episode", _do(playback, GoTo(episode=aims.randrange(1, episodes + 2)))
     _do(playback, GoTo(steps))
     for _ in range(count):
         yield "one step back", _do(playback, StepBack())
