@@ -6,12 +6,12 @@ from collections.abc import Callable
 
 import pytest
 from conftest import MakeApp
+from test_stopping import notices, playground, press
 from textual.pilot import Pilot
 
 from rl_tui.lab.commands import Command, GoTo, RunEpisode, Step, Take, Train
 from rl_tui.lab.recipe import JournalEntry, TakeAction
-from rl_tui.lab.snapshot import Phase, Snapshot
-from rl_tui.tui.app import RlTuiApp
+from rl_tui.lab.snapshot import Phase
 from rl_tui.tui.screens.arrangement import WORLD
 from rl_tui.tui.screens.help import HelpScreen
 from rl_tui.tui.screens.playground import Playground
@@ -22,10 +22,6 @@ from rl_tui.tui.widgets.status_line import StatusLine
 from rl_tui.worlds.errors import UserError
 
 LEFT, DOWN, RIGHT, UP = range(4)
-
-
-def playground(pilot: Pilot[UserError]) -> Playground:
-    return next(screen for screen in pilot.app.screen_stack if isinstance(screen, Playground))
 
 
 def record(pilot: Pilot[UserError], monkeypatch: pytest.MonkeyPatch) -> list[Command]:
@@ -41,20 +37,6 @@ def record(pilot: Pilot[UserError], monkeypatch: pytest.MonkeyPatch) -> list[Com
 
     monkeypatch.setattr(player, "send", sorted_out)
     return asked
-
-
-async def press(pilot: Pilot[UserError], *keys: str) -> Snapshot:
-    for key in keys:
-        await pilot.press(key)
-        if isinstance(pilot.app.screen, Playground):
-            await settle(pilot)
-    shown = playground(pilot).snapshot
-    assert shown is not None
-    return shown
-
-
-def notices(app: RlTuiApp) -> list[str]:
-    return [note.message for note in app._notifications]
 
 
 def bottom_line(pilot: Pilot[UserError]) -> str:
