@@ -59,7 +59,8 @@ def test_the_wheel_holds_package_styles_and_scenarios_and_nothing_else(dist: Pat
 
 def test_the_sdist_is_enough_to_build_the_same_wheel(dist: Path, tmp_path: Path) -> None:
     with tarfile.open(dist / f"rl_tui-{VERSION}.tar.gz") as archive:
-        archive.extractall(tmp_path, filter="data")
+        # before Python 3.11.4 there are no filters
+        archive.extractall(tmp_path, **({"filter": "data"} if hasattr(tarfile, "data_filter") else {}))
     source = tmp_path / f"rl_tui-{VERSION}"
     assert {path.name for path in (source / "scenarios").glob("*.toml")} == SCENARIOS
     for name in ("README.md", "LICENSE", "CHANGELOG.md", "CONTRIBUTING.md", "pyproject.toml", "tests"):
