@@ -36,8 +36,8 @@ UNLIMITED: Final = 2**62
 OnEpisodes = Callable[[FloatArray, IntArray, BoolArray], None]
 
 
-def _nobody(returns: FloatArray, lengths: IntArray, optimal: BoolArray) -> None:
-    pass
+def no_episodes(returns: FloatArray, lengths: IntArray, optimal: BoolArray) -> None:
+    """Ignore finished episodes."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -76,7 +76,7 @@ class Run:
         *,
         evaluate: bool = True,
         episode_limit: int | None = None,
-        on_episodes: OnEpisodes = _nobody,
+        on_episodes: OnEpisodes = no_episodes,
     ) -> None:
         self.recipe = recipe
         self.world, drawn = beginning or begin(recipe)

@@ -2,28 +2,19 @@
 
 from __future__ import annotations
 
-import time
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 from rl_tui.lab.branches import Branch
 from rl_tui.lab.changes import as_json
 from rl_tui.lab.figures import training_figures
-from rl_tui.lab.lanes import changed
-from rl_tui.lab.recipe import JournalEntry, SetParameter, SwitchAlgorithm, begin
+from rl_tui.lab.recipe import begin
 from rl_tui.lab.record import LaneRecord, Record
-from rl_tui.lab.run import OnEpisodes, Run
+from rl_tui.lab.run import OnEpisodes, Run, no_episodes
 from rl_tui.lab.session import StoredSession, digest_of
-from rl_tui.lab.training import CHUNK, STEPPED_CHUNK, OnProgress, no_progress
+from rl_tui.lab.training import Goal, OnProgress, no_progress, train
 from rl_tui.worlds.errors import UserError
 from rl_tui.worlds.findings import shown
-from rl_tui.worlds.mdp import BoolArray, FloatArray, IntArray
-from rl_tui.worlds.world import World
-
-
-def no_episodes(returns: FloatArray, lengths: IntArray, optimal: BoolArray) -> None:
-    """Ignore finished episodes."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,38 +58,10 @@ def replayed(
     beginning = begin(recipe)
     budget = beginning.world.budget
     run = Run(recipe, beginning, evaluate=False, episode_limit=budget, on_episodes=on_episodes)
-    _warm_up(target, run.world)
-    start = time.perf_counter()
-    chunk = CHUNK if run.world.new_environment is None else STEPPED_CHUNK
-    follow_in_chunks(run, branch.journal, branch.here, chunk, on_progress)
-    if run.stop_reason:
-        raise UserError(run.stop_reason)
+    seconds = train(run, Goal(steps=branch.here), on_progress, branch.journal)
     if run.step < branch.here:
         raise UserError(f"the run ends at step {run.step:,}, and it was left at step {branch.here:,}")
-    return run, time.perf_counter() - start
-
-
-def _warm_up(target: Whereto, world: World) -> None:
-    """Compile every loop that is needed on the way, or read it from its cache."""
-    recipe, warm = target.lane.recipe, set()
-    on_the_way = (each.change for each in target.branch.journal if each.step <= target.branch.here)
-    for change in (None, *on_the_way):
-        if isinstance(change, SetParameter | SwitchAlgorithm):
-            recipe = changed(recipe, change)
-        loop = (recipe.algorithm, recipe.hyperparameters.policy)
-        if loop not in warm:
-            warm.add(loop)
-            Run(recipe, begin(recipe, world), evaluate=False).warm_up()
-
-
-def follow_in_chunks(
-    run: Run, journal: Sequence[JournalEntry], step: int, chunk: int, on_progress: OnProgress
-) -> None:
-    """Do as :meth:`Run.follow` does, telling after every ``chunk`` steps how far it has come."""
-    while step - run.step > chunk and not run.over:
-        run.follow(journal, run.step + chunk)
-        on_progress(run.step, step)
-    run.follow(journal, step)
+    return run, seconds
 
 
 def comes_out_otherwise(session: StoredSession, target: Whereto, run: Run) -> bool:

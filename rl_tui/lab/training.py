@@ -42,6 +42,7 @@ def train(
     """Advance ``run`` to ``goal`` and return the seconds it took, compiling left out.
 
     Each entry of ``journal``, whose steps ascend, is applied at its step; those beyond the goal are left out.
+    A run that is over before, its budget spent or its values converged, goes no further.
     Raises UserError where the run broke down, or a change does not fit.
     """
     run.warm_up()
@@ -57,7 +58,7 @@ def train(
             start += time.perf_counter() - before
             done, wanted = goal.reached_by(run)
         on_progress(done, wanted)
-        if done >= wanted or run.converged:
+        if done >= wanted or run.over:
             return time.perf_counter() - start
         left = wanted - done
         steps = min(chunk, waiting[0].step - run.step) if waiting else chunk

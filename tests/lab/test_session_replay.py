@@ -6,6 +6,7 @@ import json
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
+from unittest.mock import patch
 
 import pytest
 from click.testing import CliRunner, Result
@@ -15,13 +16,14 @@ from recipes import recipe
 from session_samples import after, fresh
 
 from rl_tui.cli.main import program
+from rl_tui.lab import training
 from rl_tui.lab.branches import Branch
 from rl_tui.lab.recipe import JournalEntry, SetParameter, TakeAction
 from rl_tui.lab.record import LaneRecord, Record
 from rl_tui.lab.run import Run
 from rl_tui.lab.session import digest_of, encoded, read_session
-from rl_tui.lab.session_replay import follow_in_chunks, replayed, whereto
-from rl_tui.lab.training import no_progress
+from rl_tui.lab.session_replay import replayed, whereto
+from rl_tui.lab.training import Goal, train
 from rl_tui.worlds.errors import UserError
 
 ALPHA = JournalEntry(12, SetParameter("alpha", 0.5))
@@ -81,7 +83,8 @@ def test_how_it_is_cut_makes_no_difference(steps: list[int], step: int, chunk: i
         JournalEntry(at, SetParameter("alpha", 0.1 + number / 10)) for number, at in enumerate(sorted(steps))
     ]
     run, straight = Run(recipe("student")), Run(recipe("student"))
-    follow_in_chunks(run, journal, step, chunk, no_progress)
+    with patch.object(training, "CHUNK", chunk):
+        train(run, Goal(steps=step), journal=journal)
     straight.follow(journal, step)
     assert (run.step, run.journal) == (straight.step, straight.journal)
     assert run.learner.q.tobytes() == straight.learner.q.tobytes()
