@@ -12,7 +12,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any, Final, NamedTuple
 
-from pseudo_terminal import RL_TUI, PseudoTerminal, visible
+from pseudo_terminal import RL_TUI, PseudoTerminal
 
 from rl_tui.lab.branches import FIRST
 from rl_tui.lab.lane import Lane
@@ -95,7 +95,7 @@ def run(terminal: PseudoTerminal, chance: random.Random) -> Iterator[Seen]:
     """Let it run, as fast as it goes; yield the steps that the screen shows."""
     terminal.press(" " + FASTER[: chance.randint(0, 9)])
     for moment, text in terminal.reading(chance.uniform(0.2, 2.5)):
-        for match in STEP.finditer(visible(text.encode())):
+        for match in STEP.finditer(text):
             yield Seen(moment, int(match[1].replace(",", "")))
 
 

@@ -1,4 +1,4 @@
-"""A program in a pseudo-terminal: press keys, wait for what appears, see how the terminal was left."""
+"""A program in a pseudo-terminal: press keys, wait for what stands on the screen, see how it was left."""
 
 from __future__ import annotations
 
@@ -7,14 +7,17 @@ import os
 import pty
 import re
 import select
+import signal
 import struct
 import subprocess
 import sys
 import termios
 import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from types import TracebackType
 from typing import Any, Final
+
+from emulator import Emulator
 
 DEADLINE: Final = 120.0  # seconds for something to appear; a broken program is told by it, not a slow machine
 RL_TUI: Final = (sys.executable, "-m", "rl_tui.cli")
@@ -24,39 +27,42 @@ _SEQUENCE: Final = re.compile(
 )
 _MODE: Final = re.compile(rb"\x1b\[\?([0-9;]+)([hl])")
 _ON_AT_FIRST: Final = {b"7", b"25"}  # line wrap, cursor
+_NOT_INHERITED: Final = ("NO_COLOR", "COLORTERM", "TERM_PROGRAM", "TMUX", "STY")
 
 
 class PseudoTerminal:
-    """Starts ``command`` in a terminal of ``size`` (columns, rows) and watches what it writes."""
+    """Starts ``command`` in a terminal of ``size`` (columns, rows) and shows what it writes on ``emulator``.
+
+    ``environment`` is added to this process's own, None takes a variable away. The terminal says where its
+    cursor is if ``tells_position``, and that it can hold back unfinished frames if it ``synchronises``.
+    """
 
     def __init__(
         self,
         command: Sequence[str],
-        environment: Mapping[str, str] | None = None,
+        environment: Mapping[str, str | None] | None = None,
         size: tuple[int, int] = (120, 40),
+        *,
+        tells_position: bool = True,
+        synchronises: bool = True,
     ) -> None:
         self._ours, self._theirs = pty.openpty()
-        fcntl.ioctl(self._theirs, termios.TIOCSWINSZ, struct.pack("HHHH", size[1], size[0], 0, 0))
+        self._set_size(*size)
         self.attributes_before = termios.tcgetattr(self._theirs)
         self._alive, alive = os.pipe()  # its other end is only held by the program, and closed when that ends
-        kept = {
-            name: value
-            for name, value in os.environ.items()
-            if not name.startswith("TEXTUAL") and name not in ("NO_COLOR", "COLORTERM")
-        }
+        self.written = b""
+        self.emulator = Emulator(*size, self._send, tells_position=tells_position, synchronises=synchronises)
         self.started = time.perf_counter()
         self.process = subprocess.Popen(
             command,
             stdin=self._theirs,
             stdout=self._theirs,
             stderr=self._theirs,
-            env={**kept, "TERM": "xterm-256color", "LC_ALL": "C.UTF-8", **(environment or {})},
+            env=_environment(environment or {}),
             pass_fds=(alive,),
             start_new_session=True,
         )
         os.close(alive)
-        self.written = b""
-        self._seen = 0
 
     def __enter__(self) -> PseudoTerminal:
         return self
@@ -71,19 +77,40 @@ class PseudoTerminal:
             os.close(descriptor)
 
     def press(self, keys: str) -> None:
-        """Type ``keys``; what is waited for from now on must be written from now on."""
-        self._seen = len(self.written)
-        os.write(self._ours, keys.encode())
+        """Type ``keys``, all at once."""
+        self._send(keys)
+
+    def resize(self, columns: int, rows: int) -> None:
+        """Make the terminal another size, and let the program know as a terminal does."""
+        self._set_size(columns, rows)
+        self.emulator.resize(rows, columns)
+        self.process.send_signal(signal.SIGWINCH)
+
+    @property
+    def screen(self) -> str:
+        """What stands on the screen now, as far as it was read: a line a row, without blanks at its end."""
+        return self.emulator.text
 
     def wait_for(self, pattern: str, seconds: float = DEADLINE) -> re.Match[str]:
-        """Read until ``pattern`` is found in the text written since the last key, or fail."""
+        """Read until ``pattern`` is found on the screen; it may stand there already."""
+        found: list[re.Match[str]] = []
+
+        def find() -> bool:
+            match = re.search(pattern, self.screen)
+            found.extend([match] if match else [])
+            return match is not None
+
+        self.wait_until(find, seconds, pattern)
+        return found[0]
+
+    def wait_until(
+        self, condition: Callable[[], bool], seconds: float = DEADLINE, what: str = "what was waited for"
+    ) -> None:
+        """Read until ``condition`` holds on a whole frame, or fail."""
         deadline = time.perf_counter() + seconds
-        while True:
-            text = visible(self.written[self._seen :])
-            if match := re.search(pattern, text):
-                return match
+        while not (self.emulator.is_whole and condition()):
             if not self._read(deadline):
-                raise AssertionError(f"{pattern!r} did not appear; the end of what did:\n{text[-3000:]}")
+                raise AssertionError(f"{what!r} did not appear; what stands there:\n{self.screen}")
 
     def wait_for_end(self, seconds: float = DEADLINE) -> int:
         """Read until the program has ended, and return its exit status."""
@@ -94,12 +121,11 @@ class PseudoTerminal:
         return self.process.returncode
 
     def reading(self, seconds: float) -> Iterator[tuple[float, str]]:
-        """Read for so long; yield each piece of text as it comes, with the moment."""
+        """Read for so long; yield the screen whenever a whole frame came, with the moment."""
         deadline = time.perf_counter() + seconds
-        read = len(self.written)
         while self._read(deadline):
-            yield time.perf_counter(), visible(self.written[read:])
-            read = len(self.written)
+            if self.emulator.is_whole:
+                yield time.perf_counter(), self.screen
 
     @property
     def attributes(self) -> list[Any]:
@@ -116,12 +142,20 @@ class PseudoTerminal:
         }
         return {number.decode() for number, on in last.items() if on is not (number in _ON_AT_FIRST)}
 
+    def _set_size(self, columns: int, rows: int) -> None:
+        fcntl.ioctl(self._theirs, termios.TIOCSWINSZ, struct.pack("HHHH", rows, columns, 0, 0))
+
+    def _send(self, text: str) -> None:
+        os.write(self._ours, text.encode())
+
     def _read(self, deadline: float) -> bool:
         """Read what there is, waiting for it; False at the deadline, or when an ended program is all read."""
         left = max(0.0, deadline - time.perf_counter())
         ready, _, _ = select.select([self._ours, self._alive], [], [], left)
         if self._ours in ready:
-            self.written += os.read(self._ours, 65536)
+            piece = os.read(self._ours, 65536)
+            self.written += piece
+            self.emulator.feed(piece)
             return True
         return False
 
@@ -129,3 +163,13 @@ class PseudoTerminal:
 def visible(written: bytes) -> str:
     """Return what was written without the sequences that steer the terminal."""
     return _SEQUENCE.sub(b"", written).decode("utf-8", errors="replace")
+
+
+def _environment(changes: Mapping[str, str | None]) -> dict[str, str]:
+    kept = {
+        name: value
+        for name, value in os.environ.items()
+        if not name.startswith("TEXTUAL") and name not in _NOT_INHERITED
+    }
+    wanted = {**kept, "TERM": "xterm-256color", "LC_ALL": "C.UTF-8", **changes}
+    return {name: value for name, value in wanted.items() if value is not None}
