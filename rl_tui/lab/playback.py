@@ -42,7 +42,6 @@ if TYPE_CHECKING:
 
 PREPARING: Final = "loading the learner; the very first time it is compiled, which takes a few seconds"
 
-
 _ENDED: Final = (Phase.SPENT, Phase.DONE, Phase.STOPPED)
 # What replaces a journey that is under way, or does not mind it
 _MEANWHILE: Final = (StepBack, GoTo, Pause, SetSpeed, LookAt, FollowCell, DropLane)
@@ -103,11 +102,6 @@ class Playback:
         if self._motion is not None and self._motion.steps_to_train > 0:
             return False
         return self._news or (self._motion is not None and self._motion.changed)
-
-    @property
-    def busy(self) -> bool:
-        """Whether most commands have to wait."""
-        return self._is_occupied or self._travel is not None
 
     @property
     def on_the_way(self) -> bool:

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from playing import busy
 from recipes import one_run, recipe
 
 from rl_tui.lab.commands import Step, Train
@@ -149,13 +150,13 @@ def test_each_of_many_runs_is_held_against_its_own_means(drifting: Recipe) -> No
 
 def test_the_screen_is_told_the_means_of_the_moment(drifting: Recipe) -> None:
     playback = Playback(drifting, speed=10.0, automatic=False, clock=lambda: 0.0, on_exact=lambda: None)
-    while playback.busy:
+    while busy(playback):
         playback.work()
     at_first = playback.snapshot()
     assert at_first.exact is not None
     assert at_first.exact.q.tolist() == [0.5, 0.5, -1.0]
     playback.handle(Train(40))
-    while playback.busy:
+    while busy(playback):
         playback.work()
     playback.handle(Step())
     snapshot, wanted = playback.snapshot(), plain(drifting, 41)

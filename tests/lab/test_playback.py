@@ -3,6 +3,7 @@ from __future__ import annotations
 import itertools
 
 import pytest
+from playing import busy
 from recipes import bandit, recipe
 
 from rl_tui.agents import learner
@@ -32,7 +33,7 @@ def ready(
     made_from: Recipe, clock: Clock | None = None, *, speed: float | None = 10.0, automatic: bool = True
 ) -> Playback:
     playback = Playback(made_from, speed=speed, automatic=automatic, clock=clock or Clock(), on_exact=nobody)
-    while playback.busy:
+    while busy(playback):
         assert playback.work() == 0.0
     return playback
 
@@ -50,7 +51,7 @@ def test_the_world_is_shown_before_the_learner_is_there() -> None:
     assert first.message
     assert first.world.space.states == 4
     assert first.q.tolist() == [0.0] * 5
-    assert playback.busy
+    assert busy(playback)
     playback.work()
     second = playback.snapshot()
     assert second.phase is Phase.PAUSED
@@ -148,7 +149,7 @@ def test_pause_breaks_off_an_episode() -> None:
 def test_training_takes_exactly_its_steps_before_anything_else(automatic: bool) -> None:
     playback = ready(recipe("frozenlake-slippery"), automatic=automatic)
     playback.handle(Train(12_345))
-    assert playback.busy
+    assert busy(playback)
     playback.work()
     assert not playback.changed
     settle(playback)
@@ -175,7 +176,7 @@ def test_by_hand_play_takes_no_step_and_speed_stays_unknown() -> None:
     assert snapshot.step == 1000
     assert snapshot.steps_per_second is None
     playback.handle(RunEpisode())
-    assert playback.busy
+    assert busy(playback)
     settle(playback)
     assert playback.snapshot().phase is Phase.PAUSED
 
@@ -253,9 +254,9 @@ def test_loading_another_algorithm_is_announced_and_then_goes_on(monkeypatch: py
     shown = playback.snapshot()
     assert (shown.phase, shown.algorithm, shown.step) == (Phase.PREPARING, "value-iteration", 0)
     assert "compiled" in shown.message
-    assert playback.busy
+    assert busy(playback)
     playback.work()
-    assert (playback.phase, playback.busy) == (Phase.RUNNING, False)
+    assert (playback.phase, busy(playback)) == (Phase.RUNNING, False)
     playback.handle(Apply(SwitchAlgorithm("value-iteration")))
     assert playback.phase is Phase.RUNNING  # loaded already
 

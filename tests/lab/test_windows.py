@@ -3,6 +3,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from open_grids import open_grid, open_grid_recipe
+from playing import busy
 from recipes import recipe
 
 from rl_tui.lab.commands import LookAt, Step
@@ -140,7 +141,7 @@ def test_to_look_at_a_part_changes_nothing_but_the_pictures(run: Run) -> None:
     playback = Playback(
         open_grid_recipe(SIDE), speed=10.0, automatic=True, clock=lambda: 0.0, on_exact=lambda: None
     )
-    while playback.busy:
+    while busy(playback):
         playback.work()
     assert playback.snapshot().window is None
     playback.handle(LookAt(NEAR))
