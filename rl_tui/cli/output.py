@@ -38,11 +38,6 @@ def number(value: float | str | None, form: str = ".5g") -> str:
     return value if isinstance(value, str) else format(value, form)
 
 
-def counted(count: int, thing: str, things: str = "") -> str:
-    """Return how many things there are: ``1 step``, ``2 steps``."""
-    return f"{count:,} {thing if count == 1 else things or f'{thing}s'}"
-
-
 def can_print(text: str) -> bool:
     """Tell whether stdout has all the characters of ``text``."""
     try:

@@ -8,8 +8,9 @@ import click
 
 from rl_tui.agents.hyperparameters import PARAMETERS
 from rl_tui.cli.number import ParameterValue
-from rl_tui.cli.output import columns, counted, number, print_json
+from rl_tui.cli.output import columns, number, print_json
 from rl_tui.cli.run_options import json_option, scenario_argument, seed_option
+from rl_tui.worlds.words import counted
 
 if TYPE_CHECKING:
     from rl_tui.worlds.world import World

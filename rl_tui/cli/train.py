@@ -11,9 +11,10 @@ import click
 
 from rl_tui.cli.help_sections import SectionedCommand
 from rl_tui.cli.number import ChangeValue, Whole
-from rl_tui.cli.output import counted, print_json
+from rl_tui.cli.output import print_json
 from rl_tui.cli.progress import progress
 from rl_tui.cli.run_options import json_option, run_options, scenario_argument, seed_option
+from rl_tui.worlds.words import counted
 
 if TYPE_CHECKING:
     from rl_tui.lab.changes import ChangeText

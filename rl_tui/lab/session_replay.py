@@ -15,6 +15,7 @@ from rl_tui.lab.session import StoredSession, digest_of
 from rl_tui.lab.training import Goal, OnProgress, no_progress, train
 from rl_tui.worlds.errors import UserError
 from rl_tui.worlds.findings import shown
+from rl_tui.worlds.words import counted
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,8 +35,8 @@ def whereto(record: Record, lane: int | None = None, branch: str | None = None) 
     """
     number = record.shown if lane is None else lane - 1
     if not 0 <= number < len(record.lanes):
-        count = len(record.lanes)
-        raise UserError(f"there is no lane {lane}: the session has {count} lane{'' if count == 1 else 's'}")
+        lanes = counted(len(record.lanes), "lane")
+        raise UserError(f"there is no lane {lane}: the session has {lanes}")
     chosen = record.lanes[number]
     here = chosen.branches[chosen.branch]
     if branch is None:

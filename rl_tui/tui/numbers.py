@@ -122,11 +122,6 @@ def _with_exponent(x: float, glyphs: Glyphs) -> list[str]:
     return [_exponent(x, decimals, glyphs) for decimals in (2, 1, 0)]
 
 
-def counted(number: int, noun: str) -> str:
-    """Return ``1 step``, ``1,200 steps``."""
-    return f"{number:,} {noun}{'' if number == 1 else 's'}"
-
-
 def _exponent(x: float, decimals: int, glyphs: Glyphs) -> str:
     mantissa, exponent = f"{x:.{decimals}e}".split("e")
     if "." in mantissa:

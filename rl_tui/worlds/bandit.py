@@ -11,6 +11,7 @@ from pydantic import BeforeValidator
 from rl_tui.worlds.drawing import Arms
 from rl_tui.worlds.findings import Finding, shown
 from rl_tui.worlds.schema import Expect, Number, Section, is_number, is_table, number, refused, whole_number
+from rl_tui.worlds.words import counted
 from rl_tui.worlds.world import World
 from rl_tui.worlds.world_section import WorldSection
 
@@ -98,7 +99,7 @@ class BanditSection(WorldSection):
         if isinstance(means, list) and is_number(arms) and len(means) != arms:
             yield Finding(
                 ("means",),
-                f"{len(means)} mean{'s' if len(means) > 1 else ''}",
+                counted(len(means), "mean"),
                 f"as many as there are arms ({shown(arms)})",
             )
         if "means" in raw and "mean" in raw:

@@ -27,6 +27,7 @@ from rl_tui.worlds.grid_map import (
 )
 from rl_tui.worlds.grid_moves import MOVES
 from rl_tui.worlds.schema import parsed
+from rl_tui.worlds.words import counted
 
 MOST_OUTCOMES: Final = 50_000_000
 _MOST_TOLD: Final = 20
@@ -154,8 +155,7 @@ def _wind_findings(raw: Mapping[str, Any], shape: _Shape) -> Iterator[Finding]:
     for key, what, count in (("wind", "column", shape.columns), ("wind_rows", "row", shape.rows)):
         wind = raw.get(key)
         if isinstance(wind, list) and wind and len(wind) != count:
-            numbers = f"{len(wind):,} number{'s' if len(wind) > 1 else ''}"
-            yield Finding((key,), numbers, f"one for each {what} ({count:,})")
+            yield Finding((key,), counted(len(wind), "number"), f"one for each {what} ({count:,})")
 
 
 def _meeting_findings(

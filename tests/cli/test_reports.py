@@ -14,7 +14,7 @@ from click.testing import CliRunner
 
 from rl_tui.cli.advice import no_reward
 from rl_tui.cli.main import program
-from rl_tui.cli.output import columns, counted, number
+from rl_tui.cli.output import columns, number
 from rl_tui.cli.policy_map import policy_map
 from rl_tui.cli.progress import progress
 from rl_tui.lab.library import find, recipe_for
@@ -86,8 +86,6 @@ def test_one_is_singular() -> None:
     assert "\n0 episodes, 1 step in" in report("train", "frozenlake", "--steps", "1")
     assert "\n1 episode, " in report("train", "student", "--episodes", "1")
     assert "\n1 pull in" in report("train", "bandit", "--episodes", "1")
-    assert counted(1, "run") == "1 run"
-    assert counted(1200, "run") == "1,200 runs"
 
 
 @pytest.mark.parametrize("runs", [(), ("--runs", "2")])

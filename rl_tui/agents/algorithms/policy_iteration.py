@@ -27,6 +27,7 @@ from rl_tui.agents.compiled import compiled, member_of
 from rl_tui.agents.settings import Settings
 from rl_tui.agents.tables import Tables, pairs_of
 from rl_tui.worlds.space import FiniteSpace, FloatArray, IntArray
+from rl_tui.worlds.words import counted
 
 # Of the best value, or of 1 where that is less: nearer ones are equally good
 TIE: Final = 1e-9
@@ -79,7 +80,7 @@ def describe(memory: Memory) -> str:
     policy = f"policy {memory.policies[0]:,}"
     if phase_of(memory) == "evaluation":
         return f"{policy}, evaluation sweep {memory.sweeps[0]:,}: {change_in_words(memory.change)}"
-    improved = f"{memory.improved[0]:,} state{'' if memory.improved[0] == 1 else 's'}"
+    improved = counted(int(memory.improved[0]), "state")
     return f"{policy}, improvement: {improved} changed"
 
 

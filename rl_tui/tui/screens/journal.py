@@ -12,12 +12,12 @@ from textual.widgets import OptionList, Static
 from textual.widgets.option_list import Option
 
 from rl_tui.lab.snapshot import Snapshot
-from rl_tui.tui import numbers
 from rl_tui.tui.screens.dialog import Dialog
 from rl_tui.tui.theme.look import Look
 from rl_tui.tui.widgets.journal_text import JournalLine, journal_lines
 from rl_tui.tui.written import written
 from rl_tui.worlds.drawing import Arms
+from rl_tui.worlds.words import counted
 
 HOW_TO_BRANCH = "To make another branch, go back with b or B and change something."
 NO_CHANGE = "Nothing was changed in this branch."
@@ -115,6 +115,6 @@ class JournalScreen(Dialog[Moment]):
 def _how_much(lines: list[JournalLine]) -> list[str]:
     """Return how many changes there are, and how many steps by hand: ``2 changes``, ``61 by hand``."""
     changes, by_hand = sum(not line.by_hand for line in lines), sum(line.by_hand for line in lines)
-    settings = [numbers.counted(changes, "change")] if changes else []
+    settings = [counted(changes, "change")] if changes else []
     steps = [f"{by_hand:,} by hand"] if by_hand else []
     return settings + steps or ["no change"]

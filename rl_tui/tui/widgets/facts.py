@@ -12,12 +12,12 @@ from rich.text import Text
 
 from rl_tui.agents.catalogue import BY_ID
 from rl_tui.agents.hyperparameters import PARAMETERS
-from rl_tui.tui import numbers
 from rl_tui.tui.theme.look import Look
 from rl_tui.tui.widgets.pieces import KEPT_BLANK, wrapped
 from rl_tui.tui.written import separated, written
 from rl_tui.worlds.errors import ScenarioError, UserError
 from rl_tui.worlds.scenario import Scenario
+from rl_tui.worlds.words import counted
 from rl_tui.worlds.world import World
 
 _DOT: Final = " · "
@@ -43,9 +43,9 @@ def sizes(world: World | UserError | None) -> str:
         return f"unknown: {world}"
     mdp = world.space
     parts = [
-        numbers.counted(mdp.states, "state"),
-        numbers.counted(len(mdp.action_names), "action"),
-        numbers.counted(mdp.pairs, "pair"),
+        counted(mdp.states, "state"),
+        counted(len(mdp.action_names), "action"),
+        counted(mdp.pairs, "pair"),
     ]
     if world.budget is not None:
         parts.append(f"budget {world.budget:,}")
@@ -65,7 +65,7 @@ def defaults(values: Mapping[str, object]) -> str:
             parts.append(f"{PARAMETERS[name].symbol} {shown}")
         else:
             singular = name.removesuffix("s")  # what is counted has a plural as its name: episodes
-            parts.append(numbers.counted(value, singular) if isinstance(value, int) else f"{name} {value}")
+            parts.append(counted(value, singular) if isinstance(value, int) else f"{name} {value}")
     return _DOT.join(parts) or "those of the program"
 
 

@@ -22,6 +22,7 @@ from rl_tui.tui.written import written
 from rl_tui.worlds.drawing import Arms
 from rl_tui.worlds.mdp import IntArray, TabularMDP
 from rl_tui.worlds.space import FiniteSpace
+from rl_tui.worlds.words import counted
 from rl_tui.worlds.world import World
 
 UNKNOWN: Final = "unknown: stepped for real, nobody wrote its table down"
@@ -41,17 +42,17 @@ def model_lines(snapshot: Snapshot, look: Look, width: int, *, revealed: bool) -
     actors = f", {space.states - len(others)} with actions" if len(others) else ""
     room = width - _LABEL - 1
     actions = _actions(snapshot, look)
-    pairs = f"{numbers.counted(space.pairs, 'legal pair')} (s, a)"
+    pairs = f"{counted(space.pairs, 'legal pair')} (s, a)"
     if mdp is None:
         chances, rewards, start = f"{UNKNOWN}; {pairs}", UNKNOWN, "drawn by the environment"
         end = "where the environment says so" + _time_limit(space)
     else:
-        chances = f"{pairs}, {numbers.counted(len(mdp.next_state), 'outcome')}"
+        chances = f"{pairs}, {counted(len(mdp.next_state), 'outcome')}"
         rewards = _rewards(snapshot, mdp, look, revealed=revealed)
         start, end = _start(snapshot.world, mdp, look, room), _end(snapshot.world, mdp, look, room)
     parts = [
-        ("S", f"{numbers.counted(space.states, 'state')}{actors}: {_listed(space.state_names, room, look)}"),
-        ("A", f"{numbers.counted(len(actions), 'action')}: {_listed(actions, room, look)}"),
+        ("S", f"{counted(space.states, 'state')}{actors}: {_listed(space.state_names, room, look)}"),
+        ("A", f"{counted(len(actions), 'action')}: {_listed(actions, room, look)}"),
         ("P", chances),
         ("R", rewards),
         ("γ", setting(snapshot.hyperparameters.gamma, look.glyphs)),
@@ -95,7 +96,7 @@ def pair_lines(snapshot: Snapshot, pair: int, look: Look, width: int, *, reveale
     estimate: Line = [
         Piece(f" learned Q({names.pair_name(world, pair, glyphs)}) = ", palette.dim),
         Piece(learned, palette.text),
-        Piece(f", taken {numbers.counted(taken, 'time')}" if taken else "", palette.dim),
+        Piece(f", taken {counted(taken, 'time')}" if taken else "", palette.dim),
     ]
     unknown: Line = [Piece(f"   {UNKNOWN}", palette.dim)]
     mdp = world.mdp

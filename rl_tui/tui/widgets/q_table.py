@@ -12,7 +12,6 @@ from textual.strip import Strip
 
 from rl_tui.lab.snapshot import Snapshot
 from rl_tui.lab.windows import Stretch, followed_state, is_large
-from rl_tui.tui import numbers
 from rl_tui.tui.pointing import NOWHERE, Pointed
 from rl_tui.tui.scrolling import Scrolled
 from rl_tui.tui.theme.look import Look
@@ -32,6 +31,7 @@ from rl_tui.tui.widgets.q_table_list import ListForm, list_form
 from rl_tui.tui.widgets.q_table_matrix import matrix_form
 from rl_tui.tui.widgets.q_table_sheet import Sheet, strip_cache
 from rl_tui.tui.widgets.q_table_world import NO_ROW, TableWorld
+from rl_tui.worlds.words import counted
 
 WAITING: Final = "the estimates Q(s, a) come with the first step"
 COMPUTING: Final = "computing the exact answer …"
@@ -358,5 +358,5 @@ def _followed(snapshot: Snapshot) -> int:
 def _size_in_words(scene: Scene, form: Form) -> str:
     if isinstance(form, ListForm):
         noun = "arm" if scene.world.is_bandit else "pair"
-        return numbers.counted(form.entries, noun)
+        return counted(form.entries, noun)
     return f"{form.entries:,} states × {len(scene.world.action_names)}"

@@ -18,6 +18,7 @@ from rl_tui.tui.canvas import shortened
 from rl_tui.tui.theme.look import Look
 from rl_tui.tui.written import separated, written
 from rl_tui.worlds.findings import one_line
+from rl_tui.worlds.words import counted
 
 _MINUTE: Final = 60
 _HOUR: Final = 60 * _MINUTE
@@ -114,7 +115,7 @@ def long_age(age: timedelta) -> str:
     for length, word in ((_DAY, "day"), (_HOUR, "hour"), (_MINUTE, "minute")):
         count = seconds // length
         if count >= 1:
-            return f"{numbers.counted(count, word)} ago"
+            return f"{counted(count, word)} ago"
     return "less than a minute ago"
 
 
