@@ -20,8 +20,10 @@ def breakdown(stop: Stop, algorithm: str, last: LastStep, space: FiniteSpace, q:
         chosen = BY_ID[algorithm]
         traces = "lambda" in chosen.parameters
         remedy = "discount" if chosen.planner else "step size or λ" if traces else "step size"
-        where = f"{space.state_names[space.state_of(pair)]}, {space.action_names[space.pair_action[pair]]}"
-        return f"Q({where}) left ±1e12 at step {last.step:,}: take a smaller {remedy} or start again"
+        return (
+            f"Q({space.pair_name(pair)}) left ±1e12 at step {last.step:,}: "
+            f"take a smaller {remedy} or start again"
+        )
     if stop is Stop.ENDLESS_EPISODE:
         return f"episode {last.episode:,} has not ended after 10,000,000 steps, at step {last.step:,}"
     if stop is Stop.MEMORY_FULL:

@@ -139,7 +139,7 @@ def until_in_words(until: Until, world: World) -> str:
         case Event.OPTIMAL if is_bandit:
             return "the greedy arm is the best"
         case Event.VALUE:
-            return f"Q({pair_in_words(world.space, until.pair)}) reaches {until.threshold:g}"
+            return f"Q({_pair_in_words(world.space, until.pair)}) reaches {until.threshold:g}"
     return until.event.value
 
 
@@ -148,14 +148,13 @@ def breakpoint_in_words(run: Run) -> str:
     noticed, space = run.learner.noticed, run.world.space
     if noticed.pair is not None:
         arm = "arm " if isinstance(run.world.drawing, Arms) else ""
-        return f"breakpoint: {arm}{pair_in_words(space, noticed.pair)}"
+        return f"breakpoint: {arm}{_pair_in_words(space, noticed.pair)}"
     return "" if noticed.state is None else f"breakpoint: state {space.state_names[noticed.state]}"
 
 
-def pair_in_words(space: FiniteSpace, pair: int) -> str:
-    """Return the names of state and action of ``pair``."""
-    action = space.action_names[int(space.pair_action[pair])]
-    return action if space.states == 1 else f"{space.state_names[space.state_of(pair)]}, {action}"
+def _pair_in_words(space: FiniteSpace, pair: int) -> str:
+    """Return the names of state and action of ``pair``; an only state goes without saying."""
+    return space.action_names[int(space.pair_action[pair])] if space.states == 1 else space.pair_name(pair)
 
 
 def _check_answer(answer: Answer) -> None:

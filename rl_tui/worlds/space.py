@@ -59,6 +59,10 @@ class FiniteSpace:
         """Return the pairs that ``state`` owns; empty for a terminal state."""
         return range(int(self.first_pair[state]), int(self.first_pair[state + 1]))
 
+    def pair_name(self, pair: int) -> str:
+        """Return the names of state and action of ``pair``, such as ``6, left``."""
+        return f"{self.state_names[self.state_of(pair)]}, {self.action_names[int(self.pair_action[pair])]}"
+
 
 def all_pairs(state_names: Sequence[str], action_names: Sequence[str], time_limit: int) -> FiniteSpace:
     """Return the space in which every action is legal in every state, as Gymnasium's environments have it."""
