@@ -316,7 +316,7 @@ ACTIONS: Final[tuple[Action, ...]] = (
         ("escape",),
         "esc",
         "back",
-        "Leave the zoom or the microscope, else go back to the catalogue.",
+        "Leave the zoom or the microscope, else go back to the catalogue: twice, once a step was taken.",
         Group.SCENARIO,
         rank=18,
     ),
