@@ -8,7 +8,6 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar, Protocol
 
-from textual.app import App
 from textual.command import CommandPalette, Provider
 from textual.theme import Theme
 
@@ -17,6 +16,7 @@ from rl_tui.lab.recipe import Recipe
 from rl_tui.tui.display import Display
 from rl_tui.tui.ending import end_when_told
 from rl_tui.tui.palette_entries import ActionProvider
+from rl_tui.tui.terminal.linked_app import LinkedApp
 from rl_tui.tui.theme.depth import choose_look, depth_of, environment_for, is_native
 from rl_tui.tui.theme.glyphs import ASCII
 from rl_tui.tui.theme.limited_themes import PICTURE_DARK, PICTURE_LIGHT, themes_for
@@ -48,7 +48,7 @@ def _live_player(recipe: Recipe, *, keeper: Keeper | None, record: Record | None
     return Player(recipe, keeper=keeper, record=record)
 
 
-class RlTuiApp(App[UserError]):
+class RlTuiApp(LinkedApp[UserError]):
     """Catalogue and playground; started with a recipe or a session, it goes straight to that playground.
 
     ``make_player`` makes the thread behind a playground. A ``picture`` asks no terminal what it can do.

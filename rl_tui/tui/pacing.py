@@ -1,9 +1,9 @@
-"""How often the playground draws: at most so many frames a second, and fewer where the terminal is slow."""
+"""How often the playground draws: at most so many frames a second, and none before the last has arrived."""
 
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Callable
+from collections.abc import Awaitable, Callable
 from time import monotonic
 
 _LOAD = 2.0  # a frame is followed by at least as much idle time as it took
@@ -11,15 +11,27 @@ _MEMORY = 0.7  # weight of the past in the running mean of what a frame costs
 _HURRIED_FRAMES = 2  # the first may have been on its way before the key was pressed
 
 
+async def _at_once() -> None:
+    """Where nobody tells whether a frame has arrived."""
+
+
 class Pacer:
     """Waits between frames.
 
-    ``fps`` is the most frames a second. ``clock`` tells seconds. A frame that took long (a slow link blocks
-    the writer) stretches the wait; one that a person asked for by pressing a key is not kept waiting.
+    ``fps`` is the most frames a second. ``arrived`` returns once the terminal shows what it was sent, and
+    ``clock`` tells seconds. A frame that took long to draw stretches the wait; one that a person asked for by
+    pressing a key is not kept waiting: it is drawn even while another is on its way, so that what it changes
+    is the next to be sent.
     """
 
-    def __init__(self, fps: float, clock: Callable[[], float] = monotonic) -> None:
+    def __init__(
+        self,
+        fps: float,
+        arrived: Callable[[], Awaitable[None]] = _at_once,
+        clock: Callable[[], float] = monotonic,
+    ) -> None:
         self._interval = 1.0 / fps
+        self._arrived = arrived
         self._clock = clock
         self._began = clock() - self._interval
         self._cost = 0.0
@@ -39,18 +51,23 @@ class Pacer:
         self._began = self._clock()
 
     def end(self) -> None:
-        """Note that the frame has left for the terminal."""
+        """Note that the frame is drawn."""
         self._cost = _MEMORY * self._cost + (1.0 - _MEMORY) * (self._clock() - self._began)
 
     @property
     def pause(self) -> float:
-        """Seconds to wait before the next frame."""
+        """Seconds to wait before the next frame, wherever the last one is."""
         return max(0.0, self._began + max(self._interval, _LOAD * self._cost) - self._clock())
 
     async def wait(self) -> None:
         """Wait until the next frame is due or somebody is in a hurry."""
-        if self.pause > 0.0:
-            try:
-                await asyncio.wait_for(self._hurry.wait(), self.pause)
-            except TimeoutError:
-                return
+        waits = [asyncio.ensure_future(each) for each in (self._due(), self._hurry.wait())]
+        try:
+            await asyncio.wait(waits, return_when=asyncio.FIRST_COMPLETED)
+        finally:
+            for each in waits:
+                each.cancel()
+
+    async def _due(self) -> None:
+        await asyncio.sleep(self.pause)
+        await self._arrived()

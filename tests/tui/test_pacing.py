@@ -18,7 +18,7 @@ class Clock:
 
 def test_frames_are_an_interval_apart() -> None:
     clock = Clock()
-    pacer = Pacer(10.0, clock)
+    pacer = Pacer(10.0, clock=clock)
     assert pacer.pause == 0.0
     pacer.begin()
     clock.now = 0.03
@@ -30,7 +30,7 @@ def test_frames_are_an_interval_apart() -> None:
 
 def test_slow_frames_stretch_the_interval() -> None:
     clock = Clock()
-    pacer = Pacer(10.0, clock)
+    pacer = Pacer(10.0, clock=clock)
     for _ in range(20):
         pacer.begin()
         clock.now += 0.4
@@ -43,7 +43,7 @@ def test_slow_frames_stretch_the_interval() -> None:
 
 
 async def test_who_is_in_a_hurry_does_not_wait() -> None:
-    pacer = Pacer(0.001, Clock())
+    pacer = Pacer(0.001, clock=Clock())
     pacer.begin()
     pacer.end()
     waiting = asyncio.create_task(pacer.wait())

@@ -140,21 +140,24 @@ class HelpScreen(Dialog[None]):
         self._notes = notes
 
     def compose(self) -> ComposeResult:
-        """Yield keys, panels and notes."""
+        """Yield the keys."""
         box = Vertical(id="box", classes="tall")
         with box, VerticalScroll():
             yield Static(self._keys())
-            if Place.PLAYGROUND in self._place:
-                yield Static(self._panels())
-            if self._notes:
-                yield Static(Text("\nNotes", "bold"))
-                yield notes_markdown(self._notes, self._look.glyphs)
         box.border_title = "Help"
         box.border_subtitle = "arrows: scroll   ? or q: close"
 
     def on_mount(self) -> None:
-        """Let the arrows scroll."""
+        """Let the arrows scroll; what stands below is laid out once the beginning can be read."""
         self.query_one(VerticalScroll).focus()
+        self.call_after_refresh(self._go_on)
+
+    def _go_on(self) -> None:
+        page = self.query_one(VerticalScroll)
+        if Place.PLAYGROUND in self._place:
+            page.mount(Static(self._panels()))
+        if self._notes:
+            page.mount(Static(Text("\nNotes", "bold")), notes_markdown(self._notes, self._look.glyphs))
 
     def _keys(self) -> Table:
         table = _two_columns()

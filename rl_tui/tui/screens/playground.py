@@ -28,6 +28,7 @@ from rl_tui.tui.screens.session_stage import SessionStage
 from rl_tui.tui.screens.time_stage import TimeStage
 from rl_tui.tui.screens.until_stage import UntilStage
 from rl_tui.tui.speeds import faster, slower
+from rl_tui.tui.terminal.linked_app import LinkedApp
 from rl_tui.tui.theme.look import Look
 from rl_tui.tui.widgets.slider import Slider
 from rl_tui.tui.widgets.status_line import StatusLine
@@ -72,7 +73,7 @@ class Playground(TimeStage, UntilStage, HandStage, LaneStage, MicroscopeStage, S
         self._speed = speed
         self._revealed = False
         self._leaves = False  # whether escape has just been pressed, and nothing done since
-        self._pacer = Pacer(fps)
+        self._pacer = Pacer(fps, self._arrived)
         self._model: ModelScreen | None = None
         self._framed = asyncio.Event()
 
@@ -140,6 +141,10 @@ class Playground(TimeStage, UntilStage, HandStage, LaneStage, MicroscopeStage, S
         while not (self.snapshot and _shows(self.snapshot, done) and self.board.is_complete):
             self._framed.clear()
             await self._framed.wait()
+
+    async def _arrived(self) -> None:
+        if isinstance(self.app, LinkedApp):
+            await self.app.arrived()
 
     async def _painted(self) -> None:
         painted = asyncio.Event()

@@ -1,0 +1,112 @@
+"""Changed cells as the shortest text that makes a terminal show them.
+
+Only what every terminal knows is used: to go to a line and column, to go right, colours and attributes, and
+to erase the rest of a line. That erases with the ground that is set in xterm, tmux and the Linux console, and
+with the terminal's own in screen: it is used for the terminal's own only, where they agree. Characters that
+repeat are written out, for the Linux console and screen do not know how to repeat them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from math import inf
+from typing import Final
+
+from rl_tui.tui.terminal.cells import Cutter
+from rl_tui.tui.terminal.pens import RESET, Pen, Pens
+from rl_tui.tui.terminal.screen_buffer import Line
+
+_ERASE_REST: Final = "\x1b[K"
+_WORTH_ERASING: Final = 4  # so many blanks are longer than the sequence
+
+
+def move_to(x: int, y: int) -> str:
+    """Return the sequence that puts the cursor into column ``x`` of line ``y``, both counted from 0."""
+    if x:
+        return f"\x1b[{y + 1};{x + 1}H"
+    return f"\x1b[{y + 1}H" if y else "\x1b[H"
+
+
+class Encoder:
+    """Writes changed lines for a terminal that does not wrap lines."""
+
+    def __init__(self, pens: Pens, cutter: Cutter) -> None:
+        self._pens = pens
+        self._cutter = cutter
+
+    def frame(self, changed: Iterable[tuple[int, Line, list[int]]], size: float = inf) -> str:
+        """Return the text of a frame, empty if nothing has changed.
+
+        With the line that makes it longer than ``size`` characters it is full, and asks for no more. It begins
+        and ends with the terminal's own colours, so that whatever is written between frames, or after the
+        last, has them too.
+        """
+        written: list[str] = []
+        pen = self._pens.plain
+        length = 0
+        for y, line, columns in changed:
+            before = len(written)
+            pen = self._line(written, y, line, columns, pen)
+            length += sum(map(len, written[before:]))
+            if length > size:
+                break
+        if pen is not self._pens.plain:
+            written.append(RESET)
+        return "".join(written)
+
+    def _line(self, written: list[str], y: int, line: Line, columns: list[int], pen: Pen) -> Pen:
+        """Append what tells ``columns`` of ``line``; return the pen that is set then."""
+        cells, pens, change = line.cells, line.pens, self._pens.change
+        erased = self._erased_from(line, columns)
+        at = -1  # where the cursor stands, −1 if that is not sure
+        for number, x in enumerate(columns):
+            if x >= erased:
+                written += (move_to(x, y), change(pen, self._pens.plain), _ERASE_REST)
+                return self._pens.plain
+            if x != at:
+                written.append(self._way(at, x, y, line, pen))
+            cell, wanted = cells[x], pens[x]
+            if wanted is not pen and (cell != " " or wanted.blank is not pen.blank):
+                if cell == " ":
+                    wanted = _pen_ahead(line, columns, number)
+                written.append(change(pen, wanted))
+                pen = wanted
+            written.append(cell)
+            # terminals disagree about the width of rare characters, and stay in the last column
+            is_sure = self._cutter.is_narrow(cell) and x + 1 < len(cells)
+            at = x + 1 if is_sure else -1
+        return pen
+
+    def _way(self, at: int, x: int, y: int, line: Line, pen: Pen) -> str:
+        """Return the shortest way to column ``x``: writing again what stands between is one."""
+        if at < 0:
+            return move_to(x, y)
+        step = f"\x1b[{x - at}C" if x - at > 1 else "\x1b[C"
+        between = "".join(line.cells[at:x])
+        if len(between.encode()) <= len(step) and self._cutter.is_narrow(between):
+            seen = zip(line.cells[at:x], line.pens[at:x], strict=True)
+            if all(other is pen or (cell == " " and other.blank is pen.blank) for cell, other in seen):
+                return between
+        return min(step, move_to(x, y), key=len)
+
+    def _erased_from(self, line: Line, columns: list[int]) -> int:
+        """Return the column from which on the line is erased, its width if it is not."""
+        plain, width = self._pens.plain, len(line.cells)
+        start = width
+        while start and line.cells[start - 1] == " " and line.pens[start - 1].blank is plain:
+            start -= 1
+        changed = sum(x >= start for x in reversed(columns))
+        return start if changed > _WORTH_ERASING else width
+
+
+def _pen_ahead(line: Line, columns: list[int], number: int) -> Pen:
+    """Return the pen for a blank: that of the next character, if the blank looks the same with it."""
+    blank = line.pens[columns[number]].blank
+    x = columns[number]
+    for other in columns[number:]:
+        if other != x or line.pens[x].blank is not blank:
+            break
+        if line.cells[x] != " ":
+            return line.pens[x]
+        x += 1
+    return blank

@@ -1,0 +1,104 @@
+"""How cells are written: the pen of a style, and the shortest way from one pen to another."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from rich.color import ColorSystem
+from rich.style import Style
+
+# By the bit of rich.style.Style: bold, dim, italic, underline, blink, fast blink, reverse, conceal, strike,
+# double underline, frame, encircle, overline
+_ON: Final = ("1", "2", "3", "4", "5", "6", "7", "8", "9", "21", "51", "52", "53")
+_OFF: Final = ("22", "22", "23", "24", "25", "25", "27", "28", "29", "24", "54", "54", "55")
+_UNSEEN_ON_BLANKS: Final = 0b111  # bold, dim, italic; the others show where there is no character too
+RESET: Final = "\x1b[m"
+
+
+class Pen:
+    """Attributes, ink and ground as the terminal is told them; one object for each that differs.
+
+    ``ink`` and ``ground`` are SGR parameters, empty for the terminal's own. ``blank`` is the pen with which a
+    space looks the same.
+    """
+
+    __slots__ = ("attributes", "blank", "ground", "ink")
+
+    def __init__(self, attributes: int, ink: str, ground: str) -> None:
+        self.attributes = attributes
+        self.ink = ink
+        self.ground = ground
+        self.blank = self
+
+    def __repr__(self) -> str:
+        return f"Pen({self.attributes:b}, {self.ink!r}, {self.ground!r})"
+
+
+class Pens:
+    """The pens of a terminal with the colours of ``system``."""
+
+    def __init__(self, system: ColorSystem) -> None:
+        self._system = system
+        self._of_style: dict[Style | None, Pen] = {}
+        self._known: dict[tuple[int, str, str], Pen] = {}
+        self._changes: dict[tuple[Pen, Pen], str] = {}
+        self.plain = self._pen(0, "", "")
+
+    def of(self, style: Style | None) -> Pen:
+        """Return the pen that writes in ``style``; where a link leads is not told to the terminal."""
+        pen = self._of_style.get(style)
+        if pen is None:
+            if len(self._of_style) > 20_000:  # colours that fade make new styles without end
+                self._of_style.clear()
+            pen = self._of_style[style] = self._made(style)
+        return pen
+
+    def change(self, before: Pen, after: Pen) -> str:
+        """Return the shortest sequence that makes the terminal write with ``after`` instead of ``before``."""
+        if before is after:
+            return ""
+        change = self._changes.get((before, after))
+        if change is None:
+            if len(self._changes) > 20_000:
+                self._changes.clear()
+            change = self._changes[before, after] = _change(before, after)
+        return change
+
+    def _made(self, style: Style | None) -> Pen:
+        if style is None:
+            return self.plain
+        ink, ground = style.color, style.bgcolor
+        return self._pen(
+            style._attributes & style._set_attributes,
+            "" if ink is None else ";".join(ink.downgrade(self._system).get_ansi_codes()),
+            "" if ground is None else ";".join(ground.downgrade(self._system).get_ansi_codes(False)),
+        )
+
+    def _pen(self, attributes: int, ink: str, ground: str) -> Pen:
+        ink, ground = "" if ink == "39" else ink, "" if ground == "49" else ground
+        pen = self._known.get((attributes, ink, ground))
+        if pen is None:
+            pen = self._known[attributes, ink, ground] = Pen(attributes, ink, ground)
+            if not attributes & ~_UNSEEN_ON_BLANKS and (attributes or ink):
+                pen.blank = self._pen(0, "", ground)
+        return pen
+
+
+def _change(before: Pen, after: Pen) -> str:
+    if not (after.attributes or after.ink or after.ground):
+        return RESET
+    # 22 ends bold and dim both, 24 and 25 also two each: what shall stay of them is set again
+    ends = {_OFF[bit] for bit in _bits(before.attributes & ~after.attributes)}
+    kept = [bit for bit in _bits(after.attributes & before.attributes) if _OFF[bit] in ends]
+    begun = _bits(after.attributes & ~before.attributes)
+    steps = [*sorted(ends), *(_ON[bit] for bit in (*kept, *begun))]
+    if before.ink != after.ink:
+        steps.append(after.ink or "39")
+    if before.ground != after.ground:
+        steps.append(after.ground or "49")
+    afresh = ["0", *(_ON[bit] for bit in _bits(after.attributes)), after.ink, after.ground]
+    return min((f"\x1b[{';'.join(filter(None, way))}m" for way in (steps, afresh)), key=len)
+
+
+def _bits(attributes: int) -> list[int]:
+    return [bit for bit in range(len(_ON)) if attributes >> bit & 1]
