@@ -83,9 +83,13 @@ class Program(click.Group):
         except Exception as fault:  # a bug: still one line, and a way to see where
             if os.environ.get(TRACEBACK):
                 raise
-            reason = " ".join(str(fault).split())
-            return _fail(f"rl-tui: unexpected {type(fault).__name__}: {reason} ({TRACEBACK}=1 shows where)")
+            return _fail(f"rl-tui: {_described(fault)} ({TRACEBACK}=1 shows where)")
         return status if isinstance(status, int) else DONE
+
+
+def _described(fault: Exception) -> str:
+    reason = " ".join(str(fault).split())
+    return "; ".join((f"unexpected {type(fault).__name__}: {reason}", *getattr(fault, "__notes__", ())))
 
 
 def _prefixed(message: str) -> str:

@@ -44,6 +44,8 @@ def run_app(display: Display, start: Recipe | StoredSession | None = None) -> No
 
     app = RlTuiApp(display, start, sessions=session_folder())
     fault = app.run(mouse=display.mouse)
+    if app.bug is not None:
+        raise app.bug
     if fault is not None:
         raise fault
     if app.return_code:

@@ -342,6 +342,16 @@ ACTIONS: Final[tuple[Action, ...]] = (
         rank=23,
     ),
     Action(
+        "suspend",
+        ("ctrl+z",),
+        "ctrl+z",
+        "to the shell",
+        "Stop here and go to the shell; its command fg comes back.",
+        Group.PROGRAM,
+        Place.BOTH,
+        command="app.suspend_process",
+    ),
+    Action(
         "quit",
         ("q",),
         "q",

@@ -13,9 +13,11 @@ from textual.theme import Theme
 
 from rl_tui.lab.library import recipe_for
 from rl_tui.lab.recipe import Recipe
+from rl_tui.tui.bugs import bug_of
 from rl_tui.tui.display import Display
-from rl_tui.tui.ending import end_when_told
+from rl_tui.tui.ending import HUNG_UP, end_when_told
 from rl_tui.tui.palette_entries import ActionProvider
+from rl_tui.tui.terminal.choice import driver_class, go_to_shell
 from rl_tui.tui.terminal.linked_app import LinkedApp
 from rl_tui.tui.theme.depth import choose_look, depth_of, environment_for, is_native
 from rl_tui.tui.theme.glyphs import ASCII
@@ -27,6 +29,7 @@ from rl_tui.worlds.catalogue import scenarios
 from rl_tui.worlds.errors import UserError
 
 if TYPE_CHECKING:
+    from rl_tui.lab.autosave import Autosave
     from rl_tui.lab.keeper import Keeper
     from rl_tui.lab.player import Player
     from rl_tui.lab.record import Record
@@ -73,7 +76,7 @@ class RlTuiApp(LinkedApp[UserError]):
         options = display or Display()
         depth = "truecolor" if picture and options.colors == "auto" else depth_of(options.colors, os.environ)
         with environment_for(depth):
-            super().__init__(ansi_color=is_native(depth) and not picture)
+            super().__init__(driver_class(), ansi_color=is_native(depth) and not picture)
         if picture:
             self.ansi_theme_dark, self.ansi_theme_light = PICTURE_DARK, PICTURE_LIGHT
         for theme in themes_for(depth, picture=picture):
@@ -89,6 +92,8 @@ class RlTuiApp(LinkedApp[UserError]):
         self._make_player = make_player
         self._sessions = sessions
         self._player: Player | None = None
+        self._autosave: Autosave | None = None
+        self._bug: Exception | None = None
         has_ascii_only = self.look.glyphs is ASCII
         self.set_class(has_ascii_only, "-ascii")
         use_scroll_bars(ascii_only=has_ascii_only)
@@ -127,7 +132,7 @@ class RlTuiApp(LinkedApp[UserError]):
         autosave = None if self._sessions is None else Autosave(untouched(recipe), self._sessions)
         self._player = self._make_player(recipe, keeper=autosave, record=None)
         playground = Playground(self.look, recipe, self._player, self.options.fps)
-        playground.autosave = autosave
+        playground.autosave = self._autosave = autosave
         return playground
 
     def _resumed(self, session: StoredSession, record: Record) -> Playground:
@@ -138,7 +143,8 @@ class RlTuiApp(LinkedApp[UserError]):
         lane = record.lanes[record.shown]
         self._player = self._make_player(lane.recipe, keeper=autosave, record=record)
         playground = Playground(self.look, lane.recipe, self._player, self.options.fps, record.speed)
-        playground.autosave, playground.resumed = autosave, session
+        playground.autosave = self._autosave = autosave
+        playground.resumed = session
         return playground
 
     def on_catalogue_opened(self, event: Catalogue.Opened) -> None:
@@ -180,10 +186,34 @@ class RlTuiApp(LinkedApp[UserError]):
         if not isinstance(self.screen, CommandPalette):
             self.push_screen(CommandPalette(placeholder="find an action"))
 
+    def action_suspend_process(self) -> None:
+        """Go back to the shell, if there is one that can bring the program back."""
+        if not go_to_shell(self._driver):
+            self.notify("there is no shell here to go back to; q quits", markup=False)
+
+    def on_terminal_driver_lost(self) -> None:
+        """End as if told that the terminal is closed, which is what has happened."""
+        self._end(HUNG_UP)
+
     def _end(self, status: int) -> None:
+        self._keep()
+        self.exit(return_code=status)
+
+    def _keep(self) -> None:
         if self._player is not None:
             self._player.close()  # what was done is kept first: there may be little time
-        self.exit(return_code=status)
+
+    @property
+    def bug(self) -> Exception | None:
+        """The unexpected fault that ended the program, with what became of the session; None if none did."""
+        return self._bug
+
+    def _fatal_error(self) -> None:
+        # Textual would print pages here; the command line says in one line what has happened
+        if self._bug is None:
+            self._keep()
+            self._bug = bug_of(self._exception, self._autosave)
+        self._close_messages_no_wait()
 
     def _follow_theme(self, _: Theme) -> None:
         look = self.look

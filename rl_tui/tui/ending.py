@@ -11,7 +11,18 @@ from threading import Timer
 from typing import Final
 
 LONGEST: Final = 6.0
-_SIGNALS: Final = ("SIGTERM", "SIGHUP")  # Windows knows the first only
+HUNG_UP: Final = 129  # the exit status of a program whose terminal was closed
+_SIGNALS: Final = ("SIGTERM", "SIGHUP", "SIGINT", "SIGQUIT")  # Windows does not know all of them
+
+
+def end_at_last(status: int) -> None:
+    """Let the process be gone with ``status`` some seconds later, whatever it waits for.
+
+    A terminal that is gone may keep the farewell waiting for ever.
+    """
+    last_resort = Timer(LONGEST, os._exit, (status,))
+    last_resort.daemon = True
+    last_resort.start()
 
 
 def end_when_told(end: Callable[[int], None]) -> None:
@@ -22,11 +33,9 @@ def end_when_told(end: Callable[[int], None]) -> None:
     loop = asyncio.get_running_loop()
 
     def told(number: int) -> None:
-        # a terminal that is gone may keep the farewell waiting for ever
-        last_resort = Timer(LONGEST, os._exit, (128 + number,))
-        last_resort.daemon = True
-        last_resort.start()
-        end(128 + number)
+        status = 128 + number  # as shells say it
+        end_at_last(status)
+        end(status)
 
     for name in _SIGNALS:
         number = getattr(signal, name, None)

@@ -1,0 +1,120 @@
+"""What is on its way to the terminal: nobody waits for a terminal that does not read, or is gone."""
+
+from __future__ import annotations
+
+import os
+import select
+import threading
+from collections import deque
+from collections.abc import Callable
+from time import monotonic
+from typing import Final
+
+_AT_ONCE: Final = 4096  # bytes: small pieces go together, large ones alone
+_SLICE: Final = 2048  # bytes: a terminal takes all or nothing, and a slow one some time for it
+_PATIENCE: Final = 1.0  # seconds without a byte going out, after which a farewell is given up
+
+
+class TerminalWriter:
+    """Writes to the file descriptor of a terminal from a thread of its own.
+
+    ``on_empty`` is called from that thread whenever everything is written, ``on_lost`` once when nothing can
+    be written any more. A terminal that does not read holds up the thread only.
+    """
+
+    def __init__(self, fileno: int, on_empty: Callable[[], None], on_lost: Callable[[], None]) -> None:
+        self._fileno = fileno
+        self._on_empty = on_empty
+        self._on_lost = on_lost
+        self._changed = threading.Condition()  # guards everything below
+        self._pieces: deque[bytes] = deque()
+        self._waiting = 0
+        self._leaving = 0  # of those waiting: bytes that the thread has taken
+        self._closing = False
+        self._lost = False
+        self._thread = threading.Thread(target=self._live, name="terminal-output", daemon=True)
+        self._thread.start()
+
+    @property
+    def waiting(self) -> int:
+        """Bytes that the system has not taken yet."""
+        return self._waiting
+
+    def write(self, data: bytes) -> None:
+        """Put ``data`` behind what is waiting; never waits itself."""
+        with self._changed:
+            if data and not self._lost:
+                self._pieces.append(data)
+                self._waiting += len(data)
+                self._changed.notify_all()
+
+    def forget(self) -> None:
+        """Drop what is waiting, but for what has begun to leave."""
+        with self._changed:
+            self._pieces.clear()
+            self._waiting = self._leaving
+            self._changed.notify_all()
+
+    def drain(self, seconds: float) -> bool:
+        """Wait until all is written, ``seconds`` at most and while some of it leaves; tell if it is."""
+        deadline = monotonic() + seconds
+        before = -1
+        with self._changed:
+            while self._waiting and not self._lost:
+                patience = min(_PATIENCE, deadline - monotonic())
+                if self._waiting == before or patience <= 0.0:
+                    return False
+                before = self._waiting
+                self._changed.wait(patience)
+            return not self._lost
+
+    def close(self, seconds: float) -> None:
+        """Write what is waiting, for ``seconds`` at most, and end the thread where that is possible."""
+        drained = self.drain(seconds)
+        with self._changed:
+            self._closing = True
+            self._changed.notify_all()
+        if drained:
+            self._thread.join()
+
+    # The thread
+
+    def _live(self) -> None:
+        while True:
+            with self._changed:
+                self._changed.wait_for(lambda: bool(self._pieces) or self._closing)
+                data = self._take()
+            if not data:
+                return
+            try:
+                self._write_out(data)
+            except OSError:
+                with self._changed:
+                    self._pieces.clear()
+                    self._waiting, self._lost = 0, True
+                    self._changed.notify_all()
+                self._on_lost()
+                return
+            if not self._waiting:
+                self._on_empty()
+
+    def _take(self) -> bytes:
+        taken: list[bytes] = []
+        while self._pieces and (not taken or self._leaving + len(self._pieces[0]) <= _AT_ONCE):
+            taken.append(self._pieces.popleft())
+            self._leaving += len(taken[-1])
+        return b"".join(taken)
+
+    def _write_out(self, data: bytes) -> None:
+        left = memoryview(data)
+        while left:
+            try:
+                written = os.write(self._fileno, left[:_SLICE])
+            except BlockingIOError:  # another program that shares the terminal has set it so
+                select.select([], [self._fileno], [])
+                continue
+            left = left[written:]
+            with self._changed:
+                self._leaving -= written
+                self._waiting -= written
+                self._changed.notify_all()

@@ -1,0 +1,67 @@
+"""A terminal that can go away, or stop reading, while a program is on it."""
+
+from __future__ import annotations
+
+import os
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Final
+
+from pseudo_terminal import DEADLINE, PseudoTerminal
+
+from rl_tui.lab.session_folder import sessions_in
+
+_RUN = "; os.execvp(sys.argv[1], sys.argv[1:])"
+# What runs in it has it as its controlling terminal, as in a window: it is told when that is closed
+CONTROLLING: Final = (
+    sys.executable,
+    "-c",
+    f"import fcntl, os, sys, termios; fcntl.ioctl(0, termios.TIOCSCTTY, 0){_RUN}",
+)
+DEAF: Final = (
+    sys.executable,
+    "-c",
+    f"import os, signal, sys; signal.signal(signal.SIGHUP, signal.SIG_IGN){_RUN}",
+)
+
+
+class LosableTerminal(PseudoTerminal):
+    """A pseudo-terminal whose far end may be lost."""
+
+    def vanish(self) -> None:
+        """Close the far end, as a window that is closed or a link that breaks does."""
+        nothing = os.open(os.devnull, os.O_RDWR)
+        os.dup2(nothing, self._ours)
+        os.close(nothing)
+
+    def stall(self) -> None:
+        """Fill the way to the far end: from now on nothing is taken until something is read there."""
+        # opened once more, since not to wait would hold for the program too
+        end = os.open(os.ttyname(self._theirs), os.O_WRONLY | os.O_NOCTTY | os.O_NONBLOCK)
+        try:
+            while True:
+                os.write(end, b"\0" * 256)  # terminals pass it over
+        except BlockingIOError:
+            return
+        finally:
+            os.close(end)
+
+    def wait_for_exit(self) -> int:
+        """Return the exit status, without reading what is still written."""
+        return self.process.wait(DEADLINE)
+
+
+def wait_until(condition: Callable[[], bool], what: str) -> None:
+    """Look until ``condition`` holds, or fail."""
+    deadline = time.perf_counter() + DEADLINE
+    while not condition():
+        assert time.perf_counter() < deadline, what
+        time.sleep(0.02)
+
+
+def kept_step(folder: Path) -> int:
+    """Return the step to which the only session in ``folder`` has come, 0 without one."""
+    sessions, _ = sessions_in(folder)
+    return sessions[0].step if sessions else 0
