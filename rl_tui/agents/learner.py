@@ -174,7 +174,7 @@ class Learner(Standing):
         """Why the learner will not go on, as a sentence; empty while it will."""
         last = self.last_step
         if self._stop is Stop.WORLD_FAILED and self._stepped is not None:
-            return f"{self._stepped.failure}, after step {self.step:,}"
+            return self._stepped.failure
         return "" if last is None else breakdown(self._stop, self.algorithm, last, self.space, self.q)
 
     @property
@@ -246,6 +246,14 @@ class Learner(Standing):
         if self.step > before:
             self._author = Author(self.algorithm, self.hyperparameters)
         return stop
+
+    def be_patient(self, seconds: float) -> None:
+        """Let :meth:`advance` come back once so many are over, where a step may take any time.
+
+        It then has taken fewer steps than it was asked for, but at least one.
+        """
+        if self._stepped is not None:
+            self._stepped.patience = seconds
 
     def _advance(self, steps: int, episodes: int) -> int:
         if self.plans:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+import time
 from collections.abc import Callable
 from typing import Any, Final, NamedTuple
 
@@ -143,12 +145,14 @@ class SteppedLoop:
     """One environment and where it stands; its own randomness starts from a draw of ``world``.
 
     ``pair_action``, [P], tells which action a pair is. ``state`` is the one in which the first episode
-    starts, ``failure`` says, in one line, why the environment broke down, empty while it did not. Raises
+    starts, ``failure`` says, in one line, at which step the environment broke down and why, empty while it
+    did not. ``patience`` is for how many seconds :meth:`advance` begins new steps. Raises
     EnvironmentFailedError where it cannot even start.
     """
 
     def __init__(self, environment: Environment, world: Generator, pair_action: IntArray) -> None:
         self.failure = ""
+        self.patience = math.inf
         self.state = environment.reset(int(world.integers(MOST_SEEDS)))
         self._environment = environment
         self._pair_action = pair_action
@@ -171,7 +175,7 @@ class SteppedLoop:
         steps: int,
         episodes: int,
     ) -> Stop:
-        """Take at most ``steps`` steps, or until ``episodes`` more have ended.
+        """Take at most ``steps`` steps, or until ``episodes`` more have ended, or ``patience`` has.
 
         The bits are those that the compiled loop gives where the environment answers alike. Where it breaks
         down the loop stops after the last sound step, with all that was learned from it.
@@ -186,26 +190,28 @@ class SteppedLoop:
             self._take_turn = entry(turn, *told, False, *nothing, last_step, last_episode)
             self._entry_for = types
         take_turn = self._take_turn
+        until = time.perf_counter() + self.patience
         pair = take_turn(*told, False, *nothing, last_step, last_episode)
         while pair >= 0:
+            step = int(position.step[0]) + 1
             try:
                 answer = self._environment.step(int(self._pair_action[pair]))
             except EnvironmentFailedError as failure:
-                self.failure = str(failure)
+                self.failure = f"at step {step:,} {failure}"
                 return Stop.WORLD_FAILED
             start = answer.next_state
             if answer.terminated or answer.truncated:
-                start = self._start(answer.next_state)
-            if self.failure:
+                start = self._start(answer.next_state, step)
+            if self.failure or time.perf_counter() >= until:
                 last_step = 0  # the step itself was sound: learn from it, and choose nothing after it
             pair = take_turn(*told, True, *answer, start, last_step, last_episode)
         stop = Stop(-1 - pair)
         return Stop.WORLD_FAILED if self.failure and stop is not Stop.DIVERGED else stop
 
-    def _start(self, otherwise: int) -> int:
-        """Begin an episode and return where it starts, or ``otherwise`` if the environment breaks down."""
+    def _start(self, otherwise: int, step: int) -> int:
+        """Begin an episode after ``step`` and return where it starts; ``otherwise`` if that fails."""
         try:
             return self._environment.reset()
         except EnvironmentFailedError as failure:
-            self.failure = str(failure)
+            self.failure = f"after step {step:,} {failure}"
             return otherwise

@@ -262,7 +262,7 @@ class Lane:
                 self._spent = 0.0  # it has been here before: as many as are needed are kept already
             self._arrived_at(run, way)
             ended = run.step >= last_step or run.learner.episodes >= last_episode
-            if ended or run.noticed or run.over or run.step == before:
+            if ended or run.noticed or run.came_early or run.over or run.step == before:
                 return
 
     def _arrived_at(self, run: Run, way: _Way) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
@@ -91,6 +92,7 @@ class Lanes:
         self.step = self.current.step
         for lane in self._others:
             if lane.step < self.step:
+                lane.run.learner.be_patient(math.inf)
                 lane.advance(self.step - lane.step)
 
     def resume(self, record: Record) -> None:

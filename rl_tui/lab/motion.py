@@ -200,6 +200,8 @@ class Motion:
     def _advance(self, steps: int, episodes: int | None = None) -> int:
         """Take at most so many steps, learn how long they take, and return how many they were."""
         run, before, start = self._run, self._run.step, self._clock()
+        if self._automatic:
+            run.learner.be_patient(CHUNK)
         if episodes is None:
             self.lanes.advance(steps)
         else:

@@ -8,8 +8,8 @@ from typing import Final
 TICK: Final = 1 / 60
 MOST_DEBT: Final = 0.25
 CHUNK: Final = 0.015
-# A step of Dyna-Q may take as long as 30,000 of Q-learning, and one in an environment as long as 1,000
-FIRST_CHUNK: Final = 16
+# A step of Dyna-Q may take as long as 30,000 of Q-learning, and one in an environment any time
+FIRST_CHUNK: Final = 1
 LARGEST_CHUNK: Final = 4_000_000
 WINDOW: Final = 1.0
 SHORTEST_MEASURE: Final = 0.2

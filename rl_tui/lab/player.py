@@ -21,6 +21,7 @@ from rl_tui.lab.playback import Playback
 from rl_tui.lab.recipe import Recipe
 from rl_tui.lab.record import Record
 from rl_tui.lab.snapshot import Phase, Snapshot
+from rl_tui.worlds.asking import unanswered
 
 LONGEST_GOODBYE: Final = 0.2
 KEPT_EVERY: Final = 0.25
@@ -105,6 +106,12 @@ class Player:
         question = _Question()
         self._post(question)
         return await question.answer
+
+    @property
+    def unanswered(self) -> float:
+        """For how many seconds an environment has kept the run waiting; 0 where none does."""
+        thread = self._thread
+        return 0.0 if thread is None or not self._automatic else unanswered(thread.ident)
 
     def close(self) -> None:
         """End the thread and the snapshots; returns at once, be it in the middle of compiling."""

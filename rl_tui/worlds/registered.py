@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import threading
 import warnings
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager, suppress
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
+from rl_tui.worlds.asking import ASKING
 from rl_tui.worlds.findings import Finding, near, one_line, shown
 from rl_tui.worlds.world_section import WorldRefusedError
 
@@ -36,14 +38,16 @@ def made(name: str, kwargs: Mapping[str, Any]) -> Env[Any, Any]:
         expected = f"the id of a registered environment{near(name, known)}"
         raise WorldRefusedError(Finding(("id",), shown(name), expected))
     try:
-        with _MAKING, warnings.catch_warnings():
+        with ASKING, _MAKING, warnings.catch_warnings():
             warnings.simplefilter("ignore")
             # a map without a start divides by zero; the check of the start distribution tells that plainly
             with np.errstate(invalid="ignore", divide="ignore"):
                 # by its spec: looking an id up warns about newer versions, no concern of a scenario
                 spec = gymnasium.registry[name]
                 return gymnasium.make(spec, **{"disable_env_checker": True, **kwargs})
-    except Exception as error:  # whatever an environment's constructor may raise
+    except BaseException as error:  # whatever an environment's constructor may raise
+        if is_interrupt(error):
+            raise
         reason = reason_of(error)
         finding = (
             Finding(("kwargs",), f"what makes {name} fail ({reason})", f"what {name} takes")
@@ -51,6 +55,32 @@ def made(name: str, kwargs: Mapping[str, Any]) -> Env[Any, Any]:
             else Finding(("id",), f"{name}, which cannot be made ({reason})", "one that can be made here")
         )
         raise WorldRefusedError(finding) from error
+
+
+@contextmanager
+def looked_at(name: str, kwargs: Mapping[str, Any]) -> Iterator[Env[Any, Any]]:
+    """Yield a new environment to be read and closed again.
+
+    Raises WorldRefusedError as :func:`made` does, and where it raises something while it is looked at.
+    """
+    environment = made(name, kwargs)
+    try:
+        yield environment
+    except WorldRefusedError:
+        raise
+    except BaseException as error:  # attributes are an environment's own code too
+        if is_interrupt(error):
+            raise
+        found = f"{name}, which cannot be read ({reason_of(error)})"
+        raise WorldRefusedError(Finding(("id",), found, "one that tells its states and actions")) from error
+    finally:
+        close(environment)
+
+
+def close(environment: Env[Any, Any]) -> None:
+    """Let ``environment`` give back what it holds."""
+    with suppress(Exception, SystemExit), ASKING:  # nobody is left whom a failure would concern
+        environment.close()
 
 
 def _may_serve(entry_point: object) -> bool:
@@ -62,9 +92,24 @@ def _may_serve(entry_point: object) -> bool:
     return entry.startswith(SMALL) or not entry.startswith(("gymnasium.", "<"))
 
 
-def reason_of(error: Exception) -> str:
+def is_interrupt(error: BaseException) -> bool:
+    """Tell whether ``error`` is ctrl-C, of which only the main thread is told, and no fault of a world."""
+    here = threading.current_thread() is threading.main_thread()
+    return here and isinstance(error, KeyboardInterrupt)
+
+
+def reason_of(error: BaseException) -> str:
     """Return what an environment raised, in one line of at most 200 characters that is safe to print."""
-    return one_line(f"{type(error).__name__}: {error}", LONGEST_REASON)
+    name, text = type(error).__name__, text_of(error)
+    return one_line(f"{name}: {text}" if text else name, LONGEST_REASON)
+
+
+def text_of(thing: object) -> str:
+    """Return the text of what comes from an environment, which may fail at that too."""
+    try:
+        return str(thing)
+    except Exception:
+        return f"a {type(thing).__name__} that cannot be written"
 
 
 def time_limit_of(environment: Env[Any, Any]) -> int:

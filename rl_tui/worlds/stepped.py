@@ -5,16 +5,17 @@ from __future__ import annotations
 import math
 import weakref
 from collections.abc import Mapping, Sequence
-from contextlib import closing, suppress
 from typing import TYPE_CHECKING, Any, Final
 
+from rl_tui.worlds.answers import UnsoundAnswerError, first_observation, parts_of, reward_of, seen, truth_of
+from rl_tui.worlds.asking import ASKING
 from rl_tui.worlds.environment import EnvironmentFailedError, Stepped
-from rl_tui.worlds.findings import Finding, one_line
-from rl_tui.worlds.registered import made, reason_of, time_limit_of
+from rl_tui.worlds.findings import Finding
+from rl_tui.worlds.registered import close, is_interrupt, looked_at, made, reason_of, time_limit_of
 from rl_tui.worlds.space import all_pairs
 from rl_tui.worlds.stepped_drawing import product_grid
 from rl_tui.worlds.stepped_names import action_names, part_terms, told_part_names
-from rl_tui.worlds.stepped_states import OutsideError, ProductNames, States, discrete_states
+from rl_tui.worlds.stepped_states import ProductNames, States, discrete_states
 from rl_tui.worlds.world import World
 from rl_tui.worlds.world_section import WorldRefusedError
 
@@ -37,42 +38,46 @@ class SteppedEnvironment:
         self._environment = environment
         self._state_of = states.state_of
         self._first_action = first_action
-        weakref.finalize(self, _close, environment)
+        weakref.finalize(self, close, environment)
 
     def reset(self, seed: int | None = None) -> int:
         """Begin an episode and return its first state."""
         try:
-            observation, _ = self._environment.reset(seed=seed)
-        except Exception as error:  # whatever an environment may raise
-            raise EnvironmentFailedError(f"{self._name} failed to start: {reason_of(error)}") from error
+            with ASKING:
+                answer = self._environment.reset(seed=seed)
+            observation = first_observation(answer)
+        except BaseException as error:  # whatever an environment may raise
+            raise self._failure(error, "failed to start") from error
         return self._state(observation)
 
     def step(self, action: int) -> Stepped:
         """Take ``action``; an episode that is both terminated and truncated is terminated."""
         try:
-            observation, reward, terminated, truncated, _ = self._environment.step(
-                action + self._first_action
-            )
-            reward, terminated, truncated = float(reward), bool(terminated), bool(truncated)
-        except Exception as error:  # whatever an environment may raise
-            raise EnvironmentFailedError(f"{self._name} failed in a step: {reason_of(error)}") from error
-        if not math.isfinite(reward):
-            raise EnvironmentFailedError(f"{self._name} gave a reward of {reward}")
+            with ASKING:
+                answer = self._environment.step(action + self._first_action)
+            observation, reward, terminated, truncated, _ = parts_of(answer)
+            reward = reward_of(reward)
+            terminated = truth_of(terminated, "terminated")
+            truncated = truth_of(truncated, "truncated")
+        except BaseException as error:  # whatever an environment may raise
+            raise self._failure(error, "failed in a step") from error
         return Stepped(self._state(observation), reward, terminated, truncated and not terminated)
 
     def _state(self, observation: Any) -> int:
         try:
             return self._state_of(observation)
-        except (OutsideError, LookupError, TypeError, ValueError, OverflowError) as error:
-            seen = one_line(str(observation), 80)
+        except Exception as error:  # whatever a thing makes of it that is no observation
             raise EnvironmentFailedError(
-                f"{self._name} observed {seen}, which is not in its own space of observations"
+                f"{self._name} observed {seen(observation)}, which is not in its own space of observations"
             ) from error
 
-
-def _close(environment: Env[Any, Any]) -> None:
-    with suppress(Exception):  # nobody is left whom a failure would concern
-        environment.close()
+    def _failure(self, error: BaseException, how: str) -> BaseException:
+        """Return ``error`` as a failure of the environment, or as it is where it is none."""
+        if isinstance(error, UnsoundAnswerError):
+            return EnvironmentFailedError(f"{self._name} {error}")
+        if is_interrupt(error):
+            return error
+        return EnvironmentFailedError(f"{self._name} {how}: {reason_of(error)}")
 
 
 def stepped_world(name: str, kwargs: Mapping[str, Any], bins: BinsSection | None = None) -> World:
@@ -82,7 +87,8 @@ def stepped_world(name: str, kwargs: Mapping[str, Any], bins: BinsSection | None
     combination is a state. ``bins`` cuts a Box of real numbers into states. Raises WorldRefusedError where
     the environment cannot be made, its observations or actions are of another kind, or they are too many.
     """
-    with closing(made(name, kwargs)) as environment:
+    with looked_at(name, kwargs) as environment:
+        spaces = environment.observation_space, environment.action_space
         first_action, actions = _actions_of(name, environment)
         states = _states_of(name, environment, bins)
         names = action_names(environment.unwrapped, first_action, actions)
@@ -94,9 +100,13 @@ def stepped_world(name: str, kwargs: Mapping[str, Any], bins: BinsSection | None
 
     def new_environment() -> SteppedEnvironment:
         try:
-            return SteppedEnvironment(name, made(name, kwargs), states, first_action)
+            environment = made(name, kwargs)
         except WorldRefusedError as refusal:
             raise EnvironmentFailedError(f"{name} cannot be made: {refusal.finding.found}") from refusal
+        stepped = SteppedEnvironment(name, environment, states, first_action)
+        if (environment.observation_space, environment.action_space) != spaces:
+            raise EnvironmentFailedError(f"{name} was made with other spaces than the time before")
+        return stepped
 
     return World(
         all_pairs(ProductNames(part_names), names, limit),

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from contextlib import closing
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
@@ -11,7 +10,7 @@ import numpy as np
 from rl_tui.worlds.blackjack import blackjack_world, is_blackjack
 from rl_tui.worlds.findings import Finding, one_line
 from rl_tui.worlds.mdp import Outcome, Transition, tabular_mdp
-from rl_tui.worlds.registered import made, time_limit_of
+from rl_tui.worlds.registered import looked_at, reason_of, time_limit_of
 from rl_tui.worlds.schema import LARGEST_NUMBER
 from rl_tui.worlds.tolerance import PROBABILITY_TOLERANCE
 from rl_tui.worlds.toy_text_layout import Layout, layout_of
@@ -45,7 +44,7 @@ def world_of(name: str, kwargs: Mapping[str, Any], *, computed: bool = False) ->
     beyond ±1e12 or a table that contradicts itself; NoTableError where it is no finite MDP with a table that
     can be read.
     """
-    with closing(made(name, kwargs)) as environment:
+    with looked_at(name, kwargs) as environment:
         if computed and is_blackjack(environment.unwrapped):
             return blackjack_world(environment.unwrapped, time_limit_of(environment))
         states, actions = _sizes(name, environment)
@@ -65,9 +64,10 @@ def world_of(name: str, kwargs: Mapping[str, Any], *, computed: bool = False) ->
             start,
             limit,
         )
-    except (TypeError, ValueError) as error:
+    except Exception as error:  # a table is an environment's own code too, and its numbers may be anything
         # not "no table": to step what contradicts itself would only hide that
-        found = f"a table in which {one_line(str(error), 200)}"
+        told = isinstance(error, TypeError | ValueError)
+        found = f"a table in which {one_line(str(error), 200) if told else reason_of(error)}"
         expected = (
             "a sound transition table, or table = false in a scenario file, which steps it all the same"
         )

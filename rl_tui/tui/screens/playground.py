@@ -25,6 +25,7 @@ from rl_tui.tui.screens.lane_stage import LaneStage
 from rl_tui.tui.screens.microscope_stage import MicroscopeStage
 from rl_tui.tui.screens.model import ModelScreen
 from rl_tui.tui.screens.session_stage import SessionStage
+from rl_tui.tui.screens.silence_stage import SilenceStage
 from rl_tui.tui.screens.time_stage import TimeStage
 from rl_tui.tui.screens.until_stage import UntilStage
 from rl_tui.tui.speeds import faster, slower
@@ -36,7 +37,9 @@ from rl_tui.worlds.drawing import Arms
 from rl_tui.worlds.errors import UserError
 
 
-class Playground(TimeStage, UntilStage, HandStage, LaneStage, MicroscopeStage, SessionStage, ExportStage):
+class Playground(
+    TimeStage, UntilStage, HandStage, LaneStage, MicroscopeStage, SessionStage, ExportStage, SilenceStage
+):
     """One run: what it looks like and what may be done with it."""
 
     CSS_PATH = "playground.tcss"
@@ -104,7 +107,7 @@ class Playground(TimeStage, UntilStage, HandStage, LaneStage, MicroscopeStage, S
     async def _follow(self) -> None:
         try:
             async for snapshot in self.player.snapshots():
-                if not self.is_attached:  # its panels go before this worker is told
+                if not self.is_here:
                     return
                 self._pacer.begin()
                 self._draw(snapshot)

@@ -49,16 +49,33 @@ class StatusLine(Panel):
     """
 
     in_hand = False
+    _silence = 0
+
+    def tell_silence(self, seconds: int) -> None:
+        """Say for how many seconds the environment has not answered; 0 where it does."""
+        if seconds != self._silence:
+            self._silence = seconds
+            self.redraw()
 
     def picture(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
         """Return the row, and blank ones below it."""
-        line = status_line(snapshot, self.look, width, in_hand=self.in_hand)
+        line = status_line(snapshot, self.look, width, in_hand=self.in_hand, silence=self._silence)
         return strips_of([line], width, height, self.look)
 
 
-def status_line(snapshot: Snapshot | None, look: Look, width: int, *, in_hand: bool = False) -> Line:
-    """Return the row for ``width`` cells; ``in_hand`` says that a person takes the steps."""
+def status_line(
+    snapshot: Snapshot | None, look: Look, width: int, *, in_hand: bool = False, silence: int = 0
+) -> Line:
+    """Return the row for ``width`` cells; ``in_hand`` says that a person takes the steps.
+
+    ``silence`` is for how many seconds the environment has not answered, 0 where it does.
+    """
     palette, glyphs = look.palette, look.glyphs
+    if silence:
+        text = f"the environment has not answered for {silence:,} s; esc leaves it"
+        if snapshot is None:
+            return [Piece(shortened(f" {text}", width, glyphs.ellipsis), palette.accent)]
+        return _waiting(snapshot, text, look, width)
     if snapshot is None:
         return [Piece(f" {WAITING}", palette.dim)]
     if snapshot.phase is Phase.STOPPED:

@@ -1,0 +1,332 @@
+"""The real program at full speed for a long time: ``python tests/soak.py [MINUTES]``, sixty by default.
+
+Prints a row of figures a minute, and at the end how the last minute compares with the first. What it writes is
+counted, not looked at: only now and then is a screen drawn anew and read.
+"""
+
+from __future__ import annotations
+
+import fcntl
+import os
+import pty
+import re
+import select
+import struct
+import subprocess
+import sys
+import tempfile
+import termios
+import threading
+import time
+from collections import deque
+from pathlib import Path
+from statistics import median
+from types import TracebackType
+from typing import Final, NamedTuple
+
+import pyte
+
+from rl_tui.lab.session_folder import sessions_in
+
+SCENARIO: Final = "frozenlake-slippery"
+SIZE: Final = (120, 40)
+FULL_SPEED: Final = "+" * 9
+FULL: Final = "▶ max"  # as the status line has it
+PAUSED: Final = "paused"
+MINUTE: Final = 60.0
+MOST_GROWTH: Final = 1.25  # of memory and of frame time, from the first minute to the last
+START: Final = 120.0  # seconds until the first frame at most; kernels may have to be compiled
+PATIENCE: Final = 10.0  # seconds until what a key asks for has to be seen
+QUIET: Final = 0.4  # seconds without a byte: the screen stands still
+_FRAME_END: Final = b"\x1b[?2026l"
+_MEGABYTE: Final = 2**20
+_END_KEPT: Final = 1_000_000  # bytes, to tell why it ended
+_TICKS: Final = os.sysconf("SC_CLK_TCK")
+# What the program asks of its terminal, and the answers of one that knows synchronised output
+_ANSWERS: Final = {b"\x1b[?2026$p": b"\x1b[?2026;2$y", b"\x1b[6n": b"\x1b[%d;%dR"}
+
+# What is typed in a minute: keys, and how long they are given. Space pauses and runs on.
+KEYS: Final = (
+    *((" ", 0.5), ("v", 0.3), ("b", 0.5), ("bbb", 0.5), (" ", 0.5)),
+    *(("1", 0.3), ("\x1b[C", 0.3), ("\x1b[D", 0.3), ("vvv", 0.5), ("?", 0.7), ("\x1b", 0.7), ("m", 0.7)),
+    *(("\x1b", 0.7), ("a", 0.7), ("\x1b", 0.7), ("u", 0.7), ("\x1b", 0.7), ("d", 0.7), ("d", 0.5)),
+    *(("f", 0.5), ("f", 0.5), ("j", 0.7), ("\x1b", 0.7), ("\x10", 0.7), ("\x1b", 0.7)),
+)
+# Now and then: to another scenario and back, where the run begins anew, and on with two runs side by side
+ELSEWHERE: Final = (
+    *(("]", 2.0), (" " + FULL_SPEED, 2.0), ("[", 2.0), (" " + FULL_SPEED, 2.0)),
+    *(("c", 1.0), ("\r", 1.0), ("\x1b[B\r", 5.0), ("l", 1.0), ("c", 1.0), ("\x1b[3~", 1.0), ("\x1b", 0.7)),
+)
+ELSEWHERE_EVERY: Final = 3  # minutes
+
+
+class Minute(NamedTuple):
+    """Figures of a minute: of the whole program, and of its screen while the run goes on undisturbed.
+
+    ``memory`` is the resident set in bytes, ``steps`` those of a second; ``frame`` and ``gap`` are the time
+    of the processor that the screen's thread takes for a frame, and the 95th percentile of the time from one
+    frame to the next, in milliseconds; ``written`` the bytes of a frame, ``key`` the milliseconds until a key
+    is answered by a paused run.
+    """
+
+    memory: int
+    threads: int
+    files: int
+    steps: float
+    frames: float
+    frame: float
+    gap: float
+    written: float
+    key: float
+
+    def row(self, number: int) -> str:
+        """Return the figures as a line of the table."""
+        return (
+            f"{number:6} {self.memory / _MEGABYTE:9.1f} {self.threads:7} {self.files:5} "
+            f"{self.steps / 1e6:9.2f} {self.frames:8.1f} {self.frame:9.2f} {self.gap:8.1f} "
+            f"{self.written:8.0f} {self.key:7.1f}"
+        )
+
+
+HEADER: Final = "minute  RSS (MB) threads files Msteps/s frames/s CPU ms/fr gap95 ms bytes/fr  key ms"
+
+
+class Program:
+    """The program in a terminal that takes in all it writes at once, and answers what it asks."""
+
+    def __init__(self, sessions: Path) -> None:
+        self._ours, theirs = pty.openpty()
+        self._resize(SIZE)
+        environment = {
+            "PATH": os.environ.get("PATH", ""),
+            "HOME": os.environ.get("HOME", "/"),
+            "TERM": "xterm-256color",
+            "LC_ALL": "C.UTF-8",
+            "RL_TUI_SESSIONS_DIR": str(sessions),
+            **{name: os.environ[name] for name in ("PYTHONPATH", "RL_TUI_CACHE_DIR") if name in os.environ},
+        }
+        self._process = subprocess.Popen(
+            [sys.executable, "-m", "rl_tui.cli", "play", SCENARIO],
+            stdin=theirs,
+            stdout=theirs,
+            stderr=theirs,
+            env=environment,
+            start_new_session=True,
+        )
+        os.close(theirs)
+        self.pid = self._process.pid
+        self.bytes = 0
+        self.frames = 0
+        self.last_byte = time.perf_counter()
+        self.frame_ends: deque[float] = deque(maxlen=100_000)
+        self.end = b""
+        self._copies: list[bytes] | None = None
+        self._reader = threading.Thread(target=self._drain, daemon=True)
+        self._reader.start()
+
+    def __enter__(self) -> Program:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        if self._process.poll() is None:
+            self._process.kill()
+        self._process.wait()
+        self._reader.join()
+        os.close(self._ours)
+
+    @property
+    def ended(self) -> bool:
+        """Whether it is no longer there."""
+        return self._process.poll() is not None
+
+    def press(self, keys: str) -> None:
+        """Type ``keys``."""
+        os.write(self._ours, keys.encode())
+
+    def quit(self) -> int:
+        """Type what ends it, and return its exit status."""
+        if not self.ended:
+            self.press("q")
+        return self._process.wait(START)
+
+    def look(self) -> str:
+        """Return what stands on the screen, which is drawn anew for it."""
+        screen = pyte.Screen(*SIZE)
+        stream = pyte.ByteStream(screen)
+        self._resize((SIZE[0] - 1, SIZE[1]))
+        self._until(lambda: False, 0.5)
+        self._copies = []
+        self._resize(SIZE)
+        self._until(lambda: False, 0.7)
+        written, self._copies = b"".join(self._copies), None
+        stream.feed(written)
+        return "\n".join(screen.display)
+
+    def wait_for_quiet(self) -> None:
+        """Wait until nothing has been written for a while."""
+        self._until(lambda: time.perf_counter() - self.last_byte > QUIET, PATIENCE)
+
+    def answer_time(self, keys: str) -> float:
+        """Return in how many seconds ``keys`` are answered by a screen that stands still."""
+        self.wait_for_quiet()
+        before, start = self.bytes, time.perf_counter()
+        self.press(keys)
+        self._until(lambda: self.bytes > before, PATIENCE)
+        return self.last_byte - start if self.bytes > before else PATIENCE
+
+    def memory(self) -> int:
+        """Return the resident set in bytes."""
+        pages = int(Path(f"/proc/{self.pid}/statm").read_text().split()[1])
+        return pages * os.sysconf("SC_PAGE_SIZE")
+
+    def count(self, folder: str) -> int:
+        """Return how many entries ``folder`` of its process has: ``task`` or ``fd``."""
+        return len(os.listdir(f"/proc/{self.pid}/{folder}"))
+
+    def screen_seconds(self) -> float:
+        """Return how long the processor has worked for the thread of the screen."""
+        fields = Path(f"/proc/{self.pid}/task/{self.pid}/stat").read_text().rpartition(")")[2].split()
+        return (int(fields[11]) + int(fields[12])) / _TICKS
+
+    def _until(self, is_over: object, seconds: float) -> None:
+        """Wait until ``is_over`` says so, at most so long."""
+        deadline = time.perf_counter() + seconds
+        while time.perf_counter() < deadline and not (callable(is_over) and is_over()):
+            time.sleep(0.002)
+
+    def _resize(self, size: tuple[int, int]) -> None:
+        fcntl.ioctl(self._ours, termios.TIOCSWINSZ, struct.pack("HHHH", size[1], size[0], 0, 0))
+
+    def _drain(self) -> None:
+        tail = b""
+        while True:
+            ready, _, _ = select.select([self._ours], [], [], 1.0)
+            if not ready:
+                if self.ended:
+                    return
+                continue
+            try:
+                data = os.read(self._ours, 65536)
+            except OSError:  # the other end is closed
+                return
+            self.last_byte = time.perf_counter()
+            if self._copies is not None:
+                self._copies.append(data)
+            seen = tail + data
+            ends = seen.count(_FRAME_END)
+            self.frame_ends.extend([self.last_byte] * min(ends, 1))
+            self.frames += ends
+            for question, answer in _ANSWERS.items():
+                for _ in range(seen.count(question)):
+                    told = answer % (SIZE[1], SIZE[0]) if b"%d" in answer else answer
+                    os.write(self._ours, told)
+            # a sequence may be cut in two, but none must be counted twice
+            start = seen.rfind(b"\x1b")
+            tail = seen[start:] if start >= 0 and len(seen) - start < len(_FRAME_END) else b""
+            if tail in (_FRAME_END, *_ANSWERS):
+                tail = b""
+            self.bytes += len(data)
+            self.end = (self.end + data)[-_END_KEPT:]
+
+
+def plain(written: bytes) -> str:
+    """Return what was written last, without the sequences that steer the terminal."""
+    return re.sub(rb"\x1b\[[0-?]*[ -/]*[@-~]", b"", written).decode(errors="replace")
+
+
+def steps_kept(folder: Path) -> int:
+    """Return how far the run has come that was written last."""
+    sessions, _ = sessions_in(folder)
+    return max(sessions, key=lambda session: session.written[1]).step if sessions else 0
+
+
+def run_on(program: Program) -> None:
+    """See that it runs at full speed; raise SystemExit where the playground is not on the screen any more."""
+    for _ in range(60):
+        if program.ended:
+            return
+        seen = program.look()
+        if FULL in seen:
+            return
+        if PAUSED in seen:
+            program.press(" " + FULL_SPEED)
+        time.sleep(1.0)
+    sys.exit(f"it does not run at full speed any more:\n{seen}")
+
+
+def minute(program: Program, folder: Path, number: int) -> Minute:
+    """Let a minute pass: most of it undisturbed, then keys; return the figures."""
+    deadline = time.perf_counter() + MINUTE
+    undisturbed = MINUTE / 2
+    begun, frames, written, worked = time.perf_counter(), program.frames, program.bytes, program.screen_seconds()
+    steps = steps_kept(folder)
+    program.frame_ends.clear()
+    while time.perf_counter() - begun < undisturbed and not program.ended:
+        time.sleep(0.1)
+    seconds = time.perf_counter() - begun
+    frames, written = program.frames - frames, program.bytes - written
+    worked, steps = program.screen_seconds() - worked, steps_kept(folder) - steps
+    ends = list(program.frame_ends)
+    gaps = sorted(later - earlier for earlier, later in zip(ends, ends[1:], strict=False))
+    for keys, pause in KEYS + (ELSEWHERE if number % ELSEWHERE_EVERY == 1 else ()):
+        program.press(keys)
+        time.sleep(pause)
+    program.press(" ")
+    keys_answered = [program.answer_time("v") for _ in range(4)]
+    program.press(" ")
+    run_on(program)
+    while time.perf_counter() < deadline and not program.ended:
+        time.sleep(0.1)
+    return Minute(
+        memory=program.memory(),
+        threads=program.count("task"),
+        files=program.count("fd"),
+        steps=steps / seconds,
+        frames=frames / seconds,
+        frame=worked * 1e3 / max(1, frames),
+        gap=gaps[len(gaps) * 95 // 100] * 1e3 if gaps else 0.0,
+        written=written / max(1, frames),
+        key=median(keys_answered) * 1e3,
+    )
+
+
+def verdict(first: Minute, last: Minute) -> tuple[str, bool]:
+    """Return how ``last`` compares with ``first``, and whether it is flat."""
+    memory, frame = last.memory / first.memory, last.frame / first.frame
+    is_flat = memory <= MOST_GROWTH and frame <= MOST_GROWTH and last.threads <= first.threads + 2
+    words = (
+        f"last minute against the first: memory {memory - 1:+.1%}, frame time {frame - 1:+.1%}, "
+        f"speed {last.steps / max(1.0, first.steps) - 1:+.1%}, threads {last.threads - first.threads:+d}, "
+        f"files {last.files - first.files:+d}: {'flat' if is_flat else 'NOT FLAT'}"
+    )
+    return words, is_flat
+
+
+def main() -> int:
+    """Print the figures; return 1 where they are not flat or the program broke down."""
+    minutes = int(sys.argv[1]) if len(sys.argv) > 1 else 60
+    with tempfile.TemporaryDirectory() as name, Program(Path(name)) as program:
+        program._until(lambda: program.frames > 0, START)
+        program.wait_for_quiet()
+        program.press(" " + FULL_SPEED)
+        time.sleep(3.0)
+        print(f"{SCENARIO} at {SIZE[0]}x{SIZE[1]}, at full speed, {minutes} min", flush=True)
+        print(HEADER, flush=True)
+        figures = []
+        for number in range(minutes):
+            figures.append(minute(program, Path(name), number))
+            print(figures[-1].row(number + 1), flush=True)
+            if program.ended:
+                print(f"the program has ended with status {program.quit()}:\n{plain(program.end)}")
+                return 1
+        print(program.look().splitlines()[0].strip())
+        status = program.quit()
+        words, is_flat = verdict(figures[0], figures[-1])
+    print(f"{words}; exit status {status}")
+    return 0 if is_flat and status == 0 else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())
