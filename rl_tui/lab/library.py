@@ -10,7 +10,7 @@ from rl_tui.agents.catalogue import BY_ID, parameters_of
 from rl_tui.agents.hyperparameters import PARAMETERS, SAMPLE_AVERAGE, Hyperparameters
 from rl_tui.lab.recipe import Recipe, begin
 from rl_tui.worlds import catalogue
-from rl_tui.worlds.errors import Fault, ScenarioError, UserError
+from rl_tui.worlds.errors import Fault, ScenarioError, UserError, first_of
 from rl_tui.worlds.findings import Finding, near, place, shown
 from rl_tui.worlds.scenario import Scenario, read_scenario
 from rl_tui.worlds.schema import unknown_key
@@ -52,10 +52,13 @@ def find(name_or_path: str) -> Scenario:
 
 
 def faults_of(path: str | Path) -> list[Fault]:
-    """Return every fault of a scenario file, of its world and of its defaults, in the order of the file."""
+    """Return the faults of a scenario file, of its world and of its defaults, in the order of the file.
+
+    Of more than 100 the first are told, and that there are more.
+    """
     try:
         scenario = read_scenario(path)
-        return list(_default_faults(str(path), scenario.defaults))
+        return list(first_of(_default_faults(str(path), scenario.defaults)))
     except ScenarioError as error:
         world_faults = list(error.faults)
     try:
@@ -63,14 +66,14 @@ def faults_of(path: str | Path) -> list[Fault]:
     except UnreadableError:
         return world_faults
     defaults = raw.get("defaults")
-    faults = list(_default_faults(str(path), defaults)) if isinstance(defaults, dict) else []
+    faults = first_of(_default_faults(str(path), defaults)) if isinstance(defaults, dict) else ()
     tables = list(raw)
 
     def table_of(fault: Fault) -> int:
         name = fault.place.split(".")[0].split("[")[0]
         return tables.index(name) if name in tables else len(tables)
 
-    return sorted([*world_faults, *faults], key=table_of)
+    return list(first_of(sorted([*world_faults, *faults], key=table_of)))
 
 
 def recipe_for(scenario: Scenario, overrides: Mapping[str, object] | None = None, seed: int = 0) -> Recipe:
@@ -138,7 +141,7 @@ def listing(scenario: Scenario) -> dict[str, Any]:
 
 
 def _check_defaults(scenario: Scenario) -> None:
-    faults = list(_default_faults(str(scenario.source), scenario.defaults))
+    faults = first_of(_default_faults(str(scenario.source), scenario.defaults))
     if faults:
         raise ScenarioError(faults)
 

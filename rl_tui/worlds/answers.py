@@ -30,7 +30,7 @@ def parts_of(answer: Any) -> tuple[Any, Any, Any, Any, Any]:
 
 def first_observation(answer: Any) -> Any:
     """Return the observation of observation and info, with which a reset answers."""
-    if not isinstance(answer, tuple | list) or len(answer) != 2:  # noqa: PLR2004
+    if not isinstance(answer, tuple | list) or len(answer) != 2:
         raise UnsoundAnswerError(f"answered {seen(answer)} to a reset, which is not observation and info")
     return answer[0]
 

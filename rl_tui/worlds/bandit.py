@@ -10,6 +10,7 @@ from pydantic import BeforeValidator
 
 from rl_tui.worlds.drawing import Arms
 from rl_tui.worlds.findings import Finding, shown
+from rl_tui.worlds.limits import LARGEST_STD, MOST_ARMS, MOST_PULLS
 from rl_tui.worlds.schema import Expect, Number, Section, is_number, is_table, number, refused, whole_number
 from rl_tui.worlds.words import counted
 from rl_tui.worlds.world import World
@@ -19,10 +20,6 @@ if TYPE_CHECKING:
     from numpy.random import Generator
 
     from rl_tui.worlds.mdp import Outcome
-
-MOST_ARMS: Final = 10_000
-LARGEST_STD: Final = 1e6
-MOST_PULLS: Final = 1_000_000_000
 
 STATE_NAME: Final = "bandit"
 GAUSSIAN: Final = "gaussian"

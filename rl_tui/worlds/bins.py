@@ -12,7 +12,9 @@ from itertools import pairwise
 from typing import TYPE_CHECKING, Annotated, Any, Final
 
 from rl_tui.worlds.findings import Finding, shown
+from rl_tui.worlds.limits import MOST_BINS, MOST_EDGES, MOST_PARTS
 from rl_tui.worlds.schema import Expect, Number, Section, is_number, number, whole_number
+from rl_tui.worlds.sizes import check_sizes, combinations
 from rl_tui.worlds.world_section import WorldRefusedError
 
 if TYPE_CHECKING:
@@ -20,18 +22,21 @@ if TYPE_CHECKING:
 
     from rl_tui.worlds.stepped_states import BinStates
 
-MOST_BINS: Final = 1_000_000
 _MOST_DECIMALS: Final = 12
 _FINEST: Final = 1e-14  # of the bounds; a double has 16 digits
 
 
 def _is_list(value: object) -> bool:
-    return isinstance(value, list) and len(value) > 0
+    return isinstance(value, list) and 0 < len(value) <= MOST_PARTS
 
 
-_LIST: Final = Expect("a list with an entry for each dimension", _is_list)
+def _is_list_of_edges(value: object) -> bool:
+    return isinstance(value, list) and len(value) <= MOST_EDGES
+
+
+_LIST: Final = Expect(f"a list with an entry for each dimension, at most {MOST_PARTS}", _is_list)
 Count = Annotated[int, whole_number(1, MOST_BINS)]
-Edges = Annotated[list[Number], Expect("a list of numbers", lambda value: isinstance(value, list))]
+Edges = Annotated[list[Number], Expect(f"a list of at most {MOST_EDGES:,} numbers", _is_list_of_edges)]
 
 
 class BinsSection(Section):
@@ -75,6 +80,9 @@ class BinsSection(Section):
         if told != dimensions:
             expected = f"{dimensions}, one for each dimension of {name}"
             raise _refusal((key,), f"{told} entries", expected)
+        check_sizes(
+            name, combinations(self.count or [len(edges) + 1 for edges in self.edges or ()]), 1, "bins"
+        )
         if self.edges is not None:
             return BinStates(self.edges, [_range_names(edges) for edges in self.edges])
         counts = self.count or []

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from itertools import islice
+
+from rl_tui.worlds.limits import MOST_FAULTS
 
 
 class UserError(Exception):
@@ -29,8 +32,17 @@ class Fault:
 
 
 class ScenarioError(UserError):
-    """A scenario file with faults: all of them, in the order of the file."""
+    """A scenario file with faults: the first 100 of them, in the order of the file."""
 
     def __init__(self, faults: Iterable[Fault]) -> None:
-        self.faults = tuple(faults)
+        self.faults = first_of(faults)
         super().__init__("\n".join(str(fault) for fault in self.faults))
+
+
+def first_of(faults: Iterable[Fault]) -> tuple[Fault, ...]:
+    """Return the first 100 of ``faults``; where there are more, the last one says so."""
+    told = tuple(islice(faults, MOST_FAULTS + 1))
+    if len(told) <= MOST_FAULTS:
+        return told
+    more = Fault(told[0].file, "", f"more than {MOST_FAULTS} faults", "those above mended first")
+    return (*told[:MOST_FAULTS], more)

@@ -5,11 +5,14 @@ from __future__ import annotations
 import json
 from collections.abc import Iterable, Mapping, Sequence
 from difflib import get_close_matches
+from itertools import islice
 from typing import Final, NamedTuple
 
 Location = tuple[str | int, ...]
 
 _LONGEST_SHOWN: Final = 60
+_MANY: Final = 200
+_LONGEST_COMPARED: Final = 200
 _MOST_COMPARED: Final = 200
 # Python refuses to write out whole numbers of more than some thousand digits
 _MOST_BITS: Final = 10_000
@@ -34,7 +37,8 @@ def place(location: Location) -> str:
         if isinstance(step, int):
             text += f"[{step}]"
         else:
-            text += ("." if text else "") + (step if _is_bare_key(step) else shown(step))
+            key = one_line(step, _LONGEST_SHOWN) if _is_bare_key(step) else shown(step)
+            text += ("." if text else "") + key
     return text
 
 
@@ -45,9 +49,14 @@ def shown(value: object) -> str:
     elif isinstance(value, int) and value.bit_length() > _MOST_BITS:
         text = f"a whole number of {value.bit_length():,} bits"
     elif isinstance(value, str):
-        text = json.dumps(value, ensure_ascii=False)
+        # a little more than what will stand there, so that it still ends in an ellipsis
+        text = json.dumps(value[: 2 * _LONGEST_SHOWN], ensure_ascii=False)
     elif isinstance(value, Mapping):
         text = "a table" if value else "an empty table"
+        if len(value) > _MANY:
+            text += f" of {len(value):,} keys"
+    elif isinstance(value, list) and len(value) > _MANY:
+        text = f"a list of {len(value):,}"
     elif isinstance(value, list):
         text = f"[{', '.join(shown(each) for each in value[:8])}{', …' if len(value) > 8 else ''}]"
     else:
@@ -68,20 +77,28 @@ def near(name: str, names: Iterable[str]) -> str:
 
     Long lists are not searched: comparing names is slow, and a large file may hold thousands of unknown ones.
     """
-    by_small_letters = {each.lower(): each for each in names}
-    if len(by_small_letters) > _MOST_COMPARED:
+    by_small_letters = {each.lower(): each for each in islice(names, _MOST_COMPARED + 1)}
+    if len(by_small_letters) > _MOST_COMPARED or len(name) > _LONGEST_COMPARED:
         return ""
     matches = get_close_matches(name.lower(), by_small_letters, n=1, cutoff=0.6)
     return f" (did you mean {shown(by_small_letters[matches[0]])}?)" if matches else ""
 
 
-def order_in_file(location: Location, document: object) -> tuple[int, ...]:
-    """Return a sort key that puts locations into the order of the file, missing keys last in their table."""
+def in_file_order(findings: Iterable[Finding], document: object) -> list[Finding]:
+    """Return ``findings`` in the order of the file, those of missing keys last in their table."""
+    places: dict[int, dict[str, int]] = {}  # of the keys of each table that was looked at
+    return sorted(findings, key=lambda finding: _place_in_file(finding.location, document, places))
+
+
+def _place_in_file(
+    location: Location, document: object, places: dict[int, dict[str, int]]
+) -> tuple[int, ...]:
     key = []
     for step in location:
         if isinstance(document, Mapping):
-            keys = list(document)
-            key.append(keys.index(step) if step in document else len(keys))
+            if id(document) not in places:
+                places[id(document)] = {name: place for place, name in enumerate(document)}
+            key.append(places[id(document)].get(str(step), len(document)))
             document = document.get(step)
         elif isinstance(document, Sequence) and isinstance(step, int) and step < len(document):
             key.append(step)

@@ -5,6 +5,7 @@ It reads the raw table, so that these faults are told together with faults of fo
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Final
@@ -16,9 +17,6 @@ from rl_tui.worlds.grid_map import (
     FLOOR,
     GOAL,
     HOLE,
-    LONGEST_SIDE,
-    MOST_CELLS,
-    MOST_CHARACTERS,
     START,
     WAY_CHARACTERS,
     RandomMap,
@@ -26,10 +24,10 @@ from rl_tui.worlds.grid_map import (
     lines_of,
 )
 from rl_tui.worlds.grid_moves import MOVES
+from rl_tui.worlds.limits import LONGEST_SIDE, MOST_CELLS, MOST_CHARACTERS, MOST_OUTCOMES
 from rl_tui.worlds.schema import parsed
 from rl_tui.worlds.words import counted
 
-MOST_OUTCOMES: Final = 50_000_000
 _MOST_TOLD: Final = 20
 
 
@@ -69,7 +67,7 @@ def grid_findings(raw: Mapping[str, Any]) -> Iterator[Finding]:
 def _legend(raw: object) -> dict[str, LegendEntry | None]:
     """Return what each character means, None where the file does not say it soundly."""
     legend: dict[str, LegendEntry | None] = dict(BUILT_IN)
-    if isinstance(raw, dict):
+    if isinstance(raw, dict) and len(raw) <= MOST_CHARACTERS:
         legend |= {key: parsed(LegendEntry, entry)[0] for key, entry in raw.items() if is_character(key)}
     return legend
 
@@ -123,7 +121,7 @@ def _shape(raw: Mapping[str, Any], key: str) -> _Shape | None:
         if not isinstance(text, str):
             return None
         lines = lines_of(text)
-        return _Shape(len(lines), len(lines[0]), {each: text.count(each) for each in set("".join(lines))})
+        return _Shape(len(lines), len(lines[0]), Counter("".join(lines)))
     wanted, _ = parsed(RandomMap, raw["random"])
     if wanted is None:
         return None

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Final
 from rl_tui.worlds.findings import Finding
 from rl_tui.worlds.grid_legend import LegendEntry
 from rl_tui.worlds.grid_moves import MOVES, STEPS, Terrain
+from rl_tui.worlds.limits import LONGEST_SIDE
 from rl_tui.worlds.schema import Section, number, whole_number
 from rl_tui.worlds.world_section import WorldRefusedError
 
@@ -21,10 +22,7 @@ if TYPE_CHECKING:
 
     CodeArray = npt.NDArray[np.uint8]
 
-LONGEST_SIDE: Final = 10_000
-MOST_CELLS: Final = 4_000_000
 MOST_HOLES: Final = 0.9
-MOST_CHARACTERS: Final = 200
 # A map that was drawn has a way to the goal, or others are drawn: so many, or fewer if they are large
 _MOST_DRAWN: Final = 1_000
 _FEWEST_DRAWN: Final = 5

@@ -12,6 +12,7 @@ from rl_tui.worlds.grid_faults import grid_findings
 from rl_tui.worlds.grid_legend import BUILT_IN, Character, LegendEntry, TruthValue
 from rl_tui.worlds.grid_map import RandomMap, draw_map, read_map
 from rl_tui.worlds.grid_moves import MOVES, slips_of
+from rl_tui.worlds.limits import LONGEST_SIDE, LONGEST_TIME_LIMIT, MOST_CHARACTERS, STRONGEST_WIND
 from rl_tui.worlds.schema import Expect, Number, is_table, number, whole_number
 from rl_tui.worlds.world import World
 from rl_tui.worlds.world_section import WorldSection
@@ -21,14 +22,16 @@ if TYPE_CHECKING:
 
     from rl_tui.worlds.grid_table import Rules
 
-STRONGEST_WIND: Final = 100
-LONGEST_TIME_LIMIT: Final = 1_000_000
 REWARDS: Final = ("entering", "leaving")
 
 
 def _is_wind(value: object) -> bool:
     test = whole_number(-STRONGEST_WIND, STRONGEST_WIND).test
-    return isinstance(value, list) and all(test(each) for each in value)
+    return isinstance(value, list) and len(value) <= LONGEST_SIDE and all(test(each) for each in value)
+
+
+def _is_legend(value: object) -> bool:
+    return isinstance(value, dict) and len(value) <= MOST_CHARACTERS
 
 
 Wind = Annotated[
@@ -62,7 +65,8 @@ class GridSection(WorldSection):
     gusts: TruthValue = False
     time_limit: Annotated[int, whole_number(0, LONGEST_TIME_LIMIT)] = 0
     legend: Annotated[
-        dict[Character, LegendEntry], Expect("a table of characters and what they mean", is_table)
+        dict[Character, LegendEntry],
+        Expect(f"a table of characters and what they mean, at most {MOST_CHARACTERS}", _is_legend),
     ] = Field(default_factory=dict)
 
     @classmethod

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from rl_tui.worlds.findings import Finding, near, shown
+from rl_tui.worlds.limits import MOST_ACTIONS_WRITTEN, MOST_STATES_WRITTEN
 from rl_tui.worlds.schema import is_name, is_number
 
 
@@ -29,7 +30,7 @@ class Arrows:
         return self.state is not None and self.action is not None and bool(self.possible)
 
 
-def connection_findings(raw: Mapping[str, Any], most_states: int) -> Iterator[Finding]:
+def connection_findings(raw: Mapping[str, Any]) -> Iterator[Finding]:
     """Yield unknown and unreachable states, pairs given twice and shared places of a raw ``[mdp]`` table."""
     entries = raw.get("transition")
     arrows = [_read(index, entry) for index, entry in enumerate(entries if isinstance(entries, list) else [])]
@@ -44,8 +45,11 @@ def connection_findings(raw: Mapping[str, Any], most_states: int) -> Iterator[Fi
     unknown += _unknown_places(arrows, places)
     yield from unknown
     mentioned = dict.fromkeys([*places, *(name for each in arrows for name in (each.state or "", *each.to))])
-    if len(mentioned) > most_states:
-        yield Finding(("transition",), f"{len(mentioned):,} states", f"at most {most_states:,}")
+    actions = {each.action for each in arrows}
+    if len(mentioned) > MOST_STATES_WRITTEN:
+        yield Finding(("transition",), f"{len(mentioned):,} states", f"at most {MOST_STATES_WRITTEN:,}")
+    elif len(actions) > MOST_ACTIONS_WRITTEN:
+        yield Finding(("transition",), f"{len(actions):,} actions", f"at most {MOST_ACTIONS_WRITTEN:,}")
     elif not unknown and all(each.whole for each in arrows):
         yield from _unreachable(raw.get("start"), arrows)
 

@@ -9,6 +9,13 @@ from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
 from rl_tui.worlds.drawing import Graph
 from rl_tui.worlds.findings import Finding, shown
+from rl_tui.worlds.limits import (
+    LARGEST_PLACE,
+    LARGEST_STD,
+    LONGEST_TIME_LIMIT,
+    MOST_STATES_WRITTEN,
+    MOST_TRANSITIONS,
+)
 from rl_tui.worlds.mdp_connections import connection_findings
 from rl_tui.worlds.schema import (
     Expect,
@@ -31,11 +38,7 @@ if TYPE_CHECKING:
 
     from rl_tui.worlds.mdp import Outcome
 
-MOST_STATES: Final = 10_000
-MOST_TRANSITIONS: Final = 100_000
-LARGEST_PLACE: Final = 999
-LONGEST_TIME_LIMIT: Final = 1_000_000
-LARGEST_STD: Final = 1e6
+_AT_MOST: Final = f", at most {MOST_STATES_WRITTEN:,}"
 
 Deviation = Annotated[float, number(0, LARGEST_STD)]
 
@@ -79,6 +82,10 @@ def _is_place(value: object) -> bool:
     )
 
 
+def _is_table_of_states(value: object) -> bool:
+    return isinstance(value, dict) and len(value) <= MOST_STATES_WRITTEN
+
+
 def _is_list_of_tables(value: object) -> bool:
     return isinstance(value, list) and 0 < len(value) <= MOST_TRANSITIONS
 
@@ -96,7 +103,7 @@ class TransitionEntry(Section):
     to: Annotated[
         dict[Name, Destination],
         AfterValidator(_destinations_sum_to_one),
-        Expect("a table of states and probabilities", is_table),
+        Expect(f"a table of states and probabilities{_AT_MOST}", _is_table_of_states),
         BeforeValidator(_certain),
     ]
 
@@ -123,7 +130,7 @@ class MDPSection(WorldSection):
     start: Annotated[
         dict[Name, Probability],
         AfterValidator(_start_sums_to_one),
-        Expect("the name of a state, or a table of states and probabilities", is_table),
+        Expect(f"the name of a state, or a table of states and probabilities{_AT_MOST}", _is_table_of_states),
         BeforeValidator(_certain),
     ]
     time_limit: Annotated[int, whole_number(0, LONGEST_TIME_LIMIT)] = 0
@@ -135,7 +142,7 @@ class MDPSection(WorldSection):
                 Expect(f"[column, row], whole numbers from 0 to {LARGEST_PLACE}", _is_place),
             ],
         ],
-        Expect("a table of states and their [column, row]", is_table),
+        Expect(f"a table of states and their [column, row]{_AT_MOST}", _is_table_of_states),
     ] = Field(default_factory=dict)
     transition: Annotated[
         list[TransitionEntry],
@@ -145,7 +152,7 @@ class MDPSection(WorldSection):
     @classmethod
     def connection_findings(cls, raw: Mapping[str, Any]) -> Iterator[Finding]:
         """Yield what does not fit together between entries."""
-        return connection_findings(raw, MOST_STATES)
+        return connection_findings(raw)
 
     def build(self, generator: Generator) -> World:
         """Return the world; ``generator`` is not touched."""

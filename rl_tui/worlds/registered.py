@@ -12,6 +12,7 @@ import numpy as np
 
 from rl_tui.worlds.asking import ASKING
 from rl_tui.worlds.findings import Finding, near, one_line, shown
+from rl_tui.worlds.limits import LARGEST_ARGUMENTS, LONGEST_TIME_LIMIT
 from rl_tui.worlds.world_section import WorldRefusedError
 
 if TYPE_CHECKING:
@@ -37,6 +38,9 @@ def made(name: str, kwargs: Mapping[str, Any]) -> Env[Any, Any]:
         known = (id_ for id_, spec in gymnasium.registry.items() if _may_serve(spec.entry_point))
         expected = f"the id of a registered environment{near(name, known)}"
         raise WorldRefusedError(Finding(("id",), shown(name), expected))
+    if size_of(kwargs) > LARGEST_ARGUMENTS:
+        expected = f"at most {LARGEST_ARGUMENTS:,} characters and values in all"
+        raise WorldRefusedError(Finding(("kwargs",), f"{size_of(kwargs):,} characters and values", expected))
     try:
         with ASKING, _MAKING, warnings.catch_warnings():
             warnings.simplefilter("ignore")
@@ -81,6 +85,18 @@ def close(environment: Env[Any, Any]) -> None:
     """Let ``environment`` give back what it holds."""
     with suppress(Exception, SystemExit), ASKING:  # nobody is left whom a failure would concern
         environment.close()
+def size_of(arguments: Mapping[str, Any]) -> int:
+    """Return how many characters and values there are in ``arguments``."""
+    size = 0
+    to_count: list[Any] = [arguments]
+    while to_count:
+        value = to_count.pop()
+        if isinstance(value, Mapping):
+            to_count += [*value, *value.values()]
+        elif isinstance(value, list):
+            to_count += value
+        size += len(value) if isinstance(value, str) else 1
+    return size
 
 
 def _may_serve(entry_point: object) -> bool:
@@ -113,5 +129,13 @@ def text_of(thing: object) -> str:
 
 
 def time_limit_of(environment: Env[Any, Any]) -> int:
-    """Return after how many steps its registration truncates an episode, 0 for never."""
-    return (environment.spec.max_episode_steps if environment.spec else None) or 0
+    """Return after how many steps its registration truncates an episode, 0 for never.
+
+    Raises WorldRefusedError where that is no number of steps.
+    """
+    told = environment.spec.max_episode_steps if environment.spec else None
+    limit = 0 if told is None else told
+    if not isinstance(limit, int) or isinstance(limit, bool) or not 0 <= limit <= LONGEST_TIME_LIMIT:
+        expected = f"a whole number from 0 to {LONGEST_TIME_LIMIT:,}"
+        raise WorldRefusedError(Finding(("kwargs", "max_episode_steps"), shown(limit), expected))
+    return limit

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Final
 
@@ -11,9 +12,10 @@ from pydantic import Field
 
 from rl_tui.worlds.bandit import BanditSection
 from rl_tui.worlds.errors import Fault, ScenarioError
-from rl_tui.worlds.findings import Finding, order_in_file, place, shown
+from rl_tui.worlds.findings import Finding, in_file_order, place, shown
 from rl_tui.worlds.grid_section import GridSection
 from rl_tui.worlds.gymnasium_section import GymnasiumSection
+from rl_tui.worlds.limits import MOST_FINDINGS
 from rl_tui.worlds.mdp_section import MDPSection
 from rl_tui.worlds.schema import Expect, Section, is_plain, is_table, parsed, text, unknown_key, whole_number
 from rl_tui.worlds.toml_file import UnreadableError, read_text, tables_in
@@ -112,8 +114,7 @@ def scenario_of(text: str, path: Path, *, ask_environment: bool = True) -> Scena
             Finding((), found, f"exactly one of {', '.join(f'[{kind}]' for kind in WORLD_KINDS)}")
         )
     if findings or head is None or sections[0] is None:
-        findings.sort(key=lambda finding: order_in_file(finding.location, raw))
-        raise ScenarioError(_fault(path, finding) for finding in findings)
+        raise ScenarioError(_fault(path, finding) for finding in in_file_order(findings, raw))
     return Scenario(
         id=path.stem,
         title=head.title or path.stem,
@@ -139,14 +140,15 @@ def _fault(path: Path, finding: Finding) -> Fault:
 def _read_head(raw: Mapping[str, Any]) -> tuple[Head | None, list[Finding]]:
     known = [*Head.model_fields, *WORLD_KINDS]
     head, findings = parsed(Head, {key: value for key, value in raw.items() if key in Head.model_fields})
-    findings += [unknown_key((key,), known) for key in raw if key not in known]
+    unknown = (unknown_key((key,), known) for key in raw if key not in known)
+    findings += islice(unknown, MOST_FINDINGS)
     return head, findings
 
 
 def _read_world(kind: str, raw: object, ask_environment: bool) -> tuple[WorldSection | None, list[Finding]]:
     section, findings = parsed(WORLD_KINDS[kind], raw)
     if isinstance(raw, dict):
-        findings += WORLD_KINDS[kind].connection_findings(raw)
+        findings += islice(WORLD_KINDS[kind].connection_findings(raw), MOST_FINDINGS)
     if section is not None and not findings and ask_environment:
         findings += section.environment_findings()
     return section, findings

@@ -13,10 +13,9 @@ from pydantic import BaseModel, ConfigDict, GetCoreSchemaHandler, ValidationErro
 from pydantic_core import CoreSchema, ErrorDetails, PydanticCustomError, core_schema
 
 from rl_tui.worlds.findings import Finding, near, shown
+from rl_tui.worlds.limits import LARGEST_NUMBER, LONGEST_NAME, MOST_FINDINGS
 from rl_tui.worlds.tolerance import PROBABILITY_TOLERANCE
 
-LARGEST_NUMBER: Final = 1e12
-LONGEST_NAME: Final = 60
 _BIDIRECTIONAL: Final = frozenset("\u200e\u200f\u202a\u202b\u202c\u202d\u202e\u2066\u2067\u2068\u2069")
 
 
@@ -118,7 +117,7 @@ def parsed(section: type[AnySection], raw: object) -> tuple[AnySection | None, l
     try:
         return section.model_validate(raw), []
     except ValidationError as error:
-        return None, [_finding(section, each) for each in error.errors(include_url=False)]
+        return None, [_finding(section, each) for each in error.errors(include_url=False)[:MOST_FINDINGS]]
 
 
 def _finding(section: type[Section], error: ErrorDetails) -> Finding:

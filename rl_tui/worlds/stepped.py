@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import math
 import weakref
-from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any, Final
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
 
 from rl_tui.worlds.answers import UnsoundAnswerError, first_observation, parts_of, reward_of, seen, truth_of
 from rl_tui.worlds.asking import ASKING
 from rl_tui.worlds.environment import EnvironmentFailedError, Stepped
 from rl_tui.worlds.findings import Finding
 from rl_tui.worlds.registered import close, is_interrupt, looked_at, made, reason_of, time_limit_of
+from rl_tui.worlds.sizes import check_sizes, combinations
 from rl_tui.worlds.space import all_pairs
 from rl_tui.worlds.stepped_drawing import product_grid
 from rl_tui.worlds.stepped_names import action_names, part_terms, told_part_names
@@ -23,11 +24,6 @@ if TYPE_CHECKING:
     from gymnasium import Env
 
     from rl_tui.worlds.bins import BinsSection
-
-MOST_STATES: Final = 1_000_000
-MOST_ACTIONS: Final = 10_000
-MOST_PAIRS: Final = 10_000_000
-FAR_TOO_MANY: Final = 10**15
 
 
 class SteppedEnvironment:
@@ -91,12 +87,13 @@ def stepped_world(name: str, kwargs: Mapping[str, Any], bins: BinsSection | None
         spaces = environment.observation_space, environment.action_space
         first_action, actions = _actions_of(name, environment)
         states = _states_of(name, environment, bins)
+        count = combinations(len(part) for part in states.part_names)
+        check_sizes(name, count, actions, "bins" if bins else "id")
         names = action_names(environment.unwrapped, first_action, actions)
         told = told_part_names(environment.unwrapped, [len(part) for part in states.part_names])
         terms = part_terms(environment.unwrapped)
         limit = time_limit_of(environment)
     part_names = [given or part for given, part in zip(told, states.part_names, strict=True)]
-    _check_sizes(name, part_names, actions, "bins" if bins else "id")
 
     def new_environment() -> SteppedEnvironment:
         try:
@@ -145,16 +142,3 @@ def _actions_of(name: str, environment: Env[Any, Any]) -> tuple[int, int]:
         found = f"{name}, whose actions are {type(space).__name__}"
         raise WorldRefusedError(Finding(("id",), found, "discrete actions"))
     return int(space.start), int(space.n)
-
-
-def _check_sizes(name: str, part_names: Sequence[Sequence[str]], actions: int, key: str) -> None:
-    states = math.prod(len(part) for part in part_names)
-    for what, count, most in (
-        ("states", states, MOST_STATES),
-        ("actions", actions, MOST_ACTIONS),
-        ("pairs of a state and an action", states * actions, MOST_PAIRS),
-    ):
-        if count > most:
-            number = f"{count:,}" if count < FAR_TOO_MANY else "more than 10^15"
-            found = f"{number} {what} of {name}"
-            raise WorldRefusedError(Finding((key,), found, f"at most {most:,}"))

@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, overload
 
 import numpy as np
 
+from rl_tui.worlds.limits import MOST_PARTS
+
 if TYPE_CHECKING:
     from gymnasium import Space
 
@@ -141,7 +143,8 @@ def _parts_of(space: Space[Any]) -> tuple[list[Part], Reader] | None:
         numbers = zip(np.ravel(space.start).tolist(), np.ravel(space.nvec).tolist(), strict=True)
         return [Part(first, size) for first, size in numbers], _flat
     if isinstance(space, spaces.MultiBinary):
-        return [Part(0, 2)] * math.prod(space.shape), _flat
+        # beyond so many there are too many states, however many there are
+        return [Part(0, 2)] * min(math.prod(space.shape), MOST_PARTS), _flat
     if isinstance(space, spaces.Tuple):
         return _together([_parts_of(each) for each in space.spaces], lambda observation: observation)
     if isinstance(space, spaces.Dict):

@@ -8,8 +8,16 @@ from pathlib import Path
 from typing import Any, Final
 
 from rl_tui.worlds.findings import one_line
+from rl_tui.worlds.limits import LARGEST_FILE, MOST_KEY_PARTS, MOST_VALUES
 
-LARGEST_FILE: Final = 20_000_000
+# What is no structure: texts in three quotes, in one, and comments. Those that never end match too: to look
+# on from every quote in them would take the square of their length
+_NO_STRUCTURE: Final = re.compile(
+    r""""{3}(?:[^"\\]|\\.|"(?!""))*+(?:"{3,5}|\Z)|'{3}.*?(?:'{3,5}|\Z)"""
+    r"""|"(?:[^"\\\n]|\\.)*+"?|'[^'\n]*+'?|\#[^\n]*+""",
+    re.DOTALL,
+)
+_LONG_KEY: Final = re.compile(rf"(?<![\w-])(?:[\w-]++[ \t]*+\.[ \t]*+){{{MOST_KEY_PARTS}}}")
 
 
 class UnreadableError(Exception):
@@ -38,6 +46,7 @@ def read_text(path: Path) -> str:
 
 def tables_in(text: str) -> dict[str, Any]:
     """Return the tables that ``text`` spells in TOML. Raises UnreadableError."""
+    _check_structure(text)
     try:
         return tomllib.loads(text)
     except RecursionError as error:
@@ -45,6 +54,17 @@ def tables_in(text: str) -> dict[str, Any]:
     except ValueError as error:  # not only TOMLDecodeError: a number of 5,000 digits is a plain ValueError
         message, where = _split(str(error), text)
         raise UnreadableError(where, message, "valid TOML") from error
+
+
+def _check_structure(text: str) -> None:
+    """Refuse what would take minutes and gigabytes to read; a glance at it takes a fraction of a second."""
+    structure = _NO_STRUCTURE.sub("s", text)
+    if _LONG_KEY.search(structure):
+        raise UnreadableError("", "a key of too many parts", f"at most {MOST_KEY_PARTS} parts, a.b.c")
+    # inline tables have a comma for a key, tables two brackets
+    values = max(structure.count("="), structure.count(",")) + structure.count("[") // 2
+    if values > MOST_VALUES:
+        raise UnreadableError("", f"some {values:,} values", f"at most {MOST_VALUES:,}")
 
 
 def _content(path: Path) -> bytes:

@@ -9,9 +9,10 @@ import numpy as np
 
 from rl_tui.worlds.blackjack import blackjack_world, is_blackjack
 from rl_tui.worlds.findings import Finding, one_line
+from rl_tui.worlds.limits import LARGEST_NUMBER
 from rl_tui.worlds.mdp import Outcome, Transition, tabular_mdp
 from rl_tui.worlds.registered import looked_at, reason_of, time_limit_of
-from rl_tui.worlds.schema import LARGEST_NUMBER
+from rl_tui.worlds.sizes import check_sizes
 from rl_tui.worlds.tolerance import PROBABILITY_TOLERANCE
 from rl_tui.worlds.toy_text_layout import Layout, layout_of
 from rl_tui.worlds.world import World
@@ -48,6 +49,7 @@ def world_of(name: str, kwargs: Mapping[str, Any], *, computed: bool = False) ->
         if computed and is_blackjack(environment.unwrapped):
             return blackjack_world(environment.unwrapped, time_limit_of(environment))
         states, actions = _sizes(name, environment)
+        check_sizes(name, states, actions, "kwargs" if kwargs else "id")
         table = _table(name, environment, states, actions)
         start = _start(name, environment, states)
         limit = time_limit_of(environment)

@@ -161,7 +161,7 @@ ONE_FAULT = {
     ),
     "a legend that is no table": (
         MAP + "legend = 3\n",
-        ("legend", "3", "a table of characters and what they mean"),
+        ("legend", "3", "a table of characters and what they mean, at most 200"),
     ),
     "two characters": (legend('XX = { kind = "floor" }', "S.G"), ("legend.XX", '"XX"', "one character")),
     "a character that moves the cursor": (

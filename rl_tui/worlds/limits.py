@@ -1,0 +1,63 @@
+"""How large what a file describes may be.
+
+What is larger is refused in one line that tells the limit, before memory is taken for it.
+"""
+
+from __future__ import annotations
+
+from typing import Final
+
+# Of a scenario file
+LARGEST_FILE: Final = 20_000_000
+"""Bytes of a scenario file."""
+MOST_VALUES: Final = 1_000_000
+"""Values in a scenario file: keys, and entries of lists."""
+MOST_KEY_PARTS: Final = 20
+"""Parts of one dotted key or header. Reading it takes time and memory with the square of them."""
+MOST_FAULTS: Final = 100
+"""Faults of a file that are told at once."""
+MOST_FINDINGS: Final = 1_000
+"""Faults of each kind that are looked for before the first of them are told."""
+
+# Of any world
+LARGEST_NUMBER: Final = 1e12
+"""Rewards and the like lie within ± this."""
+LARGEST_STD: Final = 1e6
+"""The standard deviation of any noise."""
+LONGEST_NAME: Final = 60
+"""Characters in the name of a state or an action."""
+LONGEST_TIME_LIMIT: Final = 1_000_000
+"""Steps after which an episode is cut off at the latest, where there is a time limit."""
+
+# Of [mdp]
+MOST_STATES_WRITTEN: Final = 10_000
+MOST_ACTIONS_WRITTEN: Final = 1_000
+MOST_TRANSITIONS: Final = 100_000
+LARGEST_PLACE: Final = 999
+"""Of a column or a row in the drawing."""
+
+# Of [grid]
+LONGEST_SIDE: Final = 10_000
+MOST_CELLS: Final = 4_000_000
+MOST_OUTCOMES: Final = 50_000_000
+"""Cells × moves × ways each may turn out."""
+MOST_CHARACTERS: Final = 200
+"""Different characters on one map, and characters in one legend."""
+STRONGEST_WIND: Final = 100
+
+# Of [bandit]
+MOST_ARMS: Final = 10_000
+MOST_PULLS: Final = 1_000_000_000
+
+# Of [gymnasium]
+MOST_STATES: Final = 1_000_000
+MOST_ACTIONS: Final = 10_000
+MOST_PAIRS: Final = 10_000_000
+MOST_PARTS: Final = 100
+"""Discrete parts of an observation, or dimensions that are cut into bins."""
+MOST_BINS: Final = 1_000_000
+"""Bins of one dimension, of equal width."""
+MOST_EDGES: Final = 10_000
+"""Edges of the bins of one dimension, where they are written out."""
+LARGEST_ARGUMENTS: Final = 10_000
+"""Characters and values in all arguments of an environment: what it makes of them is its own affair."""

@@ -1,0 +1,243 @@
+"""What a user does with a file, in a process that may die of it: a child of fuzz.py.
+
+``python tests/fuzz_child.py KIND SEED FIRST COUNT STEP SCREENS`` prints a line before and after each input.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import io
+import json
+import re
+import resource
+import sys
+import tempfile
+import time
+import traceback
+import warnings
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, Final, NamedTuple
+
+sys.path.insert(0, str(Path(__file__).parent))
+
+from fuzz_inputs import SCENARIO, input_of
+
+ADDRESS_SPACE: Final = 2 << 30  # bytes beyond what the imports need
+MOST_STEPS: Final = 200
+FARTHEST: Final = 20_000  # a session that was left later is not replayed to its end
+MOST_STATES: Final = 300
+LONGEST_LINE: Final = 2_000
+MOST_LINES: Final = 120
+LARGEST_JSON: Final = 3_000_000
+SLOWEST: Final = 10.0  # seconds of CPU
+MOST_MEMORY: Final = 700  # MB that one input may add to the process
+WARNED: Final = re.compile(
+    r"--[\w-]+ has no effect: |the budget of this bandit is |.*: warning: state .* can never reach an end"
+    r"|[\d,]+ states: the exact answer|.*: Q does not come out as it was saved"
+)
+QUICK: Final = ("--algorithm", "q-learning", "--policy", "epsilon-greedy")  # loops that the other tests compile
+SIZES: Final = ((80, 24), (120, 40), (60, 18), (200, 60), (20, 5))
+KEYS: Final = "wait:60 v v v v v m escape f f f f f escape a escape h e b B t space space ? escape p escape".split()
+
+
+class Ended(NamedTuple):
+    """How a command ended: its status and what it wrote."""
+
+    status: int
+    out: str
+    err: str
+
+
+class Found(Exception):
+    """Something that must not happen."""
+
+
+def main() -> None:
+    """Go through the inputs that the arguments say."""
+    kind, (seed, first, count, step, screens) = sys.argv[1], map(int, sys.argv[2:7])
+    quick = "quick" in sys.argv
+    report = sys.stdout
+    warnings.simplefilter("always", append=True)
+    _import_all()
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / ("mine.toml" if kind == SCENARIO else "mine.json")
+        for number in range(first, first + count * step, step):
+            content = input_of(kind, seed, number)
+            path.write_bytes(content)
+            print("begin", number, file=report, flush=True)
+            screen = screens > 0 and number // step % screens == 0
+            outcome = _gone_through(path, kind, quick, number if screen else None)
+            print("end", number, json.dumps(outcome), file=report, flush=True)
+
+
+def _import_all() -> None:
+    import gymnasium  # noqa: F401
+
+    import rl_tui.lab.export.script
+    import rl_tui.tui.screenshot
+    from rl_tui.lab.figures import training_figures  # noqa: F401
+
+    size = int(re.search(r"VmSize:\s+(\d+)", Path("/proc/self/status").read_text())[1]) << 10  # type: ignore[index]
+    resource.setrlimit(resource.RLIMIT_AS, (size + ADDRESS_SPACE, size + ADDRESS_SPACE))
+
+
+def _gone_through(path: Path, kind: str, quick: bool, screen: int | None) -> dict[str, Any]:
+    begin, memory = time.process_time(), _memory()
+    found = ""
+    result = ""
+    try:
+        result = _scenario(path, quick, screen) if kind == SCENARIO else _session(path, quick, screen)
+        spent, grown = time.process_time() - begin, _memory() - memory
+        if spent > SLOWEST:
+            raise Found(f"slow: {spent:.1f} s")
+        if grown > MOST_MEMORY:
+            raise Found(f"memory: {grown} MB")
+    except Found as finding:
+        found = str(finding)
+    except BaseException as error:
+        where = traceback.extract_tb(error.__traceback__)[-1]
+        found = f"{type(error).__name__}: {error} at {where.filename}:{where.lineno}"
+    return {
+        "result": result,
+        "found": found[:600],
+        "seconds": time.process_time() - begin,
+        "memory": _memory() - memory,
+    }
+
+
+def _memory() -> int:
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss >> 10
+
+
+def _scenario(path: Path, quick: bool, screen: int | None) -> str:
+    checked = _told(["check", str(path)], path)
+    options = QUICK if quick else ()
+    trained = _told(["train", str(path), "--steps", str(MOST_STEPS), "--json", *options], path)
+    if checked.status != trained.status and not re.search("may be drawn|drawn;|taken by|failed", checked.err + trained.err):
+        raise Found(f"check ended with {checked.status} and train with {trained.status}: {checked.err}{trained.err}")
+    if trained.status:
+        return _kind_of(trained.err)
+    from rl_tui.lab.library import find, recipe_for
+    from rl_tui.lab.recipe import begin
+
+    recipe = recipe_for(find(str(path)))
+    world = begin(recipe).world
+    if world.mdp is not None and world.space.states <= MOST_STATES:
+        _told(["solve", str(path)], path)
+    if screen is not None:
+        _shown(recipe, screen)
+    return "accepted"
+
+
+def _session(path: Path, quick: bool, screen: int | None) -> str:
+    from rl_tui.lab.session import read_session
+    from rl_tui.lab.session_replay import whereto
+    from rl_tui.worlds.errors import UserError
+
+    try:
+        stored = read_session(path)
+        record = stored.record()
+        target = whereto(record)
+    except UserError as refusal:
+        told = _told(["replay", str(path)], path)
+        if told.status != 1:
+            raise Found(f"replayed all the same: {refusal}") from refusal
+        return _kind_of(told.err)
+    switches = any(hasattr(entry.change, "algorithm") for entry in target.branch.journal)
+    if quick and (switches or target.lane.recipe.algorithm != "q-learning"):
+        return "accepted, not replayed"
+    if target.branch.here > FARTHEST:
+        return "accepted, too far to replay"
+    replayed = _told(["replay", str(path), "--json"], path)
+    if replayed.status:
+        return _kind_of(replayed.err)
+    if screen is not None and all(branch.end <= FARTHEST for lane in record.lanes for branch in lane.branches):
+        _shown(stored, screen)
+    return "accepted"
+
+
+def _shown(start: Any, number: int) -> None:
+    """Draw what ``start`` begins on a screen of some size, after some keys."""
+    import random
+
+    from rl_tui.tui.screenshot import screenshot
+    from rl_tui.worlds.errors import UserError
+
+    chance = random.Random(number)
+    keys = ["wait:60", *chance.choices(KEYS, k=8)]
+    if isinstance(start, Path):
+        keys = []
+    try:
+        _quietly(lambda: asyncio.run(screenshot(start, chance.choice(SIZES), keys)))
+    except UserError as refusal:
+        _check_lines(str(refusal))
+
+
+def _quietly(do: Callable[[], Any]) -> tuple[str, str]:
+    """Call ``do``; return what it wrote on stdout and stderr."""
+    kept = sys.stdout, sys.stderr
+    sys.stdout, sys.stderr = (io.TextIOWrapper(io.BytesIO(), "utf-8", write_through=True) for _ in kept)
+    try:
+        do()
+    finally:
+        written = [stream.buffer.getvalue().decode("utf-8") for stream in (sys.stdout, sys.stderr)]  # type: ignore[union-attr]
+        sys.stdout, sys.stderr = kept
+    return written[0], written[1]
+
+
+def _told(arguments: list[str], path: Path) -> Ended:
+    """Run a command; raise Found where it does not end as a command has to."""
+    from rl_tui.cli.main import program
+
+    status = 0
+
+    def run() -> None:
+        nonlocal status
+        try:
+            program.main(arguments, prog_name="rl-tui")
+        except SystemExit as end:
+            status = int(end.code or 0)
+
+    out, err = _quietly(run)
+    ended = Ended(status, out, err)
+    if "unexpected " in err and "RL_TUI_TRACEBACK" in err:
+        raise Found(f"{arguments[0]}: {err.strip()}")
+    if status not in (0, 1) or "Traceback" in err:
+        raise Found(f"{arguments[0]} ended with {status}: {err}")
+    if status == 1 and not err.strip():
+        raise Found(f"{arguments[0]} failed without a word")
+    _check_lines(err)
+    for line in err.splitlines():
+        if not (WARNED.match(line) if status == 0 else line.startswith(("rl-tui: ", str(path)))):
+            raise Found(f"{arguments[0]} wrote {line!r}")
+    if status == 0 and "--json" in arguments and len(out) < LARGEST_JSON:
+        json.loads(out, parse_constant=_refuse)
+    return ended
+
+
+def _check_lines(text: str) -> None:
+    lines = text.splitlines()
+    if len(lines) > MOST_LINES:
+        raise Found(f"{len(lines)} lines, the first {lines[0][:200]!r}")
+    for line in lines:
+        if len(line) > LONGEST_LINE:
+            raise Found(f"a line of {len(line)} characters: {line[:200]!r}")
+        if not line.isprintable():
+            raise Found(f"a line that is not printable: {line[:200]!r}")
+
+
+def _refuse(name: str) -> None:
+    raise Found(f"{name} in JSON")
+
+
+def _kind_of(message: str) -> str:
+    """Return what a file was refused for, without what stands in it."""
+    line = message.splitlines()[0].split("mine.", 1)[-1]
+    line = re.sub(r'"[^"]*"', '""', line)
+    line = re.sub(r"[-+]?\d[\d,.e+]*", "0", line)
+    return " ".join(re.findall(r"[a-z ]{4,}", line.split("; expected")[-1].lower()))[:60].strip()
+
+
+if __name__ == "__main__":
+    main()
