@@ -8,18 +8,20 @@ import warnings
 from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
-from typing import Any, Final, ParamSpec, Protocol, TypeVar, cast
+from typing import Any, ClassVar, Final, ParamSpec, Protocol, TypeVar, cast
 
 import numba
 import platformdirs
 from numba import types
 from numba.core import ir
-from numba.core.caching import FunctionCache
+from numba.core.caching import CompileResultCacheImpl, FunctionCache, UserProvidedCacheLocator
 from numba.core.compiler import CompileResult
 from numba.core.dispatcher import Dispatcher
 from numba.core.errors import NumbaIRAssumptionWarning
 from numba.core.ir_utils import alias_analysis_extensions
 from numba.core.typing.templates import infer, infer_global, make_overload_template
+
+from rl_tui.worlds.kiosk import in_kiosk
 
 Parameters = ParamSpec("Parameters")
 Result = TypeVar("Result")
@@ -66,7 +68,9 @@ def _writable(folder: Path) -> bool:
 warnings.simplefilter("ignore", NumbaIRAssumptionWarning)
 
 FOLDER: Final = cache_folder()
-CACHED: Final = _writable(FOLDER)
+# What a kiosk reads, somebody else has compiled before
+READ_ONLY: Final = in_kiosk() or not _writable(FOLDER)
+CACHED: Final = FOLDER.is_dir()
 if CACHED:
     numba.config.CACHE_DIR = str(FOLDER)
 
@@ -89,6 +93,32 @@ class _ForgivingCache(FunctionCache):  # type: ignore[misc]
             return
 
 
+class _FinishedFolder(UserProvidedCacheLocator):  # type: ignore[misc]
+    """Where compiled code is read, and nobody tries whether it could be written."""
+
+    def ensure_cache_path(self) -> None:
+        return
+
+
+class _FinishedImplementation(CompileResultCacheImpl):  # type: ignore[misc]
+    _locator_classes: ClassVar = [_FinishedFolder]
+
+
+class _FinishedCache(FunctionCache):  # type: ignore[misc]
+    """A cache on disk that is only read; what is not in it is compiled, and forgotten at the end."""
+
+    _impl_class = _FinishedImplementation
+
+    def load_overload(self, sig: Any, target_context: Any) -> CompileResult | None:
+        try:
+            return super().load_overload(sig, target_context)
+        except Exception:  # damaged, as above
+            return None
+
+    def save_overload(self, sig: Any, data: CompileResult) -> None:
+        return
+
+
 def _keep_written(
     write: Any, args: Any, typemap: Any, func_ir: Any, alias_map: Any, arg_aliases: set[str]
 ) -> None:
@@ -107,7 +137,8 @@ def compiled(function: Callable[Parameters, Result]) -> Compiled[Parameters, Res
     """Compile ``function`` at its first call: without the GIL, strict IEEE arithmetic, cached on disk."""
     dispatcher = numba.njit(nogil=True, fastmath=False, error_model="numpy", _nrt=False)(function)
     if CACHED and not numba.config.DISABLE_JIT:
-        dispatcher._cache = _ForgivingCache(dispatcher.py_func)
+        kind = _FinishedCache if READ_ONLY else _ForgivingCache
+        dispatcher._cache = kind(dispatcher.py_func)
     return cast("Compiled[Parameters, Result]", dispatcher)
 
 

@@ -7,7 +7,7 @@ import click
 from rl_tui.cli.help_sections import SectionedCommand
 from rl_tui.cli.number import Whole
 from rl_tui.cli.output import columns, print_json
-from rl_tui.cli.run_options import json_option, run_options, seed_option
+from rl_tui.cli.run_options import allow_module_option, json_option, run_options, seed_option
 
 
 @click.command("bench", cls=SectionedCommand)
@@ -15,6 +15,7 @@ from rl_tui.cli.run_options import json_option, run_options, seed_option
 @click.option(
     "--rounds", type=Whole(1, 1000), default=5, show_default=True, help="how often each is timed, in turns"
 )
+@allow_module_option
 @run_options
 @seed_option
 @json_option

@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import click
 
+from rl_tui.cli.run_options import allow_module_option
+
 
 @click.command("check")
 @click.argument("files", metavar="FILE.toml ...", nargs=-1, required=True)
+@allow_module_option
 @click.pass_context
 def command(context: click.Context, files: tuple[str, ...]) -> None:
     """Report every fault of scenario files.

@@ -17,6 +17,7 @@ def command(as_json: bool) -> None:
     from rl_tui.lab.library import listing
     from rl_tui.worlds.catalogue import read_catalogue
     from rl_tui.worlds.errors import UserError
+    from rl_tui.worlds.findings import printable
 
     catalogue = read_catalogue()
     faults: list[UserError] = [*catalogue.broken]
@@ -27,7 +28,7 @@ def command(as_json: bool) -> None:
         except UserError as refusal:
             faults.append(refusal)
     for fault in faults:
-        click.echo(str(fault), err=True)
+        click.echo("\n".join(map(printable, str(fault).splitlines())), err=True)
     if as_json:
         print_json(rows)
     else:

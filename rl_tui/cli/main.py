@@ -12,7 +12,9 @@ import click
 
 from rl_tui import __version__
 from rl_tui.cli.display_options import DISPLAY_OPTIONS, display_of, display_options
+from rl_tui.cli.kiosk import enter_kiosk, kiosk_option
 from rl_tui.cli.program import Program
+from rl_tui.cli.run_options import allow_module_option
 
 
 class RlTui(Program):
@@ -26,6 +28,8 @@ class RlTui(Program):
 
 @click.group(cls=RlTui, invoke_without_command=True, context_settings={"help_option_names": ["-h", "--help"]})
 @click.version_option(__version__, "-V", "--version", prog_name="rl-tui")
+@kiosk_option
+@allow_module_option
 @display_options
 @click.pass_context
 def program(context: click.Context, /, **display: object) -> None:
@@ -33,6 +37,7 @@ def program(context: click.Context, /, **display: object) -> None:
 
     Without a command it opens the catalogue of scenarios.
     """
+    enter_kiosk(context.invoked_subcommand)
     if context.invoked_subcommand is None:
         from rl_tui.cli.screen import run_app
 

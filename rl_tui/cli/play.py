@@ -8,11 +8,14 @@ import click
 
 from rl_tui.cli.display_options import display_of, display_options
 from rl_tui.cli.help_sections import SectionedCommand
-from rl_tui.cli.run_options import run_options, seed_option, start_of
+from rl_tui.cli.kiosk import enter_kiosk, kiosk_option
+from rl_tui.cli.run_options import allow_module_option, run_options, seed_option, start_of
 
 
 @click.command("play", cls=SectionedCommand)
 @click.argument("scenario", metavar="[SCENARIO|FILE.toml|gym:ENV_ID|SESSION.json]", required=False)
+@kiosk_option
+@allow_module_option
 @run_options
 @seed_option
 @display_options
@@ -24,6 +27,7 @@ def command(scenario: str | None, overrides: dict[str, object], seed: int, **dis
     """
     from rl_tui.cli.screen import require_terminal, run_app
 
+    enter_kiosk("play")
     require_terminal()
     from rl_tui.worlds.catalogue import scenarios
 

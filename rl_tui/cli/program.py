@@ -13,6 +13,7 @@ from typing import Any, ClassVar, Final, cast
 import click
 
 from rl_tui.worlds.errors import UserError
+from rl_tui.worlds.findings import printable
 
 DONE: Final = 0
 FAILED: Final = 1
@@ -97,7 +98,7 @@ def _prefixed(message: str) -> str:
 
 
 def _fail(message: str, status: int = FAILED) -> int:
-    click.echo(message, err=True)
+    click.echo("\n".join(map(printable, message.split("\n"))), err=True)
     return status
 
 

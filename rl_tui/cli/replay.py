@@ -12,7 +12,7 @@ import click
 from rl_tui.cli.number import Whole
 from rl_tui.cli.output import print_json
 from rl_tui.cli.progress import progress
-from rl_tui.cli.run_options import json_option
+from rl_tui.cli.run_options import allow_module_option, json_option
 
 if TYPE_CHECKING:
     from rl_tui.lab.run import Run
@@ -31,6 +31,7 @@ STDOUT: Final = "-"
     type=click.Path(dir_okay=False, allow_dash=True),
     help="write a row an episode: run, episode, return, length; - is stdout, the report then goes to stderr",
 )
+@allow_module_option
 @json_option
 def command(session: Path, lane: int | None, branch: str | None, csv: str | None, as_json: bool) -> None:
     """Run a session again, to where it was left.

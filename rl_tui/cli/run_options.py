@@ -23,6 +23,24 @@ scenario_argument: Final = click.argument("scenario", metavar="SCENARIO|FILE.tom
 seed_option: Final = click.option(
     "--seed", type=Whole(0), default=0, show_default=True, help="where all randomness comes from"
 )
+
+
+def _allow_modules(_: click.Context, __: click.Parameter, names: tuple[str, ...]) -> None:
+    from rl_tui.worlds.modules import allow_module
+
+    for name in names:
+        allow_module(name)
+
+
+allow_module_option: Final = click.option(
+    "--allow-module",
+    metavar="MODULE",
+    multiple=True,
+    is_eager=True,
+    expose_value=False,
+    callback=_allow_modules,
+    help="let environments be called MODULE:ID, which imports MODULE: whatever it does, it does here",
+)
 json_option: Final = click.option("--json", "as_json", is_flag=True, help="print one JSON document")
 
 

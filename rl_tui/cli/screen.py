@@ -8,8 +8,10 @@ from typing import TYPE_CHECKING
 
 import click
 
+from rl_tui.cli.kiosk import confine
 from rl_tui.cli.program import USAGE
 from rl_tui.tui.display import Display
+from rl_tui.worlds.kiosk import in_kiosk
 
 if TYPE_CHECKING:
     from rl_tui.lab.recipe import Recipe
@@ -42,7 +44,11 @@ def run_app(display: Display, start: Recipe | StoredSession | None = None) -> No
     from rl_tui.lab.session_folder import session_folder
     from rl_tui.tui.app import RlTuiApp
 
-    app = RlTuiApp(display, start, sessions=session_folder())
+    if in_kiosk():
+        app = RlTuiApp(display, start, kiosk=True)
+        confine()
+    else:
+        app = RlTuiApp(display, start, sessions=session_folder())
     fault = app.run(mouse=display.mouse)
     if app.bug is not None:
         raise app.bug

@@ -12,7 +12,7 @@ import click
 from rl_tui.cli.display_options import display_of, display_options
 from rl_tui.cli.help_sections import SectionedCommand
 from rl_tui.cli.number import OptionValue
-from rl_tui.cli.run_options import run_options, seed_option, start_of
+from rl_tui.cli.run_options import allow_module_option, run_options, seed_option, start_of
 
 
 class ScreenSize(OptionValue):
@@ -38,6 +38,7 @@ class ScreenSize(OptionValue):
 @click.option(
     "--keys", default="", help="keys to press first, between commas; wait:N lets N steps of training pass"
 )
+@allow_module_option
 @run_options
 @seed_option
 @display_options

@@ -9,7 +9,7 @@ import click
 from rl_tui.agents.hyperparameters import PARAMETERS
 from rl_tui.cli.number import ParameterValue
 from rl_tui.cli.output import columns, number, print_json
-from rl_tui.cli.run_options import json_option, scenario_argument, seed_option
+from rl_tui.cli.run_options import allow_module_option, json_option, scenario_argument, seed_option
 from rl_tui.worlds.words import counted
 
 if TYPE_CHECKING:
@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     help=f"γ, {PARAMETERS['gamma'].help}: {PARAMETERS['gamma'].expected}  [default: the scenario's]",
 )
 @seed_option
+@allow_module_option
 @json_option
 def command(scenario: str, gamma: float | None, seed: int, as_json: bool) -> None:
     """Print the optimal values and policy, exact to 1e-9.

@@ -13,7 +13,13 @@ from rl_tui.cli.help_sections import SectionedCommand
 from rl_tui.cli.number import ChangeValue, Whole
 from rl_tui.cli.output import print_json
 from rl_tui.cli.progress import progress
-from rl_tui.cli.run_options import json_option, run_options, scenario_argument, seed_option
+from rl_tui.cli.run_options import (
+    allow_module_option,
+    json_option,
+    run_options,
+    scenario_argument,
+    seed_option,
+)
 from rl_tui.worlds.words import counted
 
 if TYPE_CHECKING:
@@ -49,6 +55,7 @@ Outcome = tuple[dict[str, Any], Callable[[], str]]
     help="after STEP steps set a hyper-parameter, algorithm=NAME, or take=ACTION in place of the agent; "
     "may be given several times",
 )
+@allow_module_option
 @run_options
 @seed_option
 @json_option

@@ -6,14 +6,13 @@ from bisect import bisect_right, insort
 from collections import deque
 from typing import TYPE_CHECKING, Final
 
+from rl_tui.lab.limits import limits
+
 if TYPE_CHECKING:
     from rl_tui.lab.run import RunState
 
 MOST: Final = 512
-MOST_BYTES: Final = 256 * 2**20
-# Of a branch that nobody is on; the bytes are those of all such branches of a lane
-MOST_LEFT: Final = 32
-MOST_BYTES_LEFT: Final = 128 * 2**20
+MOST_LEFT: Final = 32  # of a branch that nobody is on
 FIRST_SPACING: Final = 0.05
 _LEAST: Final = 2
 _NEAR: Final = 4
@@ -83,13 +82,13 @@ class Checkpoints:
     def thin_out(self, branches: int) -> None:
         """Keep a few only, or none of very large ones: their branch is one of ``branches`` that were left."""
         self._near.clear()
-        while len(self._states) > MOST_LEFT or self.nbytes > MOST_BYTES_LEFT // branches:
+        while len(self._states) > MOST_LEFT or self.nbytes > limits().checkpoints_left // branches:
             self._states = self._states[::2] if len(self._states) > 1 else []
             self.spacing *= 2
 
     @staticmethod
     def _room(state: RunState) -> int:
-        return max(_LEAST, min(MOST, MOST_BYTES // max(1, state.nbytes)))
+        return max(_LEAST, min(MOST, limits().checkpoints // max(1, state.nbytes)))
 
 
 def _step(state: RunState) -> int:

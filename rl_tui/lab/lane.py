@@ -11,6 +11,7 @@ from rl_tui.agents.watching import Watching
 from rl_tui.lab.branches import FIRST, Branch
 from rl_tui.lab.checkpoints import Checkpoints
 from rl_tui.lab.journey import Goal, Journey
+from rl_tui.lab.limits import limits
 from rl_tui.lab.recipe import Beginning, Change, Recipe, begin
 from rl_tui.lab.record import LaneRecord
 from rl_tui.lab.run import UNLIMITED, Run, RunState
@@ -111,8 +112,9 @@ class Lane:
     def apply(self, change: Change) -> None:
         """Change something before the next step; where the run has been further, on a branch of its own.
 
-        Raises UserError where it does not fit.
+        Raises UserError where it does not fit, and in a kiosk where there are very many already.
         """
+        self._check_room()
         way, applied = self._way, len(self.run.journal)
         _sample(self.run, way)
         step, in_past = self.run.step, self.run.step < way.branch.end
@@ -128,6 +130,16 @@ class Lane:
             self._thin_out()
         self._way.branch = replace(self._way.branch, journal=journal)
         self._arrived_at(self.run, self._way)
+
+    def _check_room(self) -> None:
+        most = limits()
+        changes = sum(len(way.branch.journal) for way in self._ways)
+        for count, limit, name in (
+            (changes, most.changes, "changes"),
+            (len(self._ways), most.branches, "branches"),
+        ):
+            if limit is not None and count >= limit:
+                raise UserError(f"{limit:,} {name} are the most in a kiosk; r starts again")
 
     def go_to(
         self, *, step: int | None = None, episode: int | None = None, branch: int | None = None

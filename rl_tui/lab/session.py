@@ -11,12 +11,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, NoReturn
 
 from pydantic import ValidationError
+from pydantic_core import ErrorDetails
 
 from rl_tui.lab.record import Record
 from rl_tui.lab.session_document import FORMAT, VERSION, Document, algorithm_in_force, changes_in
 from rl_tui.lab.session_encoding import document_of, record_of
 from rl_tui.worlds.errors import UserError
 from rl_tui.worlds.findings import one_line, place
+from rl_tui.worlds.kiosk import in_kiosk
 
 if TYPE_CHECKING:
     from rl_tui.worlds.space import FloatArray
@@ -83,7 +85,9 @@ class StoredSession:
 
 
 def read_session(path: Path) -> StoredSession:
-    """Return the session in the file ``path``; raises SessionError where it holds none."""
+    """Return the session in the file ``path``; raises SessionError where it holds none, in a kiosk always."""
+    if in_kiosk():
+        raise SessionError(path, "kiosk mode opens no files: only the shipped scenarios")
     try:
         if path.is_dir():
             raise SessionError(path, "is a folder; give the .json file of a session")
@@ -155,10 +159,17 @@ def _document(path: Path, content: bytes) -> Document:
     except ValidationError as error:
         first = error.errors(include_url=False)[0]
         where = place(first["loc"]) or "the document"
-        raise SessionError(path, f"is no sound session: {where}: {first['msg'].lower()}") from error
+        raise SessionError(path, f"is no sound session: {where}: {_reason(first)}") from error
     except ValueError as error:
         raise SessionError(path, f"is no sound session: saved: {error}") from error
     return document
+
+
+def _reason(error: ErrorDetails) -> str:
+    """Return why a value is refused, as part of a sentence."""
+    if error["type"] == "value_error":
+        return str(error["ctx"]["error"])
+    return error["msg"].lower()
 
 
 def _fields(path: Path, content: bytes) -> dict[str, Any]:

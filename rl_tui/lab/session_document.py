@@ -7,7 +7,7 @@ from typing import Annotated, Final, Literal
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validator
 
-from rl_tui.worlds.schema import is_plain
+from rl_tui.worlds.schema import control_character
 
 FORMAT: Final = "rl-tui session"
 VERSION: Final = 1
@@ -22,8 +22,9 @@ _LONGEST_TEXT: Final = 20_000_000
 
 
 def _plain(text: str) -> str:
-    if not is_plain(text):
-        raise ValueError("control characters are not allowed")
+    character = control_character(text)
+    if character:
+        raise ValueError(f"{character} is a control character, of which none is allowed")
     return text
 
 

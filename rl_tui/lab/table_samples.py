@@ -6,13 +6,11 @@ from typing import Final
 
 import numpy as np
 
+from rl_tui.lab.limits import limits
 from rl_tui.lab.snapshot import CellHistory
 from rl_tui.worlds.space import FloatArray
 
 MOST: Final = 256
-MOST_BYTES: Final = 32 * 2**20
-# Of all branches of a lane that nobody is on
-MOST_BYTES_LEFT: Final = 64 * 2**20
 _LEAST: Final = 16
 
 
@@ -24,7 +22,7 @@ class TableSamples:
     """
 
     def __init__(self, pairs: int) -> None:
-        room = MOST_BYTES // (8 * pairs)
+        room = limits().samples // (8 * pairs)
         self._most = min(MOST, room // 2 * 2) if room >= _LEAST else 0
         self._spacing = 1
         self._tables: list[FloatArray] = []
@@ -43,7 +41,7 @@ class TableSamples:
 
     def thin_out(self, branches: int) -> None:
         """Keep fewer: their branch is one of ``branches`` that were left."""
-        while len(self._tables) > _LEAST and self._nbytes > MOST_BYTES_LEFT // branches:
+        while len(self._tables) > _LEAST and self._nbytes > limits().samples_left // branches:
             self._tables = self._tables[::2]
             self._spacing *= 2
 

@@ -12,10 +12,11 @@ ORDINALS: Final = ("first", "second", "third", "fourth")
 
 
 class Place(Flag):
-    """The screens on which an action applies."""
+    """The screens on which an action applies; KIOSK beside one says that it has no files there."""
 
     CATALOGUE = auto()
     PLAYGROUND = auto()
+    KIOSK = auto()
     BOTH = CATALOGUE | PLAYGROUND
 
 
@@ -39,7 +40,7 @@ class Action:
     the key line, ``help`` one sentence. ``command`` is the Textual action that does it: a bare name is a
     method ``action_…`` of the screen. ``rank`` orders the key line (a lower one is kept longer where it is
     narrow; None: not on it), and ``hint`` replaces ``shown`` and ``label`` there, for two actions that share
-    an entry.
+    an entry. What ``needs_files`` is not for a kiosk.
     """
 
     id: str
@@ -52,6 +53,7 @@ class Action:
     command: str = ""
     rank: int | None = None
     hint: tuple[str, str] | None = None
+    needs_files: bool = False
 
     @property
     def textual_action(self) -> str:
@@ -83,6 +85,7 @@ ACTIONS: Final[tuple[Action, ...]] = (
         "Delete the session under the cursor, after asking; tab goes to the sessions.",
         Group.SESSION,
         Place.CATALOGUE,
+        needs_files=True,
     ),
     Action("run", ("space",), "space", "run", "Run, or pause where it stands.", Group.RUN, rank=0),
     Action("step", ("s",), "s", "step", "Take one step, then pause.", Group.RUN, rank=1),
@@ -283,6 +286,7 @@ ACTIONS: Final[tuple[Action, ...]] = (
         "Save the session under a name; it is kept by itself as well.",
         Group.SESSION,
         rank=19,
+        needs_files=True,
     ),
     Action(
         "export",
@@ -292,6 +296,7 @@ ACTIONS: Final[tuple[Action, ...]] = (
         "Write the run as a command, a Python script, tables or a picture.",
         Group.SESSION,
         rank=10,
+        needs_files=True,
     ),
     Action(
         "previous_scenario",
@@ -367,7 +372,11 @@ ACTIONS: Final[tuple[Action, ...]] = (
 
 def actions_of(place: Place) -> tuple[Action, ...]:
     """Return the actions that apply in ``place``, in the order of the list."""
-    return tuple(action for action in ACTIONS if place in action.place)
+    screen = place & Place.BOTH
+    kiosk = Place.KIOSK in place
+    return tuple(
+        action for action in ACTIONS if screen in action.place and not (kiosk and action.needs_files)
+    )
 
 
 def bindings_of(place: Place) -> list[BindingType]:

@@ -9,13 +9,16 @@ from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar, Protocol
 
 from textual.command import CommandPalette, Provider
+from textual.events import Event, InputEvent
 from textual.theme import Theme
 
 from rl_tui.lab.library import recipe_for
 from rl_tui.lab.recipe import Recipe
+from rl_tui.tui.actions import Place
 from rl_tui.tui.bugs import bug_of
 from rl_tui.tui.display import Display
 from rl_tui.tui.ending import HUNG_UP, end_when_told
+from rl_tui.tui.idleness import LOOKS, Idleness
 from rl_tui.tui.palette_entries import ActionProvider
 from rl_tui.tui.terminal.choice import driver_class, go_to_shell
 from rl_tui.tui.terminal.linked_app import LinkedApp
@@ -27,6 +30,7 @@ from rl_tui.tui.theme.palette import Depth
 from rl_tui.tui.theme.scroll_bars import use_scroll_bars
 from rl_tui.worlds.catalogue import scenarios
 from rl_tui.worlds.errors import UserError
+from rl_tui.worlds.findings import one_line
 
 if TYPE_CHECKING:
     from rl_tui.lab.autosave import Autosave
@@ -36,6 +40,9 @@ if TYPE_CHECKING:
     from rl_tui.lab.session import StoredSession
     from rl_tui.tui.screens.catalogue import Catalogue
     from rl_tui.tui.screens.playground import Playground
+
+
+_LONGEST_ADDRESS = 300
 
 
 class MakePlayer(Protocol):
@@ -55,8 +62,9 @@ class RlTuiApp(LinkedApp[UserError]):
     """Catalogue and playground; started with a recipe or a session, it goes straight to that playground.
 
     ``make_player`` makes the thread behind a playground. A ``picture`` asks no terminal what it can do.
-    ``sessions`` is the folder in which sessions are kept, None to keep none. The app's result is the fault
-    that ended it, None if none did. Raises UserError where the theme is not known.
+    ``sessions`` is the folder in which sessions are kept, None to keep none. A ``kiosk`` offers nothing that
+    has to do with files, and pauses when nobody is there. The app's result is the fault that ended it, None
+    if none did. Raises UserError where the theme is not known.
     """
 
     TITLE = "rl-tui"
@@ -72,6 +80,7 @@ class RlTuiApp(LinkedApp[UserError]):
         *,
         picture: bool = False,
         sessions: Path | None = None,
+        kiosk: bool = False,
     ) -> None:
         options = display or Display()
         depth = "truecolor" if picture and options.colors == "auto" else depth_of(options.colors, os.environ)
@@ -91,6 +100,8 @@ class RlTuiApp(LinkedApp[UserError]):
         self._start = start
         self._make_player = make_player
         self._sessions = sessions
+        self._kiosk = kiosk
+        self._idleness = Idleness()
         self._player: Player | None = None
         self._autosave: Autosave | None = None
         self._bug: Exception | None = None
@@ -108,6 +119,8 @@ class RlTuiApp(LinkedApp[UserError]):
     def on_mount(self) -> None:
         """Open the first screen."""
         self.theme_changed_signal.subscribe(self, self._follow_theme)
+        if self._kiosk:
+            self.set_interval(LOOKS, self._pause_when_idle)
         if not self.is_headless:
             end_when_told(self._end)
         if self._start is None:
@@ -123,7 +136,10 @@ class RlTuiApp(LinkedApp[UserError]):
     def _catalogue(self, start_at: str = "", fault: UserError | None = None) -> Catalogue:
         from rl_tui.tui.screens.catalogue import Catalogue
 
-        return Catalogue(self.look, start_at, fault, self._sessions)
+        catalogue = Catalogue(self.look, start_at, fault, self._sessions)
+        if self._kiosk:
+            catalogue.place |= Place.KIOSK
+        return catalogue
 
     def _playground(self, recipe: Recipe) -> Playground:
         from rl_tui.lab.autosave import Autosave, untouched
@@ -133,6 +149,8 @@ class RlTuiApp(LinkedApp[UserError]):
         self._player = self._make_player(recipe, keeper=autosave, record=None)
         playground = Playground(self.look, recipe, self._player, self.options.fps)
         playground.autosave = self._autosave = autosave
+        if self._kiosk:
+            playground.place |= Place.KIOSK
         return playground
 
     def _resumed(self, session: StoredSession, record: Record) -> Playground:
@@ -180,6 +198,30 @@ class RlTuiApp(LinkedApp[UserError]):
             return
         self._start = None
         self.switch_screen(self._playground(recipe))
+
+    async def on_event(self, event: Event) -> None:
+        """Note that somebody is there."""
+        if isinstance(event, InputEvent):
+            self._idleness.stir()
+        await super().on_event(event)
+
+    def _pause_when_idle(self) -> None:
+        from rl_tui.tui.screens.playground import Playground
+
+        if self._idleness.begins():
+            for screen in self.screen_stack:
+                if isinstance(screen, Playground):
+                    screen.rest()
+
+    def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
+        """Refuse a kiosk to stop its process for a shell that may not be there."""
+        if self._kiosk and action == "suspend_process":
+            return False
+        return super().check_action(action, parameters)
+
+    def open_url(self, url: str, *, new_tab: bool = True) -> None:
+        """Show the address ``url``: a browser would open where the program runs, not where it is read."""
+        self.notify(one_line(url, _LONGEST_ADDRESS), title="address", timeout=15, markup=False)
 
     def action_command_palette(self) -> None:
         """Open the palette."""

@@ -25,7 +25,8 @@ def parts_of(answer: Any) -> tuple[Any, Any, Any, Any, Any]:
         raise UnsoundAnswerError(
             f"answered {found} to a step, which is not observation, reward, terminated, truncated and info"
         )
-    return tuple(answer)  # type: ignore[return-value]
+    observation, reward, terminated, truncated, info = answer
+    return observation, reward, terminated, truncated, info
 
 
 def first_observation(answer: Any) -> Any:

@@ -13,6 +13,7 @@ import platformdirs
 from rl_tui.worlds.errors import Fault, ScenarioError, UserError
 from rl_tui.worlds.findings import shown
 from rl_tui.worlds.gymnasium_ids import PREFIX, environment_scenario
+from rl_tui.worlds.kiosk import in_kiosk
 from rl_tui.worlds.scenario import Scenario, read_scenario
 
 _SUFFIX: Final = ".toml"
@@ -44,7 +45,7 @@ def read_catalogue() -> Catalogue:
     """
     catalogue = Catalogue([], [])
     taken: set[str] = set()
-    for folder in (shipped_folder(), user_folder()):
+    for folder in _folders():
         found = []
         for path in _files(folder):
             try:
@@ -73,13 +74,20 @@ def find(name_or_path: str) -> Scenario:
 
     A path is what has a separator in it or ends in .toml; ``gym:ENV_ID`` is any registered environment of
     Gymnasium. Other environments are not asked: whether one is there shows when the world is built. Raises
-    ScenarioError where the file has faults, UserError with near names where there is no such scenario.
+    ScenarioError where the file has faults, UserError with near names where there is no such scenario, and in
+    a kiosk for all but the shipped ones.
     """
+    is_path = name_or_path.endswith(_SUFFIX) or "/" in name_or_path or "\\" in name_or_path
+    if in_kiosk() and (is_path or name_or_path.startswith(PREFIX)):
+        raise UserError(
+            f"kiosk mode does not open {shown(name_or_path)}: only the shipped scenarios, as rl-tui list "
+            f"shows them"
+        )
     if name_or_path.startswith(PREFIX):
         return environment_scenario(name_or_path)
-    if name_or_path.endswith(_SUFFIX) or "/" in name_or_path or "\\" in name_or_path:
+    if is_path:
         return read_scenario(name_or_path, ask_environment=False)
-    for folder in (shipped_folder(), user_folder()):
+    for folder in _folders():
         for path in _files(folder):
             if path.stem == name_or_path:
                 return read_scenario(path, ask_environment=False)
@@ -87,6 +95,10 @@ def find(name_or_path: str) -> Scenario:
     near = get_close_matches(name_or_path.lower(), names, n=3, cutoff=0.5)
     hint = f"did you mean {' or '.join(near)}?" if near else f"there are {', '.join(names)}"
     raise UserError(f"no scenario is called {shown(name_or_path)}: {hint}")
+
+
+def _folders() -> tuple[Path, ...]:
+    return (shipped_folder(),) if in_kiosk() else (shipped_folder(), user_folder())
 
 
 def _files(folder: Path) -> Iterator[Path]:

@@ -69,6 +69,11 @@ def one_line(text: str, longest: int) -> str:
     text = " ".join(text.split())
     if len(text) > longest:
         text = text[: longest - 1] + "…"
+    return printable(text)
+
+
+def printable(text: str) -> str:
+    """Return a text in which whatever a terminal might obey is written out, as its number."""
     return "".join(letter if letter.isprintable() else f"\\u{ord(letter):04x}" for letter in text)
 
 

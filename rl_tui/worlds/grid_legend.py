@@ -8,7 +8,7 @@ from typing import Annotated, Any, Final
 from rl_tui.worlds.drawing import CellKind
 from rl_tui.worlds.findings import Finding, shown
 from rl_tui.worlds.grid_moves import STEPS
-from rl_tui.worlds.schema import Expect, Number, Section, is_plain
+from rl_tui.worlds.schema import Expect, Number, Section, is_plain, with_control_character
 
 KINDS: Final = tuple(kind.value for kind in CellKind)
 _GOAL_REWARD: Final = 1.0
@@ -23,7 +23,7 @@ def _are_moves(value: object) -> bool:
     return isinstance(value, list) and len(value) > 0 and all(each in tuple(STEPS) for each in value)
 
 
-Character = Annotated[str, Expect("one character", is_character)]
+Character = Annotated[str, Expect("one character", is_character, with_control_character)]
 TruthValue = Annotated[bool, Expect("true or false", lambda value: isinstance(value, bool))]
 
 

@@ -9,7 +9,9 @@ from pydantic import Field
 
 from rl_tui.worlds.bins import BinsSection
 from rl_tui.worlds.environment import EnvironmentFailedError
-from rl_tui.worlds.findings import Finding, shown
+from rl_tui.worlds.findings import Finding
+from rl_tui.worlds.gymnasium_kwargs import kwargs_findings
+from rl_tui.worlds.modules import refusal_of
 from rl_tui.worlds.schema import Expect, is_table, text
 from rl_tui.worlds.world import World
 from rl_tui.worlds.world_section import WorldRefusedError, WorldSection
@@ -38,15 +40,13 @@ class GymnasiumSection(WorldSection):
 
     @classmethod
     def connection_findings(cls, raw: Mapping[str, Any]) -> Iterator[Finding]:
-        """Yield what may not be asked for: importing a module, opening a window, a table of bins."""
+        """Yield what may not be asked for: importing a module, other arguments, a table of bins."""
         name, kwargs, bins = raw.get("id"), raw.get("kwargs"), raw.get("bins")
-        if isinstance(name, str) and ":" in name:
-            yield Finding(
-                ("id",), shown(name), "the id of a registered environment, without a module to import"
-            )
-        if isinstance(kwargs, dict) and "render_mode" in kwargs:
-            found = shown(kwargs["render_mode"])
-            yield Finding(("kwargs", "render_mode"), found, "no such argument: the world is drawn here")
+        refusal = refusal_of(name) if isinstance(name, str) else None
+        if refusal is not None:
+            yield refusal
+        if isinstance(kwargs, dict):
+            yield from kwargs_findings(kwargs)
         if isinstance(bins, dict):
             if raw.get("table") is True:
                 yield Finding(("table",), "true beside bins", "false: what is cut into bins has no table")

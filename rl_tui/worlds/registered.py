@@ -13,6 +13,7 @@ import numpy as np
 from rl_tui.worlds.asking import ASKING
 from rl_tui.worlds.findings import Finding, near, one_line, shown
 from rl_tui.worlds.limits import LARGEST_ARGUMENTS, LONGEST_TIME_LIMIT
+from rl_tui.worlds.modules import registered_id
 from rl_tui.worlds.world_section import WorldRefusedError
 
 if TYPE_CHECKING:
@@ -27,6 +28,8 @@ _MAKING: Final = threading.Lock()
 def made(name: str, kwargs: Mapping[str, Any]) -> Env[Any, Any]:
     """Return a new environment of the registered id ``name``, made with ``kwargs``.
 
+    An id ``module:ID`` imports that module first, if somebody allowed it.
+
     It has the wrappers that its registration asks for (the time limit), but not the one that checks: what an
     environment answers is checked here. Raises WorldRefusedError where it is not registered or cannot be
     made. From the first call on Gymnasium keeps its advice to itself.
@@ -34,6 +37,7 @@ def made(name: str, kwargs: Mapping[str, Any]) -> Env[Any, Any]:
     import gymnasium
 
     gymnasium.logger.min_level = gymnasium.logger.ERROR + 1
+    name = registered_id(name)
     if name not in gymnasium.registry:
         known = (id_ for id_, spec in gymnasium.registry.items() if _may_serve(spec.entry_point))
         expected = f"the id of a registered environment{near(name, known)}"
@@ -85,6 +89,8 @@ def close(environment: Env[Any, Any]) -> None:
     """Let ``environment`` give back what it holds."""
     with suppress(Exception, SystemExit), ASKING:  # nobody is left whom a failure would concern
         environment.close()
+
+
 def size_of(arguments: Mapping[str, Any]) -> int:
     """Return how many characters and values there are in ``arguments``."""
     size = 0

@@ -17,7 +17,17 @@ from rl_tui.worlds.grid_section import GridSection
 from rl_tui.worlds.gymnasium_section import GymnasiumSection
 from rl_tui.worlds.limits import MOST_FINDINGS
 from rl_tui.worlds.mdp_section import MDPSection
-from rl_tui.worlds.schema import Expect, Section, is_plain, is_table, parsed, text, unknown_key, whole_number
+from rl_tui.worlds.schema import (
+    Expect,
+    Section,
+    is_plain,
+    is_table,
+    markdown,
+    parsed,
+    text,
+    unknown_key,
+    whole_number,
+)
 from rl_tui.worlds.toml_file import UnreadableError, read_text, tables_in
 from rl_tui.worlds.world import World
 from rl_tui.worlds.world_section import WorldRefusedError, WorldSection
@@ -38,7 +48,7 @@ class Head(Section):
 
     title: Annotated[str, text(80)] = ""
     summary: Annotated[str, text(200)] = ""
-    notes: Annotated[str, text(20_000, lines=True)] = ""
+    notes: Annotated[str, markdown(20_000)] = ""
     order: Annotated[int, whole_number(0, 1_000_000)] = 1_000_000
     defaults: Annotated[dict[str, Any], Expect("a table", is_table)] = Field(default_factory=dict)
 

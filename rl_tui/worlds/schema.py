@@ -7,6 +7,7 @@ import typing
 import unicodedata
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
+from html import unescape
 from typing import Annotated, Any, Final, TypeVar
 
 from pydantic import BaseModel, ConfigDict, GetCoreSchemaHandler, ValidationError
@@ -16,7 +17,8 @@ from rl_tui.worlds.findings import Finding, near, shown
 from rl_tui.worlds.limits import LARGEST_NUMBER, LONGEST_NAME, MOST_FINDINGS
 from rl_tui.worlds.tolerance import PROBABILITY_TOLERANCE
 
-_BIDIRECTIONAL: Final = frozenset("\u200e\u200f\u202a\u202b\u202c\u202d\u202e\u2066\u2067\u2068\u2069")
+_IN_LINES: Final = "\n\t"
+_BIDIRECTIONAL: Final = frozenset("\u061c\u200e\u200f\u202a\u202b\u202c\u202d\u202e\u2066\u2067\u2068\u2069")
 
 
 class Section(BaseModel):
@@ -30,10 +32,14 @@ AnySection = TypeVar("AnySection", bound=Section)
 
 @dataclass(frozen=True, slots=True)
 class Expect:
-    """Put into Annotated: refuses a raw value that fails ``test``, in the words of ``expected``."""
+    """Put into Annotated: refuses a raw value that fails ``test``, in the words of ``expected``.
+
+    ``found`` says what such a value is.
+    """
 
     expected: str
     test: Callable[[Any], bool]
+    found: Callable[[Any], str] = shown
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
         """Test the raw value before pydantic converts it."""
@@ -41,7 +47,7 @@ class Expect:
 
     def _tested(self, value: object) -> object:
         if not self.test(value):
-            raise refused(shown(value), self.expected)
+            raise refused(self.found(value), self.expected)
         return value
 
 
@@ -72,21 +78,52 @@ def whole_number(low: int, high: int) -> Expect:
 
 def is_plain(text: str, also: str = "") -> bool:
     """Tell whether a text has no control characters besides those in ``also``: none may reach a terminal."""
-    return not any(
-        letter not in also
-        and (unicodedata.category(letter) in ("Cc", "Cs", "Zl", "Zp") or letter in _BIDIRECTIONAL)
-        for letter in text
+    return not control_character(text, also)
+
+
+def control_character(text: str, also: str = "") -> str:
+    """Return the first control character of a text besides those in ``also``, as U+001B; empty if none.
+
+    What turns the direction of writing or ends a line counts as one, and so does half a character.
+    """
+    for letter in text:
+        if letter not in also and (
+            unicodedata.category(letter) in ("Cc", "Cs", "Zl", "Zp") or letter in _BIDIRECTIONAL
+        ):
+            return f"U+{ord(letter):04X}"
+    return ""
+
+
+def with_control_character(value: object, also: str = "") -> str:
+    """Return a value as :func:`shown` does, and before it the control character that is in it, if any."""
+    named = control_character(value, also) if isinstance(value, str) else ""
+    return f"{named} in {shown(value)}" if named else shown(value)
+
+
+def text(longest: int) -> Expect:
+    """Expect one line of at most ``longest`` characters."""
+    return Expect(
+        f"one line of text of at most {longest:,} characters, none of them a control character",
+        lambda value: isinstance(value, str) and len(value) <= longest and is_plain(value),
+        with_control_character,
     )
 
 
-def text(longest: int, lines: bool = False) -> Expect:
-    """Expect a text of at most ``longest`` characters, in one line unless ``lines``."""
-    kind = "a text" if lines else "one line of text"
+def markdown(longest: int) -> Expect:
+    """Expect Markdown of at most ``longest`` characters, which spells no control character either."""
+
+    def found(value: object) -> str:
+        return with_control_character(unescape(value) if isinstance(value, str) else value, _IN_LINES)
+
     return Expect(
-        f"{kind} of at most {longest:,} characters, none of them a control character",
+        f"a text of at most {longest:,} characters, none of them a control character",
         lambda value: (
-            isinstance(value, str) and len(value) <= longest and is_plain(value, "\n\t" if lines else "")
+            isinstance(value, str)
+            and len(value) <= longest
+            and is_plain(value, _IN_LINES)
+            and is_plain(unescape(value), _IN_LINES)
         ),
+        found,
     )
 
 
@@ -102,7 +139,7 @@ def is_table(value: object) -> bool:
 
 Number = Annotated[float, number()]
 Probability = Annotated[float, number(0, 1)]
-Name = Annotated[str, Expect(f"a name of 1 to {LONGEST_NAME} characters", is_name)]
+Name = Annotated[str, Expect(f"a name of 1 to {LONGEST_NAME} characters", is_name, with_control_character)]
 
 
 def sums_to_one(probabilities: Iterable[float]) -> None:

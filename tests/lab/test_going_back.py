@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from recipes import bandit, recipe
 
 from rl_tui.agents.hyperparameters import SAMPLE_AVERAGE
-from rl_tui.lab.checkpoints import MOST, MOST_BYTES_LEFT, MOST_LEFT, Checkpoints
+from rl_tui.lab.checkpoints import MOST, MOST_LEFT, Checkpoints
 from rl_tui.lab.commands import (
     AddLane,
     Apply,
@@ -37,6 +37,7 @@ from rl_tui.lab.commands import (
     ToggleBreakpoint,
     Train,
 )
+from rl_tui.lab.limits import USUAL
 from rl_tui.lab.playback import Playback
 from rl_tui.lab.recipe import Recipe, SetParameter, SwitchAlgorithm, TakeAction
 from rl_tui.lab.record import Record
@@ -557,7 +558,7 @@ def test_checkpoints_keep_within_their_bounds() -> None:
     one.thin_out(1)
     many.thin_out(2_000)
     assert 1 <= len(many) < len(one) <= MOST_LEFT
-    assert many.nbytes <= MOST_BYTES_LEFT // 2_000
+    assert many.nbytes <= USUAL.checkpoints_left // 2_000
 
 
 def test_passing_by_the_same_moments_again_and_again_keeps_no_more_of_them() -> None:

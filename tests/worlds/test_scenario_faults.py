@@ -204,7 +204,7 @@ ONE_FAULT = {
     ),
     "a name with a control character": (
         student('"Sleep"', '"Sle\\u0007ep"').replace("Sleep = [2, 1]", ""),
-        ('mdp.transition[4].to."Sle\\u0007ep"', '"Sle\\u0007ep"', "a name of 1 to 60 characters"),
+        ('mdp.transition[4].to."Sle\\u0007ep"', 'U+0007 in "Sle\\u0007ep"', "a name of 1 to 60 characters"),
     ),
     "no arms": ("[bandit]\narms = 0\n", ("bandit.arms", "0", "a whole number from 1 to 10,000")),
     "half an arm": ("[bandit]\narms = 2.5\n", ("bandit.arms", "2.5", "a whole number from 1 to 10,000")),
@@ -283,11 +283,11 @@ ONE_FAULT = {
     "no id": ("[gymnasium]\n", ("gymnasium.id", "nothing", "one line of text of at most 100 characters, .*")),
     "a control character in the title": (
         'title = "a\\u001b[31m"\n' + BANDIT,
-        ("title", '"a\\u001b[31m"', "one line of text of at most 80 characters, .*"),
+        ("title", 'U+001B in "a\\u001b[31m"', "one line of text of at most 80 characters, .*"),
     ),
     "a title of two lines": (
         'title = "a\\nb"\n' + BANDIT,
-        ("title", '"a\\nb"', "one line of text of at most 80 characters, .*"),
+        ("title", 'U+000A in "a\\nb"', "one line of text of at most 80 characters, .*"),
     ),
     "a number for the notes": (
         "notes = 3\n" + BANDIT,

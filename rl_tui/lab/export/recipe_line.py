@@ -14,6 +14,8 @@ from rl_tui.lab.recipe import JournalEntry, Recipe, SetParameter, SwitchAlgorith
 from rl_tui.worlds import catalogue
 from rl_tui.worlds.errors import UserError
 from rl_tui.worlds.gymnasium_ids import PREFIX
+from rl_tui.worlds.gymnasium_section import GymnasiumSection
+from rl_tui.worlds.modules import OPTION, module_of
 from rl_tui.worlds.scenario import Scenario
 from rl_tui.worlds.toml_file import UnreadableError, read_text
 
@@ -40,6 +42,7 @@ def recipe_line(
         "rl-tui",
         "train",
         _name_of(recipe.scenario),
+        *_allowance(recipe.scenario),
         *_settings(recipe, entries),
         "--seed",
         str(recipe.seed),
@@ -99,6 +102,13 @@ def _name_of(scenario: Scenario) -> str:
         f"no file {scenario.source} holds this scenario any more: save the session with w, and then "
         f"rl-tui replay SESSION.json does the run again"
     )
+
+
+def _allowance(scenario: Scenario) -> list[str]:
+    """Return the option without which the environment of ``scenario`` would be refused, if there is one."""
+    section = scenario.section
+    module = module_of(section.id) if isinstance(section, GymnasiumSection) else ""
+    return [OPTION, module] if module else []
 
 
 def _holds(file: Path, text: str) -> bool:

@@ -14,6 +14,7 @@ from typing import ClassVar
 from rich.console import RenderableType
 from textual.binding import BindingType
 from textual.containers import Container, Horizontal, Vertical, VerticalScroll
+from textual.content import Content
 from textual.events import DescendantFocus
 from textual.message import Message
 from textual.widget import Widget
@@ -35,12 +36,14 @@ from rl_tui.tui.widgets.session_text import session_facts, session_fault
 from rl_tui.tui.written import separated, written
 from rl_tui.worlds.drawing import Arms, Grid
 from rl_tui.worlds.errors import ScenarioError, UserError
+from rl_tui.worlds.findings import one_line
 from rl_tui.worlds.scenario import Scenario
 from rl_tui.worlds.streams import streams
 from rl_tui.worlds.world import World
 
 _SEED = 0
 _DETAILS = "details"
+_LONGEST_NAME = 255
 _ROOM_FOR_WORDS = 11  # rows for what is said above a drawing, and a beginning of the notes
 _NEEDED_TO_PLAY = ("rl_tui.tui.screens.playground", "rl_tui.agents.learner")
 
@@ -99,7 +102,8 @@ class Catalogue(SessionShelf):
 
     def content(self) -> Iterable[Widget]:
         """Yield the list and the details."""
-        yield Static(separated(" rl-tui · scenarios", self.look.glyphs), id="title")
+        title = " rl-tui · scenarios · kiosk" if self.in_kiosk else " rl-tui · scenarios"
+        yield Static(separated(title, self.look.glyphs), id="title")
         scenarios = OptionList(*self._options(), id="scenarios", classes="panel")
         scenarios.border_title = "Scenarios"
         details = VerticalScroll(
@@ -125,9 +129,10 @@ class Catalogue(SessionShelf):
 
     def _options(self) -> Iterable[Option]:
         for scenario in self._scenarios:
-            yield Option(written(scenario.title, self.look.glyphs), id=scenario.id)
+            yield Option(Content(written(scenario.title, self.look.glyphs)), id=scenario.id)
         for error in self._broken:
-            yield Option(f"{error.faults[0].file.rsplit('/', 1)[-1]} (faulty)")
+            name = one_line(error.faults[0].file.rsplit("/", 1)[-1], _LONGEST_NAME)
+            yield Option(Content(written(f"{name} (faulty)", self.look.glyphs)))
 
     # In the thread: only messages leave it
 
@@ -220,7 +225,7 @@ class Catalogue(SessionShelf):
         await self.query_one(Notes).show("")
 
     async def _show_text(self, title: str, about: RenderableType) -> None:
-        self.query_one("#details").border_title = written(title, self.look.glyphs).replace("[", r"\[")
+        self.query_one("#details").border_title = Content(written(title, self.look.glyphs))
         self.query_one("#facts", Static).update(about)
 
     async def _draw(self, scenario: Scenario, world: World | UserError | None) -> None:
@@ -259,6 +264,9 @@ class Catalogue(SessionShelf):
     def action_delete_session(self) -> None:
         """Delete the session under the cursor, once that is confirmed."""
         entry = self._current
+        if self.in_kiosk:
+            self.tell("no sessions are kept here: this is a kiosk")
+            return
         if not isinstance(entry, StoredSession):
             faulty = isinstance(entry, SessionError)
             self.notify(

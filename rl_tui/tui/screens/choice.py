@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from rich.text import Text
 from textual.app import ComposeResult
 from textual.containers import Vertical
+from textual.content import Content
 from textual.widgets import OptionList
 from textual.widgets.option_list import Option
 
@@ -51,7 +52,7 @@ class Choice(Dialog[str]):
                     for each in self._candidates
                 )
             )
-        box.border_title = written(self._title, self._glyphs)
+        box.border_title = Content(written(self._title, self._glyphs))
         box.border_subtitle = "enter: choose   esc: close"
 
     def on_mount(self) -> None:

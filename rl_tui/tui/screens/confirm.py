@@ -7,6 +7,7 @@ from typing import ClassVar
 from textual.app import ComposeResult
 from textual.binding import Binding, BindingType
 from textual.containers import Vertical
+from textual.content import Content
 from textual.widgets import Static
 
 from rl_tui.tui.screens.dialog import Dialog
@@ -32,7 +33,7 @@ class Confirm(Dialog[bool]):
         """Yield the question."""
         with Vertical(id="box") as box:
             yield Static(written(self._question, self._glyphs), markup=False)
-        box.border_title = written(self._title, self._glyphs)
+        box.border_title = Content(written(self._title, self._glyphs))
         box.border_subtitle = f"enter: {self._verb}   esc: close"
 
     def action_confirm(self) -> None:

@@ -10,6 +10,7 @@ from rich.text import Text
 from textual.app import ComposeResult
 from textual.binding import Binding, BindingType
 from textual.containers import Vertical, VerticalScroll
+from textual.content import Content
 from textual.widgets import OptionList, Static
 from textual.widgets.option_list import Option
 
@@ -169,7 +170,7 @@ class Working(Dialog[str]):
         """Yield how far it has come."""
         with Vertical(id="box") as box:
             yield Static("0 %", id="progress", markup=False)
-        box.border_title = self._title
+        box.border_title = Content(self._title)
         box.border_subtitle = "esc: break off"
 
     def on_mount(self) -> None:

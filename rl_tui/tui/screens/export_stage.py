@@ -29,6 +29,9 @@ class ExportStage(AgentStage):
     def action_export(self) -> None:
         """Choose what to write."""
         snapshot = self.snapshot
+        if self.in_kiosk:
+            self.tell("nothing is written here: this is a kiosk")
+            return
         if snapshot is None:
             return
         choice = dialogs.ExportChoice(

@@ -8,6 +8,7 @@ from rich.text import Text
 from textual import events
 from textual.app import ComposeResult
 from textual.containers import Vertical
+from textual.content import Content
 from textual.widgets import OptionList, Static
 from textual.widgets.option_list import Option
 
@@ -96,7 +97,7 @@ class JournalScreen(Dialog[Moment]):
         lines = self._lines[self._shown]
         name = self._timeline.branches[self._shown].name
         self.query_one("#whose", Static).update(f"Changes in {name}:" if lines else NO_CHANGE)
-        self._entries.set_options(Option(written(line.text, glyphs)) for line in lines)
+        self._entries.set_options(Option(Content(written(line.text, glyphs))) for line in lines)
         self._entries.display = bool(lines)
 
     def _described(self, number: int) -> Text:

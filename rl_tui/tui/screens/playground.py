@@ -36,6 +36,8 @@ from rl_tui.tui.widgets.status_line import StatusLine
 from rl_tui.worlds.drawing import Arms
 from rl_tui.worlds.errors import UserError
 
+_UNTIL_SEEN = 3600.0
+
 
 class Playground(
     TimeStage, UntilStage, HandStage, LaneStage, MicroscopeStage, SessionStage, ExportStage, SilenceStage
@@ -175,6 +177,12 @@ class Playground(
         else:
             self.send(Pause() if phase in (Phase.RUNNING, Phase.SEEKING) else Play())
 
+    def rest(self) -> None:
+        """Pause a run that goes on while nobody is there."""
+        if self.snapshot is not None and self.snapshot.phase in (Phase.RUNNING, Phase.SEEKING):
+            self.send(Pause())
+            self.notify("paused: nobody has pressed a key for some minutes", timeout=_UNTIL_SEEN)
+
     def action_step(self) -> None:
         """Take one step."""
         self.send(Step())
@@ -198,7 +206,8 @@ class Playground(
     def action_reset(self) -> None:
         """Start again with the settings in force and the same seed."""
         if self.snapshot is not None and self.snapshot.timeline.current.end:
-            self.tell("the run starts again; the one until now is kept in the catalogue")
+            kept = "gone: this is a kiosk" if self.in_kiosk else "kept in the catalogue"
+            self.tell(f"the run starts again; the one until now is {kept}")
         self.restart(self.recipe)
 
     def restart(self, recipe: Recipe) -> None:
@@ -284,7 +293,8 @@ class Playground(
             self.close_microscope()
         elif self.snapshot is not None and self.snapshot.step and not self._leaves:
             self._leaves = True
-            self.tell("esc again goes to the catalogue; this session is kept there")
+            kept = "run is then gone" if self.in_kiosk else "session is kept there"
+            self.tell(f"esc again goes to the catalogue; this {kept}")
         else:
             self.post_message(self.Left(self.recipe))
 

@@ -6,12 +6,16 @@ from collections.abc import Callable
 
 from textual.app import ComposeResult
 from textual.containers import Vertical
+from textual.content import Content
 from textual.widgets import Input, Static
 
 from rl_tui.tui.screens.dialog import Dialog
 
 Reader = Callable[[str], float | str]
 """Turns the typed text into the value; raises ValueError whose text says what was expected."""
+
+
+_LONGEST = 1_000  # characters: whoever pastes a book types none of it
 
 
 class Prompt(Dialog[float | str]):
@@ -31,10 +35,10 @@ class Prompt(Dialog[float | str]):
     def compose(self) -> ComposeResult:
         """Yield the line, the sentence about it, and room for a fault."""
         with Vertical(id="box") as box:
-            yield Input(self._value, select_on_focus=True, compact=True)
+            yield Input(self._value, select_on_focus=True, compact=True, max_length=_LONGEST)
             yield Static(self._hint, classes="hint", markup=False)
             yield Static("", classes="error", markup=False)
-        box.border_title = self._title
+        box.border_title = Content(self._title)
         box.border_subtitle = f"enter: {self._does}   esc: close"
 
     def on_input_changed(self, event: Input.Changed) -> None:

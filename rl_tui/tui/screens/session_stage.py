@@ -69,7 +69,8 @@ class SessionStage(AgentStage):
         """Ask for a name, and save the session."""
         autosave = self.autosave
         if autosave is None:
-            self.notify("no session is kept here")
+            reason = ": this is a kiosk" if self.in_kiosk else ""
+            self.tell(f"no session is kept here{reason}")
             return
 
         def read(text: str) -> str:

@@ -59,6 +59,11 @@ class Stage(Screen[None]):
         super().__init__()
         self.look = look
 
+    @property
+    def in_kiosk(self) -> bool:
+        """Whether it has no files here; the app says so in its ``place``."""
+        return Place.KIOSK in self.place
+
     def compose(self) -> ComposeResult:
         """Yield the content, the key line and what replaces them in a terminal too small."""
         yield from self.content()

@@ -33,10 +33,10 @@ class Notes(Vertical):
 
 
 def notes_markdown(markdown: str, glyphs: Glyphs) -> Markdown:
-    """Return the widget that draws ``markdown`` in the characters of ``glyphs``."""
+    """Return the widget that draws ``markdown`` in the characters of ``glyphs``; the app shows addresses."""
     from textual.widgets import Markdown  # its parser is slow to load and must not delay the first paint
 
-    widget = Markdown(written(markdown, glyphs), open_links=False)
+    widget = Markdown(written(markdown, glyphs), open_links=True)
     if glyphs.name == "ascii":
         widget.BULLETS = _ASCII_BULLETS
     return widget
