@@ -22,7 +22,7 @@ class RlTui(Program):
 
     modules: ClassVar = {
         name: f"rl_tui.cli.{name}"
-        for name in ("play", "train", "replay", "solve", "list", "check", "bench", "screenshot")
+        for name in ("play", "train", "replay", "solve", "list", "check", "bench", "screenshot", "serve")
     }
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 import click
 
@@ -18,6 +18,9 @@ if TYPE_CHECKING:
     from rl_tui.lab.session import StoredSession
 
 
+IN_BROWSER: Final = "rl_tui.tui.browser_driver:BrowserDriver"  # TEXTUAL_DRIVER of what the server starts
+
+
 class NoTerminalError(click.ClickException):
     """There is nothing to draw on."""
 
@@ -26,6 +29,8 @@ class NoTerminalError(click.ClickException):
 
 def require_terminal() -> None:
     """Raise NoTerminalError, in one sentence, where nothing can be drawn."""
+    if os.environ.get("TEXTUAL_DRIVER") == IN_BROWSER:
+        return
     if not (sys.stdin.isatty() and sys.stdout.isatty()):
         problem = "the playground needs a terminal, and this is not one"
     elif os.environ.get("TERM") in ("dumb", "unknown"):

@@ -33,6 +33,8 @@ from rl_tui.worlds.errors import UserError
 from rl_tui.worlds.findings import one_line
 
 if TYPE_CHECKING:
+    from rich.console import RenderableType
+
     from rl_tui.lab.autosave import Autosave
     from rl_tui.lab.keeper import Keeper
     from rl_tui.lab.player import Player
@@ -236,6 +238,13 @@ class RlTuiApp(LinkedApp[UserError]):
     def on_terminal_driver_lost(self) -> None:
         """End as if told that the terminal is closed, which is what has happened."""
         self._end(HUNG_UP)
+
+    def exit(
+        self, result: UserError | None = None, return_code: int = 0, message: RenderableType | None = None
+    ) -> None:
+        """End the app, and all that is under way with it: what mounts a widget from now on would fail."""
+        self.workers.cancel_all()
+        super().exit(result, return_code, message)
 
     def _end(self, status: int) -> None:
         self._keep()

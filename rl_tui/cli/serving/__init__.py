@@ -1,0 +1,1 @@
+"""The server behind ``rl-tui serve``: one app process for each browser tab."""

@@ -1,0 +1,110 @@
+"""Where the server listens, and whom it answers.
+
+A page of any other site, open in the same browser, can send requests to 127.0.0.1: browsers let it open
+WebSockets to everywhere and only say, in ``Origin``, where the page came from. And a site whose name is made
+to point to 127.0.0.1 after its page was loaded (DNS rebinding) is of the same origin, but its name stands in
+``Host``. So both are checked.
+"""
+
+from __future__ import annotations
+
+import errno
+import socket
+from dataclasses import dataclass
+from ipaddress import ip_address
+from typing import Final
+from urllib.parse import urlsplit
+
+from rl_tui.worlds.errors import UserError
+
+_THIS_MACHINE: Final = ("localhost", "127.0.0.1", "::1")
+
+
+def listen(host: str, port: int) -> socket.socket:
+    """Return a socket that listens at ``host`` and ``port`` (0: a free one). Raises UserError."""
+    try:
+        family, _, _, _, address = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)[0]
+        return socket.create_server((address[0], port), family=family)
+    except socket.gaierror as fault:
+        raise UserError(f"--host {host}: no address is known for it ({fault.strerror})") from None
+    except OSError as fault:
+        if fault.errno == errno.EADDRINUSE:
+            advice = "another program uses it; take another --port, or --port 0 for a free one"
+        elif fault.errno == errno.EACCES:
+            advice = "ports below 1024 are kept for the system; take another --port"
+        elif fault.errno == errno.EADDRNOTAVAIL:
+            advice = "this machine does not have that address"
+        else:
+            advice = fault.strerror or str(fault)
+        raise UserError(f"cannot listen on port {port} of {host}: {advice}") from None
+
+
+def is_this_machine(host: str) -> bool:
+    """Tell whether only this machine can reach ``host``: a name, or an address with or without brackets."""
+    try:
+        found = socket.getaddrinfo(host.strip("[]"), None, type=socket.SOCK_STREAM)
+    except OSError:
+        return False
+    return bool(found) and all(ip_address(str(each[4][0]).split("%")[0]).is_loopback for each in found)
+
+
+def url_of(listening: socket.socket) -> str:
+    """Return the address of a listening socket as a browser takes it."""
+    host, port = listening.getsockname()[:2]
+    return f"http://[{host}]:{port}/" if ":" in host else f"http://{host}:{port}/"
+
+
+@dataclass(frozen=True, slots=True)
+class Doorkeeper:
+    """Tells whom to answer: ``host`` is where the server listens, ``url`` what people type if it differs."""
+
+    host: str
+    url: str | None = None
+
+    def knows(self, asked_for: str) -> bool:
+        """Tell whether a request whose ``Host`` header is ``asked_for`` meant this server.
+
+        Addresses in digits always do: nobody can make them point elsewhere. A name must be ours.
+        """
+        name = _name(asked_for)
+        if not name:
+            return False
+        return name in self._names() or _is_address(name)
+
+    def lets_in(self, origin: str, asked_for: str) -> bool:
+        """Tell whether the page that opens a WebSocket (its ``Origin`` header) came from here."""
+        if not self.knows(asked_for):
+            return False
+        if self.url is not None and origin.lower() == _origin(self.url):
+            return True
+        scheme, _, place = origin.lower().partition("://")
+        return scheme in ("http", "https") and place == asked_for.lower()
+
+    def _names(self) -> set[str]:
+        names = {*_THIS_MACHINE, self.host.lower().strip("[]")}
+        if not is_this_machine(self.host):
+            names |= {socket.gethostname().lower(), socket.getfqdn().lower()}
+        if self.url is not None:
+            names.add(_name(urlsplit(self.url).netloc))
+        return names - {"", "0.0.0.0", "::"}
+
+
+def _name(netloc: str) -> str:
+    """Return the host of ``host:port`` without port and brackets, empty where it is none."""
+    try:
+        return urlsplit(f"//{netloc}").hostname or ""
+    except ValueError:
+        return ""
+
+
+def _origin(url: str) -> str:
+    parts = urlsplit(url)
+    return f"{parts.scheme}://{parts.netloc}".lower()
+
+
+def _is_address(name: str) -> bool:
+    try:
+        ip_address(name)
+    except ValueError:
+        return False
+    return True

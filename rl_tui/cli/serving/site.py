@@ -1,0 +1,181 @@
+"""What the server answers: the page, what the page is made of, and the WebSocket behind it."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import os
+import sys
+from collections.abc import Awaitable, Callable, Sequence
+from contextlib import suppress
+from importlib.resources import files
+from pathlib import Path
+from typing import Any, Final
+
+from aiohttp import WSCloseCode, WSMsgType, web
+
+from rl_tui.cli.serving.addresses import Doorkeeper
+from rl_tui.cli.serving.allowance import Allowance
+from rl_tui.cli.serving.app_process import AppProcess, bounded_size, environment_of_app
+
+PAGE: Final = Path(str(files("rl_tui.cli.serving"))) / "page"
+_LARGEST_MESSAGE: Final = 1 << 14  # bytes
+_HEARTBEAT: Final = 15.0  # seconds: a browser that vanished without a word is found out
+_CLOSING: Final = 2.0  # seconds for a browser to say goodbye
+_LONGEST_REASON: Final = 120  # bytes that fit into the message that closes a WebSocket
+_HEADERS: Final = {
+    "Content-Security-Policy": (
+        "default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline'; font-src 'self';"
+        " img-src 'self' data:; connect-src 'self'; base-uri 'none'; form-action 'none';"
+        " frame-ancestors 'none'"
+    ),
+    "X-Content-Type-Options": "nosniff",
+    "X-Frame-Options": "DENY",
+    "Referrer-Policy": "no-referrer",
+    "Cross-Origin-Resource-Policy": "same-origin",
+    "Cache-Control": "no-cache",
+    "Server": "rl-tui",
+}
+Handler = Callable[[web.Request], Awaitable[web.StreamResponse]]
+
+
+class Site:
+    """One app process for each tab, at most ``most`` at once.
+
+    ``command`` starts an app, ``kiosk`` says whether it is one that strangers may use, ``terminal`` is the
+    folder with the scripts of the terminal in the page.
+    """
+
+    def __init__(
+        self, command: Sequence[str], doorkeeper: Doorkeeper, terminal: Path, *, kiosk: bool, most: int
+    ) -> None:
+        self._command = command
+        self._doorkeeper = doorkeeper
+        self._terminal = terminal
+        self._kiosk = kiosk
+        self._most = most
+        self._apps: set[AppProcess] = set()
+        self._is_ending = False
+
+    def application(self) -> web.Application:
+        """Return what aiohttp serves."""
+        application = web.Application(middlewares=[self._only_for_us], client_max_size=_LARGEST_MESSAGE)
+        application.add_routes(
+            [
+                web.get("/", self._page),
+                web.get("/ws", self._terminal_of_a_tab),
+                web.static("/page", PAGE),
+                web.static("/static", self._terminal),
+            ]
+        )
+        application.on_response_prepare.append(_add_headers)
+        application.on_shutdown.append(self._end)
+        return application
+
+    @web.middleware
+    async def _only_for_us(self, request: web.Request, handler: Handler) -> web.StreamResponse:
+        if not self._doorkeeper.knows(request.host):
+            raise web.HTTPForbidden(
+                text="This server does not go by that name. Where a proxy stands in front of it,"
+                " start it with rl-tui serve --url and the address that people type.\n"
+            )
+        return await handler(request)
+
+    async def _page(self, request: web.Request) -> web.StreamResponse:
+        if len(self._apps) < self._most:
+            return web.FileResponse(PAGE / "index.html")
+        text = (PAGE / "full.html").read_text(encoding="utf-8").replace("{most}", str(self._most))
+        return web.Response(text=text, content_type="text/html", status=503, headers={"Retry-After": "10"})
+
+    async def _terminal_of_a_tab(self, request: web.Request) -> web.StreamResponse:
+        if not self._doorkeeper.lets_in(request.headers.get("Origin", ""), request.host):
+            raise web.HTTPForbidden(text="Only the page of this server may use it.\n")
+        websocket = web.WebSocketResponse(
+            heartbeat=_HEARTBEAT, max_msg_size=_LARGEST_MESSAGE, timeout=_CLOSING
+        )
+        await websocket.prepare(request)
+        if len(self._apps) >= self._most or self._is_ending:
+            reason = "Every place is taken: try again in a moment."
+            await websocket.close(code=WSCloseCode.TRY_AGAIN_LATER, message=_reason(reason))
+            return websocket
+        size = bounded_size(_number(request, "width"), _number(request, "height"))
+        app = AppProcess(self._command, environment_of_app(os.environ, size, kiosk=self._kiosk))
+        self._apps.add(app)
+        try:
+            await self._connect(app, websocket)
+        finally:
+            await app.stop()
+            self._apps.discard(app)
+        return websocket
+
+    async def _connect(self, app: AppProcess, websocket: web.WebSocketResponse) -> None:
+        """Let app and browser speak until one of them leaves; the browser is told why."""
+        try:
+            await app.start()
+        except OSError as fault:
+            await websocket.close(message=_reason(f"rl-tui could not be started: {fault.strerror}"))
+            return
+        both = [asyncio.create_task(_show(app, websocket)), asyncio.create_task(_listen(app, websocket))]
+        try:
+            await asyncio.wait(both, return_when=asyncio.FIRST_COMPLETED)
+        finally:
+            for task in both:
+                task.cancel()
+            await asyncio.wait(both)
+        await app.stop()  # it may say why it ended only when it has
+        if app.fault:
+            print(app.fault, file=sys.stderr, flush=True)
+        reason = "The server was stopped." if self._is_ending else app.fault or "You left rl-tui."
+        with suppress(ConnectionError):
+            await websocket.close(message=_reason(reason))
+
+    async def _end(self, application: web.Application) -> None:
+        self._is_ending = True
+        for app in self._apps:
+            app.terminate()
+
+
+async def _add_headers(request: web.Request, response: web.StreamResponse) -> None:
+    response.headers.update(_HEADERS)
+
+
+async def _show(app: AppProcess, websocket: web.WebSocketResponse) -> None:
+    with suppress(ConnectionError):  # the browser left, which listening tells
+        async for data in app.output():
+            await websocket.send_bytes(data)
+
+
+async def _listen(app: AppProcess, websocket: web.WebSocketResponse) -> None:
+    allowance = Allowance()
+    async for message in websocket:
+        if message.type is not WSMsgType.TEXT:
+            return
+        await allowance.spend(len(message.data))
+        match _parsed(message.data):
+            case ["stdin", str(text)]:
+                await app.type(text)
+            case ["resize", {"width": columns, "height": rows}]:
+                width, height = bounded_size(columns, rows)
+                await app.tell(type="resize", width=width, height=height)
+            case ["focus" | "blur" as type_]:
+                await app.tell(type=type_)
+            case ["ping", str(when)]:
+                await websocket.send_json(["pong", when[:20]])
+            case _:
+                return  # not our page
+
+
+def _parsed(text: str) -> Any:
+    try:
+        return json.loads(text)
+    except (ValueError, RecursionError):
+        return None
+
+
+def _number(request: web.Request, name: str) -> int | None:
+    text = request.query.get(name, "")
+    return int(text) if text.isascii() and text.isdigit() and len(text) < 10 else None
+
+
+def _reason(text: str) -> bytes:
+    return text.encode()[:_LONGEST_REASON].decode(errors="ignore").encode()

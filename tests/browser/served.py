@@ -1,0 +1,77 @@
+"""The real server, started as a person would, and the app processes behind it."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Final
+
+_DEADLINE: Final = 60.0
+
+
+class Served:
+    """A running ``rl-tui serve`` at ``url``."""
+
+    def __init__(self, process: subprocess.Popen[str]) -> None:
+        assert process.stdout is not None
+        self.process = process
+        self.said = process.stdout.readline()
+        found = re.search(r"http://\S+", self.said)
+        assert found, f"not started: {self.said}"
+        self.url = found.group()
+
+    @property
+    def web_socket(self) -> str:
+        """The address of the WebSocket behind the page."""
+        return self.url.replace("http:", "ws:") + "ws"
+
+    @property
+    def apps(self) -> list[int]:
+        """The processes it has started, by number."""
+        return [process for process, parent in _parents() if parent == self.process.pid]
+
+    def wait(self) -> int:
+        """Return its exit status when it has ended."""
+        return self.process.wait(_DEADLINE)
+
+
+def is_running(process: int) -> bool:
+    """Tell whether there is such a process."""
+    return any(number == process for number, _ in _parents())
+
+
+@contextmanager
+def serving(*arguments: str) -> Iterator[Served]:
+    """Start the server on a free port; it is gone afterwards."""
+    process = subprocess.Popen(
+        [sys.executable, "-m", "rl_tui.cli", "serve", "--port", "0", *arguments],
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    )
+    assert process.stdout is not None
+    try:
+        yield Served(process)
+    finally:
+        process.terminate()
+        try:
+            process.wait(_DEADLINE)
+        finally:
+            process.kill()
+            process.stdout.close()
+
+
+def _parents() -> Iterator[tuple[int, int]]:
+    """Yield the number and the parent's number of every process that has not ended."""
+    for folder in Path("/proc").glob("[0-9]*"):
+        try:
+            state, parent = (folder / "stat").read_text().rpartition(")")[2].split()[:2]
+        except (OSError, ValueError):
+            continue  # it ended meanwhile
+        if state != "Z":
+            yield int(folder.name), int(parent)

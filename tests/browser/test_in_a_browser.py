@@ -1,0 +1,129 @@
+"""The app in a real browser: keys, mouse, colours, sizes, and that nothing stays behind."""
+
+from __future__ import annotations
+
+import re
+import signal
+from collections.abc import AsyncIterator
+from pathlib import Path
+
+import pytest
+import pytest_asyncio
+
+pytest.importorskip("aiohttp", reason='needs aiohttp: pip install "rl-tui[serve]"')
+pytest.importorskip("textual_serve", reason='needs textual-serve: pip install "rl-tui[serve]"')
+
+from aiohttp import web
+from aiohttp.test_utils import TestServer
+from chromium import Chromium, Tab, chromium, until
+from served import is_running, serving
+
+pytestmark = [
+    pytest.mark.skipif(chromium() is None, reason="needs Chromium: apt-get install chromium"),
+    pytest.mark.asyncio(loop_scope="module"),
+]
+HEAT = re.compile(r"-?[0-9]\.[0-9]{3}")  # a value in the Q-table
+
+
+@pytest_asyncio.fixture(scope="module", loop_scope="module")
+async def browser(tmp_path_factory: pytest.TempPathFactory) -> AsyncIterator[Chromium]:
+    async with Chromium(tmp_path_factory.mktemp("browser") / "profile") as started:
+        yield started
+
+
+def heat(tab: Tab) -> dict[tuple[int, int], str]:
+    """Return the cells (column, row) of the Q-table's values, and the colours the app wants behind them."""
+    return {
+        (found.start(), row): str(tab.emulator.cell(found.start(), row).bg)
+        for row, line in enumerate(tab.emulator.text.splitlines())
+        for found in HEAT.finditer(line)
+        if len(str(tab.emulator.cell(found.start(), row).bg)) == 6
+    }
+
+
+async def shown(tab: Tab, cells: list[tuple[int, int]]) -> list[str]:
+    """Return the colours in the corners of ``cells`` in a picture of the window."""
+    width, height = await tab.cell()
+    points = [(column * width + 1, row * height + 1) for column, row in cells]
+    return await tab.colours(await tab.screenshot(), points)
+
+
+async def test_it_is_the_same_app(browser: Chromium, tmp_path: Path) -> None:
+    with serving("frozenlake-slippery") as server:
+        tab = await browser.open(server.url, (1280, 800))
+        await tab.wait_for("paused")
+        assert tab.emulator.columns >= 120
+        assert tab.emulator.lines >= 40
+        cold = set(heat(tab).values())
+        await tab.press(" ")
+        await tab.wait_for(r"10/s")
+        await tab.press("+++++++")
+        await tab.wait_for(r"step +[0-9]{2,},[0-9]{3}")
+        await tab.press(" ")
+        await tab.wait_for("paused")
+
+        # what the app means is what the window shows
+        values = heat(tab)
+        assert len(set(values.values()) - cold) > 5
+        while await shown(tab, list(values)) != list(values.values()):
+            values = heat(tab)  # the last frame may still be on its way
+        picture = await tab.screenshot()
+        (tmp_path / "window.png").write_bytes(picture)
+        assert picture.startswith(b"\x89PNG")
+
+        await tab.press("v")
+        await tab.wait_for(r"Q\*, exact · ")
+        await tab.resize((800, 600))
+        await until(lambda: tab.emulator.columns < 100, "the terminal to follow the window")
+        await tab.wait_for(r"\? help\Z")  # in the last corner
+        await move_the_first_slider(tab)
+
+        await tab.press("q")
+        await tab.shows("document.querySelector('.ended').checkVisibility()")
+        assert await tab.evaluate("document.getElementById('why').textContent") == "You left rl-tui."
+        await until(lambda: not server.apps, "the app to end")
+        await tab.evaluate("document.getElementById('again').click()")
+        await until(lambda: server.apps, "another app to start")
+
+        assert tab.faults == []
+        assert {re.sub(r"^ws", "http", url).startswith(server.url) for url in tab.asked_for} == {True}
+        await tab.close()
+
+
+async def move_the_first_slider(tab: Tab) -> None:
+    """Click on the right end of the slider of α, which stands at 0.1."""
+    await tab.wait_for(r"α .*0\.100")
+    lines = tab.emulator.text.splitlines()
+    row = next(row for row, line in enumerate(lines) if re.search(r"α .*0\.100", line))
+    column = lines[row].index("0.100") - 4
+    width, height = await tab.cell()
+    await tab.click((column + 0.5) * width, (row + 0.5) * height)
+    await tab.wait_for(r"α .*(0\.[89]|1\.0)[0-9]*")
+
+
+async def test_nobody_else_gets_in_and_nothing_stays(browser: Chromium) -> None:
+    with serving("--most", "2") as server:
+        async with TestServer(web.Application()) as stranger:
+            page = await browser.open(str(stranger.make_url("/")), (400, 300))
+            await page.shows(f"location.href === '{stranger.make_url('/')}'")
+            opened = await page.evaluate(
+                "new Promise((done) => {"
+                f" const socket = new WebSocket('{server.web_socket}');"
+                " socket.onopen = () => done('opened'); socket.onerror = () => done('refused'); })"
+            )
+            assert opened == "refused"
+            assert server.apps == []
+
+        first, second = [await browser.open(server.url, (800, 600)) for _ in range(2)]
+        await until(lambda: len(server.apps) == 2, "two apps")
+        third = await browser.open(server.url, (800, 600))
+        await third.shows("document.body?.textContent.includes('Every place is taken: 2 at once')")
+        await first.close()
+        await until(lambda: len(server.apps) == 1, "its app to end")
+        await second.wait_for("FrozenLake")
+
+        (left,) = server.apps
+        server.process.send_signal(signal.SIGTERM)
+        await second.shows("document.getElementById('why').textContent === 'The server was stopped.'")
+        assert server.wait() == 0
+        assert not is_running(left)

@@ -1,0 +1,124 @@
+"""What ``rl-tui serve`` refuses and what it warns of, without a browser."""
+
+from __future__ import annotations
+
+import socket
+import sys
+
+import pytest
+from click.testing import CliRunner, Result
+
+from rl_tui.cli import serve
+from rl_tui.cli.main import program
+
+
+def run(*args: str) -> Result:
+    return CliRunner().invoke(program, ["serve", *args])
+
+
+def refused(result: Result, status: int) -> str:
+    """Return the last line of stderr of a server that did not start."""
+    assert result.stdout == ""
+    assert "Traceback" not in result.stderr
+    assert result.exit_code == status
+    return result.stderr.splitlines()[-1]
+
+
+@pytest.fixture
+def started(monkeypatch: pytest.MonkeyPatch) -> list[tuple[str, ...]]:
+    """Collect the commands of servers that would have run."""
+    commands: list[tuple[str, ...]] = []
+    monkeypatch.setattr(serve, "_serve", lambda listening, command, *rest, **more: commands.append(command))
+    return commands
+
+
+def test_a_missing_package_is_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(serve, "find_spec", lambda name: None)
+    line = refused(run(), 1)
+    assert line == 'rl-tui: rl-tui serve needs two more packages: pip install "rl-tui[serve]"'
+
+
+pytest.importorskip("aiohttp", reason='needs aiohttp: pip install "rl-tui[serve]"')
+pytest.importorskip("textual_serve", reason='needs textual-serve: pip install "rl-tui[serve]"')
+
+
+def test_the_apps_get_the_display_options_that_were_given(started: list[tuple[str, ...]]) -> None:
+    result = run("student", "--port", "0", "--theme", "light", "--ascii", "--fps", "5.5")
+    assert (result.exit_code, result.output) == (0, "")
+    arguments = ("play", "student", "--theme=light", "--ascii", "--fps=5.5")
+    assert started == [(sys.executable, "-P", "-m", "rl_tui.cli", *arguments)]
+
+
+def test_without_a_scenario_they_open_the_catalogue(started: list[tuple[str, ...]]) -> None:
+    assert run("--port", "0").exit_code == 0
+    assert started == [(sys.executable, "-P", "-m", "rl_tui.cli")]
+
+
+def test_a_port_in_use_is_one_line() -> None:
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        port = taken.getsockname()[1]
+        line = refused(run("--port", str(port)), 1)
+    assert line.startswith(f"rl-tui: cannot listen on port {port} of 127.0.0.1: another program uses it")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "status", "words"),
+    [
+        (("student.toml",), 1, "and a kiosk plays no other: did you mean student"),
+        (("../x",), 1, "and a kiosk plays no other: --no-kiosk plays your own"),
+        (("gym:CliffWalking-v1",), 1, "is not a shipped scenario"),
+        (("--theme", "pink"), 1, "theme 'pink' is not known"),
+        (("--no-kiosk", "nowhere"), 1, "no scenario is called"),
+        (("--port", "65536"), 2, "65536 is not a whole number"),
+        (("--most", "0"), 2, "0 is not a whole number"),
+        (("--url", "lab.example.org"), 2, "--url lab.example.org is not an address"),
+        (("--host", "192.0.2.1", "--yes"), 1, "this machine does not have that address"),
+    ],
+)
+def test_what_cannot_be_served_is_one_line(arguments: tuple[str, ...], status: int, words: str) -> None:
+    assert words in refused(run(*arguments), status)
+
+
+def test_another_address_is_warned_of_and_confirmed(started: list[tuple[str, ...]]) -> None:
+    result = run("--host", "0.0.0.0", "--port", "0")
+    assert "say so with --yes" in refused(result, 2)
+    assert started == []
+    result = run("--host", "0.0.0.0", "--port", "0", "--yes")
+    assert result.exit_code == 0
+    assert "every address of this machine can be reached from other machines" in result.stderr
+    assert "no password and no encryption" in result.stderr
+    assert len(started) == 1
+
+
+@pytest.mark.parametrize(("answer", "status", "servers"), [("y", 0, 1), ("n", 1, 0), ("", 1, 0)])
+def test_a_person_is_asked(
+    started: list[tuple[str, ...]],
+    monkeypatch: pytest.MonkeyPatch,
+    answer: str,
+    status: int,
+    servers: int,
+) -> None:
+    monkeypatch.setattr(serve, "_somebody_is_there", lambda: True)
+    result = CliRunner().invoke(program, ["serve", "--host", "0.0.0.0", "--port", "0"], input=f"{answer}\n")
+    assert result.exit_code == status
+    assert "Serve it there? [y/N]" in result.stderr
+    assert len(started) == servers
+
+
+def test_files_are_never_given_to_other_machines(started: list[tuple[str, ...]]) -> None:
+    line = refused(run("--host", "0.0.0.0", "--no-kiosk", "--yes"), 2)
+    assert "--no-kiosk lets whoever connects read and write your files" in line
+    assert started == []
+
+
+def test_files_behind_a_proxy_are_confirmed(started: list[tuple[str, ...]]) -> None:
+    arguments = ("--no-kiosk", "--url", "https://lab.example.org", "--port", "0")
+    assert "say so with --yes" in refused(run(*arguments), 2)
+    result = run(*arguments, "--yes")
+    assert result.exit_code == 0
+    assert "The proxy in front must ask for a password" in result.stderr
+
+
+def test_a_kiosk_cannot_be_left_by_an_option(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("RL_TUI_KIOSK", "1")
+    assert "RL_TUI_KIOSK is set" in refused(run("--no-kiosk"), 2)

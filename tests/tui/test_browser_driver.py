@@ -1,0 +1,78 @@
+"""The real app with pipes in place of a terminal, as the server of ``rl-tui serve`` starts it."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import pytest
+
+from rl_tui.cli.serving.app_process import command_line, environment_of_app
+
+DEADLINE = 60.0
+TOLD_TO_END = 143
+
+
+@contextmanager
+def app(*arguments: str) -> Iterator[subprocess.Popen[bytes]]:
+    """Start an app; when this hands it over, it has drawn something."""
+    process = subprocess.Popen(
+        command_line(sys.executable, arguments),
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        env=environment_of_app(os.environ, (100, 30), kiosk=True),
+    )
+    assert process.stdin is not None
+    assert process.stdout is not None
+    assert process.stderr is not None
+    with process.stdin, process.stdout, process.stderr:
+        try:
+            assert process.stdout.readline() == b"__GANGLION__\n", process.stderr.read()
+            while b"\x1b[38;2;" not in packet(process):  # a colour of the 16 million
+                pass
+            yield process
+        finally:
+            process.kill()
+            process.wait()
+
+
+def packet(process: subprocess.Popen[bytes]) -> bytes:
+    assert process.stdout is not None
+    kind, length = process.stdout.read(1), process.stdout.read(4)
+    assert kind in (b"D", b"M")
+    return process.stdout.read(int.from_bytes(length, "big"))
+
+
+@pytest.mark.parametrize("way", ["stdin", "stdout"])
+def test_it_ends_when_the_server_is_gone(way: str) -> None:
+    with app() as process:
+        assert process.stdin is not None
+        assert process.stdout is not None
+        assert process.stderr is not None
+        if way == "stdin":
+            process.stdin.close()
+            process.stdout.read()
+        else:
+            process.stdout.close()
+            process.stdin.write(b"D\x00\x00\x00\x01?")  # help: something to draw
+            process.stdin.flush()
+        said = process.stderr.read()
+        assert process.wait(DEADLINE) == TOLD_TO_END
+        assert said == b""
+
+
+def test_it_says_that_it_was_left() -> None:
+    with app("--no-mouse") as process:
+        assert process.stdin is not None
+        process.stdin.write(b"D\x00\x00\x00\x01q")
+        process.stdin.flush()
+        drawn = b""
+        while b"exit" not in (last := packet(process)):
+            drawn += last
+        assert last == b'{"type": "exit"}'
+        assert b"\x1b[?1006h" not in drawn
+        assert process.wait(DEADLINE) == 0
