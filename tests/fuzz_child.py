@@ -38,7 +38,7 @@ WARNED: Final = re.compile(
 )
 QUICK: Final = ("--algorithm", "q-learning", "--policy", "epsilon-greedy")  # loops that the other tests compile
 SIZES: Final = ((80, 24), (120, 40), (60, 18), (200, 60), (20, 5))
-KEYS: Final = "wait:60 v v v v v m escape f f f f f escape a escape h e b B t space space ? escape p escape".split()
+KEYS: Final = ["wait:60", "v", "v", "v", "v", "v", "m", "escape", "f", "f", "f", "f", "f", "escape", "a", "escape", "h", "e", "b", "B", "t", "space", "space", "?", "escape", "p", "escape"]
 
 
 class Ended(NamedTuple):
@@ -74,8 +74,6 @@ def main() -> None:
 def _import_all() -> None:
     import gymnasium  # noqa: F401
 
-    import rl_tui.lab.export.script
-    import rl_tui.tui.screenshot
     from rl_tui.lab.figures import training_figures  # noqa: F401
 
     size = int(re.search(r"VmSize:\s+(\d+)", Path("/proc/self/status").read_text())[1]) << 10  # type: ignore[index]

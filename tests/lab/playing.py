@@ -2,8 +2,76 @@
 
 from __future__ import annotations
 
-from rl_tui.lab.commands import Step
+from dataclasses import fields
+from typing import Any
+
+import numpy as np
+
+from rl_tui.lab.commands import ChooseLane, Command, Step
 from rl_tui.lab.playback import Playback
+from rl_tui.lab.recipe import Recipe
+from rl_tui.lab.record import Record
+from rl_tui.lab.run import Run
+from rl_tui.lab.snapshot import Snapshot
+
+
+class Ticking:
+    """A clock on which everything takes a while, so that checkpoints are many and journeys go in pieces."""
+
+    def __init__(self) -> None:
+        self.now = 0.0
+
+    def __call__(self) -> float:
+        self.now += 0.02
+        return self.now
+
+
+def begin(made_from: Recipe, record: Record | None = None) -> Playback:
+    playback = Playback(
+        made_from, speed=None, automatic=False, clock=Ticking(), on_exact=lambda: None, record=record
+    )
+    while playback.on_the_way:
+        playback.work()
+    return playback
+
+
+def do(playback: Playback, *commands: Command) -> Snapshot:
+    for command in commands:
+        assert playback.takes(command)
+        playback.handle(command)
+        while playback.on_the_way:
+            playback.work()
+    return playback.snapshot()
+
+
+def bits(value: Any) -> Any:
+    if isinstance(value, np.ndarray):
+        return (value.dtype.str, value.tobytes())
+    if hasattr(value, "__dataclass_fields__"):
+        return [bits(getattr(value, each.name)) for each in fields(value)]
+    return [bits(each) for each in value] if isinstance(value, (tuple, list)) else value
+
+
+def stand(run: Run) -> Any:
+    """All that a run knows."""
+    learner = run.learner
+    known = [learner.q, learner.visits, learner.last_step, learner.rewards, learner.discounted_return]
+    known += [run.history.curve(), run.marks, run.history.return_last_100, run.history.length_last_100]
+    known += [learner.algorithm, learner.hyperparameters, learner.state, learner.episode_return, run.journal]
+    known += [str(each.bit_generator.state) for each in learner.streams]
+    return bits([*known, run.step, learner.episodes, learner.episode_step, run.stop_reason, run.over])
+
+
+def assert_true_to_the_record(playback: Playback) -> None:
+    """Every lane stands as the straight replay of its recipe and journal does."""
+    record = playback.record
+    for number, lane in enumerate(record.lanes):
+        playback.handle(ChooseLane(number))
+        branch = lane.branches[lane.branch]
+        straight = Run(lane.recipe, episode_limit=playback._run.world.budget)
+        straight.follow(branch.journal, branch.here)
+        assert stand(playback._run) == stand(straight)
+    playback.handle(ChooseLane(record.shown))
 
 
 def busy(playback: Playback) -> bool:

@@ -8,49 +8,20 @@ import sys
 import threading
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
+from autosaving import OPENED, at, kept, only, told
 from recipes import recipe
 from session_samples import after, fresh
 
-from rl_tui.lab import held_file, session_folder
+from rl_tui.lab import held_file
 from rl_tui.lab.autosave import Autosave
 from rl_tui.lab.file_lock import FileLock
 from rl_tui.lab.recipe import SetParameter
 from rl_tui.lab.record import Record
-from rl_tui.lab.session import StoredSession, digest_of, encoded, read_session
-from rl_tui.lab.session_folder import MOST_UNNAMED, file_stem, named_path, prune, remove, sessions_in
-from rl_tui.worlds.errors import UserError
-
-OPENED = fresh(recipe("student"))
-
-
-def at(step: int) -> Record:
-    return after(OPENED, step)
-
-
-def only(folder: Path) -> StoredSession:
-    """The only session in ``folder``, and nothing else in it."""
-    assert len(os.listdir(folder)) == 1
-    (session,), _ = sessions_in(folder)
-    return session
-
-
-def kept(folder: Path, *offered: Record, **how: Any) -> Autosave:
-    """An autosave that was offered these, and closed."""
-    autosave = Autosave(OPENED, folder, **how)
-    for record in offered:
-        autosave.offer(record)
-    autosave.close()
-    return autosave
-
-
-def told(autosave: Autosave) -> list[str]:
-    notices: list[str] = []
-    autosave.listen(notices.append)
-    return notices
+from rl_tui.lab.session import digest_of, encoded, read_session
+from rl_tui.lab.session_folder import sessions_in
 
 
 def resumed(path: Path, folder: Path) -> Autosave:
@@ -285,129 +256,6 @@ def test_without_a_home_it_is_told(tmp_path: Path) -> None:
     (notice,) = told(autosave)
     assert notice.startswith("this session is not being saved: ")
     assert "Not a directory" in notice or "File exists" in notice
-
-
-def test_saving_under_a_name(tmp_path: Path) -> None:
-    autosave = Autosave(OPENED, tmp_path)
-    autosave.offer(at(4))
-    autosave._write_all()
-    assert len(sessions_in(tmp_path)[0]) == 1
-    path = autosave.save_as("My evening!")
-    assert path == tmp_path / "my-evening.json"
-    assert [each.path for each in sessions_in(tmp_path)[0]] == [path], (
-        "the unnamed one is not needed any more"
-    )
-    autosave.offer(at(6))
-    autosave.close()
-    session = only(tmp_path)
-    assert (session.title, session.step, session.document.kept) == ("My evening!", 6, True)
-
-
-def test_saving_before_anything_was_done(tmp_path: Path) -> None:
-    autosave = Autosave(OPENED, tmp_path)
-    autosave.save_as("start")
-    autosave.close()
-    assert only(tmp_path).step == 0
-
-
-def test_a_named_session_stays_when_it_is_saved_under_another_name(tmp_path: Path) -> None:
-    autosave = Autosave(OPENED, tmp_path)
-    autosave.save_as("one")
-    autosave.offer(at(2))
-    autosave.save_as("two")
-    autosave.save_as("two")
-    autosave.close()
-    assert {each.title: each.step for each in sessions_in(tmp_path)[0]} == {"one": 0, "two": 2}
-
-
-def test_a_taken_name_is_refused(tmp_path: Path) -> None:
-    first = Autosave(OPENED, tmp_path)
-    first.save_as("evening")
-    first.close()
-    before = (tmp_path / "evening.json").read_bytes()
-    other = Autosave(OPENED, tmp_path)
-    other.offer(at(9))
-    with pytest.raises(UserError, match="another session is called Evening"):
-        other.save_as("Evening")
-    other.close()
-    assert (tmp_path / "evening.json").read_bytes() == before
-
-
-@pytest.mark.parametrize("name", ["", "  ", "a\nb", "x" * 81])
-def test_what_is_no_name(tmp_path: Path, name: str) -> None:
-    with pytest.raises(UserError):
-        named_path(tmp_path, name)
-
-
-def test_no_name_leads_out_of_the_folder() -> None:
-    assert file_stem("../../etc/passwd") == "etc-passwd"
-    assert file_stem("gym:FrozenLake-v1") == "gym-frozenlake-v1"
-    assert file_stem("Größe 2") == "größe-2"
-    assert file_stem("!!!") == "session"
-
-
-@pytest.mark.parametrize("letter", ["漢", "𝒜", "İ"])
-def test_the_longest_name_is_not_too_long_for_a_file(tmp_path: Path, letter: str) -> None:
-    autosave = Autosave(OPENED, tmp_path)
-    autosave.save_as(letter * 80)
-    autosave.close()
-    assert only(tmp_path).title == letter * 80
-
-
-def test_the_newest_unnamed_sessions_are_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(session_folder, "MOST_UNNAMED", 3)
-    for number in range(7):
-        path = tmp_path / f"student-{number}.json"
-        path.write_bytes(encoded(at(number), title="named" * (number == 0), kept=number == 0))
-        os.utime(path, ns=(number, number))
-    (tmp_path / "broken.json").write_text("{", encoding="utf-8")
-    held = FileLock(tmp_path / "student-1.json")
-    assert held.acquire()
-    prune(tmp_path)
-    held.release()
-    left = sorted(each.name for each in tmp_path.iterdir())
-    assert left == ["broken.json", *(f"student-{number}.json" for number in (0, 1, 4, 5, 6))]
-
-
-def test_what_cannot_be_pruned_is_no_reason_to_keep_nothing_new(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    def refuse(path: Path) -> None:
-        raise PermissionError(1, "Operation not permitted", str(path))
-
-    monkeypatch.setattr(session_folder, "MOST_UNNAMED", 0)
-    monkeypatch.setattr(session_folder, "_unlink", refuse)
-    (tmp_path / "old.json").write_bytes(encoded(at(1)))
-    assert told(kept(tmp_path, at(2))) == []
-    assert sorted(each.step for each in sessions_in(tmp_path)[0]) == [1, 2]
-    assert len(os.listdir(tmp_path)) == 2, "every lock is given back"
-
-
-def test_a_session_that_was_gone_on_with_meanwhile_is_not_pruned(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    path = tmp_path / "old.json"
-    path.write_bytes(encoded(at(1)))
-    before = sessions_in(tmp_path)
-    path.write_bytes(encoded(at(200), title="evening", kept=True))
-    monkeypatch.setattr(session_folder, "MOST_UNNAMED", 0)
-    monkeypatch.setattr(session_folder, "sessions_in", lambda _: before)
-    prune(tmp_path)
-    assert only(tmp_path).step == 200
-
-
-def test_fifty_are_kept() -> None:
-    assert MOST_UNNAMED == 50
-
-
-def test_removing(tmp_path: Path) -> None:
-    autosave = Autosave(OPENED, tmp_path)
-    path = autosave.save_as("evening")
-    with pytest.raises(UserError, match="evening is open in another program"):
-        remove(read_session(path))
-    autosave.close()
-    remove(read_session(path))
-    assert os.listdir(tmp_path) == []
 
 
 def digest(folder: Path) -> str:

@@ -23,6 +23,13 @@ def _plain_environment(monkeypatch: pytest.MonkeyPatch, tmp_path_factory: pytest
     )
 
 
+@pytest.fixture(autouse=True)
+def _short_waits(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let a pilot see within 2 ms, not 20, that an app is at rest: every key waits for that twice or more."""
+    monkeypatch.setattr("textual._wait.SLEEP_GRANULARITY", 0.002)
+    monkeypatch.setattr("textual._wait.SLEEP_IDLE", 0.0001)
+
+
 @pytest.fixture
 def make_app() -> MakeApp:
     """An app whose steps pass only as it is told: the playground of a scenario, or the catalogue."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 from typing import Any, cast
 
@@ -42,6 +43,7 @@ def look(ascii: bool = False, depth: str = "truecolor", dark: bool = True) -> Lo
     return Look(ASCII if ascii else UNICODE, palette_for(cast("Any", depth), dark))
 
 
+@cache
 def lake_world(*, slippery: bool = True, rows: tuple[str, ...] = LAKE, time_limit: int = 100) -> World:
     """FrozenLake with the map of ``rows``: a state a cell, row by row."""
     height, width = len(rows), len(rows[0])
@@ -78,6 +80,7 @@ def lake_world(*, slippery: bool = True, rows: tuple[str, ...] = LAKE, time_limi
     return World(mdp, grid)
 
 
+@cache
 def student_world() -> World:
     mdp = tabular_mdp(
         ("Class", "Phone", "Pass", "Sleep"),
@@ -98,6 +101,7 @@ def student_world() -> World:
 TRUE_MEANS = (-0.4, 0.3, -0.6, 0.7, 0.0, 1.5, -0.1, 0.2, -1.2, 0.8)
 
 
+@cache
 def bandit_world(means: tuple[float, ...] = TRUE_MEANS, budget: int = 1_000) -> World:
     mdp = tabular_mdp(
         ("bandit",),
@@ -127,6 +131,7 @@ def scenario(id: str, title: str, kind: str) -> Scenario:  # noqa: A002
     )
 
 
+@cache
 def exact_solution(mdp: TabularMDP, gamma: float) -> Solution:
     """Value iteration until nothing moves: slow and plain, for small worlds."""
     q: FloatArray = np.zeros(mdp.pairs)
@@ -144,6 +149,8 @@ def exact_solution(mdp: TabularMDP, gamma: float) -> Solution:
         moved = float(np.abs(q - before).max())
     at_start = float(mdp.start_probability @ v[mdp.start_state])
     greedy = q >= v[mdp.pair_state] - 1e-9
+    for shared in (v, q, greedy):
+        shared.flags.writeable = False
     return Solution(gamma, v, q, greedy, at_start, at_start, at_start, sweeps)
 
 

@@ -1,0 +1,43 @@
+"""Autosaves of a student's evening, and what is in their folder afterwards."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import Any
+
+from recipes import recipe
+from session_samples import after, fresh
+
+from rl_tui.lab.autosave import Autosave
+from rl_tui.lab.record import Record
+from rl_tui.lab.session import StoredSession
+from rl_tui.lab.session_folder import sessions_in
+
+OPENED = fresh(recipe("student"))
+
+
+def at(step: int) -> Record:
+    return after(OPENED, step)
+
+
+def only(folder: Path) -> StoredSession:
+    """The only session in ``folder``, and nothing else in it."""
+    assert len(os.listdir(folder)) == 1
+    (session,), _ = sessions_in(folder)
+    return session
+
+
+def kept(folder: Path, *offered: Record, **how: Any) -> Autosave:
+    """An autosave that was offered these, and closed."""
+    autosave = Autosave(OPENED, folder, **how)
+    for record in offered:
+        autosave.offer(record)
+    autosave.close()
+    return autosave
+
+
+def told(autosave: Autosave) -> list[str]:
+    notices: list[str] = []
+    autosave.listen(notices.append)
+    return notices

@@ -1,0 +1,83 @@
+"""What is kept of the past, checkpoints and the history of a cell: true, and within bounds."""
+
+from __future__ import annotations
+
+import numpy as np
+from playing import begin, do
+from recipes import recipe
+
+from rl_tui.lab.checkpoints import MOST, MOST_LEFT, Checkpoints
+from rl_tui.lab.commands import Apply, FollowCell, GoTo, Take, Train
+from rl_tui.lab.limits import USUAL
+from rl_tui.lab.recipe import SetParameter
+from rl_tui.lab.run import Run, replay
+from rl_tui.lab.table_samples import TableSamples
+
+
+def test_the_history_of_a_cell_is_what_it_was() -> None:
+    playback = begin(recipe("frozenlake-slippery"))
+    shown = do(playback, Train(5_000), FollowCell(3))
+    assert shown.cell is not None
+    assert (shown.cell.pair, len(shown.cell.step)) == (3, len(shown.cell.value))
+    assert 100 < len(shown.cell.step) <= 257
+    for step, value in zip(shown.cell.step.tolist()[::20], shown.cell.value.tolist()[::20], strict=True):
+        assert replay(shown.recipe, (), step).learner.q[3] == value
+    shown = do(playback, GoTo(777))
+    assert shown.cell is not None
+    assert (shown.cell.step[0], shown.cell.step[-1], shown.cell.value[-1]) == (0, 777, shown.q[3])
+    shown = do(playback, Apply(SetParameter("alpha", 0.9)), Train(20_000))
+    assert shown.cell is not None
+    assert shown.cell.value[-1] == shown.q[3]
+    straight = replay(shown.recipe, shown.timeline.current.journal, int(shown.cell.step[-3]))
+    assert straight.learner.q[3] == shown.cell.value[-3]
+
+
+def test_a_mark_is_taken_after_a_step_by_hand_as_after_any_other() -> None:
+    by_hand = do(begin(recipe("frozenlake")), *(Take(1) for _ in range(16)))
+    assert by_hand.marks.step.tolist() == [0, 16]
+
+
+def test_steps_by_hand_do_not_stop_the_history_of_cells() -> None:
+    playback = begin(recipe("frozenlake"))
+    shown = do(playback, *(Take(1) for _ in range(5)), FollowCell(1), Train(50))
+    assert shown.cell is not None
+    assert shown.cell.step.tolist() == list(range(56))
+
+
+def test_samples_keep_within_their_bounds() -> None:
+    samples = TableSamples(4)
+    for step in range(5_000):
+        if samples.next_step == step:
+            samples.add(np.full(4, float(step)))
+    history = samples.history(2, 4_999, np.full(4, -1.0))
+    assert len(history.step) <= 257
+    assert history.step[:-1].tolist() == history.value[:-1].tolist()
+    assert set(np.diff(history.step[:-1]).tolist()) == {32}
+    assert TableSamples(10**6).next_step is None
+
+
+def test_checkpoints_keep_within_their_bounds() -> None:
+    run, kept = Run(recipe("frozenlake")), Checkpoints()
+    for _ in range(3 * MOST):
+        run.advance(steps=3)
+        kept.add(run.checkpoint())
+    assert MOST // 2 < len(kept) <= MOST
+    found = kept.before_step(1000)
+    assert found is not None
+    assert 1000 - 3 * 16 < found.step <= 1000
+    assert kept.before_step(0) is None
+    one, many = kept.up_to(10**9, 0), kept.up_to(10**9, 0)
+    one.thin_out(1)
+    many.thin_out(2_000)
+    assert 1 <= len(many) < len(one) <= MOST_LEFT
+    assert many.nbytes <= USUAL.checkpoints_left // 2_000
+
+
+def test_passing_by_the_same_moments_again_and_again_keeps_no_more_of_them() -> None:
+    playback = begin(recipe("frozenlake-slippery"))
+    do(playback, Train(2_000))
+    kept = playback._lanes.current._way.checkpoints
+    spacing = kept.spacing
+    for _ in range(10):
+        do(playback, GoTo(0), Train(500))
+    assert kept.spacing == spacing

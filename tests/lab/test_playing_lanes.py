@@ -1,0 +1,124 @@
+"""Runs side by side: each is what its own recipe and journal say, and they go on together."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from playing import Ticking, assert_true_to_the_record, begin, do
+from recipes import recipe
+
+from rl_tui.lab.commands import (
+    AddLane,
+    Apply,
+    ChooseLane,
+    DropLane,
+    GoTo,
+    Pause,
+    Play,
+    Restart,
+    Step,
+    StepBack,
+    Take,
+    ToggleBreakpoint,
+    Train,
+)
+from rl_tui.lab.playback import Playback
+from rl_tui.lab.recipe import SetParameter, SwitchAlgorithm, TakeAction
+from rl_tui.lab.snapshot import Phase, Snapshot
+from rl_tui.lab.until import Breakpoints
+
+
+def test_lanes_follow_to_the_same_step_and_are_runs_of_their_own() -> None:
+    playback = begin(recipe("frozenlake-slippery"))
+    do(playback, Train(1000), Apply(SetParameter("gamma", 0.9)), Take(1))
+    shown = do(playback, AddLane((SetParameter("alpha", 0.5),)))
+    assert [lane.step for lane in shown.lanes] == [1001, 1001]
+    assert shown.lane == 0
+    shown = do(playback, Train(500), ChooseLane(1))
+    assert [lane.step for lane in shown.lanes] == [1501, 1501]
+    assert (shown.hyperparameters.alpha, shown.hyperparameters.gamma) == (0.5, 0.9)
+    assert shown.timeline.current.journal == playback.record.lanes[1].branches[0].journal
+    assert all(not isinstance(each.change, TakeAction) for each in shown.timeline.current.journal)
+    shown = do(playback, GoTo(200), Apply(SetParameter("epsilon", 0.0)), Train(100))
+    assert [lane.step for lane in shown.lanes] == [300, 300]
+    assert [len(each.branches) for each in playback.record.lanes] == [1, 2]
+    assert_true_to_the_record(playback)
+    shown = do(playback, DropLane(0))
+    assert shown.lanes == ()
+    assert shown.hyperparameters.alpha == 0.5
+
+
+def test_a_lane_that_is_over_waits_while_others_go_on() -> None:
+    playback = begin(recipe("frozenlake-slippery"))
+    do(playback, Train(100), AddLane((SwitchAlgorithm("value-iteration"),)))
+    shown = do(playback, Train(20_000))
+    steps = [lane.step for lane in shown.lanes]
+    assert steps[0] == 20_100 > steps[1]
+    shown = do(playback, ChooseLane(1))
+    assert shown.phase is Phase.DONE
+    assert [lane.step for lane in shown.lanes] == steps
+    shown = do(playback, ChooseLane(0), GoTo(50))
+    assert [lane.step for lane in shown.lanes] == [50, 50]
+
+
+def test_lanes_come_back_where_they_stood_though_the_one_shown_is_over() -> None:
+    playback = begin(recipe("frozenlake-slippery", algorithm="value-iteration"))
+    do(playback, AddLane((SwitchAlgorithm("q-learning"),)), Train(20_000), ChooseLane(1), Train(20_000))
+    shown = do(playback, ChooseLane(0))
+    assert shown.phase is Phase.DONE
+    assert shown.lanes[0].step < shown.lanes[1].step
+    saved = playback.record
+    assert begin(saved.lanes[0].recipe, saved).record == saved
+    # with another discount it goes on, and leads again
+    shown = do(playback, Apply(SetParameter("gamma", 0.5)))
+    assert shown.phase is Phase.PAUSED
+    assert shown.lanes[0].step == shown.lanes[1].step
+    assert_true_to_the_record(playback)
+
+
+def test_a_lane_that_takes_long_to_catch_up_can_be_dropped_or_left_behind() -> None:
+    playback = Playback(
+        recipe("blackjack"), speed=None, automatic=True, clock=Ticking(), on_exact=lambda: None
+    )
+
+    def settle() -> Snapshot:
+        while playback.on_the_way:
+            playback.work()
+        return playback.snapshot()
+
+    settle()
+    playback.handle(Train(3000))
+    settle()
+    playback.handle(Play())
+    playback.handle(AddLane((SetParameter("alpha", 0.5),)))
+    assert (playback.phase, playback.takes(Step())) == (Phase.SEEKING, False)
+    playback.handle(Pause())
+    assert playback.takes(StepBack())
+    assert playback.takes(DropLane(1))
+    playback.handle(DropLane(1))
+    shown = playback.snapshot()
+    assert (shown.phase, shown.step, shown.lanes) == (Phase.PAUSED, 3000, ())
+    playback.handle(AddLane((SetParameter("alpha", 0.5),)))
+    playback.handle(GoTo(40))
+    assert [lane.step for lane in settle().lanes] == [40, 40]
+    assert_true_to_the_record(playback)
+
+
+def test_there_are_four_lanes_at_most_and_they_must_be_able_to_work() -> None:
+    playback = begin(recipe("frozenlake"))
+    for alpha in (0.2, 0.3, 0.4):
+        do(playback, AddLane((SetParameter("alpha", alpha),)))
+    assert "4 lanes" in do(playback, AddLane((SetParameter("alpha", 0.5),))).paused_by
+    playback = begin(recipe("frozenlake"))
+    shown = do(playback, AddLane((SetParameter("policy", "thompson"),)))
+    assert shown.paused_by
+    assert shown.lanes == ()
+
+
+def test_restarting_begins_every_lane_anew() -> None:
+    playback = begin(recipe("frozenlake"))
+    shown = do(playback, Train(300), AddLane((SetParameter("alpha", 0.5),)), ToggleBreakpoint(state=6))
+    shown = do(playback, Restart(replace(shown.recipe, seed=3)))
+    assert [(lane.step, lane.hyperparameters.alpha) for lane in shown.lanes] == [(0, 0.1), (0, 0.5)]
+    assert {each.recipe.seed for each in playback.record.lanes} == {3}
+    assert shown.breakpoints == Breakpoints(frozenset({6}))
