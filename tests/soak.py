@@ -155,11 +155,10 @@ class Program:
         """Return what stands on the screen, which is drawn anew for it."""
         screen = pyte.Screen(*SIZE)
         stream = pyte.ByteStream(screen)
-        self._resize((SIZE[0] - 1, SIZE[1]))
-        self._until(lambda: False, 0.5)
         self._copies = []
-        self._resize(SIZE)
-        self._until(lambda: False, 0.7)
+        for columns in (SIZE[0] - 1, SIZE[0]):
+            self._resize((columns, SIZE[1]))
+            self._until(lambda: False, 0.7)
         written, self._copies = b"".join(self._copies), None
         stream.feed(written)
         return "\n".join(screen.display)

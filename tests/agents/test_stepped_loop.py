@@ -130,6 +130,18 @@ def test_how_the_steps_are_cut_does_not_matter() -> None:
     assert facts(pieces) == facts(whole)
 
 
+def test_out_of_patience_it_comes_back_after_a_step() -> None:
+    mdp = lake()
+    learner = Learner(untabled(mdp), "q-learning", TOLD, streams(1), Table(mdp, 1))
+    learner.be_patient(0.0)
+    for step in range(1, 601):
+        assert learner.advance(1_000) is Stop.DONE
+        assert learner.step == step
+    whole = Learner(untabled(mdp), "q-learning", TOLD, streams(1), Table(mdp, 1))
+    go(whole, 600)
+    assert facts(learner) == facts(whole)
+
+
 def test_it_stops_after_so_many_episodes() -> None:
     mdp = lake()
     learner = Learner(untabled(mdp), "q-learning", TOLD, streams(0), Table(mdp, 0))
@@ -182,7 +194,7 @@ def test_a_failure_keeps_what_was_learned_until_then() -> None:
     learner = on(Line(ON, OVER, ON, None), alpha=1.0, gamma=0.5)
     assert learner.advance(100) is Stop.WORLD_FAILED
     assert learner.advance(100) is Stop.WORLD_FAILED
-    assert learner.stop_reason == "the wheel is lost, after step 3"
+    assert learner.stop_reason == "at step 4 the wheel is lost"
     last = learner.last_step
     assert last is not None
     assert (learner.step, last.step, learner.visits[0], learner.episodes, learner.episode_step) == (
@@ -200,7 +212,7 @@ def test_a_failure_to_start_again_keeps_the_episode_before_it() -> None:
     assert learner.advance(100) is Stop.WORLD_FAILED
     assert (learner.step, learner.episodes, learner.episode_step) == (2, 1, 0)
     assert learner.drain_episodes().returns.tolist() == [2.0]
-    assert learner.stop_reason == "the wheel is lost, after step 2"
+    assert learner.stop_reason == "after step 2 the wheel is lost"
     assert learner.last_step is not None
     assert learner.last_step.terminated
 

@@ -121,12 +121,12 @@ def test_a_failure_ends_the_run_and_keeps_it(breaking):
     run = Run(breaking)
     run.advance(100)
     assert run.over
-    assert run.stop_reason == "Breaking-v0 failed in a step: OSError: the wheel is lost, after step 6"
+    assert run.stop_reason == "at step 7 Breaking-v0 failed in a step: OSError: the wheel is lost"
     snapshot = run.snapshot(Phase.STOPPED, message=run.stop_reason)
     assert (snapshot.step, snapshot.episodes, int(snapshot.visits.sum())) == (6, 2, 6)
     run.advance(100)
     assert run.step == 6
-    with pytest.raises(UserError, match=r"^seed 0: Breaking-v0 failed in a step"):
+    with pytest.raises(UserError, match=r"^seed 0: at step 7 Breaking-v0 failed in a step"):
         many_runs(breaking, 2, GAMES)
 
 

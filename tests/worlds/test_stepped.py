@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import io
 import math
+import sys
+import threading
 import warnings
+from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 import gymnasium
@@ -11,6 +15,7 @@ import numpy as np
 import pytest
 from gymnasium import spaces
 
+from rl_tui.worlds.asking import ASKING, unanswered
 from rl_tui.worlds.drawing import CellKind
 from rl_tui.worlds.environment import EnvironmentFailedError, Stepped
 from rl_tui.worlds.gymnasium_section import GymnasiumSection
@@ -35,7 +40,8 @@ class Told(gymnasium.Env[Any, Any]):
 
     def reset(self, *, seed=None, options=None):
         super().reset(seed=seed)
-        return self._told(self._start), {}
+        answer = self._told(self._start)
+        return answer if isinstance(answer, tuple) else (answer, {})
 
     def step(self, action):
         self.taken.append(action)
@@ -45,9 +51,35 @@ class Told(gymnasium.Env[Any, Any]):
         type(self).closed += 1
 
     def _told(self, answer):
-        if isinstance(answer, Exception):
+        if isinstance(answer, BaseException):
             raise answer
         return answer
+
+
+class Unwritable(Exception):
+    """An exception, or an observation, of which no text can be made."""
+
+    def __str__(self):
+        raise RuntimeError("no text")
+
+
+class Printing(Told):
+    """Says on stdout whatever happens to it."""
+
+    def __init__(self, **kwargs):
+        super().__init__(answer=(0, 0.0, True, False, {}), **kwargs)
+        print("made")
+
+    def reset(self, *, seed=None, options=None):
+        print("reset")
+        return 0, {}
+
+    def step(self, action):
+        print("stepped")
+        return super().step(action)
+
+    def close(self):
+        print("closed")
 
 
 @pytest.fixture(autouse=True)
@@ -196,10 +228,27 @@ def test_the_time_limit_is_the_environments_own():
         (ValueError("x" * 5000), "Told-v0 failed in a step: ValueError: xxx"),
         ((0, math.nan, False, False, {}), "Told-v0 gave a reward of nan"),
         ((0, math.inf, False, False, {}), "Told-v0 gave a reward of inf"),
-        ((0, "much", False, False, {}), "Told-v0 failed in a step: ValueError"),
+        ((0, None, False, False, {}), "Told-v0 gave a reward of None, which is not a finite number"),
+        ((0, "3.5", False, False, {}), "Told-v0 gave a reward of '3.5', which is not a finite number"),
+        ((0, 10**400, False, False, {}), "Told-v0 gave a reward of "),
+        ((0, 1j, False, False, {}), "Told-v0 gave a reward of 1j"),
+        ((0, np.zeros(2), False, False, {}), "Told-v0 gave a reward of [0. 0.]"),
+        ((0, 0.0, None, False, {}), "Told-v0 answered terminated = None, which is neither true nor false"),
+        ((0, 0.0, False, "False", {}), "Told-v0 answered truncated = 'False', which is neither"),
+        ((0, 0.0, math.nan, False, {}), "Told-v0 answered terminated = nan"),
+        ((-1, 0.0, False, False, {}), "Told-v0 observed -1, which is not in its own space"),
+        ((1.5, 0.0, False, False, {}), "Told-v0 observed 1.5, which is not in its own space"),
+        (("\x1b[2J", 0.0, False, False, {}), "Told-v0 observed '\\x1b[2J', which is not in its own space"),
+        (((0, 0), 0.0, False, False, {}), "Told-v0 observed (0, 0), which is not in its own space"),
         ((3, 0.0, False, False, {}), "Told-v0 observed 3, which is not in its own space of observations"),
         ((None, 0.0, False, False, {}), "Told-v0 observed None, which is not in its own space"),
-        ((0, 0.0, False), "Told-v0 failed in a step: ValueError: not enough values"),
+        ((Unwritable(), 0.0, False, False, {}), "Told-v0 observed a Unwritable that cannot be written"),
+        ((0, 0.0, False, {}), "Told-v0 answered 4 values to a step, which is not observation, reward,"),
+        (None, "Told-v0 answered None to a step"),
+        (Unwritable(), "Told-v0 failed in a step: Unwritable: a Unwritable that cannot be written"),
+        (SystemExit(3), "Told-v0 failed in a step: SystemExit: 3"),
+        (MemoryError(), "Told-v0 failed in a step: MemoryError"),
+        (GeneratorExit(), "Told-v0 failed in a step: GeneratorExit"),
     ],
 )
 def test_a_fault_in_a_step_is_one_clear_line(answer, message):
@@ -218,6 +267,106 @@ def test_a_fault_at_the_start_is_one_clear_line():
         environment(start=OSError("gone")).reset(0)
     with pytest.raises(EnvironmentFailedError, match=r"^Told-v0 observed 9, which"):
         environment(start=9).reset(0)
+    with pytest.raises(EnvironmentFailedError, match=r"^Told-v0 answered \(0, 1, 2\) to a reset, which is not"):
+        environment(start=(0, 1, 2)).reset(0)
+    with pytest.raises(EnvironmentFailedError, match=r"^Told-v0 failed to start: SystemExit: 2$"):
+        environment(start=SystemExit(2)).reset(0)
+
+
+def test_ctrl_c_is_no_fault_of_the_environment():
+    """The main thread alone is told of it; where another one raises that, nobody has pressed anything."""
+    ours = environment(answer=KeyboardInterrupt())
+    ours.reset(0)
+    with pytest.raises(KeyboardInterrupt):
+        ours.step(0)
+    with ThreadPoolExecutor(1) as pool, pytest.raises(EnvironmentFailedError, match="KeyboardInterrupt$"):
+        pool.submit(ours.step, 0).result()
+
+
+@pytest.mark.parametrize(
+    ("reward", "number"),
+    [(2, 2.0), (True, 1.0), (np.float32(0.5), 0.5), (np.array([0.25]), 0.25), (np.array(-1), -1.0)],
+)
+def test_whatever_is_one_number_is_a_reward(reward, number):
+    ours = environment(answer=(0, reward, np.bool_(False), 0, {}))
+    ours.reset(0)
+    assert ours.step(0) == Stepped(0, number, False, False)
+
+
+def test_what_an_environment_prints_is_no_result(capsys):
+    gymnasium.register("Printing-v0", Printing)
+    try:
+        world = stepped_world("Printing-v0", {})
+        assert world.new_environment is not None
+        ours = world.new_environment()
+        ours.reset(0)
+        ours.step(0)
+        del ours
+    finally:
+        del gymnasium.registry["Printing-v0"]
+    printed = capsys.readouterr()
+    assert printed.out == ""
+    assert printed.err.split() == ["made", "closed", "made", "reset", "stepped", "closed"]
+
+
+def test_streams_that_were_exchanged_meanwhile_stay(monkeypatch):
+    """Whoever drives the terminal may take it back while an environment is still at work."""
+    monkeypatch.setattr("sys.stdout", io.StringIO())
+    with ASKING:
+        assert sys.stdout is sys.stderr
+        taken_back = sys.stdout = io.StringIO()
+    assert sys.stdout is taken_back
+    with ASKING:
+        pass
+    assert sys.stdout is taken_back
+
+
+def test_how_long_an_environment_has_not_answered():
+    here, inside = threading.get_ident(), []
+    ours = environment(answer=(0, 0.0, False, False, {}), look=lambda: None)
+    ours.reset(0)
+    unwrapped = ours._environment.unwrapped
+    unwrapped._told = lambda answer: inside.append(unanswered(here)) or answer
+    ours.step(0)
+    assert inside[0] > 0.0
+    assert unanswered(here) == unanswered(None) == 0.0
+
+
+def test_other_spaces_than_the_time_before_are_refused():
+    class Changing(Told):
+        made = 0
+
+        def __init__(self):
+            type(self).made += 1
+            super().__init__(spaces.Discrete(3 + type(self).made))
+
+    gymnasium.register("Changing-v0", Changing)
+    try:
+        world = stepped_world("Changing-v0", {})
+        with pytest.raises(EnvironmentFailedError, match="other spaces than the time before"):
+            world.new_environment()
+    finally:
+        del gymnasium.registry["Changing-v0"]
+
+
+def test_an_environment_that_cannot_even_be_read_is_refused():
+    class Secret(Told):
+        @property
+        def observation_space(self):
+            raise RuntimeError("not for you")
+
+        @observation_space.setter
+        def observation_space(self, space):
+            pass
+
+    gymnasium.register("Secret-v0", Secret)
+    try:
+        with pytest.raises(WorldRefusedError, match=r"cannot be read \(RuntimeError: not for you\)"):
+            stepped_world("Secret-v0", {})
+        with pytest.raises(WorldRefusedError, match="not for you"):
+            GymnasiumSection(id="Secret-v0").build(None)
+    finally:
+        del gymnasium.registry["Secret-v0"]
 
 
 def test_nothing_is_warned_about():
