@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar, Protocol
 
 from textual.command import CommandPalette, Provider
-from textual.events import Event, InputEvent
+from textual.events import Event, InputEvent, Key, Paste
 from textual.theme import Theme
 
 from rl_tui.lab.library import recipe_for
@@ -28,6 +28,7 @@ from rl_tui.tui.theme.limited_themes import PICTURE_DARK, PICTURE_LIGHT, themes_
 from rl_tui.tui.theme.look import Look
 from rl_tui.tui.theme.palette import Depth
 from rl_tui.tui.theme.scroll_bars import use_scroll_bars
+from rl_tui.tui.typist import Typist
 from rl_tui.worlds.catalogue import scenarios
 from rl_tui.worlds.errors import UserError
 from rl_tui.worlds.findings import one_line
@@ -107,6 +108,7 @@ class RlTuiApp(LinkedApp[UserError]):
         self._player: Player | None = None
         self._autosave: Autosave | None = None
         self._bug: Exception | None = None
+        self._typist = Typist(self, super().on_event)
         has_ascii_only = self.look.glyphs is ASCII
         self.set_class(has_ascii_only, "-ascii")
         use_scroll_bars(ascii_only=has_ascii_only)
@@ -117,6 +119,15 @@ class RlTuiApp(LinkedApp[UserError]):
         return choose_look(
             self._depth, self.options.ascii, self.current_theme.dark, os.environ, self._encoding
         )
+
+    async def on_event(self, event: Event) -> None:
+        """Take keys one at a time, and everything else as it comes."""
+        if isinstance(event, InputEvent):
+            self._idleness.stir()
+        if isinstance(event, (Key, Paste)) and not event.is_forwarded:
+            await self._typist.take(event)
+        else:
+            await super().on_event(event)
 
     def on_mount(self) -> None:
         """Open the first screen."""
@@ -200,12 +211,6 @@ class RlTuiApp(LinkedApp[UserError]):
             return
         self._start = None
         self.switch_screen(self._playground(recipe))
-
-    async def on_event(self, event: Event) -> None:
-        """Note that somebody is there."""
-        if isinstance(event, InputEvent):
-            self._idleness.stir()
-        await super().on_event(event)
 
     def _pause_when_idle(self) -> None:
         from rl_tui.tui.screens.playground import Playground

@@ -1,0 +1,37 @@
+"""Keys that arrive all at once do what they do one after the other."""
+
+from __future__ import annotations
+
+import pytest
+
+pytest.importorskip("pty", reason="there are no pseudo-terminals here")
+
+from pseudo_terminal import RL_TUI, PseudoTerminal
+
+ESCAPE = "\x1b[27u"  # as terminals send it that were asked to tell it from the start of a sequence
+PALETTE = "\x10"  # ctrl+p
+
+
+def test_no_key_is_lost_while_a_dialog_or_a_screen_opens() -> None:
+    with PseudoTerminal([*RL_TUI, "play", "student"]) as terminal:
+        terminal.wait_for("paused")
+        terminal.press("s" * 20)
+        terminal.wait_for(r"step +20\b")
+        terminal.press("g12\r")
+        terminal.wait_for(r"step 12 of 20\b")
+        terminal.press(PALETTE + "reset\r")
+        terminal.wait_for(r"step +0\b")
+        terminal.press("?" + ESCAPE + "s")
+        terminal.wait_for(r"step +1\b")
+        terminal.press("\x1b\x1b")
+        terminal.wait_for("Scenarios")
+        terminal.press("\r")
+        terminal.wait_for("A student's evening .* paused")
+        terminal.press("]]]")
+        terminal.wait_for(r"FrozenLake 8×8 · .* paused")
+        terminal.press("[[")
+        terminal.wait_for(r"FrozenLake 4×4 · .* paused")
+        terminal.press("nq\x7f7\r")  # q is typed into the line, not the end of the program
+        terminal.wait_for("seed 7")
+        terminal.press("\x1b[200~n\x1b[201~q")  # what is pasted is no key
+        assert terminal.wait_for_end() == 0
