@@ -154,6 +154,8 @@ class HelpScreen(Dialog[None]):
 
     def _go_on(self) -> None:
         page = self.query_one(VerticalScroll)
+        if not page.is_attached:  # closed already
+            return
         if Place.PLAYGROUND in self._place:
             page.mount(Static(self._panels()))
         if self._notes:

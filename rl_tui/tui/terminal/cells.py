@@ -16,26 +16,22 @@ class Cutter:
     """
 
     def __init__(self) -> None:
-        self._narrow = {chr(code) for code in range(0x20, 0x7F)}
+        self.narrow = {chr(code) for code in range(0x20, 0x7F)}
+        """Characters known to fill one cell, as every terminal has it."""
 
-    def is_narrow(self, text: str) -> bool:
-        """Tell whether each character of ``text`` is known to fill one cell, as every terminal has it."""
-        return self._narrow.issuperset(text)
-
-    def cells(self, text: str) -> str | list[str]:
+    def cells(self, text: str) -> list[str]:
         """Return the cells of ``text``, a sequence as long as the text is wide.
 
         Control characters have no width, and would steer the terminal: they are left out.
         """
-        if self._narrow.issuperset(text):
-            return text
         cells: list[str] = []
+        text = "".join(character for character in text if category(character) != "Cc")
         for start, end, width in split_graphemes(text)[0]:
             cell = text[start:end]
-            if width == 0 or any(category(character) == "Cc" for character in cell):
+            if width == 0:
                 continue
             if width == 1 and len(cell) == 1:
-                self._narrow.add(cell)
+                self.narrow.add(cell)
             cells.append(cell)
             cells.extend([""] * (width - 1))
         return cells

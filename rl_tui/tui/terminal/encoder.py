@@ -8,6 +8,7 @@ repeat are written out, for the Linux console and screen do not know how to repe
 
 from __future__ import annotations
 
+from bisect import bisect_left
 from collections.abc import Iterable
 from math import inf
 from typing import Final
@@ -37,57 +38,59 @@ class Encoder:
     def frame(self, changed: Iterable[tuple[int, Line, list[int]]], size: float = inf) -> str:
         """Return the text of a frame, empty if nothing has changed.
 
-        With the line that makes it longer than ``size`` characters it is full, and asks for no more. It begins
+        With the line that makes it longer than ``size`` characters it is full, and asks no more. It begins
         and ends with the terminal's own colours, so that whatever is written between frames, or after the
         last, has them too.
         """
-        written: list[str] = []
+        lines: list[str] = []
         pen = self._pens.plain
         length = 0
         for y, line, columns in changed:
-            before = len(written)
-            pen = self._line(written, y, line, columns, pen)
-            length += sum(map(len, written[before:]))
+            text, pen = self._line(y, line, columns, pen)
+            lines.append(text)
+            length += len(text)
             if length > size:
                 break
         if pen is not self._pens.plain:
-            written.append(RESET)
-        return "".join(written)
+            lines.append(RESET)
+        return "".join(lines)
 
-    def _line(self, written: list[str], y: int, line: Line, columns: list[int], pen: Pen) -> Pen:
-        """Append what tells ``columns`` of ``line``; return the pen that is set then."""
-        cells, pens, change = line.cells, line.pens, self._pens.change
+    def _line(self, y: int, line: Line, columns: list[int], pen: Pen) -> tuple[str, Pen]:
+        """Return what tells ``columns`` of ``line``, and the pen that is set then."""
+        cells, pens, change, narrow = line.cells, line.pens, self._pens.change, self._cutter.narrow
+        written: list[str] = []
+        write = written.append
+        last = len(cells) - 1
         erased = self._erased_from(line, columns)
         at = -1  # where the cursor stands, −1 if that is not sure
         for number, x in enumerate(columns):
-            if x >= erased:
-                written += (move_to(x, y), change(pen, self._pens.plain), _ERASE_REST)
-                return self._pens.plain
             if x != at:
-                written.append(self._way(at, x, y, line, pen))
+                write(move_to(x, y) if at < 0 else self._way(at, x, line, pen))
+            if x >= erased:
+                written += (change(pen, self._pens.plain), _ERASE_REST)
+                pen = self._pens.plain
+                break
             cell, wanted = cells[x], pens[x]
             if wanted is not pen and (cell != " " or wanted.blank is not pen.blank):
                 if cell == " ":
                     wanted = _pen_ahead(line, columns, number)
-                written.append(change(pen, wanted))
+                write(change(pen, wanted))
                 pen = wanted
-            written.append(cell)
+            write(cell)
             # terminals disagree about the width of rare characters, and stay in the last column
-            is_sure = self._cutter.is_narrow(cell) and x + 1 < len(cells)
-            at = x + 1 if is_sure else -1
-        return pen
+            at = x + 1 if cell in narrow and x < last else -1
+        return "".join(written), pen
 
-    def _way(self, at: int, x: int, y: int, line: Line, pen: Pen) -> str:
-        """Return the shortest way to column ``x``: writing again what stands between is one."""
-        if at < 0:
-            return move_to(x, y)
+    def _way(self, at: int, x: int, line: Line, pen: Pen) -> str:
+        """Return the shortest way from column ``at`` to ``x``: writing again what stands between is one."""
         step = f"\x1b[{x - at}C" if x - at > 1 else "\x1b[C"
-        between = "".join(line.cells[at:x])
-        if len(between.encode()) <= len(step) and self._cutter.is_narrow(between):
-            seen = zip(line.cells[at:x], line.pens[at:x], strict=True)
-            if all(other is pen or (cell == " " and other.blank is pen.blank) for cell, other in seen):
-                return between
-        return min(step, move_to(x, y), key=len)
+        if x - at <= len(step):
+            between = "".join(line.cells[at:x])
+            if len(between.encode()) <= len(step) and self._cutter.narrow.issuperset(between):
+                seen = zip(line.cells[at:x], line.pens[at:x], strict=True)
+                if all(other is pen or (cell == " " and other.blank is pen.blank) for cell, other in seen):
+                    return between
+        return step
 
     def _erased_from(self, line: Line, columns: list[int]) -> int:
         """Return the column from which on the line is erased, its width if it is not."""
@@ -95,7 +98,7 @@ class Encoder:
         start = width
         while start and line.cells[start - 1] == " " and line.pens[start - 1].blank is plain:
             start -= 1
-        changed = sum(x >= start for x in reversed(columns))
+        changed = len(columns) - bisect_left(columns, start)
         return start if changed > _WORTH_ERASING else width
 
 

@@ -89,8 +89,10 @@ class Output:
 
     async def arrived(self) -> None:
         """Wait until the terminal shows what was drawn until now, or is no longer waited for."""
+        self.send()
         while (wait := self._wait) > 0.0:
             await self._answered(wait)
+            self.send()
 
     async def close(self) -> None:
         """Send nothing more, and wait until the terminal has answered: who reads its input next shall not."""

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
+from itertools import compress, count
+from operator import is_not, ne, or_
 
 from rich.segment import Segment
 
@@ -68,22 +70,22 @@ class ScreenBuffer:
         line = self._wanted[y]
         if line.cells[x] == "":  # the second half of a wide character, whose first stays alone
             line.cells[x - 1] = " "
-        pen_of, cells_of = self._pens.of, self._cutter.cells
+        pen_of, cells_of, width = self._pens.of, self._cutter.cells, self.width
+        is_narrow = self._cutter.narrow.issuperset
+        all_cells, all_pens = line.cells, line.pens
         for text, style, control in segments:
             if control:
                 continue
             pen = pen_of(style)
-            if text.isspace():
-                pen = pen.blank
-            cells: Sequence[str] = cells_of(text)
-            count = len(cells)
-            if x + count > self.width:
-                room = self.width - x
+            cells: Sequence[str] = text if is_narrow(text) else cells_of(text)
+            end = x + len(cells)
+            if end > width:
+                room, end = width - x, width
                 half = room > 0 and cells[room] == ""  # of a wide character
-                cells, count = [*cells[: room - half], *" "[:half]], room
-            line.cells[x : x + count] = cells
-            line.pens[x : x + count] = [pen] * count
-            x += count
+                cells = [*cells[: room - half], *" "[:half]]
+            all_cells[x:end] = cells
+            all_pens[x:end] = [pen] * (end - x)
+            x = end
         if x < self.width and line.cells[x] == "":
             line.cells[x] = " "
         self._touched.add(y)
@@ -109,14 +111,15 @@ class ScreenBuffer:
 
 
 def _columns(wanted: Line, told: Line) -> list[int]:
+    cells, old, pens, before = wanted.cells, told.cells, wanted.pens, told.pens
+    # what differs in any way is found without a loop of our own: in most lines that is little
+    differ = map(or_, map(ne, cells, old), map(is_not, pens, before))
     columns = [
         x
-        for x, (cell, old, pen, before) in enumerate(
-            zip(wanted.cells, told.cells, wanted.pens, told.pens, strict=True)
-        )
-        if (cell != old or (pen is not before and (cell != " " or pen.blank is not before.blank)))
-        and cell != UNKNOWN
+        for x in compress(count(), differ)
+        if (cells[x] != old[x] or cells[x] != " " or pens[x].blank is not before[x].blank)
+        and cells[x] != UNKNOWN
     ]
-    if any(wanted.cells[x] == "" for x in columns):  # of a wide character both halves are written, or none
-        return sorted({x - 1 if wanted.cells[x] == "" else x for x in columns})
+    if any(cells[x] == "" for x in columns):  # of a wide character both halves are written, or none
+        return sorted({x - 1 if cells[x] == "" else x for x in columns})
     return columns
