@@ -17,7 +17,7 @@ from pseudo_terminal import RL_TUI
 
 STEPS = 3
 CTRL_Z = "\x1a"
-PROMPT = "now_yours: "
+PROMPT = "now_yours:"
 SHELL = ("bash", "--norc", "--noprofile", "--noediting", "-i")
 PLAY = shlex.join([*RL_TUI, "play", "student"])
 

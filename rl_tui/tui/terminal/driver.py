@@ -56,7 +56,7 @@ class TerminalDriver(LinuxDriver):
         """Put ``data`` on its way."""
         self._output.write(data.encode(self._encoding, "replace"))
         if self._held is None and self._output.waiting > MOST_WAITING:
-            self._loop.call_soon_threadsafe(self._hold)
+            self._soon(self._hold)
 
     @property
     def waiting(self) -> int:
@@ -73,7 +73,7 @@ class TerminalDriver(LinuxDriver):
 
     def _catch_up(self) -> None:
         if self._held is not None:
-            self._loop.call_soon_threadsafe(self._release)
+            self._soon(self._release)
 
     def _release(self) -> None:
         if self._held is not None:
@@ -115,16 +115,19 @@ class TerminalDriver(LinuxDriver):
                 self.process_message(message)
         except (EOFError, OSError):
             self._lose()
-        except RuntimeError:
-            if not self._loop.is_closed():
-                raise
+        except Exception as fault:  # nobody would read keys any more: better to end and say why
+            self._soon(self._app._handle_exception, fault)
 
     def _lose(self) -> None:
         if not self._is_lost:
             self._is_lost = True
             end_at_last(HUNG_UP)
-            with suppress(RuntimeError):  # the loop has ended, and the program with it
-                self.send_message(self.Lost())
+            self._soon(self._app.post_message, self.Lost())
+
+    def _soon(self, do: Callable[..., object], *args: object) -> None:
+        """Have something done in the event loop, from any thread or signal handler."""
+        with suppress(RuntimeError):  # the loop has ended, and the program is about to
+            self._loop.call_soon_threadsafe(do, *args)
 
     # Being stopped
 
@@ -145,12 +148,12 @@ class TerminalDriver(LinuxDriver):
 
     def _sigtstp_application(self, *_: object) -> None:
         # asked for from outside: whoever does this can also let it go on
-        self._loop.call_soon_threadsafe(self._pause, _stop)
+        self._soon(self._pause, _stop)
 
     def _sigcont_application(self, *_: object) -> None:
         self._continued += 1
         if not self._is_away:  # stopped without being asked: somebody else may have used the terminal
-            self._loop.call_soon_threadsafe(self._pause, _go_on)
+            self._soon(self._pause, _go_on)
 
     def _pause(self, stop: Callable[[], None]) -> None:
         if self._is_away or not self._app._running:

@@ -1,0 +1,117 @@
+"""An OpenSSH server on this machine that is thrown away after use, and how to log in to it."""
+
+from __future__ import annotations
+
+import getpass
+import os
+import shutil
+import socket
+import subprocess
+import time
+from collections.abc import Mapping
+from pathlib import Path
+from types import TracebackType
+from typing import Final
+
+DEADLINE: Final = 60.0
+_PRIVILEGE_SEPARATION: Final = Path("/run/sshd")  # a server that runs as root insists on this folder
+
+
+def why_not() -> str:
+    """Return what is missing for a server, empty if nothing is."""
+    if _server() is None or shutil.which("ssh") is None:
+        return "needs sshd and ssh: apt-get install openssh-server openssh-client"
+    if os.getuid() == 0 and not _PRIVILEGE_SEPARATION.is_dir():
+        try:
+            _PRIVILEGE_SEPARATION.mkdir(mode=0o755)
+        except OSError as error:
+            return f"needs the folder {_PRIVILEGE_SEPARATION}, which sshd wants of root: {error.strerror}"
+    return ""
+
+
+def _server() -> str | None:
+    return shutil.which(
+        "sshd", path=os.pathsep.join((os.environ.get("PATH", ""), "/usr/sbin", "/usr/local/sbin"))
+    )
+
+
+class SshServer:
+    """Serves on a free port of the loopback interface, from ``folder`` alone, with keys of its own.
+
+    Whoever logs in has ``environment`` there. ``rules`` are more lines of its configuration.
+    """
+
+    def __init__(self, folder: Path, environment: Mapping[str, str], rules: str = "") -> None:
+        self._folder = folder
+        for key in ("host_key", "user_key"):
+            subprocess.run(
+                ["ssh-keygen", "-q", "-t", "ed25519", "-N", "", "-f", str(folder / key)],
+                check=True,
+                timeout=DEADLINE,
+            )
+        shutil.copy(folder / "user_key.pub", folder / "authorized_keys")
+        with socket.socket() as chosen:
+            chosen.bind(("127.0.0.1", 0))
+            self.port = chosen.getsockname()[1]
+        variables = " ".join(f'"{name}={value}"' for name, value in environment.items())
+        config = folder / "sshd_config"
+        config.write_text(
+            f"ListenAddress 127.0.0.1:{self.port}\n"
+            f"HostKey {folder}/host_key\n"
+            f"AuthorizedKeysFile {folder}/authorized_keys\n"
+            "PidFile none\n"
+            "UsePAM no\n"
+            "StrictModes no\n"
+            "PermitRootLogin prohibit-password\n"
+            "Subsystem sftp internal-sftp\n"
+            f"SetEnv {variables}\n"
+            f"{rules}",
+            encoding="utf-8",
+        )
+        with (folder / "log").open("wb") as log:
+            self._process = subprocess.Popen(
+                [_server() or "sshd", "-D", "-e", "-f", str(config)], stdin=subprocess.DEVNULL, stderr=log
+            )
+
+    def __enter__(self) -> SshServer:
+        deadline = time.perf_counter() + DEADLINE
+        while True:
+            try:
+                socket.create_connection(("127.0.0.1", self.port), DEADLINE).close()
+            except ConnectionRefusedError:
+                assert self._process.poll() is None, self.log
+                assert time.perf_counter() < deadline, self.log
+                time.sleep(0.02)
+            else:
+                return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._process.terminate()
+        self._process.wait(DEADLINE)
+
+    @property
+    def log(self) -> str:
+        """What the server has to say."""
+        return (self._folder / "log").read_text(encoding="utf-8", errors="replace")
+
+    def login(self, *options: str) -> list[str]:
+        """Return the command that logs in, up to the name of the host; what is to be run there follows."""
+        return ["ssh", *self._settings, "-p", str(self.port), *options, f"{getpass.getuser()}@127.0.0.1"]
+
+    def transfer(self, program: str, *options: str) -> list[str]:
+        """Return the command with which ``program`` (sftp, scp) logs in, without any file."""
+        return [program, *self._settings, "-P", str(self.port), *options]
+
+    @property
+    def _settings(self) -> list[str]:
+        settings = {
+            "IdentityFile": f"{self._folder}/user_key",
+            "IdentitiesOnly": "yes",
+            "UserKnownHostsFile": f"{self._folder}/known_hosts",
+            "StrictHostKeyChecking": "accept-new",
+            "BatchMode": "yes",
+            "LogLevel": "ERROR",
+        }
+        return ["-F", "none", *(f"-o{name}={value}" for name, value in settings.items())]
