@@ -21,10 +21,10 @@ print(double(21.0), CACHED, sum(double.stats.cache_hits.values()))
 """
 
 
-def run_with_cache(folder: Path, script: Path) -> str:
+def run_with_cache(folder: Path, script: Path, **also: str) -> str:
     if not script.exists():  # a younger script would not be the one that was compiled
         script.write_text(SCRIPT)
-    environment = os.environ | {"RL_TUI_CACHE_DIR": str(folder)}
+    environment = os.environ | {"RL_TUI_CACHE_DIR": str(folder), **also}
     finished = subprocess.run(
         [sys.executable, "-W", "error", str(script)],
         env=environment,
@@ -65,6 +65,16 @@ def test_it_does_without_a_cache_where_none_can_be_written(tmp_path: Path) -> No
     occupied.write_text("")
     assert run_with_cache(occupied, tmp_path / "kernel.py") == "42.0 False 0"
     assert occupied.read_text() == ""
+
+
+def test_a_kiosk_reads_the_cache_and_writes_nothing(filled: Path, tmp_path: Path) -> None:
+    cache, script = filled / "cache", filled / "kernel.py"
+    before = {path: path.stat().st_mtime_ns for path in cache.rglob("*")}
+    assert run_with_cache(cache, script, RL_TUI_KIOSK="1") == "42.0 True 1"
+    assert run_with_cache(cache, tmp_path / "other.py", RL_TUI_KIOSK="1") == "42.0 True 0"
+    assert {path: path.stat().st_mtime_ns for path in cache.rglob("*")} == before
+    assert run_with_cache(tmp_path / "no cache", script, RL_TUI_KIOSK="1") == "42.0 False 0"
+    assert not (tmp_path / "no cache").exists()
 
 
 class One:

@@ -12,6 +12,7 @@ from click.testing import CliRunner, Result
 
 from rl_tui.cli.main import program
 from rl_tui.cli.policy_map import policy_map
+from rl_tui.lab.export.recipe_line import recipe_line
 from rl_tui.lab.library import find, recipe_for
 from rl_tui.lab.recipe import begin
 
@@ -138,3 +139,15 @@ def test_the_list_has_the_shipped_ones_and_no_other():
     sizes = {name: (rows[name]["states"], rows[name]["actions"]) for name in ("blackjack", "cartpole")}
     assert sizes == {"blackjack": (704, 2), "cartpole": (72, 2)}
     assert not any(name.startswith("gym:") for name in rows)
+
+
+def test_a_module_is_imported_by_the_flag_alone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    code = "import gymnasium\ngymnasium.register('Flagged-v0', 'gymnasium.envs.toy_text:CliffWalkingEnv')\n"
+    (tmp_path / "flagged_environments.py").write_text(code)
+    monkeypatch.syspath_prepend(str(tmp_path))
+    monkeypatch.setattr("rl_tui.worlds.modules._ALLOWED", set())
+    name, flag = "gym:flagged_environments:Flagged-v0", ("--allow-module", "flagged_environments")
+    assert refusal("solve", name).endswith("if you trust that module: --allow-module flagged_environments")
+    assert len(document("solve", name, *flag)["states"]) == 48
+    line = recipe_line(recipe_for(find(name)), (), 0, ("up", "right", "down", "left"))
+    assert line == f"rl-tui train {name} {' '.join(flag)} --seed 0"

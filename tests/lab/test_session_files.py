@@ -197,7 +197,7 @@ def test_an_edited_file_is_told(tmp_path: Path) -> None:
         ({"lanes": lane(algorithm="q-lerning")}, 'lanes[0].algorithm is "q-lerning"'),
         ({"lanes": lane(hyperparameters={"alpha": 7})}, "alpha is 7"),
         ({"lanes": lane(hyperparameters={"alfa": 0.1})}, 'did you mean "alpha"'),
-        ({"lanes": branch(name="\x1b[2J")}, "control characters"),
+        ({"lanes": branch(name="\x1b[2J")}, "lanes[0].branches[0].name: U+001B is a control character"),
         ({"lanes": branch(name="x" * 81)}, "lanes[0].branches[0].name"),
         ({"lanes": branch(parent=0)}, "parent"),
         ({"lanes": branch(shared=1)}, "shared is 1"),
@@ -216,7 +216,7 @@ def test_an_edited_file_is_told(tmp_path: Path) -> None:
         ({"saved": "0001-01-01T00:00:00+23:00"}, "saved"),
         ({"speed": 0}, "speed"),
         ({"digest": "abc"}, "digest"),
-        ({"title": "a\nb"}, "control characters"),
+        ({"title": "a\nb"}, "title: U+000A is a control character"),
     ],
 )
 def test_a_file_whose_parts_do_not_fit(tmp_path: Path, changes: dict[str, Any], line: str) -> None:

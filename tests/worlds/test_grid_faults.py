@@ -166,7 +166,7 @@ ONE_FAULT = {
     "two characters": (legend('XX = { kind = "floor" }', "S.G"), ("legend.XX", '"XX"', "one character")),
     "a character that moves the cursor": (
         legend('"\\u0007" = { kind = "floor" }', "S.G"),
-        ('legend."\\u0007"', '"\\u0007"', "one character"),
+        ('legend."\\u0007"', 'U+0007 in "\\u0007"', "one character"),
     ),
     "an entry that is no table": (legend('X = "floor"'), (X, '"floor"', "a table")),
     "an entry without a kind": (

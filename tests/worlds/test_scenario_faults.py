@@ -261,7 +261,8 @@ ONE_FAULT = {
         (
             "gymnasium.id",
             '"os:FrozenLake-v1"',
-            "the id of a registered environment, without a module to import",
+            "the id of a registered environment, without a module to import; if you trust that module: "
+            "--allow-module os",
         ),
     ),
     "an argument that the environment refuses": (

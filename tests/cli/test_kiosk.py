@@ -1,0 +1,131 @@
+"""What a kiosk refuses: one line each, and nothing is written."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner
+
+from rl_tui.cli.kiosk import COMMANDS
+from rl_tui.cli.main import RlTui, program
+from rl_tui.lab.session import SessionError, read_session
+from rl_tui.worlds.catalogue import find, read_catalogue, shipped_folder
+from rl_tui.worlds.errors import UserError
+from rl_tui.worlds.kiosk import VARIABLE, in_kiosk
+
+
+@pytest.fixture
+def kiosk(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    """This process is a kiosk; what it gives up is given back."""
+    before = dict(os.environ)
+    monkeypatch.setattr(sys, "dont_write_bytecode", sys.dont_write_bytecode)
+    os.environ[VARIABLE] = "1"
+    yield
+    os.environ.clear()
+    os.environ.update(before)
+
+
+def refusal(*args: str) -> str:
+    result = CliRunner().invoke(program, list(args))
+    assert result.exit_code in (1, 2)
+    assert result.stdout == ""
+    (line,) = result.stderr.splitlines()
+    return str(line)
+
+
+@pytest.mark.parametrize("command", sorted(set(RlTui.modules) - set(COMMANDS)))
+@pytest.mark.usefixtures("kiosk")
+def test_it_has_no_other_commands(command: str) -> None:
+    assert refusal(command, "x") == (
+        f"rl-tui: kiosk mode has no {command}: it plays the shipped scenarios, and neither reads nor writes "
+        f"files"
+    )
+
+
+@pytest.mark.parametrize(
+    "name", ["gym:FrozenLake-v1", "gym:os:X-v0", "/etc/passwd", "a.toml", "../frozenlake"]
+)
+@pytest.mark.usefixtures("kiosk")
+def test_it_opens_shipped_scenarios_only(name: str) -> None:
+    with pytest.raises(UserError, match="only the shipped scenarios"):
+        find(name)
+
+
+@pytest.mark.usefixtures("kiosk")
+def test_it_opens_no_session(tmp_path: Path) -> None:
+    with pytest.raises(SessionError, match="kiosk mode opens no files"):
+        read_session(tmp_path / "a.json")
+
+
+@pytest.mark.usefixtures("kiosk")
+def test_it_imports_no_module() -> None:
+    line = "rl-tui: kiosk mode imports no modules: leave --allow-module out"
+    assert refusal("play", "frozenlake", "--allow-module", "antigravity") == line
+
+
+def test_the_user_s_own_scenarios_are_not_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "mine.toml").write_text("[bandit]\narms = 2\n")
+    monkeypatch.setattr("rl_tui.worlds.catalogue.user_folder", lambda: tmp_path)
+    assert "mine" in {each.id for each in read_catalogue().scenarios}
+    monkeypatch.setenv(VARIABLE, "1")
+    shipped = {path.stem for path in shipped_folder().glob("*.toml")}
+    assert {each.id for each in read_catalogue().scenarios} == shipped
+    with pytest.raises(UserError, match="no scenario is called"):
+        find("mine")
+
+
+@pytest.mark.parametrize(("value", "is_one"), [("1", True), ("yes", True), ("0", False), ("", False)])
+def test_the_variable(monkeypatch: pytest.MonkeyPatch, value: str, is_one: bool) -> None:
+    monkeypatch.setenv(VARIABLE, value)
+    assert in_kiosk() is is_one
+
+
+@pytest.mark.parametrize(
+    "args", [["--kiosk", "train", "frozenlake"], ["--kiosk", "screenshot", "--out", "a.svg"]]
+)
+def test_the_flag_counts_for_every_command(args: list[str], tmp_path: Path) -> None:
+    ended = subprocess.run(
+        [sys.executable, "-m", "rl_tui.cli", *args], capture_output=True, text=True, check=False, cwd=tmp_path
+    )
+    assert ended.returncode == 1
+    assert "kiosk mode has no" in ended.stderr
+    assert list(tmp_path.iterdir()) == []
+
+
+LIMITED = """
+import os, resource
+os.environ["TEXTUAL_LOG"] = os.environ["TEXTUAL"] = os.environ["TEXTUAL_SCREENSHOT"] = "log"
+os.environ["TEXTUAL_DRIVER"] = "textual.drivers.web_driver:WebDriver"
+from rl_tui.cli.kiosk import confine, enter_kiosk
+enter_kiosk("play")
+confine()
+try:
+    print("x" * 10, file=open("written", "w"), flush=True)
+except OSError as refusal:
+    print(refusal.strerror)
+try:
+    resource.setrlimit(resource.RLIMIT_FSIZE, (1, 1))
+except ValueError:
+    print("not taken back")
+print(sorted(name for name in os.environ if name.startswith("TEXTUAL")))
+"""
+
+
+def test_the_system_holds_it_to_its_word(tmp_path: Path) -> None:
+    ended = subprocess.run(
+        [sys.executable, "-c", LIMITED],
+        env={**os.environ, VARIABLE: "1"},
+        capture_output=True,
+        text=True,
+        check=True,
+        cwd=tmp_path,
+    )
+    lines = ended.stdout.splitlines()
+    assert lines[0] == "File too large"
+    assert lines[-1] == "['TEXTUAL_DRIVER']"
+    assert (tmp_path / "written").read_bytes() == b""

@@ -1,0 +1,58 @@
+"""A kiosk as a stranger has it: keys that would write are typed, and no file anywhere is another one."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+from pseudo_terminal import RL_TUI, PseudoTerminal
+
+
+def tree(folder: Path) -> dict[str, tuple[int, int]]:
+    """Every file below ``folder``, with its size and when it was written."""
+    return {
+        str(path.relative_to(folder)): (path.stat().st_size, path.stat().st_mtime_ns)
+        for path in sorted(folder.rglob("*"))
+    }
+
+
+def test_nothing_is_written_whatever_is_typed(tmp_path: Path) -> None:
+    for name in ("home", "config/rl-tui/scenarios", "state", "cache", "work", "tmp"):
+        (tmp_path / name).mkdir(parents=True)
+    (tmp_path / "config/rl-tui/scenarios/mine.toml").write_text('title = "Mine"\n[bandit]\narms = 2\n')
+    environment = {
+        "RL_TUI_KIOSK": "1",
+        "HOME": str(tmp_path / "home"),
+        "XDG_CONFIG_HOME": str(tmp_path / "config"),
+        "XDG_STATE_HOME": str(tmp_path / "state"),
+        "XDG_CACHE_HOME": str(tmp_path / "cache"),
+        "TMPDIR": str(tmp_path / "tmp"),
+        "RL_TUI_SESSIONS_DIR": str(tmp_path / "state" / "sessions"),
+        "TEXTUAL_LOG": str(tmp_path / "work" / "log"),
+        "PYTHONPATH": os.environ.get("PYTHONPATH") or str(Path(__file__).parent.parent),
+    }
+    before = tree(tmp_path)
+    with PseudoTerminal(
+        ["env", "-C", str(tmp_path / "work"), *RL_TUI], environment, size=(100, 30)
+    ) as terminal:
+        terminal.wait_for("scenarios . kiosk")
+        terminal.wait_for("Student|Gambler|arms")
+        assert "Mine" not in terminal.written.decode(errors="replace")
+        terminal.press("\x1b[3~")
+        terminal.wait_for("no sessions are kept here: this is a kiosk")
+        terminal.press("\r")
+        terminal.wait_for("World")
+        terminal.press("w")
+        terminal.wait_for("no session is kept here: this is a kiosk")
+        terminal.press("x")
+        terminal.wait_for("nothing is written here: this is a kiosk")
+        terminal.press("\x1a")  # ctrl+z
+        terminal.press("\x10")  # ctrl+p
+        terminal.wait_for("find an action")
+        terminal.press("export")
+        terminal.wait_for("No matches")
+        terminal.press("\x1b")
+        terminal.wait_for("pulls")
+        terminal.press("q")
+        assert terminal.wait_for_end() == 0
+    assert tree(tmp_path) == before

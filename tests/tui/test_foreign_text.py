@@ -1,0 +1,169 @@
+"""Texts of files are shown as they are, whatever they look like: no markup, no formatting, no code."""
+
+from __future__ import annotations
+
+import ast
+import json
+from collections.abc import Iterator
+from pathlib import Path
+from xml.etree import ElementTree
+
+import pytest
+from textual.pilot import Pilot
+
+from rl_tui.lab.branches import FIRST
+from rl_tui.lab.export.recipe_line import recipe_line
+from rl_tui.lab.export.script import script
+from rl_tui.lab.export.tables import write_q_csv
+from rl_tui.lab.library import recipe_for
+from rl_tui.lab.player import Player
+from rl_tui.lab.recipe import begin
+from rl_tui.lab.record import LaneRecord, Record
+from rl_tui.lab.run import Run
+from rl_tui.lab.session import encoded
+from rl_tui.tui.app import RlTuiApp
+from rl_tui.tui.display import Display
+from rl_tui.tui.screenshot import settle
+from rl_tui.worlds.errors import UserError
+from rl_tui.worlds.scenario import Scenario, read_scenario
+
+TITLE = r"[red]T[/] {0} %s $HOME \x1b[31m [@click=app.quit]"
+SUMMARY = r"[b]S[/b] {self} ${HOME} __class__ [/]"
+NOTES = r"[red]N[/red] [@click=app.quit]q[/] {1} %d [there](http://a.example/%1b[31m)"
+HERE, THERE = r"[@click=app.quit]H", r'=1+"""\N[/]'
+GO, STAY = r"[red]go[/]", r"{0}%s$env"
+FILE = "[bold]x[/]"
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """The folder of the user's scenarios, with a sound one and a faulty one."""
+    (tmp_path / f"{FILE}.toml".replace("/", "-")).write_text('title = "a\\u001b[31m"\n')
+    texts = {"TITLE": TITLE, "SUMMARY": SUMMARY, "NOTES": NOTES}
+    names = {"HERE": HERE, "THERE": THERE, "GO": GO, "STAY": STAY}
+    quoted = {name: json.dumps(text) for name, text in {**texts, **names}.items()}
+    (tmp_path / "foreign.toml").write_text(
+        "title = {TITLE}\nsummary = {SUMMARY}\nnotes = {NOTES}\norder = 0\n[mdp]\nstart = {HERE}\n"
+        "time_limit = 9\n[[mdp.transition]]\nstate = {HERE}\naction = {GO}\nreward = 1.0\n"
+        "to = {{ {THERE} = 0.5, {HERE} = 0.5 }}\n[[mdp.transition]]\nstate = {HERE}\naction = {STAY}\n"
+        "reward = 0.0\nto = {{ {HERE} = 1.0 }}\n".format(**quoted)
+    )
+    monkeypatch.setattr("rl_tui.worlds.catalogue.user_folder", lambda: tmp_path)
+    return tmp_path
+
+
+@pytest.fixture
+def foreign(folder: Path) -> Scenario:
+    return read_scenario(folder / "foreign.toml")
+
+
+def on_screen(pilot: Pilot[UserError]) -> str:
+    """All that is drawn, rows joined: a text may be broken anywhere."""
+    rows = pilot.app.screen._compositor.render_strips()
+    return "\n".join("".join(piece.text for piece in row) for row in rows)
+
+
+def playing(scenario: Scenario) -> RlTuiApp:
+    def make_player(*args: object, **kwargs: object) -> Player:
+        return Player(*args, automatic=False, **kwargs)  # type: ignore[arg-type]
+
+    start = recipe_for(scenario)
+    return RlTuiApp(Display(fps=1000.0), start, make_player=make_player, picture=True)
+
+
+async def press(pilot: Pilot[UserError], *keys: str) -> str:
+    await pilot.press(*keys)
+    await settle(pilot)
+    return on_screen(pilot)
+
+
+async def test_the_catalogue_shows_them_as_they_are(folder: Path) -> None:
+    app = RlTuiApp(Display(fps=1000.0), picture=True)
+    async with app.run_test(size=(160, 50)) as pilot:
+        await settle(pilot)
+        listed = app.screen.query_one("#scenarios")
+        listed.highlighted = listed.get_option_index("foreign")  # type: ignore[attr-defined]
+        await settle(pilot)
+        text = on_screen(pilot)
+        for each in (TITLE[:30], SUMMARY, r"[red]N[/red] [@click=app.quit]q[/] {1} %d there"):
+            assert each in text
+        assert "[bold]x[-].toml (faulty)" in text
+        text = await press(pilot, "end")
+        assert r'found U+001B in "a\u001b[31m"' in text
+        assert "\x1b" not in text
+
+
+async def test_the_playground_shows_them_as_they_are(foreign: Scenario) -> None:
+    app = playing(foreign)
+    async with app.run_test(size=(160, 50), notifications=True) as pilot:
+        await settle(pilot)
+        text = await press(pilot, *"sssss")
+        assert TITLE[:20] in text
+        assert "[red]go[/]" in text
+        for key in "mjkucdoay?x":
+            text = await press(pilot, key)
+            await press(pilot, "escape")
+        assert app.is_running
+
+
+async def test_the_model_the_journal_and_the_help(foreign: Scenario) -> None:
+    app = playing(foreign)
+    async with app.run_test(size=(160, 50)) as pilot:
+        await settle(pilot)
+        text = await press(pilot, "s", "m")
+        assert HERE in text
+        assert THERE[:8] in text
+        await press(pilot, "escape", "y", "1", "2", "y")
+        assert GO in await press(pilot, "j")
+        await press(pilot, "escape")
+        text = await press(pilot, "question_mark", "end")
+        assert r"[red]N[/red] [@click=app.quit]q[/] {1} %d there" in text
+        picture = app.export_screenshot(simplify=True)
+        assert "\x1b" not in picture
+        ElementTree.fromstring(picture)
+
+
+async def test_a_link_is_shown_not_opened(foreign: Scenario, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("webbrowser.open", lambda *_: pytest.fail("a browser was opened"))
+    app = playing(foreign)
+    async with app.run_test(size=(160, 50), notifications=True) as pilot:
+        await settle(pilot)
+        await press(pilot, "question_mark", "end")
+        paragraph = app.screen.query("MarkdownParagraph").last()
+        await paragraph.run_action("link('http://a.example/%1b[31m')")
+        await settle(pilot)
+        assert r"http://a.example/\u001b[31m" in on_screen(pilot)
+
+
+async def test_the_name_of_a_session_is_shown_as_it_is(foreign: Scenario, tmp_path: Path) -> None:
+    sessions = tmp_path / "sessions"
+    sessions.mkdir()
+    record = Record((LaneRecord(recipe_for(foreign), (FIRST,)),))
+    (sessions / "[bold]a[-].json").write_bytes(encoded(record, title=TITLE, kept=True))
+    (sessions / "[red]b.json").write_text("{}")
+    app = RlTuiApp(Display(fps=1000.0), picture=True, sessions=sessions)
+    async with app.run_test(size=(160, 50), notifications=True) as pilot:
+        await settle(pilot)
+        text = await press(pilot, "tab")
+        assert TITLE[:20] in text
+        assert "[red]b.json" in text
+        assert "[bold]a[-].json" in text, "its file"
+        assert TITLE in await press(pilot, "delete"), "in the question"
+
+
+def _texts(source: str) -> Iterator[str]:
+    for node in ast.walk(ast.parse(source)):
+        if isinstance(node, ast.Constant) and isinstance(node.value, str):
+            yield node.value
+
+
+def test_what_is_exported_quotes_them(foreign: Scenario, tmp_path: Path) -> None:
+    recipe = recipe_for(foreign)
+    source = script(recipe, 10)
+    assert {HERE, THERE, GO, STAY} <= set(_texts(source))
+    line = recipe_line(recipe, (), 0, (GO, STAY))
+    assert line.startswith("rl-tui train foreign ")
+    run = Run(recipe, begin(recipe))
+    write_q_csv(tmp_path / "q.csv", run.world.space, run.learner.q, run.learner.visits)
+    head = (tmp_path / "q.csv").read_text().splitlines()[0]
+    assert head.startswith(f"state,{GO},{STAY},")

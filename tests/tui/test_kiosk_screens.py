@@ -1,0 +1,114 @@
+"""What a kiosk offers on screen, and what it does when nobody is there."""
+
+from __future__ import annotations
+
+from functools import partial
+
+import pytest
+from textual.pilot import Pilot
+from textual.widgets import Static
+
+from rl_tui.lab.library import recipe_for
+from rl_tui.lab.player import Player
+from rl_tui.lab.snapshot import Phase
+from rl_tui.tui.actions import ACTIONS, Place, actions_of
+from rl_tui.tui.app import RlTuiApp
+from rl_tui.tui.display import Display
+from rl_tui.tui.idleness import Idleness
+from rl_tui.tui.palette_entries import ActionProvider, palette_name
+from rl_tui.tui.screens.playground import Playground
+from rl_tui.tui.screenshot import settle
+from rl_tui.tui.widgets.key_line import fitting
+from rl_tui.worlds.catalogue import find
+from rl_tui.worlds.errors import UserError
+
+WITH_FILES = {"save", "export", "delete_session"}
+
+
+def kiosk(scenario: str | None = None) -> RlTuiApp:
+    start = recipe_for(find(scenario)) if scenario else None
+    make_player = partial(Player, automatic=False)
+    return RlTuiApp(Display(fps=1000.0), start, make_player=make_player, picture=True, kiosk=True)
+
+
+def told(pilot: Pilot[UserError]) -> list[str]:
+    return [each.message for each in pilot.app._notifications]
+
+
+@pytest.mark.parametrize("place", [Place.CATALOGUE, Place.PLAYGROUND])
+def test_all_but_what_needs_files_is_offered(place: Place) -> None:
+    usual, here = actions_of(place), actions_of(place | Place.KIOSK)
+    assert [each for each in usual if each.id not in WITH_FILES] == list(here)
+    assert {each.id for each in ACTIONS if each.needs_files} == WITH_FILES
+
+
+@pytest.mark.parametrize("width", range(60, 240, 20))
+def test_the_key_line_has_none_of_it(width: int) -> None:
+    shown, _ = fitting(Place.PLAYGROUND | Place.KIOSK, width)
+    assert not {each.id for each in shown} & WITH_FILES
+
+
+async def test_the_palette_offers_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
+    async with kiosk("student").run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        names = {name for name, _, _ in ActionProvider(pilot.app.screen)._entries()}
+        assert names == {palette_name(each) for each in actions_of(Place.PLAYGROUND | Place.KIOSK)} | {
+            "Theme"
+        }
+        assert {ActionProvider} == pilot.app.COMMANDS, "Textual's own, such as its screenshot, are not there"
+        await pilot.press("s")
+        await settle(pilot)
+        for key, line in (
+            ("w", "no session is kept here: this is a kiosk"),
+            ("x", "nothing is written here: this is a kiosk"),
+            ("escape", "esc again goes to the catalogue; this run is then gone"),
+        ):
+            await pilot.press(key)
+            await settle(pilot)
+            assert told(pilot) == [line]
+        stopped = []
+        monkeypatch.setattr("os.kill", lambda *args: stopped.append(args))
+        await pilot.app.run_action("suspend_process")
+        assert stopped == []
+
+
+async def test_the_catalogue_says_that_it_is_one() -> None:
+    async with kiosk().run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        assert str(pilot.app.screen.query_one("#title", Static).render()).endswith("kiosk")
+        await pilot.press("delete")
+        await settle(pilot)
+        assert told(pilot) == ["no sessions are kept here: this is a kiosk"]
+
+
+def test_nobody_there_is_told_once() -> None:
+    now = [0.0]
+    idleness = Idleness(600.0, clock=lambda: now[0])
+    now[0] = 599.0
+    assert not idleness.begins()
+    now[0] = 600.0
+    assert [idleness.begins(), idleness.begins()] == [True, False]
+    idleness.stir()
+    assert not idleness.begins()
+    now[0] = 1200.0
+    assert idleness.begins()
+
+
+async def test_a_run_that_was_forgotten_is_paused() -> None:
+    app = kiosk("student")
+    async with app.run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        await pilot.press("space")
+        await settle(pilot)
+        playground = app.screen
+        assert isinstance(playground, Playground)
+        assert playground.snapshot is not None
+        assert playground.snapshot.phase is Phase.RUNNING
+        app._pause_when_idle()
+        await settle(pilot)
+        assert playground.snapshot.phase is Phase.RUNNING, "somebody was there just now"
+        app._idleness = Idleness(0.0)
+        app._pause_when_idle()
+        await settle(pilot)
+        assert playground.snapshot.phase is Phase.PAUSED
+        assert told(pilot) == ["paused: nobody has pressed a key for some minutes"]
