@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import asyncio
-import os
+import subprocess
 import sys
+from contextlib import suppress
 from difflib import get_close_matches
 from importlib.util import find_spec
 from pathlib import Path
+from subprocess import DEVNULL
 from typing import TYPE_CHECKING, Any, Final
 from urllib.parse import urlsplit
 
@@ -18,12 +20,13 @@ from rl_tui.cli.number import Whole
 from rl_tui.cli.program import FAILED
 from rl_tui.cli.run_options import start_of
 from rl_tui.worlds.errors import UserError
+from rl_tui.worlds.kiosk import VARIABLE, in_kiosk
 
 if TYPE_CHECKING:
     import socket
 
+_USUAL: Final = "frozenlake-slippery"  # learns as most scenarios do
 _MISSING: Final = 'rl-tui serve needs two more packages: pip install "rl-tui[serve]"'
-_IN_KIOSK: Final = "RL_TUI_KIOSK"
 
 
 @click.command("serve")
@@ -68,8 +71,8 @@ def command(
     if find_spec("textual_serve") is None or find_spec("aiohttp") is None:
         raise UserError(_MISSING)
     kiosk = not no_kiosk
-    if no_kiosk and os.environ.get(_IN_KIOSK, "0") not in ("", "0"):
-        raise click.UsageError(f"{_IN_KIOSK} is set: a kiosk cannot be left with --no-kiosk")
+    if no_kiosk and in_kiosk():
+        raise click.UsageError(f"{VARIABLE} is set: a kiosk cannot be left with --no-kiosk")
     if url is not None and not _is_url(url):
         raise click.UsageError(f"--url {url} is not an address; expected one such as https://lab.example.org")
     _check_start(scenario, display, kiosk=kiosk)
@@ -78,7 +81,18 @@ def command(
     from rl_tui.cli.serving.addresses import listen
 
     with listen(host, port) as listening:
+        if kiosk and not in_kiosk():
+            _prepare(scenario or _USUAL)
         _serve(listening, _app_command(context, scenario, display), host, url, kiosk=kiosk, most=most)
+
+
+def _prepare(scenario: str) -> None:
+    """Compile what plays ``scenario``: a kiosk keeps no compiled code, and each tab would do it anew."""
+    from rl_tui.cli.serving.app_process import command_line
+
+    training = command_line(sys.executable, ["train", scenario, "--episodes", "1"])
+    with suppress(OSError):  # what is wrong shows in the tabs
+        subprocess.run(training, stdin=DEVNULL, stdout=DEVNULL, stderr=DEVNULL, check=False)
 
 
 def _serve(

@@ -19,7 +19,7 @@ import aiohttp
 from emulator import Emulator
 
 BINARY: Final = 2  # the kind of a WebSocket's frame
-DEADLINE: Final = 60.0  # seconds for something to happen; a broken program is told by it, not a slow machine
+DEADLINE: Final = 120.0  # seconds for something to happen; a broken program is told by it, not a slow machine
 _FLAGS: Final = (
     "--headless=new --no-sandbox --disable-gpu --disable-quic --no-first-run --disable-background-networking"
     " --disable-component-update --disable-sync --disable-dev-shm-usage --hide-scrollbars"
@@ -62,14 +62,14 @@ class Chromium:
     async def __aexit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        await self.send("Browser.close")
-        await self._http.close()
-        self._reading.cancel()
         try:
+            await self.send("Browser.close")
             await asyncio.to_thread(self._process.wait, DEADLINE)
         finally:
             self._process.kill()
             self._errors.close()
+            self._reading.cancel()
+            await self._http.close()
 
     async def send(self, method: str, session: str | None = None, **parameters: Any) -> dict[str, Any]:
         """Call a method of the protocol and return its result."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 import subprocess
 import sys
@@ -10,7 +11,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Final
 
-_DEADLINE: Final = 60.0
+_DEADLINE: Final = 120.0
 
 
 class Served:
@@ -45,13 +46,14 @@ def is_running(process: int) -> bool:
 
 
 @contextmanager
-def serving(*arguments: str) -> Iterator[Served]:
+def serving(*arguments: str, **environment: str) -> Iterator[Served]:
     """Start the server on a free port; it is gone afterwards."""
     process = subprocess.Popen(
         [sys.executable, "-m", "rl_tui.cli", "serve", "--port", "0", *arguments],
         stdin=subprocess.DEVNULL,
         stdout=subprocess.PIPE,
         text=True,
+        env={**os.environ, **environment},
         start_new_session=True,
     )
     assert process.stdout is not None

@@ -35,7 +35,8 @@ def write(kind, data):
 print("a line before", flush=True)
 print("__GANGLION__", flush=True)
 keys = ("COLUMNS", "ROWS", "RL_TUI_KIOSK", "TERM", "NO_COLOR")
-write(b"D", json.dumps([os.getpid(), {key: os.environ.get(key) for key in keys}]).encode())
+around = {key: os.environ.get(key) for key in keys}
+write(b"D", json.dumps([os.getpid(), around | {"arguments": sys.argv[1:]}]).encode())
 while head := sys.stdin.buffer.read(5):
     data = sys.stdin.buffer.read(int.from_bytes(head[1:], "big"))
     if data == b"q":
@@ -60,9 +61,11 @@ async def site(*, kiosk: bool = True, most: int = 2, url: str | None = None) -> 
 
 
 @asynccontextmanager
-async def tab(client: Client, query: str = "width=100&height=30") -> AsyncIterator[ClientWebSocketResponse]:
+async def tab(
+    client: Client, query: str = "width=100&height=30", way: str = "/ws"
+) -> AsyncIterator[ClientWebSocketResponse]:
     origin = str(client.make_url("/")).rstrip("/")
-    async with client.ws_connect(f"/ws?{query}", headers={"Origin": origin}) as socket:
+    async with client.ws_connect(f"{way}?{query}", headers={"Origin": origin}) as socket:
         yield socket
 
 
@@ -90,6 +93,7 @@ async def test_the_app_gets_what_the_browser_sends(monkeypatch: pytest.MonkeyPat
             "RL_TUI_KIOSK": "1",
             "TERM": "xterm-256color",
             "NO_COLOR": None,
+            "arguments": [],
         }
         for sent, got in (
             (["stdin", "ä "], ["D", "ä "]),
@@ -101,6 +105,13 @@ async def test_the_app_gets_what_the_browser_sends(monkeypatch: pytest.MonkeyPat
             assert [kind, json.loads(str(data)) if kind == "M" else data] == got
         await socket.send_json(["ping", "123"])
         assert await socket.receive_json(timeout=30) == ["pong", "123"]
+
+
+async def test_a_browser_without_the_fonts_gets_ascii() -> None:
+    async with site() as client, tab(client, way="/ws/ascii") as socket:
+        _, around = await said(socket)
+        assert isinstance(around, dict)
+        assert around["arguments"] == ["--ascii"]
 
 
 @pytest.mark.parametrize(

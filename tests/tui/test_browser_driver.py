@@ -12,7 +12,7 @@ import pytest
 
 from rl_tui.cli.serving.app_process import command_line, environment_of_app
 
-DEADLINE = 60.0
+DEADLINE = 120.0
 TOLD_TO_END = 143
 
 

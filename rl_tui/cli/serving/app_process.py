@@ -16,6 +16,7 @@ from contextlib import suppress
 from typing import Final
 
 from rl_tui.cli.screen import IN_BROWSER
+from rl_tui.worlds.kiosk import VARIABLE
 
 LARGEST_SIZE: Final = (400, 150)
 SMALLEST_SIZE: Final = (1, 1)
@@ -39,12 +40,12 @@ def environment_of_app(around: Mapping[str, str], size: tuple[int, int], *, kios
     kept = {
         name: value
         for name, value in around.items()
-        if name not in _OF_THE_TERMINAL and not name.startswith("TEXTUAL") and name != "RL_TUI_KIOSK"
+        if name not in _OF_THE_TERMINAL and not name.startswith("TEXTUAL") and name != VARIABLE
     }
     columns, rows = size
     return {
         **kept,
-        **({"RL_TUI_KIOSK": "1"} if kiosk else {}),
+        **({VARIABLE: "1"} if kiosk else {}),
         "TEXTUAL_DRIVER": IN_BROWSER,
         "TERM": "xterm-256color",
         "COLORTERM": "truecolor",

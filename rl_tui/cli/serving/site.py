@@ -64,6 +64,7 @@ class Site:
             [
                 web.get("/", self._page),
                 web.get("/ws", self._terminal_of_a_tab),
+                web.get("/ws/{ascii:ascii}", self._terminal_of_a_tab),  # no font has more
                 web.static("/page", PAGE),
                 web.static("/static", self._terminal),
             ]
@@ -99,7 +100,8 @@ class Site:
             await websocket.close(code=WSCloseCode.TRY_AGAIN_LATER, message=_reason(reason))
             return websocket
         size = bounded_size(_number(request, "width"), _number(request, "height"))
-        app = AppProcess(self._command, environment_of_app(os.environ, size, kiosk=self._kiosk))
+        command = [*self._command, *(["--ascii"] if "ascii" in request.match_info else [])]
+        app = AppProcess(command, environment_of_app(os.environ, size, kiosk=self._kiosk))
         self._apps.add(app)
         try:
             await self._connect(app, websocket)

@@ -2,14 +2,28 @@
 
 const FONT_SIZE = { usual: 15, least: 8, most: 32 }; // 120 × 40 cells fit into 1280 × 720 pixels
 const SAMPLE = "Mg←γ─⣿"; // letters of every face
+const NEEDED = "⣿★◉←"; // whoever has these has the others
+const MISSING = "\u{10fffd}"; // drawn as what no font has
 
 function fontSize() {
   const wanted = Number(new URLSearchParams(window.location.search).get("fontsize")) || FONT_SIZE.usual;
   return Math.min(Math.max(Math.round(wanted), FONT_SIZE.least), FONT_SIZE.most);
 }
 
+// The curve is made of Braille: where no font has it, it would be blank, and a terminal cannot tell the app
+function canDraw(character) {
+  const shape = (text) => {
+    const context = document.createElement("canvas").getContext("2d");
+    context.font = '24px "Roboto Mono"';
+    context.fillText(text, 0, 40);
+    return context.getImageData(0, 0, 60, 60).data.join();
+  };
+  return shape(character) !== shape(MISSING) && shape(character) !== shape(" ");
+}
+
 function webSocketUrl() {
-  const url = new URL("ws", window.location.href.split("?")[0]);
+  const way = [...NEEDED].every(canDraw) ? "ws" : "ws/ascii";
+  const url = new URL(way, window.location.href.split("?")[0]);
   url.protocol = url.protocol === "https:" ? "wss:" : "ws:";
   url.hash = "";
   return url.href;
@@ -60,9 +74,9 @@ function loadScript(address) {
 async function start() {
   const size = fontSize();
   const terminal = document.getElementById("terminal");
+  await loadFonts(size);
   terminal.dataset.sessionWebsocketUrl = webSocketUrl();
   terminal.dataset.fontSize = String(size);
-  await loadFonts(size);
   await loadScript("static/js/textual.js");
   window.onload(new Event("load")); // it waits for an event that is over
 }
