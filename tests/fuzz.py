@@ -1,7 +1,7 @@
 """Break scenario and session files in thousands of ways: ``python tests/fuzz.py 10000 [SEED] [KIND]``.
 
-Whatever a file holds, it is used or refused by one clear line. Prints what was found, and figures. A single input
-is written with ``python tests/fuzz.py --show KIND SEED NUMBER``.
+Whatever a file holds, it is used or refused by one clear line. Prints what was found, and figures. A single
+input is written with ``python tests/fuzz.py --show KIND SEED NUMBER``.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from fuzz_inputs import SCENARIO, SESSION, input_of
 CHILD: Final = Path(__file__).parent / "fuzz_child.py"
 HANGS: Final = 120.0  # seconds without a word, on a busy machine
 CHUNK: Final = 400  # inputs a process: one that grows is not hidden for ever
-SCREENS: Final = 12
+SCREENS: Final = 40
 
 
 @dataclass
@@ -49,7 +49,9 @@ class Figures:
             self.found.append((number, str(outcome["found"])))
 
 
-def fuzz(kind: str, count: int, seed: int, *, first: int = 0, screens: int = SCREENS, quick: bool = False) -> Figures:
+def fuzz(
+    kind: str, count: int, seed: int, *, first: int = 0, screens: int = SCREENS, quick: bool = False
+) -> Figures:
     """Try ``count`` inputs of a kind from number ``first`` on; every so many of those accepted is drawn."""
     figures, number, end = Figures(), first, first + count
     while number < end:
@@ -59,9 +61,9 @@ def fuzz(kind: str, count: int, seed: int, *, first: int = 0, screens: int = SCR
 
 def _child(figures: Figures, kind: str, seed: int, first: int, count: int, screens: int, quick: bool) -> int:
     """Let a process go through ``count`` inputs; return the number of the first that it did not come to."""
-    arguments = [kind, *map(str, (seed, first, count, 1, screens)), *(["quick"] if quick else [])]
+    arguments = [kind, *map(str, (seed, first, count, screens)), *(["quick"] if quick else [])]
     with tempfile.TemporaryDirectory() as home, tempfile.TemporaryFile() as stderr:
-        places = dict.fromkeys(("HOME", "XDG_CONFIG_HOME", "XDG_DATA_HOME", "RL_TUI_SESSIONS_DIR"), home)
+        places = dict.fromkeys(("XDG_CONFIG_HOME", "XDG_DATA_HOME", "RL_TUI_SESSIONS_DIR"), home)
         child = subprocess.Popen(
             [sys.executable, str(CHILD), *arguments],
             stdout=subprocess.PIPE,

@@ -1,6 +1,6 @@
 """What a user does with a file, in a process that may die of it: a child of fuzz.py.
 
-``python tests/fuzz_child.py KIND SEED FIRST COUNT STEP SCREENS`` prints a line before and after each input.
+``python tests/fuzz_child.py KIND SEED FIRST COUNT SCREENS`` prints a line before and after each input.
 """
 
 from __future__ import annotations
@@ -36,9 +36,45 @@ WARNED: Final = re.compile(
     r"--[\w-]+ has no effect: |the budget of this bandit is |.*: warning: state .* can never reach an end"
     r"|[\d,]+ states: the exact answer|.*: Q does not come out as it was saved"
 )
-QUICK: Final = ("--algorithm", "q-learning", "--policy", "epsilon-greedy")  # loops that the other tests compile
+AS_IT_IS: Final = (
+    10  # of so many scenarios one is trained by its own algorithm, which takes seconds to compile
+)
+QUICK: Final = (
+    "--algorithm",
+    "q-learning",
+    "--policy",
+    "epsilon-greedy",
+)  # loops that the other tests compile
 SIZES: Final = ((80, 24), (120, 40), (60, 18), (200, 60), (20, 5))
-KEYS: Final = ["wait:60", "v", "v", "v", "v", "v", "m", "escape", "f", "f", "f", "f", "f", "escape", "a", "escape", "h", "e", "b", "B", "t", "space", "space", "?", "escape", "p", "escape"]
+KEYS: Final = [
+    "wait:60",
+    "v",
+    "v",
+    "v",
+    "v",
+    "v",
+    "m",
+    "escape",
+    "f",
+    "f",
+    "f",
+    "f",
+    "f",
+    "escape",
+    "a",
+    "escape",
+    "h",
+    "e",
+    "b",
+    "B",
+    "t",
+    "space",
+    "space",
+    "?",
+    "escape",
+    "p",
+    "escape",
+]
 
 
 class Ended(NamedTuple):
@@ -49,33 +85,37 @@ class Ended(NamedTuple):
     err: str
 
 
-class Found(Exception):
+class FoundError(Exception):
     """Something that must not happen."""
 
 
 def main() -> None:
     """Go through the inputs that the arguments say."""
-    kind, (seed, first, count, step, screens) = sys.argv[1], map(int, sys.argv[2:7])
+    kind, (seed, first, count, screens) = sys.argv[1], map(int, sys.argv[2:6])
     quick = "quick" in sys.argv
     report = sys.stdout
     warnings.simplefilter("always", append=True)
-    _import_all()
+    _import_all(screens)
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / ("mine.toml" if kind == SCENARIO else "mine.json")
-        for number in range(first, first + count * step, step):
+        for number in range(first, first + count):
             content = input_of(kind, seed, number)
             path.write_bytes(content)
             print("begin", number, file=report, flush=True)
-            screen = screens > 0 and number // step % screens == 0
-            outcome = _gone_through(path, kind, quick, number if screen else None)
+            screen = screens > 0 and number % screens == 0
+            compiled = quick or (kind == SCENARIO and number % AS_IT_IS > 0)
+            outcome = _gone_through(path, kind, compiled, number if screen else None)
             print("end", number, json.dumps(outcome), file=report, flush=True)
 
 
-def _import_all() -> None:
+def _import_all(screens: int) -> None:
+    """Import what the inputs need, and let the process take two gigabytes more."""
     import gymnasium  # noqa: F401
 
     from rl_tui.lab.figures import training_figures  # noqa: F401
 
+    if screens:
+        from rl_tui.tui.screenshot import screenshot  # noqa: F401
     size = int(re.search(r"VmSize:\s+(\d+)", Path("/proc/self/status").read_text())[1]) << 10  # type: ignore[index]
     resource.setrlimit(resource.RLIMIT_AS, (size + ADDRESS_SPACE, size + ADDRESS_SPACE))
 
@@ -85,13 +125,17 @@ def _gone_through(path: Path, kind: str, quick: bool, screen: int | None) -> dic
     found = ""
     result = ""
     try:
-        result = _scenario(path, quick, screen) if kind == SCENARIO else _session(path, quick, screen)
+        go_through = _scenario if kind == SCENARIO else _session
+        result = go_through(path, quick, screen)
+        if time.process_time() - begin > SLOWEST:  # a second time nothing has to be compiled
+            begin = time.process_time()
+            result = go_through(path, quick, screen)
         spent, grown = time.process_time() - begin, _memory() - memory
         if spent > SLOWEST:
-            raise Found(f"slow: {spent:.1f} s")
+            raise FoundError(f"slow: {spent:.1f} s")
         if grown > MOST_MEMORY:
-            raise Found(f"memory: {grown} MB")
-    except Found as finding:
+            raise FoundError(f"memory: {grown} MB")
+    except FoundError as finding:
         found = str(finding)
     except BaseException as error:
         where = traceback.extract_tb(error.__traceback__)[-1]
@@ -112,8 +156,12 @@ def _scenario(path: Path, quick: bool, screen: int | None) -> str:
     checked = _told(["check", str(path)], path)
     options = QUICK if quick else ()
     trained = _told(["train", str(path), "--steps", str(MOST_STEPS), "--json", *options], path)
-    if checked.status != trained.status and not re.search("may be drawn|drawn;|taken by|failed", checked.err + trained.err):
-        raise Found(f"check ended with {checked.status} and train with {trained.status}: {checked.err}{trained.err}")
+    if checked.status != trained.status and not re.search(
+        r"maps drawn|failed|left ±1e12|is not a number", checked.err + trained.err
+    ):
+        raise FoundError(
+            f"check ended with {checked.status} and train with {trained.status}: {checked.err}{trained.err}"
+        )
     if trained.status:
         return _kind_of(trained.err)
     from rl_tui.lab.library import find, recipe_for
@@ -140,7 +188,7 @@ def _session(path: Path, quick: bool, screen: int | None) -> str:
     except UserError as refusal:
         told = _told(["replay", str(path)], path)
         if told.status != 1:
-            raise Found(f"replayed all the same: {refusal}") from refusal
+            raise FoundError(f"replayed all the same: {refusal}") from refusal
         return _kind_of(told.err)
     switches = any(hasattr(entry.change, "algorithm") for entry in target.branch.journal)
     if quick and (switches or target.lane.recipe.algorithm != "q-learning"):
@@ -150,7 +198,9 @@ def _session(path: Path, quick: bool, screen: int | None) -> str:
     replayed = _told(["replay", str(path), "--json"], path)
     if replayed.status:
         return _kind_of(replayed.err)
-    if screen is not None and all(branch.end <= FARTHEST for lane in record.lanes for branch in lane.branches):
+    if screen is not None and all(
+        branch.end <= FARTHEST for lane in record.lanes for branch in lane.branches
+    ):
         _shown(stored, screen)
     return "accepted"
 
@@ -164,8 +214,6 @@ def _shown(start: Any, number: int) -> None:
 
     chance = random.Random(number)
     keys = ["wait:60", *chance.choices(KEYS, k=8)]
-    if isinstance(start, Path):
-        keys = []
     try:
         _quietly(lambda: asyncio.run(screenshot(start, chance.choice(SIZES), keys)))
     except UserError as refusal:
@@ -185,7 +233,7 @@ def _quietly(do: Callable[[], Any]) -> tuple[str, str]:
 
 
 def _told(arguments: list[str], path: Path) -> Ended:
-    """Run a command; raise Found where it does not end as a command has to."""
+    """Run a command; raise FoundError where it does not end as a command has to."""
     from rl_tui.cli.main import program
 
     status = 0
@@ -200,15 +248,15 @@ def _told(arguments: list[str], path: Path) -> Ended:
     out, err = _quietly(run)
     ended = Ended(status, out, err)
     if "unexpected " in err and "RL_TUI_TRACEBACK" in err:
-        raise Found(f"{arguments[0]}: {err.strip()}")
+        raise FoundError(f"{arguments[0]}: {err.strip()}")
     if status not in (0, 1) or "Traceback" in err:
-        raise Found(f"{arguments[0]} ended with {status}: {err}")
+        raise FoundError(f"{arguments[0]} ended with {status}: {err}")
     if status == 1 and not err.strip():
-        raise Found(f"{arguments[0]} failed without a word")
+        raise FoundError(f"{arguments[0]} failed without a word")
     _check_lines(err)
     for line in err.splitlines():
         if not (WARNED.match(line) if status == 0 else line.startswith(("rl-tui: ", str(path)))):
-            raise Found(f"{arguments[0]} wrote {line!r}")
+            raise FoundError(f"{arguments[0]} wrote {line!r}")
     if status == 0 and "--json" in arguments and len(out) < LARGEST_JSON:
         json.loads(out, parse_constant=_refuse)
     return ended
@@ -217,16 +265,16 @@ def _told(arguments: list[str], path: Path) -> Ended:
 def _check_lines(text: str) -> None:
     lines = text.splitlines()
     if len(lines) > MOST_LINES:
-        raise Found(f"{len(lines)} lines, the first {lines[0][:200]!r}")
+        raise FoundError(f"{len(lines)} lines, the first {lines[0][:200]!r}")
     for line in lines:
         if len(line) > LONGEST_LINE:
-            raise Found(f"a line of {len(line)} characters: {line[:200]!r}")
+            raise FoundError(f"a line of {len(line)} characters: {line[:200]!r}")
         if not line.isprintable():
-            raise Found(f"a line that is not printable: {line[:200]!r}")
+            raise FoundError(f"a line that is not printable: {line[:200]!r}")
 
 
 def _refuse(name: str) -> None:
-    raise Found(f"{name} in JSON")
+    raise FoundError(f"{name} in JSON")
 
 
 def _kind_of(message: str) -> str:

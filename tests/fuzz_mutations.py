@@ -1,5 +1,7 @@
 """Ways to break a file: its bytes, and the document that they spell."""
 
+# ruff: noqa: E501
+
 from __future__ import annotations
 
 import copy
@@ -137,24 +139,43 @@ def _mutate_list(holder: list[Any], place: int, chance: Chance) -> None:
 
 
 def _other_key(key: str, chance: Chance) -> str:
-    odd = ("", "a" * 5_000, "a.b", "é", "\x1b", "👩‍👩‍👧", "a\nb", "reward", "map", "arms", "id", "means", "parent", "\ud800")
+    odd = (
+        "",
+        "a" * 5_000,
+        "a.b",
+        "é",
+        "\x1b",
+        "👩‍👩‍👧",
+        "a\nb",
+        "reward",
+        "map",
+        "arms",
+        "id",
+        "means",
+        "parent",
+        "\ud800",
+    )
     return chance.choice((key.upper(), key + "x", key[:-1], chance.choice(odd)))
 
 
 def _other_value(value: Any, chance: Chance) -> Any:
     if isinstance(value, (int, float)) and chance.random() < 0.4:
-        return chance.choice((value + 1, value - 1, -value, value * 1000, value / 3, float(value), str(value)))
+        return chance.choice(
+            (value + 1, value - 1, -value, value * 1000, value / 3, float(value), str(value))
+        )
     if isinstance(value, str) and value and chance.random() < 0.4:
         at = chance.randrange(len(value))
         letter = chance.choice("SGH#.<>v^ \n\tXé漢\x00\u0301👩")
-        return chance.choice((value[:at] + letter + value[at + 1 :], value[:at], value + letter, value * 3, [value]))
+        return chance.choice(
+            (value[:at] + letter + value[at + 1 :], value[:at], value + letter, value * 3, [value])
+        )
     if chance.random() < 0.03:
         return chance.choice(HUGE)()
     return copy.deepcopy(chance.choice(VALUES))
 
 
 def as_toml(document: dict[str, Any]) -> str:
-    """Return ``document`` in TOML, each table but the outermost written inline. None is left as a bare word."""
+    """Return ``document`` in TOML, each table but the outermost written inline."""
     return "".join(f"{_toml_text(key)} = {_toml_value(value)}\n" for key, value in document.items())
 
 
@@ -168,7 +189,9 @@ def _toml_value(value: Any) -> str:
     if isinstance(value, float):
         return repr(value)
     if isinstance(value, dict):
-        return "{ " + ", ".join(f"{_toml_text(key)} = {_toml_value(each)}" for key, each in value.items()) + " }"
+        return (
+            "{ " + ", ".join(f"{_toml_text(key)} = {_toml_value(each)}" for key, each in value.items()) + " }"
+        )
     if isinstance(value, list):
         return "[" + ", ".join(map(_toml_value, value)) + "]"
     return "none" if value is None else value.isoformat()

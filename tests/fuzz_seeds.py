@@ -42,7 +42,7 @@ OUTCOMES = """
 start = { a = 0.25, "b c" = 0.75 }
 time_limit = 9
 transition = [
-  { state = "a", action = "x", to = { a = { p = 0.5, reward = 1.0, std = 0.1 }, "b c" = { p = 0.5, reward = -1 } } },
+  { state = "a", action = "x", to = { a = { p = 0.5, reward = 1, std = 0.1}, "b c" = { p = 0.5, reward = 2}}},
   { state = "b c", action = "y", reward = 1e3, std = 2, to = "end" },
 ]
 """
@@ -88,7 +88,7 @@ def _records() -> list[Record]:
         student,
         300,
         (0, SetParameter("alpha", "sample-average")),
-        (20, TakeAction(0)),
+        (0, TakeAction(0)),
         (100, SetParameter("epsilon", 0.5)),
         (200, SwitchAlgorithm("sarsa")),
     )

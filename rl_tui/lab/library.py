@@ -14,7 +14,6 @@ from rl_tui.worlds.errors import Fault, ScenarioError, UserError, first_of
 from rl_tui.worlds.findings import Finding, near, place, shown
 from rl_tui.worlds.scenario import Scenario, read_scenario
 from rl_tui.worlds.schema import unknown_key
-from rl_tui.worlds.toml_file import UnreadableError, read_toml
 
 DEFAULT_ALGORITHM: Final = "q-learning"
 DEFAULT_EPISODES: Final = 1_000
@@ -60,11 +59,7 @@ def faults_of(path: str | Path) -> list[Fault]:
         scenario = read_scenario(path)
         return list(first_of(_default_faults(str(path), scenario.defaults)))
     except ScenarioError as error:
-        world_faults = list(error.faults)
-    try:
-        raw = read_toml(Path(path))
-    except UnreadableError:
-        return world_faults
+        world_faults, raw = list(error.faults), error.tables
     defaults = raw.get("defaults")
     faults = first_of(_default_faults(str(path), defaults)) if isinstance(defaults, dict) else ()
     tables = list(raw)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Annotated, Final, Literal
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validator
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, FailFast, Field, model_validator
 
 from rl_tui.worlds.schema import control_character
 
@@ -14,8 +14,9 @@ VERSION: Final = 1
 LONGEST_NAME: Final = 80
 MOST_LANES: Final = 4
 MOST_BRANCHES: Final = 1_000
-MOST_ENTRIES: Final = 1_000_000
+MOST_ENTRIES: Final = 200_000
 MOST_STEPS: Final = 10**15
+_MOST_KEYS: Final = 100
 _MOST_BREAKPOINTS: Final = 100_000
 MOST_IN_ALL: Final = 20_000_000  # entries of all branches, those that they share counted for each
 _LONGEST_TEXT: Final = 20_000_000
@@ -26,6 +27,13 @@ def _plain(text: str) -> str:
     if character:
         raise ValueError(f"{character} is a control character, of which none is allowed")
     return text
+
+
+def _of_few_keys(value: object) -> object:
+    """Refuse a table of very many keys at once: to complain of each takes a kilobyte."""
+    if isinstance(value, dict) and len(value) > _MOST_KEYS:
+        raise ValueError(f"{len(value):,} keys; expected at most {_MOST_KEYS}")
+    return value
 
 
 Name = Annotated[str, Field(max_length=LONGEST_NAME), AfterValidator(_plain)]
@@ -40,6 +48,11 @@ class Part(BaseModel):
     """A table of the document. Nothing is converted, and unknown keys are refused."""
 
     model_config = ConfigDict(strict=True, extra="forbid", frozen=True)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _has_few_keys(cls, value: object) -> object:
+        return _of_few_keys(value)
 
 
 class Entry(Part):
@@ -63,7 +76,7 @@ class StoredBranch(Part):
     end: Count = 0
     here: Count = 0
     shared: Annotated[int, Field(ge=0, le=MOST_ENTRIES)] = 0
-    journal: Annotated[tuple[Entry, ...], Field(max_length=MOST_ENTRIES, strict=False)] = ()
+    journal: Annotated[tuple[Entry, ...], FailFast(), Field(max_length=MOST_ENTRIES, strict=False)] = ()
 
 
 class StoredLane(Part):
@@ -71,8 +84,10 @@ class StoredLane(Part):
 
     seed: Annotated[int, Field(ge=0)]
     algorithm: Word
-    hyperparameters: dict[Word, Value]
-    branches: Annotated[tuple[StoredBranch, ...], Field(min_length=1, max_length=MOST_BRANCHES, strict=False)]
+    hyperparameters: Annotated[dict[Word, Value], BeforeValidator(_of_few_keys)]
+    branches: Annotated[
+        tuple[StoredBranch, ...], FailFast(), Field(min_length=1, max_length=MOST_BRANCHES, strict=False)
+    ]
     branch: Annotated[int, Field(ge=0)]
 
     @model_validator(mode="after")
@@ -97,8 +112,8 @@ class StoredScenario(Part):
 class StoredBreakpoints(Part):
     """The numbers of states and pairs."""
 
-    states: Annotated[tuple[Place, ...], Field(max_length=_MOST_BREAKPOINTS, strict=False)] = ()
-    pairs: Annotated[tuple[Place, ...], Field(max_length=_MOST_BREAKPOINTS, strict=False)] = ()
+    states: Annotated[tuple[Place, ...], FailFast(), Field(max_length=_MOST_BREAKPOINTS, strict=False)] = ()
+    pairs: Annotated[tuple[Place, ...], FailFast(), Field(max_length=_MOST_BREAKPOINTS, strict=False)] = ()
 
 
 class Document(Part):
@@ -111,7 +126,9 @@ class Document(Part):
     kept: bool
     saved: Annotated[str, Field(max_length=40)]
     scenario: StoredScenario
-    lanes: Annotated[tuple[StoredLane, ...], Field(min_length=1, max_length=MOST_LANES, strict=False)]
+    lanes: Annotated[
+        tuple[StoredLane, ...], FailFast(), Field(min_length=1, max_length=MOST_LANES, strict=False)
+    ]
     shown: Annotated[int, Field(ge=0)]
     breakpoints: StoredBreakpoints
     speed: Annotated[float, Field(gt=0, allow_inf_nan=False)] | None

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 
     from rl_tui.worlds.stepped_states import BinStates
 
+_MOST_TOLD: Final = 100
 _MOST_DECIMALS: Final = 12
 _FINEST: Final = 1e-14  # of the bounds; a double has 16 digits
 
@@ -31,7 +32,11 @@ def _is_list(value: object) -> bool:
 
 
 def _is_list_of_edges(value: object) -> bool:
-    return isinstance(value, list) and len(value) <= MOST_EDGES
+    # of a long list one fault is told, not one for each entry
+    short = isinstance(value, list) and len(value) <= _MOST_TOLD
+    return short or (
+        isinstance(value, list) and len(value) <= MOST_EDGES and all(is_number(each) for each in value)
+    )
 
 
 _LIST: Final = Expect(f"a list with an entry for each dimension, at most {MOST_PARTS}", _is_list)

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from itertools import islice
+from typing import Any
 
 from rl_tui.worlds.limits import MOST_FAULTS
 
@@ -32,10 +33,14 @@ class Fault:
 
 
 class ScenarioError(UserError):
-    """A scenario file with faults: the first 100 of them, in the order of the file."""
+    """A scenario file with faults: the first 100 of them, in the order of the file.
 
-    def __init__(self, faults: Iterable[Fault]) -> None:
+    ``tables`` is what the file says, as far as it could be read.
+    """
+
+    def __init__(self, faults: Iterable[Fault], tables: Mapping[str, Any] | None = None) -> None:
         self.faults = first_of(faults)
+        self.tables: Mapping[str, Any] = tables or {}
         super().__init__("\n".join(str(fault) for fault in self.faults))
 
 

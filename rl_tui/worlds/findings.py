@@ -42,8 +42,11 @@ def place(location: Location) -> str:
     return text
 
 
-def shown(value: object) -> str:
-    """Return a value of a file as one short line that is safe to print."""
+def shown(value: object, deepest: int = 3) -> str:
+    """Return a value of a file as one short line that is safe to print.
+
+    Of lists within lists so many levels are written out.
+    """
     if isinstance(value, bool):
         text = "true" if value else "false"
     elif isinstance(value, int) and value.bit_length() > _MOST_BITS:
@@ -55,10 +58,11 @@ def shown(value: object) -> str:
         text = "a table" if value else "an empty table"
         if len(value) > _MANY:
             text += f" of {len(value):,} keys"
-    elif isinstance(value, list) and len(value) > _MANY:
+    elif isinstance(value, list) and (len(value) > _MANY or not deepest):
         text = f"a list of {len(value):,}"
     elif isinstance(value, list):
-        text = f"[{', '.join(shown(each) for each in value[:8])}{', …' if len(value) > 8 else ''}]"
+        inner = ", ".join(shown(each, deepest - 1) for each in value[:8])
+        text = f"[{inner}{', …' if len(value) > 8 else ''}]"
     else:
         text = str(value)
     return one_line(text, _LONGEST_SHOWN)

@@ -8,12 +8,16 @@ from __future__ import annotations
 from typing import Final
 
 # Of a scenario file
-LARGEST_FILE: Final = 20_000_000
+LARGEST_FILE: Final = 10_000_000
 """Bytes of a scenario file."""
 MOST_VALUES: Final = 1_000_000
 """Values in a scenario file: keys, and entries of lists."""
 MOST_KEY_PARTS: Final = 20
 """Parts of one dotted key or header. Reading it takes time and memory with the square of them."""
+LONGEST_WORD: Final = 10_000
+"""Characters of a number or of a key without quotes."""
+MOST_KEYS: Final = 1_000
+"""Keys of one table, where they are not the names of states."""
 MOST_FAULTS: Final = 100
 """Faults of a file that are told at once."""
 MOST_FINDINGS: Final = 1_000

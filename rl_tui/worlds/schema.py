@@ -10,11 +10,11 @@ from dataclasses import dataclass
 from html import unescape
 from typing import Annotated, Any, Final, TypeVar
 
-from pydantic import BaseModel, ConfigDict, GetCoreSchemaHandler, ValidationError
+from pydantic import BaseModel, ConfigDict, GetCoreSchemaHandler, ValidationError, model_validator
 from pydantic_core import CoreSchema, ErrorDetails, PydanticCustomError, core_schema
 
 from rl_tui.worlds.findings import Finding, near, shown
-from rl_tui.worlds.limits import LARGEST_NUMBER, LONGEST_NAME, MOST_FINDINGS
+from rl_tui.worlds.limits import LARGEST_NUMBER, LONGEST_NAME, MOST_FINDINGS, MOST_KEYS
 from rl_tui.worlds.tolerance import PROBABILITY_TOLERANCE
 
 _IN_LINES: Final = "\n\t"
@@ -25,6 +25,14 @@ class Section(BaseModel):
     """A table of a scenario file. Keys it does not know are faults."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _has_few_keys(cls, value: object) -> object:
+        """Refuse a table of very many keys at once: to complain of each takes a kilobyte."""
+        if isinstance(value, dict) and len(value) > MOST_KEYS:
+            raise refused(shown(value), f"a table of at most {MOST_KEYS:,} keys")
+        return value
 
 
 AnySection = TypeVar("AnySection", bound=Section)

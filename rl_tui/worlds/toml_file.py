@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from rl_tui.worlds.findings import one_line
-from rl_tui.worlds.limits import LARGEST_FILE, MOST_KEY_PARTS, MOST_VALUES
+from rl_tui.worlds.limits import LARGEST_FILE, LONGEST_WORD, MOST_KEY_PARTS, MOST_VALUES
 
 # What is no structure: texts in three quotes, in one, and comments. Those that never end match too: to look
 # on from every quote in them would take the square of their length
@@ -18,6 +18,7 @@ _NO_STRUCTURE: Final = re.compile(
     re.DOTALL,
 )
 _LONG_KEY: Final = re.compile(rf"(?<![\w-])(?:[\w-]++[ \t]*+\.[ \t]*+){{{MOST_KEY_PARTS}}}")
+_LONG_WORD: Final = re.compile(rf"(?<!\w)\w{{{LONGEST_WORD + 1}}}")
 
 
 class UnreadableError(Exception):
@@ -26,11 +27,6 @@ class UnreadableError(Exception):
     def __init__(self, place: str, found: str, expected: str) -> None:
         super().__init__(found)
         self.place, self.found, self.expected = place, found, expected
-
-
-def read_toml(path: Path) -> dict[str, Any]:
-    """Return the tables of the file. Raises UnreadableError."""
-    return tables_in(read_text(path))
 
 
 def read_text(path: Path) -> str:
@@ -61,6 +57,9 @@ def _check_structure(text: str) -> None:
     structure = _NO_STRUCTURE.sub("s", text)
     if _LONG_KEY.search(structure):
         raise UnreadableError("", "a key of too many parts", f"at most {MOST_KEY_PARTS} parts, a.b.c")
+    if _LONG_WORD.search(structure):
+        expected = f"numbers and keys of at most {LONGEST_WORD:,} characters"
+        raise UnreadableError("", "a number or a key that is far too long", expected)
     # inline tables have a comma for a key, tables two brackets
     values = max(structure.count("="), structure.count(",")) + structure.count("[") // 2
     if values > MOST_VALUES:

@@ -168,7 +168,11 @@ ONE_FAULT = {
     ),
     "no start": (
         student('start = "Class"', ""),
-        ("mdp.start", "nothing", "the name of a state, or a table of states and probabilities, at most 10,000"),
+        (
+            "mdp.start",
+            "nothing",
+            "the name of a state, or a table of states and probabilities, at most 10,000",
+        ),
     ),
     "an empty start": (
         student('start = "Class"', "start = {}"),

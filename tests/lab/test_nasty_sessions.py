@@ -1,0 +1,127 @@
+"""Session files that nobody saved: each gives one short line, whatever was put into it."""
+
+# ruff: noqa: E501
+
+from __future__ import annotations
+
+import json
+import math
+from typing import Any
+
+import pytest
+from fuzz_seeds import session_seeds, signed
+
+from rl_tui.lab.session import LARGEST_FILE, SessionError, read_session
+from rl_tui.lab.session_replay import replayed, whereto
+from rl_tui.worlds.errors import UserError
+
+
+def changed(place: str = "", value: Any = None) -> str:
+    """A sound session, signed again after ``value`` was put to ``place``."""
+    fields = json.loads(session_seeds()[0])
+    holder: Any = fields
+    *way, last = [int(step) if step.isdigit() else step for step in place.split(".")]
+    for step in way:
+        holder = holder[step]
+    if last != "":
+        holder[last] = value
+    return signed(fields)
+
+
+LANE = "lanes.0"
+BRANCH = f"{LANE}.branches.0"
+SOUND = json.loads(session_seeds()[0])
+
+REFUSED = {
+    "lanes of four": (changed("lanes", SOUND["lanes"] * 10_000), "at most 4"),
+    "branches": (changed(f"{LANE}.branches", SOUND["lanes"][0]["branches"] * 2_000), "at most 1000"),
+    "changes": (changed(f"{BRANCH}.journal", [{"step": 0, "take": 0}] * 200_001), "at most 200000"),
+    "changes that are none": (changed(f"{BRANCH}.journal", [{"a": 1}] * 50_000), "journal[0]"),
+    "keys": (changed(f"{LANE}.hyperparameters", dict.fromkeys(map(str, range(50_000)), 1)), "at most 100"),
+    "more keys": (signed({**SOUND, **dict.fromkeys(map(str, range(50_000)), 1)}), "at most 100"),
+    "breakpoints": (changed("breakpoints.states", list(range(100_001))), "at most 100000"),
+    "a breakpoint before the first": (changed("breakpoints.pairs", [-1]), "breakpoints.pairs[0]"),
+    "a far step": (changed(f"{BRANCH}.end", 10**18), "less than or equal"),
+    "a step before the first": (changed(f"{BRANCH}.here", -1), "greater than or equal to 0"),
+    "changes out of order": (
+        changed(f"{BRANCH}.journal", [{"step": 9, "take": 0}, {"step": 3, "take": 0}]),
+        "out of order",
+    ),
+    "a change beyond the end": (changed(f"{BRANCH}.journal", [{"step": 10**6, "take": 0}]), "beyond its end"),
+    "two changes in one": (changed(f"{BRANCH}.journal", [{"step": 1, "take": 0, "algorithm": "sarsa"}]), "no change"),
+    "an infinite setting": (
+        changed(f"{BRANCH}.journal", [{"step": 1, "set": "alpha", "to": math.inf}]),
+        "damaged",
+    ),
+    "a setting out of range": (changed(f"{LANE}.hyperparameters.gamma", 1e300), "gamma"),
+    "shared changes": (changed(f"{BRANCH}.shared", 200_000), "shared is 200000"),
+    "its own parent": (changed(f"{BRANCH}.parent", 0), "parent"),
+    "no such branch": (changed(f"{LANE}.branch", 7), "no branch 7"),
+    "no such lane": (changed("shown", 10**18), "no lane"),
+    "a fork beyond the end": (changed(f"{BRANCH}.fork", 10**9), "beyond its end"),
+    "no speed": (changed("speed", math.inf), "damaged"),
+    "a truth value": (changed("shown", False), "integer"),
+    "half a letter": (changed("title", "\ud800"), "title"),
+    "half a letter in the scenario": (changed("scenario.text", "\ud800"), "scenario.text"),
+    "a title that moves the cursor": (changed("title", "\x1b[2J"), "control characters"),
+    "a long title": (changed("title", "x" * 5_000_000), "at most 80"),
+    "a long text": (changed("scenario.text", "#" * 20_000_001), "at most 20000000"),
+    "a key without end": (changed("scenario.text", ".".join("a" * 100_000) + "=1"), "20 parts"),
+    "a world of 10^9 cells": (changed("scenario.text", "[grid]\nrandom = { rows = 100_000, columns = 10_000 }"), "10,000"),
+    "10^9 arms": (changed("scenario.text", "[bandit]\narms = 1_000_000_000"), "10,000"),
+    "a time before all": (changed("saved", "0001-01-01T00:00:00+23:59"), "no time"),
+    "a time after all": (changed("saved", "9999-12-31T23:59:59-23:59"), "no time"),
+    "a module": (changed("scenario", {"id": "gym:os:X-v0", "kind": "gymnasium", "title": "t", "text": ""}), "without a module"),
+    "nested lists": (signed({**SOUND, "more": json.loads("[" * 900 + "]" * 900)}), "more"),
+    "brackets": ('{"format": "rl-tui session", "x": ' + "[" * 1_000_000, "cut off or damaged"),
+    "a number too long to read": (changed().replace('"shown": 0', '"shown": ' + "1" * 5_000), "damaged"),
+    "a number beyond all": (changed().replace('"speed": 10.0', '"speed": 1e999'), "checksum"),
+    "no number": (changed().replace('"speed": 10.0', '"speed": NaN'), "damaged"),
+    "a byte order mark": ("\ufeff" + changed(), "damaged"),
+    "a null character": (changed() + "\0", "damaged"),
+    "a list": ("[" + changed() + "]", "not a session"),
+    "bytes": ("x" * (LARGEST_FILE + 1), "at most 64 MB"),
+}  # fmt: skip
+
+
+def read(text: str, folder) -> Any:
+    path = folder / "mine.json"
+    path.write_bytes(text.encode("utf-8", "surrogatepass"))
+    stored = read_session(path)
+    return stored, stored.record()
+
+
+@pytest.mark.parametrize("name", REFUSED)
+def test_is_refused_in_one_short_line(name, tmp_path):
+    text, told = REFUSED[name]
+    with pytest.raises(SessionError) as error:
+        read(text, tmp_path)
+    line = str(error.value)
+    assert told in line
+    assert len(line.splitlines()) == 1
+    assert len(line) < 1_000
+
+
+UNPLAYABLE = {
+    "an action that is not there": (changed(f"{BRANCH}.journal", [{"step": 9, "take": 10**12}]), "not possible"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", UNPLAYABLE)
+def test_what_shows_on_the_way_is_told_in_one_line_too(name, tmp_path):
+    text, told = UNPLAYABLE[name]
+    _, record = read(text, tmp_path)
+    with pytest.raises(UserError, match=told) as error:
+        replayed(whereto(record))
+    assert len(str(error.value).splitlines()) == 1
+
+
+def test_the_last_of_keys_that_are_given_twice_counts(tmp_path):
+    """The checksum is of what the file means."""
+    stored, _ = read(changed().replace('"shown": 0', '"shown": 9, "shown": 0'), tmp_path)
+    assert stored.document.shown == 0
+
+
+def test_a_seed_of_thousands_of_digits_is_a_seed(tmp_path):
+    _, record = read(changed(f"{LANE}.seed", 10**4_000), tmp_path)
+    assert record.lanes[0].recipe.seed == 10**4_000
