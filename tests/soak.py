@@ -1,7 +1,7 @@
 """The real program at full speed for a long time: ``python tests/soak.py [MINUTES]``, sixty by default.
 
-Prints a row of figures a minute, and at the end how the last minute compares with the first. What it writes is
-counted, not looked at: only now and then is a screen drawn anew and read.
+Prints a row of figures a minute, and at the end how the last minute compares with the first. What it
+writes is counted, not looked at: only now and then is a screen drawn anew and read.
 """
 
 from __future__ import annotations
@@ -19,6 +19,7 @@ import termios
 import threading
 import time
 from collections import deque
+from itertools import pairwise
 from pathlib import Path
 from statistics import median
 from types import TracebackType
@@ -112,6 +113,7 @@ class Program:
             stderr=theirs,
             env=environment,
             start_new_session=True,
+            preexec_fn=lambda: fcntl.ioctl(0, termios.TIOCSCTTY, 0),  # or it is not told of a new size
         )
         os.close(theirs)
         self.pid = self._process.pid
@@ -247,8 +249,11 @@ def run_on(program: Program) -> None:
         if program.ended:
             return
         seen = program.look()
+        drawn = program.frames
         if FULL in seen:
-            return
+            time.sleep(1.0)  # a key may still be on its way
+            if program.frames > drawn:
+                return
         if PAUSED in seen:
             program.press(" " + FULL_SPEED)
         time.sleep(1.0)
@@ -259,7 +264,12 @@ def minute(program: Program, folder: Path, number: int) -> Minute:
     """Let a minute pass: most of it undisturbed, then keys; return the figures."""
     deadline = time.perf_counter() + MINUTE
     undisturbed = MINUTE / 2
-    begun, frames, written, worked = time.perf_counter(), program.frames, program.bytes, program.screen_seconds()
+    begun, frames, written, worked = (
+        time.perf_counter(),
+        program.frames,
+        program.bytes,
+        program.screen_seconds(),
+    )
     steps = steps_kept(folder)
     program.frame_ends.clear()
     while time.perf_counter() - begun < undisturbed and not program.ended:
@@ -268,8 +278,8 @@ def minute(program: Program, folder: Path, number: int) -> Minute:
     frames, written = program.frames - frames, program.bytes - written
     worked, steps = program.screen_seconds() - worked, steps_kept(folder) - steps
     ends = list(program.frame_ends)
-    gaps = sorted(later - earlier for earlier, later in zip(ends, ends[1:], strict=False))
-    for keys, pause in KEYS + (ELSEWHERE if number % ELSEWHERE_EVERY == 1 else ()):
+    gaps = sorted(later - earlier for earlier, later in pairwise(ends))
+    for keys, pause in KEYS + (ELSEWHERE if number % ELSEWHERE_EVERY == 0 else ()):
         program.press(keys)
         time.sleep(pause)
     program.press(" ")
@@ -309,8 +319,7 @@ def main() -> int:
     with tempfile.TemporaryDirectory() as name, Program(Path(name)) as program:
         program._until(lambda: program.frames > 0, START)
         program.wait_for_quiet()
-        program.press(" " + FULL_SPEED)
-        time.sleep(3.0)
+        run_on(program)
         print(f"{SCENARIO} at {SIZE[0]}x{SIZE[1]}, at full speed, {minutes} min", flush=True)
         print(HEADER, flush=True)
         figures = []

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import hashlib
 import os
+import re
+import shutil
+import time
 import warnings
 from collections.abc import Callable
 from contextlib import suppress
@@ -22,6 +25,9 @@ from numba.core.ir_utils import alias_analysis_extensions
 from numba.core.typing.templates import infer, infer_global, make_overload_template
 
 from rl_tui.worlds.kiosk import in_kiosk
+
+LONGEST_UNUSED: Final = 30 * 24 * 3600.0
+_OURS: Final = re.compile(r"\d[\w.+]*-[0-9a-f]{16}")
 
 Parameters = ParamSpec("Parameters")
 Result = TypeVar("Result")
@@ -48,11 +54,21 @@ def cache_folder() -> Path:
     for source in sorted([*package.glob("agents/**/*.py"), *package.glob("lab/**/*.py")]):
         digest.update(source.relative_to(package).as_posix().encode())
         digest.update(source.read_bytes())
-    base = os.environ.get("RL_TUI_CACHE_DIR") or platformdirs.user_cache_dir("rl-tui", appauthor=False)
-    return Path(base) / "kernels" / f"{numba.__version__}-{digest.hexdigest()[:16]}"
+    return _base() / "kernels" / f"{numba.__version__}-{digest.hexdigest()[:16]}"
+
+
+def _base() -> Path:
+    chosen = os.environ.get("RL_TUI_CACHE_DIR")
+    if chosen:
+        return Path(chosen)
+    try:
+        return platformdirs.user_cache_path("rl-tui", appauthor=False)
+    except RuntimeError:  # nobody knows a home
+        return Path(os.devnull)
 
 
 def _writable(folder: Path) -> bool:
+    """Tell whether ``folder``, made where it is missing, can be written; its time is then that of now."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
         probe = folder / f"writable-{os.getpid()}"
@@ -67,12 +83,27 @@ def _writable(folder: Path) -> bool:
 # code is right, the comparison with its interpreted form tells.
 warnings.simplefilter("ignore", NumbaIRAssumptionWarning)
 
+
+def prune(kernels: Path, current: Path, now: float) -> None:
+    """Remove the folders in ``kernels`` that no program has started from for thirty days, but ``current``.
+
+    ``now`` is in seconds, as file systems count. A program that runs on an old one for longer has its code in
+    memory, and compiles what else it needs.
+    """
+    with suppress(OSError):
+        for folder in kernels.iterdir():
+            is_ours = _OURS.fullmatch(folder.name) and folder.is_dir() and not folder.is_symlink()
+            if is_ours and folder != current and now - folder.stat().st_mtime > LONGEST_UNUSED:
+                shutil.rmtree(folder, ignore_errors=True)
+
+
 FOLDER: Final = cache_folder()
 # What a kiosk reads, somebody else has compiled before
 READ_ONLY: Final = in_kiosk() or not _writable(FOLDER)
 CACHED: Final = FOLDER.is_dir()
 if CACHED:
     numba.config.CACHE_DIR = str(FOLDER)
+    prune(FOLDER.parent, FOLDER, time.time())
 
 
 class _ForgivingCache(FunctionCache):  # type: ignore[misc]

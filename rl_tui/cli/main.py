@@ -60,14 +60,15 @@ def main() -> None:
 
 
 def _someone_is_at_work() -> bool:
-    return any(thread.daemon for thread in threading.enumerate() if thread is not threading.main_thread())
+    return any(thread is not threading.main_thread() for thread in threading.enumerate())
 
 
 def _leave_at_once(status: int) -> NoReturn:
     """Exit without the interpreter's farewell.
 
     It stops daemon threads wherever they are. One that was importing or compiling would keep locks that the
-    farewell itself may want: measured, one quit in 250 during start-up never ended.
+    farewell itself may want: measured, one quit in 250 during start-up never ended. For other threads it
+    would wait, and one that an environment keeps waiting may never end.
     """
     for stream in (sys.stdout, sys.stderr):
         with suppress(OSError, ValueError):

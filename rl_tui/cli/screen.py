@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import os
 import sys
+from pathlib import Path
+from tempfile import gettempdir
 from typing import TYPE_CHECKING, Final
 
 import click
@@ -46,6 +48,7 @@ def run_app(display: Display, start: Recipe | StoredSession | None = None) -> No
     Raises UserError where a fault ended it.
     """
     require_terminal()
+    _stand_somewhere()
     from rl_tui.lab.session_folder import session_folder
     from rl_tui.tui.app import RlTuiApp
 
@@ -61,3 +64,14 @@ def run_app(display: Display, start: Recipe | StoredSession | None = None) -> No
         raise fault
     if app.return_code:
         click.get_current_context().exit(app.return_code)
+
+
+def _stand_somewhere() -> None:
+    """Go to the folder of temporary files where the one that the program was started in is gone.
+
+    Libraries ask where they are: to compile a kernel needs that.
+    """
+    try:
+        Path.cwd()
+    except OSError:
+        os.chdir(gettempdir())

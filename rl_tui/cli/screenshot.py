@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import sys
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +14,7 @@ from rl_tui.cli.display_options import display_of, display_options
 from rl_tui.cli.help_sections import SectionedCommand
 from rl_tui.cli.number import OptionValue
 from rl_tui.cli.run_options import allow_module_option, run_options, seed_option, start_of
+from rl_tui.worlds.errors import UserError
 
 
 class ScreenSize(OptionValue):
@@ -70,4 +72,14 @@ def command(
     if out == "-":
         sys.stdout.write(svg)
     else:
-        Path(out).write_text(svg, encoding="utf-8")
+        _write(Path(out), svg)
+
+
+def _write(path: Path, svg: str) -> None:
+    try:
+        path.write_text(svg, encoding="utf-8")
+    except OSError as error:
+        with suppress(OSError):  # half a picture is none
+            if path.is_file():
+                path.unlink()
+        raise UserError(f"{path}: cannot be written ({error.strerror or error})") from error

@@ -8,13 +8,16 @@ from pathlib import Path
 from typing import Final
 
 OURS_ALONE: Final = 0o600
-_FLAGS: Final = os.O_WRONLY | os.O_CREAT | os.O_TRUNC | getattr(os, "O_BINARY", 0)
+# Whoever may write in the folder must not have us write elsewhere by a link in the draft's place
+_FLAGS: Final = (
+    os.O_WRONLY | os.O_CREAT | os.O_TRUNC | getattr(os, "O_BINARY", 0) | getattr(os, "O_NOFOLLOW", 0)
+)
 
 
 def write_atomically(path: Path, content: bytes) -> None:
     """Put ``content`` into ``path``, in place of what was there; on the disk once this returns.
 
-    Nobody but the owner may read it. Raises OSError, and then the old file is as it was.
+    Nobody but the owner may read it. Raises OSError, which names a file, and then the old one is as it was.
     """
     new = draft_of(path)
     try:
@@ -23,10 +26,11 @@ def write_atomically(path: Path, content: bytes) -> None:
             stream.flush()
             os.fsync(stream.fileno())
         new.replace(path)
-    except OSError:
+    except OSError as error:
         with suppress(OSError):
             new.unlink()
-        raise
+        # a full disk does not say which one it is
+        raise OSError(error.errno, error.strerror, error.filename or str(path)) from error
     _settle(path.parent)
 
 

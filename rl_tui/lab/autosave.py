@@ -13,6 +13,7 @@ from rl_tui.lab.branches import FIRST
 from rl_tui.lab.recipe import Recipe
 from rl_tui.lab.record import LaneRecord, Record
 from rl_tui.lab.session import MOST_PAIRS_DIGESTED, StoredSession, digest_of
+from rl_tui.lab.session_folder import settled
 from rl_tui.lab.session_writer import SessionWriter, reason
 
 if TYPE_CHECKING:
@@ -43,7 +44,7 @@ class Autosave:
     """
 
     def __init__(self, opened: Record, folder: Path, resumed: StoredSession | None = None) -> None:
-        self.folder = folder.resolve()
+        self.folder = settled(folder)
         self._changed = threading.Condition()  # guards the lines up to the next lock
         self._notices: list[str] = []
         self._on_notice: OnNotice | None = None
@@ -138,8 +139,15 @@ class Autosave:
 
     def _start_or_wake(self) -> None:
         if self._thread is None and self._has_work:
-            self._thread = threading.Thread(target=self._live, name="autosave", daemon=True)
-            self._thread.start()
+            thread = threading.Thread(target=self._live, name="autosave", daemon=True)
+            try:
+                thread.start()
+            except RuntimeError as error:  # there may be only so many threads; the next offer tries again
+                if not self._in_trouble:
+                    self._in_trouble = True
+                    self._tell(f"this session is not being saved: {error}")
+                return
+            self._thread = thread
         self._changed.notify_all()
 
     @property

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Final, TextIO
 
@@ -34,7 +34,8 @@ class EpisodeRows:
 def csv_file(target: Path | TextIO) -> Iterator[TextIO]:
     """Yield ``target``, opened if it is a path, with the header written.
 
-    Raises UserError where the file cannot be written; a stream stays open, and its errors are its own.
+    What was written is kept whatever else fails, but where the file itself cannot be written to its end it
+    goes, and UserError is raised. A stream stays open, and its errors are its own.
     """
     if not isinstance(target, Path):
         target.write(HEADER)
@@ -45,4 +46,7 @@ def csv_file(target: Path | TextIO) -> Iterator[TextIO]:
             stream.write(HEADER)
             yield stream
     except OSError as error:
+        with suppress(OSError):
+            if target.is_file():
+                target.unlink()
         raise UserError(f"{target}: cannot be written ({error.strerror or error})") from error

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 from pathlib import Path
 from typing import Final
@@ -9,6 +10,7 @@ from typing import Final
 from rl_tui.lab.atomic_file import draft_of, write_atomically
 from rl_tui.lab.file_lock import FileLock
 from rl_tui.lab.session import StoredSession, signature
+from rl_tui.lab.session_folder import VARIABLE, is_homeless
 
 PRIVATE: Final = 0o700
 
@@ -31,7 +33,7 @@ class HeldFile:
         Raises OSError where it cannot be written, ChangedElsewhereError where somebody did so who heeds no
         lock. A file that was removed is there again.
         """
-        self.path.parent.mkdir(parents=True, exist_ok=True, mode=PRIVATE)
+        _make_folder(self.path.parent)
         if self.path.exists() and signature(self.path.stat()) != self._written:
             raise ChangedElsewhereError
         write_atomically(self.path, content)
@@ -72,9 +74,19 @@ def hold_new(path: Path) -> HeldFile:
 
     Raises FileExistsError where there is such a file, or somebody is about to begin it, and OSError.
     """
-    path.parent.mkdir(parents=True, exist_ok=True, mode=PRIVATE)
+    _make_folder(path.parent)
     lock = FileLock(path)
     if not lock.acquire() or path.exists():
         lock.release()
         raise FileExistsError(path)
     return HeldFile(path, lock, ())
+
+
+def _make_folder(folder: Path) -> None:
+    """Make ``folder`` where it is missing. Raises OSError, never FileExistsError: that tells of a file."""
+    if is_homeless(folder):
+        raise OSError(errno.ENOENT, f"there is no home folder; set HOME or {VARIABLE}")
+    try:
+        folder.mkdir(parents=True, exist_ok=True, mode=PRIVATE)
+    except FileExistsError:
+        raise NotADirectoryError(errno.ENOTDIR, os.strerror(errno.ENOTDIR), str(folder)) from None

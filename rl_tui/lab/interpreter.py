@@ -13,14 +13,14 @@ SWITCH_INTERVAL: Final = 0.0005
 USUAL_SWITCH_INTERVAL: Final = sys.getswitchinterval()
 
 
-def switch_often() -> None:
-    """Let threads take turns twenty times as often as usual."""
+# Whoever plays: of two players, one that is left may close after the next has begun
+_PLAYERS: Final = set[int]()
+
+
+def switch_often(player: object) -> None:
+    """Let threads take turns ten times as often as usual, as long as ``player`` or another one plays."""
+    _PLAYERS.add(id(player))
     sys.setswitchinterval(SWITCH_INTERVAL)
-
-
-def switch_as_usual() -> None:
-    """Undo :func:`switch_often`."""
-    sys.setswitchinterval(USUAL_SWITCH_INTERVAL)
 
 
 def leave_out_of_collections() -> None:
@@ -29,10 +29,14 @@ def leave_out_of_collections() -> None:
     The libraries are some 200,000 objects. Looking through them stops every thread: measured, for up to
     88 ms, once a second beside a screen at full speed.
     """
+    gc.unfreeze()  # what a player before left behind is to be found
     gc.collect()
     gc.freeze()
 
 
-def take_into_collections() -> None:
-    """Undo :func:`leave_out_of_collections`, so that what is no longer used is found."""
-    gc.unfreeze()
+def as_usual(player: object) -> None:
+    """Undo both once nobody plays any more; ``player`` has ended."""
+    _PLAYERS.discard(id(player))
+    if not _PLAYERS:
+        sys.setswitchinterval(USUAL_SWITCH_INTERVAL)
+        gc.unfreeze()

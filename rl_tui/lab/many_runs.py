@@ -8,7 +8,7 @@ import statistics
 import threading
 import time
 from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor, wait
 from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
@@ -27,6 +27,8 @@ from rl_tui.worlds.drawing import Arms
 from rl_tui.worlds.errors import UserError
 
 Result = TypeVar("Result")
+
+LONGEST_GOODBYE: Final = 2.0
 
 FIGURES: Final = (
     "steps",
@@ -136,6 +138,8 @@ class _Experiment:
             parts = Path(stack.enter_context(TemporaryDirectory()))
 
             def append(index: int) -> None:
+                if not (parts / str(index)).exists():
+                    return  # it could not even begin
                 with (parts / str(index)).open(encoding="utf-8", newline="") as part:
                     copyfileobj(part, target)
                 (parts / str(index)).unlink()
@@ -158,18 +162,24 @@ class _Experiment:
         return mean_curve([curve for curve in self._curves if curve is not None], self._bandit)
 
     def _in_parallel(self, work: Callable[[int], Result], on_done: Callable[[int], None]) -> list[Result]:
-        """Return ``work`` of every run, in order; ``on_done`` is called in order too, as soon as may be."""
+        """Return ``work`` of every run, in order; ``on_done`` is called in order too, as soon as may be.
+
+        Where a run fails, ``on_done`` is called for it too before that is raised.
+        """
         results = []
-        with ThreadPoolExecutor(self._workers, thread_name_prefix="run") as pool:
-            futures = [pool.submit(work, index) for index in range(len(self._recipes))]
-            try:
-                for index, future in enumerate(futures):
-                    results.append(future.result())
-                    on_done(index)
-            except BaseException:
-                self._given_up = True
-                pool.shutdown(wait=True, cancel_futures=True)
-                raise
+        pool = ThreadPoolExecutor(self._workers, thread_name_prefix="run")
+        futures = [pool.submit(work, index) for index in range(len(self._recipes))]
+        try:
+            for index, future in enumerate(futures):
+                wait([future])
+                on_done(index)
+                results.append(future.result())
+        except BaseException:
+            self._given_up = True
+            pool.shutdown(wait=False, cancel_futures=True)
+            wait(futures, LONGEST_GOODBYE)  # an environment that does not answer is not waited for
+            raise
+        pool.shutdown()
         return results
 
     def _row(self, index: int, part: Path | None) -> dict[str, Any]:

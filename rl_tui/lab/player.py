@@ -10,18 +10,14 @@ from collections.abc import AsyncIterator, Callable
 from typing import Final
 
 from rl_tui.lab.commands import Command, Restart
-from rl_tui.lab.interpreter import (
-    leave_out_of_collections,
-    switch_as_usual,
-    switch_often,
-    take_into_collections,
-)
+from rl_tui.lab.interpreter import as_usual, leave_out_of_collections, switch_often
 from rl_tui.lab.keeper import Keeper
 from rl_tui.lab.playback import Playback
 from rl_tui.lab.recipe import Recipe
 from rl_tui.lab.record import Record
 from rl_tui.lab.snapshot import Phase, Snapshot
 from rl_tui.worlds.asking import unanswered
+from rl_tui.worlds.errors import UserError
 
 LONGEST_GOODBYE: Final = 0.2
 KEPT_EVERY: Final = 0.25
@@ -122,8 +118,7 @@ class Player:
                 self._reader.wake()
         if self._thread is not None:
             self._thread.join(LONGEST_GOODBYE)
-            switch_as_usual()
-            take_into_collections()
+            as_usual(self)
         if self._keeper is not None:
             self._keeper.close()
         self._refuse_questions(PlayerClosedError())
@@ -138,11 +133,21 @@ class Player:
 
     def _start_or_wake(self) -> None:
         if self._thread is None and not self._closing:
-            switch_often()
-            self._thread = threading.Thread(target=self._live, name="player", daemon=True)
-            self._thread.start()
+            thread = threading.Thread(target=self._live, name="player", daemon=True)
+            try:
+                thread.start()
+            except RuntimeError as error:  # there may be only so many threads
+                self._failure = UserError(f"the run has no thread to learn in: {error}")
+                self._wake_reader()
+                return
+            switch_often(self)
+            self._thread = thread
         else:
             self._changed.notify_all()
+
+    def _wake_reader(self) -> None:
+        if self._reader is not None:
+            self._reader.wake()
 
     def _on_exact(self) -> None:
         with self._changed:

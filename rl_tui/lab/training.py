@@ -12,8 +12,8 @@ from rl_tui.lab.run import Run
 from rl_tui.worlds.errors import UserError
 
 CHUNK: Final = 2_000_000
-# An environment that is stepped for real takes some 50 µs a step
-STEPPED_CHUNK: Final = 2_000
+# So long an environment that is stepped for real goes on without a word about how far it has come
+PATIENCE: Final = 0.2
 
 OnProgress = Callable[[int, int], None]
 
@@ -47,7 +47,7 @@ def train(
     """
     run.warm_up()
     start = time.perf_counter()
-    chunk = CHUNK if run.world.new_environment is None else STEPPED_CHUNK
+    run.learner.be_patient(PATIENCE)
     waiting = list(journal)
     while True:
         done, wanted = goal.reached_by(run)
@@ -61,13 +61,13 @@ def train(
         if done >= wanted or run.over:
             return time.perf_counter() - start
         left = wanted - done
-        steps = min(chunk, waiting[0].step - run.step) if waiting else chunk
+        steps = min(CHUNK, waiting[0].step - run.step) if waiting else CHUNK
         if goal.steps is not None:
             run.advance(min(steps, left))
         else:
             run.advance(steps, left)
         if run.stop_reason:
-            raise UserError(run.stop_reason)
+            raise UserError(f"{run.recipe.scenario.id}: {run.stop_reason}")
 
 
 def _is_step(entry: JournalEntry) -> bool:

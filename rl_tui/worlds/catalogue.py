@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator
 from difflib import get_close_matches
 from importlib.resources import files
@@ -35,7 +36,10 @@ def shipped_folder() -> Path:
 
 def user_folder() -> Path:
     """Return the folder of the user's own scenarios; it need not exist."""
-    return platformdirs.user_config_path("rl-tui", appauthor=False) / "scenarios"
+    try:
+        return platformdirs.user_config_path("rl-tui", appauthor=False) / "scenarios"
+    except RuntimeError:  # nobody knows a home
+        return Path(os.devnull) / "scenarios"
 
 
 def read_catalogue() -> Catalogue:

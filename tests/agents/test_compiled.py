@@ -1,14 +1,18 @@
 from __future__ import annotations
 
 import os
+import pickle
+import shutil
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NamedTuple
 
+import numba
 import pytest
 
-from rl_tui.agents.compiled import compiled, inlined_by_type, member_of
+from rl_tui.agents.compiled import LONGEST_UNUSED, cache_folder, compiled, inlined_by_type, member_of, prune
 
 SCRIPT = """
 from rl_tui.agents.compiled import CACHED, compiled
@@ -49,15 +53,67 @@ def test_the_second_process_reads_what_the_first_compiled(filled: Path) -> None:
 
 
 @pytest.mark.parametrize("ending", ["nbi", "nbc"])
-@pytest.mark.parametrize("damage", [b"", b"not what was written"])
-def test_a_damaged_cache_is_rebuilt(filled: Path, ending: str, damage: bytes) -> None:
+@pytest.mark.parametrize("damage", [lambda whole: b"", lambda whole: whole[:-9]])
+def test_a_damaged_cache_is_rebuilt(filled: Path, ending: str, damage: Callable[[bytes], bytes]) -> None:
     cache, script = filled / "cache", filled / "kernel.py"
     damaged = list(cache.rglob(f"*.{ending}"))
     assert damaged
     for file in damaged:
-        file.write_bytes(damage)
+        file.write_bytes(damage(file.read_bytes()))
     assert run_with_cache(cache, script) == "42.0 True 0"
     assert run_with_cache(cache, script) == "42.0 True 1"
+
+
+def test_it_does_without_files_that_are_something_else(filled: Path, tmp_path: Path) -> None:
+    cache, script = tmp_path / "cache", filled / "kernel.py"
+    shutil.copytree(filled / "cache", cache)
+    for file in [*cache.rglob("*.nbi"), *cache.rglob("*.nbc")]:
+        file.unlink()
+        file.mkdir()
+    assert run_with_cache(cache, script) == "42.0 True 0"
+
+
+def test_a_cache_of_another_version_is_not_read(filled: Path) -> None:
+    cache, script = filled / "cache", filled / "kernel.py"
+    (index,) = cache.rglob("*.nbi")
+    version, content = pickle.dumps("0.0.1"), index.read_bytes()
+    index.write_bytes(version + content[len(pickle.dumps(numba.__version__)) :])
+    assert run_with_cache(cache, script) == "42.0 True 0"
+
+
+def test_caches_that_nobody_has_used_for_long_are_removed(tmp_path: Path) -> None:
+    now = 1e9
+    ages = {
+        "0.68.1-0123456789abcdef": LONGEST_UNUSED + 60.0,
+        "0.68.1-0000000000000000": LONGEST_UNUSED - 60.0,
+        "0.61.0-ffffffffffffffff": 9e8,
+        "somebody else's": 9e8,
+        "0.68.1-1111111111111111": 9e8,
+    }
+    for name, age in ages.items():
+        (tmp_path / name / "inside").mkdir(parents=True)
+        os.utime(tmp_path / name, (now - age, now - age))
+    elsewhere = tmp_path / "elsewhere"
+    elsewhere.mkdir()
+    (tmp_path / "0.68.1-2222222222222222").symlink_to(elsewhere)
+    prune(tmp_path, tmp_path / "0.68.1-1111111111111111", now)
+    assert sorted(each.name for each in tmp_path.iterdir()) == [
+        "0.68.1-0000000000000000",
+        "0.68.1-1111111111111111",
+        "0.68.1-2222222222222222",
+        "elsewhere",
+        "somebody else's",
+    ]
+    prune(tmp_path / "nowhere", tmp_path, now)
+
+
+def test_where_nobody_has_a_home_it_does_without(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def homeless(*_: object, **__: object) -> None:
+        raise RuntimeError("could not determine the home directory")
+
+    monkeypatch.setattr("rl_tui.agents.compiled.platformdirs.user_cache_path", homeless)
+    monkeypatch.delenv("RL_TUI_CACHE_DIR")
+    assert cache_folder().is_relative_to(os.devnull)
 
 
 def test_it_does_without_a_cache_where_none_can_be_written(tmp_path: Path) -> None:

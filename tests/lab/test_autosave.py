@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import subprocess
 import sys
@@ -15,7 +16,8 @@ from autosaving import OPENED, at, kept, only, told
 from recipes import recipe
 from session_samples import after, fresh
 
-from rl_tui.lab import held_file
+from rl_tui.lab import held_file, session_folder
+from rl_tui.lab.atomic_file import draft_of, write_atomically
 from rl_tui.lab.autosave import Autosave
 from rl_tui.lab.file_lock import FileLock
 from rl_tui.lab.recipe import SetParameter
@@ -321,3 +323,78 @@ def test_going_on_in_a_copy_on_purpose(tmp_path: Path) -> None:
     autosave.offer(after(opened_by(autosave), 5))
     autosave.close()
     assert sorted(each.step for each in sessions_in(tmp_path)[0]) == [3, 5]
+
+
+def test_a_folder_that_is_a_file_is_named(tmp_path: Path) -> None:
+    (tmp_path / "sessions").write_text("")
+    autosave = kept(tmp_path / "sessions", OPENED, at(1))
+    assert told(autosave) == [f"this session is not being saved: {tmp_path / 'sessions'}: Not a directory"]
+    assert (tmp_path / "sessions").read_text() == ""
+
+
+def test_a_full_disk_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The system says what is wrong, but not with which file."""
+
+    def full(descriptor: int) -> None:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr("rl_tui.lab.atomic_file.os.fsync", full)
+    (notice,) = told(kept(tmp_path, OPENED, at(1)))
+    assert notice.startswith(f"this session is not being saved: {tmp_path}")
+    assert notice.endswith(".json: No space left on device")
+    assert os.listdir(tmp_path) == []
+
+
+def test_the_home_of_nobody_is_not_made(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def homeless(*_: object, **__: object) -> None:
+        raise RuntimeError("could not determine the home directory")
+
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.delenv("RL_TUI_SESSIONS_DIR")
+    monkeypatch.setattr("rl_tui.lab.session_folder.platformdirs.user_state_path", homeless)
+    autosave = kept(session_folder.session_folder(), OPENED, at(1))
+    (notice,) = told(autosave)
+    assert notice == (
+        "this session is not being saved: there is no home folder; set HOME or RL_TUI_SESSIONS_DIR"
+    )
+    assert os.listdir(tmp_path) == []
+
+
+def test_a_folder_that_is_gone_is_no_reason_to_fail(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    gone = tmp_path / "gone"
+    gone.mkdir()
+    monkeypatch.chdir(gone)
+    gone.rmdir()
+    autosave = kept(Path("sessions"), OPENED, at(1))
+    (notice,) = told(autosave)
+    assert notice == "this session is not being saved: sessions: No such file or directory"
+
+
+def test_a_link_in_the_place_of_the_draft_is_not_followed(tmp_path: Path) -> None:
+    path, victim = tmp_path / "session.json", tmp_path / "victim"
+    victim.write_text("untouched")
+    draft_of(path).symlink_to(victim)
+    with pytest.raises(OSError, match="symbolic links"):
+        write_atomically(path, b"new")
+    assert victim.read_text() == "untouched"
+    write_atomically(path, b"new")
+    assert path.read_bytes() == b"new"
+
+
+def test_where_no_thread_can_be_started_it_says_so_once(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refuse(thread: threading.Thread) -> None:
+        raise RuntimeError("can't start new thread")
+
+    autosave = Autosave(OPENED, tmp_path)
+    notices = told(autosave)
+    with monkeypatch.context() as patch:
+        patch.setattr(threading.Thread, "start", refuse)
+        autosave.offer(at(1))
+        autosave.offer(at(2))
+    assert notices == ["this session is not being saved: can't start new thread"]
+    autosave.offer(at(3))
+    autosave.close()
+    assert only(tmp_path).step == 3
+    assert notices[1:] == ["this session is being saved again"]

@@ -1,4 +1,4 @@
-"""Environments that break down, hang or are slow in a run on screen: all before it is kept, and can be gone back to."""
+"""Environments that break down, hang or are slow: all before it is kept, and can be gone back to."""
 
 from __future__ import annotations
 

@@ -264,3 +264,27 @@ async def test_while_it_plays_the_collector_is_spared_what_is_loaded() -> None:
     player.close()
     assert gc.get_freeze_count() < 10_000
     assert sys.getswitchinterval() == pytest.approx(USUAL_SWITCH_INTERVAL)
+
+
+async def test_where_no_thread_can_be_started_it_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
+    def refuse(thread: threading.Thread) -> None:
+        raise RuntimeError("can't start new thread")
+
+    player = Player(recipe("student"))
+    monkeypatch.setattr(threading.Thread, "start", refuse)
+    with pytest.raises(UserError, match="no thread to learn in: can't start new thread"):
+        await anext(player.snapshots())
+    player.close()
+
+
+async def test_a_player_that_closes_after_the_next_has_begun_takes_nothing_from_it() -> None:
+    first, second = Player(recipe("student")), Player(recipe("student"))
+    for player in (first, second):
+        await until(player, Phase.PAUSED)
+    first.close()
+    assert gc.get_freeze_count() > 10_000
+    assert sys.getswitchinterval() == pytest.approx(SWITCH_INTERVAL)
+    second.close()
+    first.close()
+    assert gc.get_freeze_count() < 10_000
+    assert sys.getswitchinterval() == pytest.approx(USUAL_SWITCH_INTERVAL)

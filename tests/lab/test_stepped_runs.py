@@ -126,7 +126,7 @@ def test_a_failure_ends_the_run_and_keeps_it(breaking):
     assert (snapshot.step, snapshot.episodes, int(snapshot.visits.sum())) == (6, 2, 6)
     run.advance(100)
     assert run.step == 6
-    with pytest.raises(UserError, match=r"^seed 0: at step 7 Breaking-v0 failed in a step"):
+    with pytest.raises(UserError, match=r"^seed 0: gym:Breaking-v0: at step 7 Breaking-v0 failed"):
         many_runs(breaking, 2, GAMES)
 
 

@@ -202,3 +202,17 @@ def test_a_reason_longer_than_the_row_is_shortened() -> None:
     assert drawn(lake(paused_by=long)).rstrip().endswith("…")
     assert drawn(lake(paused_by=long), ascii=True).isascii()
     assert long in drawn(lake(paused_by=long), 120)
+
+
+@pytest.mark.parametrize("width", [60, 80, 120])
+def test_an_environment_that_does_not_answer(width: int) -> None:
+    line = StatusLine(look())
+    line.tell_silence(1_234)
+    told = "the environment has not answered for 1,234 s; esc leaves it"
+    for snapshot in (None, lake(phase=Phase.RUNNING)):
+        (row,) = line.picture(snapshot, width, 1)
+        assert row.cell_length == width
+        assert told[: width - 2] in row.text
+    line.tell_silence(0)
+    (row,) = line.picture(lake(phase=Phase.RUNNING), width, 1)
+    assert "answered" not in row.text

@@ -56,7 +56,7 @@ class Told(gymnasium.Env[Any, Any]):
         return answer
 
 
-class Unwritable(Exception):
+class UnwritableError(Exception):
     """An exception, or an observation, of which no text can be made."""
 
     def __str__(self):
@@ -240,12 +240,18 @@ def test_the_time_limit_is_the_environments_own():
         ((1.5, 0.0, False, False, {}), "Told-v0 observed 1.5, which is not in its own space"),
         (("\x1b[2J", 0.0, False, False, {}), "Told-v0 observed '\\x1b[2J', which is not in its own space"),
         (((0, 0), 0.0, False, False, {}), "Told-v0 observed (0, 0), which is not in its own space"),
-        ((3, 0.0, False, False, {}), "Told-v0 observed 3, which is not in its own space of observations"),
+        ((3, 0.0, False, False, {}), "Told-v0 observed 3, which is not in its own space"),
         ((None, 0.0, False, False, {}), "Told-v0 observed None, which is not in its own space"),
-        ((Unwritable(), 0.0, False, False, {}), "Told-v0 observed a Unwritable that cannot be written"),
-        ((0, 0.0, False, {}), "Told-v0 answered 4 values to a step, which is not observation, reward,"),
+        (
+            (UnwritableError(), 0.0, False, False, {}),
+            "Told-v0 observed a UnwritableError that cannot be written",
+        ),
+        ((0, 0.0, False, {}), "Told-v0 answered 4 values to a step, which is not"),
         (None, "Told-v0 answered None to a step"),
-        (Unwritable(), "Told-v0 failed in a step: Unwritable: a Unwritable that cannot be written"),
+        (
+            UnwritableError(),
+            "Told-v0 failed in a step: UnwritableError: a UnwritableError that cannot be written",
+        ),
         (SystemExit(3), "Told-v0 failed in a step: SystemExit: 3"),
         (MemoryError(), "Told-v0 failed in a step: MemoryError"),
         (GeneratorExit(), "Told-v0 failed in a step: GeneratorExit"),
@@ -267,7 +273,9 @@ def test_a_fault_at_the_start_is_one_clear_line():
         environment(start=OSError("gone")).reset(0)
     with pytest.raises(EnvironmentFailedError, match=r"^Told-v0 observed 9, which"):
         environment(start=9).reset(0)
-    with pytest.raises(EnvironmentFailedError, match=r"^Told-v0 answered \(0, 1, 2\) to a reset, which is not"):
+    with pytest.raises(
+        EnvironmentFailedError, match=r"^Told-v0 answered \(0, 1, 2\) to a reset, which is not"
+    ):
         environment(start=(0, 1, 2)).reset(0)
     with pytest.raises(EnvironmentFailedError, match=r"^Told-v0 failed to start: SystemExit: 2$"):
         environment(start=SystemExit(2)).reset(0)
@@ -279,7 +287,7 @@ def test_ctrl_c_is_no_fault_of_the_environment():
     ours.reset(0)
     with pytest.raises(KeyboardInterrupt):
         ours.step(0)
-    with ThreadPoolExecutor(1) as pool, pytest.raises(EnvironmentFailedError, match="KeyboardInterrupt$"):
+    with ThreadPoolExecutor(1) as pool, pytest.raises(EnvironmentFailedError, match=r"KeyboardInterrupt$"):
         pool.submit(ours.step, 0).result()
 
 

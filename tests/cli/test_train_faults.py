@@ -1,0 +1,76 @@
+"""What ``train`` does with an environment that fails, prints or never answers."""
+
+from __future__ import annotations
+
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+SCRIPT = """
+import sys, time
+import gymnasium
+
+FAILS_AT, HANGS_AT = map(int, sys.argv[1:3])
+
+class Odd(gymnasium.Env):
+    observation_space = action_space = gymnasium.spaces.Discrete(2)
+    taken = 0
+
+    def reset(self, *, seed=None, options=None):
+        super().reset(seed=seed)
+        return 0, {}
+
+    def step(self, action):
+        self.taken += 1
+        print("a word from the environment")
+        if self.taken == FAILS_AT:
+            raise RuntimeError("out of breath")
+        if self.taken == HANGS_AT:
+            print("it hangs now", file=sys.stderr, flush=True)
+            while True:
+                time.sleep(0.05)
+        return 1, 1.0, self.taken % 5 == 0, False, {}
+
+gymnasium.register("Odd-v0", Odd)
+sys.argv = ["rl-tui", *sys.argv[3:]]
+from rl_tui.cli.main import main
+main()
+"""
+
+
+def started(*args: str, fails_at: int = 0, hangs_at: int = 0) -> subprocess.Popen[str]:
+    command = [sys.executable, "-c", SCRIPT, str(fails_at), str(hangs_at), "train", *args]
+    return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+
+
+def said_by_rl_tui(stderr: str) -> list[str]:
+    return [line for line in stderr.splitlines() if line != "a word from the environment"]
+
+
+@pytest.mark.parametrize("runs", [(), ("--runs", "1")])
+def test_a_failure_is_one_line_and_the_rows_until_then_are_kept(
+    tmp_path: Path, runs: tuple[str, ...]
+) -> None:
+    rows = tmp_path / "rows.csv"
+    child = started("gym:Odd-v0", "--steps", "100", "--json", "--csv", str(rows), *runs, fails_at=13)
+    out, err = child.communicate(timeout=120)
+    assert (child.returncode, out) == (1, "")
+    (line,) = said_by_rl_tui(err)
+    assert line.endswith("gym:Odd-v0: at step 13 Odd-v0 failed in a step: RuntimeError: out of breath")
+    assert rows.read_text() == "run,episode,return,length\n1,1,5.0,5\n1,2,5.0,5\n"
+
+
+@pytest.mark.parametrize("runs", [(), ("--runs", "3")])
+def test_ctrl_c_ends_what_never_answers(runs: tuple[str, ...]) -> None:
+    child = started("gym:Odd-v0", "--steps", "100", *runs, hangs_at=7)
+    assert child.stderr is not None
+    for line in child.stderr:
+        if "it hangs now" in line:
+            break
+    child.send_signal(signal.SIGINT)
+    out, err = child.communicate(timeout=120)
+    assert (child.returncode, out) == (130, "")
+    assert "Traceback" not in err

@@ -1,0 +1,86 @@
+"""The real program with an environment that prints, hangs and fails: keys act, the screen stays clean."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import pytest
+from pseudo_terminal import PseudoTerminal, visible
+
+from rl_tui.lab.session_folder import sessions_in
+
+SCRIPT = """
+import sys, threading, warnings
+import gymnasium
+
+HANGS_AT, FAILS_AT = map(int, sys.argv[1:3])
+
+class Odd(gymnasium.Env):
+    observation_space = action_space = gymnasium.spaces.Discrete(2)
+    taken = 0
+
+    def reset(self, *, seed=None, options=None):
+        super().reset(seed=seed)
+        print("NOISE")
+        return 0, {}
+
+    def step(self, action):
+        self.taken += 1
+        print("NOISE")
+        print("NOISE", file=sys.stderr)
+        warnings.warn("NOISE")
+        if self.taken == HANGS_AT:
+            threading.Event().wait()
+        if self.taken == FAILS_AT:
+            raise RuntimeError("out of breath")
+        return 1, 1.0, self.taken % 3 == 0, False, {}
+
+gymnasium.register("Odd-v0", Odd)
+sys.argv = ["rl-tui", "play", "gym:Odd-v0"]
+from rl_tui.cli.main import main
+main()
+"""
+
+
+def check_left_as_it_was(terminal: PseudoTerminal) -> None:
+    assert terminal.wait_for_end() == 0
+    assert terminal.modes_left_changed == set()
+    assert terminal.attributes == terminal.attributes_before
+    written = visible(terminal.written)
+    assert "Traceback" not in written
+    # what is printed before the screen is taken goes to the terminal, as any message does
+    assert "NOISE" not in written[written.index("Odd-v0 · ") :]
+
+
+@pytest.mark.parametrize("leave", ["q", "\x1b"])
+def test_an_environment_that_never_answers_can_be_left(tmp_path: Path, leave: str) -> None:
+    command = [sys.executable, "-c", SCRIPT, "3", "0"]
+    with PseudoTerminal(command, {"RL_TUI_SESSIONS_DIR": str(tmp_path)}) as terminal:
+        terminal.wait_for("paused")
+        for step in (1, 2):
+            terminal.press("s")
+            terminal.wait_for(rf"step\s+{step}\b")
+        terminal.press("s")
+        terminal.wait_for(r"the environment has not answered for \d+ s; esc leaves it")
+        if leave == "\x1b":
+            terminal.press(leave)
+            terminal.wait_for("esc again goes to the catalogue")
+            terminal.press(leave)
+            terminal.wait_for("Scenarios")
+        terminal.press("q")
+        check_left_as_it_was(terminal)
+    (session,), _ = sessions_in(tmp_path)
+    assert session.step == 2
+
+
+def test_an_environment_that_fails_is_told_and_gone_back_from(tmp_path: Path) -> None:
+    command = [sys.executable, "-c", SCRIPT, "0", "5"]
+    with PseudoTerminal(command, {"RL_TUI_SESSIONS_DIR": str(tmp_path)}) as terminal:
+        terminal.wait_for("paused")
+        terminal.press(" ")
+        terminal.wait_for("stopped: at step 5 Odd-v0 failed in a step: RuntimeError: out of breath")
+        terminal.press("b")
+        terminal.wait_for(r"step\s+3\b")
+        terminal.press("q")
+        check_left_as_it_was(terminal)
