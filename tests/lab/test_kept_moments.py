@@ -25,7 +25,7 @@ def test_the_history_of_a_cell_is_what_it_was() -> None:
     shown = do(playback, GoTo(777))
     assert shown.cell is not None
     assert (shown.cell.step[0], shown.cell.step[-1], shown.cell.value[-1]) == (0, 777, shown.q[3])
-    shown = do(playback, Apply(SetParameter("alpha", 0.9)), Train(20_000))
+    shown = do(playback, Apply(SetParameter("alpha", 0.9)), Train(5_000))
     assert shown.cell is not None
     assert shown.cell.value[-1] == shown.q[3]
     straight = replay(shown.recipe, shown.timeline.current.journal, int(shown.cell.step[-3]))

@@ -51,9 +51,9 @@ def test_lanes_follow_to_the_same_step_and_are_runs_of_their_own() -> None:
 def test_a_lane_that_is_over_waits_while_others_go_on() -> None:
     playback = begin(recipe("frozenlake-slippery"))
     do(playback, Train(100), AddLane((SwitchAlgorithm("value-iteration"),)))
-    shown = do(playback, Train(20_000))
+    shown = do(playback, Train(5_000))
     steps = [lane.step for lane in shown.lanes]
-    assert steps[0] == 20_100 > steps[1]
+    assert steps[0] == 5_100 > steps[1]
     shown = do(playback, ChooseLane(1))
     assert shown.phase is Phase.DONE
     assert [lane.step for lane in shown.lanes] == steps
@@ -63,7 +63,7 @@ def test_a_lane_that_is_over_waits_while_others_go_on() -> None:
 
 def test_lanes_come_back_where_they_stood_though_the_one_shown_is_over() -> None:
     playback = begin(recipe("frozenlake-slippery", algorithm="value-iteration"))
-    do(playback, AddLane((SwitchAlgorithm("q-learning"),)), Train(20_000), ChooseLane(1), Train(20_000))
+    do(playback, AddLane((SwitchAlgorithm("q-learning"),)), Train(5_000), ChooseLane(1), Train(5_000))
     shown = do(playback, ChooseLane(0))
     assert shown.phase is Phase.DONE
     assert shown.lanes[0].step < shown.lanes[1].step

@@ -30,14 +30,14 @@ def test_a_run_pauses_at_breakpoints_and_at_what_was_waited_for() -> None:
     straight = replay(shown.recipe, (), shown.step - 1)
     assert straight.learner.visits.sum() == shown.step - 1
     assert straight.history.total_return == 0.0
-    shown = do(playback, GoTo(0), ToggleBreakpoint(state=9), RunUntil(Until(Event.STEP, 10_000)))
+    shown = do(playback, GoTo(0), ToggleBreakpoint(state=9), RunUntil(Until(Event.STEP, 2_000)))
     assert shown.paused_by == "breakpoint: state 9"
     assert shown.state == 9
-    shown = do(playback, ClearBreakpoints(), RunUntil(Until(Event.STEP, 10_000)))
-    assert (shown.step, shown.paused_by) == (10_000, "step 10,000")
+    shown = do(playback, ClearBreakpoints(), RunUntil(Until(Event.STEP, 2_000)))
+    assert (shown.step, shown.paused_by) == (2_000, "step 2,000")
     assert "lies behind" in do(playback, RunUntil(Until(Event.STEP, 10))).paused_by
-    shown = do(playback, RunUntil(Until(Event.EPISODE, 1500)))
-    assert (shown.episodes, shown.episode_step) == (1499, 0)
+    shown = do(playback, RunUntil(Until(Event.EPISODE, 300)))
+    assert (shown.episodes, shown.episode_step) == (299, 0)
     shown = do(playback, GoTo(0), RunUntil(Until(Event.VALUE, pair=0, threshold=0.1)))
     assert shown.q[0] >= 0.1
     assert replay(shown.recipe, (), shown.step - 1).learner.q[0] < 0.1

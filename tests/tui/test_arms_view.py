@@ -6,7 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from rich.style import Style
-from samples import bandit, bandit_world, look
+from sample_worlds import bandit_world
+from samples import bandit, look
 from textual.strip import Strip
 
 from rl_tui.lab.snapshot import Snapshot

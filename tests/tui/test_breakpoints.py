@@ -7,7 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from rich.style import Style
-from samples import bandit, bandit_world, lake, look, student
+from sample_worlds import bandit_world
+from samples import bandit, lake, look, student
 from textual.geometry import Size
 from textual.strip import Strip
 

@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 from conftest import MakeApp
 from lane_samples import lane_views, showing
-from samples import bandit_world, lake_world
+from sample_worlds import bandit_world, lake_world
 from test_options import choose, messages
 from test_playground import playground
 from textual.pilot import Pilot

@@ -5,19 +5,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from rich.style import Style
-from samples import look, student, student_world
+from sample_worlds import student_world
+from samples import look, student
 from textual.strip import Strip
 
 from rl_tui.lab.snapshot import Snapshot
 from rl_tui.tui.theme.glyphs import ASCII, UNICODE
 from rl_tui.tui.world_views.graph import GraphView
 from rl_tui.tui.world_views.graph_layout import GraphLayout, graph_layout
-from rl_tui.tui.world_views.graph_shape import (
-    GraphShape,
-    graph_shape,
-    probability_text,
-    reward_text,
-)
+from rl_tui.tui.world_views.graph_shape import GraphShape, graph_shape, probability_text, reward_text
 from rl_tui.tui.world_views.routing import RIGHT, Box, Port, Sheet, route
 from rl_tui.tui.world_views.strokes import BOLD, THIN, Arms, joint
 from rl_tui.worlds.drawing import Graph

@@ -4,61 +4,19 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from drawn_grids import large_lake, picture, q_of, small, style_at, visited
 from rich.style import Style
-from samples import LEFT, RIGHT, UP, big_lake, lake, lake_world, look
-from textual.app import App, ComposeResult
-from textual.geometry import Region
-from textual.strip import Strip
+from sample_worlds import LEFT, RIGHT, UP, lake_world
+from samples import big_lake, lake, look
 
 from rl_tui.lab.snapshot import Snapshot
-from rl_tui.tui.scrolling import kept_in_view
-from rl_tui.tui.world_views import world_view
 from rl_tui.tui.world_views.cell_rewards import cell_rewards
-from rl_tui.tui.world_views.grid import GridView, draw_grid
-from rl_tui.tui.world_views.grid_cells import CellArtist
+from rl_tui.tui.world_views.grid import GridView
 from rl_tui.tui.world_views.grid_form import CellForm, cell_form
-from rl_tui.tui.world_views.grid_map import CellContent, GridMap, Part
 from rl_tui.worlds.drawing import CellKind, Grid
 from rl_tui.worlds.grid_section import GridSection
-from rl_tui.worlds.mdp import FloatArray
 from rl_tui.worlds.space import FiniteSpace
 from rl_tui.worlds.world import World
-
-
-def q_of(snapshot: Snapshot, values: dict[tuple[int, int], float]) -> FloatArray:
-    """Zero but for (state, place of the pair in it)."""
-    q = np.zeros(snapshot.world.space.pairs)
-    for (state, place), value in values.items():
-        q[int(snapshot.world.space.first_pair[state]) + place] = value
-    return q
-
-
-def visited(snapshot: Snapshot, *states: int) -> Snapshot:
-    visits = snapshot.visits.copy()
-    for state in states:
-        visits[snapshot.world.space.pairs_of(state).start] = 1
-    return replace(snapshot, visits=visits)
-
-
-def picture(snapshot: Snapshot, width: int, height: int, *, ascii: bool = False) -> list[str]:  # noqa: A002
-    view = GridView(snapshot.world, look(ascii))
-    return [strip.text for strip in view.picture(snapshot, width, height)]
-
-
-def whole(snapshot: Snapshot) -> Part:
-    grid = snapshot.world.drawing
-    assert isinstance(grid, Grid)
-    return Part(0, 0, grid.rows, grid.columns)
-
-
-def small(snapshot: Snapshot, height: int = 4, width: int = 20) -> list[str]:
-    grid = snapshot.world.drawing
-    assert isinstance(grid, Grid)
-    grid_map = GridMap(snapshot.world.space, grid)
-    artist = CellArtist(look(), CellForm(5, 1))
-    part = whole(snapshot)
-    strips = draw_grid(grid_map.contents(part, snapshot), artist, part, width, height)
-    return [strip.text for strip in strips]
 
 
 @pytest.mark.parametrize(
@@ -213,16 +171,6 @@ def test_ascii() -> None:
     assert rows[1] == "  .00  O  @+.00  O  "
 
 
-@pytest.mark.parametrize(
-    ("first", "place", "expected"),
-    [(0, 3, 0), (0, 9, 4), (5, 7, 5), (0, 99, 90), (95, None, 90), (-3, None, 0), (50, 0, 0)],
-)
-def test_the_view_moves_only_where_the_agent_nears_its_edge(
-    first: int, place: int | None, expected: int
-) -> None:
-    assert kept_in_view(first, place, shown=10, total=100) == expected
-
-
 def test_values_of_three_digits_are_never_number_signs() -> None:
     snapshot = large_lake()
     q = np.full_like(snapshot.q, -100.0)
@@ -244,90 +192,6 @@ def test_values_of_three_digits_are_never_number_signs() -> None:
     view.show(another)
     view.picture(another, 50, 10)
     assert view.heading == "World · V and greedy"
-
-
-def large_lake(side: int = 40) -> Snapshot:
-    rows = ("S" + "F" * (side - 1), *("F" * side for _ in range(side - 2)), "F" * (side - 1) + "G")
-    world = lake_world(slippery=False, rows=rows)
-    mdp = world.space
-    return replace(
-        lake(step=0), world=world, q=np.zeros(mdp.pairs), visits=np.zeros(mdp.pairs, dtype=np.int64)
-    )
-
-
-def test_only_cells_in_view_are_read(monkeypatch: pytest.MonkeyPatch) -> None:
-    snapshot = large_lake()
-    read: list[Part] = []
-    contents = GridMap.contents
-
-    def counted(
-        self: GridMap, part: Part, snapshot: Snapshot, cursor: int | None = None
-    ) -> list[CellContent]:
-        read.append(part)
-        return contents(self, part, snapshot, cursor)
-
-    monkeypatch.setattr(GridMap, "contents", counted)
-    view = GridView(snapshot.world, look())
-    view.picture(replace(snapshot, state=20 * 40 + 30), 40, 10)
-    assert read == [Part(15, 26, 10, 8)]
-
-
-def test_wheel_and_cursor_scroll_until_the_agent_is_followed_again() -> None:
-    snapshot = large_lake()
-    view = GridView(snapshot.world, look())
-    view.snapshot = snapshot
-
-    def text(width: int = 60) -> str:
-        return "".join(strip.text for strip in view.picture(snapshot, width, 10))
-
-    assert "◉" in text()
-    assert view.footing == "rows 0–9 of 40 · columns 0–11 of 40 · follows the agent"
-    assert view.check_action("back", ()) is False
-    for _ in range(3):
-        view.pan(1, 0)
-    assert "◉" not in text()
-    assert view.footing == "3–12 of 40 · 0–11 of 40 · esc: follow the agent"
-    view.action_page(1, 1)
-    text()
-    assert view.cursor == 10 * 40 + 12  # a page from the agent, at the start
-    assert view.footing.startswith("3–12 of 40 · 1–12 of 40")  # no further than it takes
-    view.action_move(3, 0)
-    text()
-    assert view.footing.startswith("4–13 of 40 · 1–12 of 40")
-    view.action_page(9, -9)
-    assert "★" not in text()
-    assert view.cursor == 39 * 40
-    assert view.footing.startswith("30–39 of 40 · 0–11 of 40")
-    assert view.check_action("back", ()) is True
-    view.follow()
-    assert "◉" in text()
-    text(40)
-    assert view.footing == "follows the agent"
-
-
-def test_a_legend_stands_below_a_whole_map_and_above_one_that_scrolls() -> None:
-    snapshot = large_lake()
-    assert isinstance(snapshot.world.drawing, Grid)
-    drawing = replace(snapshot.world.drawing, legend="angle down, speed across")
-    view = GridView(World(snapshot.world.space, drawing), look())
-    view.picture(snapshot, 60, 10)
-    assert view.heading == "World · V and greedy · angle down, speed across"
-    view.picture(snapshot, 40, 10)
-    assert view.heading == "World · angle down, speed across"
-    view.picture(snapshot, 30, 10)
-    assert view.heading == "World · V and greedy"
-    view.picture(snapshot, 240, 40)
-    assert (view.heading, view.footing) == ("World · V and greedy", "angle down, speed across")
-
-
-def test_a_whole_map_does_not_scroll() -> None:
-    view = GridView(lake().world, look())
-    view.picture(lake(), 40, 8)
-    view.pan(1, 1)
-    assert not view.is_away
-    assert view.cells is None
-    view.picture(lake(), 40, 8)
-    assert view.footing == ""
 
 
 def test_arrows_stand_alone_where_a_map_fits_only_without_its_values() -> None:
@@ -352,45 +216,6 @@ def test_every_size_is_filled_exactly(size: tuple[int, int], plain: bool) -> Non
         strips = view.picture(snapshot, width, height)
         assert [strip.cell_length for strip in strips] == [width] * height
         assert all(segment.style is not None for strip in strips for segment in strip)
-
-
-async def test_only_rows_that_changed_are_refreshed() -> None:
-    snapshot = lake()
-    view = world_view(snapshot.world, look(), id="world")
-    asked: list[Region] = []
-
-    class Alone(App[None]):
-        CSS = "#world { width: 40; height: 8; }"
-
-        def compose(self) -> ComposeResult:
-            yield view
-
-    async with Alone().run_test(size=(80, 24)) as pilot:
-        assert "the world is being built" in view.render_line(3).text
-        view.show(snapshot)
-        await pilot.pause()
-        assert view.border_title == "World · V and greedy"
-        before = view.render_line(1).text
-        refresh = view.refresh
-
-        def recorded(*regions: Region, **options: bool) -> object:
-            asked.extend(regions)
-            return refresh(*regions, **options)
-
-        view.refresh = recorded  # type: ignore[method-assign,assignment]
-        view.show(snapshot)
-        assert asked == []
-        view.show(replace(snapshot, q=snapshot.q + q_of(snapshot, {(8, 1): -0.02})))
-        assert asked == []
-        best = int(np.argmax(snapshot.q[:4]))
-        view.show(replace(snapshot, q=snapshot.q + q_of(snapshot, {(0, best): 0.05})))
-        assert asked == [Region(0, 0, 40, 1), Region(0, 1, 40, 1)]  # both rows of its cell
-        assert view.render_line(1).text != before
-
-
-def style_at(strip: Strip, column: int) -> Style | None:
-    """The style of the character at ``column``."""
-    return next(iter(strip.crop(column, column + 1))).style
 
 
 def test_a_cliff_has_a_sign_and_a_colour_of_its_own() -> None:

@@ -2,7 +2,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from samples import LEFT, RIGHT, UP, bandit, bandit_world, lake, look, student
+from sample_worlds import LEFT, RIGHT, UP, bandit_world
+from samples import bandit, lake, look, student
 
 from rl_tui.lab.snapshot import Snapshot
 from rl_tui.tui.hand import (

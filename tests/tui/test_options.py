@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 from conftest import MakeApp
-from samples import bandit_world, lake_world
+from sample_worlds import bandit_world, lake_world
 from test_playground import playground, press, slider, snapshot, train
 from textual.pilot import Pilot
 from textual.widgets import Input, OptionList

@@ -1,0 +1,45 @@
+"""Return curves drawn without an app."""
+
+from __future__ import annotations
+
+import numpy as np
+from rich.style import Style
+from samples import look
+
+from rl_tui.lab.snapshot import Curve, Marks, Snapshot
+from rl_tui.tui.widgets.braille import Steps
+from rl_tui.tui.widgets.curve import ReturnCurve
+
+NARROW, WIDE = (40, 7), (60, 13)
+NO_MARKS = Marks(np.array([], dtype=np.int64), np.array([], dtype=np.int64), np.array([]))
+
+
+def drawn(
+    snapshot: Snapshot | None,
+    size: tuple[int, int] = WIDE,
+    *,
+    ascii: bool = False,  # noqa: A002
+    revealed: bool = False,
+) -> tuple[str, ReturnCurve]:
+    widget = ReturnCurve(look(ascii))
+    widget.snapshot = snapshot
+    widget._revealed = revealed
+    rows = widget.picture(snapshot, *size)
+    assert [row.cell_length for row in rows] == [size[0]] * size[1]
+    return "\n".join(row.text for row in rows), widget
+
+
+def styles_of(widget: ReturnCurve, snapshot: Snapshot, text: str) -> list[Style | None]:
+    segments = [segment for row in widget.picture(snapshot, *WIDE) for segment in row]
+    return [segment.style for segment in segments if text in segment.text]
+
+
+def flat(value: float, episodes: int = 1_234) -> Curve:
+    values = np.full(episodes // 2, value)
+    ends = np.linspace(2, episodes, episodes // 2).astype(np.int64)
+    return Curve(ends, values, values, values, values)
+
+
+def steps(start: list[float], end: list[float], values: list[float]) -> Steps:
+    value = np.array(values)
+    return Steps(np.array(start), np.array(end), value, value)

@@ -1,0 +1,69 @@
+"""Grid worlds drawn without an app."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from rich.style import Style
+from sample_worlds import lake_world
+from samples import lake, look
+from textual.strip import Strip
+
+from rl_tui.lab.snapshot import Snapshot
+from rl_tui.tui.world_views.grid import GridView, draw_grid
+from rl_tui.tui.world_views.grid_cells import CellArtist
+from rl_tui.tui.world_views.grid_form import CellForm
+from rl_tui.tui.world_views.grid_map import GridMap, Part
+from rl_tui.worlds.drawing import Grid
+from rl_tui.worlds.mdp import FloatArray
+
+
+def q_of(snapshot: Snapshot, values: dict[tuple[int, int], float]) -> FloatArray:
+    """Zero but for (state, place of the pair in it)."""
+    q = np.zeros(snapshot.world.space.pairs)
+    for (state, place), value in values.items():
+        q[int(snapshot.world.space.first_pair[state]) + place] = value
+    return q
+
+
+def visited(snapshot: Snapshot, *states: int) -> Snapshot:
+    visits = snapshot.visits.copy()
+    for state in states:
+        visits[snapshot.world.space.pairs_of(state).start] = 1
+    return replace(snapshot, visits=visits)
+
+
+def picture(snapshot: Snapshot, width: int, height: int, *, ascii: bool = False) -> list[str]:  # noqa: A002
+    view = GridView(snapshot.world, look(ascii))
+    return [strip.text for strip in view.picture(snapshot, width, height)]
+
+
+def whole(snapshot: Snapshot) -> Part:
+    grid = snapshot.world.drawing
+    assert isinstance(grid, Grid)
+    return Part(0, 0, grid.rows, grid.columns)
+
+
+def small(snapshot: Snapshot, height: int = 4, width: int = 20) -> list[str]:
+    grid = snapshot.world.drawing
+    assert isinstance(grid, Grid)
+    grid_map = GridMap(snapshot.world.space, grid)
+    artist = CellArtist(look(), CellForm(5, 1))
+    part = whole(snapshot)
+    strips = draw_grid(grid_map.contents(part, snapshot), artist, part, width, height)
+    return [strip.text for strip in strips]
+
+
+def style_at(strip: Strip, column: int) -> Style | None:
+    """The style of the character at ``column``."""
+    return next(iter(strip.crop(column, column + 1))).style
+
+
+def large_lake(side: int = 40) -> Snapshot:
+    rows = ("S" + "F" * (side - 1), *("F" * side for _ in range(side - 2)), "F" * (side - 1) + "G")
+    world = lake_world(slippery=False, rows=rows)
+    mdp = world.space
+    return replace(
+        lake(step=0), world=world, q=np.zeros(mdp.pairs), visits=np.zeros(mdp.pairs, dtype=np.int64)
+    )

@@ -1,0 +1,70 @@
+"""Q-tables drawn without an app."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from rich.style import Style
+from samples import lake, look
+from textual.geometry import Size
+
+from rl_tui.lab.snapshot import Snapshot
+from rl_tui.tui.widgets.q_table import QTable
+from rl_tui.tui.widgets.q_table_layers import Layer
+
+PALETTE = look().palette
+
+
+class Drawn:
+    """A table drawn without an app."""
+
+    def __init__(
+        self,
+        state: Snapshot,
+        width: int = 36,
+        height: int = 17,
+        layer: Layer = Layer.Q,
+        *,
+        revealed: bool = False,
+        lights: bool = True,
+        ascii_only: bool = False,
+    ) -> None:
+        self.table = QTable(look(ascii_only))
+        self.table._size = Size(width, height)
+        self.table.revealed = revealed
+        self.table.lights = lights
+        self.table.shown_layer = layer
+        self.table.show(state)
+        self.strips = self.table.picture(state, width, height)
+        assert [strip.cell_length for strip in self.strips] == [width] * height
+
+    @property
+    def rows(self) -> list[str]:
+        return [strip.text for strip in self.strips]
+
+    @property
+    def text(self) -> str:
+        return "\n".join(self.rows)
+
+    def row(self, start: str) -> str:
+        return next(row for row in self.rows if row.replace("◉", " ").strip().startswith(start))
+
+    def style_of(self, row: int, text: str) -> Style:
+        style = next(segment.style for segment in self.strips[row] if text in segment.text)
+        assert style is not None
+        return style
+
+
+def fresh(state: Snapshot, q: list[float], visits: list[int]) -> Snapshot:
+    return replace(state, q=np.array(q), visits=np.array(visits, dtype=np.int64), last=None)
+
+
+def lake_of(values: dict[int, float], **changes: Any) -> Snapshot:
+    """The small lake before its first step, but for some pairs that were visited once."""
+    start = lake(0)
+    q, visits = np.zeros(44), np.zeros(44, dtype=np.int64)
+    for pair, value in values.items():
+        q[pair], visits[pair] = value, 1
+    return replace(start, q=q, visits=visits, **changes)

@@ -1,0 +1,254 @@
+"""The axes of the return curve, and its lines down to their dots."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from drawn_curves import NARROW, WIDE, drawn, flat, steps, styles_of
+from samples import bandit, curve, lake, look, marks, planning, student
+
+from rl_tui.lab.branches import Branch
+from rl_tui.lab.snapshot import Timeline
+from rl_tui.tui.canvas import Canvas
+from rl_tui.tui.widgets import braille
+from rl_tui.tui.widgets.axes import draw_value_axis
+from rl_tui.tui.widgets.braille import Steps
+from rl_tui.tui.widgets.chart import apart, taking_turns
+from rl_tui.tui.widgets.chart_plot import Plot
+from rl_tui.tui.widgets.curve import ReturnCurve
+from rl_tui.tui.widgets.curve_data import curve_data, smoothed
+from rl_tui.tui.widgets.scale import Scale, round_range, round_scale, settled, tick_label, tick_step
+
+# Axes
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "scale"),
+    [
+        (0.0, 1.0, Scale(0.0, 1.0, 0.5)),
+        (0.0, 0.0, Scale(0.0, 1.0, 1.0)),
+        (-4.0, 7.5, Scale(-5.0, 10.0, 5.0)),
+        (-100.0, -13.0, Scale(-100.0, 0.0, 50.0)),
+        (3.0, 5.0, Scale(0.0, 6.0, 2.0)),
+        (0.0, 0.0021, Scale(0.0, 0.003, 0.001)),
+    ],
+)
+def test_vertical_axes_are_round_and_hold_zero(low: float, high: float, scale: Scale) -> None:
+    found = round_scale(low, high)
+    assert (found.low, found.high, found.step) == pytest.approx((scale.low, scale.high, scale.step))
+    assert 2 <= len(found.ticks) <= 4
+
+
+def test_of_two_labels_in_one_row_the_end_of_the_axis_is_kept() -> None:
+    scale = Scale(-1_000.0, 500.0, 500.0)
+    plot = Plot(6, 10, 3, 20.0, scale)
+    assert plot.row(-500.0) == plot.row(-1_000.0)
+    canvas = Canvas(16, 3, look().palette.text)
+    draw_value_axis(canvas, plot, look())
+    assert [strip.text.rstrip() for strip in canvas.strips()] == ["  500┤", "    0┤", "−1000┤"]
+
+
+def test_the_vertical_axis_stays_until_the_data_leave_it_or_get_lost_in_it() -> None:
+    first = settled(None, 0.0, 0.8)
+    assert settled(first, 0.0, 0.5) is first
+    assert settled(first, 0.0, 1.2).high > first.high
+    assert settled(Scale(-100.0, 20.0, 50.0), -2.0, 8.0) == Scale(-5.0, 10.0, 5.0)
+
+
+def test_the_horizontal_axis_changes_rarely_and_leaves_room_for_the_names() -> None:
+    ends = [round_range(episodes, 0.6) for episodes in range(1, 100_000, 7)]
+    assert ends == sorted(ends)
+    assert len(set(ends)) < 30
+    assert all(episodes <= 0.6 * end + 1e-9 for episodes, end in zip(range(1, 100_000, 7), ends, strict=True))
+    assert round_range(1_000, 0.6, 1_000) == pytest.approx(1_000 / 0.6)
+
+
+@pytest.mark.parametrize(
+    ("x", "step", "text"),
+    [
+        (0.0, 0.5, "0"),
+        (1.0, 0.5, "1.0"),
+        (-200.0, 100.0, "−200"),
+        (20_000.0, 10_000.0, "20k"),
+        (2_500_000.0, 500_000.0, "2.5M"),
+        (1e-4, 1e-4, "1e-4"),
+    ],
+)
+def test_tick_labels(x: float, step: float, text: str) -> None:
+    assert tick_label(x, step, look().glyphs) == text
+
+
+def test_episode_ticks_are_round_and_few() -> None:
+    assert tick_step(12_345.0, 3) == 5_000.0
+    assert tick_step(3.0, 5) == 1.0
+
+
+def test_episodes_are_labelled() -> None:
+    bottom = drawn(lake(episodes=12_345, curve=curve(40, 0.0, 0.4, 308)))[0].splitlines()[-2]
+    assert "└0─" in bottom
+    assert "10k" in bottom
+    assert bottom.endswith(" episode")
+
+
+@pytest.mark.parametrize("size", [NARROW, WIDE, (90, 13)])
+def test_no_pull_beyond_the_budget_is_labelled(size: tuple[int, int]) -> None:
+    bottom = next(line for line in drawn(bandit(), size)[0].splitlines() if "└0" in line)
+    assert bottom.endswith(" pull")
+    assert "1k" in bottom or "1000" in bottom
+    assert "1500" not in bottom
+    assert "2k" not in bottom
+
+
+def test_names_never_share_a_row() -> None:
+    assert apart([3, 3, 3], 5) == [2, 3, 4]
+    assert apart([0, 2, 4], 5) == [0, 2, 4]
+    for wanted in ([0, 0, 0], [4, 4, 4], [1, 1, 4], [0, 4, 4]):
+        rows = apart(wanted, 5)
+        assert rows == sorted(set(rows))
+        assert rows[0] >= 0
+        assert rows[-1] <= 4
+
+
+def test_of_equal_lines_the_optimum_is_named_above() -> None:
+    lines = drawn(lake(greedy_return=lake().exact.expected_return))[0].splitlines()  # type: ignore[union-attr]
+    optimum = next(y for y, line in enumerate(lines) if "best for this γ" in line)
+    greedy = next(y for y, line in enumerate(lines) if "greedy" in line)
+    assert optimum < greedy
+
+
+# Dots
+
+
+def test_decimation_keeps_every_extreme() -> None:
+    values = np.sin(np.arange(2_000) * 1.7)
+    ends = np.arange(1.0, 2_001.0)
+    low, high = braille.decimated(Steps(ends - 1.0, ends, values, values), 2_000.0, 100)
+    assert low.min() == values.min()
+    assert high.max() == values.max()
+    inside = values[25:35]
+    at = braille.decimated(Steps(ends - 1.0, ends, values, values), 2_000.0, 200)
+    assert at[0][3] <= inside[5:].min()
+    assert at[1][3] >= inside[5:].max()
+
+
+def test_few_values_are_steps() -> None:
+    low, high = braille.decimated(steps([0.0, 1.0], [1.0, 2.0], [5.0, 7.0]), 4.0, 8)
+    assert high.tolist() == [5.0, 5.0, 7.0, 7.0, 7.0, -np.inf, -np.inf, -np.inf]
+    assert low.tolist() == [5.0, 5.0, 5.0, 7.0, 7.0, np.inf, np.inf, np.inf]
+
+
+def test_an_undefined_value_is_a_gap() -> None:
+    low, high = braille.decimated(steps([0.0, 2.0, 4.0], [2.0, 4.0, 6.0], [1.0, np.nan, 3.0]), 6.0, 6)
+    assert low[3] == np.inf
+    assert high[3] == -np.inf
+    assert low[5] == high[5] == 3.0
+
+
+def test_lines_hang_together() -> None:
+    line = braille.joined(braille.Span(np.array([5, 0, 9]), np.array([5, 0, 9])))
+    assert line.top.tolist() == [5, 0, 1]
+    assert line.bottom.tolist() == [5, 4, 9]
+
+
+def test_dots_become_braille() -> None:
+    dots = np.zeros((4, 4), dtype=bool)
+    dots[0, 0] = dots[3, 1] = True
+    dots[:, 2:] = True
+    assert "".join(map(chr, braille.braille_codes(dots)[0])) == "⢁⣿"
+
+
+def test_smoothing_keeps_a_constant_and_few_values() -> None:
+    assert smoothed(np.full(500, 0.3)) == pytest.approx(0.3)
+    few = np.array([1.0, 0.0, 1.0])
+    assert smoothed(few) is few
+
+
+def test_the_greedy_line_wins_a_shared_cell() -> None:
+    same = lake(
+        curve=flat(0.5), marks=marks(30, 0.5, 0.5, 1_234), episodes=1_234, greedy_return=0.5, exact=None
+    )
+    _, widget = drawn(same)
+    palette = widget.look.palette
+    dotted = [
+        segment.style
+        for row in widget.picture(same, *WIDE)
+        for segment in row
+        if any(0x2800 < ord(character) <= 0x28FF for character in segment.text)
+    ]
+    assert palette.greedy_line in dotted
+    assert palette.episodes not in dotted
+
+
+def test_a_mean_somewhat_below_the_greedy_line_has_its_own_row() -> None:
+    snapshot = lake(
+        curve=flat(0.89), marks=marks(30, 1.0, 1.0, 1_234), episodes=1_234, greedy_return=1.0, exact=None
+    )
+    top, below = drawn(snapshot, NARROW)[0].splitlines()[:2]
+    assert "⣀⣀⣀⣀" in top
+    assert "⠒⠒⠒⠒" in below
+
+
+def test_lines_side_by_side_in_one_row_take_turns() -> None:
+    first, second = np.array([[1, 1, 1, 1, 1, 0]]), np.array([[8, 8, 8, 1, 9, 8]])
+    assert taking_turns(first, second).tolist() == [[False, True, False, False, False, False]]
+
+
+def test_the_band_has_its_own_colour() -> None:
+    snapshot = lake()
+    _, widget = drawn(snapshot)
+    assert widget.look.palette.band in styles_of(widget, snapshot, "⠄")
+
+
+def test_ascii_has_no_other_characters() -> None:
+    text, _ = drawn(lake(), ascii=True)
+    assert text.isascii()
+    assert "*" in text
+    assert ":" in text
+
+
+def test_a_new_run_has_a_new_axis() -> None:
+    widget = ReturnCurve(look())
+    widget.show(student(curve=flat(-90.0)))
+    widget.picture(student(curve=flat(-90.0)), *WIDE)
+    assert widget._scale is not None
+    assert widget._scale.low <= -90.0
+    widget.show(student(0))
+    assert widget._scale is None
+
+
+def test_the_past_of_a_run_keeps_the_axis_of_its_present() -> None:
+    present = student(curve=flat(-90.0), timeline=Timeline((Branch("branch 1", end=2_433, here=2_433),)))
+    then = replace(
+        present,
+        step=40,
+        curve=flat(-1.0),
+        return_last_100=-1.0,
+        timeline=Timeline((Branch("branch 1", end=2_433, here=40),)),
+    )
+    widget = ReturnCurve(look())
+    widget.show(present)
+    widget.picture(present, *WIDE)
+    axis = widget._scale
+    widget.show(then)
+    widget.picture(then, *WIDE)
+    assert widget._scale == axis
+    fork = replace(
+        then,
+        timeline=Timeline((Branch("branch 1", end=2_433, here=40), Branch("branch 2", (), 0, 40, 40, 40)), 1),
+    )
+    widget.show(fork)
+    widget.picture(fork, *WIDE)
+    assert widget._scale is not None
+    assert axis is not None
+    assert widget._scale.low > axis.low
+
+
+def test_a_greedy_policy_that_walks_into_walls_does_not_blow_up_the_axis() -> None:
+    early = marks(30, 0.0, 0.73, 12_500)
+    early.expected_return[3:6] = -100_000.0
+    assert curve_data(lake(marks=early), revealed=True).range[0] >= -1.0
+    assert curve_data(planning(marks=early), revealed=True).range[0] >= -1.0
+    alone = planning(marks=early, exact=None, greedy_return=None)
+    assert curve_data(alone, revealed=True).range[0] == -100_000.0

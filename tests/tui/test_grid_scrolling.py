@@ -1,0 +1,139 @@
+"""Maps larger than their panel, and which of their rows are drawn anew."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from drawn_grids import large_lake, q_of
+from samples import lake, look
+from textual.app import App, ComposeResult
+from textual.geometry import Region
+
+from rl_tui.lab.snapshot import Snapshot
+from rl_tui.tui.scrolling import kept_in_view
+from rl_tui.tui.world_views import world_view
+from rl_tui.tui.world_views.grid import GridView
+from rl_tui.tui.world_views.grid_map import CellContent, GridMap, Part
+from rl_tui.worlds.drawing import Grid
+from rl_tui.worlds.world import World
+
+
+@pytest.mark.parametrize(
+    ("first", "place", "expected"),
+    [(0, 3, 0), (0, 9, 4), (5, 7, 5), (0, 99, 90), (95, None, 90), (-3, None, 0), (50, 0, 0)],
+)
+def test_the_view_moves_only_where_the_agent_nears_its_edge(
+    first: int, place: int | None, expected: int
+) -> None:
+    assert kept_in_view(first, place, shown=10, total=100) == expected
+
+
+def test_only_cells_in_view_are_read(monkeypatch: pytest.MonkeyPatch) -> None:
+    snapshot = large_lake()
+    read: list[Part] = []
+    contents = GridMap.contents
+
+    def counted(
+        self: GridMap, part: Part, snapshot: Snapshot, cursor: int | None = None
+    ) -> list[CellContent]:
+        read.append(part)
+        return contents(self, part, snapshot, cursor)
+
+    monkeypatch.setattr(GridMap, "contents", counted)
+    view = GridView(snapshot.world, look())
+    view.picture(replace(snapshot, state=20 * 40 + 30), 40, 10)
+    assert read == [Part(15, 26, 10, 8)]
+
+
+def test_wheel_and_cursor_scroll_until_the_agent_is_followed_again() -> None:
+    snapshot = large_lake()
+    view = GridView(snapshot.world, look())
+    view.snapshot = snapshot
+
+    def text(width: int = 60) -> str:
+        return "".join(strip.text for strip in view.picture(snapshot, width, 10))
+
+    assert "◉" in text()
+    assert view.footing == "rows 0–9 of 40 · columns 0–11 of 40 · follows the agent"
+    assert view.check_action("back", ()) is False
+    for _ in range(3):
+        view.pan(1, 0)
+    assert "◉" not in text()
+    assert view.footing == "3–12 of 40 · 0–11 of 40 · esc: follow the agent"
+    view.action_page(1, 1)
+    text()
+    assert view.cursor == 10 * 40 + 12  # a page from the agent, at the start
+    assert view.footing.startswith("3–12 of 40 · 1–12 of 40")  # no further than it takes
+    view.action_move(3, 0)
+    text()
+    assert view.footing.startswith("4–13 of 40 · 1–12 of 40")
+    view.action_page(9, -9)
+    assert "★" not in text()
+    assert view.cursor == 39 * 40
+    assert view.footing.startswith("30–39 of 40 · 0–11 of 40")
+    assert view.check_action("back", ()) is True
+    view.follow()
+    assert "◉" in text()
+    text(40)
+    assert view.footing == "follows the agent"
+
+
+def test_a_legend_stands_below_a_whole_map_and_above_one_that_scrolls() -> None:
+    snapshot = large_lake()
+    assert isinstance(snapshot.world.drawing, Grid)
+    drawing = replace(snapshot.world.drawing, legend="angle down, speed across")
+    view = GridView(World(snapshot.world.space, drawing), look())
+    view.picture(snapshot, 60, 10)
+    assert view.heading == "World · V and greedy · angle down, speed across"
+    view.picture(snapshot, 40, 10)
+    assert view.heading == "World · angle down, speed across"
+    view.picture(snapshot, 30, 10)
+    assert view.heading == "World · V and greedy"
+    view.picture(snapshot, 240, 40)
+    assert (view.heading, view.footing) == ("World · V and greedy", "angle down, speed across")
+
+
+def test_a_whole_map_does_not_scroll() -> None:
+    view = GridView(lake().world, look())
+    view.picture(lake(), 40, 8)
+    view.pan(1, 1)
+    assert not view.is_away
+    assert view.cells is None
+    view.picture(lake(), 40, 8)
+    assert view.footing == ""
+
+
+async def test_only_rows_that_changed_are_refreshed() -> None:
+    snapshot = lake()
+    view = world_view(snapshot.world, look(), id="world")
+    asked: list[Region] = []
+
+    class Alone(App[None]):
+        CSS = "#world { width: 40; height: 8; }"
+
+        def compose(self) -> ComposeResult:
+            yield view
+
+    async with Alone().run_test(size=(80, 24)) as pilot:
+        assert "the world is being built" in view.render_line(3).text
+        view.show(snapshot)
+        await pilot.pause()
+        assert view.border_title == "World · V and greedy"
+        before = view.render_line(1).text
+        refresh = view.refresh
+
+        def recorded(*regions: Region, **options: bool) -> object:
+            asked.extend(regions)
+            return refresh(*regions, **options)
+
+        view.refresh = recorded  # type: ignore[method-assign,assignment]
+        view.show(snapshot)
+        assert asked == []
+        view.show(replace(snapshot, q=snapshot.q + q_of(snapshot, {(8, 1): -0.02})))
+        assert asked == []
+        best = int(np.argmax(snapshot.q[:4]))
+        view.show(replace(snapshot, q=snapshot.q + q_of(snapshot, {(0, best): 0.05})))
+        assert asked == [Region(0, 0, 40, 1), Region(0, 1, 40, 1)]  # both rows of its cell
+        assert view.render_line(1).text != before

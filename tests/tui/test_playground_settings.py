@@ -1,0 +1,200 @@
+"""What is set on the playground: sliders, dialogs, seeds."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from conftest import MakeApp
+from test_playground import playground, press, slider, snapshot, train
+from textual.widgets import Input
+
+from rl_tui.agents.hyperparameters import Hyperparameters
+from rl_tui.lab.bandit import true_means
+from rl_tui.lab.snapshot import Snapshot
+from rl_tui.tui.screens.choice import Choice
+from rl_tui.tui.screens.playground import Playground
+from rl_tui.tui.screens.prompt import Prompt
+from rl_tui.tui.screenshot import settle
+from rl_tui.tui.theme.glyphs import UNICODE
+from rl_tui.tui.widgets.settings import Settings
+from rl_tui.tui.world_views.arms import ArmsView
+from rl_tui.tui.world_views.grid import GridView
+from rl_tui.worlds.drawing import CellKind, Grid
+
+
+def holes_of(shown: Snapshot) -> list[int]:
+    assert isinstance(shown.world.drawing, Grid)
+    return [cell for cell, kind in enumerate(shown.world.drawing.kinds) if kind is CellKind.HOLE]
+
+
+async def test_a_slider_moves_by_keys_and_acts_at_once(make_app: MakeApp) -> None:
+    app = make_app("student")
+    async with app.run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        slider(app, "epsilon").focus()
+        before = snapshot(pilot).hyperparameters.epsilon
+        now = (await press(pilot, "right")).hyperparameters.epsilon
+        assert now > before
+        assert slider(app, "epsilon").value == now
+        assert (await press(pilot, "left")).hyperparameters.epsilon == before
+        assert snapshot(pilot).step == 0
+
+
+async def test_a_slider_follows_click_and_drag(make_app: MakeApp) -> None:
+    app = make_app("student")
+    async with app.run_test(size=(120, 40)) as pilot:
+        await settle(pilot)
+        gamma = slider(app, "gamma")
+        await pilot.mouse_down(gamma, offset=(8, 0))
+        await pilot.hover(gamma, offset=(gamma.size.width // 2, 0))
+        await pilot.mouse_up(gamma, offset=(gamma.size.width // 2, 0))
+        await settle(pilot)
+        dragged = snapshot(pilot).hyperparameters.gamma
+        assert 0.2 < dragged < 0.8
+        assert gamma.value == dragged
+        await pilot.click(gamma, offset=(8, 0))
+        await settle(pilot)
+        assert snapshot(pilot).hyperparameters.gamma < 0.2
+
+
+async def test_every_slider_keeps_its_value_through_a_restart(make_app: MakeApp) -> None:
+    app = make_app("student")
+    async with app.run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        slider(app, "alpha").focus()
+        changed = (await press(pilot, "right", "right")).hyperparameters.alpha
+        again = await press(pilot, "r")
+        assert again.recipe.hyperparameters.alpha == changed
+        assert slider(app, "alpha").value == changed
+
+
+async def test_1_2_3_go_to_the_sliders_even_out_of_a_zoom(make_app: MakeApp) -> None:
+    app = make_app("student")
+    async with app.run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        for key, name in (("1", "alpha"), ("2", "gamma"), ("3", "epsilon")):
+            playground(pilot).board.table.focus()
+            await press(pilot, "f", key)
+            assert app.focused is slider(app, name)
+            assert playground(pilot).board.zoomed is None
+        typed = await press(pilot, "1", "enter")
+        assert typed.hyperparameters.epsilon == 1.0
+
+
+async def test_initial_q_is_asked_for_and_starts_again(make_app: MakeApp) -> None:
+    app = make_app("student")
+    async with app.run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        await train(pilot, 10)
+        await press(pilot, "i")
+        assert isinstance(app.screen, Prompt)
+        app.screen.query_one(Input).value = "5"
+        again = await press(pilot, "enter")
+        assert not isinstance(app.screen, Prompt)
+        assert again.step == 0
+        assert again.q.tolist() == [5.0] * 5
+
+
+async def test_a_prompt_names_the_range_and_stays(make_app: MakeApp) -> None:
+    app = make_app("student")
+    async with app.run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        for key, wrong, expected in (
+            ("i", "much", "type a number from -1e12 to 1e12"),
+            ("n", "", "type a whole number, 0 or more"),
+        ):
+            await press(pilot, key)
+            assert isinstance(app.screen, Prompt)
+            app.screen.query_one(Input).value = wrong
+            await press(pilot, "enter")
+            assert isinstance(app.screen, Prompt)
+            assert expected in str(app.screen.query_one(".error").render())
+            await press(pilot, "escape")
+            assert isinstance(app.screen, Playground)
+        assert snapshot(pilot).recipe.seed == 0
+
+
+async def test_a_seed_is_typed(make_app: MakeApp) -> None:
+    app = make_app("bandit")
+    async with app.run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        means = snapshot(pilot).world.space.reward
+        again = await press(pilot, "n", "4", "2", "enter")
+        assert again.recipe.seed == 42
+        assert again.world.space.reward.tolist() != means.tolist()
+
+
+async def test_the_algorithm_is_chosen_from_a_list(make_app: MakeApp) -> None:
+    app = make_app("student")
+    async with app.run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        await press(pilot, "a")
+        assert isinstance(app.screen, Choice)
+        assert (await press(pilot, "enter")).algorithm == "q-learning"
+        assert isinstance(app.screen, Playground)
+
+
+async def test_hints_and_settings_can_be_clicked(make_app: MakeApp) -> None:
+    app = make_app("student")
+    async with app.run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        await pilot.click("#keys", offset=(14, 0))
+        await settle(pilot)
+        assert snapshot(pilot).step == 1
+        await pilot.click("#settings", offset=(31, 0))
+        await settle(pilot)
+        assert snapshot(pilot).hyperparameters.ties == "first"
+
+
+async def test_every_setting_is_drawn_once_whatever_the_height(make_app: MakeApp) -> None:
+    app = make_app("student")
+    async with app.run_test(size=(120, 40)) as pilot:
+        await settle(pilot)
+        settings = app.screen.query_one(Settings)
+        decaying = replace(snapshot(pilot), hyperparameters=Hyperparameters(epsilon_decay=0.1))
+        for each, lines in ((snapshot(pilot), 3), (decaying, 3), (decaying, 20)):
+            settings.show(each)
+            settings.styles.height = lines
+            await pilot.pause()
+            text = "\n".join(settings.render_line(y).text for y in range(lines))
+            for value in ("Q-learning", "random", "seed", "10/s"):
+                assert text.count(value) == 1
+            assert ("ε now" in text) is (each is decaying)
+
+
+async def test_a_slider_that_is_not_there_is_told(make_app: MakeApp) -> None:
+    app = make_app("frozenlake")
+    async with app.run_test(size=(80, 24), notifications=True) as pilot:
+        await settle(pilot)
+        await pilot.press("4", "3")
+        assert app.focused is slider(app, "epsilon")
+        assert [note.message for note in app._notifications] == ["there is no fourth slider here"]
+
+
+async def test_another_seed_shows_its_own_map(make_app: MakeApp) -> None:
+    async with make_app("frozenlake-random").run_test(size=(120, 40)) as pilot:
+        await settle(pilot)
+        first = snapshot(pilot)
+        second = await press(pilot, "n", "5", "enter")
+        holes = holes_of(second)
+        assert holes != holes_of(first)
+        view = playground(pilot).query_one(GridView)
+        text = "".join(view.render_line(y).text for y in range(view.size.height))
+        assert text.count(UNICODE.hole) == len(holes)
+        assert (await press(pilot, "e")).episodes == 1
+
+
+async def test_another_seed_reveals_its_own_means(make_app: MakeApp) -> None:
+    async with make_app("bandit").run_test(size=(120, 40)) as pilot:
+        await settle(pilot)
+        await press(pilot, "n", "5", "enter")
+        after = await press(pilot, "h")
+        assert after.world.mdp is not None
+        best = int(true_means(after.world.mdp).argmax())
+        view = playground(pilot).query_one(ArmsView)
+        starred = [
+            line.split()[0]
+            for y in range(view.size.height)
+            if UNICODE.goal in (line := view.render_line(y).text)
+        ]
+        assert starred == [str(best)]

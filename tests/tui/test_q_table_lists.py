@@ -1,0 +1,75 @@
+"""Tables of few pairs, a row each, and what a bandit keeps to itself."""
+
+from __future__ import annotations
+
+import pytest
+from drawn_tables import Drawn, fresh
+from samples import bandit, student
+
+from rl_tui.tui.widgets.q_table_layers import Layer
+
+
+def test_few_pairs_are_listed_a_row_each() -> None:
+    drawn = Drawn(student())
+    assert drawn.table.heading == "Q · 5 pairs"
+    assert drawn.table.rows == 7
+    assert drawn.rows[0].split() == ["state", "action", "Q", "N"]
+    assert drawn.rows[1].split() == ["Class", "study", "▐", "6.370▌", "1,204"]
+    assert drawn.rows[2].split() == ["check", "phone", "5.137", "133"]
+    assert drawn.rows[5].split() == ["◉Pass", "sleep", "▌10.000▐", "963"]
+    assert "greedy: study · quit · sleep" in drawn.rows[7]
+
+
+def test_a_wide_list_shows_all_layers_at_once() -> None:
+    drawn = Drawn(student(), 56, 10)
+    assert drawn.rows[0].split() == ["state", "action", "Q", "Q*", "Q−Q*", "N"]
+    assert drawn.rows[1].split() == ["Class", "study", "▐", "6.370▌", "6.341", "0.029", "1,204"]
+    assert Drawn(student(exact=None), 56, 10).rows[0].split() == ["state", "action", "Q", "N"]
+
+
+def test_a_very_narrow_list_keeps_the_number_of_the_layer_in_force() -> None:
+    assert "6.370" in Drawn(student(), 16, 10).text
+    assert "1,204" not in Drawn(student(), 16, 10).text
+    drawn = Drawn(student(), 16, 10, Layer.VISITS)
+    assert drawn.rows[0].split()[-1] == "N"
+    assert "1,204" in drawn.text
+    assert "6.370" not in drawn.text
+
+
+def test_a_narrow_list_shows_the_layer_in_force() -> None:
+    drawn = Drawn(student(), layer=Layer.OPTIMAL)
+    assert drawn.rows[0].split() == ["state", "action", "Q*", "N"]
+    assert "▌ 6.341▐" in drawn.rows[1]
+
+
+def test_ties_are_joined_in_the_greedy_line() -> None:
+    tied = fresh(student(), [1.0, 1.0, 0.0, 2.0, 0.0], [1, 1, 1, 1, 0])
+    assert "greedy: study=check phone · quit · ?" in Drawn(tied, 56, 10).text
+
+
+def test_a_bandit_keeps_its_means_until_they_are_revealed() -> None:
+    hidden = Drawn(bandit(), 36, 13)
+    assert hidden.rows[0].split() == ["arm", "Q", "q*", "N", "share"]
+    assert hidden.text.count("···") == 10
+    assert "1.500" not in hidden.text
+    assert hidden.table.layer_choices == (Layer.Q, Layer.VISITS)
+    assert "show the true means" in hidden.rows[12]
+    assert hidden.row("▸").split()[:3] == ["▸", "5", "▐"]
+    shown = Drawn(bandit(), 36, 13, revealed=True)
+    assert "1.500" in shown.rows[6]
+    assert "···" not in shown.text
+    assert shown.table.layer_choices == tuple(layer for layer in Layer if layer is not Layer.LANES)
+
+
+def test_a_hidden_layer_falls_back_to_q() -> None:
+    drawn = Drawn(bandit(), layer=Layer.ERROR, revealed=True)
+    assert drawn.table.heading.startswith("Q − Q*")
+    drawn.table.revealed = False
+    assert drawn.table.shown_layer is Layer.Q
+
+
+def test_the_bar_of_an_arm_is_its_share_of_the_pulls() -> None:
+    rows = Drawn(bandit(), 56, 13, revealed=False).rows
+    lengths = [row.count("█") for row in rows[1:11]]
+    assert lengths[5] == max(lengths)
+    assert lengths[5] / 20 == pytest.approx(0.842, abs=0.05)
