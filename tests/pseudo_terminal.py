@@ -58,7 +58,7 @@ class PseudoTerminal:
             stdin=self._theirs,
             stdout=self._theirs,
             stderr=self._theirs,
-            env=_environment(environment or {}),
+            env=environment_with(environment or {}),
             pass_fds=(alive,),
             start_new_session=True,
         )
@@ -165,7 +165,8 @@ def visible(written: bytes) -> str:
     return _SEQUENCE.sub(b"", written).decode("utf-8", errors="replace")
 
 
-def _environment(changes: Mapping[str, str | None]) -> dict[str, str]:
+def environment_with(changes: Mapping[str, str | None]) -> dict[str, str]:
+    """Return this process's environment without what says anything of its terminal, and ``changes``."""
     kept = {
         name: value
         for name, value in os.environ.items()

@@ -95,15 +95,6 @@ def test_ctrl_q_quits_too() -> None:
         terminal.press("\x11")  # ctrl+q
 
 
-@pytest.mark.parametrize("args", [(), ("play", "frozenlake")])
-def test_a_dumb_terminal_gets_one_sentence(args: tuple[str, ...]) -> None:
-    with PseudoTerminal([*RL_TUI, *args], {"TERM": "dumb"}) as terminal:
-        assert terminal.wait_for_end() == 2
-        assert b"\x1b" not in terminal.written
-        assert visible(terminal.written).count("\n") == 1
-        assert "TERM=dumb" in visible(terminal.written)
-
-
 def test_a_fault_is_told_after_the_terminal_is_restored(tmp_path: Path) -> None:
     file = tmp_path / "nowhere.toml"
     file.write_text('[gymnasium]\nid = "NoSuchWorld-v0"\n', encoding="utf-8")

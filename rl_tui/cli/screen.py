@@ -33,10 +33,15 @@ def require_terminal() -> None:
     """Raise NoTerminalError, in one sentence, where nothing can be drawn."""
     if os.environ.get("TEXTUAL_DRIVER") == IN_BROWSER:
         return
-    if not (sys.stdin.isatty() and sys.stdout.isatty()):
-        problem = "the playground needs a terminal, and this is not one"
-    elif os.environ.get("TERM") in ("dumb", "unknown"):
-        problem = "the playground cannot draw on a terminal of type dumb (TERM=dumb)"
+    streams = {"stdin": sys.stdin, "stdout": sys.stdout, "stderr": sys.stderr}
+    elsewhere = [name for name, stream in streams.items() if not (stream and stream.isatty())]
+    term = os.environ.get("TERM", "")
+    if elsewhere:
+        problem = f"the playground needs a terminal, and {elsewhere[0]} is not one"
+    elif term in ("dumb", "unknown"):
+        problem = f"the playground cannot draw on a terminal of type {term} (TERM={term})"
+    elif not term and sys.platform != "win32":
+        problem = "the playground cannot draw on a terminal of no known type (TERM is not set)"
     else:
         return
     raise NoTerminalError(f"{problem}; rl-tui train and rl-tui screenshot do without")

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, ClassVar, Protocol
 
 from textual.command import CommandPalette, Provider
 from textual.events import Event, InputEvent, Key, Paste
-from textual.theme import Theme
+from textual.theme import Theme, ThemeProvider
 
 from rl_tui.lab.library import recipe_for
 from rl_tui.lab.recipe import Recipe
@@ -23,6 +23,7 @@ from rl_tui.tui.palette_entries import ActionProvider
 from rl_tui.tui.terminal.choice import driver_class, go_to_shell
 from rl_tui.tui.terminal.linked_app import LinkedApp
 from rl_tui.tui.theme.depth import choose_look, depth_of, environment_for, is_native
+from rl_tui.tui.theme.encoding import encoding_of
 from rl_tui.tui.theme.glyphs import ASCII
 from rl_tui.tui.theme.limited_themes import PICTURE_DARK, PICTURE_LIGHT, themes_for
 from rl_tui.tui.theme.look import Look
@@ -99,7 +100,8 @@ class RlTuiApp(LinkedApp[UserError]):
         self.theme = options.theme
         self.options = options
         self._depth: Depth = depth
-        self._encoding = "utf-8" if picture else sys.stdout.encoding
+        named = encoding_of(os.environ, sys.stdout.encoding, utf8_mode=bool(sys.flags.utf8_mode))
+        self._encoding = "utf-8" if picture else named
         self._start = start
         self._make_player = make_player
         self._sessions = sessions
@@ -250,6 +252,10 @@ class RlTuiApp(LinkedApp[UserError]):
         """End the app, and all that is under way with it: what mounts a widget from now on would fail."""
         self.workers.cancel_all()
         super().exit(result, return_code, message)
+
+    def search_themes(self) -> None:
+        """Open the palette with the themes alone."""
+        self.push_screen(CommandPalette([ThemeProvider], placeholder="find a theme"))
 
     def _end(self, status: int) -> None:
         self._keep()

@@ -8,7 +8,9 @@ from rich.color import Color
 
 Vector = npt.NDArray[np.float64]
 
-# Machado, Oliveira & Fernandes (2009), severity 1, for linear RGB
+# G. M. Machado, M. M. Oliveira, L. A. F. Fernandes: A Physiologically-based Model for Simulation of Color
+# Vision Deficiency. IEEE TVCG 15 (6), 2009, pp. 1291-1298: the matrices of severity 1 for linear RGB, in this
+# order those of protanopia, deuteranopia and tritanopia
 EYES = {
     "all cones": np.eye(3),
     "no long cones": np.array(
@@ -36,6 +38,11 @@ def linear(color: Color) -> Vector:
 def luminance(color: Color) -> float:
     """Relative luminance of WCAG, 0 to 1."""
     return float(XYZ[1] @ linear(color))
+
+
+def lightness(color: Color) -> float:
+    """CIE L*, 0 to 100: equal steps look equal."""
+    return float(_lab(color, EYES["all cones"])[0])
 
 
 def contrast(one: Color, other: Color) -> float:

@@ -21,6 +21,7 @@ from rl_tui.tui import numbers
 from rl_tui.tui.canvas import shortened
 from rl_tui.tui.screens.dialog import Dialog
 from rl_tui.tui.screens.lane_changes import ALGORITHM, what_may_differ
+from rl_tui.tui.theme.glyphs import ASCII
 from rl_tui.tui.theme.look import Look
 from rl_tui.tui.widgets.curve_text import amount, decimals_for
 from rl_tui.tui.widgets.settings import option_text
@@ -113,7 +114,8 @@ class Compare(Dialog[Answer]):
         yield Option(self._head(), disabled=True)
         for number, lane in enumerate(self._lanes):
             yield Option(self._lane_row(number, lane), id=f"{_LANE}{number}")
-        yield None
+        # Textual draws the line between the options itself, and not in ASCII
+        yield None if self._look.glyphs is not ASCII else Option("", disabled=True)
         if len(self._lanes) >= MOST_LANES:
             yield Option("Four lanes are the most: end one to open another.", disabled=True)
             return

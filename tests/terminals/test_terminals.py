@@ -1,0 +1,176 @@
+"""The real program in terminals of every kind: each shows all of it, in the colours and characters it has."""
+
+from __future__ import annotations
+
+import re
+from contextlib import suppress
+from pathlib import Path
+from typing import Final
+
+import pytest
+
+pytest.importorskip("pty", reason="there are no pseudo-terminals here")
+
+from judging import check_playground, colour_kinds
+from multiplexers import in_screen, in_tmux
+from pseudo_terminal import RL_TUI, PseudoTerminal
+
+PLAY: Final = (*RL_TUI, "play", "student")
+EXACT: Final = r"greedy 0 · γ-best 7.5|6\.341"  # what is known last of this run after its first steps
+SECONDS: Final = 30.0
+SIZES: Final = ((80, 24), (100, 30), (120, 40), (200, 60))
+ODD_SIZES: Final = ((60, 18), (61, 19), (79, 23), (81, 25), (300, 80))
+STEPS: Final = 5
+ESCAPE: Final = "\x1b[27u"
+DIALOGS: Final = {  # keys, and what then stands on the screen
+    "?": "Help",
+    "o": "Options",
+    "u": "until",
+    "j": "Journal",
+    "c": "Compare",
+    "x": "Export",
+    "m": "Model",
+    "\x10": "find an action",
+    "\x10theme\r": "find a theme",
+}
+
+
+def begin(terminal: PseudoTerminal) -> None:
+    terminal.wait_for("paused")
+    terminal.press("s" * STEPS)
+    terminal.wait_for(rf"step +{STEPS}\b")
+
+
+def resize_to(terminal: PseudoTerminal, *sizes: tuple[int, int]) -> None:
+    for size in sizes:
+        terminal.resize(*size)
+        wait_for_playground(terminal)
+
+
+def wait_for_playground(terminal: PseudoTerminal) -> None:
+    size = (terminal.emulator.columns, terminal.emulator.lines)
+
+    def is_there() -> bool:
+        with suppress(AssertionError):
+            check_playground(terminal.screen, size, STEPS)
+            return True
+        return False
+
+    try:
+        terminal.wait_until(is_there, SECONDS)
+    except AssertionError:
+        check_playground(terminal.screen, size, STEPS)  # says what is wrong with it
+        raise
+
+
+def leave(terminal: PseudoTerminal) -> None:
+    terminal.press("q")
+    assert terminal.wait_for_end() == 0
+    assert terminal.modes_left_changed == set()
+    assert terminal.attributes == terminal.attributes_before
+    assert terminal.screen.strip() == ""
+
+
+@pytest.fixture(scope="module")
+def fresh() -> dict[tuple[int, int], str]:
+    """The screens of two programs that were started at these sizes and never resized."""
+    screens = {}
+    for size in ((80, 24), (120, 40)):
+        with PseudoTerminal(PLAY, {"COLORTERM": "truecolor"}, size) as terminal:
+            begin(terminal)
+            terminal.wait_for(EXACT)
+            check_playground(terminal.screen, size, STEPS)
+            screens[size] = terminal.screen
+            assert colour_kinds(terminal.written) == {"truecolor"}
+            leave(terminal)
+    return screens
+
+
+def test_256_colours_at_every_size_look_as_if_started_there(fresh: dict[tuple[int, int], str]) -> None:
+    with PseudoTerminal(PLAY, {}, ODD_SIZES[0]) as terminal:
+        begin(terminal)
+        resize_to(terminal, *SIZES, *ODD_SIZES)
+        terminal.resize(59, 17)
+        terminal.wait_for("terminal too small: is 59×17, needs 60×18", SECONDS)
+        assert "World" not in terminal.screen
+        for size, screen in fresh.items():
+            terminal.resize(*size)
+            terminal.wait_for(re.escape(screen), SECONDS)
+        assert colour_kinds(terminal.written) == {"256"}
+        assert b"\x1b[?2026h" in terminal.written
+        leave(terminal)
+
+
+def test_16_colours_on_a_light_ground_in_ascii() -> None:
+    environment = {"TERM": "xterm", "LC_ALL": None, "LC_CTYPE": None, "LANG": "C"}
+    with PseudoTerminal([*PLAY, "--theme", "light"], environment, (80, 24), synchronises=False) as terminal:
+        begin(terminal)
+        resize_to(terminal, *SIZES, ODD_SIZES[0])
+        terminal.resize(100, 30)
+        for keys, title in DIALOGS.items():
+            terminal.press(keys)
+            terminal.wait_for(title)
+            terminal.press(ESCAPE)
+            wait_for_playground(terminal)
+        assert colour_kinds(terminal.written) == {"16"}
+        assert terminal.written.isascii()
+        assert b"\x1b[?2026h" not in terminal.written
+        leave(terminal)
+
+
+def test_no_colours_where_none_are_wanted_but_one_sees_where_one_is() -> None:
+    with PseudoTerminal(PLAY, {"NO_COLOR": "1", "COLORTERM": "truecolor"}, (100, 30)) as terminal:
+        begin(terminal)
+        resize_to(terminal, *SIZES[:2])
+        terminal.press("o")
+        terminal.wait_for("Options")
+        row = next(row for row, line in enumerate(terminal.screen.splitlines()) if "alpha" in line)
+        column = terminal.screen.splitlines()[row].index("alpha")
+        assert terminal.emulator.cell(column, row).underscore
+        assert not terminal.emulator.cell(column, row + 1).underscore
+        assert colour_kinds(terminal.written) == set()
+        terminal.press(ESCAPE)
+        leave(terminal)
+
+
+def test_a_light_ground_in_truecolor_has_dark_text_on_it() -> None:
+    light = [*PLAY, "--theme", "light"]
+    with PseudoTerminal(light, {"COLORTERM": "truecolor"}, (120, 40), tells_position=False) as terminal:
+        begin(terminal)
+        check_playground(terminal.screen, (120, 40), STEPS)
+        cell = terminal.emulator.cell(1, 0)
+        assert int(cell.bg, 16) > int("f00000", 16)
+        assert int(cell.fg[:2], 16) < int("50", 16)
+        leave(terminal)
+
+
+def test_inside_tmux(tmp_path: Path, fresh: dict[tuple[int, int], str]) -> None:
+    in_shell = ["sh", "-c", f"{' '.join(PLAY)}; echo it ended with $?; exec cat"]
+    with in_tmux(tmp_path, in_shell, (80, 24)) as tmux:
+        tmux.wait_for("paused")
+        tmux.press("s" * STEPS)
+        tmux.wait_for(rf"step +{STEPS}\b")
+        tmux.wait_for(re.escape(fresh[80, 24]), SECONDS)
+        tmux.resize(120, 40)
+        tmux.wait_for(re.escape(fresh[120, 40]), SECONDS)
+        tmux.resize(59, 17)
+        tmux.wait_for("too small")
+        tmux.resize(80, 24)
+        tmux.wait_for(re.escape(fresh[80, 24]), SECONDS)
+        coloured = tmux.coloured
+        grounds = {coloured.cell(x, y).bg for x in range(80) for y in range(24)}
+        assert len(grounds) > 2
+        tmux.press("q")
+        tmux.wait_for("it ended with 0")
+        assert tmux.modes == "alternate 0, cursor 1, mouse 0"
+
+
+def test_inside_gnu_screen(tmp_path: Path, fresh: dict[tuple[int, int], str]) -> None:
+    with in_screen(tmp_path, PLAY, (80, 24)) as terminal:
+        begin(terminal)
+        terminal.wait_for(re.escape(fresh[80, 24]), SECONDS)
+        terminal.resize(120, 40)
+        terminal.wait_for(re.escape(fresh[120, 40]), SECONDS)
+        assert colour_kinds(terminal.written) <= {"256", "16"}
+        terminal.press("q")
+        assert terminal.wait_for_end() == 0
