@@ -6,6 +6,7 @@ import asyncio
 import json
 import re
 import sys
+import time
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from pathlib import Path
@@ -20,6 +21,7 @@ from served import is_running
 
 from rl_tui.cli.serving import app_process
 from rl_tui.cli.serving.addresses import Doorkeeper
+from rl_tui.cli.serving.allowance import OF_A_MESSAGE, Allowance
 from rl_tui.cli.serving.app_process import LARGEST_SIZE
 from rl_tui.cli.serving.site import PAGE, Site
 
@@ -163,6 +165,16 @@ async def test_the_page_is_told_why_it_ended() -> None:
                 await socket.send_json(["stdin", key])
                 message = await socket.receive(30)
                 assert (message.type, message.extra) == (WSMsgType.CLOSE, reason)
+
+
+async def test_a_flood_of_keys_is_slowed_down() -> None:
+    allowance = Allowance(per_second=1_000, at_once=500)
+    started = time.perf_counter()
+    for _ in range(10):
+        await allowance.spend(50 - OF_A_MESSAGE)  # nobody waits
+    for _ in range(10):
+        await allowance.spend(10 - OF_A_MESSAGE)
+    assert time.perf_counter() - started >= 0.09
 
 
 async def test_an_app_that_floods_a_closed_tab_ends() -> None:

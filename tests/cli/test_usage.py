@@ -17,7 +17,7 @@ from rl_tui.agents.hyperparameters import PARAMETERS
 from rl_tui.cli import program as program_module
 from rl_tui.cli.main import program
 
-COMMANDS = ("play", "train", "replay", "solve", "list", "check", "bench", "screenshot")
+COMMANDS = ("play", "train", "replay", "solve", "list", "check", "bench", "screenshot", "serve")
 
 
 def run(*args: str) -> Result:
