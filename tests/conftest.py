@@ -25,7 +25,12 @@ def pytest_collection_finish() -> None:
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Keep the tests of an algorithm together, so that its loop is compiled once, and the rest of a file."""
+    """Keep the tests of an algorithm together, so that its loop is compiled once, and the rest of a file.
+
+    A file may name another group, to share it with other files.
+    """
     for item in items:
+        if item.get_closest_marker("xdist_group"):
+            continue
         parameters = item.callspec.params if hasattr(item, "callspec") else {}
         item.add_marker(pytest.mark.xdist_group(str(parameters.get("algorithm", item.path.stem))))

@@ -22,6 +22,7 @@ from rl_tui.agents.learner import Learner
 from rl_tui.worlds.mdp import FloatArray, IntArray, TabularMDP
 from rl_tui.worlds.streams import streams
 
+pytestmark = pytest.mark.xdist_group("action rules")  # each rule's loop is compiled once
 EVERY_RULE = [
     (mdp, told)
     for mdp in (TESTBED, COINS)

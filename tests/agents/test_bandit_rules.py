@@ -20,6 +20,9 @@ from rl_tui.worlds.errors import UserError
 from rl_tui.worlds.mdp import Outcome, TabularMDP, Transition, tabular_mdp
 from rl_tui.worlds.streams import streams
 
+pytestmark = pytest.mark.xdist_group("action rules")  # each rule's loop is compiled once
+
+
 # The gradient bandit
 
 
