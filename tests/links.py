@@ -81,9 +81,11 @@ def finish(terminal: ThrottledTerminal) -> None:
 
 
 def watch(terminal: ThrottledTerminal, seconds: float) -> Frames:
-    """Read for a while."""
+    """Read for a while, until the run is seen to have gone on in any case."""
     before, began = len(terminal.written), time.perf_counter()
-    steps = [(moment, found) for moment, screen in terminal.reading(seconds) if (found := step_of(screen))]
+    steps: list[tuple[float, float]] = []
+    while time.perf_counter() < began + seconds or len({step for _, step in steps}) < 3:
+        steps += [(moment, step) for moment, screen in terminal.reading(1.0) if (step := step_of(screen))]
     taken = time.perf_counter() - began
     written = terminal.written[before:]
     sizes = [len(piece) for piece in written.split(END_OF_FRAME)[1:-1]]
