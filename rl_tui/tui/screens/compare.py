@@ -126,7 +126,7 @@ class Compare(Dialog[Answer]):
             yield Option(self._entry(name, columns), id=f"{_WITH}{name}")
 
     def _head(self) -> Text:
-        return Text(self._columns("", "lane", "algorithm", "step", "last 100", "greedy"), "dim")
+        return Text(self._columns("", "lane", "algorithm", "step", "last 100", "greedy"))
 
     def _lane_row(self, number: int, lane: LaneView) -> Text:
         mark = self._look.glyphs.cursor if number == self._shown else ""
@@ -172,7 +172,7 @@ class Compare(Dialog[Answer]):
             now = option_text(values.value(name))
         glyphs = self._look.glyphs
         text = Text(f"  {self._symbol(name):<{columns}} ")
-        return text.append(written(f"instead of {now}", glyphs), "dim")
+        return text.append(written(f"instead of {now}", glyphs))
 
     @property
     def _room(self) -> int:

@@ -82,4 +82,4 @@ class Options(Dialog[None]):
         glyphs = self._look.glyphs
         text = Text(f"{written(parameter.symbol, glyphs):<{columns}} ")
         text.append(f"{written(shown, glyphs):<{_VALUE}} ", "bold")
-        return text.append(name.replace("_", " "), "dim")
+        return text.append(name.replace("_", " "))
