@@ -43,8 +43,12 @@ _FRAME_END: Final = b"\x1b[?2026l"
 _MEGABYTE: Final = 2**20
 _END_KEPT: Final = 1_000_000  # bytes, to tell why it ended
 _TICKS: Final = os.sysconf("SC_CLK_TCK")
-# What the program asks of its terminal, and the answers of one that knows synchronised output
-_ANSWERS: Final = {b"\x1b[?2026$p": b"\x1b[?2026;2$y", b"\x1b[6n": b"\x1b[%d;%dR"}
+# What the program asks of its terminal: whether it knows synchronised output, and where it has just been told
+# to put its cursor
+_KNOWS_SYNCHRONISED: Final = re.compile(rb"\x1b\[\?2026\$p")
+_WHERE: Final = re.compile(rb"\x1b\[(\d+)(?:;(\d+))?H\x1b\[6n")
+_TOLD: Final = re.compile(b"|".join((re.escape(_FRAME_END), _KNOWS_SYNCHRONISED.pattern, _WHERE.pattern)))
+_LONGEST: Final = 16  # bytes of such a sequence
 
 # What is typed in a minute: keys, and how long they are given. Space pauses and runs on.
 KEYS: Final = (
@@ -216,19 +220,17 @@ class Program:
             if self._copies is not None:
                 self._copies.append(data)
             seen = tail + data
-            ends = seen.count(_FRAME_END)
+            self.bytes += len(data)
+            # a sequence may be cut in two, but none must be counted twice
+            done = max((match.end() for match in _TOLD.finditer(seen)), default=0)
+            tail = seen[done:][-_LONGEST:]
+            ends = seen.count(_FRAME_END, 0, done)
             self.frame_ends.extend([self.last_byte] * min(ends, 1))
             self.frames += ends
-            for question, answer in _ANSWERS.items():
-                for _ in range(seen.count(question)):
-                    told = answer % (SIZE[1], SIZE[0]) if b"%d" in answer else answer
-                    os.write(self._ours, told)
-            # a sequence may be cut in two, but none must be counted twice
-            start = seen.rfind(b"\x1b")
-            tail = seen[start:] if start >= 0 and len(seen) - start < len(_FRAME_END) else b""
-            if tail in (_FRAME_END, *_ANSWERS):
-                tail = b""
-            self.bytes += len(data)
+            for _ in _KNOWS_SYNCHRONISED.finditer(seen, 0, done):
+                os.write(self._ours, b"\x1b[?2026;2$y")
+            for line, column in _WHERE.findall(seen, 0, done):
+                os.write(self._ours, b"\x1b[%d;%dR" % (int(line), int(column or 1)))
             self.end = (self.end + data)[-_END_KEPT:]
 
 

@@ -33,7 +33,7 @@ def require_terminal() -> None:
     """Raise NoTerminalError, in one sentence, where nothing can be drawn."""
     if os.environ.get("TEXTUAL_DRIVER") == IN_BROWSER:
         return
-    streams = {"stdin": sys.stdin, "stdout": sys.stdout, "stderr": sys.stderr}
+    streams = {"stdin": sys.stdin, "stdout": sys.stdout}
     elsewhere = [name for name, stream in streams.items() if not (stream and stream.isatty())]
     term = os.environ.get("TERM", "")
     if elsewhere:

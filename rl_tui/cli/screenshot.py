@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 import sys
-from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -77,9 +76,13 @@ def command(
 
 def _write(path: Path, svg: str) -> None:
     try:
-        path.write_text(svg, encoding="utf-8")
+        with path.open("w", encoding="utf-8") as stream:
+            try:
+                stream.write(svg)
+                stream.flush()
+            except OSError:
+                if path.is_file():
+                    path.unlink()  # half a picture is none
+                raise
     except OSError as error:
-        with suppress(OSError):  # half a picture is none
-            if path.is_file():
-                path.unlink()
         raise UserError(f"{path}: cannot be written ({error.strerror or error})") from error

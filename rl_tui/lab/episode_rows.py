@@ -41,12 +41,14 @@ def csv_file(target: Path | TextIO) -> Iterator[TextIO]:
         target.write(HEADER)
         yield target
         return
+    is_begun = False
     try:
         with target.open("w", encoding="utf-8", newline="") as stream:
+            is_begun = True
             stream.write(HEADER)
             yield stream
     except OSError as error:
-        with suppress(OSError):
-            if target.is_file():
+        if is_begun and target.is_file():  # what could not be opened is as it was
+            with suppress(OSError):
                 target.unlink()
         raise UserError(f"{target}: cannot be written ({error.strerror or error})") from error
