@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import pytest
 from conftest import MakeApp
 from textual.pilot import Pilot
 from textual.widgets._toast import Toast
@@ -50,6 +51,18 @@ async def test_it_starts_paused_at_step_0_with_ten_steps_a_second(make_app: Make
         assert snapshot(pilot).step == 0
         assert snapshot(pilot).phase is Phase.PAUSED
         assert snapshot(pilot).speed == 10.0
+
+
+async def test_it_goes_on_where_a_screen_that_closed_forgot_to_tell_that_it_was_painted(
+    make_app: MakeApp, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    async with make_app("student").run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        screen = playground(pilot)
+        ask, forgotten = screen.call_after_refresh, iter([True])
+        monkeypatch.setattr(screen, "call_after_refresh", lambda what: next(forgotten, False) or ask(what))
+        assert (await press(pilot, "s")).step == 1
+        assert (await press(pilot, "s")).step == 2
 
 
 async def test_s_takes_one_step_and_e_ends_the_episode(make_app: MakeApp) -> None:

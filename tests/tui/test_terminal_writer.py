@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator
+from contextlib import suppress
 from threading import Event
 
 import pytest
@@ -18,7 +19,8 @@ def pipe() -> Iterator[tuple[int, int]]:
     read, write = os.pipe()
     yield read, write
     for end in (read, write):
-        os.close(end)
+        with suppress(OSError):  # a test may have closed it
+            os.close(end)
 
 
 def nothing() -> None:
@@ -39,24 +41,26 @@ def test_everything_arrives_in_order(pipe: tuple[int, int]) -> None:
 
 
 def test_who_writes_never_waits_and_a_farewell_waits_no_longer_than_it_may(pipe: tuple[int, int]) -> None:
-    _, write = pipe
-    writer = TerminalWriter(write, nothing, nothing)
+    read, write = pipe
+    is_lost = Event()
+    writer = TerminalWriter(write, nothing, is_lost.set)
     writer.write(FULL)
     writer.write(FULL)
     assert writer.waiting > len(FULL)
     assert not writer.drain(0.0)
+    os.close(read)  # its thread must not find another pipe under the number of this one
+    assert is_lost.wait(60)
 
 
 def test_what_has_not_begun_to_leave_can_be_taken_back(pipe: tuple[int, int]) -> None:
     read, write = pipe
     writer = TerminalWriter(write, nothing, nothing)
     writer.write(FULL)
-    while writer.waiting == len(FULL):  # until it has begun to
-        pass
+    assert os.read(read, 1) == b"x"  # it has begun to
     writer.write(b"no")
     writer.forget()
     writer.write(b"yes")
-    arrived = b""
+    arrived = b"x"
     while not arrived.endswith(b"s"):
         arrived += os.read(read, 1_000_000)
     assert arrived == FULL + b"yes"

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Iterable
-from typing import ClassVar
+from contextlib import suppress
+from typing import ClassVar, Final
 
 from textual.binding import BindingType
 from textual.message import Message
@@ -37,6 +38,7 @@ from rl_tui.worlds.drawing import Arms
 from rl_tui.worlds.errors import UserError
 
 _UNTIL_SEEN = 3600.0
+_ASKS_AGAIN: Final = 0.25  # seconds
 
 
 class Playground(
@@ -153,8 +155,10 @@ class Playground(
 
     async def _painted(self) -> None:
         painted = asyncio.Event()
-        self.call_after_refresh(painted.set)
-        await painted.wait()
+        # the screen on top is asked to tell, and a dialog that closes forgets what it was asked
+        while not painted.is_set() and self.call_after_refresh(painted.set):
+            with suppress(TimeoutError):
+                await asyncio.wait_for(painted.wait(), _ASKS_AGAIN)
 
     @property
     def focus_chain(self) -> list[Widget]:
