@@ -13,7 +13,7 @@ from click.testing import CliRunner
 from rl_tui.cli.main import program
 
 README = (Path(__file__).parents[2] / "README.md").read_text(encoding="utf-8")
-COMMANDS = ("play", "train", "replay", "solve", "list", "check", "bench", "screenshot")
+COMMANDS = ("play", "train", "replay", "solve", "list", "check", "bench", "screenshot", "serve")
 
 
 def output_of(*args: str) -> str:

@@ -11,6 +11,7 @@ from typing import Any, ClassVar
 
 import gymnasium
 import pytest
+from playing import busy
 
 from rl_tui.lab.autosave import Autosave, untouched
 from rl_tui.lab.commands import AddLane, Apply, Pause, Play, Restart, Step, StepBack
@@ -86,7 +87,7 @@ def playback_of(recipe: Recipe, speed: float | None = None) -> Playback:
 def work_off(playback: Playback) -> Snapshot:
     """Let it do what is due until it stands still, which here is soon."""
     for _ in range(1_000):
-        if not playback.busy and playback.phase is not Phase.RUNNING:
+        if not busy(playback) and playback.phase is not Phase.RUNNING:
             return playback.snapshot()
         playback.work()
     raise AssertionError("it never stands still")
