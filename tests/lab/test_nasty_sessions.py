@@ -63,7 +63,7 @@ REFUSED = {
     "a truth value": (changed("shown", False), "integer"),
     "half a letter": (changed("title", "\ud800"), "title"),
     "half a letter in the scenario": (changed("scenario.text", "\ud800"), "scenario.text"),
-    "a title that moves the cursor": (changed("title", "\x1b[2J"), "control characters"),
+    "a title that moves the cursor": (changed("title", "\x1b[2J"), "U+001B is a control character"),
     "a long title": (changed("title", "x" * 5_000_000), "at most 80"),
     "a long text": (changed("scenario.text", "#" * 20_000_001), "at most 20000000"),
     "a key without end": (changed("scenario.text", ".".join("a" * 100_000) + "=1"), "20 parts"),
