@@ -41,7 +41,7 @@ KEYS: Final = (
     ("slider", "\x1b[C", r"α .* 0\.110"),
     ("slider", "\x1b[D", r"α .* 0\.100"),
     ("help", "?", r"─ Help ─"),
-    ("close help", "\x1b", r"^(?!.*─ Help ─)"),
+    ("close help", "\x1b", r"^(?!.*(─ Help ─|q: close ─))"),
 )
 
 
@@ -61,10 +61,13 @@ class Frames(NamedTuple):
     steps_per_second: float
 
 
-def start(rate: float | None, depth: str, room: int, *, answers: bool = True) -> ThrottledTerminal:
+def start(rate: float | None, depth: str, room: int, options: argparse.Namespace) -> ThrottledTerminal:
     """Start the playground and let it train at full speed; it comes over the link from the beginning."""
     terminal = ThrottledTerminal(
-        [*RL_TUI, "play", SCENARIO, "--colors", depth], rate=rate, room=room, tells_position=answers
+        [*RL_TUI, "play", options.scenario, "--colors", depth],
+        rate=rate,
+        room=room,
+        tells_position=not options.silent,
     )
     terminal.wait_for("paused")
     terminal.press(FULL_SPEED)
@@ -113,26 +116,32 @@ def press_keys(terminal: ThrottledTerminal, count: int) -> Iterator[Key]:
         yield Key(name, time.perf_counter() - pressed)
 
 
-def headless() -> float:
+def headless(scenario: str) -> float:
     """Return steps a second without a screen."""
-    command = [*RL_TUI, "train", SCENARIO, "--steps", "100000000", "--json"]
+    command = [*RL_TUI, "train", scenario, "--steps", "100000000", "--json"]
     done = subprocess.run(command, check=True, capture_output=True)
     return float(json.loads(done.stdout)["steps_per_second"])
 
 
 def report(rate: float | None, depth: str, room: int, options: argparse.Namespace) -> None:
     """Print what one link comes to."""
-    with start(rate, depth, room, answers=not options.silent) as terminal:
+    with start(rate, depth, room, options) as terminal:
         frames = watch(terminal, options.seconds)
         keys = list(press_keys(terminal, options.keys))
         finish(terminal)
     delays = [key.delay for key in keys]
-    print(
-        f"{name_of(rate):>10} {depth:>9} {room // 1024:>3} kB buffer:  "
+    waits = (
         f"key {median(delays):.2f} s, 95 % {quantiles(delays, n=20)[-1]:.2f}, worst {max(delays):.2f} "
-        f"(at most {ALLOWED[rate]})   frame {mean(frames.sizes) / 1e3:.2f} kB, "
+        f"(at most {ALLOWED.get(rate, 'any')})   "
+        if delays
+        else ""
+    )
+    print(
+        f"{name_of(rate):>10} {depth:>9} {room // 1024:>3} kB buffer:  {waits}"
+        f"frame {mean(frames.sizes) / 1e3:.2f} kB, "
         f"{frames.frames_per_second:.1f}/s, {frames.bytes_per_second / 1e3:.1f} kB/s   "
-        f"{frames.steps_per_second / 1e6:.1f} million steps/s, headless {headless() / 1e6:.1f}",
+        f"{frames.steps_per_second / 1e6:.1f} million steps/s, "
+        f"headless {headless(options.scenario) / 1e6:.1f}",
         flush=True,
     )
     if options.each:
@@ -143,7 +152,7 @@ def report(rate: float | None, depth: str, room: int, options: argparse.Namespac
 
 def come_back(options: argparse.Namespace) -> None:
     """Print the frame rate before a link turns slow, meanwhile, and after."""
-    with start(None, "256", SSH_BUFFER, answers=not options.silent) as terminal:
+    with start(None, "256", SSH_BUFFER, options) as terminal:
         rates = []
         for rate in (None, 10_000, None):
             terminal.rate = rate
@@ -164,7 +173,8 @@ def main() -> None:
     parser.add_argument("--rates", type=float, nargs="*", default=RATES, help="bytes a second, 0: no limit")
     parser.add_argument("--depths", nargs="*", default=DEPTHS, choices=DEPTHS)
     parser.add_argument("--rooms", type=int, nargs="*", default=(0, SSH_BUFFER), help="buffer before it")
-    parser.add_argument("--keys", type=int, default=24, help="keys pressed on each link")
+    parser.add_argument("--scenario", default=SCENARIO, help="what is played; --keys knows this one only")
+    parser.add_argument("--keys", type=int, default=24, help="keys pressed on each link; 0: frames only")
     parser.add_argument("--seconds", type=float, default=6.0, help="how long frames are watched")
     parser.add_argument("--silent", action="store_true", help="the terminal never says where its cursor is")
     parser.add_argument("--each", action="store_true", help="each kind of key by itself")

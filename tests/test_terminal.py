@@ -66,6 +66,12 @@ def test_it_keeps_what_was_done_when_it_is_told_to_end(tmp_path: Path, number: i
     assert len(list(tmp_path.iterdir())) == 1, "the lock is given back"
 
 
+def test_it_may_be_told_to_end_while_it_takes_the_terminal() -> None:
+    with rl_tui("play", "student", status=128 + signal.SIGTERM) as terminal:
+        terminal.wait_until(lambda: b"\x1b[?1049h" in terminal.written)
+        terminal.process.terminate()
+
+
 def test_it_quits_while_compiling(tmp_path: Path) -> None:
     with rl_tui("play", "frozenlake", cache=tmp_path) as terminal:
         terminal.wait_for("preparing:")

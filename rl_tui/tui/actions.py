@@ -347,6 +347,16 @@ ACTIONS: Final[tuple[Action, ...]] = (
         rank=23,
     ),
     Action(
+        "redraw",
+        ("ctrl+l",),
+        "ctrl+l",
+        "draw again",
+        "Draw the whole screen again, where something else wrote over it.",
+        Group.PROGRAM,
+        Place.BOTH,
+        command="app.redraw",
+    ),
+    Action(
         "suspend",
         ("ctrl+z",),
         "ctrl+z",

@@ -6,19 +6,20 @@ import os
 import sys
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, ClassVar, Protocol
+from typing import TYPE_CHECKING, ClassVar
 
 from textual.command import CommandPalette, Provider
+from textual.driver import Driver
 from textual.events import Event, InputEvent, Key, Paste
 from textual.theme import Theme, ThemeProvider
 
 from rl_tui.lab.library import recipe_for
 from rl_tui.lab.recipe import Recipe
-from rl_tui.tui.actions import Place
 from rl_tui.tui.bugs import bug_of
 from rl_tui.tui.display import Display
 from rl_tui.tui.ending import HUNG_UP, end_when_told
 from rl_tui.tui.idleness import LOOKS, Idleness
+from rl_tui.tui.opening import MakePlayer, Opener, live_player
 from rl_tui.tui.palette_entries import ActionProvider
 from rl_tui.tui.terminal.choice import driver_class, go_to_shell
 from rl_tui.tui.terminal.linked_app import LinkedApp
@@ -37,29 +38,12 @@ from rl_tui.worlds.findings import one_line
 if TYPE_CHECKING:
     from rich.console import RenderableType
 
-    from rl_tui.lab.autosave import Autosave
-    from rl_tui.lab.keeper import Keeper
-    from rl_tui.lab.player import Player
-    from rl_tui.lab.record import Record
     from rl_tui.lab.session import StoredSession
     from rl_tui.tui.screens.catalogue import Catalogue
     from rl_tui.tui.screens.playground import Playground
 
 
 _LONGEST_ADDRESS = 300
-
-
-class MakePlayer(Protocol):
-    """Makes the thread behind a playground; ``record`` is what to go on with."""
-
-    def __call__(self, recipe: Recipe, *, keeper: Keeper | None, record: Record | None) -> Player:
-        """Return the player of ``recipe``."""
-
-
-def _live_player(recipe: Recipe, *, keeper: Keeper | None, record: Record | None) -> Player:
-    from rl_tui.lab.player import Player
-
-    return Player(recipe, keeper=keeper, record=record)
 
 
 class RlTuiApp(LinkedApp[UserError]):
@@ -80,7 +64,7 @@ class RlTuiApp(LinkedApp[UserError]):
         self,
         display: Display | None = None,
         start: Recipe | StoredSession | None = None,
-        make_player: MakePlayer = _live_player,
+        make_player: MakePlayer = live_player,
         *,
         picture: bool = False,
         sessions: Path | None = None,
@@ -103,12 +87,9 @@ class RlTuiApp(LinkedApp[UserError]):
         named = encoding_of(os.environ, sys.stdout.encoding, utf8_mode=bool(sys.flags.utf8_mode))
         self._encoding = "utf-8" if picture else named
         self._start = start
-        self._make_player = make_player
-        self._sessions = sessions
+        self._opener = Opener(make_player, options.fps, sessions, kiosk=kiosk)
         self._kiosk = kiosk
         self._idleness = Idleness()
-        self._player: Player | None = None
-        self._autosave: Autosave | None = None
         self._bug: Exception | None = None
         self._typist = Typist(self, super().on_event)
         has_ascii_only = self.look.glyphs is ASCII
@@ -121,6 +102,14 @@ class RlTuiApp(LinkedApp[UserError]):
         return choose_look(
             self._depth, self.options.ascii, self.current_theme.dark, os.environ, self._encoding
         )
+
+    def _build_driver(
+        self, headless: bool, inline: bool, mouse: bool, size: tuple[int, int] | None
+    ) -> Driver:
+        driver = super()._build_driver(headless, inline, mouse, size)
+        if not driver.is_headless:
+            end_when_told(self._end)  # before the terminal is taken: it has to be given back in any case
+        return driver
 
     async def on_event(self, event: Event) -> None:
         """Take keys one at a time, and everything else as it comes."""
@@ -136,59 +125,22 @@ class RlTuiApp(LinkedApp[UserError]):
         self.theme_changed_signal.subscribe(self, self._follow_theme)
         if self._kiosk:
             self.set_interval(LOOKS, self._pause_when_idle)
-        if not self.is_headless:
-            end_when_told(self._end)
         if self._start is None:
-            self.push_screen(self._catalogue())
+            self.push_screen(self._opener.catalogue(self.look))
         elif isinstance(self._start, Recipe):
-            self.push_screen(self._playground(self._start))
+            self.push_screen(self._opener.playground(self.look, self._start))
         else:
-            self.push_screen(self._resumed(self._start, self._start.record()))
-
-    # Each screen is imported when it is first wanted: the first paint waits for one of them only, that of the
-    # catalogue not for numpy and a dozen widgets
-
-    def _catalogue(self, start_at: str = "", fault: UserError | None = None) -> Catalogue:
-        from rl_tui.tui.screens.catalogue import Catalogue
-
-        catalogue = Catalogue(self.look, start_at, fault, self._sessions)
-        if self._kiosk:
-            catalogue.place |= Place.KIOSK
-        return catalogue
-
-    def _playground(self, recipe: Recipe) -> Playground:
-        from rl_tui.lab.autosave import Autosave, untouched
-        from rl_tui.tui.screens.playground import Playground
-
-        autosave = None if self._sessions is None else Autosave(untouched(recipe), self._sessions)
-        self._player = self._make_player(recipe, keeper=autosave, record=None)
-        playground = Playground(self.look, recipe, self._player, self.options.fps)
-        playground.autosave = self._autosave = autosave
-        if self._kiosk:
-            playground.place |= Place.KIOSK
-        return playground
-
-    def _resumed(self, session: StoredSession, record: Record) -> Playground:
-        from rl_tui.lab.autosave import Autosave
-        from rl_tui.tui.screens.playground import Playground
-
-        autosave = None if self._sessions is None else Autosave(record, self._sessions, session)
-        lane = record.lanes[record.shown]
-        self._player = self._make_player(lane.recipe, keeper=autosave, record=record)
-        playground = Playground(self.look, lane.recipe, self._player, self.options.fps, record.speed)
-        playground.autosave = self._autosave = autosave
-        playground.resumed = session
-        return playground
+            self.push_screen(self._opener.resumed(self.look, self._start, self._start.record()))
 
     def on_catalogue_opened(self, event: Catalogue.Opened) -> None:
         """Go to the playground."""
         self._start = None  # from here on a fault leads back to the catalogue
-        self.switch_screen(self._playground(event.recipe))
+        self.switch_screen(self._opener.playground(self.look, event.recipe))
 
     def on_session_shelf_resumed(self, event: Catalogue.Resumed) -> None:
         """Go on with a session."""
         self._start = None
-        self.switch_screen(self._resumed(event.session, event.record))
+        self.switch_screen(self._opener.resumed(self.look, event.session, event.record))
 
     def on_playground_left(self, event: Playground.Left) -> None:
         """Go back to the catalogue; end where a fault meets the only run that was asked for."""
@@ -196,9 +148,8 @@ class RlTuiApp(LinkedApp[UserError]):
             self.exit(event.fault, return_code=1)
             return
         self._start = None
-        if self._player is not None:
-            self._player.close()  # the session has to be on the disk before the catalogue lists it
-        self.switch_screen(self._catalogue(event.recipe.scenario.id, event.fault))
+        self._opener.close()  # the session has to be on the disk before the catalogue lists it
+        self.switch_screen(self._opener.catalogue(self.look, event.recipe.scenario.id, event.fault))
 
     def on_playground_neighbour_wanted(self, event: Playground.NeighbourWanted) -> None:
         """Go to the scenario before or after; from a file that is not listed, to the first or last."""
@@ -212,7 +163,7 @@ class RlTuiApp(LinkedApp[UserError]):
             self.notify(str(fault), severity="error", markup=False)
             return
         self._start = None
-        self.switch_screen(self._playground(recipe))
+        self.switch_screen(self._opener.playground(self.look, recipe))
 
     def _pause_when_idle(self) -> None:
         from rl_tui.tui.screens.playground import Playground
@@ -235,11 +186,11 @@ class RlTuiApp(LinkedApp[UserError]):
     def action_command_palette(self) -> None:
         """Open the palette."""
         if not isinstance(self.screen, CommandPalette):
-            self.push_screen(CommandPalette(placeholder="find an action"))
+            self._open_palette("find an action")
 
-    def action_suspend_process(self) -> None:
+    async def action_suspend_process(self) -> None:  # type: ignore[override]
         """Go back to the shell, if there is one that can bring the program back."""
-        if not go_to_shell(self._driver):
+        if not await go_to_shell(self._driver):
             self.notify("there is no shell here to go back to; q quits", markup=False)
 
     def on_terminal_driver_lost(self) -> None:
@@ -255,15 +206,15 @@ class RlTuiApp(LinkedApp[UserError]):
 
     def search_themes(self) -> None:
         """Open the palette with the themes alone."""
-        self.push_screen(CommandPalette([ThemeProvider], placeholder="find a theme"))
+        self._open_palette("find a theme", ThemeProvider)
+
+    def _open_palette(self, placeholder: str, *providers: type[Provider]) -> None:
+        classes = "-slow" if self.has_slow_link else None
+        self.push_screen(CommandPalette(providers or None, placeholder=placeholder, classes=classes))
 
     def _end(self, status: int) -> None:
-        self._keep()
+        self._opener.close()  # what was done is kept first: there may be little time
         self.exit(return_code=status)
-
-    def _keep(self) -> None:
-        if self._player is not None:
-            self._player.close()  # what was done is kept first: there may be little time
 
     @property
     def bug(self) -> Exception | None:
@@ -273,8 +224,8 @@ class RlTuiApp(LinkedApp[UserError]):
     def _fatal_error(self) -> None:
         # Textual would print pages here; the command line says in one line what has happened
         if self._bug is None:
-            self._keep()
-            self._bug = bug_of(self._exception, self._autosave)
+            self._opener.close()
+            self._bug = bug_of(self._exception, self._opener.autosave)
         self._close_messages_no_wait()
 
     def _follow_theme(self, _: Theme) -> None:

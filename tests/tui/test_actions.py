@@ -47,6 +47,7 @@ PLAYGROUND_KEYS = {
     "right_square_bracket",
     "question_mark",
     "ctrl+p",
+    "ctrl+l",
     "ctrl+z",
     "escape",
     "q",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 from itertools import pairwise
 from typing import Any
 
@@ -200,3 +201,14 @@ def test_a_pen_is_made_once() -> None:
     assert pens.of(Style(color="default", bgcolor="default")) is pens.of(None) is pens.plain
     assert pens.of(Style(color="red", bgcolor="blue", bold=True)).blank is pens.of(Style(bgcolor="blue"))
     assert pens.of(Style(underline=True)).blank is pens.of(Style(underline=True))
+
+
+def test_pens_that_no_cell_has_are_forgotten(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("rl_tui.tui.terminal.pens._MOST_KEPT", 100)
+    pens = Pens(ColorSystem.TRUECOLOR)
+    kept = pens.of(Style(color="#102030"))
+    for number in range(1_000):
+        pens.of(Style(color=f"#{number:06x}"))
+    gc.collect()
+    assert len(pens._known) < 200
+    assert pens.of(Style(color="#102030")) is kept

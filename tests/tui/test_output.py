@@ -25,6 +25,7 @@ class FarTerminal:
         self.emulator = Emulator(20, 4)
         self.output = Output(self.write, ColorSystem.EIGHT_BIT, lambda: self.waiting, lambda: self.now)
         self.output.resize(20, 4)
+        self.output.wake()
 
     def write(self, text: str) -> None:
         self.written.append(text)
@@ -68,6 +69,7 @@ async def test_each_frame_asks_for_another_place() -> None:
 async def test_a_terminal_of_one_line_is_not_asked() -> None:
     terminal = FarTerminal()
     terminal.output.resize(20, 1)
+    terminal.output.wake()
     for text in ("one", "two"):
         terminal.show(text)
     assert len(terminal.written) == 2
@@ -78,9 +80,11 @@ async def test_after_a_resize_all_is_told_again() -> None:
     terminal = FarTerminal()
     terminal.show("return")
     terminal.output.resize(20, 4)
+    terminal.output.wake()
     terminal.output.send()
     assert "return" in terminal.written[-1]
     terminal.output.resize(10, 4)
+    terminal.output.wake()
     terminal.output.send()
     assert len(terminal.written) == 2, "nothing is drawn for this size yet"
     terminal.answer()
@@ -146,7 +150,7 @@ async def test_a_silent_terminal_gets_no_more_than_leaves_the_program() -> None:
 async def test_at_the_end_the_last_answer_is_awaited_and_nothing_more_is_sent() -> None:
     terminal = FarTerminal()
     terminal.show("one")
-    closing = asyncio.create_task(terminal.output.close())
+    closing = asyncio.create_task(terminal.output.rest())
     await asyncio.sleep(0)
     terminal.show("two")
     assert not closing.done()
@@ -160,4 +164,49 @@ async def test_at_the_end_a_terminal_without_answers_is_not_waited_for() -> None
     for number in range(5):
         terminal.show(str(number))
         terminal.now += 60.0
-    await asyncio.wait_for(terminal.output.close(), 60.0)
+    await asyncio.wait_for(terminal.output.rest(), 60.0)
+
+
+async def test_what_stands_there_can_be_drawn_again() -> None:
+    terminal = FarTerminal()
+    terminal.show("return")
+    terminal.answer()
+    terminal.emulator.feed(b"\x1b[Hmail has come")
+    terminal.output.draw_again()
+    assert terminal.emulator.text.split("\n")[0] == "return"
+
+
+async def test_lines_that_were_asked_for_are_in_the_first_frame_on_a_slow_link() -> None:
+    terminal = FarTerminal()
+    terminal.output.resize(400, 12)
+    terminal.output.wake()
+    terminal.emulator.resize(12, 400)
+    for text in ("at once", "─" * 400, "│" * 400, "─" * 400):
+        terminal.show(text)
+        terminal.now += 0.0 if text == "at once" else 2.0
+        terminal.answer()
+    assert terminal.output.link.is_slow
+    for y in range(12):
+        terminal.output.put(0, y, [Segment(chr(ord("a") + y) * 400, Style())])
+    terminal.output.begin_with(range(8, 10))
+    before = len(terminal.written)
+    terminal.output.send()
+    shown = [row[:1] for row in terminal.emulator.text.split("\n")]
+    assert len(terminal.written) == before + 1
+    assert shown[8:10] == ["i", "j"]
+    assert shown[11] != "l", "the rest is for the next frame"
+
+
+async def test_a_terminal_that_is_lent_gets_nothing_until_it_is_back() -> None:
+    terminal = FarTerminal()
+    terminal.show("return")
+    resting = asyncio.create_task(terminal.output.rest())
+    await asyncio.sleep(0)
+    terminal.answer()
+    await asyncio.wait_for(resting, 60.0)
+    terminal.show("another")
+    assert len(terminal.written) == 1
+    terminal.output.resize(20, 4)
+    assert len(terminal.written) == 1
+    terminal.output.wake()
+    assert terminal.emulator.text.split("\n")[0] == "another"

@@ -7,6 +7,8 @@ from typing import ClassVar, TypeVar
 from textual.binding import Binding, BindingType
 from textual.screen import ModalScreen
 
+from rl_tui.tui.terminal.linked_app import LinkedApp
+
 Result = TypeVar("Result")
 
 
@@ -17,6 +19,10 @@ class Dialog(ModalScreen[Result | None]):
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("escape", "cancel", "back", id="cancel", tooltip="Close without a change."),
     ]
+
+    def on_mount(self) -> None:
+        """Leave what lies behind as it is where to darken it, and undo that, would take long."""
+        self.set_class(isinstance(self.app, LinkedApp) and self.app.has_slow_link, "-slow")
 
     def action_cancel(self) -> None:
         """Close without an answer."""

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from itertools import groupby
 from typing import ClassVar, Final
 
-from rich.table import Table
 from rich.text import Text
 from textual.app import ComposeResult
 from textual.binding import Binding, BindingType
@@ -15,8 +15,8 @@ from textual.widgets import Static
 from rl_tui.tui.actions import Place, actions_of
 from rl_tui.tui.screens.dialog import Dialog
 from rl_tui.tui.theme.look import Look
+from rl_tui.tui.widgets.explained import Explained, Explanation
 from rl_tui.tui.widgets.notes import notes_markdown
-from rl_tui.tui.written import written
 
 _PANELS: Final = (
     (
@@ -123,7 +123,6 @@ _PANELS: Final = (
         "with it, and f shows the panel in focus alone.",
     ),
 )
-_LEFT = 12
 
 
 class HelpScreen(Dialog[None]):
@@ -143,45 +142,41 @@ class HelpScreen(Dialog[None]):
         """Yield the keys."""
         box = Vertical(id="box", classes="tall")
         with box, VerticalScroll():
-            yield Static(self._keys())
+            yield Explained(list(self._explanations()), self._look.glyphs)
         box.border_title = "Help"
         box.border_subtitle = "arrows: scroll   ? or q: close"
 
     def on_mount(self) -> None:
-        """Let the arrows scroll; what stands below is laid out once the beginning can be read."""
-        self.query_one(VerticalScroll).focus()
-        self.call_after_refresh(self._go_on)
-
-    def _go_on(self) -> None:
+        """Let the arrows scroll."""
         page = self.query_one(VerticalScroll)
-        if not page.is_attached:  # closed already
-            return
-        if Place.PLAYGROUND in self._place:
-            page.mount(Static(self._panels()))
+        page.focus()
         if self._notes:
-            page.mount(Static(Text("\nNotes", "bold")), notes_markdown(self._notes, self._look.glyphs))
+            self.watch(page, "scroll_y", self._add_notes, init=False)
+            self.call_after_refresh(self._fill)
 
-    def _keys(self) -> Table:
-        table = _two_columns()
+    async def _fill(self) -> None:
+        page = self.query_one(VerticalScroll)
+        if page.is_attached and not page.max_scroll_y:  # nobody can scroll
+            await self._add_notes()
+
+    async def _add_notes(self) -> None:
+        """Put the notes at the end once somebody scrolls: what reads them is slow to load."""
+        if not self._notes:
+            return
+        notes, self._notes = notes_markdown(self._notes, self._look.glyphs), ""
+        page = self.query_one(VerticalScroll)
+        to_end = page.scroll_target_y >= page.max_scroll_y
+        await page.mount(Static(Text("\nNotes", "bold")), notes)
+        if to_end:
+            self.call_after_refresh(page.scroll_end, animate=False)
+
+    def _explanations(self) -> Iterator[Explanation]:
         for group, actions in groupby(actions_of(self._place), key=lambda action: action.group):
-            table.add_row(Text(group, "bold"), "")
+            yield Explanation(group)
             for action in actions:
-                table.add_row(
-                    written(f"  {action.shown}", self._look.glyphs),
-                    Text(written(action.help, self._look.glyphs)),
-                )
-        return table
-
-    def _panels(self) -> Table:
-        table = _two_columns()
-        table.add_row(Text("\nPanels", "bold"), "")
-        for title, sentences in _PANELS:
-            table.add_row(f"  {title}", Text(written(sentences, self._look.glyphs)))
-        return table
-
-
-def _two_columns() -> Table:
-    table = Table.grid(padding=(0, 2, 0, 0))
-    table.add_column(no_wrap=True, width=_LEFT)
-    table.add_column()
-    return table
+                yield Explanation(f"  {action.shown}", action.help)
+        if Place.PLAYGROUND in self._place:
+            yield Explanation("")
+            yield Explanation("Panels")
+            for title, sentences in _PANELS:
+                yield Explanation(f"  {title}", sentences)

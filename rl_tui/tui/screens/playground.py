@@ -37,6 +37,7 @@ from rl_tui.tui.widgets.status_line import StatusLine
 from rl_tui.worlds.drawing import Arms
 from rl_tui.worlds.errors import UserError
 
+_MOST_PICTURES: Final = 100  # until a picture that shows what was asked for
 _UNTIL_SEEN = 3600.0
 _ASKS_AGAIN: Final = 0.25  # seconds
 
@@ -83,6 +84,7 @@ class Playground(
         self._pacer = Pacer(fps, self._arrived)
         self._model: ModelScreen | None = None
         self._framed = asyncio.Event()
+        self._is_over = False  # whether nothing more will be drawn
 
     def content(self) -> Iterable[Widget]:
         """Yield the status line and the board."""
@@ -96,6 +98,7 @@ class Playground(
     def on_unmount(self) -> None:
         """Let the player's thread end; nobody waits for it."""
         self.player.close()
+        self._end()
 
     def send(self, command: Command) -> None:
         """Ask the player for something; its answer is drawn without waiting for the next frame."""
@@ -121,6 +124,12 @@ class Playground(
                 await self._pacer.wait()
         except UserError as fault:
             self.post_message(self.Left(self.recipe, self.named(fault)))
+        finally:
+            self._end()
+
+    def _end(self) -> None:
+        self._is_over = True
+        self._framed.set()
 
     def _draw(self, snapshot: Snapshot) -> None:
         before, self.snapshot = self.snapshot, snapshot
@@ -140,14 +149,40 @@ class Playground(
         self.send(LookAt(self.board.sight._replace(pair=pair)))
 
     async def settled(self) -> None:
-        """Wait until all that was asked for is done and on screen, the exact answer included."""
+        """Wait until all that was asked for is done and on screen, the exact answer included.
+
+        Where it was left, or a fault has ended the run, there is nothing to wait for. What does not come to
+        rest in many pictures never will, and is not waited for either.
+        """
+        for _ in range(_MOST_PICTURES):
+            if self._is_over:
+                return
+            self._framed.clear()
+            done = await self._carried_out()
+            if self._shows(done):
+                return
+            await self._framed.wait()  # whoever asks the player gets a new picture in any case
+            while not self._is_over and self.snapshot and _lacks_exact(self.snapshot):
+                self._framed.clear()
+                await self._framed.wait()
+            if not self.board.is_complete:
+                self.on_scrolled()
+
+    def _shows(self, done: Snapshot) -> bool:
+        """Tell whether what is drawn is as far as ``done`` and complete."""
+        drawn = self.snapshot
+        return (
+            drawn is not None
+            and not _lacks_exact(drawn)
+            and _stands_as(drawn, done)
+            and self.board.is_complete
+        )
+
+    async def _carried_out(self) -> Snapshot:
         try:
-            done = await self.player.carried_out()
+            return await self.player.carried_out()
         except UserError as fault:
             raise self.named(fault) from fault
-        while not (self.snapshot and _shows(self.snapshot, done) and self.board.is_complete):
-            self._framed.clear()
-            await self._framed.wait()
 
     async def _arrived(self) -> None:
         if isinstance(self.app, LinkedApp):
@@ -303,8 +338,13 @@ class Playground(
             self.post_message(self.Left(self.recipe))
 
 
-def _shows(drawn: Snapshot, done: Snapshot) -> bool:
-    """Tell whether ``drawn`` is as far as ``done`` and complete."""
+def _lacks_exact(snapshot: Snapshot) -> bool:
+    """Tell whether the exact answer is still being worked out."""
+    return snapshot.exact is None and not snapshot.exact_refused
+
+
+def _stands_as(drawn: Snapshot, done: Snapshot) -> bool:
+    """Tell whether ``drawn`` is as far as ``done``."""
 
     def stand(snapshot: Snapshot) -> tuple[object, ...]:
         return (
@@ -316,5 +356,4 @@ def _shows(drawn: Snapshot, done: Snapshot) -> bool:
             snapshot.hyperparameters,
         )
 
-    is_new = drawn.handled >= done.handled
-    return is_new and stand(drawn) == stand(done) and (drawn.exact is not None or bool(drawn.exact_refused))
+    return drawn.handled >= done.handled and stand(drawn) == stand(done)

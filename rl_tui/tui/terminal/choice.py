@@ -17,10 +17,10 @@ def driver_class() -> type[Driver] | None:
     return TerminalDriver
 
 
-def go_to_shell(driver: Driver | None) -> bool:
+async def go_to_shell(driver: Driver | None) -> bool:
     """Stop until the shell says go on; False where there is no shell to go to."""
     suspend = getattr(driver, "suspend", None)
     if driver is None or suspend is None or not driver.can_suspend:
         return False
-    suspend()
+    await suspend()
     return True

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import os
 import signal
 import sys
@@ -15,6 +16,7 @@ from textual.drivers.linux_driver import LinuxDriver
 from textual.message import Message
 
 from rl_tui.tui.ending import HUNG_UP, end_at_last
+from rl_tui.tui.terminal.linked_app import LinkedApp
 from rl_tui.tui.terminal.reader import messages_from
 from rl_tui.tui.terminal.writer import TerminalWriter
 
@@ -85,6 +87,13 @@ class TerminalDriver(LinuxDriver):
 
     # Beginning and end
 
+    def start_application_mode(self) -> None:
+        """Take the terminal."""
+        super().start_application_mode()  # type: ignore[no-untyped-call]
+        if self._writer_thread is not None:  # nothing is written by Textual's own
+            self._writer_thread.stop()
+            self._writer_thread = None
+
     def stop_application_mode(self) -> None:
         """Give the terminal back as it was; pictures that are still on their way are dropped."""
         self._output.forget()
@@ -139,21 +148,26 @@ class TerminalDriver(LinuxDriver):
             return self._may_stop and parent > 0 and os.getsid(parent) == os.getsid(0)
         return False
 
-    def suspend(self) -> None:
+    async def suspend(self) -> None:
         """Give the terminal back and stop, together with what was started along, until the shell says go on.
 
         Where no shell looks after the program it goes on at once.
         """
-        self._pause(_stop_group)
+        await self._leave(_stop_group)
 
     def _sigtstp_application(self, *_: object) -> None:
         # asked for from outside: whoever does this can also let it go on
-        self._soon(self._pause, _stop)
+        asyncio.run_coroutine_threadsafe(self._leave(_stop), self._loop)
 
     def _sigcont_application(self, *_: object) -> None:
         self._continued += 1
         if not self._is_away:  # stopped without being asked: somebody else may have used the terminal
             self._soon(self._pause, _go_on)
+
+    async def _leave(self, stop: Callable[[], None]) -> None:
+        if isinstance(self._app, LinkedApp) and not self._is_away:
+            await self._app.rest()
+        self._pause(stop)
 
     def _pause(self, stop: Callable[[], None]) -> None:
         if self._is_away or not self._app._running:

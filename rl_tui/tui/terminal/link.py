@@ -23,6 +23,7 @@ _ASK_AGAIN: Final = 1.0  # seconds between two questions to a silent terminal
 _MEMORY: Final = 0.7  # weight of the past in the running mean
 _LONGEST_FRAME: Final = 0.2  # seconds on its way
 _LEAST_ROOM: Final = 1_000.0  # bytes
+_SLOW: Final = 50_000.0  # bytes/s
 _TELLING: Final = 500  # bytes of a frame from which on its time tells something of the link
 
 
@@ -85,6 +86,11 @@ class Link:
         if not self._seconds_a_byte:
             return inf
         return max(_LEAST_ROOM, _LONGEST_FRAME / self._seconds_a_byte)
+
+    @property
+    def is_slow(self) -> bool:
+        """Whether a screen full of text takes so long that who waits for it notices."""
+        return self._seconds_a_byte > 1.0 / _SLOW
 
     def hurry(self) -> None:
         """Do not wait for long with the next frame: somebody has pressed a key."""

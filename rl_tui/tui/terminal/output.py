@@ -47,22 +47,37 @@ class Output:
         self._cursor = (0, 0)
         self._timer: asyncio.TimerHandle | None = None
         self._arrived = asyncio.Event()
-        self._is_closed = False
+        self._rests = False
 
     def resize(self, width: int, height: int) -> None:
         """Begin anew on a terminal of ``width`` × ``height``, of whose contents nothing is known.
 
-        If that is the size it had, all that was drawn is sent again.
+        If that is the size it had, all that was drawn will be sent again. Nothing is until :meth:`wake`.
         """
+        self._rests = True
         if (width, height) == (self._buffer.width, self._buffer.height):
             self._buffer.forget()
             self.link.restart()
         else:
             self._buffer.resize(width, height)
 
+    def wake(self) -> None:
+        """Send what was drawn since the resize, and what is drawn from now on."""
+        self._rests = False
+        self.send()
+
+    def draw_again(self) -> None:
+        """Send all that was drawn, whatever the terminal shows."""
+        self._buffer.forget()
+        self.send()
+
     def put(self, x: int, y: int, segments: Iterable[Segment]) -> None:
         """Draw ``segments`` from column ``x`` of line ``y`` on."""
         self._buffer.put(x, y, segments)
+
+    def begin_with(self, lines: range) -> None:
+        """Send ``lines`` before all others, once."""
+        self._buffer.begin_with(lines)
 
     def place_cursor(self, x: int, y: int) -> None:
         """Have the cursor, which is hidden, where text is entered: input methods show there what is typed."""
@@ -73,7 +88,7 @@ class Output:
         if self._timer is not None:
             self._timer.cancel()
             self._timer = None
-        while self._buffer.is_touched and not self._is_closed:
+        while self._buffer.is_touched and not self._rests:
             if (wait := self._wait) > 0.0:
                 self._timer = asyncio.get_running_loop().call_later(wait, self.send)
                 return
@@ -94,9 +109,12 @@ class Output:
             await self._answered(wait)
             self.send()
 
-    async def close(self) -> None:
-        """Send nothing more, and wait until the terminal has answered: who reads its input next shall not."""
-        self._is_closed = True
+    async def rest(self) -> None:
+        """Send nothing until :meth:`wake`, and wait until the terminal has answered.
+
+        Whoever reads its input next shall not find the answer there.
+        """
+        self._rests = True
         loop = asyncio.get_running_loop()
         deadline = loop.time() + _LONGEST_FAREWELL
         while not self.link.is_idle and loop.time() < deadline:

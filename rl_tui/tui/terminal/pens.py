@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from typing import Final
+from weakref import WeakValueDictionary
 
 from rich.color import ColorSystem
 from rich.style import Style
@@ -12,6 +13,7 @@ from rich.style import Style
 _ON: Final = ("1", "2", "3", "4", "5", "6", "7", "8", "9", "21", "51", "52", "53")
 _OFF: Final = ("22", "22", "23", "24", "25", "25", "27", "28", "29", "24", "54", "54", "55")
 _UNSEEN_ON_BLANKS: Final = 0b111  # bold, dim, italic; the others show where there is no character too
+_MOST_KEPT: Final = 20_000  # styles, and changes from one pen to another
 RESET: Final = "\x1b[m"
 
 
@@ -22,7 +24,7 @@ class Pen:
     space looks the same.
     """
 
-    __slots__ = ("attributes", "blank", "ground", "ink")
+    __slots__ = ("__weakref__", "attributes", "blank", "ground", "ink")
 
     def __init__(self, attributes: int, ink: str, ground: str) -> None:
         self.attributes = attributes
@@ -40,7 +42,9 @@ class Pens:
     def __init__(self, system: ColorSystem) -> None:
         self._system = system
         self._of_style: dict[Style | None, Pen] = {}
-        self._known: dict[tuple[int, str, str], Pen] = {}
+        # those that no cell has any more are forgotten: pens are compared by identity, so that one that is
+        # in use must not be made a second time
+        self._known: WeakValueDictionary[tuple[int, str, str], Pen] = WeakValueDictionary()
         self._changes: dict[tuple[Pen, Pen], str] = {}
         self.plain = self._pen(0, "", "")
 
@@ -48,7 +52,7 @@ class Pens:
         """Return the pen that writes in ``style``; where a link leads is not told to the terminal."""
         pen = self._of_style.get(style)
         if pen is None:
-            if len(self._of_style) > 20_000:  # colours that fade make new styles without end
+            if len(self._of_style) > _MOST_KEPT:  # colours that fade make new styles without end
                 self._of_style.clear()
             pen = self._of_style[style] = self._made(style)
         return pen
@@ -59,7 +63,7 @@ class Pens:
             return ""
         change = self._changes.get((before, after))
         if change is None:
-            if len(self._changes) > 20_000:
+            if len(self._changes) > _MOST_KEPT:
                 self._changes.clear()
             change = self._changes[before, after] = _change(before, after)
         return change

@@ -37,6 +37,7 @@ class ScreenBuffer:
         self._pens = pens
         self._cutter = cutter
         self._touched: set[int] = set()
+        self._first = range(0)
         self._next = 0
         self._wanted: list[Line] = []
         self._told: list[Line] = []
@@ -90,14 +91,20 @@ class ScreenBuffer:
             line.cells[x] = " "
         self._touched.add(y)
 
+    def begin_with(self, lines: range) -> None:
+        """Tell ``lines`` before all others, once."""
+        self._first = lines
+
     def changed(self) -> Iterator[tuple[int, Line, list[int]]]:
         """Yield each line that differs from what was told: its number, itself, and its columns that differ.
 
         With each that has been asked for, the line counts as told. If not all were, the next time begins with
         those that are left.
         """
-        from_here = sorted(self._touched, key=lambda y: (y < self._next, y))
+        from_here = sorted(self._touched, key=lambda y: (y not in self._first, y < self._next, y))
         for y in from_here:
+            if y not in self._first:
+                self._first = range(0)
             self._next = y + 1
             self._touched.discard(y)
             wanted, told = self._wanted[y], self._told[y]
@@ -107,7 +114,7 @@ class ScreenBuffer:
             told.copy_from(wanted)
             if columns:
                 yield y, wanted, columns
-        self._next = 0
+        self._first, self._next = range(0), 0
 
 
 def _columns(wanted: Line, told: Line) -> list[int]:
