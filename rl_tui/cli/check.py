@@ -18,18 +18,20 @@ def command(context: click.Context, files: tuple[str, ...]) -> None:
     Files without a fault are named on stdout, even where there is a warning on stderr.
     """
     from rl_tui.lab.endless import endless_warning
-    from rl_tui.lab.library import faults_of
+    from rl_tui.lab.library import checked
+    from rl_tui.worlds.findings import printable
 
     faulty = False
     for file in files:
-        faults = faults_of(file)
+        name = printable(file)
+        scenario, faults = checked(file)
         for fault in faults:
-            click.echo(str(fault), err=True)
-        if not faults:
-            click.echo(f"{file}: ok")
-            warning = endless_warning(file)
+            click.echo(printable(str(fault)), err=True)
+        if scenario is not None and not faults:
+            click.echo(f"{name}: ok")
+            warning = endless_warning(scenario)
             if warning:
-                click.echo(f"{file}: warning: {warning}", err=True)
+                click.echo(f"{name}: warning: {warning}", err=True)
         faulty = faulty or bool(faults)
     if faulty:
         context.exit(1)

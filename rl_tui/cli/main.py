@@ -70,7 +70,9 @@ def _leave_at_once(status: int) -> NoReturn:
     farewell itself may want: measured, one quit in 250 during start-up never ended. For other threads it
     would wait, and one that an environment keeps waiting may never end.
     """
-    for stream in (sys.stdout, sys.stderr):
+    # one that still waits for an environment may have exchanged stdout
+    for stream in (sys.stdout, sys.__stdout__, sys.stderr):
         with suppress(OSError, ValueError):
-            stream.flush()
+            if stream is not None:
+                stream.flush()
     os._exit(status)

@@ -13,7 +13,6 @@ from rl_tui.cli.display_options import display_of, display_options
 from rl_tui.cli.help_sections import SectionedCommand
 from rl_tui.cli.number import OptionValue
 from rl_tui.cli.run_options import allow_module_option, run_options, seed_option, start_of
-from rl_tui.worlds.errors import UserError
 
 
 class ScreenSize(OptionValue):
@@ -71,18 +70,7 @@ def command(
     if out == "-":
         sys.stdout.write(svg)
     else:
-        _write(Path(out), svg)
+        from rl_tui.lab.whole_file import whole_file
 
-
-def _write(path: Path, svg: str) -> None:
-    try:
-        with path.open("w", encoding="utf-8") as stream:
-            try:
-                stream.write(svg)
-                stream.flush()
-            except OSError:
-                if path.is_file():
-                    path.unlink()  # half a picture is none
-                raise
-    except OSError as error:
-        raise UserError(f"{path}: cannot be written ({error.strerror or error})") from error
+        with whole_file(Path(out)) as stream:
+            stream.write(svg)

@@ -2,22 +2,20 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 
 from rl_tui.agents.exact_model import exact_model
 from rl_tui.worlds.mdp import TabularMDP
-from rl_tui.worlds.scenario import read_scenario
+from rl_tui.worlds.scenario import Scenario
 from rl_tui.worlds.streams import streams
 
 
-def endless_warning(path: str | Path) -> str:
-    """Return, in one line, that episodes of a scenario file without a fault may never end; empty if not.
+def endless_warning(scenario: Scenario) -> str:
+    """Return, in one line, that episodes of ``scenario`` may never end; empty if they do.
 
     It is no fault: γ below 1 has an exact answer there too.
     """
-    mdp = read_scenario(path, ask_environment=False).build(streams(0).world).mdp
+    mdp = scenario.build(streams(0).world).mdp
     state = None if mdp is None else endless_state(mdp)
     if mdp is None or state is None:
         return ""

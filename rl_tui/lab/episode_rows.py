@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Final, TextIO
 
-from rl_tui.worlds.errors import UserError
+from rl_tui.lab.whole_file import whole_file
 from rl_tui.worlds.mdp import BoolArray, FloatArray, IntArray
 
 HEADER: Final = "run,episode,return,length\n"
@@ -34,21 +34,12 @@ class EpisodeRows:
 def csv_file(target: Path | TextIO) -> Iterator[TextIO]:
     """Yield ``target``, opened if it is a path, with the header written.
 
-    What was written is kept whatever else fails, but where the file itself cannot be written to its end it
-    goes, and UserError is raised. A stream stays open, and its errors are its own.
+    A file is kept or removed as :func:`whole_file` does. A stream stays open, and its errors are its own.
     """
     if not isinstance(target, Path):
         target.write(HEADER)
         yield target
         return
-    is_begun = False
-    try:
-        with target.open("w", encoding="utf-8", newline="") as stream:
-            is_begun = True
-            stream.write(HEADER)
-            yield stream
-    except OSError as error:
-        if is_begun and target.is_file():  # what could not be opened is as it was
-            with suppress(OSError):
-                target.unlink()
-        raise UserError(f"{target}: cannot be written ({error.strerror or error})") from error
+    with whole_file(target) as stream:
+        stream.write(HEADER)
+        yield stream

@@ -55,9 +55,14 @@ def faults_of(path: str | Path) -> list[Fault]:
 
     Of more than 100 the first are told, and that there are more.
     """
+    return checked(path)[1]
+
+
+def checked(path: str | Path) -> tuple[Scenario | None, list[Fault]]:
+    """Return the scenario in a file, None where its world has a fault, and all its faults."""
     try:
         scenario = read_scenario(path)
-        return list(first_of(_default_faults(str(path), scenario.defaults)))
+        return scenario, list(first_of(_default_faults(str(path), scenario.defaults)))
     except ScenarioError as error:
         world_faults, raw = list(error.faults), error.tables
     defaults = raw.get("defaults")
@@ -68,7 +73,7 @@ def faults_of(path: str | Path) -> list[Fault]:
         name = fault.place.split(".")[0].split("[")[0]
         return tables.index(name) if name in tables else len(tables)
 
-    return list(first_of(sorted([*world_faults, *faults], key=table_of)))
+    return None, list(first_of(sorted([*world_faults, *faults], key=table_of)))
 
 
 def recipe_for(scenario: Scenario, overrides: Mapping[str, object] | None = None, seed: int = 0) -> Recipe:

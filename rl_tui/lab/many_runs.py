@@ -23,6 +23,7 @@ from rl_tui.lab.learning_curve import RunCurve, mean_curve, no_curve
 from rl_tui.lab.recipe import Recipe, begin, drawn_from_seed
 from rl_tui.lab.run import OnEpisodes, Run
 from rl_tui.lab.training import Goal, OnProgress, no_progress, train
+from rl_tui.lab.whole_file import whole_file
 from rl_tui.worlds.drawing import Arms
 from rl_tui.worlds.errors import UserError
 
@@ -186,7 +187,7 @@ class _Experiment:
         if part is None:
             run = self._train(index)
         else:
-            with part.open("w", encoding="utf-8", newline="") as stream:
+            with whole_file(part) as stream:
                 run = self._train(index, EpisodeRows(stream, index + 1))
         optimum = self._optimum if self._shared else self._optimum_of(run)
         exact = greedy_figures(run, optimum)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import os
 import sys
 from collections.abc import Callable
@@ -9,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar
 
 from textual.command import CommandPalette, Provider
+from textual.css.query import NoMatches
 from textual.driver import Driver
 from textual.events import Event, InputEvent, Key, Paste
 from textual.theme import Theme, ThemeProvider
@@ -115,6 +117,7 @@ class RlTuiApp(LinkedApp[UserError]):
         """Take keys one at a time, and everything else as it comes."""
         if isinstance(event, InputEvent):
             self._idleness.stir()
+            await asyncio.sleep(0)  # or a flood of it would let nothing else happen, not even an end
         if isinstance(event, (Key, Paste)) and not event.is_forwarded:
             await self._typist.take(event)
         else:
@@ -220,6 +223,11 @@ class RlTuiApp(LinkedApp[UserError]):
     def bug(self) -> Exception | None:
         """The unexpected fault that ended the program, with what became of the session; None if none did."""
         return self._bug
+
+    def _handle_exception(self, error: Exception) -> None:
+        if self._exit and isinstance(error, NoMatches):
+            return  # of a screen that opens while the program ends, the widgets may be gone already
+        super()._handle_exception(error)
 
     def _fatal_error(self) -> None:
         # Textual would print pages here; the command line says in one line what has happened

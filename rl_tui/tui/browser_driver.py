@@ -4,16 +4,24 @@ from __future__ import annotations
 
 import os
 import signal
-from typing import Any
+from typing import Any, Final
 
 from textual.app import App
 from textual.drivers.web_driver import WebDriver
+from textual.message import Message
+
+from rl_tui.tui.ending import end_at_last
+
+MOST_WAITING: Final = 100  # messages that the app has not come to
+_LOOK_AGAIN: Final = 0.01  # seconds
+_TOLD_TO_END: Final = 128 + signal.SIGTERM
 
 
 class BrowserDriver(WebDriver):
     """Textual's web driver that ends the program when the server at the other end of the pipes is gone.
 
-    The server says when the browser has left; one that was killed cannot, and its apps must not stay.
+    The server says when the browser has left; one that was killed cannot, and its apps must not stay. What
+    comes faster than the app can take it in is not read: the pipe fills up, and the sender has to wait.
     """
 
     def __init__(
@@ -33,6 +41,20 @@ class BrowserDriver(WebDriver):
         if not self.exit_event.is_set():
             self._end()
 
+    def process_message(self, message: Message) -> None:
+        """Hand on what was read from the browser's terminal."""
+        self._wait_for_app()
+        super().process_message(message)
+
+    def on_meta(self, packet_type: str, payload: dict[str, object]) -> None:
+        """Hand on what the server says of the browser."""
+        self._wait_for_app()
+        super().on_meta(packet_type, payload)
+
+    def _wait_for_app(self) -> None:
+        while self._app.message_queue_size >= MOST_WAITING and not self.exit_event.wait(_LOOK_AGAIN):
+            pass
+
     def _enable_mouse_support(self) -> None:
         if self._mouse:
             super()._enable_mouse_support()
@@ -48,4 +70,5 @@ class BrowserDriver(WebDriver):
         return len(packet)
 
     def _end(self) -> None:
+        end_at_last(_TOLD_TO_END)  # whatever keeps the app from hearing of it
         os.kill(os.getpid(), signal.SIGTERM)  # handled as any order to end is: what was done is kept first

@@ -20,24 +20,33 @@ from textual.dom import DOMNode
 from textual.events import Event, Key
 
 PATIENCE: Final = 5.0  # seconds: a widget that is stuck must not keep the keyboard for ever
+MOST_HELD: Final = (
+    1_000  # keys: nobody types so far ahead, and a program that floods us gets no memory for it
+)
 _LOOK_AGAIN: Final = 0.1  # seconds: what is removed meanwhile does not answer
 
 
 class Typist:
-    """Lets ``handle``, which is Textual's own way, have the keys and pastes of ``app`` one at a time."""
+    """Lets ``handle``, which is Textual's own way, have the keys and pastes of ``app`` one at a time.
 
-    def __init__(self, app: App[Any], handle: Callable[[Event], Awaitable[None]]) -> None:
+    Of those that come meanwhile ``most`` are held back; more are lost.
+    """
+
+    def __init__(
+        self, app: App[Any], handle: Callable[[Event], Awaitable[None]], most: int = MOST_HELD
+    ) -> None:
         self._app = app
         self._handle = handle
+        self._most = most
         self._held: deque[Event] = deque()
         self._settling: asyncio.Task[None] | None = None
 
     async def take(self, event: Event) -> None:
         """Handle ``event`` now, or once all that was typed before it is done."""
-        if self._settling is not None:
-            self._held.append(event)
-        else:
+        if self._settling is None:
             await self._type(event)
+        elif len(self._held) < self._most:
+            self._held.append(event)
 
     async def _type(self, event: Event) -> None:
         aim = self._in_focus()

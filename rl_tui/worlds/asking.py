@@ -8,7 +8,8 @@ import time
 from types import TracebackType
 from typing import Final, TextIO
 
-_LOCK: Final = threading.Lock()
+# An environment that nobody holds any more is closed, and so asked, in the middle of anything
+_LOCK: Final = threading.RLock()
 # By the thread that waits for the answer
 _SINCE: Final = dict[int, float]()
 
@@ -27,16 +28,16 @@ class _Aside:
 
     def begin(self) -> None:
         with _LOCK:
-            if self._asked == 0:
+            self._asked += 1
+            if self._asked == 1:
                 self._before, self._instead = sys.stdout, sys.stderr
                 sys.stdout = self._instead
-            self._asked += 1
 
     def end(self) -> None:
         with _LOCK:
-            self._asked -= 1
-            if self._asked == 0 and sys.stdout is self._instead:
+            if self._asked == 1 and sys.stdout is self._instead:
                 sys.stdout = self._before
+            self._asked -= 1
 
 
 _ASIDE: Final = _Aside()

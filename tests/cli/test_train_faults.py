@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import io
 import signal
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
+
+from rl_tui.cli import main
+from rl_tui.worlds.asking import ASKING
 
 SCRIPT = """
 import sys, time
@@ -74,3 +78,16 @@ def test_ctrl_c_ends_what_never_answers(runs: tuple[str, ...]) -> None:
     out, err = child.communicate(timeout=120)
     assert (child.returncode, out) == (130, "")
     assert "Traceback" not in err
+
+
+def test_results_reach_stdout_though_an_environment_never_answers(monkeypatch: pytest.MonkeyPatch) -> None:
+    written = io.BytesIO()
+    stdout = io.TextIOWrapper(written)
+    monkeypatch.setattr("sys.stdout", stdout)
+    monkeypatch.setattr("sys.__stdout__", stdout)
+    left: list[int] = []
+    monkeypatch.setattr("os._exit", left.append)
+    stdout.write("a result")
+    with ASKING:
+        main._leave_at_once(130)
+    assert (written.getvalue(), left) == (b"a result", [130])

@@ -13,6 +13,7 @@ from rl_tui.lab.episode_rows import HEADER, csv_file
 from rl_tui.worlds.errors import UserError
 
 MOST = 10_000  # bytes
+MANY = ["1,1,0.0,10\n"] * 2_000
 
 
 @pytest.fixture
@@ -55,3 +56,28 @@ def test_what_was_written_is_kept_where_something_else_fails(tmp_path: Path) -> 
     with pytest.raises(UserError, match="breaks"), csv_file(path) as stream:
         fail(stream)
     assert path.read_text() == f"{HEADER}1,1,0.0,10\n"
+
+
+@pytest.mark.usefixtures("small_disk")
+def test_neither_a_link_nor_what_it_leads_to_is_removed(tmp_path: Path) -> None:
+    target, link = tmp_path / "target.csv", tmp_path / "link.csv"
+    target.touch()
+    link.symlink_to(target)
+    with pytest.raises(UserError, match=r"link\.csv: cannot be written"), csv_file(link) as stream:
+        stream.writelines(MANY)
+    assert link.is_symlink()
+    assert target.is_file()
+
+
+@pytest.mark.usefixtures("small_disk")
+def test_what_was_put_in_its_place_meanwhile_is_not_removed(tmp_path: Path) -> None:
+    path, other = tmp_path / "rows.csv", tmp_path / "other.csv"
+    other.write_text("of somebody else")
+
+    def write(stream: TextIO) -> None:
+        other.replace(path)
+        stream.writelines(MANY)
+
+    with pytest.raises(UserError, match="cannot be written"), csv_file(path) as stream:
+        write(stream)
+    assert path.read_text() == "of somebody else"

@@ -7,10 +7,12 @@ import subprocess
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
+from threading import Event
 
 import pytest
 
 from rl_tui.cli.serving.app_process import command_line, environment_of_app
+from rl_tui.tui.browser_driver import MOST_WAITING, BrowserDriver
 
 DEADLINE = 120.0
 TOLD_TO_END = 143
@@ -61,8 +63,7 @@ def test_it_ends_when_the_server_is_gone(way: str) -> None:
             process.stdin.write(b"D\x00\x00\x00\x01?")  # help: something to draw
             process.stdin.flush()
         said = process.stderr.read()
-        assert process.wait(DEADLINE) == TOLD_TO_END
-        assert said == b""
+        assert (process.wait(DEADLINE), said) == (TOLD_TO_END, b"")
 
 
 def test_it_says_that_it_was_left() -> None:
@@ -76,3 +77,22 @@ def test_it_says_that_it_was_left() -> None:
         assert last == b'{"type": "exit"}'
         assert b"\x1b[?1006h" not in drawn
         assert process.wait(DEADLINE) == 0
+
+
+def test_what_comes_faster_than_the_app_can_take_it_in_is_not_read() -> None:
+    waiting = [MOST_WAITING + 1, MOST_WAITING, MOST_WAITING - 1]
+
+    class Busy:
+        @property
+        def message_queue_size(self) -> int:
+            return waiting.pop(0)
+
+    driver = object.__new__(BrowserDriver)
+    driver._app = Busy()  # type: ignore[assignment]
+    driver.exit_event = Event()
+    driver._wait_for_app()
+    assert waiting == []
+    waiting[:] = [MOST_WAITING] * 2
+    driver.exit_event.set()
+    driver._wait_for_app()  # it ends: nobody will take it in any more
+    assert len(waiting) == 1

@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 from gymnasium import spaces
 
+from rl_tui.worlds import asking
 from rl_tui.worlds.asking import ASKING, unanswered
 from rl_tui.worlds.drawing import CellKind
 from rl_tui.worlds.environment import EnvironmentFailedError, Stepped
@@ -327,6 +328,16 @@ def test_streams_that_were_exchanged_meanwhile_stay(monkeypatch):
     with ASKING:
         pass
     assert sys.stdout is taken_back
+
+
+def test_an_environment_may_be_closed_while_another_is_asked(monkeypatch):
+    """Nobody knows when the one that nobody holds any more is found, and no lock may wait for itself."""
+    before = io.StringIO()
+    monkeypatch.setattr("sys.stdout", before)
+    for lock in (asking._LOCK, ASKING):
+        with lock, ASKING:
+            assert sys.stdout is sys.stderr
+    assert sys.stdout is before
 
 
 def test_how_long_an_environment_has_not_answered():
