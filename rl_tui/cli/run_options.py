@@ -26,10 +26,11 @@ seed_option: Final = click.option(
 
 
 def _allow_modules(_: click.Context, __: click.Parameter, names: tuple[str, ...]) -> None:
-    from rl_tui.worlds.modules import allow_module
+    if names:
+        from rl_tui.worlds.modules import allow_module
 
-    for name in names:
-        allow_module(name)
+        for name in names:
+            allow_module(name)
 
 
 allow_module_option: Final = click.option(
