@@ -40,7 +40,7 @@ class Action:
     the key line, ``help`` one sentence. ``command`` is the Textual action that does it: a bare name is a
     method ``action_…`` of the screen. ``rank`` orders the key line (a lower one is kept longer where it is
     narrow; None: not on it), and ``hint`` replaces ``shown`` and ``label`` there, for two actions that share
-    an entry. What ``needs_files`` is not for a kiosk.
+    an entry. What is ``for_the_owner`` of the machine is not for a kiosk.
     """
 
     id: str
@@ -53,7 +53,7 @@ class Action:
     command: str = ""
     rank: int | None = None
     hint: tuple[str, str] | None = None
-    needs_files: bool = False
+    for_the_owner: bool = False
 
     @property
     def textual_action(self) -> str:
@@ -85,7 +85,7 @@ ACTIONS: Final[tuple[Action, ...]] = (
         "Delete the session under the cursor, after asking; tab goes to the sessions.",
         Group.SESSION,
         Place.CATALOGUE,
-        needs_files=True,
+        for_the_owner=True,
     ),
     Action("run", ("space",), "space", "run", "Run, or pause where it stands.", Group.RUN, rank=0),
     Action("step", ("s",), "s", "step", "Take one step, then pause.", Group.RUN, rank=1),
@@ -286,7 +286,7 @@ ACTIONS: Final[tuple[Action, ...]] = (
         "Save the session under a name; it is kept by itself as well.",
         Group.SESSION,
         rank=19,
-        needs_files=True,
+        for_the_owner=True,
     ),
     Action(
         "export",
@@ -296,7 +296,7 @@ ACTIONS: Final[tuple[Action, ...]] = (
         "Write the run as a command, a Python script, tables or a picture.",
         Group.SESSION,
         rank=10,
-        needs_files=True,
+        for_the_owner=True,
     ),
     Action(
         "previous_scenario",
@@ -365,6 +365,7 @@ ACTIONS: Final[tuple[Action, ...]] = (
         Group.PROGRAM,
         Place.BOTH,
         command="app.suspend_process",
+        for_the_owner=True,
     ),
     Action(
         "quit",
@@ -385,7 +386,7 @@ def actions_of(place: Place) -> tuple[Action, ...]:
     screen = place & Place.BOTH
     kiosk = Place.KIOSK in place
     return tuple(
-        action for action in ACTIONS if screen in action.place and not (kiosk and action.needs_files)
+        action for action in ACTIONS if screen in action.place and not (kiosk and action.for_the_owner)
     )
 
 

@@ -22,7 +22,7 @@ from rl_tui.tui.widgets.key_line import fitting
 from rl_tui.worlds.catalogue import find
 from rl_tui.worlds.errors import UserError
 
-WITH_FILES = {"save", "export", "delete_session"}
+FOR_THE_OWNER = {"save", "export", "delete_session", "suspend"}
 
 
 def kiosk(scenario: str | None = None) -> RlTuiApp:
@@ -36,16 +36,16 @@ def told(pilot: Pilot[UserError]) -> list[str]:
 
 
 @pytest.mark.parametrize("place", [Place.CATALOGUE, Place.PLAYGROUND])
-def test_all_but_what_needs_files_is_offered(place: Place) -> None:
+def test_all_but_what_is_for_the_owner_is_offered(place: Place) -> None:
     usual, here = actions_of(place), actions_of(place | Place.KIOSK)
-    assert [each for each in usual if each.id not in WITH_FILES] == list(here)
-    assert {each.id for each in ACTIONS if each.needs_files} == WITH_FILES
+    assert [each for each in usual if each.id not in FOR_THE_OWNER] == list(here)
+    assert {each.id for each in ACTIONS if each.for_the_owner} == FOR_THE_OWNER
 
 
 @pytest.mark.parametrize("width", range(60, 240, 20))
 def test_the_key_line_has_none_of_it(width: int) -> None:
     shown, _ = fitting(Place.PLAYGROUND | Place.KIOSK, width)
-    assert not {each.id for each in shown} & WITH_FILES
+    assert not {each.id for each in shown} & FOR_THE_OWNER
 
 
 async def test_the_palette_offers_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
