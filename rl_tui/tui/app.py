@@ -132,6 +132,8 @@ class RlTuiApp(LinkedApp[UserError]):
     def on_mount(self) -> None:
         """Open the first screen."""
         self.theme_changed_signal.subscribe(self, self._follow_theme)
+        if not self.is_headless:
+            end_when_told(self._end)  # again: the driver for browsers has put its own way to end in place
         if self._kiosk:
             self.set_interval(LOOKS, self._pause_when_idle)
         if self._start is None:

@@ -112,7 +112,7 @@ def test_where_nobody_has_a_home_it_does_without(tmp_path: Path, monkeypatch: py
         raise RuntimeError("could not determine the home directory")
 
     monkeypatch.setattr("rl_tui.agents.compiled.platformdirs.user_cache_path", homeless)
-    monkeypatch.delenv("RL_TUI_CACHE_DIR")
+    monkeypatch.delenv("RL_TUI_CACHE_DIR", raising=False)
     assert cache_folder().is_relative_to(os.devnull)
 
 

@@ -89,12 +89,8 @@ async def test_the_catalogue_shows_them_as_they_are(folder: Path) -> None:
             assert each in text
         assert "[bold]x[-].toml (faulty)" in text
         text = await press(pilot, "end")
-        for _ in range(200):  # what is wrong with a file is read when it is first looked at
-            if "U+001B" in text:
-                break
-            await pilot.pause()
-            text = on_screen(pilot)
-        assert r'found U+001B in "a\u001b[31m"' in text
+        assert "U+001B" in text  # how the line is broken depends on how long the file's name is
+        assert r'"a\u001b[31m"' in text
         assert "\x1b" not in text
 
 
