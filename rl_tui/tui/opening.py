@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Protocol
 
 from rl_tui.lab.recipe import Recipe
-from rl_tui.tui.actions import Place
+from rl_tui.tui.action import Place
 from rl_tui.tui.theme.look import Look
 from rl_tui.worlds.errors import UserError
 

@@ -8,7 +8,8 @@ from typing import Protocol, runtime_checkable
 
 from textual.command import DiscoveryHit, Hit, Hits, Provider
 
-from rl_tui.tui.actions import Action, Place, actions_of
+from rl_tui.tui.action import Action, Place
+from rl_tui.tui.actions import actions_of
 from rl_tui.tui.theme.look import Look
 from rl_tui.tui.written import written
 

@@ -2,7 +2,8 @@ from __future__ import annotations
 
 import pytest
 
-from rl_tui.tui.actions import ACTIONS, Place, actions_of, bindings_of
+from rl_tui.tui.action import Place
+from rl_tui.tui.actions import ACTIONS, actions_of, bindings_of
 from rl_tui.tui.screens.catalogue import Catalogue
 from rl_tui.tui.screens.playground import Playground
 from rl_tui.tui.widgets.key_line import fitting

@@ -11,7 +11,8 @@ from textual.widgets import Static
 from rl_tui.lab.library import recipe_for
 from rl_tui.lab.player import Player
 from rl_tui.lab.snapshot import Phase
-from rl_tui.tui.actions import ACTIONS, Place, actions_of
+from rl_tui.tui.action import Place
+from rl_tui.tui.actions import ACTIONS, actions_of
 from rl_tui.tui.app import RlTuiApp
 from rl_tui.tui.display import Display
 from rl_tui.tui.idleness import Idleness

@@ -25,7 +25,8 @@ from textual.worker import WorkerCancelled
 from rl_tui.lab.library import read_catalogue, recipe_for
 from rl_tui.lab.recipe import Recipe
 from rl_tui.lab.session import SessionError, StoredSession
-from rl_tui.tui.actions import Place, bindings_of
+from rl_tui.tui.action import Place
+from rl_tui.tui.actions import bindings_of
 from rl_tui.tui.screens.help import HelpScreen
 from rl_tui.tui.screens.session_shelf import SessionShelf
 from rl_tui.tui.theme.look import Look

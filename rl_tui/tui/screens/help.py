@@ -12,7 +12,8 @@ from textual.binding import Binding, BindingType
 from textual.containers import Vertical, VerticalScroll
 from textual.widgets import Static
 
-from rl_tui.tui.actions import Place, actions_of
+from rl_tui.tui.action import Place
+from rl_tui.tui.actions import actions_of
 from rl_tui.tui.screens.dialog import Dialog
 from rl_tui.tui.theme.look import Look
 from rl_tui.tui.widgets.explained import Explained, Explanation

@@ -15,7 +15,8 @@ from rl_tui.lab.commands import Command, LookAt, Pause, Play, Restart, RunEpisod
 from rl_tui.lab.player import START_SPEED, Player
 from rl_tui.lab.recipe import Recipe
 from rl_tui.lab.snapshot import Phase, Snapshot
-from rl_tui.tui.actions import ORDINALS, Place, bindings_of
+from rl_tui.tui.action import Place
+from rl_tui.tui.actions import ORDINALS, bindings_of
 from rl_tui.tui.pacing import Pacer
 from rl_tui.tui.screens.arrangement import CONTROLS
 from rl_tui.tui.screens.board import Board

@@ -10,7 +10,7 @@ from textual.screen import Screen
 from textual.widget import Widget
 from textual.widgets import Static
 
-from rl_tui.tui.actions import Place
+from rl_tui.tui.action import Place
 from rl_tui.tui.screens.arrangement import ROOMY_HEIGHT, ROOMY_WIDTH
 from rl_tui.tui.theme.look import Look
 from rl_tui.tui.widgets.key_line import KeyLine

@@ -10,7 +10,8 @@ from textual import events
 from textual.strip import Strip
 from textual.widget import Widget
 
-from rl_tui.tui.actions import Action, Place, actions_of
+from rl_tui.tui.action import Action, Place
+from rl_tui.tui.actions import actions_of
 from rl_tui.tui.theme.glyphs import Glyphs
 from rl_tui.tui.theme.look import Look
 from rl_tui.tui.written import written

@@ -1,0 +1,61 @@
+"""What one thing is that a person can do, and where."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Flag, StrEnum, auto
+
+
+class Place(Flag):
+    """The screens on which an action applies; KIOSK beside one says that it has no files there."""
+
+    CATALOGUE = auto()
+    PLAYGROUND = auto()
+    KIOSK = auto()
+    BOTH = CATALOGUE | PLAYGROUND
+
+
+class Group(StrEnum):
+    """The headings of the help panel, in its order."""
+
+    RUN = "Run"
+    TIME = "Time"
+    AGENT = "Agent"
+    VIEW = "View"
+    SESSION = "Session"
+    SCENARIO = "Scenario"
+    PROGRAM = "Program"
+
+
+@dataclass(frozen=True, slots=True)
+class Action:
+    """One thing a person can do.
+
+    ``keys`` are Textual's names of the keys, ``shown`` how people see them. ``label`` is a word or two for
+    the key line, ``help`` one sentence. ``command`` is the Textual action that does it: a bare name is a
+    method ``action_…`` of the screen. ``rank`` orders the key line (a lower one is kept longer where it is
+    narrow; None: not on it), and ``hint`` replaces ``shown`` and ``label`` there, for two actions that share
+    an entry. What is ``for_the_owner`` of the machine is not for a kiosk.
+    """
+
+    id: str
+    keys: tuple[str, ...]
+    shown: str
+    label: str
+    help: str
+    group: Group
+    place: Place = Place.PLAYGROUND
+    command: str = ""
+    rank: int | None = None
+    hint: tuple[str, str] | None = None
+    for_the_owner: bool = False
+
+    @property
+    def textual_action(self) -> str:
+        """What Textual runs."""
+        return self.command or self.id
+
+    @property
+    def key_hint(self) -> tuple[str, str]:
+        """The keys and the word on the key line."""
+        return self.hint or (self.shown, self.label)
