@@ -35,7 +35,8 @@ class Action:
     the key line, ``help`` one sentence. ``command`` is the Textual action that does it: a bare name is a
     method ``action_…`` of the screen. ``rank`` orders the key line (a lower one is kept longer where it is
     narrow; None: not on it), and ``hint`` replaces ``shown`` and ``label`` there, for two actions that share
-    an entry. What is ``for_the_owner`` of the machine is not for a kiosk.
+    an entry. What is ``for_the_owner`` of the machine is not for a kiosk; what counts ``everywhere`` does so
+    in dialogs too.
     """
 
     id: str
@@ -49,6 +50,7 @@ class Action:
     rank: int | None = None
     hint: tuple[str, str] | None = None
     for_the_owner: bool = False
+    everywhere: bool = False
 
     @property
     def textual_action(self) -> str:

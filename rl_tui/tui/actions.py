@@ -299,6 +299,7 @@ ACTIONS: Final[tuple[Action, ...]] = (
         Group.PROGRAM,
         Place.BOTH,
         command="app.redraw",
+        everywhere=True,
     ),
     Action(
         "suspend",
@@ -310,6 +311,7 @@ ACTIONS: Final[tuple[Action, ...]] = (
         Place.BOTH,
         command="app.suspend_process",
         for_the_owner=True,
+        everywhere=True,
     ),
     Action(
         "quit",
@@ -336,14 +338,21 @@ def actions_of(place: Place) -> tuple[Action, ...]:
 
 def bindings_of(place: Place) -> list[BindingType]:
     """Return the key bindings of the screen ``place``."""
-    return [
-        Binding(
-            ",".join(action.keys),
-            action.textual_action,
-            action.label,
-            key_display=action.shown,
-            tooltip=action.help,
-            id=action.id,
-        )
-        for action in actions_of(place)
-    ]
+    return [_binding(action) for action in actions_of(place)]
+
+
+def bindings_everywhere() -> list[BindingType]:
+    """Return the key bindings of the app that count before those of any screen, dialogs included."""
+    return [_binding(action, priority=True) for action in ACTIONS if action.everywhere]
+
+
+def _binding(action: Action, *, priority: bool = False) -> Binding:
+    return Binding(
+        ",".join(action.keys),
+        action.textual_action,
+        action.label,
+        key_display=action.shown,
+        tooltip=action.help,
+        id=action.id,
+        priority=priority,
+    )

@@ -9,7 +9,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar
 
-from textual.binding import Binding, BindingType
+from textual.binding import BindingType
 from textual.command import CommandPalette, Provider
 from textual.css.query import NoMatches
 from textual.driver import Driver
@@ -18,6 +18,7 @@ from textual.theme import Theme, ThemeProvider
 
 from rl_tui.lab.library import recipe_for
 from rl_tui.lab.recipe import Recipe
+from rl_tui.tui.actions import bindings_everywhere
 from rl_tui.tui.bugs import bug_of
 from rl_tui.tui.display import Display
 from rl_tui.tui.ending import HUNG_UP, end_when_told
@@ -61,11 +62,7 @@ class RlTuiApp(LinkedApp[UserError]):
     TITLE = "rl-tui"
     CSS_PATH = "app.tcss"
     NOTIFICATION_TIMEOUT: ClassVar[float] = 3
-    # in dialogs too
-    BINDINGS: ClassVar[list[BindingType]] = [
-        Binding("ctrl+z", "suspend_process", show=False, priority=True),
-        Binding("ctrl+l", "redraw", show=False, priority=True),
-    ]
+    BINDINGS: ClassVar[list[BindingType]] = bindings_everywhere()
     COMMANDS: ClassVar[set[type[Provider] | Callable[[], type[Provider]]]] = {ActionProvider}
 
     def __init__(
