@@ -6,7 +6,7 @@ from typing import Any
 
 import click
 
-from rl_tui.cli.output import columns, number, print_json
+from rl_tui.cli.output import columns, complain, number, print_json
 from rl_tui.cli.run_options import json_option
 
 
@@ -17,7 +17,6 @@ def command(as_json: bool) -> None:
     from rl_tui.lab.library import listing
     from rl_tui.worlds.catalogue import read_catalogue
     from rl_tui.worlds.errors import UserError
-    from rl_tui.worlds.findings import printable
 
     catalogue = read_catalogue()
     faults: list[UserError] = [*catalogue.broken]
@@ -28,7 +27,7 @@ def command(as_json: bool) -> None:
         except UserError as refusal:
             faults.append(refusal)
     for fault in faults:
-        click.echo("\n".join(map(printable, str(fault).splitlines())), err=True)
+        complain(str(fault))
     if as_json:
         print_json(rows)
     else:

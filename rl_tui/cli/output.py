@@ -9,10 +9,17 @@ from typing import Any
 
 import click
 
+from rl_tui.worlds.findings import printable
+
 
 def print_json(document: Any) -> None:
     """Print one JSON document on stdout; raises ValueError if there is a NaN or an infinity in it."""
     click.echo(json.dumps(document, allow_nan=False))
+
+
+def complain(message: str) -> None:
+    """Print ``message`` on stderr; whatever a terminal might obey in its lines is written out."""
+    click.echo("\n".join(map(printable, message.split("\n"))), err=True)
 
 
 def columns(rows: Sequence[Sequence[str]], right: Sequence[int] = ()) -> str:

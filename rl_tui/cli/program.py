@@ -12,8 +12,8 @@ from typing import Any, ClassVar, Final, cast
 
 import click
 
+from rl_tui.cli.output import complain
 from rl_tui.worlds.errors import UserError
-from rl_tui.worlds.findings import printable
 
 DONE: Final = 0
 FAILED: Final = 1
@@ -98,7 +98,7 @@ def _prefixed(message: str) -> str:
 
 
 def _fail(message: str, status: int = FAILED) -> int:
-    click.echo("\n".join(map(printable, message.split("\n"))), err=True)
+    complain(message)
     return status
 
 
