@@ -18,6 +18,10 @@ from pseudo_terminal import RL_TUI
 STEPS = 3
 CTRL_Z = "\x1a"
 PROMPT = "now_yours:"
+# Older ones stand on the screen too, and show as soon as the program has left it; but what is typed before it
+# has also given back how lines are typed never ends for the shell
+ASKS = rf"{PROMPT}\s*\Z"
+STOPPED = rf"(?s)Stopped.*{ASKS}"
 SHELL = ("bash", "--norc", "--noprofile", "--noediting", "-i")
 PLAY = shlex.join([*RL_TUI, "play", "student"])
 
@@ -29,11 +33,11 @@ def shell(folder: Path, command: str = PLAY) -> Iterator[LosableTerminal]:
     """Start the program from a shell that knows jobs, and take some steps."""
     environment = {"RL_TUI_SESSIONS_DIR": str(folder), "PS1": PROMPT}
     with LosableTerminal([*CONTROLLING, *SHELL], environment, (100, 30)) as terminal:
-        terminal.wait_for(PROMPT)
+        terminal.wait_for(ASKS)
         terminal.press(f"{command}\r")
         take_steps(terminal)
         yield terminal
-        terminal.wait_for(PROMPT)
+        terminal.wait_for(ASKS)
         terminal.press("exit\r")
         assert terminal.wait_for_end() == 0
         assert terminal.modes_left_changed == set()
@@ -56,7 +60,7 @@ def test_ctrl_z_goes_to_the_shell_and_fg_comes_back(tmp_path: Path) -> None:
     with shell(tmp_path, f"sh -c {shlex.quote(PLAY + '; true')}") as terminal:
         changed = terminal.modes_left_changed
         terminal.press(CTRL_Z)
-        terminal.wait_for("Stopped")
+        terminal.wait_for(STOPPED)
         assert takes_lines(terminal)
         assert terminal.modes_left_changed == set()
         terminal.press("fg\r")
@@ -64,9 +68,9 @@ def test_ctrl_z_goes_to_the_shell_and_fg_comes_back(tmp_path: Path) -> None:
         assert not takes_lines(terminal)
         assert terminal.modes_left_changed == changed
         terminal.press(CTRL_Z)
-        terminal.wait_for("Stopped")
+        terminal.wait_for(STOPPED)
         terminal.press("bg; wait\r")
-        terminal.wait_for("job 1.* stopped")  # again: it needs the terminal
+        terminal.wait_for(rf"(?s)job 1.* stopped.*{ASKS}")  # again: it needs the terminal
         assert takes_lines(terminal)
         terminal.press("fg\r")
         terminal.wait_for(rf"step\s+{STEPS}\b")
