@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gc
+import signal
 from itertools import count
 
 import pytest
@@ -15,6 +16,12 @@ def _sessions_of_its_own(monkeypatch: pytest.MonkeyPatch, tmp_path_factory: pyte
     """No test reads or writes the sessions of whoever runs it; programs that tests start do not either."""
     folder = tmp_path_factory.getbasetemp() / "sessions" / str(next(_TESTS))
     monkeypatch.setenv("RL_TUI_SESSIONS_DIR", str(folder))
+
+
+def pytest_sessionstart() -> None:
+    """Let interrupts count again: a shell has what runs in its background ignore them, and its children too."""
+    if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 def pytest_collection_finish() -> None:
