@@ -19,7 +19,7 @@ def _sessions_of_its_own(monkeypatch: pytest.MonkeyPatch, tmp_path_factory: pyte
 
 
 def pytest_sessionstart() -> None:
-    """Let interrupts count again: a shell has what runs in its background ignore them, and its children too."""
+    """Let interrupts count: what a shell runs in its background ignores them, and so would its programs."""
     if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
         signal.signal(signal.SIGINT, signal.default_int_handler)
 

@@ -23,6 +23,7 @@ from rl_tui.tui.bugs import bug_of
 from rl_tui.tui.display import Display
 from rl_tui.tui.ending import HUNG_UP, end_when_told
 from rl_tui.tui.idleness import LOOKS, Idleness
+from rl_tui.tui.left_screens import forget_left_screens
 from rl_tui.tui.opening import MakePlayer, Opener, live_player
 from rl_tui.tui.palette_entries import ActionProvider
 from rl_tui.tui.terminal.choice import driver_class, go_to_shell
@@ -129,6 +130,7 @@ class RlTuiApp(LinkedApp[UserError]):
     def on_mount(self) -> None:
         """Open the first screen."""
         self.theme_changed_signal.subscribe(self, self._follow_theme)
+        self.screen_change_signal.subscribe(self, forget_left_screens)
         if not self.is_headless:
             end_when_told(self._end)  # again: the driver for browsers has put its own way to end in place
         if self._kiosk:
