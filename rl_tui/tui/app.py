@@ -127,6 +127,10 @@ class RlTuiApp(LinkedApp[UserError]):
         else:
             await super().on_event(event)
 
+    async def typed(self) -> None:
+        """Wait until all that was typed is done, and what it opens is there."""
+        await self._typist.rest()
+
     def on_mount(self) -> None:
         """Open the first screen."""
         self.theme_changed_signal.subscribe(self, self._follow_theme)

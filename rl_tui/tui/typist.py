@@ -40,6 +40,12 @@ class Typist:
         self._most = most
         self._held: deque[Event] = deque()
         self._settling: asyncio.Task[None] | None = None
+        self._has_rest = asyncio.Event()
+        self._has_rest.set()
+
+    async def rest(self) -> None:
+        """Wait until all that was typed is done."""
+        await self._has_rest.wait()
 
     async def take(self, event: Event) -> None:
         """Handle ``event`` now, or once all that was typed before it is done."""
@@ -50,6 +56,7 @@ class Typist:
 
     async def _type(self, event: Event) -> None:
         aim = self._in_focus()
+        self._has_rest.clear()
         await self._handle(event)
         self._settling = asyncio.create_task(self._settle(aim), name="typist")
 
@@ -63,6 +70,7 @@ class Typist:
                     await self._find_entries()
         if not (self._held and self._app.call_later(self._type_next)):
             self._settling = None
+            self._has_rest.set()
 
     async def _type_next(self) -> None:
         await self._type(self._held.popleft())
