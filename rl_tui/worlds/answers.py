@@ -40,15 +40,20 @@ def reward_of(value: Any) -> float:
     """Return a reward as a finite number. Raises UnsoundAnswerError where it is none."""
     if type(value) is float and math.isfinite(value):
         return value
-    number = math.nan
-    if not isinstance(value, str | bytes | bytearray):
-        try:
-            number = float(_single(value))
-        except Exception:  # whatever a thing that is no number makes of it
-            number = math.nan
+    number = number_of(value)
     if not math.isfinite(number):
         raise UnsoundAnswerError(f"gave a reward of {seen(value)}, which is not a finite number")
     return number
+
+
+def number_of(value: Any) -> float:
+    """Return a value of an environment as a number, NaN where it is none."""
+    if isinstance(value, str | bytes | bytearray):
+        return math.nan
+    try:
+        return float(_single(value))
+    except Exception:  # whatever a thing that is no number makes of it
+        return math.nan
 
 
 def truth_of(value: Any, what: str) -> bool:

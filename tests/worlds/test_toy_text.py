@@ -12,7 +12,7 @@ from gymnasium.spaces import Discrete
 from rl_tui.worlds.catalogue import find
 from rl_tui.worlds.drawing import CellKind, Grid
 from rl_tui.worlds.gymnasium_section import GymnasiumSection
-from rl_tui.worlds.toy_text import world_of
+from rl_tui.worlds.toy_text import NoTableError, world_of
 from rl_tui.worlds.world_section import WorldRefusedError
 
 LEFT, DOWN, RIGHT, UP = range(4)
@@ -181,7 +181,7 @@ def test_the_goals_of_taxi_are_where_its_rides_end():
         ("CartPole-v1", {}, "CartPole-v1, whose states are Box"),
         ("Blackjack-v1", {}, "Blackjack-v1, whose states are Tuple"),
         ("FrozenLake-v1", {"map_name": "5x5"}, "what makes FrozenLake-v1 fail (KeyError: '5x5')"),
-        ("FrozenLake-v1", {"desc": ["FF", "FG"]}, "a world without a start"),
+        ("FrozenLake-v1", {"desc": ["FF", "FG"]}, "FrozenLake-v1, a world without a start"),
     ],
 )
 def test_refuses(name, kwargs, found):
@@ -194,7 +194,7 @@ def test_impossible_chances_are_refused_and_not_stepped():
     section = GymnasiumSection(id="FrozenLake-v1", kwargs={"success_rate": 1.5})
     (finding,) = section.environment_findings()
     assert finding.location == ("kwargs",)
-    assert finding.found == "a table in which state 0, action 0: expected probabilities of at least 0"
+    assert finding.found == "FrozenLake-v1, whose table has a probability of -0.25 for state 0, action 0"
 
 
 class Counting(gymnasium.Env):
@@ -211,30 +211,94 @@ class Counting(gymnasium.Env):
         type(self).closed += 1
 
 
+START_AT_0 = {"initial_state_distrib": [1.0, 0.0]}
+SOUND = (1.0, 0, 0.0, False)
+
+
+@pytest.fixture
+def counting():
+    gymnasium.register("Counting-v0", Counting, disable_env_checker=True)
+    yield Counting
+    del gymnasium.registry["Counting-v0"]
+
+
+def table_with(*entries):
+    """Two states and actions; ``entries`` are what happens in state 1 for action 0."""
+    return {s: {a: list(entries) if (s, a) == (1, 0) else [SOUND] for a in (0, 1)} for s in (0, 1)}
+
+
 @pytest.mark.parametrize(
     ("attributes", "found"),
     [
-        ({}, "no transition table"),
-        ({"P": {0: {0: []}}}, "gaps"),
-        ({"P": {s: {a: [(1.0, 0, 0.0, False)] for a in (0, 1)} for s in (0, 1)}}, "does not tell its start"),
+        ({}, "which has no transition table"),
+        ({"P": table_with(SOUND)}, "which does not tell its start"),
+        ({"P": {0: {0: [SOUND], 1: [SOUND]}}, **START_AT_0}, "nothing for state 1, action 0 (KeyError: 1)"),
         (
-            {
-                "P": {s: {a: [(0.5, 0, 0.0, False)] for a in (0, 1)} for s in (0, 1)},
-                "initial_state_distrib": [1.0, 0.0],
-            },
-            "probabilities sum to 0.5",
+            {"P": {s: {0: [SOUND]} for s in (0, 1)}, **START_AT_0},
+            "nothing for state 0, action 1 (KeyError: 1)",
         ),
+        ({"P": [[[SOUND]] * 2], **START_AT_0}, "nothing for state 1, action 0 (IndexError"),
+        ({"P": 7, **START_AT_0}, "nothing for state 0, action 0 (TypeError"),
+        ({"P": table_with(), **START_AT_0}, "no outcome for state 1, action 0"),
+        ({"P": table_with((1.0, 0, 0.0)), **START_AT_0}, "(1.0, 0, 0.0) for state 1, action 0"),
+        ({"P": table_with(None), **START_AT_0}, "None for state 1, action 0"),
     ],
 )
-def test_refuses_unsound_tables_and_closes_the_environment(attributes, found):
-    gymnasium.register("Counting-v0", Counting, disable_env_checker=True)
-    before = Counting.closed
-    try:
-        with pytest.raises(WorldRefusedError, match=found):
-            world_of("Counting-v0", attributes)
-    finally:
-        del gymnasium.registry["Counting-v0"]
-    assert Counting.closed == before + 1
+def test_what_has_no_whole_table_is_left_to_be_stepped(counting, attributes, found):
+    before = counting.closed
+    with pytest.raises(NoTableError) as refusal:
+        world_of("Counting-v0", attributes)
+    assert refusal.value.finding.found.startswith("Counting-v0, wh")
+    assert found in refusal.value.finding.found
+    assert counting.closed == before + 1
+
+
+@pytest.mark.parametrize(
+    ("entries", "found", "expected"),
+    [
+        ([(np.nan, 0, 0.0, False)], "a probability of nan", "probabilities from 0 to 1"),
+        ([(np.inf, 0, 0.0, False)], "a probability of inf", "probabilities from 0 to 1"),
+        ([(-0.5, 0, 0.0, False), (1.5, 1, 0.0, False)], "a probability of -0.5", "probabilities from 0 to 1"),
+        ([("1", 0, 0.0, False)], "a probability of '1'", "probabilities from 0 to 1"),
+        ([(0.5, 0, 0.0, False)], "probabilities that sum to 0.5", "a sum of 1"),
+        ([(0.7, 0, 0.0, False), (0.7, 1, 0.0, False)], "probabilities that sum to 1.4", "a sum of 1"),
+        ([(1.0, 2, 0.0, False)], "a next state of 2", "a state from 0 to 1"),
+        ([(1.0, -1, 0.0, False)], "a next state of -1", "a state from 0 to 1"),
+        ([(1.0, 0.5, 0.0, False)], "a next state of 0.5", "a state from 0 to 1"),
+        ([(1.0, np.nan, 0.0, False)], "a next state of nan", "a state from 0 to 1"),
+        ([(1.0, None, 0.0, False)], "a next state of None", "a state from 0 to 1"),
+        ([(1.0, 10**400, 0.0, False)], "a next state of 1000", "a state from 0 to 1"),
+        ([(1.0, 0, np.nan, False)], "a reward of nan", "a number within ±1e+12"),
+        ([(1.0, 0, -np.inf, False)], "a reward of -inf", "a number within ±1e+12"),
+        ([(1.0, 0, 2e12, False)], "a reward of 2000000000000.0", "a number within ±1e+12"),
+        ([(1.0, 0, "a\x1blot", False)], "a reward of 'a\\x1blot'", "a number within ±1e+12"),
+        ([(1.0, 0, 0.0, "no")], "terminated = 'no'", "true or false"),
+    ],
+)
+def test_a_table_that_cannot_be_is_refused_in_one_line(counting, entries, found, expected):
+    with pytest.raises(WorldRefusedError) as refusal:
+        world_of("Counting-v0", {"P": table_with(*entries), **START_AT_0})
+    finding = refusal.value.finding
+    assert not isinstance(refusal.value, NoTableError)
+    assert finding.found.startswith(f"Counting-v0, whose table has {found}")
+    assert finding.found.endswith(" for state 1, action 0")
+    assert finding.expected.startswith(f"{expected}, or table = false")
+    assert "\n" not in finding.found + finding.expected
+
+
+def test_numbers_of_numpy_are_numbers(counting):
+    entry = (np.float32(1.0), np.float64(1.0), np.array([2]), np.bool_(False))
+    world = world_of("Counting-v0", {"P": table_with(entry), "initial_state_distrib": [0.0, 1.0]})
+    assert world.space.reward.max() == 2.0
+
+
+@pytest.mark.parametrize(
+    "start", [[np.nan, 1.0], [-1.0, 2.0], [0.5, 0.0], [1.0], [[1.0, 0.0]], [np.inf, 0.0]]
+)
+def test_a_start_that_cannot_be_is_refused(counting, start):
+    with pytest.raises(WorldRefusedError, match="Counting-v0, a world without a start") as refusal:
+        world_of("Counting-v0", {"P": table_with(SOUND), "initial_state_distrib": start})
+    assert refusal.value.finding.expected == "probabilities to start in the 2 states"
 
 
 def test_what_cannot_be_made_without_arguments_is_said_of_the_id():
