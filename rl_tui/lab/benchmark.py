@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import asyncio
 import time
+from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
 from dataclasses import replace
 from statistics import median
 from typing import Any, Final
@@ -19,9 +21,12 @@ from rl_tui.lab.many_runs import cores
 from rl_tui.lab.player import Player
 from rl_tui.lab.recipe import Recipe
 from rl_tui.lab.run import Run
+from rl_tui.worlds.asking import ASKING
 from rl_tui.worlds.errors import UserError
 from rl_tui.worlds.gymnasium_section import GymnasiumSection
+from rl_tui.worlds.interrupts import is_interrupt
 from rl_tui.worlds.mdp import FloatArray
+from rl_tui.worlds.registered import reason_of
 
 KERNEL_STEPS: Final = 5_000_000
 PLAIN_STEPS: Final = 20_000
@@ -47,7 +52,9 @@ class PlainLoop:
             raise UserError(
                 "the plain loop of the benchmark has a constant step size: give a number for alpha"
             )
-        self._env: Any = gymnasium.make(section.id, **section.kwargs)
+        self._name = section.id
+        with self._asked():
+            self._env: Any = gymnasium.make(section.id, **section.kwargs)
         if not all(
             isinstance(space, gymnasium.spaces.Discrete)
             for space in (self._env.observation_space, self._env.action_space)
@@ -64,10 +71,26 @@ class PlainLoop:
         self._generator: Generator = default_rng(recipe.seed)
         shape = (self._env.observation_space.n, self._env.action_space.n)
         self._q: FloatArray = np.full(shape, recipe.hyperparameters.initial_q)
-        self._state, _ = self._env.reset(seed=recipe.seed)
+        with self._asked():
+            self._state, _ = self._env.reset(seed=recipe.seed)
+
+    @contextmanager
+    def _asked(self) -> Iterator[None]:
+        """Ask the environment for something: what it prints is no result, and its failure one line."""
+        try:
+            with ASKING:
+                yield
+        except BaseException as error:  # whatever an environment may raise
+            if is_interrupt(error):
+                raise
+            raise UserError(f"{self._name} failed in the plain loop: {reason_of(error)}") from error
 
     def advance(self, steps: int) -> None:
-        """Take ``steps`` steps."""
+        """Take ``steps`` steps. Raises UserError where the environment fails."""
+        with self._asked():
+            self._take(steps)
+
+    def _take(self, steps: int) -> None:
         env, q, generator = self._env, self._q, self._generator
         alpha, gamma, epsilon = self._alpha, self._gamma, self._epsilon_at(self._episodes)
         actions, random_ties, state = q.shape[1], self._random_ties, self._state

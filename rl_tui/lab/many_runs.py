@@ -165,7 +165,7 @@ class _Experiment:
     def _in_parallel(self, work: Callable[[int], Result], on_done: Callable[[int], None]) -> list[Result]:
         """Return ``work`` of every run, in order; ``on_done`` is called in order too, as soon as may be.
 
-        Where a run fails, ``on_done`` is called for it too before that is raised.
+        Where a run fails, or the user breaks off, ``on_done`` is called for it too before that is raised.
         """
         results = []
         pool = ThreadPoolExecutor(self._workers, thread_name_prefix="run")
@@ -175,10 +175,12 @@ class _Experiment:
                 wait([future])
                 on_done(index)
                 results.append(future.result())
-        except BaseException:
+        except BaseException as error:
             self._given_up = True
             pool.shutdown(wait=False, cancel_futures=True)
             wait(futures, LONGEST_GOODBYE)  # an environment that does not answer is not waited for
+            if isinstance(error, KeyboardInterrupt) and futures[len(results)].done():
+                on_done(len(results))
             raise
         pool.shutdown()
         return results

@@ -183,7 +183,11 @@ class Run:
                 return
             mark = self._next_mark
             until = last_step if mark is None else min(last_step, mark)
-            stop = learner.advance(until - learner.step, last_episode - learner.episodes)
+            try:
+                stop = learner.advance(until - learner.step, last_episode - learner.episodes)
+            except KeyboardInterrupt:
+                self._take_in(Stop.DONE)  # what is finished is told before the end
+                raise
             self._take_in(stop)
             is_there = learner.step >= until or learner.episodes >= last_episode
             self.came_early = stop is Stop.DONE and not is_there

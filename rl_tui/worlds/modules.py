@@ -5,8 +5,10 @@ from __future__ import annotations
 from importlib import import_module
 from typing import Final
 
+from rl_tui.worlds.asking import ASKING
 from rl_tui.worlds.errors import UserError
 from rl_tui.worlds.findings import Finding, one_line, shown
+from rl_tui.worlds.interrupts import is_interrupt
 from rl_tui.worlds.kiosk import in_kiosk
 from rl_tui.worlds.world_section import WorldRefusedError
 
@@ -55,8 +57,11 @@ def registered_id(id_: str) -> str:
     module = module_of(id_)
     if module:
         try:
-            import_module(module)
-        except Exception as error:  # whatever a module does when it is imported
+            with ASKING:
+                import_module(module)
+        except BaseException as error:  # whatever a module does when it is imported
+            if is_interrupt(error):
+                raise
             reason = one_line(f"{type(error).__name__}: {error}", _LONGEST_REASON)
             found = f"{module}, which cannot be imported ({reason})"
             raise WorldRefusedError(Finding(("id",), found, "a module of this Python's")) from error

@@ -5,13 +5,14 @@ from __future__ import annotations
 import threading
 import warnings
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
 from rl_tui.worlds.asking import ASKING
 from rl_tui.worlds.findings import Finding, near, one_line, shown
+from rl_tui.worlds.interrupts import is_interrupt
 from rl_tui.worlds.limits import LARGEST_ARGUMENTS, LONGEST_TIME_LIMIT
 from rl_tui.worlds.modules import registered_id
 from rl_tui.worlds.world_section import WorldRefusedError
@@ -87,8 +88,12 @@ def looked_at(name: str, kwargs: Mapping[str, Any]) -> Iterator[Env[Any, Any]]:
 
 def close(environment: Env[Any, Any]) -> None:
     """Let ``environment`` give back what it holds."""
-    with suppress(Exception, SystemExit), ASKING:  # nobody is left whom a failure would concern
-        environment.close()
+    try:
+        with ASKING:
+            environment.close()
+    except BaseException as error:  # nobody is left whom a failure would concern
+        if is_interrupt(error):
+            raise
 
 
 def size_of(arguments: Mapping[str, Any]) -> int:
@@ -112,12 +117,6 @@ def _may_serve(entry_point: object) -> bool:
     """
     entry = str(entry_point)
     return entry.startswith(SMALL) or not entry.startswith(("gymnasium.", "<"))
-
-
-def is_interrupt(error: BaseException) -> bool:
-    """Tell whether ``error`` is ctrl-C, of which only the main thread is told, and no fault of a world."""
-    here = threading.current_thread() is threading.main_thread()
-    return here and isinstance(error, KeyboardInterrupt)
 
 
 def reason_of(error: BaseException) -> str:

@@ -11,7 +11,8 @@ from rl_tui.worlds.answers import UnsoundAnswerError, first_observation, parts_o
 from rl_tui.worlds.asking import ASKING
 from rl_tui.worlds.environment import EnvironmentFailedError, Stepped
 from rl_tui.worlds.findings import Finding
-from rl_tui.worlds.registered import close, is_interrupt, looked_at, made, reason_of, time_limit_of
+from rl_tui.worlds.interrupts import is_interrupt
+from rl_tui.worlds.registered import close, looked_at, made, reason_of, time_limit_of
 from rl_tui.worlds.sizes import check_sizes, combinations
 from rl_tui.worlds.space import all_pairs
 from rl_tui.worlds.stepped_drawing import product_grid

@@ -57,6 +57,13 @@ def test_a_person_can_allow_it_by_name(folder: Path) -> None:
     assert read_scenario(folder / "lake.toml").build(streams(0).world).space.states == 16
 
 
+def test_one_that_ends_the_program_when_imported_does_not(folder: Path) -> None:
+    (folder / f"{MODULE}.py").write_text("print('a word'); raise SystemExit(3)")
+    allow_module(MODULE)
+    with pytest.raises(UserError, match=rf"{MODULE}, which cannot be imported \(SystemExit: 3\)"):
+        find(f"gym:{MODULE}:ForeignLake-v0")
+
+
 def test_but_no_other_by_it() -> None:
     allow_module("foreign_environments.part")
     with pytest.raises(UserError, match="without a module to import"):

@@ -1,0 +1,39 @@
+"""ctrl+C, told apart from an environment that raises what ctrl+C raises."""
+
+from __future__ import annotations
+
+import signal
+import threading
+from types import FrameType
+
+
+class _Interrupts:
+    """Whether ctrl+C was pressed since the process looks out for it."""
+
+    def __init__(self) -> None:
+        self.came = False
+
+    def note(self, _: int, __: FrameType | None) -> None:
+        """Handle the signal as Python does, and remember it."""
+        self.came = True
+        raise KeyboardInterrupt
+
+
+_INTERRUPTS = _Interrupts()
+
+
+def note_interrupts() -> None:
+    """Look out for ctrl+C from now on, unless somebody else does or it is ignored. For the main thread."""
+    if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
+        signal.signal(signal.SIGINT, _INTERRUPTS.note)
+
+
+def is_interrupt(error: BaseException) -> bool:
+    """Tell whether ``error`` is ctrl+C, of which only the main thread is told, and no fault of a world.
+
+    Where nobody looks out for it, it is taken for one, if there can be any.
+    """
+    if not isinstance(error, KeyboardInterrupt) or threading.current_thread() is not threading.main_thread():
+        return False
+    handler = signal.getsignal(signal.SIGINT)
+    return _INTERRUPTS.came if handler == _INTERRUPTS.note else callable(handler)
