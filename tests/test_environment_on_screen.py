@@ -11,7 +11,7 @@ from pseudo_terminal import PseudoTerminal, visible
 from rl_tui.lab.session_folder import sessions_in
 
 SCRIPT = """
-import sys, threading, warnings
+import os, sys, threading, warnings
 import gymnasium
 
 HANGS_AT, FAILS_AT = map(int, sys.argv[1:3])
@@ -30,6 +30,8 @@ class Odd(gymnasium.Env):
         print("NOISE")
         print("NOISE", file=sys.stderr)
         warnings.warn("NOISE")
+        os.write(1, b"NOISE")
+        os.write(2, b"NOISE")
         if self.taken == HANGS_AT:
             threading.Event().wait()
         if self.taken == FAILS_AT:

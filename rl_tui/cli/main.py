@@ -11,10 +11,12 @@ from typing import ClassVar, NoReturn
 import click
 
 from rl_tui import __version__
+from rl_tui.cli.descriptors import keep_stdout
 from rl_tui.cli.display_options import DISPLAY_OPTIONS, display_of, display_options
 from rl_tui.cli.kiosk import enter_kiosk, kiosk_option
 from rl_tui.cli.program import Program
 from rl_tui.cli.run_options import allow_module_option
+from rl_tui.worlds.interrupts import note_interrupts
 
 
 class RlTui(Program):
@@ -51,6 +53,8 @@ def program(context: click.Context, /, **display: object) -> None:
 
 def main() -> None:
     """Run rl-tui and exit."""
+    keep_stdout()
+    note_interrupts()
     try:
         program(prog_name="rl-tui")
     except SystemExit as end:

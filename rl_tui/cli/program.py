@@ -12,6 +12,7 @@ from typing import Any, ClassVar, Final, cast
 
 import click
 
+from rl_tui.cli.descriptors import STDOUT
 from rl_tui.cli.output import complain
 from rl_tui.worlds.errors import UserError
 
@@ -66,6 +67,8 @@ class Program(click.Group):
     def _status(self, args: Sequence[str] | None, **extra: Any) -> int:
         try:
             status = super().main(args, standalone_mode=False, **extra)
+            if sys.stdout is None:
+                raise UserError("stdout: cannot be written (it is closed)")
             sys.stdout.flush()
         except click.UsageError as fault:
             where = fault.ctx.command_path if fault.ctx else "rl-tui"
@@ -78,7 +81,11 @@ class Program(click.Group):
             return _fail(_prefixed(str(fault)))
         except OSError as fault:
             if fault.errno == errno.EPIPE:
-                return _reader_gone()
+                _give_up_stdout()
+                return FAILED
+            if fault.filename == STDOUT:
+                _give_up_stdout()
+                return _fail(f"rl-tui: stdout: cannot be written ({fault.strerror or fault})")
             place = f"{fault.filename}: " if fault.filename else ""
             return _fail(f"rl-tui: {place}{fault.strerror or fault}")
         except Exception as fault:  # a bug: still one line, and a way to see where
@@ -102,7 +109,6 @@ def _fail(message: str, status: int = FAILED) -> int:
     return status
 
 
-def _reader_gone() -> int:
-    """End quietly when whoever reads our output has stopped, as ``head`` does."""
+def _give_up_stdout() -> None:
+    """Drop what is still to be written there: who read it has stopped, as ``head`` does, or it is full."""
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-    return FAILED

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Final
 
 import click
 
+from rl_tui.cli.descriptors import screen_alone
 from rl_tui.cli.kiosk import confine
 from rl_tui.cli.program import USAGE
 from rl_tui.tui.display import Display
@@ -62,7 +63,8 @@ def run_app(display: Display, start: Recipe | StoredSession | None = None) -> No
         confine()
     else:
         app = RlTuiApp(display, start, sessions=session_folder())
-    fault = app.run(mouse=display.mouse)
+    with screen_alone():
+        fault = app.run(mouse=display.mouse)
     if app.bug is not None:
         raise app.bug
     if fault is not None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import json
 import signal
 import subprocess
 import sys
@@ -14,7 +15,7 @@ from rl_tui.cli import main
 from rl_tui.worlds.asking import ASKING
 
 SCRIPT = """
-import sys, time
+import os, sys, time
 import gymnasium
 
 FAILS_AT, HANGS_AT = map(int, sys.argv[1:3])
@@ -29,9 +30,10 @@ class Odd(gymnasium.Env):
 
     def step(self, action):
         self.taken += 1
-        print("a word from the environment")
+        print("a word from the environment", flush=True)
+        os.write(1, b"a word past Python\\n")
         if self.taken == FAILS_AT:
-            raise RuntimeError("out of breath")
+            raise KeyboardInterrupt("out of breath")
         if self.taken == HANGS_AT:
             print("it hangs now", file=sys.stderr, flush=True)
             while True:
@@ -51,7 +53,7 @@ def started(*args: str, fails_at: int = 0, hangs_at: int = 0) -> subprocess.Pope
 
 
 def said_by_rl_tui(stderr: str) -> list[str]:
-    return [line for line in stderr.splitlines() if line != "a word from the environment"]
+    return [line for line in stderr.splitlines() if not line.startswith("a word ")]
 
 
 @pytest.mark.parametrize("runs", [(), ("--runs", "1")])
@@ -63,13 +65,14 @@ def test_a_failure_is_one_line_and_the_rows_until_then_are_kept(
     out, err = child.communicate(timeout=120)
     assert (child.returncode, out) == (1, "")
     (line,) = said_by_rl_tui(err)
-    assert line.endswith("gym:Odd-v0: at step 13 Odd-v0 failed in a step: RuntimeError: out of breath")
+    assert line.endswith("gym:Odd-v0: at step 13 Odd-v0 failed in a step: KeyboardInterrupt: out of breath")
     assert rows.read_text() == "run,episode,return,length\n1,1,5.0,5\n1,2,5.0,5\n"
 
 
 @pytest.mark.parametrize("runs", [(), ("--runs", "3")])
-def test_ctrl_c_ends_what_never_answers(runs: tuple[str, ...]) -> None:
-    child = started("gym:Odd-v0", "--steps", "100", *runs, hangs_at=7)
+def test_ctrl_c_ends_what_never_answers(tmp_path: Path, runs: tuple[str, ...]) -> None:
+    rows = tmp_path / "rows.csv"
+    child = started("gym:Odd-v0", "--steps", "100", "--csv", str(rows), *runs, hangs_at=7)
     assert child.stderr is not None
     for line in child.stderr:
         if "it hangs now" in line:
@@ -78,6 +81,15 @@ def test_ctrl_c_ends_what_never_answers(runs: tuple[str, ...]) -> None:
     out, err = child.communicate(timeout=120)
     assert (child.returncode, out) == (130, "")
     assert "Traceback" not in err
+    finished = "" if runs else "1,1,5.0,5\n"  # what hangs in a thread cannot be asked for its rows
+    assert rows.read_text() == f"run,episode,return,length\n{finished}"
+
+
+def test_what_an_environment_writes_to_descriptor_1_is_no_result() -> None:
+    child = started("gym:Odd-v0", "--steps", "3", "--json")
+    out, err = child.communicate(timeout=120)
+    assert json.loads(out)["steps"] == 3
+    assert err.splitlines() == ["a word from the environment", "a word past Python"] * 3
 
 
 def test_results_reach_stdout_though_an_environment_never_answers(monkeypatch: pytest.MonkeyPatch) -> None:

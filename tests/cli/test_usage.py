@@ -313,6 +313,16 @@ def test_a_reader_that_has_gone_is_no_traceback() -> None:
     assert (done.returncode, done.stderr) == (1, b"")
 
 
+@pytest.mark.skipif(not os.path.exists("/dev/full"), reason="needs /dev/full, which Linux has")
+def test_a_full_disk_under_stdout_is_one_line() -> None:
+    with open("/dev/full", "wb") as full:
+        done = subprocess.run(
+            [sys.executable, "-m", "rl_tui.cli", "list"], stdout=full, stderr=subprocess.PIPE, check=False
+        )
+    told = b"rl-tui: stdout: cannot be written (No space left on device)\n"
+    assert (done.returncode, done.stderr) == (1, told)
+
+
 def test_an_interrupt_is_quiet(tmp_path: Path) -> None:
     pipe = tmp_path / "episodes.csv"
     os.mkfifo(pipe)
