@@ -6,6 +6,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Final
 
 from rl_tui.lab.pacing import ChunkSize
+from rl_tui.worlds.words import lasting
 
 if TYPE_CHECKING:
     from rl_tui.lab.lanes import Lanes
@@ -61,4 +62,4 @@ class Travel:
         if spent < _WORTH_A_FORECAST or not self._taken:
             return words
         left = (steps - done) * spent / self._taken
-        return f"{words}, about {max(1, round(left)):,} s left"
+        return f"{words}, about {lasting(left)} left"

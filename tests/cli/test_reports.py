@@ -184,3 +184,4 @@ def test_a_bar_is_drawn_on_a_terminal_only(monkeypatch: pytest.MonkeyPatch) -> N
                 on_progress(done, 7)
         assert bool(stream.getvalue()) is drawn
     assert "100%" in stream.getvalue()
+    assert "9 of 7" in stream.getvalue()

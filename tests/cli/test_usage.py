@@ -7,6 +7,7 @@ import re
 import signal
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -16,6 +17,10 @@ from rl_tui import __version__
 from rl_tui.agents.hyperparameters import PARAMETERS
 from rl_tui.cli import program as program_module
 from rl_tui.cli.main import program
+from rl_tui.lab.branches import FIRST
+from rl_tui.lab.library import find, recipe_for
+from rl_tui.lab.record import LaneRecord, Record
+from rl_tui.lab.session import encoded
 
 COMMANDS = ("play", "train", "replay", "solve", "list", "check", "bench", "screenshot", "serve")
 
@@ -323,20 +328,14 @@ def test_a_full_disk_under_stdout_is_one_line() -> None:
     assert (done.returncode, done.stderr) == (1, told)
 
 
-def test_an_interrupt_is_quiet(tmp_path: Path) -> None:
-    pipe = tmp_path / "episodes.csv"
+@pytest.mark.parametrize("name", ["train", "replay"])
+def test_an_interrupt_is_quiet(tmp_path: Path, name: str) -> None:
+    pipe, session = tmp_path / "episodes.csv", tmp_path / "session.json"
     os.mkfifo(pipe)
-    command = [
-        sys.executable,
-        "-m",
-        "rl_tui.cli",
-        "train",
-        "student",
-        "--steps",
-        "10" + "0" * 11,
-        "--csv",
-        str(pipe),
-    ]
+    branch = replace(FIRST, end=10**15, here=10**15)
+    session.write_bytes(encoded(Record((LaneRecord(recipe_for(find("student")), (branch,)),))))
+    endless = {"train": ["student", "--steps", str(10**15)], "replay": [str(session)]}
+    command = [sys.executable, "-m", "rl_tui.cli", name, *endless[name], "--csv", str(pipe)]
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
         with pipe.open("rb", buffering=0) as stream:
             assert stream.read(4) == b"run,"

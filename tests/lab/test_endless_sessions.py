@@ -1,0 +1,57 @@
+"""A session that claims more steps than anybody can replay: it says how far it is, and can be left."""
+
+from __future__ import annotations
+
+import asyncio
+from pathlib import Path
+
+from recipes import recipe
+from session_samples import after, fresh
+
+from rl_tui.lab.autosave import Autosave
+from rl_tui.lab.commands import Pause, Step
+from rl_tui.lab.player import Player
+from rl_tui.lab.session import encoded, read_session
+from rl_tui.lab.snapshot import Phase, Snapshot
+
+FAR = 10**15
+
+
+def opened(folder: Path) -> tuple[Player, Path]:
+    """Resume, as the screen does, a session that was left very far on."""
+    path = folder / "far.json"
+    path.write_bytes(encoded(after(fresh(recipe("student")), FAR)))
+    session = read_session(path)
+    record = session.record()
+    return Player(record.lanes[0].recipe, record=record, keeper=Autosave(record, folder, session)), path
+
+
+async def under_way(player: Player) -> Snapshot:
+    async for snapshot in player.snapshots():
+        if snapshot.phase is Phase.SEEKING and "left" in snapshot.message:
+            return snapshot
+    raise AssertionError("it was closed")
+
+
+async def test_it_says_how_far_it_is_and_can_be_left_at_once(tmp_path: Path) -> None:
+    player, path = opened(tmp_path)
+    snapshot = await under_way(player)
+    assert "of 1,000,000,000,000,000 steps, about" in snapshot.message
+    assert snapshot.message.endswith(" years left") or snapshot.message.endswith(" days left")
+    player.close()
+    assert player._thread is not None
+    await asyncio.to_thread(player._thread.join, 60.0)
+    assert not player._thread.is_alive()
+    assert read_session(path).step == FAR, "what was only looked at is as it was"
+
+
+async def test_one_can_stay_where_it_is(tmp_path: Path) -> None:
+    player, path = opened(tmp_path)
+    await under_way(player)
+    player.send(Pause())
+    player.send(Step())
+    snapshot = await player.carried_out()
+    assert snapshot.phase is Phase.PAUSED
+    assert 0 < snapshot.step < FAR
+    player.close()
+    assert read_session(path).step == snapshot.step
