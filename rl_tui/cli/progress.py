@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import sys
+import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Final
 
 import click
 
-from rl_tui.worlds.words import short_count
+from rl_tui.worlds.words import lasting, short_count
 
 _PARTS: Final = 1000
+_WORTH_A_FORECAST: Final = 0.5  # seconds
 
 
 @contextmanager
@@ -20,20 +22,36 @@ def progress(label: str) -> Iterator[Callable[[int, int], None]]:
     if not sys.stderr.isatty():
         yield lambda done, wanted: None
         return
+    how_far = _HowFar()
     with click.progressbar(
         length=_PARTS,
         label=label,
         file=sys.stderr,
         width=0,  # what the rest leaves of the line
-        update_min_steps=0,  # of what is very long, how much is done is news too
-        item_show_func=_how_far,
+        show_eta=False,  # it knows none before the first of so many parts is done
+        update_min_steps=0,
+        item_show_func=lambda told: told,
     ) as bar:
 
         def show(done: int, wanted: int) -> None:
-            bar.update(min(done, wanted) * _PARTS // wanted - bar.pos, (done, wanted))
+            bar.update(min(done, wanted) * _PARTS // wanted - bar.pos, how_far.in_words(done, wanted))
 
         yield show
 
 
-def _how_far(come: tuple[int, int] | None) -> str | None:
-    return None if come is None else f"{short_count(come[0])} of {short_count(come[1])}"
+class _HowFar:
+    """How much is done, and how long the rest takes if it goes on like that."""
+
+    def __init__(self) -> None:
+        self._begun: tuple[float, int] | None = None
+
+    def in_words(self, done: int, wanted: int) -> str:
+        """Return ``30.2M of 1000T, 3 years left``."""
+        now = time.monotonic()
+        if self._begun is None:
+            self._begun = now, done
+        start, before = self._begun
+        words = f"{short_count(done)} of {short_count(wanted)}"
+        if now - start < _WORTH_A_FORECAST or not before < done < wanted:
+            return words
+        return f"{words}, {lasting((wanted - done) * (now - start) / (done - before))} left"
