@@ -14,6 +14,7 @@ import click
 
 from rl_tui.cli.descriptors import STDOUT
 from rl_tui.cli.output import complain
+from rl_tui.cli.unknown_option import unknown_option
 from rl_tui.worlds.errors import UserError
 
 DONE: Final = 0
@@ -72,7 +73,10 @@ class Program(click.Group):
             sys.stdout.flush()
         except click.UsageError as fault:
             where = fault.ctx.command_path if fault.ctx else "rl-tui"
-            return _fail(f"{where}: {fault.format_message()} ({where} --help lists the options)", USAGE)
+            problem = fault.format_message()
+            if isinstance(fault, click.NoSuchOption):
+                problem = unknown_option(fault, self)
+            return _fail(f"{where}: {problem} ({where} --help lists the options)", USAGE)
         except click.Abort:
             return INTERRUPTED
         except click.ClickException as fault:

@@ -45,7 +45,7 @@ def grid_findings(raw: Mapping[str, Any]) -> Iterator[Finding]:
     legend = _legend(raw.get("legend"))
     moves = raw.get("moves", "four")
     known_moves = MOVES[moves] if isinstance(moves, str) and moves in MOVES else None
-    yield from _slip_findings(raw, moves)
+    yield from _slip_findings(raw, known_moves)
     yield from _legend_findings(raw.get("legend"), legend, known_moves)
     if "map" in raw and "random" in raw:
         yield Finding(("random",), "random beside map", "either a map or one to be drawn")
@@ -72,13 +72,14 @@ def _legend(raw: object) -> dict[str, LegendEntry | None]:
     return legend
 
 
-def _slip_findings(raw: Mapping[str, Any], moves: object) -> Iterator[Finding]:
+def _slip_findings(raw: Mapping[str, Any], moves: Sequence[str] | None) -> Iterator[Finding]:
+    """Yield what does not go with slips; ``moves`` are None where those are at fault themselves."""
     noisy, slippery = raw.get("noise") not in (None, 0), raw.get("slippery") is True
     if noisy and slippery:
         yield Finding(("slippery",), "slippery beside noise", "one of the two")
     for key, given in (("noise", noisy), ("slippery", slippery)):
-        if given and moves != "four":
-            yield Finding((key,), f"{key} with moves = {shown(moves)}", 'moves = "four", or no slips')
+        if given and moves not in (None, MOVES["four"]):
+            yield Finding((key,), f"{key} with moves = {shown(raw['moves'])}", 'moves = "four", or no slips')
     if raw.get("gusts") is True and not any(_wind(raw, key) for key in ("wind", "wind_rows")):
         yield Finding(("gusts",), "gusts without wind", "wind or wind_rows")
 
@@ -152,7 +153,7 @@ def _size_findings(
 def _wind_findings(raw: Mapping[str, Any], shape: _Shape) -> Iterator[Finding]:
     for key, what, count in (("wind", "column", shape.columns), ("wind_rows", "row", shape.rows)):
         wind = raw.get(key)
-        if isinstance(wind, list) and wind and len(wind) != count:
+        if isinstance(wind, list) and 0 < len(wind) <= LONGEST_SIDE and len(wind) != count:
             yield Finding((key,), counted(len(wind), "number"), f"one for each {what} ({count:,})")
 
 

@@ -26,8 +26,7 @@ REWARDS: Final = ("entering", "leaving")
 
 
 def _is_wind(value: object) -> bool:
-    test = whole_number(-STRONGEST_WIND, STRONGEST_WIND).test
-    return isinstance(value, list) and len(value) <= LONGEST_SIDE and all(test(each) for each in value)
+    return isinstance(value, list) and len(value) <= LONGEST_SIDE
 
 
 def _is_legend(value: object) -> bool:
@@ -35,8 +34,8 @@ def _is_legend(value: object) -> bool:
 
 
 Wind = Annotated[
-    list[int],
-    Expect(f"a list of whole numbers from {-STRONGEST_WIND} to {STRONGEST_WIND}", _is_wind),
+    list[Annotated[int, whole_number(-STRONGEST_WIND, STRONGEST_WIND)]],
+    Expect(f"a list of at most {LONGEST_SIDE:,} whole numbers", _is_wind),
 ]
 
 

@@ -349,6 +349,21 @@ def test_an_interrupt_is_quiet(tmp_path: Path, name: str) -> None:
     assert (out, err.strip()) == (b"", b"")
 
 
+@pytest.mark.parametrize(
+    ("option", "told"),
+    [
+        ("--kiosk", "there is no option --kiosk here; it is one of rl-tui, rl-tui play"),
+        ("--runes=3", "there is no option --runes; did you mean --runs?"),
+        ("--zzz", "there is no option --zzz"),
+        ("-z", "there is no option -z"),
+    ],
+)
+def test_an_unknown_option_leads_to_where_it_is_known(option: str, told: str) -> None:
+    result = CliRunner().invoke(program, ["train", option, "student"], prog_name="rl-tui")
+    assert result.exit_code == 2
+    assert one_line(result) == f"rl-tui train: {told} (rl-tui train --help lists the options)\n"
+
+
 def test_an_option_that_nobody_uses_is_told() -> None:
     result = run("train", "frozenlake", "--episodes", "5", "--lambda", "0.5", "--temperature", "1")
     assert result.exit_code == 0

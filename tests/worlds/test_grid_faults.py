@@ -112,6 +112,14 @@ ONE_FAULT = {
         ("random", "8", "a table, { rows = …, columns = …, holes = … }"),
     ),
     "unknown moves": (MAP + 'moves = "eight"\n', ("moves", '"eight"', "one of four, king, king+stay")),
+    "unknown moves on ice": (
+        MAP + 'moves = "eight"\nslippery = true\n',
+        ("moves", '"eight"', "one of four, king, king+stay"),
+    ),
+    "unknown moves with noise": (
+        MAP + "moves = [1]\nnoise = 0.1\n",
+        ("moves", "[1]", "one of four, king, king+stay"),
+    ),
     "moves that are no text": (MAP + "moves = 4\n", ("moves", "4", "one of four, king, king+stay")),
     "moves that are a list": (MAP + "moves = []\n", ("moves", "[]", "one of four, king, king+stay")),
     "unknown rewards": (MAP + 'rewards = "both"\n', ("rewards", '"both"', "entering or leaving")),
@@ -140,11 +148,16 @@ ONE_FAULT = {
     ),
     "wind of half a cell": (
         MAP + "wind = [0, 0.5, 0, 0]\n",
-        ("wind", "[0, 0.5, 0, 0]", "a list of whole numbers from -100 to 100"),
+        ("wind[1]", "0.5", "a whole number from -100 to 100"),
+    ),
+    "wind that is no list": (MAP + "wind = 1\n", ("wind", "1", "a list of at most 10,000 whole numbers")),
+    "wind in more columns than can be": (
+        f'map = "SG"\nwind_rows = {[0] * 10_001}\n',
+        ("wind_rows", "a list of 10,001", "a list of at most 10,000 whole numbers"),
     ),
     "wind too strong": (
         MAP + "wind = [0, 0, 0, 101]\n",
-        ("wind", "[0, 0, 0, 101]", "a list of whole numbers from -100 to 100"),
+        ("wind[3]", "101", "a whole number from -100 to 100"),
     ),
     "gusts in a calm": (MAP + "gusts = true\n", ("gusts", "gusts without wind", "wind or wind_rows")),
     "gusts of no wind": (
