@@ -58,6 +58,16 @@ class FileLock:
                 os.close(descriptor)
         return True
 
+    def keep(self) -> bool:
+        """Take the lock once more where its file was removed; False where somebody else has it by now.
+
+        Raises OSError as :meth:`acquire` does.
+        """
+        if self._descriptor is not None and not self._is_still_there(self._descriptor):
+            os.close(self._descriptor)
+            self._descriptor = None
+        return self.acquire()
+
     def release(self) -> None:
         """Give the lock back; nothing happens without one."""
         if self._descriptor is None:

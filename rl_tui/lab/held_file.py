@@ -31,9 +31,11 @@ class HeldFile:
         """Replace what is in the file, all at once.
 
         Raises OSError where it cannot be written, ChangedElsewhereError where somebody did so who heeds no
-        lock. A file that was removed is there again.
+        lock, or has it since the folder was removed. What was removed is there again.
         """
         _make_folder(self.path.parent)
+        if not self._lock.keep():
+            raise ChangedElsewhereError
         if self.path.exists() and signature(self.path.stat()) != self._written:
             raise ChangedElsewhereError
         write_atomically(self.path, content)
