@@ -55,12 +55,22 @@ def main() -> None:
     """Run rl-tui and exit."""
     keep_stdout()
     note_interrupts()
+    _calculate_in_one_thread()
     try:
         program(prog_name="rl-tui")
     except SystemExit as end:
         if isinstance(end.code, int) and _someone_is_at_work():
             _leave_at_once(end.code)
         raise
+
+
+def _calculate_in_one_thread() -> None:
+    """Let numpy's linear algebra do without threads, unless somebody wants them.
+
+    Its matrices are small here. Threads cost start-up time, and memory of which there may be little.
+    """
+    if "numpy" not in sys.modules and "OMP_NUM_THREADS" not in os.environ:
+        os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 
 def _someone_is_at_work() -> bool:
