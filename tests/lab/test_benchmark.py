@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+from concurrent.futures import ThreadPoolExecutor
+
 import numpy as np
 import pytest
 from recipes import recipe
@@ -28,6 +30,21 @@ def test_the_plain_loop_starts_and_explores_as_ours_does() -> None:
     tiring = PlainLoop(recipe("frozenlake", epsilon=1.0, epsilon_decay=1e9), random_ties=False)
     tiring.advance(10_000)
     assert tiring._episodes < 150  # of 100 steps each, once it no longer explores
+
+
+def test_an_environment_that_fails_in_the_plain_loop_is_one_line(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def failing(action: int) -> None:
+        print("a word")
+        raise KeyboardInterrupt("out of breath")
+
+    loop = PlainLoop(recipe("frozenlake"), random_ties=False)
+    monkeypatch.setattr(loop._env.unwrapped, "step", failing)
+    with ThreadPoolExecutor(1) as pool, pytest.raises(UserError) as fault:
+        pool.submit(loop.advance, 10).result()
+    assert str(fault.value) == "FrozenLake-v1 failed in the plain loop: KeyboardInterrupt: out of breath"
+    assert capsys.readouterr().out == ""
 
 
 def test_the_document_of_a_benchmark(monkeypatch: pytest.MonkeyPatch) -> None:
