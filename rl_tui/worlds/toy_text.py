@@ -14,7 +14,12 @@ from rl_tui.worlds.registered import looked_at, time_limit_of
 from rl_tui.worlds.sizes import check_sizes
 from rl_tui.worlds.tolerance import PROBABILITY_TOLERANCE
 from rl_tui.worlds.toy_text_layout import Layout, layout_of
-from rl_tui.worlds.transition_table import NoEntriesError, UnsoundTableError, read_entries
+from rl_tui.worlds.transition_table import (
+    NoEntriesError,
+    UnsoundTableError,
+    UnusableRewardError,
+    read_entries,
+)
 from rl_tui.worlds.world import World
 from rl_tui.worlds.world_section import WorldRefusedError
 
@@ -70,7 +75,8 @@ def world_of(name: str, kwargs: Mapping[str, Any], *, computed: bool = False) ->
     except UnsoundTableError as fault:
         # not "no table": to step what contradicts itself would only hide that
         found = f"{name}, whose table has {fault.found}"
-        raise _refusal(place, found, f"{fault.expected}, {_OR_STEPPED}") from fault
+        stepped = "" if isinstance(fault, UnusableRewardError) else f", {_OR_STEPPED}"
+        raise _refusal(place, found, f"{fault.expected}{stepped}") from fault
     except NoEntriesError as fault:
         raise _no_table(f"{name}, whose table has {fault.found}", fault.expected) from fault
     except ValueError as fault:

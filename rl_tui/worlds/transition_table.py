@@ -31,7 +31,11 @@ class NoEntriesError(Exception):
 
 
 class UnsoundTableError(NoEntriesError):
-    """What the table says of a pair cannot be."""
+    """What the table says of a pair cannot be, though the environment may still be stepped."""
+
+
+class UnusableRewardError(UnsoundTableError):
+    """A reward of which nothing could be learned by stepping either."""
 
 
 def read_entries(table: Any, state: int, action: int, states: int) -> list[Entry]:
@@ -73,8 +77,8 @@ def _entry(listed: Any, where: str, states: int) -> Entry:
         )
     earned = number_of(reward)
     if not abs(earned) <= LARGEST_NUMBER:
-        expected = f"a number within ±{LARGEST_NUMBER:g}"
-        raise UnsoundTableError(f"a reward of {seen(reward)} for {where}", expected)
+        expected = f"rewards within ±{LARGEST_NUMBER:g}"
+        raise UnusableRewardError(f"a reward of {seen(reward)} for {where}", expected)
     try:
         ends = truth_of(terminated, "terminated")
     except UnsoundAnswerError as error:

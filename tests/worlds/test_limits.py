@@ -49,7 +49,7 @@ TOO_LARGE = {
         "grid.legend",
         "at most 200",
     ),
-    "wind": ('[grid]\nmap = "S"\nwind = [' + "0," * 20_000 + "]", "grid.wind", "-100 to 100"),
+    "wind": ('[grid]\nmap = "S"\nwind = [' + "0," * 20_000 + "]", "grid.wind", "at most 10,000"),
     "10^9 arms": ("[bandit]\narms = 1_000_000_000", "bandit.arms", "10,000"),
     "means": ("[bandit]\nmeans = [" + "1," * 10_001 + "]", "bandit.means", "10,000 numbers"),
     "pulls": ("[bandit]\narms = 2\nbudget = 1_000_000_001", "bandit.budget", "1,000,000,000"),

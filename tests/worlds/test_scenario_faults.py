@@ -275,7 +275,11 @@ ONE_FAULT = {
     ),
     "rewards beyond the range": (
         LAKE + "kwargs = { reward_schedule = [1e300, 0.0, 0.0] }\n",
-        ("gymnasium.kwargs", "a reward of 1e+300", "rewards within ±1e+12"),
+        (
+            "gymnasium.kwargs",
+            "FrozenLake-v1, whose table has a reward of 1e+300 for state 14, action 1",
+            "rewards within ±1e+12",
+        ),
     ),
     "a window": (
         LAKE + 'kwargs = { render_mode = "human" }\n',
