@@ -57,11 +57,19 @@ def signed(x: float, decimals: int, glyphs: Glyphs = UNICODE, leading_zero: bool
 def brief(x: float, glyphs: Glyphs = UNICODE, leading_zero: bool = False, decimals: int = 6) -> str:
     """Return ``x`` with no more decimals than it has, up to ``decimals``: ``−2``, ``.1``, ``.333333``."""
     if abs(x) >= 1e7 or 0.0 < abs(x) < 10.0**-decimals:
-        return _exponent(x, 2, glyphs)
+        return scientific(x, 2, glyphs)
     text = fixed(x, decimals, glyphs)
     if "." in text:
         text = text.rstrip("0").rstrip(".")
     return text if leading_zero else _without_leading_zero(text)
+
+
+def scientific(x: float, decimals: int, glyphs: Glyphs = UNICODE) -> str:
+    """Return ``x`` with an exponent, its mantissa with at most so many decimals: ``2.73e-5``, ``−3e11``."""
+    mantissa, exponent = f"{x:.{decimals}e}".split("e")
+    if "." in mantissa:
+        mantissa = mantissa.rstrip("0").rstrip(".")
+    return f"{mantissa}e{int(exponent)}".replace("-", glyphs.minus, 1 if x < 0 else 0)
 
 
 def count(n: int, width: int | None = None) -> str:
@@ -119,14 +127,7 @@ def _in_short(x: float, glyphs: Glyphs) -> list[str]:
 
 
 def _with_exponent(x: float, glyphs: Glyphs) -> list[str]:
-    return [_exponent(x, decimals, glyphs) for decimals in (2, 1, 0)]
-
-
-def _exponent(x: float, decimals: int, glyphs: Glyphs) -> str:
-    mantissa, exponent = f"{x:.{decimals}e}".split("e")
-    if "." in mantissa:
-        mantissa = mantissa.rstrip("0").rstrip(".")
-    return f"{mantissa}e{int(exponent)}".replace("-", glyphs.minus, 1 if x < 0 else 0)
+    return [scientific(x, decimals, glyphs) for decimals in (2, 1, 0)]
 
 
 def _without_leading_zero(text: str) -> str:

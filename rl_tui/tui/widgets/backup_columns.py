@@ -8,11 +8,11 @@ from typing import Final
 from rl_tui.agents.update_terms import Lookup
 from rl_tui.lab.backup import Backup, Leaf
 from rl_tui.tui import numbers
+from rl_tui.tui.precision import agrees, column_figure, leading_zeros, parsed
 from rl_tui.tui.theme.look import Look
 from rl_tui.tui.widgets import names
 from rl_tui.tui.widgets.microscope_section import aligned, columns_of
 from rl_tui.tui.widgets.outcomes import HIDDEN
-from rl_tui.tui.widgets.targets import worth
 from rl_tui.worlds.drawing import Arms
 from rl_tui.worlds.mdp import UNKNOWN_ACTION
 from rl_tui.worlds.world import World
@@ -25,6 +25,8 @@ _VALUE_HEADS: Final = {
 }
 _SHARE: Final = "p·(r + γV)"
 _GAP: Final = "  "
+_DECIMALS: Final = 3
+_MORE: Final = 5  # decimals beyond the fewest
 
 _Column = list[str]  # the head, then a text for each outcome
 
@@ -64,6 +66,7 @@ class _Columns:
         self._backup = backup
         self._leaves = leaves
         self._look = look
+        self._decimals = self._decimals_that_agree()
 
     def went(self) -> list[_Column]:
         """Return what really happens, where the world slips."""
@@ -105,7 +108,9 @@ class _Columns:
     def value(self, head: str) -> _Column:
         """Return what the next states are taken to be worth."""
         known = [leaf.value for leaf in self._leaves]
-        told = ["?" if each is None else worth(each, self._look, decimals=3) for each in known]
+        told = [
+            "?" if each is None else column_figure(each, self._decimals, self._look.glyphs) for each in known
+        ]
         return self._filled([head, *told], right=True)
 
     def shares(self) -> list[_Column]:
@@ -114,9 +119,31 @@ class _Columns:
         for leaf in self._leaves:
             if leaf.probability is None or leaf.value is None:
                 return []
-            target = leaf.reward + self._backup.gamma * leaf.value
-            told.append(worth(leaf.probability * target, self._look, decimals=3))
+            share = self._share(leaf.probability, leaf.reward, leaf.value)
+            told.append(column_figure(share, self._decimals, self._look.glyphs))
         return [self._filled([_SHARE, *told], right=True)]
+
+    def _share(self, probability: float, reward: float, value: float) -> float:
+        return probability * (reward + self._backup.gamma * value)
+
+    def _decimals_that_agree(self) -> int:
+        """Return the fewest decimals with which the shares are those of the printed values."""
+        known = [leaf.value for leaf in self._leaves if leaf.value is not None]
+        fewest = _DECIMALS + max(0, leading_zeros(*known) - 1)
+        most = fewest + _MORE
+        return next((each for each in range(fewest, most) if self._agree(each)), most)
+
+    def _agree(self, decimals: int) -> bool:
+        glyphs = self._look.glyphs
+        for leaf in self._leaves:
+            if leaf.probability is None or leaf.value is None:
+                return True
+            printed = parsed(column_figure(leaf.value, decimals, glyphs), glyphs)
+            shown = column_figure(self._share(leaf.probability, leaf.reward, leaf.value), decimals, glyphs)
+            worked_out = self._share(leaf.probability, leaf.reward, printed)
+            if not agrees(worked_out, shown, glyphs, decimals):
+                return False
+        return True
 
     def _filled(self, column: _Column, *, right: bool = False) -> _Column:
         width = max(columns_of(text, self._look) for text in column)

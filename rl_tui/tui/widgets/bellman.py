@@ -7,6 +7,7 @@ from typing import Final
 from rl_tui.agents.solution import Solution
 from rl_tui.lab.snapshot import Snapshot
 from rl_tui.tui import numbers
+from rl_tui.tui.precision import column_figure, leading_zeros
 from rl_tui.tui.theme.look import Look
 from rl_tui.tui.widgets import names
 from rl_tui.tui.widgets.pieces import KEPT_BLANK as K
@@ -33,8 +34,10 @@ def bellman_lines(snapshot: Snapshot, pair: int, look: Look, width: int, *, secr
     if snapshot.exact is None or mdp is None:
         why = snapshot.exact_refused or "the exact answer is being computed"
         return [*lines, *wrapped(why, width, palette.dim, look, _CONTINUED, _CONTINUED)]
-    text = "means as they are now" if mdp.drift_std else " + ".join(_terms(mdp, snapshot.exact, pair, look))
-    result = numbers.fixed(float(snapshot.exact.q[pair]), _DECIMALS, look.glyphs, leading_zero=False)
+    decimals = _decimals(mdp, snapshot.exact, pair)
+    terms = _terms(mdp, snapshot.exact, pair, look, decimals)
+    text = "means as they are now" if mdp.drift_std else " + ".join(terms)
+    result = column_figure(float(snapshot.exact.q[pair]), decimals, look.glyphs)
     return [
         *lines,
         *wrapped(text, width, palette.text, look, _EQUALS, _CONTINUED),
@@ -42,19 +45,23 @@ def bellman_lines(snapshot: Snapshot, pair: int, look: Look, width: int, *, secr
     ]
 
 
-def _terms(mdp: TabularMDP, exact: Solution, pair: int, look: Look) -> list[str]:
+def _decimals(mdp: TabularMDP, exact: Solution, pair: int) -> int:
+    """Return four decimals, more where all values are small: the sum is that of the printed terms."""
+    values = [float(exact.v[mdp.next_state[outcome]]) for outcome in mdp.outcomes_of(pair)]
+    return _DECIMALS + max(0, leading_zeros(float(exact.q[pair]), *values) - 1)
+
+
+def _terms(mdp: TabularMDP, exact: Solution, pair: int, look: Look, decimals: int) -> list[str]:
     """Return ``1/3·[0 + .99·.5420]`` for each outcome."""
     glyphs = look.glyphs
     terms = []
     for outcome in mdp.outcomes_of(pair):
         reward = numbers.brief(float(mdp.reward[outcome]), glyphs, decimals=_DECIMALS)
-        worth = reward
+        target = reward
         if not mdp.terminated[outcome]:
-            value = numbers.fixed(
-                float(exact.v[mdp.next_state[outcome]]), _DECIMALS, glyphs, leading_zero=False
-            )
+            value = column_figure(float(exact.v[mdp.next_state[outcome]]), decimals, glyphs)
             value = f"({value})" if value.startswith(glyphs.minus) else value
-            worth = f"{reward} + {setting(exact.gamma, glyphs)}{glyphs.times}{value}"
+            target = f"{reward} + {setting(exact.gamma, glyphs)}{glyphs.times}{value}"
         chance = names.chance(float(mdp.probability[outcome]), glyphs)
-        terms.append(f"{chance}{glyphs.times}[{worth}]".replace(" ", K))
+        terms.append(f"{chance}{glyphs.times}[{target}]".replace(" ", K))
     return terms

@@ -12,6 +12,7 @@ from rl_tui.agents.last_step import LastStep
 from rl_tui.agents.update_terms import Lookup
 from rl_tui.lab.snapshot import Snapshot
 from rl_tui.tui import numbers
+from rl_tui.tui.precision import column_figure, last_digit, parsed
 from rl_tui.tui.theme.look import Look
 from rl_tui.tui.widgets import names
 from rl_tui.tui.widgets.loop_text import LoopText
@@ -19,12 +20,13 @@ from rl_tui.tui.widgets.microscope_section import Section, columns_of, flowed
 from rl_tui.tui.widgets.pieces import Line, Piece
 from rl_tui.tui.widgets.return_text import gathered_rewards, terms_of
 from rl_tui.tui.widgets.step_lines import in_brackets
-from rl_tui.tui.widgets.targets import worth
 
 HEADING: Final = "The update"
 _ROWS: Final = 5
 TABLES: Final = "the table shows the mean of Q₁ and Q₂"
 _MOST_CELLS: Final = 6
+_FEWEST: Final = 3  # decimals of weights and estimates
+_MOST: Final = 9
 _GAP: Final = "   "
 
 
@@ -117,17 +119,32 @@ class _Writer:
         lookup = BY_ID[self._snapshot.learned_by[0]].update.lookup
         if not self._text.bootstrap or lookup is not Lookup.MEAN or not 1 < len(self._sources) <= _MOST_CELLS:
             return []
-        glyphs = self._look.glyphs
         groups: list[Line] = [
             [self._plain(" "), Piece(self._text.update.bootstrap, self._bootstrap_style), self._plain(" =")]
         ]
-        for number, (pair, weight) in enumerate(self._sources.items()):
-            estimate = self._last.before if pair == self._last.updated_pair else float(self._snapshot.q[pair])
+        for number, (weight, estimate) in enumerate(self._mixed()):
             sign = " " if number == 0 else " + "
-            shown = Piece(worth(estimate, self._look, decimals=3), self._palette.source)
-            factor = self._plain(f"{sign}{numbers.brief(weight, glyphs, decimals=3)}{glyphs.times}")
-            groups.append([factor, *self._in_brackets(shown)])
+            factor = self._plain(f"{sign}{weight}{self._look.glyphs.times}")
+            groups.append([factor, *self._in_brackets(Piece(estimate, self._palette.source))])
         return groups
+
+    def _mixed(self) -> list[tuple[str, str]]:
+        """Return weights and estimates with the fewest decimals that give the bootstrap as it is printed."""
+        glyphs, bootstrap, last = self._look.glyphs, self._text.update.bootstrap, self._last
+        cells = [
+            (weight, last.before if pair == last.updated_pair else float(self._snapshot.q[pair]))
+            for pair, weight in self._sources.items()
+        ]
+        shown: list[tuple[str, str]] = []
+        for decimals in range(_FEWEST, _MOST + 1):
+            shown = [
+                (numbers.brief(weight, glyphs, decimals=decimals), column_figure(estimate, decimals, glyphs))
+                for weight, estimate in cells
+            ]
+            worked_out = sum(parsed(weight, glyphs) * parsed(each, glyphs) for weight, each in shown)
+            if abs(worked_out - parsed(bootstrap, glyphs)) <= last_digit(bootstrap):
+                break
+        return shown
 
     def gathered(self, width: int) -> list[Line]:
         """Return the rewards of a target of several steps, ``.3 = 0 + .9·0 + .9²·.37``; nothing elsewhere."""
@@ -136,7 +153,9 @@ class _Writer:
             return []
         start = self._plain(f" {self._text.update.gathered} = ")
         room = width - columns_of(start.text, self._look)
-        return [[start, self._plain(terms_of(rewards, len(rewards), self._last.gamma, self._look, room))]]
+        total = self._text.update.gathered
+        terms = terms_of(rewards, len(rewards), self._last.gamma, self._look, room, total)
+        return [[start, self._plain(terms)]]
 
     def _looked_up(self) -> str:
         """Return what the bootstrap is, with the cell it was read from where that is known."""

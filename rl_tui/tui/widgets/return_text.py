@@ -9,6 +9,7 @@ from rl_tui.agents.catalogue import BY_ID
 from rl_tui.agents.last_step import LastStep
 from rl_tui.lab.snapshot import Snapshot
 from rl_tui.tui import numbers
+from rl_tui.tui.precision import last_digit, parsed
 from rl_tui.tui.theme.look import Look
 from rl_tui.tui.widgets.microscope_section import Section
 from rl_tui.tui.widgets.pieces import Line, Piece, first_that_fits, length, spelled, wrapped
@@ -22,6 +23,8 @@ MEANING: Final = "Gₜ = Rₜ₊₁ + γ Rₜ₊₂ + γ² Rₜ₊₃ + …"
 PLANNER: Final = "a planner takes no steps: nothing is earned"
 _LEFT_OUT: Final = "…"
 _SUPERSCRIPTS: Final = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
+_FEWEST: Final = 3  # decimals of a reward
+_MOST: Final = 6
 _TOLERANCE: Final = 1e-6
 
 
@@ -36,7 +39,7 @@ def return_section(snapshot: Snapshot, last: LastStep, look: Look, width: int) -
     steps = max(last.episode_step, len(rewards))
     total = numbers.brief(snapshot.discounted_return, look.glyphs, decimals=4)
     start: Line = [Piece(" G₀ = ", palette.dim)]
-    terms = terms_of(rewards, steps, last.gamma, look, width - length(spelled(start, look)))
+    terms = terms_of(rewards, steps, last.gamma, look, width - length(spelled(start, look)), total)
     result: Line = [Piece("    = ", palette.dim), Piece(total, palette.strong)]
     plain: Line = []
     if len(rewards) == steps:
@@ -80,12 +83,14 @@ def gathered_rewards(snapshot: Snapshot, last: LastStep) -> list[float]:
     return rewards if is_whole and count > 1 else []
 
 
-def terms_of(rewards: Sequence[float], steps: int, gamma: float, look: Look, room: int) -> str:
+def terms_of(rewards: Sequence[float], steps: int, gamma: float, look: Look, room: int, total: str) -> str:
     """Return as many terms as ``room`` holds: all, or the first and the last with an ellipsis between.
 
-    Of an episode of more steps than there are rewards the first ones are not known any more.
+    They have as many decimals as let them come out at the printed ``total``. Of an episode of more steps than
+    there are rewards the first ones are not known any more.
     """
     skipped = steps - len(rewards)
+    rewards = _rounded(rewards, gamma, total, look)
     if not skipped:
         whole = _joined([_term(rewards, skipped, place, gamma, look) for place in range(min(steps, room))])
         if steps <= room and _fits(whole, room, look):
@@ -102,6 +107,17 @@ def terms_of(rewards: Sequence[float], steps: int, gamma: float, look: Look, roo
     return best
 
 
+def _rounded(rewards: Sequence[float], gamma: float, total: str, look: Look) -> list[float]:
+    """Return ``rewards`` with the fewest decimals, three at least, with which they add up to ``total``."""
+    rounded: list[float] = []
+    for decimals in range(_FEWEST, _MOST + 1):
+        rounded = [round(reward, decimals) or reward for reward in rewards]
+        worked_out = sum(reward * gamma**place for place, reward in enumerate(rounded))
+        if abs(worked_out - parsed(total, look.glyphs)) <= last_digit(total):
+            break
+    return rounded
+
+
 def _fits(text: str, room: int, look: Look) -> bool:
     return length(spelled([Piece(text, look.palette.text)], look)) <= room
 
@@ -112,7 +128,7 @@ def _joined(terms: Sequence[str]) -> str:
 
 def _term(rewards: Sequence[float], skipped: int, place: int, gamma: float, look: Look) -> str:
     """Return ``.99²·1``, the reward of step ``place`` (from 0) as it counts at the start."""
-    reward = numbers.brief(rewards[place - skipped], look.glyphs, decimals=3)
+    reward = numbers.brief(rewards[place - skipped], look.glyphs)
     if place == 0:
         return reward
     reward = in_brackets(reward, look.glyphs.minus)

@@ -8,6 +8,7 @@ from rl_tui.agents.update_terms import Lookup
 from rl_tui.lab.backup import Backup
 from rl_tui.lab.snapshot import Snapshot
 from rl_tui.tui import numbers
+from rl_tui.tui.precision import agrees, column_figure, leading_zeros, parsed
 from rl_tui.tui.theme.look import Look
 from rl_tui.tui.widgets.bellman import SECRET
 from rl_tui.tui.widgets.loop_text import LoopText
@@ -17,17 +18,7 @@ from rl_tui.worlds.drawing import Arms
 
 _LABEL: Final = 11
 _FEWEST: Final = 2
-_MOST: Final = 6
-
-
-def worth(x: float, look: Look, decimals: int) -> str:
-    """Return ``x`` with so many decimals, without a zero before the point: ``.542``, ``0``, ``−1.250``."""
-    if abs(x) < numbers.NEGLIGIBLE:
-        return "0"
-    if abs(x) >= 1e6:
-        return numbers.value(x, 8, look.glyphs)
-    text = numbers.fixed(x, decimals, look.glyphs, leading_zero=False)
-    return text if any(digit in text for digit in "123456789") else numbers.value(x, 6, look.glyphs)
+_MORE: Final = 6  # decimals beyond the fewest
 
 
 def target_lines(
@@ -37,8 +28,8 @@ def target_lines(
     palette = look.palette
     if backup.sampled is None:
         return _said(_no_sample(snapshot, text), look, width)
-    decimals = _decimals(backup.sampled, backup.expected)
-    sampled = worth(backup.sampled, look, decimals)
+    decimals = _decimals(backup.sampled, backup.expected, look)
+    sampled = column_figure(backup.sampled, decimals, look.glyphs)
     label = "target" if text.sweep else "sampled"
     lines: list[Line] = [
         first_that_fits(
@@ -58,7 +49,7 @@ def target_lines(
     if text.sweep:
         return [*lines, *_said("a planner takes the expectation itself: no luck in it", look, width)]
     symbols = ("mean reward = " if isinstance(snapshot.world.drawing, Arms) else "Σ p (r + γ V(s′)) = ", "")
-    expected = worth(backup.expected, look, decimals)
+    expected = column_figure(backup.expected, decimals, look.glyphs)
     lines.append(
         first_that_fits(
             [
@@ -79,7 +70,7 @@ def _difference(difference: float, reason: str, decimals: int, look: Look, width
     if abs(difference) < numbers.NEGLIGIBLE:
         shown, style = "0", palette.text
     else:
-        shown = worth(difference, look, decimals)
+        shown = column_figure(difference, decimals, look.glyphs)
         shown, style = (shown, palette.bad) if difference < 0.0 else (f"+{shown}", palette.good)
     head: list[Line] = [[_label("difference", look), Piece(shown, style)]]
     words = reason.split(" ")
@@ -130,21 +121,25 @@ def _symbols(text: LoopText) -> str:
     return f"{gathered} + {text.discount}·{text.bootstrap}" if text.bootstrap else gathered
 
 
-def _decimals(sampled: float, expected: float | None) -> int:
+def _decimals(sampled: float, expected: float | None, look: Look) -> int:
     """Return the fewest decimals with which the printed difference is that of the printed targets.
 
-    Two at least, three where both are fractions.
+    Two at least, three where both are fractions, more where both are small.
     """
-    largest = max(abs(sampled), abs(expected or 0.0))
-    fewest = _FEWEST if largest >= 1.0 else _FEWEST + 1
+    known = [sampled] if expected is None else [sampled, expected]
+    largest = max(map(abs, known))
+    fewest = _FEWEST if largest >= 1.0 else _FEWEST + max(1, leading_zeros(*known))
     if expected is None or abs(sampled - expected) < numbers.NEGLIGIBLE:
         return fewest
     difference = sampled - expected
-    for decimals in range(fewest, _MOST):
-        between = round(sampled, decimals) - round(expected, decimals)
-        if abs(between - round(difference, decimals)) < 1e-9 and round(difference, decimals):
+    for decimals in range(fewest, fewest + _MORE):
+        first, second, told = (
+            column_figure(each, decimals, look.glyphs) for each in (sampled, expected, difference)
+        )
+        between = parsed(first, look.glyphs) - parsed(second, look.glyphs)
+        if round(difference, decimals) and agrees(between, told, look.glyphs, decimals, digits=0.5):
             return decimals
-    return _MOST
+    return fewest + _MORE
 
 
 def _label(text: str, look: Look) -> Piece:

@@ -8,13 +8,16 @@ from typing import Final
 
 from rl_tui.agents.last_step import LastStep
 from rl_tui.tui import numbers
+from rl_tui.tui.precision import agrees, figure, leading_zeros, magnitude, parsed
 from rl_tui.tui.theme.glyphs import Glyphs
 
 _FEWEST: Final = 2
-_MOST: Final = 6
-_MOST_FOR_CHANGE: Final = 4  # a change that only shows further behind is shown as none
-_ROOM_FOR_EXPONENT: Final = 7
-_LARGEST: Final = 1e6  # beyond this numbers are written with an exponent, and nobody checks them by hand
+_MOST_FOR_CHANGE: Final = 4  # a change that only shows further behind need not be seen in the estimate
+_FINER: Final = 2  # decimals that terms may have beyond those of the results
+_CLOSER: Final = 1  # decimals more that are worth it for results that come out to half a digit
+_DIGITS: Final = 6  # behind the first one of the largest term; results below them are told as 0
+_NOISE: Final = 1e-12  # of the largest term: what rounding errors may leave of a term
+_FACTOR: Final = 4  # decimals of a factor that is no short number
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,37 +43,48 @@ class _Rounding:
 
 
 def update_text(last: LastStep, alpha: float | str, glyphs: Glyphs, *, bootstraps: bool) -> UpdateText:
-    """Write the numbers of ``last`` with as few decimals (2 to 6) as let the printed arithmetic come out.
+    """Write the numbers of ``last`` with as few decimals as let the printed arithmetic come out.
 
-    What is worked out from the printed terms, rounded like the printed results, is the printed target, δ and
-    new estimate. ``alpha`` is the step size in force: a step of 1/N that is not it is written as a fraction.
-    Without ``bootstraps`` the target is what was gathered.
+    What is worked out from the printed terms is the printed target, δ and new estimate up to the last digit,
+    mostly up to half of it. ``alpha`` is the step size in force: a step of 1/N that is not it is written as a
+    fraction. Without ``bootstraps`` the target is what was gathered.
     """
-    rounding = _rounding(last, bootstraps)
-    terms, results = rounding.terms, rounding.results
+    best: UpdateText | None = None
+    most = _DIGITS - magnitude(_largest(last))
+    fewest = min(_decimals_that_show(last), most)
+    for rounding in _roundings(fewest, most):
+        text = _written(last, alpha, glyphs, rounding, bootstraps=bootstraps)
+        if best and rounding.results > fewest + _CLOSER:
+            break
+        if _comes_out(last, text, rounding, glyphs, bootstraps=bootstraps, digits=0.5):
+            return text
+        if not best and _comes_out(last, text, rounding, glyphs, bootstraps=bootstraps, digits=1.0):
+            best = text
+    return best or text
 
-    def written(x: float, decimals: int) -> str:
-        if abs(x) < numbers.NEGLIGIBLE:
-            return "0"
-        if abs(x) >= _LARGEST:
-            return numbers.value(x, 8, glyphs)
-        if _has_no_more_decimals(x, 1):
-            return numbers.brief(x, glyphs)
-        if _vanishes(x, decimals):
-            return numbers.value(x, _ROOM_FOR_EXPONENT, glyphs)
-        return numbers.fixed(x, decimals, glyphs, leading_zero=False)
 
-    error = last.td_error
-    sign = "+" if error >= numbers.NEGLIGIBLE else ""
+def _written(
+    last: LastStep, alpha: float | str, glyphs: Glyphs, rounding: _Rounding, *, bootstraps: bool
+) -> UpdateText:
+    largest = _largest(last)
+    noise, nothing = _NOISE * largest, 0.5 * 10.0 ** (magnitude(largest) - _DIGITS)
+
+    def term(x: float) -> str:
+        return figure(x, rounding.terms, glyphs, noise)
+
+    def result(x: float) -> str:
+        return figure(x, rounding.results, glyphs, nothing)
+
+    sign = "+" if last.td_error > nothing else ""
     return UpdateText(
-        before=written(last.before, terms),
-        step_size=step_size_text(last.step_size, alpha, glyphs),
-        gathered=written(last.gathered, terms),
-        discount=setting(_discount_as_printed(last), glyphs),
-        bootstrap=written(last.bootstrap, terms),
-        target=written(last.target, results if bootstraps else terms),
-        error=sign + written(error, results),
-        after=written(last.after, results),
+        before=term(last.before),
+        step_size=_step_size(last, alpha, rounding.results, glyphs),
+        gathered=term(last.gathered),
+        discount=_factor(last.discount, last.bootstrap, rounding.results, glyphs),
+        bootstrap=term(last.bootstrap),
+        target=result(last.target) if bootstraps else term(last.target),
+        error=sign + result(last.td_error),
+        after=result(last.after),
     )
 
 
@@ -85,75 +99,85 @@ def setting(x: float, glyphs: Glyphs) -> str:
 
 def step_size_text(step_size: float, alpha: float | str, glyphs: Glyphs) -> str:
     """Return ``1/842`` where the step was the sample average's, otherwise the number."""
+    visits = _visits(step_size, alpha)
+    return f"1/{visits}" if visits else setting(step_size, glyphs)
+
+
+def _visits(step_size: float, alpha: float | str) -> int:
+    """Return the N of a step of 1/N that is not the step size in force; 0 where it is no such step."""
     visits = round(1.0 / step_size) if step_size > 0.0 else 0
-    if step_size != alpha and abs(step_size * visits - 1.0) < 1e-12:
-        return f"1/{visits}"
-    return setting(step_size, glyphs)
+    return visits if step_size != alpha and abs(step_size * visits - 1.0) < 1e-12 else 0
 
 
-def _rounding(last: LastStep, bootstraps: bool) -> _Rounding:
-    """Return the first rounding that comes out, the coarsest one if none does."""
-    candidates = list(_candidates(_decimals_that_show(last)))
-    return next((each for each in candidates if _comes_out(last, each, bootstraps)), candidates[0])
+def _step_size(last: LastStep, alpha: float | str, decimals: int, glyphs: Glyphs) -> str:
+    if _visits(last.step_size, alpha):
+        return step_size_text(last.step_size, alpha, glyphs)
+    return _factor(last.step_size, last.td_error, decimals, glyphs)
 
 
-def _candidates(fewest: int) -> Iterator[_Rounding]:
-    for results in range(fewest, _MOST + 1):
-        for terms in range(results, min(results + 2, _MOST) + 1):
+def _factor(x: float, factor: float, decimals: int, glyphs: Glyphs) -> str:
+    """Return ``x`` with as many digits as so many decimals of its product with ``factor`` need."""
+    short = setting(x, glyphs)
+    if abs(parsed(short, glyphs) - x) <= 1e-12 * abs(x):
+        return short
+    needed = max(_FACTOR, decimals + 2 + magnitude(factor))
+    return figure(x, needed, glyphs, 0.0)
+
+
+def _largest(last: LastStep) -> float:
+    """Return the size of the largest term; what is far smaller is what rounding errors left."""
+    return max(map(abs, (last.before, last.gathered, last.discount * last.bootstrap)))
+
+
+def _roundings(fewest: int, most: int) -> Iterator[_Rounding]:
+    for results in range(fewest, most + 1):
+        for terms in range(results, results + _FINER + 1):
             yield _Rounding(terms, results)
 
 
 def _decimals_that_show(last: LastStep) -> int:
     """Return the fewest decimals with which no term looks whole that is not, and the change is seen.
 
-    That is as far as four decimals show it. Of δ two digits are seen, so that it is no rough guess.
+    That is as far as four digits behind the zeros after the point show it. Of δ two digits are seen, so that
+    it is no rough guess.
     """
     terms = (last.before, last.bootstrap, last.after, last.td_error)
-    for decimals in range(_FEWEST, _MOST_FOR_CHANGE):
+    zeros = leading_zeros(last.before, last.target, last.after)
+    most = _MOST_FOR_CHANGE + zeros
+    for decimals in range(_FEWEST + zeros, most):
         honest = all(round(term, decimals) % 1.0 or _has_no_more_decimals(term, 0) for term in terms)
         changed = round(last.before, decimals) != round(last.after, decimals)
         error = last.td_error
         precise = abs(error) >= 10.0 ** (1 - decimals) or _has_no_more_decimals(error, decimals)
         if honest and precise and (changed or last.before == last.after):
             return decimals
-    return _MOST_FOR_CHANGE
+    return most
 
 
-def _comes_out(last: LastStep, rounding: _Rounding, bootstraps: bool) -> bool:
-    before, gathered, bootstrap = (
-        _as_printed(x, rounding.terms) for x in (last.before, last.gathered, last.bootstrap)
+def _comes_out(
+    last: LastStep,
+    text: UpdateText,
+    rounding: _Rounding,
+    glyphs: Glyphs,
+    *,
+    bootstraps: bool,
+    digits: float,
+) -> bool:
+    """Tell whether what a reader works out from ``text`` is what it says, up to so much of the last digit."""
+    before, gathered, discount, bootstrap = (
+        parsed(each, glyphs) for each in (text.before, text.gathered, text.discount, text.bootstrap)
     )
-    target = gathered + (_discount_as_printed(last) * bootstrap if bootstraps else 0.0)
-    error = target - before
-    after = before + last.step_size * error
-    printed_target = _as_printed(last.target, rounding.results) if bootstraps else target
-    printed_error, printed_after = (_as_printed(x, rounding.results) for x in (last.td_error, last.after))
+    step_size = last.step_size if "/" in text.step_size else parsed(text.step_size, glyphs)
+    target = gathered + (discount * bootstrap if bootstraps else 0.0)
     # the inspector's chain works on from printed results: δ = target − before, Q ← before + α · δ
     chained = (
-        (target, printed_target),
-        (error, printed_error),
-        (after, printed_after),
-        (printed_target - before, printed_error),
-        (before + last.step_size * printed_error, printed_after),
+        (target, text.target),
+        (target - before, text.error),
+        (before + step_size * (target - before), text.after),
+        (parsed(text.target, glyphs) - before, text.error),
+        (before + step_size * parsed(text.error, glyphs), text.after),
     )
-    allowed = 0.5 * 10.0**-rounding.results + numbers.NEGLIGIBLE
-    return all(abs(worked_out - printed) <= allowed for worked_out, printed in chained)
-
-
-def _discount_as_printed(last: LastStep) -> float:
-    """Return γ as it is, its powers with four decimals."""
-    return last.discount if last.discount == last.gamma else round(last.discount, 4)
-
-
-def _as_printed(x: float, decimals: int) -> float:
-    if _has_no_more_decimals(x, 1) or _vanishes(x, decimals):
-        return x
-    return round(x, decimals)
-
-
-def _vanishes(x: float, decimals: int) -> bool:
-    """Tell whether so many decimals would show nothing of ``x``, which is then written with an exponent."""
-    return numbers.NEGLIGIBLE <= abs(x) < 0.5 * 10.0**-decimals
+    return all(agrees(worked_out, shown, glyphs, rounding.results, digits) for worked_out, shown in chained)
 
 
 def _has_no_more_decimals(x: float, decimals: int) -> bool:

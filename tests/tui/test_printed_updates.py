@@ -1,0 +1,189 @@
+"""Whoever works out the printed update gets what is printed: of any size, sign and form of update."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from fractions import Fraction
+
+import pytest
+from hypothesis import assume, example, given
+from hypothesis import strategies as st
+from samples import lake, look
+
+from rl_tui.agents.update_terms import Lookup
+from rl_tui.lab.backup import Backup, Leaf
+from rl_tui.tui import numbers
+from rl_tui.tui.precision import figure
+from rl_tui.tui.theme.glyphs import ASCII, UNICODE
+from rl_tui.tui.widgets.backup_columns import outcome_rows
+from rl_tui.tui.widgets.loop_text import loop_text
+from rl_tui.tui.widgets.targets import target_lines
+from rl_tui.tui.widgets.update_text import UpdateText, update_text
+
+LAKE = lake()
+LAST = LAKE.last
+assert LAST is not None
+
+# digits and a power of ten: sizes as learners meet them, and far beyond both ways
+SIZES = st.tuples(st.floats(1.0, 9.99), st.integers(-14, 11)).map(lambda pair: pair[0] * 10.0 ** pair[1])
+NUMBERS = st.one_of(
+    st.sampled_from([0.0, 1.0, -1.0, 0.5, 20.0, -100.0]),
+    st.floats(-20, 20),
+    SIZES,
+    SIZES.map(lambda size: -size),
+)
+STEP_SIZES = st.one_of(
+    st.sampled_from([0.05, 0.1, 0.5, 1.0]),
+    st.integers(1, 10**6).map(lambda visits: 1.0 / visits),  # a sample average
+    st.tuples(st.floats(0.01, 1.0), st.integers(1, 60)).map(
+        lambda pair: pair[0] * 0.891 ** pair[1]
+    ),  # a trace
+)
+GAMMAS = st.one_of(st.sampled_from([0.0, 0.9, 0.99, 1.0]), st.floats(0.01, 1.0))
+
+
+def value(text: str) -> float:
+    return float(Fraction(text) if "/" in text else text.replace(UNICODE.minus, "-"))
+
+
+def last_digit(text: str) -> float:
+    mantissa, _, exponent = text.partition("e")
+    return 10.0 ** (int(exponent or "0") - len(mantissa.partition(".")[2]))
+
+
+def contradictions(text: UpdateText, *, bootstraps: bool) -> list[str]:
+    """What is printed and cannot be worked out from what is printed before it."""
+    before, gathered = value(text.before), value(text.gathered)
+    bootstrap = value(text.discount) * value(text.bootstrap) if bootstraps else 0.0
+    error = gathered + bootstrap - before
+    largest = max(map(abs, (before, gathered, bootstrap)))
+    # a 0 has no digits: it is as fine as the other results, of which six digits behind the first are known
+    fine = [last_digit(each) for each in (text.target, text.after) if each != "0"]
+    nothing = max([*fine, 2e-6 * largest])
+    worked_out = (
+        ("target", gathered + bootstrap, text.target),
+        ("δ", error, text.error),
+        ("δ by the target", value(text.target) - before, text.error),
+        ("estimate", before + value(text.step_size) * error, text.after),
+        ("estimate by δ", before + value(text.step_size) * value(text.error), text.after),
+    )
+    return [
+        f"{name}: {number} is printed as {shown} in {text}"
+        for name, number, shown in worked_out
+        if abs(number - value(shown))
+        > 1.00001 * (last_digit(shown) if shown != "0" else nothing) + 1e-11 * largest
+    ]
+
+
+@given(
+    before=NUMBERS,
+    gathered=NUMBERS,
+    bootstrap=NUMBERS,
+    step_size=STEP_SIZES,
+    gamma=GAMMAS,
+    power=st.integers(1, 8),
+    alpha=st.sampled_from([0.1, "sample-average"]),
+    form=st.sampled_from(["one step", "several steps", "terminal", "converged"]),
+)
+@example(0.00013, 0.0, 0.000159, 0.1, 0.99, 1, 0.1, "one step")
+@example(-7.0, -1.0, -6.0000000049, 0.5, 1.0, 1, 0.5, "one step")
+def test_the_printed_update_does_not_contradict_itself(
+    before: float,
+    gathered: float,
+    bootstrap: float,
+    step_size: float,
+    gamma: float,
+    power: int,
+    alpha: float | str,
+    form: str,
+) -> None:
+    discount = gamma**power if form == "several steps" else gamma
+    if form == "terminal":
+        bootstrap = 0.0
+    if form == "converged":
+        before = gathered + discount * bootstrap + before * 1e-4
+    last = replace(
+        LAST,
+        before=before,
+        gathered=gathered,
+        bootstrap=bootstrap,
+        step_size=step_size,
+        gamma=gamma,
+        discount=discount,
+    )
+    last = replace(last, after=before + step_size * last.td_error)
+    bootstraps = form != "terminal"
+    text = update_text(last, alpha, UNICODE, bootstraps=bootstraps)
+    assert not contradictions(text, bootstraps=bootstraps)
+
+
+@given(before=st.floats(-20, 20), bootstrap=st.floats(-20, 20), step_size=st.sampled_from([0.05, 0.1, 0.5]))
+def test_numbers_of_a_common_size_stay_short(before: float, bootstrap: float, step_size: float) -> None:
+    last = replace(LAST, before=before, bootstrap=bootstrap, step_size=step_size)
+    assume(abs(last.td_error) > 0.01)
+    last = replace(last, after=before + step_size * last.td_error)
+    text = update_text(last, step_size, UNICODE, bootstraps=True)
+    for each in (text.before, text.bootstrap, text.target, text.error, text.after):
+        assert len(each.lstrip("+−").partition(".")[2]) <= 7
+
+
+def test_small_values_are_printed_with_digits_to_work_with() -> None:
+    last = replace(
+        LAST, before=0.00013, bootstrap=0.000159, after=0.00013 + 0.1 * (0.99 * 0.000159 - 0.00013)
+    )
+    text = update_text(last, 0.1, UNICODE, bootstraps=True)
+    assert (text.before, text.bootstrap, text.target) == (".000130", ".000159", ".000157")
+    assert (text.error, text.after) == ("+.000027", ".000133")
+
+
+def test_a_small_change_of_a_large_estimate_is_printed() -> None:
+    last = replace(LAST, before=0.95, bootstrap=0.959600, after=0.9500004)
+    text = update_text(last, 0.1, UNICODE, bootstraps=True)
+    assert (text.target, text.error, text.after) == (".950004", "+.000004", ".950000")
+
+
+@pytest.mark.parametrize(
+    ("x", "decimals", "text"),
+    [
+        (0.00013, 6, ".000130"),
+        (0.000027345, 6, ".000027"),
+        (1.3456e-7, 9, "1.35e-7"),
+        (2.73e-9, 4, "2.73e-9"),
+        (-3.0012e11, -9, "−3e11"),
+        (12_345_678.0, -4, "1.235e7"),
+        (12_345_678.25, 2, "12345678.25"),
+        (-1.0, 4, "−1"),
+        (0.5, 6, ".5"),
+        (0.0, 3, "0"),
+        (-1e-12, 3, "0"),
+        (0.950000004, 8, ".95000000"),
+    ],
+)
+def test_a_figure_of_an_equation(x: float, decimals: int, text: str) -> None:
+    assert figure(x, decimals, UNICODE) == text
+    assert figure(x, decimals, ASCII) == text.replace("−", "-")
+
+
+LOOP = loop_text(LAKE, LAST, UNICODE)
+WORTHS = st.one_of(st.sampled_from([0.0, 0.5]), st.floats(0.0, 1.0), SIZES.filter(lambda size: size < 1.0))
+
+
+@given(
+    values=st.lists(WORTHS, min_size=3, max_size=3),
+    sampled=st.integers(0, 2),
+    gamma=st.sampled_from([0.9, 0.99]),
+)
+def test_the_microscope_does_not_contradict_itself(values: list[float], sampled: int, gamma: float) -> None:
+    leaves = tuple(Leaf(1 / 3, 1, 0.0, 0.0, 1, False, value, False) for value in values)
+    shares = [gamma * value / 3 for value in values]
+    backup = Backup(0, 0, leaves, gamma, gamma * values[sampled], sum(shares), Lookup.BEST, is_current=True)
+    rows = outcome_rows(LAKE.world, backup, leaves, look(), 80, secret=False)
+    for row in rows[1:]:
+        *_, printed, share = row.split()
+        finest = min(last_digit(share), 1.0) if share != "0" else 1e-3
+        assert abs(gamma * value(printed) / 3 - value(share)) <= 1.001 * finest + numbers.NEGLIGIBLE
+    lines = target_lines(LAKE, backup, LOOP, look(), 80, secret=False)
+    first, second = ("".join(piece.text for piece in line).split()[-1] for line in lines[:2])
+    told = "".join(piece.text for piece in lines[2]).split()[1]
+    finest = max(last_digit(each) for each in (first, second, told) if each != "0") if told != "0" else 1e-6
+    assert abs(value(first) - value(second) - value(told)) <= 1.001 * finest + numbers.NEGLIGIBLE
