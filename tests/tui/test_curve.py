@@ -131,7 +131,7 @@ def test_at_full_speed_the_border_has_no_figures() -> None:
 def test_many_episodes_without_reward_are_told() -> None:
     barren = lake(curve=flat(0.0), marks=NO_MARKS, episodes=1_234, greedy_return=0.0, return_last_100=0.0)
     text, _ = drawn(barren)
-    assert "no reward seen yet in 1,234 episodes" in text
+    assert "no reward seen yet in 1,234 finished episodes" in text
     assert "episodes, last 100: 0" in text
     assert "greedy, exact 0" in text
     assert "no reward" not in drawn(lake())[0]

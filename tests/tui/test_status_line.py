@@ -23,7 +23,7 @@ def test_the_short_form() -> None:
     text = running()
     assert text.startswith(" FrozenLake 4×4 slippery ")
     assert text.split("  ")[-1].strip() == "38 M/s"
-    for part in ("▶ max", "ep 12,345", "step 151,002"):
+    for part in ("▶ max", "ep 12,346", "step 151,002"):
         assert part in text
 
 
@@ -31,7 +31,7 @@ def test_the_long_form() -> None:
     text = running(120)
     assert text.startswith(" FrozenLake 4×4 slippery · Q-learning · seed 0 ")
     assert text.endswith("38.2 M steps/s")
-    assert "episode 12,345" in text
+    assert "episode 12,346" in text
 
 
 @pytest.mark.parametrize("width", [80, 120])
@@ -99,8 +99,14 @@ def test_ascii() -> None:
     assert text.startswith(" FrozenLake 4x4 slippery - Q-learning - seed 0 ")
 
 
+def test_the_episode_is_the_one_under_way() -> None:
+    assert "ep 1 " in drawn(lake(0))
+    assert "ep 1 " in drawn(lake(7, episodes=0, episode_step=7))
+    assert "ep 2 " in drawn(lake(8, episodes=1, episode_step=0))
+
+
 def test_a_planner_counts_sweeps_and_says_when_it_is_done() -> None:
-    assert "sweep 12 " in drawn(planning())
+    assert "sweep 13 " in drawn(planning())
     assert " ep " not in drawn(planning())
     message = "converged after 37 sweeps: no value moved by more than 1e-09 in the last one"
     done = planning(37, phase=Phase.DONE, message=message)

@@ -43,13 +43,16 @@ _PANELS: Final = (
         "expected return of the greedy policy; and dotted what is best for this γ (in short γ-best): the "
         "undiscounted return of the policy that is best for the γ in force. At a smaller γ another policy "
         "can collect more undiscounted return than that one. Once something is learned, the gap between "
-        "episodes and greedy policy is mostly what exploring costs.",
+        "episodes and greedy policy is mostly what exploring costs. The axis counts finished episodes, the "
+        "top line the one under way: between two it is the next. Where the run cannot keep up with the "
+        "wanted speed, the top line ends with the one measured.",
     ),
     (
         "Timeline",
         "The row below the curve is what was run so far, from step 0 to the end of the branch; the handle is "
         "the moment that every panel shows. b, B and g go back, and so do a click, a drag and, with the row "
-        "in focus (tab), the arrows, < and > by one step, pgup and pgdn by a tenth. To play on from there "
+        "in focus (tab), the arrows, < and > by one step, pgup and pgdn by a tenth. g takes a step or, as "
+        "e12, an episode, and goes to where that one begins. To play on from there "
         "repeats what happened; to change something begins a branch, and j goes back to the other. ◆ is a "
         "change, ╍ steps taken by hand, ┻ where the branch began.",
     ),

@@ -9,6 +9,7 @@ from rl_tui.agents.catalogue import BY_ID
 from rl_tui.lab.commands import GoTo
 from rl_tui.lab.snapshot import Snapshot
 from rl_tui.tui.screens.prompt import Prompt
+from rl_tui.tui.under_way import episode_under_way
 from rl_tui.worlds.drawing import Arms
 
 _STEPS: Final = ("", "step", "steps", "pull", "pulls")  # a pull is a step
@@ -53,7 +54,7 @@ def moment_of(text: str, snapshot: Snapshot) -> GoTo:
 def _episode(number: int, snapshot: Snapshot) -> GoTo:
     """Return where an episode begins. How many there are is only known in the present, not in the past."""
     unit = "sweep" if BY_ID[snapshot.algorithm].planner else "episode"
-    begun = max(1, snapshot.episodes + (snapshot.episode_step > 0))
+    begun = episode_under_way(snapshot)
     if number < 1:
         raise ValueError(f"{unit}s count from 1")
     if number > begun and not snapshot.timeline.in_past:

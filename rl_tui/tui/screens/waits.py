@@ -12,6 +12,7 @@ from rl_tui.lab.until import Event, Until
 from rl_tui.tui import numbers
 from rl_tui.tui.screens.prompt import Prompt
 from rl_tui.tui.theme.glyphs import Glyphs
+from rl_tui.tui.under_way import episode_under_way
 from rl_tui.tui.widgets.breakpoint_text import estimate_name
 from rl_tui.tui.written import written
 from rl_tui.worlds.drawing import Arms
@@ -136,7 +137,8 @@ def ask_number(wait: Wait, snapshot: Snapshot, glyphs: Glyphs) -> Prompt:
         example = snapshot.step + 1_000
     else:
         noun = "sweep" if kind is Kind.PLANNER else "episode"
-        now, least = f"in {noun} {snapshot.episodes + 1:,}", snapshot.episodes + 2
+        under_way = episode_under_way(snapshot)
+        now, least = f"in {noun} {under_way:,}", under_way + 1
         example = snapshot.episodes + 100
     most = snapshot.bandit.budget if kind is Kind.BANDIT and snapshot.bandit is not None else _LARGEST
     expected = f"type a whole number, {least:,} or more"

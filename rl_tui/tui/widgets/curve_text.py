@@ -182,4 +182,5 @@ def empty_words(unit: str) -> tuple[str, ...]:
 
 def barren_words(data: CurveData) -> tuple[str, ...]:
     """Return that nothing was ever earned."""
-    return "no reward seen yet", f"in {data.finished:,} {data.unit}s"
+    finished = "finished " if data.unit == "episode" else ""
+    return "no reward seen yet", f"in {data.finished:,} {finished}{data.unit}s"

@@ -14,6 +14,7 @@ from rl_tui.lab.snapshot import Phase, Snapshot
 from rl_tui.tui import numbers
 from rl_tui.tui.canvas import shortened
 from rl_tui.tui.theme.look import Look
+from rl_tui.tui.under_way import episode_under_way
 from rl_tui.tui.widgets.panel import Panel
 from rl_tui.tui.widgets.pieces import Line, Piece, strips_of
 from rl_tui.tui.widgets.settings import speed_text
@@ -43,7 +44,7 @@ class _Field:
 
 
 class StatusLine(Panel):
-    """Draws phase, speed, episodes and steps of the newest snapshot; a message takes the whole row.
+    """Draws phase, speed, episode under way and steps of the newest snapshot; a message takes the whole row.
 
     ``in_hand`` says that a person takes the steps.
     """
@@ -158,7 +159,7 @@ def _fields(snapshot: Snapshot, look: Look, width: int, *, in_hand: bool) -> lis
             style = look.palette.accent
         return [state, _Field(text, len(f"pull {budget} of {budget}"), style), speed]
     label = "sweep" if plans else "episode" if wide else "ep"
-    episode = _counted(label, snapshot.episodes, 9, look, rank=2)
+    episode = _counted(label, episode_under_way(snapshot), 9, look, rank=2)
     step = _counted("step", snapshot.step, 11 if wide else 9, look, rank=1)
     if stands_in_past:
         return [state, episode, _step_in_past(snapshot, step.columns + _GAP + speed.columns, look)]
