@@ -210,6 +210,15 @@ def test_a_reason_longer_than_the_row_is_shortened() -> None:
     assert long in drawn(lake(paused_by=long), 120)
 
 
+def test_a_short_title_stays_beside_a_long_message() -> None:
+    message = "the environment has not answered for 4 s; esc leaves it"
+    line = StatusLine(look())
+    line.tell_silence(4)
+    (row,) = line.picture(student(), 80, 1)
+    assert row.text.rstrip().endswith(message)
+    assert row.text.startswith(" A student")
+
+
 @pytest.mark.parametrize("width", [60, 80, 120])
 def test_an_environment_that_does_not_answer(width: int) -> None:
     line = StatusLine(look())

@@ -137,7 +137,7 @@ def _waiting(snapshot: Snapshot, text: str, look: Look, width: int) -> Line:
     palette, glyphs = look.palette, look.glyphs
     message = written(f"  {text}", glyphs)
     title = _title(snapshot, look, max(0, width - 1 - cell_len(message)))
-    if cell_len(title) < _LEAST_TITLE:
+    if cell_len(title) < _LEAST_TITLE and title.endswith(glyphs.ellipsis):
         title = ""
     message = shortened(
         message if title else message[1:], width - cell_len(title) - bool(title), glyphs.ellipsis
