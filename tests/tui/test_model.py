@@ -70,10 +70,12 @@ def test_the_border_names_the_keys_that_do_something() -> None:
     made = panel(lake())
     drawn(made)
     assert made.footing == "arrows: another pair   m: close"
+    drawn(made, width=50, height=10)
+    assert made.footing == "arrows: pair   pgup pgdn: scroll   m: close"
     drawn(made, height=10)
     assert made.footing == "arrows: another pair   pgup pgdn: scroll   m: close"
     drawn(made, width=40, height=10)
-    assert made.footing == "arrows: another pair   m: close"
+    assert made.footing == "pgup pgdn: scroll   m: close"
     drawn(made, width=14, height=10)
     assert made.footing == "m: close"
 

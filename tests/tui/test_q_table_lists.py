@@ -73,3 +73,10 @@ def test_the_bar_of_an_arm_is_its_share_of_the_pulls() -> None:
     lengths = [row.count("█") for row in rows[1:11]]
     assert lengths[5] == max(lengths)
     assert lengths[5] / 20 == pytest.approx(0.842, abs=0.05)
+
+
+def test_names_are_worth_more_than_visits() -> None:
+    narrow = Drawn(student(), 27, 10)
+    assert narrow.rows[0].split() == ["state", "action", "Q"]
+    assert "check ph" in narrow.text
+    assert "1,204" in Drawn(student(), 27, 10, Layer.VISITS).text

@@ -19,7 +19,7 @@ from rl_tui.tui.widgets.settings import option_text
 from rl_tui.tui.written import written
 
 _LEAST_SYMBOL = 12
-_VALUE = 20
+_VALUE = 15  # columns; a row fits into 51 even where symbols are spelled out
 
 
 class Options(Dialog[None]):

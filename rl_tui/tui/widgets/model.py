@@ -127,5 +127,7 @@ class ModelPanel(Panel, can_focus=True):
 def _keys(*, is_scrolled: bool) -> list[str]:
     """Return the keys of the panel, longest form first."""
     pair, scroll, close = "arrows: another pair", "pgup pgdn: scroll", "m: close"
-    forms = [(pair, scroll, close), (pair, close), (close,)] if is_scrolled else [(pair, close), (close,)]
+    forms = [(pair, close), (close,)]
+    if is_scrolled:
+        forms = [(pair, scroll, close), ("arrows: pair", scroll, close), (scroll, close), (close,)]
     return ["   ".join(form) for form in forms]

@@ -22,6 +22,7 @@ LEAST_BAR: Final = 6
 MOST_BAR: Final = 20
 _LEAST_NAME: Final = 3
 _STATE_GAP: Final = 2
+_LEAST_GAP: Final = 1
 _ARM_HEADS: Final = {Layer.OPTIMAL: "q*", Layer.ERROR: "Q−q*"}
 
 Draw = Callable[[int, bool], Pieces]
@@ -124,9 +125,14 @@ def _pair_columns(scene: Scene, width: int) -> list[Column]:
     shows_all = width >= around + natural + BOX * (1 + len(exact))
     values = [Layer.Q, *exact] if shows_all else [_only_value(scene.layer)]
     room = width - around - BOX * len(values)
+    gap = _STATE_GAP
+    if room < natural:  # names matter more than the column that gives way first
+        room += BOX if scene.layer is Layer.VISITS else COUNT
+    if room < natural:
+        gap, room = _LEAST_GAP, room + _STATE_GAP - _LEAST_GAP
     state, action = _shared(world.state_width, world.action_width, room)
     # the heads may reach over the gaps, and where there is room the columns are made wide enough for them
-    state += _widening(len("state") - _STATE_GAP + 1 - state, room - state - action)
+    state += _widening(len("state") - gap + 1 - state, room - state - action)
     action += _widening(len("action") - action, room - state - action)
 
     def mark(pair: int, is_new: bool) -> Pieces:
@@ -138,7 +144,7 @@ def _pair_columns(scene: Scene, width: int) -> list[Column]:
         style = look.palette.focus if pointed else look.palette.strong
         return [
             Segment(name, style),
-            Segment(padded("", state + _STATE_GAP - cell_len(name)), look.palette.text),
+            Segment(padded("", state + gap - cell_len(name)), look.palette.text),
         ]
 
     def action_name(pair: int, _: bool) -> Pieces:
@@ -147,7 +153,7 @@ def _pair_columns(scene: Scene, width: int) -> list[Column]:
 
     return [
         Column("", 1, 1, mark),
-        Column(shortened("state", state + _STATE_GAP - 1, ""), state + _STATE_GAP, 2, state_name),
+        Column(shortened("state", state + gap - 1, ""), state + gap, 2, state_name),
         Column(shortened("action", action, ""), action + 1, 1, action_name),
         *_value_columns(scene, values),
         _count_column(scene),
