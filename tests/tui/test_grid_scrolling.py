@@ -90,9 +90,17 @@ def test_a_legend_stands_below_a_whole_map_and_above_one_that_scrolls() -> None:
     view.picture(snapshot, 40, 10)
     assert view.heading == "World · angle down, speed across"
     view.picture(snapshot, 30, 10)
-    assert view.heading == "World · V and greedy"
+    assert (view.heading, view.footing) == ("World · V and greedy", "angle down, speed across")
+    view.keep_in_view(0)
+    view.picture(snapshot, 30, 10)
+    assert view.footing == "esc: follow the agent"
+    view.follow()
     view.picture(snapshot, 240, 40)
     assert (view.heading, view.footing) == ("World · V and greedy", "angle down, speed across")
+    for legend in ("angle down, speed across, ace right", "towns: angle down, speed across"):
+        narrow = GridView(World(snapshot.world.space, replace(drawing, legend=legend)), look())
+        narrow.picture(snapshot, 30, 10)
+        assert narrow.footing == "angle down, speed across"
 
 
 def test_a_whole_map_does_not_scroll() -> None:

@@ -30,7 +30,7 @@ def draw_edge_list(
     In narrow panels V is left out, then the names of the states.
     """
     canvas = Canvas(width, height, look.palette.text)
-    names = max(len(node.name) for node in shape.nodes)
+    names = max((len(shape.nodes[action.source].name) for action in shape.actions), default=0)
     with_values = width >= names + _VALUE_WIDTH + 3 + _LEAST_TEXT
     with_names = width >= names + 2 + _LEAST_TEXT
     x = 1 + (names + 1) * with_names + (_VALUE_WIDTH + 1) * with_values

@@ -182,7 +182,7 @@ class GridView(WorldView):
         return part is None or (part.rows, part.columns) == (grid.rows, grid.columns)
 
     def _title(self, heading: str, width: int) -> str:
-        """Return ``heading``; where the footing is taken, with what rows and columns mean."""
+        """Return ``heading``; with what rows and columns mean where the footing tells what is in view."""
         legend = self._map.grid.legend
         if self._is_whole or not legend:
             return heading
@@ -191,15 +191,24 @@ class GridView(WorldView):
     def _where(self, width: int) -> str:
         """Return which part is in view, counted from 0 as the inspector counts, and how to follow again.
 
-        Of a whole map: what its rows and columns mean.
+        Of a whole map, and where the heading had no room for it: what its rows and columns mean.
         """
+        legend = self._map.grid.legend
         if self._is_whole or self._part is None:
-            return self.fitting((self._map.grid.legend,), width)
+            return self.fitting(_shorter(legend), width)
+        if self._following and legend and legend not in self.heading:
+            return self.fitting((*_shorter(legend), FOLLOWS), width)
         grid, (top, left, rows, columns) = self._map.grid, self._part
         down, across = _stretch(top, rows, grid.rows), _stretch(left, columns, grid.columns)
         follow = FOLLOWS if self._following else FOLLOW_HINT
         forms = (f"rows {down} · columns {across} · {follow}", f"{down} · {across} · {follow}", follow)
         return self.fitting(forms, width)
+
+
+def _shorter(legend: str) -> tuple[str, ...]:
+    """Return ``legend``, then rows and columns alone, without further parts and what precedes a colon."""
+    rows_and_columns = ", ".join(legend.split(", ")[:2])
+    return legend, rows_and_columns, rows_and_columns.rpartition(": ")[2]
 
 
 def _stretch(first: int, shown: int, total: int) -> str:
