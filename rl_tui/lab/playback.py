@@ -40,7 +40,7 @@ if TYPE_CHECKING:
     from rl_tui.lab.run import Run
     from rl_tui.worlds.space import FloatArray
 
-PREPARING: Final = "loading the learner; the very first time it is compiled, which takes a few seconds"
+PREPARING: Final = "loading the learner, which on first use takes some seconds"
 
 _ENDED: Final = (Phase.SPENT, Phase.DONE, Phase.STOPPED)
 # What replaces a journey that is under way, or does not mind it

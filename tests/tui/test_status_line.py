@@ -4,6 +4,7 @@ import pytest
 from samples import bandit, lake, look, planning, student
 
 from rl_tui.lab.branches import Branch
+from rl_tui.lab.playback import PREPARING
 from rl_tui.lab.snapshot import Phase, Snapshot, Timeline
 from rl_tui.tui.widgets.status_line import StatusLine
 
@@ -49,6 +50,9 @@ def test_the_speed_is_blank_while_unknown() -> None:
 
 def test_a_wanted_speed() -> None:
     assert "▶ 10/s" in running(speed=10.0)
+    assert "9.8/s" not in running(speed=10.0, steps_per_second=9.8)
+    assert running(speed=100_000.0, steps_per_second=52_000.0).endswith(" 52 k/s")
+    assert running(120, speed=10.0, steps_per_second=9.8).endswith(" steps/s")
     assert "▶ 100,000/s" in running(speed=100_000.0)
 
 
@@ -69,10 +73,9 @@ def test_preparing_tells_what_it_waits_for() -> None:
     text = drawn(lake(0, phase=Phase.PREPARING, message="loading the learner"))
     assert "FrozenLake 4×4 slippery" in text
     assert "preparing: loading the learner" in text
-    long = "loading the learner; the very first time it is compiled, which takes a few seconds"
-    assert "preparing: loading the learner; the very first time" in drawn(
-        lake(0, phase=Phase.PREPARING, message=long)
-    )
+    learner = lake(0, phase=Phase.PREPARING, message=PREPARING)
+    assert f"preparing: {PREPARING}" in drawn(learner)
+    assert PREPARING in drawn(learner, 60)
 
 
 def test_a_breakdown_takes_the_row() -> None:

@@ -27,6 +27,7 @@ _GAP: Final = 2
 _LEAST_END: Final = 4  # columns of ``100M``
 _LEAST_TITLE: Final = 12
 _STATE_COLUMNS: Final = 11
+_KEEPS_UP: Final = 0.8  # from this share of the wanted speed on, the measured one is not told beside it
 _SPEED_RANK: Final = 3  # above all others
 
 
@@ -85,7 +86,9 @@ def status_line(
         )
         return [Piece(message, palette.bad)]
     if snapshot.phase is Phase.PREPARING:
-        return _waiting(snapshot, f"preparing: {snapshot.message}", look, width)
+        whole = f"preparing: {snapshot.message}"
+        fits = cell_len(written(whole, glyphs)) < width
+        return _waiting(snapshot, whole if fits else snapshot.message, look, width)
     if snapshot.phase is Phase.SEEKING and snapshot.message:
         return _waiting(snapshot, snapshot.message, look, width)
     fields = _fitting(_fields(snapshot, look, width, in_hand=in_hand), width - 1)
@@ -180,12 +183,21 @@ def _step_in_past(snapshot: Snapshot, columns: int, look: Look) -> _Field:
 
 
 def _speed(snapshot: Snapshot, look: Look, *, wide: bool) -> _Field:
+    """Return the measured speed; without room for its unit only where the wanted one does not tell it."""
     speed = snapshot.steps_per_second
     if wide:
         text, columns = "" if speed is None else numbers.long_rate(speed), len("999.9 M steps/s")
     else:
-        text, columns = "" if speed is None else numbers.rate(speed), len("999 M/s")
+        is_told = speed is None or _keeps_up(snapshot, speed)
+        text, columns = "" if speed is None or is_told else numbers.rate(speed), len("999 M/s")
     return _Field(f"{text:>{columns}}", columns, look.palette.dim, _SPEED_RANK)
+
+
+def _keeps_up(snapshot: Snapshot, speed: float) -> bool:
+    """Tell whether the state names a wanted speed that the measured ``speed`` comes up to."""
+    if snapshot.speed is None or snapshot.until or snapshot.timeline.in_past:
+        return False
+    return speed >= _KEEPS_UP * snapshot.speed
 
 
 def _state(snapshot: Snapshot, look: Look, most: int, *, in_hand: bool) -> _Field:
