@@ -24,8 +24,9 @@ _PANELS: Final = (
         "World",
         "The scenario as the agent finds it. In a grid the tint and the number are V(s), the best estimate "
         "of the state; arrows are the greedy actions, several (or + where there is no room) where they tie, "
-        "none where nothing is known yet; ◉ is the agent, ● a hole, ▓ a cliff, ★ the goal, S the start. In "
-        "a graph each edge names action, probability and reward, and the greedy action is bold. An arm of a "
+        "none where nothing is known yet, letters where actions have no direction; ◉ is the agent, ● a hole, "
+        "▓ a cliff, ★ the goal, S the start. In a graph each edge names action, "
+        "probability and reward, and the greedy action is bold. An arm of a "
         "bandit shows its estimate ± its standard error, the standard deviation that the noise of the "
         "rewards leaves in it. ▸ marks the greedy arm, ◉ the last pull. In focus it has a cursor, as the "
         "table has; the place where one stands is marked in the other.",
