@@ -65,9 +65,9 @@ def magnitude(x: float) -> int:
     return math.floor(math.log10(abs(x))) if x else 0
 
 
-def leading_zeros(*numbers_: float) -> int:
+def leading_zeros(*values: float) -> int:
     """Return how many zeros follow the point of the largest number; below 0 the digits beyond a million."""
-    largest = magnitude(max(map(abs, numbers_), default=0.0))
+    largest = magnitude(max(map(abs, values), default=0.0))
     return max(0, -1 - largest) if largest < math.log10(_LARGEST) else -largest
 
 
