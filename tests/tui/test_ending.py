@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import pytest
+from conftest import MakeApp
 from textual.css.query import NoMatches
 
 from rl_tui.tui.app import RlTuiApp
 from rl_tui.tui.ending import HUNG_UP
+from rl_tui.tui.screens.playground import Playground
+from rl_tui.tui.screenshot import settle
 
 
 async def test_a_screen_that_opens_while_the_program_ends_is_no_bug() -> None:
@@ -14,3 +18,22 @@ async def test_a_screen_that_opens_while_the_program_ends_is_no_bug() -> None:
         app.exit(return_code=HUNG_UP)
         app._handle_exception(NoMatches("the widgets go first"))
     assert (app.bug, app.return_code) == (None, HUNG_UP)
+
+
+async def test_nothing_more_is_drawn_while_the_program_ends(
+    make_app: MakeApp, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    app = make_app("student")
+    was_here = []
+
+    async def close_all() -> None:
+        was_here.append(screen.is_here)
+        await close()
+
+    async with app.run_test() as pilot:
+        await settle(pilot)
+        screen, close = app.screen, app._close_all
+        assert isinstance(screen, Playground)
+        assert screen.is_here
+        monkeypatch.setattr(app, "_close_all", close_all)
+    assert was_here == [False]

@@ -21,8 +21,8 @@ class SilenceStage(AgentStage):
 
     @property
     def is_here(self) -> bool:
-        """Whether it is one of the screens still, and whole: of one that is left the panels go first."""
-        return self.is_attached and self in self.app.screen_stack and bool(self.query(StatusLine))
+        """Whether it is one of the screens still: of one that is left, or of an end, the panels go first."""
+        return self.is_attached and self.app.is_running and self in self.app.screen_stack
 
     def on_mount(self) -> None:
         """Listen whether it answers."""
