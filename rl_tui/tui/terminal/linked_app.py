@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import partial
-from typing import Final, TypeVar
+from typing import Any, Final, TypeVar
 
 from rich.color import ColorSystem
 from rich.console import RenderableType
@@ -31,6 +32,16 @@ class LinkedApp(App[ReturnType]):
         self._arranging: Timer | None = None
         self._drawn: Screen[object] | None = None
         self._in_front = range(0)  # the lines of the dialog that was open when it was drawn
+
+    def set_timer(self, delay: float, callback: Callable[[], object] | None = None, **options: Any) -> Timer:
+        """Have ``callback`` called once after ``delay`` seconds, or later where the machine is busy.
+
+        Textual leaves out what comes too late, be it all that there is: a change of size that it held back
+        for milliseconds could be lost, and every later one then waited for it.
+        """
+        timer = super().set_timer(delay, callback, **options)
+        timer._skip = False
+        return timer
 
     @property
     def has_slow_link(self) -> bool:

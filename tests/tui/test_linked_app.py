@@ -1,0 +1,21 @@
+"""What the app does for a real terminal, whatever the machine."""
+
+from __future__ import annotations
+
+import asyncio
+from itertools import count
+
+import pytest
+from textual import _time
+
+from rl_tui.tui.terminal.linked_app import LinkedApp
+
+
+async def test_on_a_machine_that_stalls_it_happens_though_late(monkeypatch: pytest.MonkeyPatch) -> None:
+    happened = asyncio.Event()
+    app = LinkedApp[None]()
+    async with app.run_test():
+        monkeypatch.setattr(_time, "get_time", count().__next__)  # a second goes by from one look to the next
+        app.set_timer(0.001, happened.set)
+        async with asyncio.timeout(60):
+            await happened.wait()
