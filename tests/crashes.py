@@ -79,8 +79,10 @@ def act(terminal: PseudoTerminal, lane: Lane, chance: random.Random) -> Iterator
     """Press keys: a step, a step back, or a change and a step; yield what came of each."""
     for _ in range(chance.randint(1, 25)):
         keys = chance.choice(["s", "s", "ts", "b" if lane.step > 1 else "s"])
+        stands = []
         if keys == "ts":
             lane.apply(SetParameter("ties", "first"))
+            stands.append(stand_of(lane.record))  # it may be kept before the step is done
         if keys == "b":
             lane.go_to(step=lane.step - 1)
             arrive(lane)
@@ -88,7 +90,8 @@ def act(terminal: PseudoTerminal, lane: Lane, chance: random.Random) -> Iterator
             lane.advance(1)
         terminal.press(keys)
         terminal.wait_for(rf"step\s+{lane.step:,}\b")
-        yield Seen(time.perf_counter(), stand_of(lane.record))
+        for stand in (*stands, stand_of(lane.record)):
+            yield Seen(time.perf_counter(), stand)
 
 
 def run(terminal: PseudoTerminal, chance: random.Random) -> Iterator[Seen]:

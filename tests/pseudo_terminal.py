@@ -14,6 +14,7 @@ import sys
 import termios
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from types import TracebackType
 from typing import Any, Final
 
@@ -71,7 +72,8 @@ class PseudoTerminal:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         if self.process.poll() is None:
-            self.process.kill()
+            with suppress(ProcessLookupError):
+                os.killpg(self.process.pid, signal.SIGKILL)  # with what it has started
         self.process.wait()
         for descriptor in (self._ours, self._theirs, self._alive):
             os.close(descriptor)
@@ -79,6 +81,13 @@ class PseudoTerminal:
     def press(self, keys: str) -> None:
         """Type ``keys``, all at once."""
         self._send(keys)
+
+    def blank(self) -> None:
+        """Have nothing on the screen: what is found there from now on was written later.
+
+        A program does not know of it, and has to be made to draw everything.
+        """
+        self.emulator.erase_in_display(2)
 
     def resize(self, columns: int, rows: int) -> None:
         """Make the terminal another size, and let the program know as a terminal does."""

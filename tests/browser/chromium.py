@@ -6,11 +6,14 @@ import asyncio
 import base64
 import itertools
 import json
+import os
 import re
 import shutil
+import signal
 import subprocess
 import time
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Final
@@ -52,10 +55,14 @@ class Chromium:
 
     async def __aenter__(self) -> Chromium:
         place = self._folder / "DevToolsActivePort"
-        await until(lambda: place.exists() and place.read_text().count("\n") == 1, "Chromium to start")
-        port, path = place.read_text().split("\n")
         self._http = aiohttp.ClientSession()
-        self._socket = await self._http.ws_connect(f"ws://127.0.0.1:{port}{path}", max_msg_size=0)
+        try:
+            await until(lambda: place.exists() and place.read_text().count("\n") == 1, "Chromium to start")
+            port, path = place.read_text().split("\n")
+            self._socket = await self._http.ws_connect(f"ws://127.0.0.1:{port}{path}", max_msg_size=0)
+        except BaseException:
+            await self._end()
+            raise
         self._reading = asyncio.create_task(self._read())
         return self
 
@@ -66,10 +73,16 @@ class Chromium:
             await self.send("Browser.close")
             await asyncio.to_thread(self._process.wait, DEADLINE)
         finally:
-            self._process.kill()
-            self._errors.close()
             self._reading.cancel()
-            await self._http.close()
+            await self._end()
+
+    async def _end(self) -> None:
+        if self._process.poll() is None:
+            with suppress(ProcessLookupError):
+                os.killpg(self._process.pid, signal.SIGKILL)  # with all that it has started
+        self._process.wait()
+        self._errors.close()
+        await self._http.close()
 
     async def send(self, method: str, session: str | None = None, **parameters: Any) -> dict[str, Any]:
         """Call a method of the protocol and return its result."""
@@ -95,9 +108,11 @@ class Chromium:
             content = json.loads(message.data)
             if "id" in content:
                 answer = self._answers.pop(content["id"])
+                if answer.done():  # nobody waits for it any more
+                    continue
                 if "error" in content:
                     answer.set_exception(RuntimeError(content["error"]["message"]))
-                elif not answer.done():
+                else:
                     answer.set_result(content["result"])
             elif content.get("sessionId") in self._tabs:
                 self._tabs[content["sessionId"]].happened(content["method"], content["params"])
@@ -178,9 +193,15 @@ class Tab:
     async def shows(self, expression: str) -> None:
         """Wait until an expression of the page's own is true, or fail."""
         deadline = time.perf_counter() + DEADLINE
-        while not await self.evaluate(expression):
+        while not await self._is_true(expression):
             assert time.perf_counter() < deadline, f"never true: {expression}"
             await asyncio.sleep(0.02)
+
+    async def _is_true(self, expression: str) -> bool:
+        try:
+            return bool(await self.evaluate(expression))
+        except RuntimeError:  # another page is just being opened
+            return False
 
     async def screenshot(self) -> bytes:
         """Return what the window shows, as PNG."""

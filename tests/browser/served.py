@@ -11,7 +11,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Final
 
-_DEADLINE: Final = 120.0
+DEADLINE: Final = 120.0
 
 
 class Served:
@@ -37,12 +37,12 @@ class Served:
 
     def wait(self) -> int:
         """Return its exit status when it has ended."""
-        return self.process.wait(_DEADLINE)
+        return self.process.wait(DEADLINE)
 
 
 def is_running(process: int) -> bool:
     """Tell whether there is such a process."""
-    return any(number == process for number, _ in _parents())
+    return _parent(process) is not None
 
 
 @contextmanager
@@ -62,7 +62,7 @@ def serving(*arguments: str, **environment: str) -> Iterator[Served]:
     finally:
         process.terminate()
         try:
-            process.wait(_DEADLINE)
+            process.wait(DEADLINE)
         finally:
             process.kill()
             process.stdout.close()
@@ -71,9 +71,15 @@ def serving(*arguments: str, **environment: str) -> Iterator[Served]:
 def _parents() -> Iterator[tuple[int, int]]:
     """Yield the number and the parent's number of every process that has not ended."""
     for folder in Path("/proc").glob("[0-9]*"):
-        try:
-            state, parent = (folder / "stat").read_text().rpartition(")")[2].split()[:2]
-        except (OSError, ValueError):
-            continue  # it ended meanwhile
-        if state != "Z":
-            yield int(folder.name), int(parent)
+        process = int(folder.name)
+        if (parent := _parent(process)) is not None:
+            yield process, parent
+
+
+def _parent(process: int) -> int | None:
+    """Return the parent's number, None for a process that has ended."""
+    try:
+        state, parent = Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[:2]
+    except (OSError, ValueError):
+        return None
+    return None if state == "Z" else int(parent)

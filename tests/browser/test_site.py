@@ -17,7 +17,7 @@ pytest.importorskip("aiohttp", reason='needs aiohttp: pip install "rl-tui[serve]
 
 from aiohttp import ClientWebSocketResponse, WSMsgType, WSServerHandshakeError, web
 from aiohttp.test_utils import TestClient, TestServer
-from served import is_running
+from served import DEADLINE, is_running
 
 from rl_tui.cli.serving import app_process
 from rl_tui.cli.serving.addresses import Doorkeeper
@@ -72,7 +72,7 @@ async def tab(
 
 
 async def said(socket: ClientWebSocketResponse) -> list[object]:
-    message = await socket.receive(30)
+    message = await socket.receive(DEADLINE)
     assert message.type is WSMsgType.BINARY, message
     found = json.loads(message.data)
     assert isinstance(found, list)
@@ -81,8 +81,9 @@ async def said(socket: ClientWebSocketResponse) -> list[object]:
 
 async def end_of(process: object) -> None:
     assert isinstance(process, int)
-    while is_running(process):
-        await asyncio.sleep(0.01)
+    async with asyncio.timeout(DEADLINE):
+        while is_running(process):
+            await asyncio.sleep(0.01)
 
 
 async def test_the_app_gets_what_the_browser_sends(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -106,7 +107,7 @@ async def test_the_app_gets_what_the_browser_sends(monkeypatch: pytest.MonkeyPat
             kind, data = await said(socket)
             assert [kind, json.loads(str(data)) if kind == "M" else data] == got
         await socket.send_json(["ping", "123"])
-        assert await socket.receive_json(timeout=30) == ["pong", "123"]
+        assert await socket.receive_json(timeout=DEADLINE) == ["pong", "123"]
 
 
 async def test_a_browser_without_the_fonts_gets_ascii() -> None:
@@ -153,7 +154,7 @@ async def test_what_our_page_never_sends_ends_it(message: str) -> None:
     async with site() as client, tab(client) as socket:
         process, _ = await said(socket)
         await socket.send_str(message)
-        assert (await socket.receive(30)).type in (WSMsgType.CLOSE, WSMsgType.CLOSED)
+        assert (await socket.receive(DEADLINE)).type in (WSMsgType.CLOSE, WSMsgType.CLOSED)
         await end_of(process)
 
 
@@ -163,7 +164,7 @@ async def test_the_page_is_told_why_it_ended() -> None:
             async with tab(client) as socket:
                 await said(socket)
                 await socket.send_json(["stdin", key])
-                message = await socket.receive(30)
+                message = await socket.receive(DEADLINE)
                 assert (message.type, message.extra) == (WSMsgType.CLOSE, reason)
 
 
@@ -204,12 +205,13 @@ async def test_every_place_can_be_taken_once() -> None:
             assert page.status == 503
             assert "Every place is taken: 1 at once" in await page.text()
             async with tab(client) as second:
-                message = await second.receive(30)
+                message = await second.receive(DEADLINE)
                 assert message.type is WSMsgType.CLOSE
                 assert str(message.extra).startswith("Every place is taken")
         await end_of(process)
-        while (await client.get("/")).status != 200:
-            await asyncio.sleep(0.01)
+        async with asyncio.timeout(DEADLINE):
+            while (await client.get("/")).status != 200:
+                await asyncio.sleep(0.01)
 
 
 async def test_only_its_own_page_may_use_it() -> None:
@@ -232,7 +234,7 @@ async def test_only_its_own_page_may_use_it() -> None:
                 async with client.ws_connect("/ws", headers=headers) as socket:
                     await said(socket)
                     await socket.send_json(["stdin", "q"])
-                    await socket.receive(30)
+                    await socket.receive(DEADLINE)
             else:
                 with pytest.raises(WSServerHandshakeError) as refused:
                     await client.ws_connect("/ws", headers=headers)

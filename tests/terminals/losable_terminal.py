@@ -13,6 +13,7 @@ from pseudo_terminal import DEADLINE, PseudoTerminal
 
 from rl_tui.lab.session_folder import sessions_in
 
+_LOOK_AGAIN: Final = 0.02  # seconds
 _RUN = "; os.execvp(sys.argv[1], sys.argv[1:])"
 # What runs in it has it as its controlling terminal, as in a window: it is told when that is closed
 CONTROLLING: Final = (
@@ -48,6 +49,16 @@ class LosableTerminal(PseudoTerminal):
         finally:
             os.close(end)
 
+    def wait_reading(self, condition: Callable[[], bool], what: str) -> None:
+        """Read, and answer, until something holds that need not be seen on the screen, or fail."""
+
+        def holds() -> bool:
+            for _ in self.reading(_LOOK_AGAIN):
+                pass
+            return condition()
+
+        wait_until(holds, what)
+
     def wait_for_exit(self) -> int:
         """Return the exit status, without reading what is still written."""
         return self.process.wait(DEADLINE)
@@ -58,7 +69,15 @@ def wait_until(condition: Callable[[], bool], what: str) -> None:
     deadline = time.perf_counter() + DEADLINE
     while not condition():
         assert time.perf_counter() < deadline, what
-        time.sleep(0.02)
+        time.sleep(_LOOK_AGAIN)
+
+
+def is_gone(number: int) -> bool:
+    """Tell whether the process ``number`` has ended, though its parent may not have asked for it."""
+    try:
+        return Path(f"/proc/{number}/stat").read_text().rpartition(")")[2].split()[0] == "Z"
+    except (FileNotFoundError, ProcessLookupError):
+        return True
 
 
 def kept_step(folder: Path) -> int:

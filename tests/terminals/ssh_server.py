@@ -13,7 +13,8 @@ from pathlib import Path
 from types import TracebackType
 from typing import Final
 
-DEADLINE: Final = 60.0
+DEADLINE: Final = 120.0
+_LOOK_AGAIN: Final = 0.02  # seconds
 _PRIVILEGE_SEPARATION: Final = Path("/run/sshd")  # a server that runs as root insists on this folder
 
 
@@ -50,13 +51,8 @@ class SshServer:
                 timeout=DEADLINE,
             )
         shutil.copy(folder / "user_key.pub", folder / "authorized_keys")
-        with socket.socket() as chosen:
-            chosen.bind(("127.0.0.1", 0))
-            self.port = chosen.getsockname()[1]
         variables = " ".join(f'"{name}={value}"' for name, value in environment.items())
-        config = folder / "sshd_config"
-        config.write_text(
-            f"ListenAddress 127.0.0.1:{self.port}\n"
+        (folder / "sshd_config").write_text(
             f"HostKey {folder}/host_key\n"
             f"AuthorizedKeysFile {folder}/authorized_keys\n"
             "PidFile none\n"
@@ -68,28 +64,36 @@ class SshServer:
             f"{rules}",
             encoding="utf-8",
         )
-        with (folder / "log").open("wb") as log:
-            self._process = subprocess.Popen(
-                [_server() or "sshd", "-D", "-e", "-f", str(config)], stdin=subprocess.DEVNULL, stderr=log
-            )
 
     def __enter__(self) -> SshServer:
         deadline = time.perf_counter() + DEADLINE
-        while True:
-            try:
-                socket.create_connection(("127.0.0.1", self.port), DEADLINE).close()
-            except ConnectionRefusedError:
-                assert self._process.poll() is None, self.log
-                assert time.perf_counter() < deadline, self.log
-                time.sleep(0.02)
-            else:
-                return self
+        while not self._start(deadline):
+            assert "in use" in self.log, self.log  # somebody else took the port, and may answer there
+        return self
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         self._process.terminate()
         self._process.wait(DEADLINE)
+
+    def _start(self, deadline: float) -> bool:
+        """Start it on a port that is free now, and wait until it listens there or has ended."""
+        with socket.socket() as chosen:
+            chosen.bind(("127.0.0.1", 0))
+            self.port = chosen.getsockname()[1]
+        command = [_server() or "sshd", "-D", "-e", "-f", str(self._folder / "sshd_config")]
+        address = ["-o", f"ListenAddress=127.0.0.1:{self.port}"]
+        with (self._folder / "log").open("wb") as log:
+            self._process = subprocess.Popen([*command, *address], stdin=subprocess.DEVNULL, stderr=log)
+        while "Server listening" not in self.log:
+            if self._process.poll() is not None:
+                return False
+            if time.perf_counter() > deadline:
+                self._process.kill()
+                raise AssertionError(self.log)
+            time.sleep(_LOOK_AGAIN)
+        return True
 
     @property
     def log(self) -> str:

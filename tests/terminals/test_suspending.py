@@ -12,11 +12,12 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
-from losable_terminal import CONTROLLING, LosableTerminal, kept_step, wait_until
+from losable_terminal import CONTROLLING, LosableTerminal, kept_step
 from pseudo_terminal import RL_TUI
 
 STEPS = 3
 CTRL_Z = "\x1a"
+TAKEN = b"\x1b[?1049h"  # the screen that a program has for itself, empty to begin with
 PROMPT = "now_yours:"
 # Older ones stand on the screen too, and show as soon as the program has left it; but what is typed before it
 # has also given back how lines are typed never ends for the shell
@@ -89,8 +90,9 @@ def test_it_can_be_stopped_from_outside_but_by_ctrl_z_only_where_there_is_a_shel
             stop(terminal, number)
             if number is signal.SIGTSTP:
                 assert terminal.attributes == terminal.attributes_before
-            terminal.press("")  # what is waited for is to be written from here on
+            before = terminal.written.count(TAKEN)
             terminal.process.send_signal(signal.SIGCONT)
+            terminal.wait_until(lambda before=before: terminal.written.count(TAKEN) > before)
             terminal.wait_for(rf"step\s+{STEPS}\b")
         stop(terminal, signal.SIGTSTP)
         terminal.process.send_signal(signal.SIGTERM)
@@ -104,6 +106,6 @@ def test_it_can_be_stopped_from_outside_but_by_ctrl_z_only_where_there_is_a_shel
 def stop(terminal: LosableTerminal, number: int) -> None:
     """Have the program stopped, and wait until it is."""
     terminal.process.send_signal(number)
-    wait_until(
+    terminal.wait_reading(
         lambda: os.waitid(os.P_PID, terminal.process.pid, os.WSTOPPED | os.WNOHANG) is not None, "it stops"
     )

@@ -17,15 +17,15 @@ from pseudo_terminal import RL_TUI, PseudoTerminal
 
 PLAY: Final = (*RL_TUI, "play", "student")
 EXACT: Final = r"greedy 0 · γ-best 7.5|6\.341"  # what is known last of this run after its first steps
-SECONDS: Final = 30.0
 SIZES: Final = ((80, 24), (100, 30), (120, 40), (200, 60))
 ODD_SIZES: Final = ((60, 18), (61, 19), (79, 23), (81, 25), (300, 80))
 STEPS: Final = 5
+REDRAW: Final = "\x0c"  # ctrl+l
 ESCAPE: Final = "\x1b[27u"
 DIALOGS: Final = {  # keys, and what then stands on the screen
     "?": "Help",
     "o": "Options",
-    "u": "until",
+    "u": "Run until",
     "j": "Journal",
     "c": "Compare",
     "x": "Export",
@@ -57,10 +57,17 @@ def wait_for_playground(terminal: PseudoTerminal) -> None:
         return False
 
     try:
-        terminal.wait_until(is_there, SECONDS)
+        terminal.wait_until(is_there)
     except AssertionError:
         check_playground(terminal.screen, size, STEPS)  # says what is wrong with it
         raise
+
+
+def is_underlined(terminal: PseudoTerminal, text: str) -> bool:
+    for row, line in enumerate(terminal.screen.splitlines()):
+        if text in line:
+            return bool(terminal.emulator.cell(line.index(text), row).underscore)
+    return False
 
 
 def leave(terminal: PseudoTerminal) -> None:
@@ -79,7 +86,10 @@ def fresh() -> dict[tuple[int, int], str]:
         with PseudoTerminal(PLAY, {"COLORTERM": "truecolor"}, size) as terminal:
             begin(terminal)
             terminal.wait_for(EXACT)
-            check_playground(terminal.screen, size, STEPS)
+            terminal.blank()  # of a screen that comes in several frames all has come then
+            terminal.press(REDRAW)
+            terminal.wait_for(EXACT)
+            wait_for_playground(terminal)
             screens[size] = terminal.screen
             assert colour_kinds(terminal.written) == {"truecolor"}
             leave(terminal)
@@ -91,11 +101,11 @@ def test_256_colours_at_every_size_look_as_if_started_there(fresh: dict[tuple[in
         begin(terminal)
         resize_to(terminal, *SIZES, *ODD_SIZES)
         terminal.resize(59, 17)
-        terminal.wait_for("terminal too small: is 59×17, needs 60×18", SECONDS)
-        assert "World" not in terminal.screen
+        too_small = "terminal too small: is 59×17, needs 60×18"
+        terminal.wait_until(lambda: too_small in terminal.screen and "World" not in terminal.screen)
         for size, screen in fresh.items():
             terminal.resize(*size)
-            terminal.wait_for(re.escape(screen), SECONDS)
+            terminal.wait_for(re.escape(screen))
         assert colour_kinds(terminal.written) == {"256"}
         assert b"\x1b[?2026h" in terminal.written
         leave(terminal)
@@ -105,12 +115,14 @@ def test_16_colours_on_a_light_ground_in_ascii() -> None:
     environment = {"TERM": "xterm", "LC_ALL": None, "LC_CTYPE": None, "LANG": "C"}
     with PseudoTerminal([*PLAY, "--theme", "light"], environment, (80, 24), synchronises=False) as terminal:
         begin(terminal)
-        resize_to(terminal, *SIZES, ODD_SIZES[0])
+        resize_to(terminal, *SIZES[1:], ODD_SIZES[0])
         terminal.resize(100, 30)
         for keys, title in DIALOGS.items():
+            assert title not in terminal.screen
             terminal.press(keys)
             terminal.wait_for(title)
             terminal.press(ESCAPE)
+            terminal.wait_until(lambda title=title: title not in terminal.screen)
             wait_for_playground(terminal)
         assert colour_kinds(terminal.written) == {"16"}
         assert terminal.written.isascii()
@@ -123,11 +135,9 @@ def test_no_colours_where_none_are_wanted_but_one_sees_where_one_is() -> None:
         begin(terminal)
         resize_to(terminal, *SIZES[:2])
         terminal.press("o")
-        terminal.wait_for("Options")
-        row = next(row for row, line in enumerate(terminal.screen.splitlines()) if "alpha" in line)
-        column = terminal.screen.splitlines()[row].index("alpha")
-        assert terminal.emulator.cell(column, row).underscore
-        assert not terminal.emulator.cell(column, row + 1).underscore
+        terminal.wait_until(lambda: is_underlined(terminal, "alpha"))
+        assert "Options" in terminal.screen
+        assert not is_underlined(terminal, "gamma")
         assert colour_kinds(terminal.written) == set()
         terminal.press(ESCAPE)
         leave(terminal)
@@ -137,7 +147,7 @@ def test_a_light_ground_in_truecolor_has_dark_text_on_it() -> None:
     light = [*PLAY, "--theme", "light"]
     with PseudoTerminal(light, {"COLORTERM": "truecolor"}, (120, 40), tells_position=False) as terminal:
         begin(terminal)
-        check_playground(terminal.screen, (120, 40), STEPS)
+        wait_for_playground(terminal)
         cell = terminal.emulator.cell(1, 0)
         assert int(cell.bg, 16) > int("f00000", 16)
         assert int(cell.fg[:2], 16) < int("50", 16)
@@ -150,13 +160,13 @@ def test_inside_tmux(tmp_path: Path, fresh: dict[tuple[int, int], str]) -> None:
         tmux.wait_for("paused")
         tmux.press("s" * STEPS)
         tmux.wait_for(rf"step +{STEPS}\b")
-        tmux.wait_for(re.escape(fresh[80, 24]), SECONDS)
+        tmux.wait_for(re.escape(fresh[80, 24]))
         tmux.resize(120, 40)
-        tmux.wait_for(re.escape(fresh[120, 40]), SECONDS)
+        tmux.wait_for(re.escape(fresh[120, 40]))
         tmux.resize(59, 17)
         tmux.wait_for("too small")
         tmux.resize(80, 24)
-        tmux.wait_for(re.escape(fresh[80, 24]), SECONDS)
+        tmux.wait_for(re.escape(fresh[80, 24]))
         coloured = tmux.coloured
         grounds = {coloured.cell(x, y).bg for x in range(80) for y in range(24)}
         assert len(grounds) > 2
@@ -168,9 +178,9 @@ def test_inside_tmux(tmp_path: Path, fresh: dict[tuple[int, int], str]) -> None:
 def test_inside_gnu_screen(tmp_path: Path, fresh: dict[tuple[int, int], str]) -> None:
     with in_screen(tmp_path, PLAY, (80, 24)) as terminal:
         begin(terminal)
-        terminal.wait_for(re.escape(fresh[80, 24]), SECONDS)
+        terminal.wait_for(re.escape(fresh[80, 24]))
         terminal.resize(120, 40)
-        terminal.wait_for(re.escape(fresh[120, 40]), SECONDS)
+        terminal.wait_for(re.escape(fresh[120, 40]))
         assert colour_kinds(terminal.written) <= {"256", "16"}
         terminal.press("q")
         assert terminal.wait_for_end() == 0
