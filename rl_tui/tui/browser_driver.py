@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import os
 import signal
+from codecs import getincrementaldecoder
 from typing import Any, Final
 
 from textual.app import App
-from textual.drivers.web_driver import WebDriver
+from textual.drivers._byte_stream import ByteStream
+from textual.drivers.web_driver import WebDriver, _ExitInput
 from textual.message import Message
 
 from rl_tui.tui.ending import end_at_last
+from rl_tui.tui.terminal.input_parser import InputParser
 
 MOST_WAITING: Final = 100  # messages that the app has not come to
 _LOOK_AGAIN: Final = 0.01  # seconds
@@ -37,9 +40,26 @@ class BrowserDriver(WebDriver):
 
     def run_input_thread(self) -> None:
         """Read what the browser sends until the app ends or nothing more can come."""
-        super().run_input_thread()
-        if not self.exit_event.is_set():
-            self._end()
+        parser, stream = InputParser(debug=self._debug), ByteStream()
+        decode = getincrementaldecoder("utf-8")("replace").decode
+        try:
+            for data in self._input_reader:
+                for kind, payload in stream.feed(data) if data else ():
+                    if kind == "D":
+                        self._process(parser.feed(decode(payload)))
+                    else:
+                        self._on_meta(kind, payload)
+                self._process(parser.tick())
+        except _ExitInput:
+            pass
+        finally:
+            self._input_reader.close()
+            if not self.exit_event.is_set():
+                self._end()
+
+    def _process(self, messages: list[Message]) -> None:
+        for message in messages:
+            self.process_message(message)
 
     def process_message(self, message: Message) -> None:
         """Hand on what was read from the browser's terminal."""

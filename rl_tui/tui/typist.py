@@ -19,6 +19,8 @@ from textual.command import CommandPalette
 from textual.dom import DOMNode
 from textual.events import Event, Key
 
+from rl_tui.tui.terminal.input_parser import EscapeOrAlt
+
 PATIENCE: Final = 5.0  # seconds: a widget that is stuck must not keep the keyboard for ever
 MOST_HELD: Final = (
     1_000  # keys: nobody types so far ahead, and a program that floods us gets no memory for it
@@ -55,10 +57,19 @@ class Typist:
             self._held.append(event)
 
     async def _type(self, event: Event) -> None:
+        if isinstance(event, EscapeOrAlt):
+            event = self._first_of(event)
         aim = self._in_focus()
         self._has_rest.clear()
         await self._handle(event)
         self._settling = asyncio.create_task(self._settle(aim), name="typist")
+
+    def _first_of(self, event: EscapeOrAlt) -> Key:
+        """Return the key that ``event`` is where that does something, else escape, with the other next."""
+        if event.key in self._app.active_bindings:
+            return Key(event.key, event.character)
+        self._held.appendleft(event.typed)
+        return Key("escape", "\x1b")
 
     async def _settle(self, aim: DOMNode) -> None:
         """Wait until nothing of the last key is on its way, then let the next one through."""

@@ -69,7 +69,7 @@ def test_it_ends_when_the_server_is_gone(way: str) -> None:
 def test_it_says_that_it_was_left() -> None:
     with app("--no-mouse") as process:
         assert process.stdin is not None
-        process.stdin.write(b"D\x00\x00\x00\x01q")
+        process.stdin.write(b"D\x00\x00\x00\x03?\x1bq")  # help, which is closed before it quits
         process.stdin.flush()
         drawn = b""
         while b"exit" not in (last := packet(process)):

@@ -5,10 +5,12 @@ from __future__ import annotations
 import asyncio
 
 import pytest
-from textual.app import App
+from textual.app import App, ComposeResult
 from textual.events import Event, Key, MouseUp
+from textual.widgets import Input
 
 from rl_tui.tui.app import RlTuiApp
+from rl_tui.tui.terminal.input_parser import EscapeOrAlt
 from rl_tui.tui.typist import Typist
 
 
@@ -48,3 +50,27 @@ async def test_a_flood_lets_other_things_happen_too(monkeypatch: pytest.MonkeyPa
         for x in range(3):
             await app.on_event(MouseUp(None, x, 0, 0, 0, 0, False, False, False))
     assert happened[:3] == ["input", "something else", "input"]
+
+
+@pytest.mark.parametrize("has_entry", [True, False])
+async def test_what_may_be_two_keys_is_one_where_that_does_something(has_entry: bool) -> None:
+    class Asking(App[None]):
+        def compose(self) -> ComposeResult:
+            if has_entry:
+                yield Input()
+
+    app = Asking()
+    handled: list[Event] = []
+
+    async def handle(event: Event) -> None:
+        handled.append(event)
+
+    async with app.run_test() as pilot:
+        typist = Typist(app, handle)
+        await typist.take(EscapeOrAlt("ctrl+w", Key("backspace", "\x7f")))
+        await typist.take(Key("s", "s"))
+        async with asyncio.timeout(60):
+            while not (handled and isinstance(handled[-1], Key) and handled[-1].key == "s"):
+                await pilot.pause()
+    keys = [event.key for event in handled if type(event) is Key]
+    assert keys == (["ctrl+w", "s"] if has_entry else ["escape", "backspace", "s"])
