@@ -29,13 +29,12 @@ def nothing() -> None:
 
 def test_everything_arrives_in_order(pipe: tuple[int, int]) -> None:
     read, write = pipe
-    is_empty = Event()
-    writer = TerminalWriter(write, is_empty.set, nothing)
+    writer = TerminalWriter(write, nothing)
     writer.write(b"a")
     writer.write(b"b" * 5000)
     writer.write(b"c")
     assert writer.drain(60)
-    assert is_empty.wait(60)
+    assert not writer.waiting
     assert os.read(read, 10_000) == b"a" + b"b" * 5000 + b"c"
     writer.close(60)
 
@@ -43,7 +42,7 @@ def test_everything_arrives_in_order(pipe: tuple[int, int]) -> None:
 def test_who_writes_never_waits_and_a_farewell_waits_no_longer_than_it_may(pipe: tuple[int, int]) -> None:
     read, write = pipe
     is_lost = Event()
-    writer = TerminalWriter(write, nothing, is_lost.set)
+    writer = TerminalWriter(write, is_lost.set)
     writer.write(FULL)
     writer.write(FULL)
     assert writer.waiting > len(FULL)
@@ -54,7 +53,7 @@ def test_who_writes_never_waits_and_a_farewell_waits_no_longer_than_it_may(pipe:
 
 def test_what_has_not_begun_to_leave_can_be_taken_back(pipe: tuple[int, int]) -> None:
     read, write = pipe
-    writer = TerminalWriter(write, nothing, nothing)
+    writer = TerminalWriter(write, nothing)
     writer.write(FULL)
     assert os.read(read, 1) == b"x"  # it has begun to
     writer.write(b"no")
@@ -71,7 +70,7 @@ def test_it_says_when_nobody_is_there_any_more() -> None:
     read, write = os.pipe()
     os.close(read)
     is_lost = Event()
-    writer = TerminalWriter(write, nothing, is_lost.set)
+    writer = TerminalWriter(write, is_lost.set)
     writer.write(b"a")
     assert is_lost.wait(60)
     writer.write(b"b")

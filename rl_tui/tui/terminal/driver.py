@@ -7,11 +7,11 @@ import os
 import signal
 import sys
 from collections.abc import Callable
-from contextlib import ExitStack, suppress
+from contextlib import suppress
 from typing import Any, Final
 
 from textual._ansi_sequences import SYNC_END
-from textual.app import App, ScreenStackError
+from textual.app import App
 from textual.drivers.linux_driver import LinuxDriver
 from textual.message import Message
 
@@ -20,16 +20,15 @@ from rl_tui.tui.terminal.linked_app import LinkedApp
 from rl_tui.tui.terminal.reader import messages_from
 from rl_tui.tui.terminal.writer import TerminalWriter
 
-MOST_WAITING: Final = 32 * 1024  # bytes on their way, beyond which nothing more is drawn for the time being
 LONGEST_FAREWELL: Final = 3.0  # seconds
 
 
 class TerminalDriver(LinuxDriver):
     """Textual's driver for Unix, for terminals that do not read, come and go.
 
-    ``write`` never waits: where the terminal does not keep up, drawing pauses until it does. Where it is
-    gone, the app gets the message ``Lost``, and the process ends some seconds later in any case. After it
-    was stopped, the screen is drawn anew, and the app's ``app_resume_signal`` says so.
+    ``write`` never waits: who draws asks by ``waiting`` whether the terminal keeps up. Where it is gone, the
+    app gets the message ``Lost``, and the process ends some seconds later in any case. After it was stopped,
+    the screen is drawn anew, and the app's ``app_resume_signal`` says so.
     """
 
     class Lost(Message):
@@ -46,44 +45,21 @@ class TerminalDriver(LinuxDriver):
         # not to where errors go, as Textual does: they may be on their way into a file
         output = sys.__stdout__ or sys.stdout
         self._encoding = output.encoding
-        self._output = TerminalWriter(output.fileno(), self._catch_up, self._lose)
+        self._output = TerminalWriter(output.fileno(), self._lose)
         self._is_lost = False
         self._is_away = False
         self._continued = 0
-        self._held: ExitStack | None = None
 
     # Writing
 
     def write(self, data: str) -> None:
         """Put ``data`` on its way."""
         self._output.write(data.encode(self._encoding, "replace"))
-        if self._held is None and self._output.waiting > MOST_WAITING:
-            self._soon(self._hold)
 
     @property
     def waiting(self) -> int:
         """Bytes that the system has not taken yet."""
         return self._output.waiting
-
-    def _hold(self) -> None:
-        """Let nothing be drawn until the terminal has caught up; what changes meanwhile is drawn then."""
-        if self._held is None and self._output.waiting > MOST_WAITING:
-            self._held = ExitStack()
-            self._held.enter_context(self._app.batch_update())
-            if not self._output.waiting:  # it was quicker than the line above
-                self._release()
-
-    def _catch_up(self) -> None:
-        if self._held is not None:
-            self._soon(self._release)
-
-    def _release(self) -> None:
-        if self._held is not None:
-            self._held.close()
-            self._held = None
-            with suppress(ScreenStackError):
-                # Textual forgets what it composed while nothing could be drawn
-                self._app.screen.refresh()
 
     # Beginning and end
 

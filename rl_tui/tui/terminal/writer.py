@@ -18,13 +18,12 @@ _PATIENCE: Final = 1.0  # seconds without a byte going out, after which a farewe
 class TerminalWriter:
     """Writes to the file descriptor of a terminal from a thread of its own.
 
-    ``on_empty`` is called from that thread whenever everything is written, ``on_lost`` once when nothing can
-    be written any more. A terminal that does not read holds up the thread only.
+    ``on_lost`` is called from that thread, once, when nothing can be written any more. A terminal that does
+    not read holds up the thread only.
     """
 
-    def __init__(self, fileno: int, on_empty: Callable[[], None], on_lost: Callable[[], None]) -> None:
+    def __init__(self, fileno: int, on_lost: Callable[[], None]) -> None:
         self._fileno = fileno
-        self._on_empty = on_empty
         self._on_lost = on_lost
         self._changed = threading.Condition()  # guards everything below
         self._pieces: deque[bytes] = deque()
@@ -95,8 +94,6 @@ class TerminalWriter:
                     self._changed.notify_all()
                 self._on_lost()
                 return
-            if not self._waiting:
-                self._on_empty()
 
     def _take(self) -> bytes:
         taken: list[bytes] = []
