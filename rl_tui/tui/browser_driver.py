@@ -8,9 +8,11 @@ from codecs import getincrementaldecoder
 from typing import Any, Final
 
 from textual.app import App
+from textual.color import Color
 from textual.drivers._byte_stream import ByteStream
 from textual.drivers.web_driver import WebDriver, _ExitInput
 from textual.message import Message
+from textual.theme import Theme
 
 from rl_tui.tui.ending import end_at_last
 from rl_tui.tui.terminal.input_parser import InputParser
@@ -37,6 +39,17 @@ class BrowserDriver(WebDriver):
     ) -> None:
         super().__init__(app, debug=debug, mouse=mouse, size=size)
         self._write = self._write_whole  # type: ignore[assignment]
+
+    def start_application_mode(self) -> None:
+        """Take the browser's terminal, whose ground shows where the window is no whole number of cells."""
+        super().start_application_mode()
+        self._app.theme_changed_signal.subscribe(self._app, self._tint)
+        self._tint(self._app.current_theme)
+
+    def _tint(self, _: Theme) -> None:
+        """Give the terminal's ground the colour of the app's."""
+        ground = Color.parse(self._app.theme_variables["background"])
+        self.write(f"\x1b]11;{ground.hex6.lower()}\x07" if ground.ansi is None else "\x1b]111\x07")
 
     def run_input_thread(self) -> None:
         """Read what the browser sends until the app ends or nothing more can come."""

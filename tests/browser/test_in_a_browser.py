@@ -74,6 +74,8 @@ async def test_it_is_the_same_app(browser: Chromium, tmp_path: Path) -> None:
         picture = await tab.screenshot()
         (tmp_path / "window.png").write_bytes(picture)
         assert picture.startswith(b"\x89PNG")
+        edges = await tab.colours(picture, [(1279, 400), (640, 799)])  # beyond the last column and line
+        assert edges == [tab.emulator.cell(0, 1).bg] * 2
 
         await tab.press("v")
         await tab.wait_for(r"Q\*, exact")

@@ -34,8 +34,9 @@ def app(*arguments: str) -> Iterator[subprocess.Popen[bytes]]:
     with process.stdin, process.stdout, process.stderr:
         try:
             assert process.stdout.readline() == b"__GANGLION__\n", process.stderr.read()
-            while b"\x1b[38;2;" not in packet(process):  # a colour of the 16 million
-                pass
+            for colour in (b"\x1b]11;#", b"\x1b[38;2;"):  # of the page, one of the 16 million of a text
+                while colour not in packet(process):
+                    pass
             yield process
         finally:
             process.kill()
@@ -60,17 +61,20 @@ def test_it_ends_when_the_server_is_gone(way: str) -> None:
             process.stdout.read()
         else:
             process.stdout.close()
-            process.stdin.write(b"D\x00\x00\x00\x01?")  # help: something to draw
-            process.stdin.flush()
+            send(process, b"?")  # help: something to draw
         said = process.stderr.read()
         assert (process.wait(DEADLINE), said) == (TOLD_TO_END, b"")
 
 
+def send(process: subprocess.Popen[bytes], keys: bytes) -> None:
+    assert process.stdin is not None
+    process.stdin.write(b"D" + len(keys).to_bytes(4, "big") + keys)
+    process.stdin.flush()
+
+
 def test_it_says_that_it_was_left() -> None:
     with app("--no-mouse") as process:
-        assert process.stdin is not None
-        process.stdin.write(b"D\x00\x00\x00\x03?\x1bq")  # help, which is closed before it quits
-        process.stdin.flush()
+        send(process, b"?\x1bq")  # help, which is closed before it quits
         drawn = b""
         while b"exit" not in (last := packet(process)):
             drawn += last
