@@ -1,4 +1,4 @@
-"""The real program on a slow link, and in a terminal that does not say what it shows."""
+"""The real program on a slow link, and in a terminal that changes its size."""
 
 from __future__ import annotations
 
@@ -38,18 +38,6 @@ def test_keys_show_and_nothing_is_left_to_the_shell_on_a_slow_link() -> None:
         terminal.press("\x11")  # ctrl+q, while a long frame is on its way
         assert terminal.wait_for_end() == 0
         assert left_in_input(terminal) == b""
-
-
-def test_a_terminal_that_does_not_say_what_it_shows_is_drawn_on_too() -> None:
-    command = [*RL_TUI, "play", "frozenlake-slippery"]
-    with PseudoTerminal(command, size=(80, 24), tells_position=False) as terminal:
-        terminal.wait_for("paused")
-        terminal.press(FULL_SPEED)
-        terminal.wait_for(A_MILLION_STEPS)
-        terminal.press(" ")
-        terminal.wait_for("paused")
-        terminal.press("q")
-        assert terminal.wait_for_end() == 0
 
 
 def test_all_is_drawn_again_when_the_terminal_has_another_size() -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 import signal
 import time
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Iterator
 from pathlib import Path
 
 import pytest
@@ -17,7 +17,7 @@ pytest.importorskip("textual_serve", reason='needs textual-serve: pip install "r
 from aiohttp import web
 from aiohttp.test_utils import TestServer
 from chromium import DEADLINE, Chromium, Tab, chromium, until
-from served import is_running, serving
+from served import Served, is_running, serving
 
 pytestmark = [
     pytest.mark.skipif(chromium() is None, reason="needs Chromium: apt-get install chromium"),
@@ -29,6 +29,13 @@ HEAT = re.compile(r"-?[0-9]\.[0-9]{3}")  # a value in the Q-table
 @pytest_asyncio.fixture(scope="module", loop_scope="module")
 async def browser(tmp_path_factory: pytest.TempPathFactory) -> AsyncIterator[Chromium]:
     async with Chromium(tmp_path_factory.mktemp("browser") / "profile") as started:
+        yield started
+
+
+@pytest.fixture(scope="module")
+def server() -> Iterator[Served]:
+    """One for the tests of this file, of which the last one stops it."""
+    with serving("frozenlake-slippery", "--most", "2", RL_TUI_KIOSK="1") as started:
         yield started
 
 
@@ -49,51 +56,51 @@ async def shown(tab: Tab, cells: list[tuple[int, int]]) -> list[str]:
     return await tab.colours(await tab.screenshot(), points)
 
 
-async def test_it_is_the_same_app(browser: Chromium, tmp_path: Path) -> None:
-    with serving("frozenlake-slippery") as server:
-        tab = await browser.open(server.url, (1280, 800))
-        await tab.wait_for("paused")
-        assert tab.emulator.columns >= 120
-        assert tab.emulator.lines >= 40
-        cold = set(heat(tab).values())
-        await tab.press(" ")
-        await tab.wait_for(r"10/s")
-        await tab.press("+++++++")
-        await tab.wait_for(r"step +[0-9]{2,},[0-9]{3}")
-        await tab.press(" ")
-        await tab.wait_for("paused")
+async def test_it_is_the_same_app(browser: Chromium, server: Served, tmp_path: Path) -> None:
+    tab = await browser.open(server.url, (1280, 800))
+    await tab.wait_for("paused")
+    assert tab.emulator.columns >= 120
+    assert tab.emulator.lines >= 40
+    cold = set(heat(tab).values())
+    await tab.press(" ")
+    await tab.wait_for(r"10/s")
+    await tab.press("+++++++")
+    await tab.wait_for(r"step +[0-9]{2,},[0-9]{3}")
+    await tab.press(" ")
+    await tab.wait_for("paused")
 
-        await until(lambda: len(set(heat(tab).values()) - cold) > 5, "the table to be tinted")
+    await until(lambda: len(set(heat(tab).values()) - cold) > 5, "the table to be tinted")
 
-        # what the app means is what the window shows
-        values = heat(tab)
-        deadline = time.perf_counter() + DEADLINE
-        while await shown(tab, list(values)) != list(values.values()):
-            assert time.perf_counter() < deadline, "the window has other colours"
-            values = heat(tab)  # the last frame may still have been on its way
-        picture = await tab.screenshot()
-        (tmp_path / "window.png").write_bytes(picture)
-        assert picture.startswith(b"\x89PNG")
-        edges = await tab.colours(picture, [(1279, 400), (640, 799)])  # beyond the last column and line
-        assert edges == [tab.emulator.cell(0, 1).bg] * 2
+    # what the app means is what the window shows
+    values = heat(tab)
+    deadline = time.perf_counter() + DEADLINE
+    while await shown(tab, list(values)) != list(values.values()):
+        assert time.perf_counter() < deadline, "the window has other colours"
+        values = heat(tab)  # the last frame may still have been on its way
+    picture = await tab.screenshot()
+    (tmp_path / "window.png").write_bytes(picture)
+    assert picture.startswith(b"\x89PNG")
+    edges = await tab.colours(picture, [(1279, 400), (640, 799)])  # beyond the last column and line
+    assert edges == [tab.emulator.cell(0, 1).bg] * 2
 
-        await tab.press("v")
-        await tab.wait_for(r"Q\*, exact")
-        await tab.resize((800, 600))
-        await until(lambda: tab.emulator.columns < 100, "the terminal to follow the window")
-        await tab.wait_for(r"\? help\Z")  # in the last corner
-        await move_the_first_slider(tab)
+    await tab.press("v")
+    await tab.wait_for(r"Q\*, exact")
+    await tab.resize((800, 600))
+    await until(lambda: tab.emulator.columns < 100, "the terminal to follow the window")
+    await tab.wait_for(r"\? help\Z")  # in the last corner
+    await move_the_first_slider(tab)
 
-        await tab.press("q")
-        await tab.shows("document.querySelector('.ended').checkVisibility()")
-        assert await tab.evaluate("document.getElementById('why').textContent") == "You left rl-tui."
-        await until(lambda: not server.apps, "the app to end")
-        await tab.evaluate("document.getElementById('again').click()")
-        await until(lambda: server.apps, "another app to start")
+    await tab.press("q")
+    await tab.shows("document.querySelector('.ended').checkVisibility()")
+    assert await tab.evaluate("document.getElementById('why').textContent") == "You left rl-tui."
+    await until(lambda: not server.apps, "the app to end")
+    await tab.evaluate("document.getElementById('again').click()")
+    await until(lambda: server.apps, "another app to start")
 
-        assert tab.faults == []
-        assert {re.sub(r"^ws", "http", url).startswith(server.url) for url in tab.asked_for} == {True}
-        await tab.close()
+    assert tab.faults == []
+    assert {re.sub(r"^ws", "http", url).startswith(server.url) for url in tab.asked_for} == {True}
+    await tab.close()
+    await until(lambda: not server.apps, "nothing of it to stay")
 
 
 async def move_the_first_slider(tab: Tab) -> None:
@@ -107,29 +114,29 @@ async def move_the_first_slider(tab: Tab) -> None:
     await tab.wait_for(r"α\W+(0\.[89]|1\.0)")
 
 
-async def test_nobody_else_gets_in_and_nothing_stays(browser: Chromium) -> None:
-    with serving("--most", "2", RL_TUI_KIOSK="1") as server:
-        async with TestServer(web.Application()) as stranger:
-            page = await browser.open(str(stranger.make_url("/")), (400, 300))
-            await page.shows(f"location.href === '{stranger.make_url('/')}'")
-            opened = await page.evaluate(
-                "new Promise((done) => {"
-                f" const socket = new WebSocket('{server.web_socket}');"
-                " socket.onopen = () => done('opened'); socket.onerror = () => done('refused'); })"
-            )
-            assert opened == "refused"
-            assert server.apps == []
+async def test_nobody_else_gets_in_and_nothing_stays(browser: Chromium, server: Served) -> None:
+    async with TestServer(web.Application()) as stranger:
+        page = await browser.open(str(stranger.make_url("/")), (400, 300))
+        await page.shows(f"location.href === '{stranger.make_url('/')}'")
+        opened = await page.evaluate(
+            "new Promise((done) => {"
+            f" const socket = new WebSocket('{server.web_socket}');"
+            " socket.onopen = () => done('opened'); socket.onerror = () => done('refused'); })"
+        )
+        assert opened == "refused"
+        assert server.apps == []
 
-        first, second = [await browser.open(server.url, (800, 600)) for _ in range(2)]
-        await until(lambda: len(server.apps) == 2, "two apps")
-        third = await browser.open(server.url, (800, 600))
-        await third.shows("document.body?.textContent.includes('Every place is taken: 2 at once')")
-        await first.close()
-        await until(lambda: len(server.apps) == 1, "its app to end")
-        await second.wait_for("FrozenLake")
+    first, second = [await browser.open(server.url, (800, 600)) for _ in range(2)]
+    await until(lambda: len(server.apps) == 2, "two apps")
+    third = await browser.open(server.url, (800, 600))
+    await third.shows("document.body?.textContent.includes('Every place is taken: 2 at once')")
+    await third.close()  # it would ask again, and get the next place that is free
+    await first.close()
+    await until(lambda: len(server.apps) == 1, "its app to end")
+    await second.wait_for("FrozenLake")
 
-        (left,) = server.apps
-        server.process.send_signal(signal.SIGTERM)
-        await second.shows("document.getElementById('why').textContent === 'The server was stopped.'")
-        assert server.wait() == 0
-        assert not is_running(left)
+    (left,) = server.apps
+    server.process.send_signal(signal.SIGTERM)
+    await second.shows("document.getElementById('why').textContent === 'The server was stopped.'")
+    assert server.wait() == 0
+    assert not is_running(left)

@@ -143,7 +143,7 @@ def test_no_colours_where_none_are_wanted_but_one_sees_where_one_is() -> None:
         leave(terminal)
 
 
-def test_a_light_ground_in_truecolor_has_dark_text_on_it() -> None:
+def test_a_light_ground_in_truecolor_where_the_terminal_does_not_say_what_it_shows() -> None:
     light = [*PLAY, "--theme", "light"]
     with PseudoTerminal(light, {"COLORTERM": "truecolor"}, (120, 40), tells_position=False) as terminal:
         begin(terminal)
@@ -151,6 +151,10 @@ def test_a_light_ground_in_truecolor_has_dark_text_on_it() -> None:
         cell = terminal.emulator.cell(1, 0)
         assert int(cell.bg, 16) > int("f00000", 16)
         assert int(cell.fg[:2], 16) < int("50", 16)
+        terminal.press(" " + "+" * 9)
+        terminal.wait_for(r"▶ max .* step +(\d{1,3}(,\d{3}){2,}|[\d.]+ ?[MG])")
+        terminal.press(" ")
+        terminal.wait_for("paused")
         leave(terminal)
 
 
