@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Final
 import click
 
 from rl_tui.cli.descriptors import screen_alone
+from rl_tui.cli.heap import share_heap
 from rl_tui.cli.kiosk import confine
 from rl_tui.cli.program import USAGE
 from rl_tui.tui.display import Display
@@ -55,6 +56,7 @@ def run_app(display: Display, start: Recipe | StoredSession | None = None) -> No
     """
     require_terminal()
     _stand_somewhere()
+    share_heap()
     from rl_tui.lab.session_folder import session_folder
     from rl_tui.tui.app import RlTuiApp
 
