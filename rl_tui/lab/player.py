@@ -97,6 +97,7 @@ class Player:
     async def carried_out(self) -> Snapshot:
         """Wait until all that was sent is done, episodes and training included; return the run then.
 
+        The reader of the snapshots gets the same one next, if no newer one.
         Raises PlayerClosedError if the player is closed before, or what made it end.
         """
         question = _Question()
@@ -198,8 +199,9 @@ class Player:
                     return
                 item = self._commands.popleft()
             if isinstance(item, _Question):
-                item.reply(self._playback.snapshot())
-                self._outdated = True
+                snapshot = self._playback.snapshot()
+                item.reply(snapshot)
+                self._hand_over(snapshot)
             elif isinstance(item, Restart):
                 self._start_again(item)
             else:
@@ -231,11 +233,13 @@ class Player:
         preparing = playback.phase is Phase.PREPARING and playback.changed
         if not preparing and not (self._wanted and (playback.changed or self._outdated)):
             return
-        self._outdated = False
-        snapshot = playback.snapshot()
+        self._hand_over(playback.snapshot())
+
+    def _hand_over(self, snapshot: Snapshot) -> None:
+        """Let the reader have ``snapshot`` next."""
         with self._changed:
             self._latest = snapshot
-            self._wanted = False
+            self._wanted = self._outdated = False
             if self._reader is not None:
                 self._reader.wake()
 

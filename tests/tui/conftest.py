@@ -1,12 +1,15 @@
 from __future__ import annotations
 
+import asyncio
 from collections.abc import Callable, Iterator
 from functools import partial
 from typing import Any
 
 import pytest
+from textual._context import active_app
 from textual.css.model import RuleSet
 from textual.css.stylesheet import Stylesheet
+from textual.pilot import Pilot
 
 from rl_tui.lab.library import recipe_for
 from rl_tui.lab.player import Player
@@ -24,6 +27,44 @@ def _plain_environment(monkeypatch: pytest.MonkeyPatch, tmp_path_factory: pytest
     monkeypatch.setattr(
         "rl_tui.worlds.catalogue.user_folder", lambda: tmp_path_factory.getbasetemp() / "no-scenarios"
     )
+
+
+async def all_done(*_: float) -> None:
+    """Wait until what was typed or sent until now is done."""
+    for _turn in range(3):  # of the loop, until what a driver sends is with the app
+        await asyncio.sleep(0)
+    app = active_app.get()
+    await _reached(app.call_later)
+    if isinstance(app, RlTuiApp):
+        await app.typed()
+
+
+async def _reached(call: Callable[[Callable[[], None]], bool]) -> None:
+    done = asyncio.Event()
+    if call(done.set):
+        await done.wait()
+
+
+@pytest.fixture(autouse=True, scope="session")
+def _keys_are_done_when_they_are() -> Iterator[None]:
+    """Let a pilot wait for what its keys do, not until the process has seemed idle for a while.
+
+    That takes a twenty-fifth of a second for every key, and is too short where the machine is busy.
+    """
+    resize = Pilot.resize_terminal
+
+    async def resize_and_arrange(pilot: Pilot[Any], width: int, height: int) -> None:
+        await resize(pilot, width, height)
+        while pilot.app.screen.size != (width, height):
+            await pilot.pause()
+        for _round in range(4):  # the screen arranges its panels anew, and they what is in them
+            await pilot.pause()
+
+    with pytest.MonkeyPatch.context() as patch:
+        for module in ("app", "pilot"):
+            patch.setattr(f"textual.{module}.wait_for_idle", all_done)
+        patch.setattr(Pilot, "resize_terminal", resize_and_arrange)
+        yield
 
 
 @pytest.fixture(autouse=True, scope="session")

@@ -185,6 +185,7 @@ async def test_four_lanes_are_the_most(make_app: MakeApp, monkeypatch: pytest.Mo
         assert rows(pilot)[-1] == "Four lanes are the most: end one to open another."
         assert not any("instead of" in row for row in rows(pilot))
         await pilot.resize_terminal(120, 40)
+        await settle(pilot)
         assert "softmax, τ 0.3" in rows(pilot)[4]
 
 

@@ -94,6 +94,14 @@ async def test_the_catalogue_shows_them_as_they_are(folder: Path) -> None:
         assert "\x1b" not in text
 
 
+async def notes_in_help(pilot: Pilot[UserError]) -> str:
+    """Open the help, and go to its end once it is there; return what is on screen."""
+    await press(pilot, "question_mark", "end")  # they are added once somebody scrolls
+    while not pilot.app.screen.query("MarkdownParagraph"):
+        await pilot.pause()
+    return await press(pilot, "end")
+
+
 async def test_the_playground_shows_them_as_they_are(foreign: Scenario) -> None:
     app = playing(foreign)
     async with app.run_test(size=(160, 50), notifications=True) as pilot:
@@ -117,7 +125,7 @@ async def test_the_model_the_journal_and_the_help(foreign: Scenario) -> None:
         await press(pilot, "escape", "y", "1", "2", "y")
         assert GO in await press(pilot, "j")
         await press(pilot, "escape")
-        text = await press(pilot, "question_mark", "end")
+        text = await notes_in_help(pilot)
         assert r"[red]N[/red] [@click=app.quit]q[/] {1} %d there" in text
         picture = app.export_screenshot(simplify=True)
         assert "\x1b" not in picture
@@ -129,7 +137,7 @@ async def test_a_link_is_shown_not_opened(foreign: Scenario, monkeypatch: pytest
     app = playing(foreign)
     async with app.run_test(size=(160, 50), notifications=True) as pilot:
         await settle(pilot)
-        await press(pilot, "question_mark", "end")
+        await notes_in_help(pilot)
         paragraph = app.screen.query("MarkdownParagraph").last()
         await paragraph.run_action("link('http://a.example/%1b[31m')")
         await settle(pilot)

@@ -160,24 +160,18 @@ class Playground(
                 return
             self._framed.clear()
             done = await self._carried_out()
-            if self._shows(done):
+            if self.snapshot is not done:
+                await self._framed.wait()  # it comes to be drawn too, or a newer one
+            if self.snapshot is done and self._is_complete(done):
                 return
-            await self._framed.wait()  # whoever asks the player gets a new picture in any case
             while not self._is_over and self.snapshot and _lacks_exact(self.snapshot):
                 self._framed.clear()
                 await self._framed.wait()
             if not self.board.is_complete:
                 self.on_scrolled()
 
-    def _shows(self, done: Snapshot) -> bool:
-        """Tell whether what is drawn is as far as ``done`` and complete."""
-        drawn = self.snapshot
-        return (
-            drawn is not None
-            and not _lacks_exact(drawn)
-            and _stands_as(drawn, done)
-            and self.board.is_complete
-        )
+    def _is_complete(self, drawn: Snapshot) -> bool:
+        return not _lacks_exact(drawn) and self.board.is_complete
 
     async def _carried_out(self) -> Snapshot:
         try:
@@ -331,30 +325,19 @@ class Playground(
             self.board.zoom(None)
         elif self.board.dissects:
             self.close_microscope()
-        elif self.snapshot is not None and self.snapshot.step and not self._leaves:
+        elif self._was_used() and not self._leaves:
             self._leaves = True
             kept = "run is then gone" if self.in_kiosk else "session is kept there"
             self.tell(f"esc again goes to the catalogue; this {kept}")
         else:
             self.post_message(self.Left(self.recipe))
 
+    def _was_used(self) -> bool:
+        """Tell whether there is a run to lose; what was asked for last may not be on screen yet."""
+        drawn = self.snapshot
+        return drawn is not None and (drawn.step > 0 or drawn.handled < self.sent)
+
 
 def _lacks_exact(snapshot: Snapshot) -> bool:
     """Tell whether the exact answer is still being worked out."""
     return snapshot.exact is None and not snapshot.exact_refused
-
-
-def _stands_as(drawn: Snapshot, done: Snapshot) -> bool:
-    """Tell whether ``drawn`` is as far as ``done``."""
-
-    def stand(snapshot: Snapshot) -> tuple[object, ...]:
-        return (
-            snapshot.step,
-            snapshot.phase,
-            snapshot.speed,
-            snapshot.recipe,
-            snapshot.algorithm,
-            snapshot.hyperparameters,
-        )
-
-    return drawn.handled >= done.handled and stand(drawn) == stand(done)
