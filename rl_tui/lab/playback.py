@@ -99,9 +99,14 @@ class Playback:
     @property
     def changed(self) -> bool:
         """Whether the next snapshot differs from the last one."""
-        if self._motion is not None and self._motion.steps_to_train > 0:
+        if self.trains_unseen:
             return False
         return self._news or (self._motion is not None and self._motion.changed)
+
+    @property
+    def trains_unseen(self) -> bool:
+        """Whether steps pass of which no snapshot is to show anything before the last one is done."""
+        return self._motion is not None and self._motion.steps_to_train > 0
 
     @property
     def on_the_way(self) -> bool:
@@ -111,7 +116,7 @@ class Playback:
     @property
     def _is_occupied(self) -> bool:
         """Whether no command at all can be taken."""
-        if self._motion is None or self._loads or self._motion.steps_to_train > 0:
+        if self._motion is None or self._loads or self.trains_unseen:
             return True
         return not self._automatic and self.on_the_way
 

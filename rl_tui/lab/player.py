@@ -231,7 +231,8 @@ class Player:
         if self._put_off:
             return
         preparing = playback.phase is Phase.PREPARING and playback.changed
-        if not preparing and not (self._wanted and (playback.changed or self._outdated)):
+        news = playback.changed or (self._outdated and not playback.trains_unseen)
+        if not preparing and not (self._wanted and news):
             return
         self._hand_over(playback.snapshot())
 

@@ -253,7 +253,7 @@ def test_loading_another_algorithm_is_announced_and_then_goes_on(monkeypatch: py
     assert playback.work() == 0.0
     shown = playback.snapshot()
     assert (shown.phase, shown.algorithm, shown.step) == (Phase.PREPARING, "value-iteration", 0)
-    assert "compiled" in shown.message
+    assert "first use" in shown.message
     assert busy(playback)
     playback.work()
     assert (playback.phase, busy(playback)) == (Phase.RUNNING, False)

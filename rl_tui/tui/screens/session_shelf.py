@@ -63,6 +63,7 @@ class SessionShelf(Stage):
         await self._sessions_read.wait()
 
     def _read_sessions(self) -> None:
+        self._sessions_read.clear()
         if self._sessions is None:
             self._sessions_read.set()
             return
