@@ -37,8 +37,12 @@ class _Named(FileIO):
 def keep_stdout() -> None:
     """Keep stdout for what this program says itself, until the process ends.
 
-    ``sys.stdout`` goes on to where it went. Whatever else is written to descriptor 1 goes to stderr.
+    ``sys.stdout`` goes on to where it went. Whatever else is written to descriptor 1 goes to stderr. Nothing
+    changes on Windows, where a console is no file.
     """
+    if sys.platform == "win32":
+        return
+    _open_stderr()
     ours = _copy(_STDOUT, sys.stdout)
     if ours is None:
         return
@@ -95,13 +99,26 @@ def _copy(descriptor: int, stream: TextIO | None) -> TextIOWrapper | None:
             stream.flush()
             raw = _Named(os.dup(descriptor), f"<{_NAMES[descriptor]}>")
             return TextIOWrapper(
-                BufferedWriter(raw),
+                raw if stream.write_through else BufferedWriter(raw),  # as the interpreter has it with -u
                 encoding=stream.encoding,
                 errors=stream.errors,
                 line_buffering=stream.line_buffering,
                 write_through=stream.write_through,
             )
     return None
+
+
+def _open_stderr() -> None:
+    """Let stderr lead nowhere if it is closed, or the next file that is opened would become descriptor 2."""
+    try:
+        os.fstat(_STDERR)
+    except OSError:
+        nowhere = os.open(os.devnull, os.O_WRONLY)
+        if nowhere != _STDERR:
+            os.dup2(nowhere, _STDERR)
+            os.close(nowhere)
+        if sys.stderr is None:
+            sys.stderr = open(_STDERR, "w", encoding="utf-8", closefd=False)  # noqa: SIM115
 
 
 def _lead(descriptor: int, to: int) -> None:

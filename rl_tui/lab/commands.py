@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Final
 
 from rl_tui.lab.recipe import Change, Recipe, SetParameter, SwitchAlgorithm
 from rl_tui.lab.until import Until
@@ -167,3 +168,6 @@ Command = (
     | DropLane
     | FollowCell
 )
+
+LOOKING: Final = (LookAt, FollowCell, SetSpeed)
+"""Commands that leave nothing behind that is worth keeping."""

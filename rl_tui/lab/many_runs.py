@@ -168,19 +168,22 @@ class _Experiment:
         Where a run fails, or the user breaks off, ``on_done`` is called for it too before that is raised.
         """
         results = []
+        handed_on = 0
         pool = ThreadPoolExecutor(self._workers, thread_name_prefix="run")
         futures = [pool.submit(work, index) for index in range(len(self._recipes))]
         try:
             for index, future in enumerate(futures):
                 wait([future])
+                handed_on = index + 1
                 on_done(index)
                 results.append(future.result())
         except BaseException as error:
             self._given_up = True
             pool.shutdown(wait=False, cancel_futures=True)
             wait(futures, LONGEST_GOODBYE)  # an environment that does not answer is not waited for
-            if isinstance(error, KeyboardInterrupt) and futures[len(results)].done():
-                on_done(len(results))
+            is_waiting = handed_on == len(results) < len(futures)  # or it was in the middle of handing on
+            if isinstance(error, KeyboardInterrupt) and is_waiting and futures[handed_on].done():
+                on_done(handed_on)
             raise
         pool.shutdown()
         return results

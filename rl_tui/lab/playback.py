@@ -7,6 +7,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
 from rl_tui.lab.commands import (
+    LOOKING,
     AddLane,
     Apply,
     ChooseBranch,
@@ -47,8 +48,6 @@ _ENDED: Final = (Phase.SPENT, Phase.DONE, Phase.STOPPED)
 _MEANWHILE: Final = (StepBack, GoTo, Pause, SetSpeed, LookAt, FollowCell, DropLane)
 # What needs to know where the run shown is to stand
 _FROM_HERE: Final = (StepBack, EpisodeBack, ChooseBranch)
-# What leaves nothing behind that is worth keeping
-_LOOKING: Final = (LookAt, FollowCell, SetSpeed)
 
 
 class Playback:
@@ -150,7 +149,7 @@ class Playback:
         """
         self._news = True
         self.handled += 1
-        self.touched = self.touched or not isinstance(command, _LOOKING)
+        self.touched = self.touched or not isinstance(command, LOOKING)
         if isinstance(command, Restart):
             self._restart(command.recipe)
         else:

@@ -65,6 +65,8 @@ class BrowserDriver(WebDriver):
                 self._process(parser.tick())
         except _ExitInput:
             pass
+        except Exception as fault:  # nobody would read keys any more: better to end and say why
+            self._loop.call_soon_threadsafe(self._app._handle_exception, fault)
         finally:
             self._input_reader.close()
             if not self.exit_event.is_set():

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import io
 import json
 import math
 from pathlib import Path
@@ -127,3 +128,21 @@ def test_a_run_that_breaks_down_is_named_by_its_seed(tmp_path: Path) -> None:
     )
     with pytest.raises(UserError, match=r"seed 3: .* at step 2"):
         many_runs(recipe(str(file), seed=3), 4, Goal(steps=100))
+
+
+class Interrupted(io.StringIO):
+    """Takes no more than the head of the table: then somebody presses ctrl+C."""
+
+    def write(self, text: str, /) -> int:
+        if "1,1," in self.getvalue() + text:
+            super().write(text)
+            raise KeyboardInterrupt
+        return super().write(text)
+
+
+def test_ctrl_c_while_rows_are_written_does_not_write_them_twice() -> None:
+    rows = Interrupted()
+    with pytest.raises(KeyboardInterrupt):
+        many_runs(recipe("student"), 2, Goal(episodes=3), csv=rows, workers=1)
+    assert rows.getvalue().count("\n1,1,") == 1
+    assert "\n2,1," not in rows.getvalue()

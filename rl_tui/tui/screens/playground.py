@@ -11,7 +11,7 @@ from textual.binding import BindingType
 from textual.message import Message
 from textual.widget import Widget
 
-from rl_tui.lab.commands import Command, LookAt, Pause, Play, Restart, RunEpisode, SetSpeed, Step
+from rl_tui.lab.commands import LOOKING, Command, LookAt, Pause, Play, Restart, RunEpisode, SetSpeed, Step
 from rl_tui.lab.player import START_SPEED, Player
 from rl_tui.lab.recipe import Recipe
 from rl_tui.lab.snapshot import Phase, Snapshot
@@ -81,6 +81,7 @@ class Playground(
         self.player = player
         self._speed = speed
         self._revealed = False
+        self._asked = 0  # how many had been sent with the last one that is worth keeping
         self._leaves = False  # whether escape has just been pressed, and nothing done since
         self._pacer = Pacer(fps, self._arrived)
         self._model: ModelScreen | None = None
@@ -104,7 +105,9 @@ class Playground(
     def send(self, command: Command) -> None:
         """Ask the player for something; its answer is drawn without waiting for the next frame."""
         self.sent += 1
-        self._leaves = False
+        if not isinstance(command, LOOKING):
+            self._asked = self.sent
+            self._leaves = False
         self.note_sent(command)
         self.player.send(command)
         self._pacer.hurry()
@@ -335,7 +338,7 @@ class Playground(
     def _was_used(self) -> bool:
         """Tell whether there is a run to lose; what was asked for last may not be on screen yet."""
         drawn = self.snapshot
-        return drawn is not None and (drawn.step > 0 or drawn.handled < self.sent)
+        return drawn is not None and (drawn.step > 0 or drawn.handled < self._asked)
 
 
 def _lacks_exact(snapshot: Snapshot) -> bool:

@@ -23,14 +23,19 @@ MOST_PASTED: Final = 1_000_000  # characters that are kept of one paste
 ESCAPE_DELAY: Final = 0.1  # seconds after which an escape that nothing follows is the key of that name
 _ESCAPE: Final = "\x1b"
 _LONGEST: Final = 32  # characters of a sequence; Textual takes longer ones for keys
-# Sequences as the Linux console, the oldest mice, rxvt, and all others have them; escape, and the key after
-# it; keys. What begins like a sequence, but goes on like none, is escape and a key
+# Sequences as the Linux console, the oldest mice, rxvt, mice that may be left of the window, and all others
+# have them; escape, and the key after it; keys. What begins like a sequence, but goes on like none, is escape
+# and a key
 _PIECE: Final = re.compile(
-    r"\x1b(?:\[(?:\[.|M...|\d+\$|\?[\d;]{0,80}\$y|[0-?]{1,80}M|[0-?]{0,80}[@-LN-Z^-~])|O[ -~])"
+    r"\x1b(?:\[(?:\[.|M...|\d+\$|\?[\d;]{0,80}\$y|<[-0-?]{0,80}[Mm]"
+    r"|[0-?]{1,80}M|[0-?]{0,80}[@-LN-Z^-~]|[0-?]{1,80}[ -/]{1,4}[@-~])|O[ -~])"
     r"|\x1b[^\x1b]?|[^\x1b]+",
     re.DOTALL,
 )
-_UNFINISHED: Final = re.compile(r"\x1b(?:\[(?:\[|M.{0,2}|[0-?]{0,80}|\?[\d;]{0,80}\$)|O)?\Z", re.DOTALL)
+_UNFINISHED: Final = re.compile(
+    r"\x1b(?:\[(?:\[|M.{0,2}|[0-?]{0,80}|\?[\d;]{0,80}\$|<[-0-?]{0,80}|[0-?]{1,80}[ -#%-/]{1,4})|O)?\Z",
+    re.DOTALL,
+)
 
 
 class EscapeOrAlt(Key):

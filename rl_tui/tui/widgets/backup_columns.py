@@ -128,7 +128,7 @@ class _Columns:
 
     def _decimals_that_agree(self) -> int:
         """Return the fewest decimals with which the shares are those of the printed values."""
-        known = [leaf.value for leaf in self._leaves if leaf.value is not None]
+        known = [leaf.value for leaf in self._leaves if leaf.value and abs(leaf.value) >= numbers.NEGLIGIBLE]
         fewest = _DECIMALS + max(0, leading_zeros(*known) - 1)
         most = fewest + _MORE
         return next((each for each in range(fewest, most) if self._agree(each)), most)

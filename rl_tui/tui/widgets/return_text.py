@@ -87,10 +87,10 @@ def terms_of(rewards: Sequence[float], steps: int, gamma: float, look: Look, roo
     """Return as many terms as ``room`` holds: all, or the first and the last with an ellipsis between.
 
     They have as many decimals as let them come out at the printed ``total``. Of an episode of more steps than
-    there are rewards the first ones are not known any more.
+    there are rewards the first ones are not known any more; the rest has three.
     """
     skipped = steps - len(rewards)
-    rewards = _rounded(rewards, gamma, total, look)
+    rewards = _rounded(rewards, gamma, total, look, _FEWEST if skipped else _MOST)
     if not skipped:
         whole = _joined([_term(rewards, skipped, place, gamma, look) for place in range(min(steps, room))])
         if steps <= room and _fits(whole, room, look):
@@ -107,10 +107,10 @@ def terms_of(rewards: Sequence[float], steps: int, gamma: float, look: Look, roo
     return best
 
 
-def _rounded(rewards: Sequence[float], gamma: float, total: str, look: Look) -> list[float]:
-    """Return ``rewards`` with the fewest decimals, three at least, with which they add up to ``total``."""
+def _rounded(rewards: Sequence[float], gamma: float, total: str, look: Look, most: int) -> list[float]:
+    """Return ``rewards`` with the fewest decimals, three to ``most``, with which they add up to ``total``."""
     rounded: list[float] = []
-    for decimals in range(_FEWEST, _MOST + 1):
+    for decimals in range(_FEWEST, most + 1):
         rounded = [round(reward, decimals) or reward for reward in rewards]
         worked_out = sum(reward * gamma**place for place, reward in enumerate(rounded))
         if abs(worked_out - parsed(total, look.glyphs)) <= last_digit(total):
