@@ -34,6 +34,12 @@ def look(ascii: bool = False, depth: str = "truecolor", dark: bool = True) -> Lo
     return Look(ASCII if ascii else UNICODE, palette_for(cast("Any", depth), dark))
 
 
+def learned_from(last: LastStep, **terms: Any) -> LastStep:
+    """``last`` with other terms of its update, and the estimate that they lead to."""
+    changed = replace(last, **terms)
+    return replace(changed, after=changed.before + changed.step_size * changed.td_error)
+
+
 def scenario(id: str, title: str, kind: str) -> Scenario:  # noqa: A002
     """A scenario that is never built: the samples have their worlds already."""
     return Scenario(

@@ -8,7 +8,7 @@ from fractions import Fraction
 import pytest
 from hypothesis import assume, example, given
 from hypothesis import strategies as st
-from samples import lake, look
+from samples import lake, learned_from, look
 
 from rl_tui.agents.update_terms import Lookup
 from rl_tui.lab.backup import Backup, Leaf
@@ -102,7 +102,7 @@ def test_the_printed_update_does_not_contradict_itself(
         bootstrap = 0.0
     if form == "converged":
         before = gathered + discount * bootstrap + before * 1e-4
-    last = replace(
+    last = learned_from(
         LAST,
         before=before,
         gathered=gathered,
@@ -111,7 +111,6 @@ def test_the_printed_update_does_not_contradict_itself(
         gamma=gamma,
         discount=discount,
     )
-    last = replace(last, after=before + step_size * last.td_error)
     bootstraps = form != "terminal"
     text = update_text(last, alpha, UNICODE, bootstraps=bootstraps)
     assert not contradictions(text, bootstraps=bootstraps)
@@ -119,9 +118,8 @@ def test_the_printed_update_does_not_contradict_itself(
 
 @given(before=st.floats(-20, 20), bootstrap=st.floats(-20, 20), step_size=st.sampled_from([0.05, 0.1, 0.5]))
 def test_numbers_of_a_common_size_stay_short(before: float, bootstrap: float, step_size: float) -> None:
-    last = replace(LAST, before=before, bootstrap=bootstrap, step_size=step_size)
+    last = learned_from(LAST, before=before, bootstrap=bootstrap, step_size=step_size)
     assume(abs(last.td_error) > 0.01)
-    last = replace(last, after=before + step_size * last.td_error)
     text = update_text(last, step_size, UNICODE, bootstraps=True)
     for each in (text.before, text.bootstrap, text.target, text.error, text.after):
         assert len(each.lstrip("+−").partition(".")[2]) <= 7

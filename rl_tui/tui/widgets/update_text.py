@@ -14,7 +14,7 @@ from rl_tui.tui.theme.glyphs import Glyphs
 _FEWEST: Final = 2
 _MOST_FOR_CHANGE: Final = 4  # a change that only shows further behind need not be seen in the estimate
 _FINER: Final = 2  # decimals that terms may have beyond those of the results
-_CLOSER: Final = 1  # decimals more that are worth it for results that come out to half a digit
+_CLOSER: Final = 4  # decimals more that are worth it for results that come out to half a digit
 _DIGITS: Final = 6  # behind the first one of the largest term; results below them are told as 0
 _NOISE: Final = 1e-12  # of the largest term: what rounding errors may leave of a term
 _FACTOR: Final = 4  # decimals of a factor that is no short number
