@@ -6,13 +6,10 @@ import pytest
 
 pytest.importorskip("pty", reason="there are no pseudo-terminals here")
 
-from crashes import crashes
-
-# seconds; how much it is, tests/crashes.py measures, and other work on the machine shows in it
-LONGEST = 20.0
+from crashes import ALLOWED_LOSS, crashes
 
 
-def test_a_kill_loses_only_what_was_done_last() -> None:
+def test_a_kill_loses_no_more_than_a_second() -> None:
     done = list(crashes(3, seed=5))
     assert sum(each.actions for each in done) > 0
-    assert max(each.lost for each in done) <= LONGEST
+    assert max(each.lost for each in done) <= ALLOWED_LOSS
