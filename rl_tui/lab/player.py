@@ -231,8 +231,7 @@ class Player:
         if self._put_off:
             return
         preparing = playback.phase is Phase.PREPARING and playback.changed
-        news = playback.changed or (self._outdated and not playback.trains_unseen)
-        if not preparing and not (self._wanted and news):
+        if not preparing and not self._owes_snapshot:
             return
         self._hand_over(playback.snapshot())
 
@@ -248,9 +247,13 @@ class Player:
         with self._changed:
             self._changed.wait_for(self._has_news, seconds)
 
+    @property
+    def _owes_snapshot(self) -> bool:
+        playback = self._playback
+        return self._wanted and (playback.changed or (self._outdated and not playback.trains_unseen))
+
     def _has_news(self) -> bool:
-        asked = self._wanted and (self._outdated or self._playback.changed)
-        return self._closing or bool(self._commands) or asked
+        return self._closing or bool(self._commands) or self._owes_snapshot
 
     def _refuse_questions(self, failure: BaseException) -> None:
         with self._changed:
