@@ -60,6 +60,11 @@ def agrees(worked_out: float, shown: str, glyphs: Glyphs, decimals: int, digits:
     return abs(worked_out - known) <= allowed
 
 
+def comes_to(worked_out: float, shown: str, glyphs: Glyphs) -> bool:
+    """Tell whether ``worked_out`` is ``shown`` up to the last digit that is printed of it."""
+    return abs(worked_out - parsed(shown, glyphs)) <= last_digit(shown)
+
+
 def magnitude(x: float) -> int:
     """Return the power of ten that is the first digit's of ``x``, 0 for 0: −3 for .0042."""
     return math.floor(math.log10(abs(x))) if x else 0

@@ -12,7 +12,7 @@ from rl_tui.agents.last_step import LastStep
 from rl_tui.agents.update_terms import Lookup
 from rl_tui.lab.snapshot import Snapshot
 from rl_tui.tui import numbers
-from rl_tui.tui.precision import column_figure, last_digit, parsed
+from rl_tui.tui.precision import column_figure, comes_to, parsed
 from rl_tui.tui.theme.look import Look
 from rl_tui.tui.widgets import names
 from rl_tui.tui.widgets.loop_text import LoopText
@@ -142,7 +142,7 @@ class _Writer:
                 for weight, estimate in cells
             ]
             worked_out = sum(parsed(weight, glyphs) * parsed(each, glyphs) for weight, each in shown)
-            if abs(worked_out - parsed(bootstrap, glyphs)) <= last_digit(bootstrap):
+            if comes_to(worked_out, bootstrap, glyphs):
                 break
         return shown
 

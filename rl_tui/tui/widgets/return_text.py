@@ -9,7 +9,7 @@ from rl_tui.agents.catalogue import BY_ID
 from rl_tui.agents.last_step import LastStep
 from rl_tui.lab.snapshot import Snapshot
 from rl_tui.tui import numbers
-from rl_tui.tui.precision import last_digit, parsed
+from rl_tui.tui.precision import comes_to
 from rl_tui.tui.theme.look import Look
 from rl_tui.tui.widgets.microscope_section import Section
 from rl_tui.tui.widgets.pieces import Line, Piece, first_that_fits, length, spelled, wrapped
@@ -113,7 +113,7 @@ def _rounded(rewards: Sequence[float], gamma: float, total: str, look: Look, mos
     for decimals in range(_FEWEST, most + 1):
         rounded = [round(reward, decimals) or reward for reward in rewards]
         worked_out = sum(reward * gamma**place for place, reward in enumerate(rounded))
-        if abs(worked_out - parsed(total, look.glyphs)) <= last_digit(total):
+        if comes_to(worked_out, total, look.glyphs):
             break
     return rounded
 
