@@ -78,9 +78,7 @@ def _silent(descriptor: int) -> Iterator[None]:
     if ours is not None:
         setattr(sys, name, ours)
         setattr(sys, f"__{name}__", ours)
-    nowhere = os.open(os.devnull, os.O_WRONLY)
-    _lead(descriptor, nowhere)
-    os.close(nowhere)
+    lead_nowhere(descriptor)
     try:
         yield
     finally:
@@ -113,12 +111,17 @@ def _open_stderr() -> None:
     try:
         os.fstat(_STDERR)
     except OSError:
-        nowhere = os.open(os.devnull, os.O_WRONLY)
-        if nowhere != _STDERR:
-            os.dup2(nowhere, _STDERR)
-            os.close(nowhere)
+        lead_nowhere(_STDERR)
         if sys.stderr is None:
             sys.stderr = open(_STDERR, "w", encoding="utf-8", closefd=False)  # noqa: SIM115
+
+
+def lead_nowhere(descriptor: int) -> None:
+    """Let ``descriptor``, open or closed, take whatever is written to it, and drop it."""
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    if nowhere != descriptor:  # the system gives the first number that is free
+        _lead(descriptor, nowhere)
+        os.close(nowhere)
 
 
 def _lead(descriptor: int, to: int) -> None:

@@ -12,7 +12,7 @@ from typing import Any, ClassVar, Final, cast
 
 import click
 
-from rl_tui.cli.descriptors import STDOUT
+from rl_tui.cli.descriptors import STDOUT, lead_nowhere
 from rl_tui.cli.output import complain
 from rl_tui.cli.unknown_option import unknown_option
 from rl_tui.worlds.errors import UserError
@@ -115,4 +115,4 @@ def _fail(message: str, status: int = FAILED) -> int:
 
 def _give_up_stdout() -> None:
     """Drop what is still to be written there: who read it has stopped, as ``head`` does, or it is full."""
-    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    lead_nowhere(sys.stdout.fileno())
