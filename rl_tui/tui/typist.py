@@ -22,9 +22,7 @@ from textual.events import Event, Key
 from rl_tui.tui.terminal.input_parser import EscapeOrAlt
 
 PATIENCE: Final = 5.0  # seconds: a widget that is stuck must not keep the keyboard for ever
-MOST_HELD: Final = (
-    1_000  # keys: nobody types so far ahead, and a program that floods us gets no memory for it
-)
+MOST_HELD: Final = 1_000  # keys: nobody types so far ahead, and who floods us gets no memory for it
 _LOOK_AGAIN: Final = 0.1  # seconds: what is removed meanwhile does not answer
 
 
