@@ -177,9 +177,9 @@ def _scenario(path: Path, quick: bool, screen: int | None) -> str:
 
 
 def _session(path: Path, quick: bool, screen: int | None) -> str:
+    from rl_tui.common.errors import UserError
     from rl_tui.lab.session import read_session
     from rl_tui.lab.session_replay import whereto
-    from rl_tui.worlds.errors import UserError
 
     try:
         stored = read_session(path)
@@ -209,8 +209,8 @@ def _shown(start: Any, number: int) -> None:
     """Draw what ``start`` begins on a screen of some size, after some keys."""
     import random
 
+    from rl_tui.common.errors import UserError
     from rl_tui.tui.screenshot import screenshot
-    from rl_tui.worlds.errors import UserError
 
     chance = random.Random(number)
     keys = ["wait:60", *chance.choices(KEYS, k=8)]

@@ -20,7 +20,7 @@ from rl_tui.lab.recipe import JournalEntry, SetParameter, SwitchAlgorithm, TakeA
 from rl_tui.lab.record import Record
 from rl_tui.lab.session import encoded
 from rl_tui.lab.until import Breakpoints
-from rl_tui.worlds.catalogue import shipped_folder
+from rl_tui.worlds.files.catalogue import shipped_folder
 
 BINS = """
 title = "bins"

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from textual.pilot import Pilot
 
-    from rl_tui.worlds.errors import UserError
+    from rl_tui.common.errors import UserError
 
 os.environ["RL_TUI_KIOSK"] = "1"
 

@@ -12,8 +12,8 @@ from numpy.random import Generator
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.lab.recipe import Recipe
 from rl_tui.worlds.drawing import CellKind, Grid
-from rl_tui.worlds.mdp import TabularMDP
-from rl_tui.worlds.scenario import Scenario
+from rl_tui.worlds.files.scenario import Scenario
+from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 from rl_tui.worlds.world import World
 
 MOVES = ((0, -1), (1, 0), (0, 1), (-1, 0))

@@ -42,7 +42,12 @@ def loaded_by(code: str) -> set[str]:
 
 @pytest.mark.parametrize(
     ("room", "above"),
-    [("worlds", ("agents", "lab", "tui", "cli")), ("agents", ("lab", "tui", "cli")), ("lab", ("tui", "cli"))],
+    [
+        ("common", ("worlds", "agents", "lab", "tui", "cli")),
+        ("worlds", ("agents", "lab", "tui", "cli")),
+        ("agents", ("lab", "tui", "cli")),
+        ("lab", ("tui", "cli")),
+    ],
 )
 def test_a_lower_room_neither_draws_nor_looks_up(room: str, above: tuple[str, ...]) -> None:
     loaded = loaded_by(WHOLE_ROOM.format(room=room))

@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from rl_tui.agents.hyperparameters import Hyperparameters
-from rl_tui.worlds.space import FloatArray, IntArray
+from rl_tui.worlds.mdp.space import FloatArray, IntArray
 
 
 def action_chances(

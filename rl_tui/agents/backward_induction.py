@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from rl_tui.agents.compiled import compiled
-from rl_tui.worlds.mdp import FloatArray, IntArray, TabularMDP
+from rl_tui.worlds.mdp.tabular_mdp import FloatArray, IntArray, TabularMDP
 
 
 def policy_values(

@@ -7,7 +7,7 @@ import numpy as np
 from rl_tui.agents.catalogue import BY_ID
 from rl_tui.agents.last_step import LastStep
 from rl_tui.agents.stop import Stop
-from rl_tui.worlds.space import FiniteSpace, FloatArray
+from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray
 
 
 def breakdown(stop: Stop, algorithm: str, last: LastStep, space: FiniteSpace, q: FloatArray) -> str:

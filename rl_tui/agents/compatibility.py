@@ -6,9 +6,9 @@ import numpy as np
 
 from rl_tui.agents.catalogue import RULE_BY_ID, algorithm_of
 from rl_tui.agents.hyperparameters import Hyperparameters
-from rl_tui.worlds.errors import UserError
-from rl_tui.worlds.mdp import TabularMDP
-from rl_tui.worlds.space import FiniteSpace
+from rl_tui.common.errors import UserError
+from rl_tui.worlds.mdp.space import FiniteSpace
+from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
 
 def is_bandit(space: FiniteSpace) -> bool:

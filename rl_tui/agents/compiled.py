@@ -24,7 +24,7 @@ from numba.core.errors import NumbaIRAssumptionWarning
 from numba.core.ir_utils import alias_analysis_extensions
 from numba.core.typing.templates import infer, infer_global, make_overload_template
 
-from rl_tui.worlds.kiosk import in_kiosk
+from rl_tui.common.kiosk import in_kiosk
 
 LONGEST_UNUSED: Final = 30 * 24 * 3600.0
 _OURS: Final = re.compile(r"\d[\w.+]*-[0-9a-f]{16}")

@@ -10,8 +10,8 @@ from numpy.random import Generator
 from rl_tui.agents.compatibility import is_bandit
 from rl_tui.agents.compiled import inlined
 from rl_tui.agents.tables import Tables
-from rl_tui.worlds.mdp import TabularMDP
-from rl_tui.worlds.space import BoolArray, FiniteSpace, FloatArray, IntArray
+from rl_tui.worlds.mdp.space import BoolArray, FiniteSpace, FloatArray, IntArray
+from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
 
 class Drift(NamedTuple):

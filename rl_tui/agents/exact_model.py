@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from rl_tui.worlds.mdp import BoolArray, IntArray, TabularMDP
+from rl_tui.worlds.mdp.tabular_mdp import BoolArray, IntArray, TabularMDP
 
 ExtendedArray = npt.NDArray[np.longdouble]
 

@@ -25,11 +25,11 @@ from rl_tui.agents.stop import Stop
 from rl_tui.agents.tables import Tables, tables_of
 from rl_tui.agents.watch import forget, new_watch, noticed_by
 from rl_tui.agents.watching import Noticed, Watching
-from rl_tui.worlds.environment import Environment
-from rl_tui.worlds.errors import UserError
-from rl_tui.worlds.mdp import TabularMDP
-from rl_tui.worlds.space import FiniteSpace, FloatArray, IntArray
-from rl_tui.worlds.streams import Streams
+from rl_tui.common.errors import UserError
+from rl_tui.common.streams import Streams
+from rl_tui.worlds.gym.stepped.environment import Environment
+from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray, IntArray
+from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
 UNLIMITED: Final = 2**60
 # Which loops this process has loaded

@@ -7,7 +7,7 @@ from typing import Final
 
 import numpy as np
 
-from rl_tui.worlds.mdp import FloatArray, IntArray
+from rl_tui.worlds.mdp.tabular_mdp import FloatArray, IntArray
 
 MOST_DENSE: Final = 400
 

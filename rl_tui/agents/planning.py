@@ -14,7 +14,7 @@ from rl_tui.agents.policies import greedy_policy, uniform_over
 from rl_tui.agents.policy_evaluation import PolicyValue, ending_probability, evaluate, policy_value
 from rl_tui.agents.policy_iteration import Optimum, policy_iteration
 from rl_tui.agents.solution import NoExactAnswer, Solution
-from rl_tui.worlds.mdp import FloatArray, TabularMDP
+from rl_tui.worlds.mdp.tabular_mdp import FloatArray, TabularMDP
 
 __all__ = [
     "PolicyFigures",

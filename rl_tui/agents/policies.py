@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from rl_tui.agents.hyperparameters import Ties
-from rl_tui.worlds.space import BoolArray, FiniteSpace, FloatArray, IntArray
+from rl_tui.worlds.mdp.space import BoolArray, FiniteSpace, FloatArray, IntArray
 
 
 def greedy_policy(space: FiniteSpace, q: FloatArray, ties: Ties) -> FloatArray:

@@ -9,7 +9,7 @@ import numpy as np
 from rl_tui.agents.algorithms.family import Transition, Update
 from rl_tui.agents.compiled import compiled, inlined
 from rl_tui.agents.last_step import LastStep
-from rl_tui.worlds.space import BoolArray, FloatArray, IntArray
+from rl_tui.worlds.mdp.space import BoolArray, FloatArray, IntArray
 
 REWARDS_KEPT: Final = 256
 # In place of the pair that a person takes

@@ -34,8 +34,8 @@ from rl_tui.agents.stop import (
 )
 from rl_tui.agents.tables import Tables, pairs_of
 from rl_tui.agents.watch import Watch, watched
-from rl_tui.worlds.environment import Environment, EnvironmentFailedError
-from rl_tui.worlds.space import IntArray
+from rl_tui.worlds.gym.stepped.environment import Environment, EnvironmentFailedError
+from rl_tui.worlds.mdp.space import IntArray
 
 MOST_SEEDS: Final = 2**31
 

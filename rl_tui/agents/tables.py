@@ -8,8 +8,8 @@ import numpy as np
 import numpy.typing as npt
 
 from rl_tui.agents.compiled import compiled, inlined
-from rl_tui.worlds.mdp import TabularMDP
-from rl_tui.worlds.space import BoolArray, FiniteSpace, FloatArray
+from rl_tui.worlds.mdp.space import BoolArray, FiniteSpace, FloatArray
+from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
 IndexArray = npt.NDArray[np.uint32]
 

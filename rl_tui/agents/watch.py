@@ -12,7 +12,7 @@ from rl_tui.agents.compiled import compiled, inlined
 from rl_tui.agents.stop import DONE, EPISODES_FULL, NOTICED
 from rl_tui.agents.tables import Tables, pairs_of, state_of
 from rl_tui.agents.watching import Noticed, Watching
-from rl_tui.worlds.space import BoolArray, FiniteSpace, FloatArray, IntArray
+from rl_tui.worlds.mdp.space import BoolArray, FiniteSpace, FloatArray, IntArray
 
 NONE = -1
 # The places of what was noticed

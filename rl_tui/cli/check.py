@@ -17,9 +17,9 @@ def command(context: click.Context, files: tuple[str, ...]) -> None:
     Each is a line of its own on stderr, with its place in the file; what is listed there is counted from 0.
     Files without a fault are named on stdout, even where there is a warning on stderr.
     """
+    from rl_tui.common.findings import printable
     from rl_tui.lab.endless import endless_warning
     from rl_tui.lab.library import checked
-    from rl_tui.worlds.findings import printable
 
     faulty = False
     for file in files:

@@ -10,8 +10,8 @@ from typing import Any, Final
 
 import click
 
-from rl_tui.worlds.errors import UserError
-from rl_tui.worlds.kiosk import VARIABLE, in_kiosk
+from rl_tui.common.errors import UserError
+from rl_tui.common.kiosk import VARIABLE, in_kiosk
 
 COMMANDS: Final = (None, "play", "list", "serve")
 """What a kiosk has; None is the catalogue."""

@@ -16,7 +16,7 @@ from rl_tui.cli.display_options import DISPLAY_OPTIONS, display_of, display_opti
 from rl_tui.cli.kiosk import enter_kiosk, kiosk_option
 from rl_tui.cli.program import Program
 from rl_tui.cli.run_options import allow_module_option
-from rl_tui.worlds.interrupts import note_interrupts
+from rl_tui.common.interrupts import note_interrupts
 
 
 class RlTui(Program):

@@ -9,7 +9,7 @@ from typing import Any
 
 import click
 
-from rl_tui.worlds.findings import printable
+from rl_tui.common.findings import printable
 
 
 def print_json(document: Any) -> None:

@@ -29,7 +29,7 @@ def command(scenario: str | None, overrides: dict[str, object], seed: int, **dis
 
     enter_kiosk("play")
     require_terminal()
-    from rl_tui.worlds.catalogue import scenarios
+    from rl_tui.worlds.files.catalogue import scenarios
 
     what = start_of(scenario if scenario is not None else scenarios()[0].id, overrides, seed)
     run_app(display_of(display), what)

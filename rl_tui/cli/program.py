@@ -15,7 +15,7 @@ import click
 from rl_tui.cli.descriptors import STDOUT, lead_nowhere
 from rl_tui.cli.output import complain
 from rl_tui.cli.unknown_option import unknown_option
-from rl_tui.worlds.errors import UserError
+from rl_tui.common.errors import UserError
 
 DONE: Final = 0
 FAILED: Final = 1

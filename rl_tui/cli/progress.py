@@ -10,7 +10,7 @@ from typing import Final
 
 import click
 
-from rl_tui.worlds.words import lasting, short_count
+from rl_tui.common.words import lasting, short_count
 
 _PARTS: Final = 1000
 _WORTH_A_FORECAST: Final = 0.5  # seconds

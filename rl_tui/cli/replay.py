@@ -59,11 +59,11 @@ def command(session: Path, lane: int | None, branch: str | None, csv: str | None
 
 
 def _replayed(stored: StoredSession, target: Whereto, csv: str | None) -> tuple[Run, float]:
+    from rl_tui.common.errors import UserError
     from rl_tui.lab.episode_rows import EpisodeRows, csv_file
     from rl_tui.lab.run import no_episodes
     from rl_tui.lab.session import SessionError
     from rl_tui.lab.session_replay import replayed
-    from rl_tui.worlds.errors import UserError
 
     file = sys.stdout if csv == STDOUT else Path(csv) if csv else None
     with (

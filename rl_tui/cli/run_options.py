@@ -27,7 +27,7 @@ seed_option: Final = click.option(
 
 def _allow_modules(_: click.Context, __: click.Parameter, names: tuple[str, ...]) -> None:
     if names:
-        from rl_tui.worlds.modules import allow_module
+        from rl_tui.worlds.gym.modules import allow_module
 
         for name in names:
             allow_module(name)

@@ -14,8 +14,8 @@ from rl_tui.cli.descriptors import screen_alone
 from rl_tui.cli.heap import share_heap
 from rl_tui.cli.kiosk import confine
 from rl_tui.cli.program import USAGE
+from rl_tui.common.kiosk import in_kiosk
 from rl_tui.tui.display import Display
-from rl_tui.worlds.kiosk import in_kiosk
 
 if TYPE_CHECKING:
     from rl_tui.lab.recipe import Recipe

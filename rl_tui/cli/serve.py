@@ -19,8 +19,8 @@ from rl_tui.cli.display_options import DISPLAY_OPTIONS, display_of, display_opti
 from rl_tui.cli.number import Whole
 from rl_tui.cli.program import FAILED
 from rl_tui.cli.run_options import start_of
-from rl_tui.worlds.errors import UserError
-from rl_tui.worlds.kiosk import VARIABLE, in_kiosk
+from rl_tui.common.errors import UserError
+from rl_tui.common.kiosk import VARIABLE, in_kiosk
 
 if TYPE_CHECKING:
     import socket
@@ -124,8 +124,8 @@ def _check_start(scenario: str | None, display: dict[str, Any], *, kiosk: bool) 
 
 
 def _check_shipped(scenario: str) -> None:
-    from rl_tui.worlds.catalogue import shipped_folder
-    from rl_tui.worlds.findings import shown
+    from rl_tui.common.findings import shown
+    from rl_tui.worlds.files.catalogue import shipped_folder
 
     shipped = [path.stem for path in shipped_folder().glob("*.toml")]
     if scenario not in shipped:

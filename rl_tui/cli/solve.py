@@ -10,7 +10,7 @@ from rl_tui.agents.hyperparameters import PARAMETERS
 from rl_tui.cli.number import ParameterValue
 from rl_tui.cli.output import columns, number, print_json
 from rl_tui.cli.run_options import allow_module_option, json_option, scenario_argument, seed_option
-from rl_tui.worlds.words import counted
+from rl_tui.common.words import counted
 
 if TYPE_CHECKING:
     from rl_tui.worlds.world import World
@@ -32,11 +32,11 @@ def command(scenario: str, gamma: float | None, seed: int, as_json: bool) -> Non
     The seed counts only where the world depends on it: the arms of a bandit.
     """
     from rl_tui.agents.planning import solve
+    from rl_tui.common.errors import UserError
     from rl_tui.lab.exact import NO_TABLE
     from rl_tui.lab.figures import MOST_STATES, policy_names, table
     from rl_tui.lab.library import find, recipe_for
     from rl_tui.lab.recipe import begin
-    from rl_tui.worlds.errors import UserError
 
     recipe = recipe_for(find(scenario), {} if gamma is None else {"gamma": gamma}, seed)
     world = begin(recipe).world

@@ -20,7 +20,7 @@ from rl_tui.cli.run_options import (
     scenario_argument,
     seed_option,
 )
-from rl_tui.worlds.words import counted
+from rl_tui.common.words import counted
 
 if TYPE_CHECKING:
     from rl_tui.lab.changes import ChangeText

@@ -11,11 +11,11 @@ from rl_tui.agents.planning import best_expected_return
 from rl_tui.cli.advice import no_reward
 from rl_tui.cli.output import columns, number
 from rl_tui.cli.policy_map import policy_map
+from rl_tui.common.words import counted
 from rl_tui.lab.figures import exact_world, why_inexact
 from rl_tui.lab.recipe import Recipe
 from rl_tui.lab.run import Run
 from rl_tui.lab.snapshot import BanditFigures
-from rl_tui.worlds.words import counted
 
 Figures = Mapping[str, Any]
 Row = tuple[str, str, str]

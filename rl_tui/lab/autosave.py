@@ -17,7 +17,7 @@ from rl_tui.lab.session_folder import settled
 from rl_tui.lab.session_writer import SessionWriter, reason
 
 if TYPE_CHECKING:
-    from rl_tui.worlds.space import FloatArray
+    from rl_tui.worlds.mdp.space import FloatArray
 
 INTERVAL: Final = 0.3
 AGAIN: Final = 2.0  # seconds until it is tried again what could not be written

@@ -12,8 +12,8 @@ from rl_tui.agents.catalogue import BY_ID
 from rl_tui.agents.last_step import LastStep
 from rl_tui.agents.update_terms import Lookup
 from rl_tui.lab.snapshot import Snapshot
-from rl_tui.worlds.mdp import UNKNOWN_ACTION, TabularMDP
-from rl_tui.worlds.space import FloatArray
+from rl_tui.worlds.mdp.space import FloatArray
+from rl_tui.worlds.mdp.tabular_mdp import UNKNOWN_ACTION, TabularMDP
 
 
 @dataclass(frozen=True, slots=True)

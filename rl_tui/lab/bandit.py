@@ -8,7 +8,7 @@ import numpy as np
 
 from rl_tui.lab.snapshot import BanditFigures
 from rl_tui.worlds.drawing import Arms
-from rl_tui.worlds.mdp import BoolArray, FloatArray, IntArray, TabularMDP
+from rl_tui.worlds.mdp.tabular_mdp import BoolArray, FloatArray, IntArray, TabularMDP
 from rl_tui.worlds.world import World
 
 if TYPE_CHECKING:

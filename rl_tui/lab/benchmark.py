@@ -16,17 +16,17 @@ from numpy.random import Generator, default_rng
 
 from rl_tui.agents.catalogue import BY_ID
 from rl_tui.agents.hyperparameters import SAMPLE_AVERAGE
+from rl_tui.common.errors import UserError
+from rl_tui.common.interrupts import is_interrupt
 from rl_tui.lab.commands import Pause, Play, Train
 from rl_tui.lab.many_runs import cores
 from rl_tui.lab.player import Player
 from rl_tui.lab.recipe import Recipe
 from rl_tui.lab.run import Run
-from rl_tui.worlds.asking import ASKING
-from rl_tui.worlds.errors import UserError
-from rl_tui.worlds.gymnasium_section import GymnasiumSection
-from rl_tui.worlds.interrupts import is_interrupt
-from rl_tui.worlds.mdp import FloatArray
-from rl_tui.worlds.registered import reason_of
+from rl_tui.worlds.gym.env_call import ASKING
+from rl_tui.worlds.gym.registered import reason_of
+from rl_tui.worlds.gym.section import GymnasiumSection
+from rl_tui.worlds.mdp.tabular_mdp import FloatArray
 
 KERNEL_STEPS: Final = 5_000_000
 PLAIN_STEPS: Final = 20_000

@@ -7,9 +7,9 @@ from typing import Any, Final, NamedTuple
 
 from rl_tui.agents.catalogue import BY_ID
 from rl_tui.agents.hyperparameters import PARAMETERS
+from rl_tui.common.errors import UserError
+from rl_tui.common.findings import near, shown
 from rl_tui.lab.recipe import Change, JournalEntry, SetParameter, SwitchAlgorithm, TakeAction
-from rl_tui.worlds.errors import UserError
-from rl_tui.worlds.findings import near, shown
 
 ALGORITHM: Final = "algorithm"
 TAKE: Final = "take"

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from rl_tui.agents.exact_model import exact_model
-from rl_tui.worlds.mdp import TabularMDP
-from rl_tui.worlds.scenario import Scenario
-from rl_tui.worlds.streams import streams
+from rl_tui.common.streams import streams
+from rl_tui.worlds.files.scenario import Scenario
+from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
 
 def endless_warning(scenario: Scenario) -> str:

@@ -12,7 +12,7 @@ import numpy as np
 from rl_tui.agents.hyperparameters import Ties
 from rl_tui.agents.planning import expected_return, greedy_policy
 from rl_tui.lab.snapshot import Marks
-from rl_tui.worlds.mdp import FloatArray, IntArray, TabularMDP
+from rl_tui.worlds.mdp.tabular_mdp import FloatArray, IntArray, TabularMDP
 
 MOST_MARKS: Final = 256
 FIRST_SPACING: Final = 16

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from typing import Final, NamedTuple
 
 from rl_tui.agents.solution import NoExactAnswer, Solution
-from rl_tui.worlds.mdp import TabularMDP
+from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
 AT_ONCE_STATES: Final = 200
 LIVE_STATES: Final = 20_000

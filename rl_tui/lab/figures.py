@@ -14,8 +14,8 @@ from rl_tui.agents.solution import NoExactAnswer, Solution
 from rl_tui.lab.exact import NO_TABLE
 from rl_tui.lab.recipe import Recipe
 from rl_tui.lab.run import Run
-from rl_tui.worlds.mdp import TabularMDP
-from rl_tui.worlds.space import FiniteSpace, FloatArray
+from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray
+from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
 MOST_STATES: Final = 50_000
 BANDIT_FIGURES: Final = ("winnings", "regret", "best_arm_rate")

@@ -10,7 +10,7 @@ import numpy as np
 
 from rl_tui.agents.compiled import compiled
 from rl_tui.lab.snapshot import Curve
-from rl_tui.worlds.mdp import FloatArray, IntArray
+from rl_tui.worlds.mdp.tabular_mdp import FloatArray, IntArray
 
 BINS: Final = 512
 RECENT: Final = 100

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Protocol
 
 from rl_tui.lab.record import Record
-from rl_tui.worlds.space import FloatArray
+from rl_tui.worlds.mdp.space import FloatArray
 
 
 class Keeper(Protocol):

@@ -8,6 +8,7 @@ from dataclasses import replace
 from typing import Final
 
 from rl_tui.agents.watching import Watching
+from rl_tui.common.errors import UserError
 from rl_tui.lab.branches import FIRST, Branch
 from rl_tui.lab.checkpoints import Checkpoints
 from rl_tui.lab.journey import Goal, Journey
@@ -17,7 +18,6 @@ from rl_tui.lab.record import LaneRecord
 from rl_tui.lab.run import UNLIMITED, Run, RunState
 from rl_tui.lab.snapshot import CellHistory, Timeline
 from rl_tui.lab.table_samples import TableSamples
-from rl_tui.worlds.errors import UserError
 from rl_tui.worlds.world import World
 
 # Between two states that are kept on a journey it goes on for so many times as long as to keep one takes

@@ -11,6 +11,7 @@ from typing import Final
 import numpy as np
 
 from rl_tui.agents.compatibility import check_compatible
+from rl_tui.common.errors import UserError
 from rl_tui.lab.branches import Branch
 from rl_tui.lab.lane import Lane
 from rl_tui.lab.lane_names import lane_names
@@ -28,7 +29,6 @@ from rl_tui.lab.record import LaneRecord, Record
 from rl_tui.lab.run import UNLIMITED, Run
 from rl_tui.lab.snapshot import LaneView
 from rl_tui.lab.windows import is_large
-from rl_tui.worlds.errors import UserError
 from rl_tui.worlds.world import World
 
 MOST: Final = 4

@@ -8,12 +8,12 @@ from typing import Any, Final
 
 from rl_tui.agents.catalogue import BY_ID, parameters_of
 from rl_tui.agents.hyperparameters import PARAMETERS, SAMPLE_AVERAGE, Hyperparameters
+from rl_tui.common.errors import Fault, ScenarioError, UserError, first_of
+from rl_tui.common.findings import Finding, near, place, shown
 from rl_tui.lab.recipe import Recipe, begin
-from rl_tui.worlds import catalogue
-from rl_tui.worlds.errors import Fault, ScenarioError, UserError, first_of
-from rl_tui.worlds.findings import Finding, near, place, shown
-from rl_tui.worlds.scenario import Scenario, read_scenario
-from rl_tui.worlds.schema import unknown_key
+from rl_tui.worlds.files import catalogue
+from rl_tui.worlds.files.scenario import Scenario, read_scenario
+from rl_tui.worlds.files.schema import unknown_key
 
 DEFAULT_ALGORITHM: Final = "q-learning"
 DEFAULT_EPISODES: Final = 1_000

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Final
 
-from rl_tui.worlds.kiosk import in_kiosk
+from rl_tui.common.kiosk import in_kiosk
 
 
 @dataclass(frozen=True, slots=True)

@@ -17,6 +17,7 @@ from tempfile import TemporaryDirectory
 from typing import Any, Final, TextIO, TypeVar
 
 from rl_tui.agents.solution import Solution
+from rl_tui.common.errors import UserError
 from rl_tui.lab.episode_rows import EpisodeRows, csv_file
 from rl_tui.lab.figures import BANDIT_FIGURES, exact_world, finite, greedy_figures, head, optimum_of, pulls
 from rl_tui.lab.learning_curve import RunCurve, mean_curve, no_curve
@@ -25,7 +26,6 @@ from rl_tui.lab.run import OnEpisodes, Run
 from rl_tui.lab.training import Goal, OnProgress, no_progress, train
 from rl_tui.lab.whole_file import whole_file
 from rl_tui.worlds.drawing import Arms
-from rl_tui.worlds.errors import UserError
 
 Result = TypeVar("Result")
 

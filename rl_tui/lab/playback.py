@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
+from rl_tui.common.errors import UserError
 from rl_tui.lab.commands import (
     LOOKING,
     AddLane,
@@ -33,13 +34,12 @@ from rl_tui.lab.snapshot import CellHistory, Phase, Snapshot
 from rl_tui.lab.travel import AT_ONCE, Travel
 from rl_tui.lab.until import Breakpoints
 from rl_tui.lab.windows import Sight
-from rl_tui.worlds.errors import UserError
 
 if TYPE_CHECKING:
     from rl_tui.lab.lanes import Lanes
     from rl_tui.lab.motion import Motion
     from rl_tui.lab.run import Run
-    from rl_tui.worlds.space import FloatArray
+    from rl_tui.worlds.mdp.space import FloatArray
 
 PREPARING: Final = "loading the learner, which on first use takes some seconds"
 

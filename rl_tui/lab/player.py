@@ -9,6 +9,7 @@ from collections import deque
 from collections.abc import AsyncIterator, Callable
 from typing import Final
 
+from rl_tui.common.errors import UserError
 from rl_tui.lab.commands import Command, Restart
 from rl_tui.lab.interpreter import as_usual, leave_out_of_collections, switch_often
 from rl_tui.lab.keeper import Keeper
@@ -16,8 +17,7 @@ from rl_tui.lab.playback import Playback
 from rl_tui.lab.recipe import Recipe
 from rl_tui.lab.record import Record
 from rl_tui.lab.snapshot import Phase, Snapshot
-from rl_tui.worlds.asking import unanswered
-from rl_tui.worlds.errors import UserError
+from rl_tui.worlds.gym.env_call import unanswered
 
 LONGEST_GOODBYE: Final = 0.2
 KEPT_EVERY: Final = 0.25

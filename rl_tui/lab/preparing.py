@@ -8,7 +8,7 @@ from rl_tui.lab.bandit import bandit_figures
 from rl_tui.lab.exact import NO_TABLE
 from rl_tui.lab.recipe import Recipe
 from rl_tui.lab.snapshot import Curve, Marks, Phase, Snapshot
-from rl_tui.worlds.mdp import FloatArray, IntArray
+from rl_tui.worlds.mdp.tabular_mdp import FloatArray, IntArray
 from rl_tui.worlds.world import World
 
 

@@ -6,8 +6,8 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 from rl_tui.agents.hyperparameters import Hyperparameters
-from rl_tui.worlds.scenario import Scenario
-from rl_tui.worlds.streams import Streams, streams
+from rl_tui.common.streams import Streams, streams
+from rl_tui.worlds.files.scenario import Scenario
 from rl_tui.worlds.world import World
 
 

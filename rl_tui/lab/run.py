@@ -12,6 +12,7 @@ from rl_tui.agents.learner import Learner
 from rl_tui.agents.learner_state import LearnerState
 from rl_tui.agents.stop import Stop
 from rl_tui.agents.watching import NOTHING_NOTICED
+from rl_tui.common.errors import UserError
 from rl_tui.lab.bandit import bandit_figures
 from rl_tui.lab.evaluation import DEAREST_LIVE, MOST_STATES, Evaluation, GreedyReturn, MarksState, visits_of
 from rl_tui.lab.exact import PENDING, Answer
@@ -28,8 +29,7 @@ from rl_tui.lab.recipe import (
 )
 from rl_tui.lab.snapshot import BanditFigures, Marks, Phase, Snapshot
 from rl_tui.lab.windows import Sight, Window, Windows, is_large
-from rl_tui.worlds.errors import UserError
-from rl_tui.worlds.mdp import BoolArray, FloatArray, IntArray
+from rl_tui.worlds.mdp.tabular_mdp import BoolArray, FloatArray, IntArray
 
 UNLIMITED: Final = 2**62
 

@@ -13,15 +13,15 @@ from typing import TYPE_CHECKING, Any, Final, NoReturn
 from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
+from rl_tui.common.errors import UserError
+from rl_tui.common.findings import one_line, place
+from rl_tui.common.kiosk import in_kiosk
 from rl_tui.lab.record import Record
 from rl_tui.lab.session_document import FORMAT, VERSION, Document, algorithm_in_force, changes_in
 from rl_tui.lab.session_encoding import document_of, record_of
-from rl_tui.worlds.errors import UserError
-from rl_tui.worlds.findings import one_line, place
-from rl_tui.worlds.kiosk import in_kiosk
 
 if TYPE_CHECKING:
-    from rl_tui.worlds.space import FloatArray
+    from rl_tui.worlds.mdp.space import FloatArray
 
 SUFFIX: Final = ".json"
 LARGEST_FILE: Final = 64_000_000

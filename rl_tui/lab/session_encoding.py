@@ -10,6 +10,8 @@ from typing import Any
 from rl_tui import __version__
 from rl_tui.agents.catalogue import BY_ID
 from rl_tui.agents.hyperparameters import PARAMETERS, Hyperparameters
+from rl_tui.common.errors import UserError
+from rl_tui.common.findings import near, shown
 from rl_tui.lab.branches import FIRST, Branch
 from rl_tui.lab.recipe import Change, JournalEntry, Recipe, SetParameter, SwitchAlgorithm, TakeAction
 from rl_tui.lab.record import LaneRecord, Record
@@ -26,10 +28,8 @@ from rl_tui.lab.session_document import (
     StoredScenario,
 )
 from rl_tui.lab.until import Breakpoints
-from rl_tui.worlds.errors import UserError
-from rl_tui.worlds.findings import near, shown
-from rl_tui.worlds.gymnasium_ids import PREFIX, environment_scenario
-from rl_tui.worlds.scenario import Scenario, scenario_of
+from rl_tui.worlds.files.scenario import Scenario, scenario_of
+from rl_tui.worlds.gym.ids import PREFIX, environment_scenario
 
 
 def document_of(record: Record, *, title: str, kept: bool, digest: str) -> dict[str, Any]:

@@ -11,12 +11,12 @@ from typing import Final
 
 import platformdirs
 
+from rl_tui.common.errors import UserError
 from rl_tui.lab.atomic_file import draft_of
 from rl_tui.lab.file_lock import FileLock
 from rl_tui.lab.session import SUFFIX, SessionError, StoredSession, read_session, signature
 from rl_tui.lab.session_document import LONGEST_NAME
-from rl_tui.worlds.errors import UserError
-from rl_tui.worlds.schema import is_plain
+from rl_tui.worlds.files.schema import is_plain
 
 VARIABLE: Final = "RL_TUI_SESSIONS_DIR"
 MOST_UNNAMED: Final = 50

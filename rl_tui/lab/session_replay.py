@@ -5,6 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+from rl_tui.common.errors import UserError
+from rl_tui.common.findings import shown
+from rl_tui.common.words import counted
 from rl_tui.lab.branches import Branch
 from rl_tui.lab.changes import as_json
 from rl_tui.lab.figures import training_figures
@@ -13,9 +16,6 @@ from rl_tui.lab.record import LaneRecord, Record
 from rl_tui.lab.run import OnEpisodes, Run, no_episodes
 from rl_tui.lab.session import StoredSession, digest_of
 from rl_tui.lab.training import Goal, OnProgress, no_progress, train
-from rl_tui.worlds.errors import UserError
-from rl_tui.worlds.findings import shown
-from rl_tui.worlds.words import counted
 
 
 @dataclass(frozen=True, slots=True)

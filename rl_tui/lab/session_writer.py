@@ -6,12 +6,12 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Final
 
+from rl_tui.common.errors import UserError
 from rl_tui.lab.held_file import ChangedElsewhereError, HeldFile, hold, hold_new
 from rl_tui.lab.record import Record
 from rl_tui.lab.session import StoredSession, encoded
 from rl_tui.lab.session_document import LONGEST_NAME
 from rl_tui.lab.session_folder import named_path, new_path, prune
-from rl_tui.worlds.errors import UserError
 
 _COPY: Final = " (copy)"
 _MOST_TRIES: Final = 100

@@ -14,7 +14,7 @@ from rl_tui.lab.branches import Branch
 from rl_tui.lab.recipe import Recipe
 from rl_tui.lab.until import Breakpoints
 from rl_tui.lab.windows import Window
-from rl_tui.worlds.mdp import FloatArray, IntArray
+from rl_tui.worlds.mdp.tabular_mdp import FloatArray, IntArray
 from rl_tui.worlds.world import World
 
 

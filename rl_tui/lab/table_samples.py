@@ -8,7 +8,7 @@ import numpy as np
 
 from rl_tui.lab.limits import limits
 from rl_tui.lab.snapshot import CellHistory
-from rl_tui.worlds.space import FloatArray
+from rl_tui.worlds.mdp.space import FloatArray
 
 MOST: Final = 256
 _LEAST: Final = 16

@@ -7,9 +7,9 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Final
 
+from rl_tui.common.errors import UserError
 from rl_tui.lab.recipe import JournalEntry, TakeAction
 from rl_tui.lab.run import Run
-from rl_tui.worlds.errors import UserError
 
 CHUNK: Final = 2_000_000
 # So long an environment that is stepped for real goes on without a word about how far it has come

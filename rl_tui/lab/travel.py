@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Final
 
+from rl_tui.common.words import lasting
 from rl_tui.lab.pacing import ChunkSize
-from rl_tui.worlds.words import lasting
 
 if TYPE_CHECKING:
     from rl_tui.lab.lanes import Lanes

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import StrEnum
 
-from rl_tui.worlds.errors import UserError
-from rl_tui.worlds.space import FiniteSpace
+from rl_tui.common.errors import UserError
+from rl_tui.worlds.mdp.space import FiniteSpace
 
 
 class Event(StrEnum):

@@ -9,19 +9,19 @@ import numpy as np
 
 from rl_tui.agents.planning import greedy_policy
 from rl_tui.agents.watching import Watching
+from rl_tui.common.errors import UserError
 from rl_tui.lab.exact import exact_now
 from rl_tui.lab.run import UNLIMITED
 from rl_tui.lab.until import Breakpoints, Event, Until
 from rl_tui.worlds.drawing import Arms
-from rl_tui.worlds.errors import UserError
 
 if TYPE_CHECKING:
     from rl_tui.agents.hyperparameters import Ties
     from rl_tui.agents.solution import Solution
     from rl_tui.lab.exact import Answer
     from rl_tui.lab.run import Run
-    from rl_tui.worlds.mdp import TabularMDP
-    from rl_tui.worlds.space import FiniteSpace, FloatArray
+    from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray
+    from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
     from rl_tui.worlds.world import World
 
 

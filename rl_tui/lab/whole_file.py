@@ -9,7 +9,7 @@ from pathlib import Path
 from stat import S_ISREG
 from typing import TextIO
 
-from rl_tui.worlds.errors import UserError
+from rl_tui.common.errors import UserError
 
 
 @contextmanager

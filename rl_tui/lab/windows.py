@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from rl_tui.worlds.drawing import Grid
-from rl_tui.worlds.space import BoolArray, FiniteSpace, FloatArray, IntArray
+from rl_tui.worlds.mdp.space import BoolArray, FiniteSpace, FloatArray, IntArray
 from rl_tui.worlds.world import World
 
 if TYPE_CHECKING:

@@ -16,6 +16,8 @@ from textual.driver import Driver
 from textual.events import Event, InputEvent, Key, Paste
 from textual.theme import Theme, ThemeProvider
 
+from rl_tui.common.errors import UserError
+from rl_tui.common.findings import one_line
 from rl_tui.lab.library import recipe_for
 from rl_tui.lab.recipe import Recipe
 from rl_tui.tui.actions import bindings_everywhere
@@ -36,9 +38,7 @@ from rl_tui.tui.theme.look import Look
 from rl_tui.tui.theme.palette import Depth
 from rl_tui.tui.theme.scroll_bars import use_scroll_bars
 from rl_tui.tui.typist import Typist
-from rl_tui.worlds.catalogue import scenarios
-from rl_tui.worlds.errors import UserError
-from rl_tui.worlds.findings import one_line
+from rl_tui.worlds.files.catalogue import scenarios
 
 if TYPE_CHECKING:
     from rich.console import RenderableType

@@ -9,10 +9,10 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Protocol
 
+from rl_tui.common.errors import UserError
 from rl_tui.lab.recipe import Recipe
 from rl_tui.tui.action import Place
 from rl_tui.tui.theme.look import Look
-from rl_tui.worlds.errors import UserError
 
 if TYPE_CHECKING:
     from rl_tui.lab.autosave import Autosave

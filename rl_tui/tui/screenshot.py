@@ -11,6 +11,7 @@ from textual.keys import Keys
 from textual.pilot import Pilot
 from textual.widgets import Input
 
+from rl_tui.common.errors import UserError
 from rl_tui.lab.commands import Train
 from rl_tui.lab.player import Player
 from rl_tui.lab.recipe import Recipe
@@ -20,7 +21,6 @@ from rl_tui.tui.app import RlTuiApp
 from rl_tui.tui.display import Display
 from rl_tui.tui.screens.catalogue import Catalogue
 from rl_tui.tui.screens.playground import Playground
-from rl_tui.worlds.errors import UserError
 
 _WAIT: Final = "wait:"
 _SWIFT: Final = 1000.0

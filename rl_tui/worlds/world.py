@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING
 from rl_tui.worlds.drawing import Drawing
 
 if TYPE_CHECKING:
-    from rl_tui.worlds.environment import Environment
-    from rl_tui.worlds.mdp import TabularMDP
-    from rl_tui.worlds.space import FiniteSpace
+    from rl_tui.worlds.gym.stepped.environment import Environment
+    from rl_tui.worlds.mdp.space import FiniteSpace
+    from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -31,6 +31,6 @@ class World:
     @property
     def mdp(self) -> TabularMDP | None:
         """The transition table, None where there is none."""
-        from rl_tui.worlds.mdp import TabularMDP
+        from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
         return self.space if isinstance(self.space, TabularMDP) else None

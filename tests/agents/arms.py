@@ -10,8 +10,8 @@ import numpy as np
 from rl_tui.agents.catalogue import RULE_BY_ID
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.agents.learner import Learner
-from rl_tui.worlds.mdp import Outcome, TabularMDP, Transition, tabular_mdp
-from rl_tui.worlds.streams import streams
+from rl_tui.common.streams import streams
+from rl_tui.worlds.mdp.tabular_mdp import Outcome, TabularMDP, Transition, tabular_mdp
 
 NO_VISITS = np.zeros(4, np.int64)
 

@@ -9,7 +9,7 @@ from fractions import Fraction
 import gymnasium
 from hypothesis import strategies as st
 
-from rl_tui.worlds.mdp import Outcome, TabularMDP, Transition, tabular_mdp
+from rl_tui.worlds.mdp.tabular_mdp import Outcome, TabularMDP, Transition, tabular_mdp
 
 
 def lake(map_name: str, slippery: bool, time_limit: int = 0) -> TabularMDP:

@@ -8,7 +8,7 @@ import math
 from plain_value_iteration import look_ahead
 
 from rl_tui.agents.hyperparameters import Hyperparameters
-from rl_tui.worlds.mdp import TabularMDP
+from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
 
 def plain_policy_iteration(

@@ -3,7 +3,7 @@
 import math
 
 from rl_tui.agents.hyperparameters import Hyperparameters
-from rl_tui.worlds.mdp import TabularMDP
+from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
 
 def plain_value_iteration(

@@ -9,8 +9,8 @@ from typing import NamedTuple
 import numpy as np
 
 from rl_tui.agents.hyperparameters import Hyperparameters
-from rl_tui.worlds.mdp import TabularMDP
-from rl_tui.worlds.streams import Streams
+from rl_tui.common.streams import Streams
+from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
 Table = dict[int, float]
 

@@ -12,7 +12,7 @@ from rl_tui.agents.action_chances import action_chances
 from rl_tui.agents.action_rules.family import expectation
 from rl_tui.agents.catalogue import RULE_BY_ID
 from rl_tui.agents.hyperparameters import Hyperparameters
-from rl_tui.worlds.space import FiniteSpace
+from rl_tui.worlds.mdp.space import FiniteSpace
 
 NO_VISITS = np.zeros(4, np.int64)
 Q = np.array([1.0, 3.0, 3.0, 0.0])

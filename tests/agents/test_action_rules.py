@@ -19,8 +19,8 @@ from rl_tui.agents.action_rules.family import choose, expectation
 from rl_tui.agents.compiled import compiled
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.agents.learner import Learner
-from rl_tui.worlds.mdp import FloatArray, IntArray, TabularMDP
-from rl_tui.worlds.streams import streams
+from rl_tui.common.streams import streams
+from rl_tui.worlds.mdp.tabular_mdp import FloatArray, IntArray, TabularMDP
 
 pytestmark = pytest.mark.xdist_group("action rules")  # each rule's loop is compiled once
 EVERY_RULE = [

@@ -16,9 +16,9 @@ from rl_tui.agents.action_rules import gradient, thompson
 from rl_tui.agents.action_rules.family import expectation
 from rl_tui.agents.action_rules.thompson import beta_draw, gamma_draw, normal_draw
 from rl_tui.agents.hyperparameters import Hyperparameters
-from rl_tui.worlds.errors import UserError
-from rl_tui.worlds.mdp import Outcome, TabularMDP, Transition, tabular_mdp
-from rl_tui.worlds.streams import streams
+from rl_tui.common.errors import UserError
+from rl_tui.common.streams import streams
+from rl_tui.worlds.mdp.tabular_mdp import Outcome, TabularMDP, Transition, tabular_mdp
 
 pytestmark = pytest.mark.xdist_group("action rules")  # each rule's loop is compiled once
 

@@ -12,11 +12,11 @@ from rl_tui.agents.last_step import LastStep
 from rl_tui.agents.learner import Learner
 from rl_tui.agents.stop import Stop
 from rl_tui.agents.watching import Noticed, Watching
-from rl_tui.worlds.environment import Stepped
-from rl_tui.worlds.errors import UserError
-from rl_tui.worlds.mdp import Outcome, TabularMDP, Transition, tabular_mdp
-from rl_tui.worlds.space import all_pairs
-from rl_tui.worlds.streams import streams
+from rl_tui.common.errors import UserError
+from rl_tui.common.streams import streams
+from rl_tui.worlds.gym.stepped.environment import Stepped
+from rl_tui.worlds.mdp.space import all_pairs
+from rl_tui.worlds.mdp.tabular_mdp import Outcome, TabularMDP, Transition, tabular_mdp
 
 FULL_STEP = Hyperparameters(alpha=1.0, gamma=1.0, epsilon=0.0, lambda_=1.0, ties="first")
 ON, JUMP = 1, 2  # the pairs of the middle state of two_ways

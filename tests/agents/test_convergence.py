@@ -10,8 +10,8 @@ from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.agents.learner import Learner
 from rl_tui.agents.planning import evaluate, solve
 from rl_tui.agents.stop import Stop
-from rl_tui.worlds.mdp import Outcome, TabularMDP, Transition, tabular_mdp
-from rl_tui.worlds.streams import streams
+from rl_tui.common.streams import streams
+from rl_tui.worlds.mdp.tabular_mdp import Outcome, TabularMDP, Transition, tabular_mdp
 
 GAMMA = 0.7
 

@@ -14,8 +14,8 @@ from test_stepped_loop import TOLD, Table, lake, untabled
 
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.agents.learner import Learner
-from rl_tui.worlds.mdp import Outcome, TabularMDP, Transition, tabular_mdp
-from rl_tui.worlds.streams import streams
+from rl_tui.common.streams import streams
+from rl_tui.worlds.mdp.tabular_mdp import Outcome, TabularMDP, Transition, tabular_mdp
 
 
 def endless(time_limit: int = 0) -> TabularMDP:

@@ -19,8 +19,8 @@ from rl_tui.agents import loop, planning_loop
 from rl_tui.agents.catalogue import BY_ID
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.agents.learner import Learner
-from rl_tui.worlds.mdp import Outcome, TabularMDP, Transition, tabular_mdp
-from rl_tui.worlds.streams import streams
+from rl_tui.common.streams import streams
+from rl_tui.worlds.mdp.tabular_mdp import Outcome, TabularMDP, Transition, tabular_mdp
 
 
 def written(*algorithms: str) -> list[Any]:

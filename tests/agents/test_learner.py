@@ -15,8 +15,8 @@ from rl_tui.agents.hyperparameters import Hyperparameters, Ties
 from rl_tui.agents.learner import EPISODES_LOGGED, Learner
 from rl_tui.agents.planning import solve
 from rl_tui.agents.stop import Stop
-from rl_tui.worlds.mdp import Outcome, TabularMDP, Transition, tabular_mdp
-from rl_tui.worlds.streams import streams
+from rl_tui.common.streams import streams
+from rl_tui.worlds.mdp.tabular_mdp import Outcome, TabularMDP, Transition, tabular_mdp
 
 
 def learner(mdp: TabularMDP, told: Hyperparameters | None = None, seed: int = 0) -> Learner:

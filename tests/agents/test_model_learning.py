@@ -11,8 +11,8 @@ from rl_tui.agents.algorithms import dyna_q, prioritized_sweeping
 from rl_tui.agents.algorithms.priority_queue import dequeue, empty_queue, enqueue
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.agents.learner import Learner
-from rl_tui.worlds.mdp import Outcome, TabularMDP, Transition, tabular_mdp
-from rl_tui.worlds.streams import streams
+from rl_tui.common.streams import streams
+from rl_tui.worlds.mdp.tabular_mdp import Outcome, TabularMDP, Transition, tabular_mdp
 
 
 def corridor(length: int, reward: float = 1.0, time_limit: int = 0) -> TabularMDP:

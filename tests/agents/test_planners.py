@@ -18,9 +18,9 @@ from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.agents.learner import Learner
 from rl_tui.agents.planning import solve
 from rl_tui.agents.stop import Stop
-from rl_tui.worlds.catalogue import find
-from rl_tui.worlds.mdp import Outcome, TabularMDP, Transition, tabular_mdp
-from rl_tui.worlds.streams import streams
+from rl_tui.common.streams import streams
+from rl_tui.worlds.files.catalogue import find
+from rl_tui.worlds.mdp.tabular_mdp import Outcome, TabularMDP, Transition, tabular_mdp
 
 PLANNERS = ("value-iteration", "policy-iteration")
 PLAIN: dict[str, Callable[..., tuple[dict[int, float], int, bool]]] = {
@@ -291,8 +291,8 @@ def test_a_planner_knows_rewards_where_they_have_drifted_to() -> None:
 INTERPRETED = """
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.agents.learner import Learner
-from rl_tui.worlds.catalogue import find
-from rl_tui.worlds.streams import streams
+from rl_tui.worlds.files.catalogue import find
+from rl_tui.common.streams import streams
 
 mdp = find("student").build(streams(0).world).mdp
 planner = Learner(mdp, "value-iteration", Hyperparameters(), streams(0))

@@ -16,7 +16,7 @@ from rl_tui.agents.planning import (
     solve,
     uniform_over,
 )
-from rl_tui.worlds.mdp import Outcome, Transition, tabular_mdp
+from rl_tui.worlds.mdp.tabular_mdp import Outcome, Transition, tabular_mdp
 
 
 @pytest.mark.parametrize(

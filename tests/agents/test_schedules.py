@@ -12,8 +12,8 @@ from rl_tui.agents.compiled import compiled
 from rl_tui.agents.hyperparameters import SCHEDULES, Hyperparameters
 from rl_tui.agents.learner import Learner
 from rl_tui.agents.settings import Schedule, scheduled, schedules_of
-from rl_tui.worlds.mdp import Outcome, TabularMDP, Transition, tabular_mdp
-from rl_tui.worlds.streams import streams
+from rl_tui.common.streams import streams
+from rl_tui.worlds.mdp.tabular_mdp import Outcome, TabularMDP, Transition, tabular_mdp
 
 probabilities = st.floats(0.0, 1.0)
 decays = st.one_of(st.just(0.0), st.floats(1e-9, 10.0))

@@ -14,12 +14,12 @@ from rl_tui.agents.catalogue import ALGORITHMS
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.agents.learner import EPISODES_LOGGED, UNLIMITED, Learner
 from rl_tui.agents.stop import LONGEST_EPISODE, Stop
-from rl_tui.worlds.environment import EnvironmentFailedError, Stepped
-from rl_tui.worlds.errors import UserError
-from rl_tui.worlds.mdp import TabularMDP
-from rl_tui.worlds.space import FiniteSpace, all_pairs
-from rl_tui.worlds.streams import streams
-from rl_tui.worlds.toy_text import world_of
+from rl_tui.common.errors import UserError
+from rl_tui.common.streams import streams
+from rl_tui.worlds.gym.stepped.environment import EnvironmentFailedError, Stepped
+from rl_tui.worlds.gym.tables.toy_text import world_of
+from rl_tui.worlds.mdp.space import FiniteSpace, all_pairs
+from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
 LEARNERS = [each.id for each in ALGORITHMS if not each.planner and importlib.util.find_spec(each.module)]
 

@@ -5,8 +5,8 @@ import pytest
 
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.agents.learner import Learner
-from rl_tui.worlds.mdp import Outcome, TabularMDP, Transition, tabular_mdp
-from rl_tui.worlds.streams import streams
+from rl_tui.common.streams import streams
+from rl_tui.worlds.mdp.tabular_mdp import Outcome, TabularMDP, Transition, tabular_mdp
 
 TRACED = ("sarsa-lambda", "q-lambda")
 both = pytest.mark.parametrize("algorithm", TRACED)

@@ -6,8 +6,8 @@ from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.agents.last_step import LastStep
 from rl_tui.agents.learner import Learner
 from rl_tui.agents.stop import Stop
-from rl_tui.worlds.mdp import Outcome, TabularMDP, Transition, tabular_mdp
-from rl_tui.worlds.streams import streams
+from rl_tui.common.streams import streams
+from rl_tui.worlds.mdp.tabular_mdp import Outcome, TabularMDP, Transition, tabular_mdp
 
 CERTAIN = Hyperparameters(alpha=1.0, gamma=0.5, epsilon=0.0)
 

@@ -19,10 +19,10 @@ from rl_tui.agents.learner import EPISODES_LOGGED, UNLIMITED, Learner
 from rl_tui.agents.policies import greedy_policy
 from rl_tui.agents.stop import Stop
 from rl_tui.agents.watching import NOTHING_NOTICED, Noticed, Watching
-from rl_tui.worlds.environment import Stepped
-from rl_tui.worlds.mdp import Outcome, TabularMDP, Transition, tabular_mdp
-from rl_tui.worlds.space import all_pairs
-from rl_tui.worlds.streams import streams
+from rl_tui.common.streams import streams
+from rl_tui.worlds.gym.stepped.environment import Stepped
+from rl_tui.worlds.mdp.space import all_pairs
+from rl_tui.worlds.mdp.tabular_mdp import Outcome, TabularMDP, Transition, tabular_mdp
 
 ALGORITHMS = [
     "q-learning",

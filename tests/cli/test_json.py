@@ -15,7 +15,7 @@ from click.testing import CliRunner
 
 from rl_tui.agents.hyperparameters import PARAMETERS
 from rl_tui.cli.main import program
-from rl_tui.worlds.catalogue import scenarios
+from rl_tui.worlds.files.catalogue import scenarios
 
 TRAIN = [
     "scenario",

@@ -13,10 +13,10 @@ from click.testing import CliRunner
 
 from rl_tui.cli.kiosk import COMMANDS
 from rl_tui.cli.main import RlTui, program
+from rl_tui.common.errors import UserError
+from rl_tui.common.kiosk import VARIABLE, in_kiosk
 from rl_tui.lab.session import SessionError, read_session
-from rl_tui.worlds.catalogue import find, read_catalogue, shipped_folder
-from rl_tui.worlds.errors import UserError
-from rl_tui.worlds.kiosk import VARIABLE, in_kiosk
+from rl_tui.worlds.files.catalogue import find, read_catalogue, shipped_folder
 
 
 @pytest.fixture
@@ -70,7 +70,7 @@ def test_it_imports_no_module() -> None:
 
 def test_the_user_s_own_scenarios_are_not_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "mine.toml").write_text("[bandit]\narms = 2\n")
-    monkeypatch.setattr("rl_tui.worlds.catalogue.user_folder", lambda: tmp_path)
+    monkeypatch.setattr("rl_tui.worlds.files.catalogue.user_folder", lambda: tmp_path)
     assert "mine" in {each.id for each in read_catalogue().scenarios}
     monkeypatch.setenv(VARIABLE, "1")
     shipped = {path.stem for path in shipped_folder().glob("*.toml")}

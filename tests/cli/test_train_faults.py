@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from rl_tui.cli import main
-from rl_tui.worlds.asking import ASKING
+from rl_tui.worlds.gym.env_call import ASKING
 
 SCRIPT = """
 import os, sys, time

@@ -10,8 +10,8 @@ import numpy as np
 from rl_tui.lab.export.script import script
 from rl_tui.lab.library import recipe_for
 from rl_tui.lab.recipe import Recipe, begin
-from rl_tui.worlds.catalogue import find
-from rl_tui.worlds.mdp import TabularMDP
+from rl_tui.worlds.files.catalogue import find
+from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
 ALLOWED: Final = {"gymnasium", "numpy", "bisect", "collections"}
 

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from recipes import recipe
 
+from rl_tui.common.errors import UserError
 from rl_tui.lab import benchmark
 from rl_tui.lab.benchmark import PlainLoop
-from rl_tui.worlds.errors import UserError
 
 
 def test_the_plain_loop_learns_what_ours_does() -> None:

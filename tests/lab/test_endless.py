@@ -5,7 +5,7 @@ from recipes import recipe
 
 from rl_tui.lab.endless import endless_state
 from rl_tui.lab.recipe import begin
-from rl_tui.worlds.mdp import Outcome, TabularMDP, Transition, tabular_mdp
+from rl_tui.worlds.mdp.tabular_mdp import Outcome, TabularMDP, Transition, tabular_mdp
 
 
 def world(start: int, time_limit: int = 0) -> TabularMDP:

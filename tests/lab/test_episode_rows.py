@@ -9,8 +9,8 @@ from typing import TextIO
 
 import pytest
 
+from rl_tui.common.errors import UserError
 from rl_tui.lab.episode_rows import HEADER, csv_file
-from rl_tui.worlds.errors import UserError
 
 MOST = 10_000  # bytes
 MANY = ["1,1,0.0,10\n"] * 2_000

@@ -11,7 +11,7 @@ from rl_tui.agents.solution import NoExactAnswer, Solution
 from rl_tui.lab import exact
 from rl_tui.lab.exact import PENDING, ExactAnswers
 from rl_tui.lab.recipe import begin
-from rl_tui.worlds.mdp import TabularMDP
+from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
 STUDENT = begin(recipe("student")).world.space
 

@@ -17,13 +17,13 @@ from export_samples import ALLOWED, imported, q_of, ran, recipe_of, script_of, t
 
 from rl_tui.agents.catalogue import ACTION_RULES, ALGORITHMS
 from rl_tui.agents.planning import figures, greedy_policy, solve
+from rl_tui.common.errors import UserError
 from rl_tui.lab.export.script import script
 from rl_tui.lab.library import episodes_of, recipe_for
 from rl_tui.lab.recipe import begin
 from rl_tui.lab.run import Run
-from rl_tui.worlds.catalogue import find, read_catalogue
-from rl_tui.worlds.errors import UserError
-from rl_tui.worlds.scenario import read_scenario
+from rl_tui.worlds.files.catalogue import find, read_catalogue
+from rl_tui.worlds.files.scenario import read_scenario
 
 SHIPPED = [scenario.id for scenario in read_catalogue().scenarios]
 WITH_MODEL = [

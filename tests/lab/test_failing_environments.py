@@ -21,7 +21,7 @@ from rl_tui.lab.player import Player
 from rl_tui.lab.recipe import JournalEntry, Recipe, SetParameter
 from rl_tui.lab.session_folder import sessions_in
 from rl_tui.lab.snapshot import Phase, Snapshot
-from rl_tui.worlds.environment import EnvironmentFailedError
+from rl_tui.worlds.gym.stepped.environment import EnvironmentFailedError
 
 
 class Willing(gymnasium.Env[int, int]):

@@ -9,8 +9,8 @@ import pytest
 from recipes import recipe
 
 from rl_tui.agents.hyperparameters import SAMPLE_AVERAGE
+from rl_tui.common.errors import ScenarioError, UserError
 from rl_tui.lab.library import episodes_of, faults_of, find, listing, recipe_for
-from rl_tui.worlds.errors import ScenarioError, UserError
 
 WORLD = "[bandit]\nmeans = [0.0, 1.0]\n"
 

@@ -7,12 +7,12 @@ from dataclasses import replace
 import pytest
 from recipes import recipe
 
+from rl_tui.common.errors import UserError
 from rl_tui.lab.checkpoints import Checkpoints
 from rl_tui.lab.lane import Lane
 from rl_tui.lab.lanes import MOST
 from rl_tui.lab.limits import KIOSK, USUAL, limits
 from rl_tui.lab.recipe import SetParameter, begin
-from rl_tui.worlds.errors import UserError
 
 
 def test_four_lanes_of_a_kiosk_keep_64_megabytes() -> None:

@@ -11,9 +11,9 @@ from typing import Any
 import pytest
 from fuzz_seeds import session_seeds, signed
 
+from rl_tui.common.errors import UserError
 from rl_tui.lab.session import LARGEST_FILE, SessionError, read_session
 from rl_tui.lab.session_replay import replayed, whereto
-from rl_tui.worlds.errors import UserError
 
 
 def changed(place: str = "", value: Any = None) -> str:

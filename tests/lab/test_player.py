@@ -11,6 +11,7 @@ from typing import Any
 import pytest
 from recipes import bandit, recipe
 
+from rl_tui.common.errors import UserError
 from rl_tui.lab.commands import Apply, Pause, Play, Restart, RunEpisode, SetSpeed, Step, Train
 from rl_tui.lab.interpreter import SWITCH_INTERVAL, USUAL_SWITCH_INTERVAL
 from rl_tui.lab.player import Player, PlayerClosedError
@@ -18,7 +19,6 @@ from rl_tui.lab.recipe import SetParameter
 from rl_tui.lab.record import Record
 from rl_tui.lab.run import replay
 from rl_tui.lab.snapshot import Phase, Snapshot
-from rl_tui.worlds.errors import UserError
 
 
 async def until(player: Player, phase: Phase) -> Snapshot:

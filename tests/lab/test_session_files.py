@@ -15,6 +15,7 @@ from hypothesis import given, settings
 from recipes import recipe
 from session_samples import after, fresh, records
 
+from rl_tui.common.errors import UserError
 from rl_tui.lab import atomic_file
 from rl_tui.lab.atomic_file import write_atomically
 from rl_tui.lab.branches import Branch
@@ -29,7 +30,6 @@ from rl_tui.lab.session import (
     encoded,
     read_session,
 )
-from rl_tui.worlds.errors import UserError
 
 SOUND = after(
     fresh(recipe("student", seed=3)),

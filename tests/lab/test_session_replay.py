@@ -16,6 +16,7 @@ from recipes import recipe
 from session_samples import after, fresh
 
 from rl_tui.cli.main import program
+from rl_tui.common.errors import UserError
 from rl_tui.lab import training
 from rl_tui.lab.branches import Branch
 from rl_tui.lab.recipe import JournalEntry, SetParameter, TakeAction
@@ -24,7 +25,6 @@ from rl_tui.lab.run import Run
 from rl_tui.lab.session import digest_of, encoded, read_session
 from rl_tui.lab.session_replay import replayed, whereto
 from rl_tui.lab.training import Goal, train
-from rl_tui.worlds.errors import UserError
 
 ALPHA = JournalEntry(12, SetParameter("alpha", 0.5))
 EPSILON = JournalEntry(60, SetParameter("epsilon", 0.0))

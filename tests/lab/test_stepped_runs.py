@@ -10,6 +10,7 @@ import gymnasium
 import pytest
 from recipes import recipe
 
+from rl_tui.common.errors import UserError
 from rl_tui.lab.exact import NO_TABLE, exact_now
 from rl_tui.lab.figures import training_figures
 from rl_tui.lab.library import find, listing, recipe_for
@@ -19,7 +20,6 @@ from rl_tui.lab.recipe import Recipe, SetParameter
 from rl_tui.lab.run import Run
 from rl_tui.lab.snapshot import Phase
 from rl_tui.lab.training import Goal, train
-from rl_tui.worlds.errors import UserError
 
 EXACT = ("value_at_start", "optimal_value_at_start", "expected_return", "max_error", "greedy_ends")
 GAMES = Goal(episodes=200)

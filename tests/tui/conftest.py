@@ -15,7 +15,7 @@ from rl_tui.lab.library import recipe_for
 from rl_tui.lab.player import Player
 from rl_tui.tui.app import RlTuiApp
 from rl_tui.tui.display import Display
-from rl_tui.worlds.catalogue import find
+from rl_tui.worlds.files.catalogue import find
 
 MakeApp = Callable[..., RlTuiApp]
 
@@ -25,7 +25,7 @@ def _plain_environment(monkeypatch: pytest.MonkeyPatch, tmp_path_factory: pytest
     for name in ("NO_COLOR", "COLORTERM", "TEXTUAL_THEME", "TEXTUAL_COLOR_SYSTEM"):
         monkeypatch.delenv(name, raising=False)
     monkeypatch.setattr(
-        "rl_tui.worlds.catalogue.user_folder", lambda: tmp_path_factory.getbasetemp() / "no-scenarios"
+        "rl_tui.worlds.files.catalogue.user_folder", lambda: tmp_path_factory.getbasetemp() / "no-scenarios"
     )
 
 

@@ -16,7 +16,7 @@ from rl_tui.tui.world_views.grid_cells import CellArtist
 from rl_tui.tui.world_views.grid_form import CellForm
 from rl_tui.tui.world_views.grid_map import GridMap, Part
 from rl_tui.worlds.drawing import Grid
-from rl_tui.worlds.mdp import FloatArray
+from rl_tui.worlds.mdp.tabular_mdp import FloatArray
 
 
 def q_of(snapshot: Snapshot, values: dict[tuple[int, int], float]) -> FloatArray:

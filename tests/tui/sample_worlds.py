@@ -8,7 +8,7 @@ import numpy as np
 
 from rl_tui.agents.solution import Solution
 from rl_tui.worlds.drawing import Arms, CellKind, Graph, Grid
-from rl_tui.worlds.mdp import FloatArray, Outcome, TabularMDP, Transition, tabular_mdp
+from rl_tui.worlds.mdp.tabular_mdp import FloatArray, Outcome, TabularMDP, Transition, tabular_mdp
 from rl_tui.worlds.world import World
 
 LEFT, DOWN, RIGHT, UP = range(4)

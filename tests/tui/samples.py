@@ -25,8 +25,8 @@ from rl_tui.lab.snapshot import BanditFigures, Curve, Marks, Phase, Snapshot
 from rl_tui.tui.theme.glyphs import ASCII, UNICODE
 from rl_tui.tui.theme.look import Look
 from rl_tui.tui.theme.palette import palette_for
-from rl_tui.worlds.scenario import Scenario
-from rl_tui.worlds.space import FiniteSpace
+from rl_tui.worlds.files.scenario import Scenario
+from rl_tui.worlds.mdp.space import FiniteSpace
 from rl_tui.worlds.world import World
 
 

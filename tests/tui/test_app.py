@@ -9,6 +9,7 @@ import pytest
 from conftest import MakeApp
 from textual.command import CommandPalette
 
+from rl_tui.common.errors import UserError
 from rl_tui.lab.library import recipe_for
 from rl_tui.lab.player import Player
 from rl_tui.tui.action import Place
@@ -19,8 +20,7 @@ from rl_tui.tui.palette_entries import ActionProvider, palette_name
 from rl_tui.tui.screens.catalogue import Catalogue
 from rl_tui.tui.screens.playground import Playground
 from rl_tui.tui.screenshot import settle
-from rl_tui.worlds.errors import UserError
-from rl_tui.worlds.scenario import read_scenario
+from rl_tui.worlds.files.scenario import read_scenario
 
 NOT_REGISTERED = """
 title = "Nowhere"

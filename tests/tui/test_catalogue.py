@@ -7,15 +7,15 @@ from conftest import MakeApp
 from textual.pilot import Pilot
 from textual.widgets import OptionList
 
+from rl_tui.common.errors import UserError
+from rl_tui.common.streams import streams
 from rl_tui.tui.screens.catalogue import Catalogue
 from rl_tui.tui.screens.help import HelpScreen
 from rl_tui.tui.screens.playground import Playground
 from rl_tui.tui.screenshot import settle
 from rl_tui.tui.widgets.facts import defaults, sizes
-from rl_tui.worlds.catalogue import find, shipped_folder
-from rl_tui.worlds.catalogue import scenarios as shipped
-from rl_tui.worlds.errors import UserError
-from rl_tui.worlds.streams import streams
+from rl_tui.worlds.files.catalogue import find, shipped_folder
+from rl_tui.worlds.files.catalogue import scenarios as shipped
 
 FAULTY = """
 title = "Nothing to do"
@@ -84,7 +84,7 @@ async def test_a_faulty_file_is_listed_with_its_faults(
     make_app: MakeApp, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     (tmp_path / "mine.toml").write_text(FAULTY)
-    monkeypatch.setattr("rl_tui.worlds.catalogue.user_folder", lambda: tmp_path)
+    monkeypatch.setattr("rl_tui.worlds.files.catalogue.user_folder", lambda: tmp_path)
     app = make_app()
     async with app.run_test(size=(120, 40), notifications=True) as pilot:
         await settle(pilot)
@@ -102,7 +102,7 @@ async def test_a_file_whose_defaults_are_out_of_range_counts_as_faulty(
 ) -> None:
     sound = (shipped_folder() / "student.toml").read_text(encoding="utf-8")
     (tmp_path / "mine.toml").write_text(sound.replace("gamma = 0.9", "gamma = 1.9"), encoding="utf-8")
-    monkeypatch.setattr("rl_tui.worlds.catalogue.user_folder", lambda: tmp_path)
+    monkeypatch.setattr("rl_tui.worlds.files.catalogue.user_folder", lambda: tmp_path)
     async with make_app().run_test(size=(120, 40)) as pilot:
         await settle(pilot)
         await pilot.press("end")

@@ -13,6 +13,7 @@ from test_playground import playground
 from textual.pilot import Pilot
 from textual.widgets import Input, OptionList, Static
 
+from rl_tui.common.errors import UserError
 from rl_tui.lab.commands import AddLane, ChooseLane, Command, DropLane
 from rl_tui.lab.library import recipe_for
 from rl_tui.lab.recipe import SetParameter, SwitchAlgorithm
@@ -21,8 +22,7 @@ from rl_tui.tui.screens.compare import Compare
 from rl_tui.tui.screens.lane_changes import lane_changes, what_may_differ
 from rl_tui.tui.screens.prompt import Prompt
 from rl_tui.tui.screenshot import settle
-from rl_tui.worlds.catalogue import find
-from rl_tui.worlds.errors import UserError
+from rl_tui.worlds.files.catalogue import find
 
 LAKE, ARMS = lake_world().space, bandit_world().space
 RECIPE = recipe_for(find("frozenlake-slippery"), {"alpha": 0.1, "epsilon": 0.1}, 0)

@@ -13,7 +13,7 @@ from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.lab.snapshot import Phase, Snapshot
 from rl_tui.tui.widgets.curve import ReturnCurve
 from rl_tui.tui.widgets.curve_data import curve_data
-from rl_tui.worlds.space import all_pairs
+from rl_tui.worlds.mdp.space import all_pairs
 from rl_tui.worlds.world import World
 
 # Words and figures

@@ -17,6 +17,7 @@ from textual.pilot import Pilot
 from textual.widgets import Input, OptionList, Static
 from textual.widgets._toast import Toast
 
+from rl_tui.common.errors import UserError
 from rl_tui.lab.commands import Train
 from rl_tui.lab.player import Player
 from rl_tui.lab.snapshot import Snapshot
@@ -25,7 +26,6 @@ from rl_tui.tui.display import Display
 from rl_tui.tui.screens.export_dialogs import AskNewFile, BrokenOffError, CommandLine, ExportChoice, Working
 from rl_tui.tui.screens.playground import Playground
 from rl_tui.tui.screenshot import settle
-from rl_tui.worlds.errors import UserError
 
 
 @pytest.fixture(autouse=True)

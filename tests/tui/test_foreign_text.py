@@ -11,6 +11,7 @@ from xml.etree import ElementTree
 import pytest
 from textual.pilot import Pilot
 
+from rl_tui.common.errors import UserError
 from rl_tui.lab.branches import FIRST
 from rl_tui.lab.export.recipe_line import recipe_line
 from rl_tui.lab.export.script import script
@@ -24,8 +25,7 @@ from rl_tui.lab.session import encoded
 from rl_tui.tui.app import RlTuiApp
 from rl_tui.tui.display import Display
 from rl_tui.tui.screenshot import settle
-from rl_tui.worlds.errors import UserError
-from rl_tui.worlds.scenario import Scenario, read_scenario
+from rl_tui.worlds.files.scenario import Scenario, read_scenario
 
 TITLE = r"[red]T[/] {0} %s $HOME \x1b[31m [@click=app.quit]"
 SUMMARY = r"[b]S[/b] {self} ${HOME} __class__ [/]"
@@ -48,7 +48,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         "to = {{ {THERE} = 0.5, {HERE} = 0.5 }}\n[[mdp.transition]]\nstate = {HERE}\naction = {STAY}\n"
         "reward = 0.0\nto = {{ {HERE} = 1.0 }}\n".format(**quoted)
     )
-    monkeypatch.setattr("rl_tui.worlds.catalogue.user_folder", lambda: tmp_path)
+    monkeypatch.setattr("rl_tui.worlds.files.catalogue.user_folder", lambda: tmp_path)
     return tmp_path
 
 

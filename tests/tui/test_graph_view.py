@@ -17,7 +17,7 @@ from rl_tui.tui.world_views.graph_shape import GraphShape, graph_shape, probabil
 from rl_tui.tui.world_views.routing import RIGHT, Box, Port, Sheet, route
 from rl_tui.tui.world_views.strokes import BOLD, THIN, Arms, joint
 from rl_tui.worlds.drawing import Graph
-from rl_tui.worlds.mdp import Outcome, TabularMDP, Transition, tabular_mdp
+from rl_tui.worlds.mdp.tabular_mdp import Outcome, TabularMDP, Transition, tabular_mdp
 from rl_tui.worlds.world import World
 
 CLASS, PHONE, PASS, SLEEP = range(4)

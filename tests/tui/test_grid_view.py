@@ -14,8 +14,8 @@ from rl_tui.tui.world_views.cell_rewards import cell_rewards
 from rl_tui.tui.world_views.grid import GridView
 from rl_tui.tui.world_views.grid_form import CellForm, cell_form
 from rl_tui.worlds.drawing import CellKind, Grid
-from rl_tui.worlds.grid_section import GridSection
-from rl_tui.worlds.space import FiniteSpace
+from rl_tui.worlds.grid.section import GridSection
+from rl_tui.worlds.mdp.space import FiniteSpace
 from rl_tui.worlds.world import World
 
 

@@ -8,6 +8,7 @@ import pytest
 from textual.pilot import Pilot
 from textual.widgets import Static
 
+from rl_tui.common.errors import UserError
 from rl_tui.lab.library import recipe_for
 from rl_tui.lab.player import Player
 from rl_tui.lab.snapshot import Phase
@@ -20,8 +21,7 @@ from rl_tui.tui.palette_entries import ActionProvider, palette_name
 from rl_tui.tui.screens.playground import Playground
 from rl_tui.tui.screenshot import settle
 from rl_tui.tui.widgets.key_line import fitting
-from rl_tui.worlds.catalogue import find
-from rl_tui.worlds.errors import UserError
+from rl_tui.worlds.files.catalogue import find
 
 FOR_THE_OWNER = {"save", "export", "delete_session", "suspend"}
 

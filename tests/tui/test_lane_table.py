@@ -11,7 +11,7 @@ from textual.geometry import Size
 from rl_tui.lab.snapshot import LaneView, Snapshot
 from rl_tui.tui.widgets.q_table import QTable
 from rl_tui.tui.widgets.q_table_layers import Figures, Layer
-from rl_tui.worlds.space import FloatArray
+from rl_tui.worlds.mdp.space import FloatArray
 
 
 def table_of(

@@ -10,10 +10,10 @@ from test_playground import playground, press, snapshot, train
 from textual.pilot import Pilot
 from textual.widgets import Input
 
+from rl_tui.common.errors import UserError
 from rl_tui.tui.screens.compare import Compare
 from rl_tui.tui.screenshot import settle
 from rl_tui.tui.widgets.slider import Slider
-from rl_tui.worlds.errors import UserError
 
 
 async def open_lane(pilot: Pilot[UserError], name: str, value: str) -> None:

@@ -15,7 +15,7 @@ from rl_tui.lab.snapshot import CellHistory, Phase, Snapshot
 from rl_tui.tui.widgets.microscope import Microscope, lit_sources
 from rl_tui.tui.widgets.q_table import QTable
 from rl_tui.worlds.drawing import Arms, Graph
-from rl_tui.worlds.mdp import Outcome, Transition, tabular_mdp
+from rl_tui.worlds.mdp.tabular_mdp import Outcome, Transition, tabular_mdp
 from rl_tui.worlds.world import World
 
 NARROW, WIDE = 40, 118

@@ -8,6 +8,7 @@ from test_playground import playground, press, snapshot, train
 from textual.events import MouseScrollDown
 from textual.pilot import Pilot
 
+from rl_tui.common.errors import UserError
 from rl_tui.lab.backup import sources
 from rl_tui.lab.commands import Apply, StepBack
 from rl_tui.lab.recipe import SwitchAlgorithm
@@ -16,7 +17,6 @@ from rl_tui.tui.screens.board import Board
 from rl_tui.tui.screenshot import settle
 from rl_tui.tui.widgets.microscope import Microscope
 from rl_tui.tui.widgets.slider import Slider
-from rl_tui.worlds.errors import UserError
 
 
 def board(pilot: Pilot[UserError]) -> Board:

@@ -10,7 +10,7 @@ from textual.app import App, ComposeResult
 from rl_tui.lab.snapshot import Snapshot
 from rl_tui.tui.widgets import names
 from rl_tui.tui.widgets.model import ModelPanel
-from rl_tui.worlds.catalogue import find
+from rl_tui.worlds.files.catalogue import find
 
 
 def panel(snapshot: Snapshot | None, pair: int | None = None, *, ascii: bool = False) -> ModelPanel:  # noqa: A002

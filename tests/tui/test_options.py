@@ -11,6 +11,7 @@ from textual.widgets import Input, OptionList
 
 from rl_tui.agents.catalogue import ACTION_RULES, ALGORITHMS, BY_ID
 from rl_tui.agents.hyperparameters import Hyperparameters
+from rl_tui.common.errors import UserError
 from rl_tui.lab.library import recipe_for
 from rl_tui.lab.snapshot import Phase
 from rl_tui.tui.screens.choice import Choice, algorithm_choice, policy_choice
@@ -21,9 +22,8 @@ from rl_tui.tui.screenshot import settle
 from rl_tui.tui.theme.glyphs import ASCII, UNICODE
 from rl_tui.tui.widgets.slider import Slider
 from rl_tui.tui.widgets.status_line import StatusLine
-from rl_tui.worlds.catalogue import find
-from rl_tui.worlds.errors import UserError
-from rl_tui.worlds.space import all_pairs
+from rl_tui.worlds.files.catalogue import find
+from rl_tui.worlds.mdp.space import all_pairs
 
 
 async def choose(pilot: Pilot[UserError], id: str) -> None:  # noqa: A002

@@ -5,6 +5,7 @@ from conftest import MakeApp
 from textual.pilot import Pilot
 from textual.widgets._toast import Toast
 
+from rl_tui.common.errors import UserError
 from rl_tui.lab.commands import Train
 from rl_tui.lab.snapshot import Phase, Snapshot
 from rl_tui.tui.app import RlTuiApp
@@ -14,8 +15,7 @@ from rl_tui.tui.screens.playground import Playground
 from rl_tui.tui.screenshot import settle
 from rl_tui.tui.widgets.q_table import QTable
 from rl_tui.tui.widgets.slider import Slider
-from rl_tui.worlds.catalogue import scenarios
-from rl_tui.worlds.errors import UserError
+from rl_tui.worlds.files.catalogue import scenarios
 
 
 def playground(pilot: Pilot[UserError]) -> Playground:

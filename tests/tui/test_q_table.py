@@ -14,7 +14,7 @@ from rl_tui.lab.snapshot import Phase, Snapshot
 from rl_tui.tui.widgets.q_table import COMPUTING, FOLLOWS
 from rl_tui.tui.widgets.q_table_layers import Figures, Layer
 from rl_tui.worlds.drawing import Graph
-from rl_tui.worlds.mdp import Outcome, Transition, tabular_mdp
+from rl_tui.worlds.mdp.tabular_mdp import Outcome, Transition, tabular_mdp
 from rl_tui.worlds.world import World
 
 

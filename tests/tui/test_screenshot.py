@@ -2,12 +2,12 @@ from __future__ import annotations
 
 import pytest
 
+from rl_tui.common.errors import UserError
 from rl_tui.lab.library import recipe_for
 from rl_tui.lab.recipe import Recipe
 from rl_tui.tui.display import Colours, Display
 from rl_tui.tui.screenshot import screenshot
-from rl_tui.worlds.catalogue import find
-from rl_tui.worlds.errors import UserError
+from rl_tui.worlds.files.catalogue import find
 
 
 def recipe(name: str) -> Recipe:

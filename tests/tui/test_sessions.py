@@ -13,6 +13,7 @@ from rich.console import Console
 from textual.pilot import Pilot
 from textual.widgets import Input, OptionList, Static
 
+from rl_tui.common.errors import UserError
 from rl_tui.lab.autosave import untouched
 from rl_tui.lab.branches import FIRST
 from rl_tui.lab.library import find, recipe_for
@@ -33,7 +34,6 @@ from rl_tui.tui.theme.look import Look
 from rl_tui.tui.theme.palette import palette_for
 from rl_tui.tui.widgets.session_list import SessionList
 from rl_tui.tui.widgets.session_text import SessionRow, long_age, session_facts, short_age
-from rl_tui.worlds.errors import UserError
 
 MakeSessionApp = Callable[..., RlTuiApp]
 NOW = datetime(2026, 3, 4, 12, 0, tzinfo=UTC)

@@ -9,6 +9,7 @@ from conftest import MakeApp
 from textual.pilot import Pilot
 from textual.widgets import Input, OptionList, Static
 
+from rl_tui.common.errors import UserError
 from rl_tui.lab.commands import ClearBreakpoints, Command, RunUntil, ToggleBreakpoint, Train
 from rl_tui.lab.snapshot import Phase, Snapshot
 from rl_tui.lab.until import Event, Until
@@ -17,7 +18,6 @@ from rl_tui.tui.screens.playground import Playground
 from rl_tui.tui.screens.prompt import Prompt
 from rl_tui.tui.screens.until import UntilChoice
 from rl_tui.tui.screenshot import settle
-from rl_tui.worlds.errors import UserError
 
 ASKED = (RunUntil, ToggleBreakpoint, ClearBreakpoints)
 

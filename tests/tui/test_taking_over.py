@@ -9,6 +9,7 @@ from conftest import MakeApp
 from test_stopping import notices, playground, press
 from textual.pilot import Pilot
 
+from rl_tui.common.errors import UserError
 from rl_tui.lab.commands import Command, GoTo, RunEpisode, Step, Take, Train
 from rl_tui.lab.recipe import JournalEntry, TakeAction
 from rl_tui.lab.snapshot import Phase
@@ -19,7 +20,6 @@ from rl_tui.tui.screenshot import settle
 from rl_tui.tui.widgets.key_line import KeyLine
 from rl_tui.tui.widgets.slider import Slider
 from rl_tui.tui.widgets.status_line import StatusLine
-from rl_tui.worlds.errors import UserError
 
 LEFT, DOWN, RIGHT, UP = range(4)
 

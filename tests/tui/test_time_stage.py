@@ -10,6 +10,7 @@ from test_playground import playground, snapshot
 from textual.pilot import Pilot
 from textual.widgets import Input
 
+from rl_tui.common.errors import UserError
 from rl_tui.lab.branches import Branch
 from rl_tui.lab.commands import Apply, ChooseBranch, Command, EpisodeBack, GoTo, LookAt, Restart, StepBack
 from rl_tui.lab.recipe import JournalEntry, SetParameter
@@ -17,7 +18,6 @@ from rl_tui.lab.snapshot import Phase, Snapshot, Timeline
 from rl_tui.tui.screens.prompt import Prompt
 from rl_tui.tui.screenshot import settle
 from rl_tui.tui.widgets.slider import Slider
-from rl_tui.worlds.errors import UserError
 
 JOURNAL = (JournalEntry(40, SetParameter("alpha", 0.5)),)
 

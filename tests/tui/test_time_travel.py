@@ -8,6 +8,7 @@ from test_playground import playground, press, snapshot, train
 from textual.pilot import Pilot
 from textual.widget import Widget
 
+from rl_tui.common.errors import UserError
 from rl_tui.lab.snapshot import Phase, Snapshot
 from rl_tui.tui.screenshot import settle
 from rl_tui.tui.widgets.curve import ReturnCurve
@@ -17,7 +18,6 @@ from rl_tui.tui.widgets.slider import Slider
 from rl_tui.tui.world_views import world_view
 from rl_tui.tui.world_views.arms import ArmsView
 from rl_tui.tui.world_views.arms_scale import NO_SCALE
-from rl_tui.worlds.errors import UserError
 
 Moment = tuple[str, ...]
 """What the panels say, and the bits behind it."""

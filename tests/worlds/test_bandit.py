@@ -8,11 +8,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from rl_tui.worlds.catalogue import find
-from rl_tui.worlds.errors import ScenarioError
-from rl_tui.worlds.mdp import TabularMDP
-from rl_tui.worlds.scenario import read_scenario
-from rl_tui.worlds.streams import streams
+from rl_tui.common.errors import ScenarioError
+from rl_tui.common.streams import streams
+from rl_tui.worlds.files.catalogue import find
+from rl_tui.worlds.files.scenario import read_scenario
+from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
 Read = Callable[[str], TabularMDP]
 

@@ -12,10 +12,10 @@ from gymnasium.envs.toy_text import blackjack as game
 from scipy.stats import chi2
 
 from rl_tui.agents.planning import solve
-from rl_tui.worlds.blackjack import CARDS, Hand, _dealer_showing
 from rl_tui.worlds.drawing import CellKind
-from rl_tui.worlds.gymnasium_section import GymnasiumSection
-from rl_tui.worlds.mdp import TabularMDP
+from rl_tui.worlds.gym.section import GymnasiumSection
+from rl_tui.worlds.gym.tables.blackjack import CARDS, Hand, _dealer_showing
+from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
 STICK, HIT = 0, 1
 RULES = [{}, {"sab": False, "natural": True}, {"sab": False, "natural": False}]

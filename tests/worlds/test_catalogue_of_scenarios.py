@@ -7,8 +7,8 @@ import sys
 
 import pytest
 
-from rl_tui.worlds import catalogue
-from rl_tui.worlds.errors import ScenarioError, UserError
+from rl_tui.common.errors import ScenarioError, UserError
+from rl_tui.worlds.files import catalogue
 
 SHIPPED = [
     "bandit",
@@ -136,7 +136,7 @@ def test_unknown_names_get_near_ones(name, message):
 
 def test_reading_the_catalogue_loads_nothing_slow():
     code = (
-        "import sys; from rl_tui.worlds.catalogue import scenarios; scenarios(); "
+        "import sys; from rl_tui.worlds.files.catalogue import scenarios; scenarios(); "
         "print(sorted({'gymnasium', 'numba', 'scipy', 'textual', 'rich', 'click'} & set(sys.modules)))"
     )
     result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)

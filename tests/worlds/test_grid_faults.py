@@ -9,10 +9,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from rl_tui.worlds.errors import ScenarioError
-from rl_tui.worlds.grid_section import GridSection
-from rl_tui.worlds.scenario import read_scenario
-from rl_tui.worlds.schema import parsed
+from rl_tui.common.errors import ScenarioError
+from rl_tui.worlds.files.scenario import read_scenario
+from rl_tui.worlds.files.schema import parsed
+from rl_tui.worlds.grid.section import GridSection
 
 MAP = 'map = """\nS..#\n.#.G\n"""\n'
 

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from rl_tui.agents.planning import solve
-from rl_tui.worlds.catalogue import find
 from rl_tui.worlds.drawing import CellKind
-from rl_tui.worlds.grid_section import GridSection
-from rl_tui.worlds.toy_text import world_of
+from rl_tui.worlds.files.catalogue import find
+from rl_tui.worlds.grid.section import GridSection
+from rl_tui.worlds.gym.tables.toy_text import world_of
 
 LAKES = {
     "4x4": ["SFFF", "FHFH", "FFFH", "HFFG"],

@@ -10,7 +10,7 @@ from grid_model import GridModel
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from rl_tui.worlds.grid_section import GridSection
+from rl_tui.worlds.grid.section import GridSection
 
 LETTERS = "....S#HG<>^vAXCT"
 

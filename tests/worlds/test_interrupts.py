@@ -8,8 +8,8 @@ from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 
-from rl_tui.worlds import interrupts
-from rl_tui.worlds.interrupts import is_interrupt, note_interrupts
+from rl_tui.common import interrupts
+from rl_tui.common.interrupts import is_interrupt, note_interrupts
 
 
 @pytest.fixture(autouse=True)

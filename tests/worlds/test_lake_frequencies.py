@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from scipy.special import chdtrc
 
-from rl_tui.worlds.catalogue import find
+from rl_tui.worlds.files.catalogue import find
 
 STEPS_A_PAIR = 300
 LEAST_PLAUSIBLE = 0.001

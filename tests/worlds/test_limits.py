@@ -12,10 +12,10 @@ import numpy as np
 import pytest
 from gymnasium import spaces
 
-from rl_tui.worlds import limits
-from rl_tui.worlds.errors import ScenarioError
-from rl_tui.worlds.limits import LARGEST_FILE, MOST_FAULTS
-from rl_tui.worlds.scenario import read_scenario
+from rl_tui.common import limits
+from rl_tui.common.errors import ScenarioError
+from rl_tui.common.limits import LARGEST_FILE, MOST_FAULTS
+from rl_tui.worlds.files.scenario import read_scenario
 
 BINS = '[gymnasium]\nid = "CartPole-v1"\nbins = '
 LAKE = '[gymnasium]\nid = "FrozenLake-v1"\nkwargs = '

@@ -7,8 +7,8 @@ import pickle
 import numpy as np
 import pytest
 
-from rl_tui.worlds.errors import ScenarioError
-from rl_tui.worlds.scenario import read_scenario
+from rl_tui.common.errors import ScenarioError
+from rl_tui.worlds.files.scenario import read_scenario
 
 BIASED = """
 [mdp]

@@ -7,12 +7,12 @@ from pathlib import Path
 
 import pytest
 
-from rl_tui.worlds import modules
-from rl_tui.worlds.catalogue import find
-from rl_tui.worlds.errors import ScenarioError, UserError
-from rl_tui.worlds.modules import allow_module
-from rl_tui.worlds.scenario import read_scenario, scenario_of
-from rl_tui.worlds.streams import streams
+from rl_tui.common.errors import ScenarioError, UserError
+from rl_tui.common.streams import streams
+from rl_tui.worlds.files.catalogue import find
+from rl_tui.worlds.files.scenario import read_scenario, scenario_of
+from rl_tui.worlds.gym import modules
+from rl_tui.worlds.gym.modules import allow_module
 
 MODULE = "foreign_environments"
 CODE = """

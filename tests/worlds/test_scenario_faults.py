@@ -8,9 +8,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from rl_tui.worlds.catalogue import shipped_folder
-from rl_tui.worlds.errors import ScenarioError
-from rl_tui.worlds.scenario import read_scenario
+from rl_tui.common.errors import ScenarioError
+from rl_tui.worlds.files.catalogue import shipped_folder
+from rl_tui.worlds.files.scenario import read_scenario
 
 STUDENT = (shipped_folder() / "student.toml").read_text(encoding="utf-8")
 BANDIT = "[bandit]\narms = 3\n"

@@ -8,10 +8,10 @@ import pickle
 import numpy as np
 import pytest
 
-from rl_tui.worlds.catalogue import find
+from rl_tui.common.streams import streams
 from rl_tui.worlds.drawing import Arms, Graph
-from rl_tui.worlds.scenario import read_scenario
-from rl_tui.worlds.streams import streams
+from rl_tui.worlds.files.catalogue import find
+from rl_tui.worlds.files.scenario import read_scenario
 
 
 @pytest.fixture

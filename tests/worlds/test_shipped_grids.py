@@ -9,8 +9,8 @@ from rl_tui.agents.planning import solve
 from rl_tui.agents.solution import Solution
 from rl_tui.lab.library import recipe_for
 from rl_tui.lab.run import Run
-from rl_tui.worlds.catalogue import find, shipped_folder
-from rl_tui.worlds.scenario import read_scenario
+from rl_tui.worlds.files.catalogue import find, shipped_folder
+from rl_tui.worlds.files.scenario import read_scenario
 from rl_tui.worlds.world import World
 
 NAMES = (

@@ -15,12 +15,12 @@ import numpy as np
 import pytest
 from gymnasium import spaces
 
-from rl_tui.worlds import asking
-from rl_tui.worlds.asking import ASKING, unanswered
-from rl_tui.worlds.environment import EnvironmentFailedError, Stepped
-from rl_tui.worlds.gymnasium_section import GymnasiumSection
-from rl_tui.worlds.stepped import SteppedEnvironment, stepped_world
-from rl_tui.worlds.world_section import WorldRefusedError
+from rl_tui.worlds.files.world_section import WorldRefusedError
+from rl_tui.worlds.gym import env_call as asking
+from rl_tui.worlds.gym.env_call import ASKING, unanswered
+from rl_tui.worlds.gym.section import GymnasiumSection
+from rl_tui.worlds.gym.stepped.environment import EnvironmentFailedError, Stepped
+from rl_tui.worlds.gym.stepped.tabular_environment import SteppedEnvironment, stepped_world
 
 
 class Told(gymnasium.Env[Any, Any]):

@@ -9,8 +9,8 @@ import pytest
 from gymnasium import spaces
 
 from rl_tui.worlds.drawing import CellKind
-from rl_tui.worlds.stepped_drawing import product_grid
-from rl_tui.worlds.stepped_states import OutsideError, ProductNames, discrete_states
+from rl_tui.worlds.gym.stepped.drawing import product_grid
+from rl_tui.worlds.gym.stepped.states import OutsideError, ProductNames, discrete_states
 
 
 @pytest.mark.parametrize(

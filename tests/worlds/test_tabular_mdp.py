@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from rl_tui.worlds.mdp import Outcome, TabularMDP, Transition, cumulative_inside, tabular_mdp
+from rl_tui.worlds.mdp.tabular_mdp import Outcome, TabularMDP, Transition, cumulative_inside, tabular_mdp
 
 ARRAYS = [field.name for field in dataclasses.fields(TabularMDP) if field.type.endswith("Array")]
 

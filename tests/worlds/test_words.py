@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import pytest
 
-from rl_tui.worlds.words import counted, lasting, short_count
+from rl_tui.common.words import counted, lasting, short_count
 
 
 def test_one_is_singular_and_thousands_have_commas() -> None:

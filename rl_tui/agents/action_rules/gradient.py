@@ -11,7 +11,7 @@ from numpy.random import Generator
 from rl_tui.agents.action_rules.family import best_value, choose, expectation, reinforce
 from rl_tui.agents.compiled import member_of
 from rl_tui.agents.hyperparameters import Hyperparameters
-from rl_tui.worlds.space import FiniteSpace, FloatArray, IntArray
+from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray, IntArray
 
 
 class Rule(NamedTuple):

@@ -10,7 +10,7 @@ from rl_tui.agents.algorithms.family import Update, further
 from rl_tui.agents.compiled import compiled, inlined
 from rl_tui.agents.settings import Settings
 from rl_tui.agents.tables import Tables, landing, outcomes_of, pairs_of
-from rl_tui.worlds.space import FloatArray, IntArray
+from rl_tui.worlds.mdp.space import FloatArray, IntArray
 
 ANY = -1
 

@@ -17,7 +17,7 @@ from rl_tui.agents.algorithms.model import THE_END, UNKNOWN, modelled_value
 from rl_tui.agents.compiled import compiled, member_of
 from rl_tui.agents.settings import Settings, step_size
 from rl_tui.agents.tables import Tables
-from rl_tui.worlds.space import FiniteSpace, FloatArray, IntArray
+from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray, IntArray
 
 
 class Memory(NamedTuple):

@@ -10,7 +10,7 @@ from typing import Final
 from rl_tui.agents.action_rules.family import best_value
 from rl_tui.agents.compiled import compiled
 from rl_tui.agents.tables import Tables, pairs_of
-from rl_tui.worlds.space import FloatArray
+from rl_tui.worlds.mdp.space import FloatArray
 
 # In place of the state that a pair leads to
 UNKNOWN: Final = -1

@@ -12,7 +12,7 @@ from rl_tui.agents.algorithms.family import Transition, Update, further, has_roo
 from rl_tui.agents.compiled import member_of
 from rl_tui.agents.settings import Settings, step_size
 from rl_tui.agents.tables import Tables, pairs_of
-from rl_tui.worlds.space import FiniteSpace, FloatArray, IntArray
+from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray, IntArray
 
 MOST_REMEMBERED: Final = 1_000_000
 

@@ -13,7 +13,7 @@ from rl_tui.agents.compiled import inlined, member_of
 from rl_tui.agents.hyperparameters import MOST_STEPS
 from rl_tui.agents.settings import Settings, step_size
 from rl_tui.agents.tables import Tables
-from rl_tui.worlds.space import FiniteSpace, FloatArray, IntArray
+from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray, IntArray
 
 _ROOM: Final = MOST_STEPS + 1
 

@@ -11,7 +11,7 @@ from rl_tui.agents.action_rules.family import choose
 from rl_tui.agents.algorithms.family import Transition
 from rl_tui.agents.compiled import inlined
 from rl_tui.agents.tables import Tables, pairs_of
-from rl_tui.worlds.space import FloatArray, IntArray
+from rl_tui.worlds.mdp.space import FloatArray, IntArray
 
 NO_PAIR = -1
 

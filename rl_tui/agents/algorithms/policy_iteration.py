@@ -26,8 +26,8 @@ from rl_tui.agents.algorithms.family import Update, back_up, has_converged
 from rl_tui.agents.compiled import compiled, member_of
 from rl_tui.agents.settings import Settings
 from rl_tui.agents.tables import Tables, pairs_of
-from rl_tui.worlds.space import FiniteSpace, FloatArray, IntArray
-from rl_tui.worlds.words import counted
+from rl_tui.common.words import counted
+from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray, IntArray
 
 # Of the best value, or of 1 where that is less: nearer ones are equally good
 TIE: Final = 1e-9

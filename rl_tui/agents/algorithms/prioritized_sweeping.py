@@ -27,7 +27,7 @@ from rl_tui.agents.algorithms.priority_queue import Queue, dequeue, empty_queue,
 from rl_tui.agents.compiled import compiled, inlined, member_of
 from rl_tui.agents.settings import Settings, step_size
 from rl_tui.agents.tables import Tables, state_of
-from rl_tui.worlds.space import FiniteSpace, FloatArray, IntArray
+from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray, IntArray
 
 NONE = -1
 

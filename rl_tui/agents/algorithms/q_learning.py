@@ -11,7 +11,7 @@ from rl_tui.agents.algorithms.family import Transition, Update, learn, one_updat
 from rl_tui.agents.compiled import member_of
 from rl_tui.agents.settings import Settings, step_size
 from rl_tui.agents.tables import Tables, pairs_of
-from rl_tui.worlds.space import FiniteSpace, FloatArray, IntArray
+from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray, IntArray
 
 
 class Memory(NamedTuple):

@@ -12,7 +12,7 @@ from rl_tui.agents.algorithms.next_action import NO_PAIR, nothing_chosen
 from rl_tui.agents.compiled import member_of
 from rl_tui.agents.settings import Settings, step_size
 from rl_tui.agents.tables import Tables, pairs_of
-from rl_tui.worlds.space import FiniteSpace, FloatArray, IntArray
+from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray, IntArray
 
 
 class Memory(NamedTuple):

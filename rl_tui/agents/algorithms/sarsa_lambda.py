@@ -12,7 +12,7 @@ from rl_tui.agents.algorithms.traces import TracedMemory, no_traces, teach
 from rl_tui.agents.compiled import compiled, member_of
 from rl_tui.agents.settings import Settings
 from rl_tui.agents.tables import Tables
-from rl_tui.worlds.space import FiniteSpace, FloatArray, IntArray
+from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray, IntArray
 
 
 class Memory(TracedMemory):

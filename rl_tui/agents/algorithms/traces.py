@@ -13,7 +13,7 @@ from rl_tui.agents.algorithms.family import Update, further
 from rl_tui.agents.algorithms.next_action import nothing_chosen
 from rl_tui.agents.compiled import inlined
 from rl_tui.agents.settings import Settings, step_size
-from rl_tui.worlds.space import FiniteSpace, FloatArray, IntArray
+from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray, IntArray
 
 # Below this a trace is dropped: else every step would go on moving all pairs of a long episode, by amounts
 # that no digit shows.

@@ -23,7 +23,7 @@ from rl_tui.agents.algorithms.family import Update, back_up, has_converged
 from rl_tui.agents.compiled import member_of
 from rl_tui.agents.settings import Settings
 from rl_tui.agents.tables import Tables
-from rl_tui.worlds.space import FiniteSpace, FloatArray, IntArray
+from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray, IntArray
 
 
 class Memory(NamedTuple):

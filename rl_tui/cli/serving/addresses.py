@@ -15,7 +15,7 @@ from ipaddress import ip_address
 from typing import Final
 from urllib.parse import urlsplit
 
-from rl_tui.worlds.errors import UserError
+from rl_tui.common.errors import UserError
 
 _THIS_MACHINE: Final = ("localhost", "127.0.0.1", "::1")
 

@@ -16,7 +16,7 @@ from contextlib import suppress
 from typing import Final
 
 from rl_tui.cli.screen import IN_BROWSER
-from rl_tui.worlds.kiosk import VARIABLE
+from rl_tui.common.kiosk import VARIABLE
 
 LARGEST_SIZE: Final = (400, 150)
 SMALLEST_SIZE: Final = (1, 1)

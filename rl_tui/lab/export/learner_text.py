@@ -8,7 +8,7 @@ from rl_tui.lab.export.pieces import BEGIN_WORLD, argmax, report, template
 from rl_tui.lab.export.settings_text import Told
 from rl_tui.lab.export.template import fill
 from rl_tui.lab.export.worlds.text import WorldText
-from rl_tui.worlds.space import FiniteSpace
+from rl_tui.worlds.mdp.space import FiniteSpace
 
 _END_OF_TIME: Final = "# An episode that is only cut off would have gone on: it is not worth 0 from here"
 _CUT_OFF: Final = "G = 0.0 if terminated else expected_value(state)  # what is cut off would have gone on"

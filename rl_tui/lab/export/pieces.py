@@ -5,10 +5,10 @@ from __future__ import annotations
 from importlib import import_module
 from typing import Any, Final
 
+from rl_tui.common.errors import UserError
 from rl_tui.lab.export.settings_text import Told
 from rl_tui.lab.export.template import fill
 from rl_tui.lab.export.worlds.text import WorldText
-from rl_tui.worlds.errors import UserError
 
 BEGIN_WORLD: Final = "env.reset(seed=SEED)  # the randomness of the world"
 _RANDOM_TIES: Final = """def argmax(values):

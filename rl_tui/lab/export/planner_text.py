@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import Final
 
+from rl_tui.common.errors import UserError
 from rl_tui.lab.export.pieces import BEGIN_WORLD, argmax, report, template
 from rl_tui.lab.export.settings_text import Told
 from rl_tui.lab.export.template import fill
 from rl_tui.lab.export.worlds.text import WorldText
-from rl_tui.worlds.errors import UserError
 
 _LOOK_AHEAD: Final = """
 def look_ahead(state, action):

@@ -8,16 +8,16 @@ from pathlib import Path
 from typing import Final
 
 from rl_tui.agents.hyperparameters import PARAMETERS
+from rl_tui.common.errors import UserError
 from rl_tui.lab.changes import written_change, written_value
 from rl_tui.lab.library import recipe_for, without_effect
 from rl_tui.lab.recipe import JournalEntry, Recipe, SetParameter, SwitchAlgorithm, TakeAction
-from rl_tui.worlds import catalogue
-from rl_tui.worlds.errors import UserError
-from rl_tui.worlds.gymnasium_ids import PREFIX
-from rl_tui.worlds.gymnasium_section import GymnasiumSection
-from rl_tui.worlds.modules import OPTION, module_of
-from rl_tui.worlds.scenario import Scenario
-from rl_tui.worlds.toml_file import UnreadableError, read_text
+from rl_tui.worlds.files import catalogue
+from rl_tui.worlds.files.scenario import Scenario
+from rl_tui.worlds.files.toml_file import UnreadableError, read_text
+from rl_tui.worlds.gym.ids import PREFIX
+from rl_tui.worlds.gym.modules import OPTION, module_of
+from rl_tui.worlds.gym.section import GymnasiumSection
 
 MOST_CHANGES: Final = 200
 

@@ -11,13 +11,13 @@ from typing import TYPE_CHECKING, Final
 
 from rl_tui.agents.catalogue import BY_ID, RULE_BY_ID
 from rl_tui.agents.compatibility import check_compatible
+from rl_tui.common.errors import UserError
 from rl_tui.lab.export.learner_text import learner_text
 from rl_tui.lab.export.literals import WIDEST
 from rl_tui.lab.export.planner_text import planner_text
 from rl_tui.lab.export.settings_text import Told
 from rl_tui.lab.export.worlds.text import WorldText
 from rl_tui.lab.recipe import Recipe, begin
-from rl_tui.worlds.errors import UserError
 
 if TYPE_CHECKING:
     from rl_tui.worlds.world import World
@@ -75,14 +75,14 @@ def _ends_in_body(part: str) -> bool:
 
 
 def _world_text(recipe: Recipe, world: World) -> WorldText:
+    from rl_tui.common.streams import streams
     from rl_tui.lab.export.worlds.bandit_text import bandit_text
     from rl_tui.lab.export.worlds.grid_text import grid_text
     from rl_tui.lab.export.worlds.gymnasium_text import gymnasium_text
     from rl_tui.lab.export.worlds.table_text import table_text
-    from rl_tui.worlds.bandit import BanditSection
-    from rl_tui.worlds.grid_section import GridSection
-    from rl_tui.worlds.gymnasium_section import GymnasiumSection
-    from rl_tui.worlds.streams import streams
+    from rl_tui.worlds.files.bandit_section import BanditSection
+    from rl_tui.worlds.grid.section import GridSection
+    from rl_tui.worlds.gym.section import GymnasiumSection
 
     section = recipe.scenario.section
     if isinstance(section, GymnasiumSection):

@@ -8,6 +8,7 @@ from dataclasses import replace
 from rl_tui.agents.catalogue import BY_ID, RULE_BY_ID, parameters_of
 from rl_tui.agents.compatibility import check_compatible
 from rl_tui.agents.hyperparameters import PARAMETERS, SAMPLE_AVERAGE, Hyperparameters
+from rl_tui.common.errors import UserError
 from rl_tui.lab.commands import Apply, Command
 from rl_tui.lab.recipe import Recipe, SetParameter, SwitchAlgorithm
 from rl_tui.lab.snapshot import Snapshot
@@ -18,7 +19,6 @@ from rl_tui.tui.screens.prompt import Prompt
 from rl_tui.tui.screens.questions import ask_number, ask_seed
 from rl_tui.tui.screens.stage import Stage
 from rl_tui.tui.theme.look import Look
-from rl_tui.worlds.errors import UserError
 
 Told = tuple[str, float | str]
 """The name of a hyper-parameter and the value it gets."""

@@ -22,6 +22,9 @@ from textual.widgets import OptionList, Static
 from textual.widgets.option_list import Option
 from textual.worker import WorkerCancelled
 
+from rl_tui.common.errors import ScenarioError, UserError
+from rl_tui.common.findings import one_line
+from rl_tui.common.streams import streams
 from rl_tui.lab.library import read_catalogue, recipe_for
 from rl_tui.lab.recipe import Recipe
 from rl_tui.lab.session import SessionError, StoredSession
@@ -36,10 +39,7 @@ from rl_tui.tui.widgets.session_list import SessionList
 from rl_tui.tui.widgets.session_text import session_facts, session_fault
 from rl_tui.tui.written import separated, written
 from rl_tui.worlds.drawing import Arms, Grid
-from rl_tui.worlds.errors import ScenarioError, UserError
-from rl_tui.worlds.findings import one_line
-from rl_tui.worlds.scenario import Scenario
-from rl_tui.worlds.streams import streams
+from rl_tui.worlds.files.scenario import Scenario
 from rl_tui.worlds.world import World
 
 _SEED = 0

@@ -15,12 +15,12 @@ from textual.widgets.option_list import Option
 from rl_tui.agents.catalogue import ACTION_RULES, ALGORITHMS
 from rl_tui.agents.compatibility import check_compatible
 from rl_tui.agents.hyperparameters import PARAMETERS, SAMPLE_AVERAGE, Hyperparameters
+from rl_tui.common.errors import UserError
 from rl_tui.lab.recipe import Recipe
 from rl_tui.tui.screens.dialog import Dialog
 from rl_tui.tui.theme.glyphs import Glyphs
 from rl_tui.tui.written import written
-from rl_tui.worlds.errors import UserError
-from rl_tui.worlds.space import FiniteSpace
+from rl_tui.worlds.mdp.space import FiniteSpace
 
 
 @dataclass(frozen=True, slots=True)

@@ -14,13 +14,13 @@ from textual.content import Content
 from textual.widgets import OptionList, Static
 from textual.widgets.option_list import Option
 
+from rl_tui.common.errors import UserError
 from rl_tui.lab.export.files import new_path
 from rl_tui.lab.training import OnProgress
 from rl_tui.tui.screens.dialog import Dialog
 from rl_tui.tui.screens.prompt import Prompt
 from rl_tui.tui.theme.glyphs import Glyphs
 from rl_tui.tui.written import written
-from rl_tui.worlds.errors import UserError
 
 COMMAND, SCRIPT, Q_CSV, Q_ARRAY, RETURNS, PICTURE = "command", "script", "q-csv", "q-npy", "returns", "svg"
 _SECRET: Final = "Careful: the true means of the arms are written in it."

@@ -7,6 +7,7 @@ from functools import partial
 from pathlib import Path
 
 from rl_tui.agents.catalogue import BY_ID
+from rl_tui.common.errors import UserError
 from rl_tui.lab.export.files import free_name, write_text
 from rl_tui.lab.export.recipe_line import entries_until, recipe_line
 from rl_tui.lab.library import episodes_of
@@ -16,8 +17,7 @@ from rl_tui.lab.training import OnProgress, no_progress
 from rl_tui.tui.screens import export_dialogs as dialogs
 from rl_tui.tui.screens.agent_stage import AgentStage
 from rl_tui.worlds.drawing import Arms
-from rl_tui.worlds.errors import UserError
-from rl_tui.worlds.space import FloatArray, IntArray
+from rl_tui.worlds.mdp.space import FloatArray, IntArray
 
 Write = Callable[[Path], None]
 SlowWrite = Callable[[Path, OnProgress], None]

@@ -12,13 +12,13 @@ from textual.content import Content
 from textual.widgets import OptionList, Static
 from textual.widgets.option_list import Option
 
+from rl_tui.common.words import counted
 from rl_tui.lab.snapshot import Snapshot
 from rl_tui.tui.screens.dialog import Dialog
 from rl_tui.tui.theme.look import Look
 from rl_tui.tui.widgets.journal_text import JournalLine, journal_lines
 from rl_tui.tui.written import written
 from rl_tui.worlds.drawing import Arms
-from rl_tui.worlds.words import counted
 
 HOW_TO_BRANCH = "To make another branch, go back with b or B and change something."
 NO_CHANGE = "Nothing was changed in this branch."

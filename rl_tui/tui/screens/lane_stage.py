@@ -7,6 +7,7 @@ from dataclasses import replace
 
 from rl_tui.agents.catalogue import BY_ID
 from rl_tui.agents.hyperparameters import PARAMETERS
+from rl_tui.common.errors import UserError
 from rl_tui.lab.commands import AddLane, ChooseLane, DropLane
 from rl_tui.lab.recipe import Recipe
 from rl_tui.lab.snapshot import LaneView, Snapshot
@@ -16,7 +17,6 @@ from rl_tui.tui.screens.compare import Answer, Compare
 from rl_tui.tui.screens.lane_changes import ALGORITHM, lane_changes
 from rl_tui.tui.screens.questions import ask_number
 from rl_tui.worlds.drawing import Arms
-from rl_tui.worlds.errors import UserError
 
 
 class LaneStage(AgentStage):

@@ -11,6 +11,7 @@ from textual.binding import BindingType
 from textual.message import Message
 from textual.widget import Widget
 
+from rl_tui.common.errors import UserError
 from rl_tui.lab.commands import LOOKING, Command, LookAt, Pause, Play, Restart, RunEpisode, SetSpeed, Step
 from rl_tui.lab.player import START_SPEED, Player
 from rl_tui.lab.recipe import Recipe
@@ -36,7 +37,6 @@ from rl_tui.tui.theme.look import Look
 from rl_tui.tui.widgets.slider import Slider
 from rl_tui.tui.widgets.status_line import StatusLine
 from rl_tui.worlds.drawing import Arms
-from rl_tui.worlds.errors import UserError
 
 _MOST_PICTURES: Final = 100  # until a picture that shows what was asked for
 _UNTIL_SEEN = 3600.0

@@ -10,6 +10,7 @@ from threading import Thread
 
 from textual.message import Message
 
+from rl_tui.common.errors import UserError
 from rl_tui.lab.record import Record
 from rl_tui.lab.session import SessionError, StoredSession
 from rl_tui.lab.session_folder import files_in, remove, sessions_in
@@ -17,7 +18,6 @@ from rl_tui.tui.screens.confirm import Confirm
 from rl_tui.tui.screens.stage import Stage
 from rl_tui.tui.theme.look import Look
 from rl_tui.tui.widgets.session_list import SessionList
-from rl_tui.worlds.errors import UserError
 
 
 class SessionShelf(Stage):

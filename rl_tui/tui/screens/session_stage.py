@@ -6,6 +6,7 @@ import asyncio
 
 from textual.message import Message
 
+from rl_tui.common.errors import UserError
 from rl_tui.lab.autosave import Autosave
 from rl_tui.lab.session import OTHER_BITS, SessionError, StoredSession, digest_of
 from rl_tui.lab.session_folder import named_path
@@ -13,7 +14,6 @@ from rl_tui.lab.snapshot import Phase, Snapshot
 from rl_tui.tui.screens.agent_stage import AgentStage
 from rl_tui.tui.screens.prompt import Prompt
 from rl_tui.tui.written import written
-from rl_tui.worlds.errors import UserError
 
 
 class SessionStage(AgentStage):

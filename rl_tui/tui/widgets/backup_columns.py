@@ -14,7 +14,7 @@ from rl_tui.tui.widgets import names
 from rl_tui.tui.widgets.microscope_section import aligned, columns_of
 from rl_tui.tui.widgets.outcomes import HIDDEN
 from rl_tui.worlds.drawing import Arms
-from rl_tui.worlds.mdp import UNKNOWN_ACTION
+from rl_tui.worlds.mdp.tabular_mdp import UNKNOWN_ACTION
 from rl_tui.worlds.world import World
 
 _VALUE: Final = "V(s′)"

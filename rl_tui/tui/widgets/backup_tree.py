@@ -17,7 +17,7 @@ from rl_tui.tui.widgets.loop_text import LoopText
 from rl_tui.tui.widgets.microscope_section import Section
 from rl_tui.tui.widgets.pieces import Line, Piece
 from rl_tui.tui.widgets.targets import target_lines
-from rl_tui.worlds.mdp import TabularMDP
+from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
 HEADING: Final = "The backup"
 MOST_LEAVES: Final = 8

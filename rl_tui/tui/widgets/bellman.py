@@ -13,7 +13,7 @@ from rl_tui.tui.widgets import names
 from rl_tui.tui.widgets.pieces import KEPT_BLANK as K
 from rl_tui.tui.widgets.pieces import Line, Piece, wrapped
 from rl_tui.tui.widgets.update_text import setting
-from rl_tui.worlds.mdp import TabularMDP
+from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
 _DECIMALS: Final = 4
 _EQUALS: Final = "   = "

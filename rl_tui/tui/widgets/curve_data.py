@@ -12,7 +12,7 @@ from rl_tui.lab.snapshot import LaneView, Snapshot
 from rl_tui.tui.widgets.braille import Steps
 from rl_tui.tui.widgets.reward_range import reward_range
 from rl_tui.worlds.drawing import Arms
-from rl_tui.worlds.space import FloatArray
+from rl_tui.worlds.mdp.space import FloatArray
 
 _SMOOTHED_SHARE: Final = 24  # a mean is taken over one in so many of the bins
 _MANY_WITHOUT_REWARD: Final = 10

@@ -12,12 +12,12 @@ from rich.text import Text
 
 from rl_tui.agents.catalogue import BY_ID
 from rl_tui.agents.hyperparameters import PARAMETERS
+from rl_tui.common.errors import ScenarioError, UserError
+from rl_tui.common.words import counted
 from rl_tui.tui.theme.look import Look
 from rl_tui.tui.widgets.pieces import KEPT_BLANK, wrapped
 from rl_tui.tui.written import separated, written
-from rl_tui.worlds.errors import ScenarioError, UserError
-from rl_tui.worlds.scenario import Scenario
-from rl_tui.worlds.words import counted
+from rl_tui.worlds.files.scenario import Scenario
 from rl_tui.worlds.world import World
 
 _DOT: Final = " · "

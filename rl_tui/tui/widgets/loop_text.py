@@ -15,7 +15,7 @@ from rl_tui.tui.widgets import names
 from rl_tui.tui.widgets.choice_text import choice_text
 from rl_tui.tui.widgets.update_text import UpdateText, update_text
 from rl_tui.worlds.drawing import Arms
-from rl_tui.worlds.mdp import UNKNOWN_ACTION
+from rl_tui.worlds.mdp.tabular_mdp import UNKNOWN_ACTION
 
 _TABLES = ("", "₁", "₂")
 

@@ -9,6 +9,7 @@ from typing import Final
 import numpy as np
 from rich.cells import cell_len
 
+from rl_tui.common.words import counted
 from rl_tui.lab.snapshot import Snapshot
 from rl_tui.tui import numbers
 from rl_tui.tui.theme.look import Look
@@ -20,9 +21,8 @@ from rl_tui.tui.widgets.reward_range import reward_range
 from rl_tui.tui.widgets.update_text import setting
 from rl_tui.tui.written import written
 from rl_tui.worlds.drawing import Arms
-from rl_tui.worlds.mdp import IntArray, TabularMDP
-from rl_tui.worlds.space import FiniteSpace
-from rl_tui.worlds.words import counted
+from rl_tui.worlds.mdp.space import FiniteSpace
+from rl_tui.worlds.mdp.tabular_mdp import IntArray, TabularMDP
 from rl_tui.worlds.world import World
 
 UNKNOWN: Final = "unknown: stepped for real, nobody wrote its table down"

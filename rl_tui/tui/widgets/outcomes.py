@@ -11,7 +11,7 @@ from rl_tui.tui.theme.look import Look
 from rl_tui.tui.widgets import names
 from rl_tui.tui.widgets.pieces import Line, Piece
 from rl_tui.tui.written import written
-from rl_tui.worlds.mdp import UNKNOWN_ACTION, TabularMDP
+from rl_tui.worlds.mdp.tabular_mdp import UNKNOWN_ACTION, TabularMDP
 from rl_tui.worlds.world import World
 
 HIDDEN: Final = "···"

@@ -10,6 +10,7 @@ from textual.binding import Binding, BindingType
 from textual.message import Message
 from textual.strip import Strip
 
+from rl_tui.common.words import counted
 from rl_tui.lab.snapshot import Snapshot
 from rl_tui.lab.windows import Stretch, followed_state, is_large
 from rl_tui.tui.pointing import NOWHERE, Pointed
@@ -31,7 +32,6 @@ from rl_tui.tui.widgets.q_table_list import ListForm, list_form
 from rl_tui.tui.widgets.q_table_matrix import matrix_form
 from rl_tui.tui.widgets.q_table_sheet import Sheet, strip_cache
 from rl_tui.tui.widgets.q_table_world import NO_ROW, TableWorld
-from rl_tui.worlds.words import counted
 
 WAITING: Final = "the estimates Q(s, a) come with the first step"
 COMPUTING: Final = "computing the exact answer …"

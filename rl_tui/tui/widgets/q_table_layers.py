@@ -17,7 +17,7 @@ from rl_tui.tui.speeds import passes_too_fast
 from rl_tui.tui.theme.glyphs import Glyphs
 from rl_tui.tui.theme.look import Look
 from rl_tui.worlds.drawing import Arms
-from rl_tui.worlds.space import BoolArray, FloatArray
+from rl_tui.worlds.mdp.space import BoolArray, FloatArray
 
 _ROOM_FOR_THREE: Final = 5
 

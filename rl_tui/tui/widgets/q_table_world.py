@@ -12,7 +12,7 @@ from rl_tui.tui.theme.glyphs import Glyphs
 from rl_tui.tui.widgets.names import action_name
 from rl_tui.tui.written import written
 from rl_tui.worlds.drawing import Arms
-from rl_tui.worlds.space import IntArray
+from rl_tui.worlds.mdp.space import IntArray
 from rl_tui.worlds.world import World
 
 LONGEST_STATE: Final = 14

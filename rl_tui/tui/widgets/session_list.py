@@ -10,11 +10,11 @@ from rich.text import Text
 from textual.widgets import OptionList
 from textual.widgets.option_list import Option
 
+from rl_tui.common.findings import one_line
 from rl_tui.lab.session import SessionError, StoredSession
 from rl_tui.tui.theme.look import Look
 from rl_tui.tui.widgets.session_text import SessionRow
 from rl_tui.tui.written import written
-from rl_tui.worlds.findings import one_line
 
 _LONGEST_NAME: Final = 255
 _WITHOUT_FOCUS: Final = "tab: here"

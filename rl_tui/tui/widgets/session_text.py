@@ -12,13 +12,13 @@ from rich.table import Table
 from rich.text import Text
 
 from rl_tui.agents.catalogue import BY_ID
+from rl_tui.common.findings import one_line
+from rl_tui.common.words import counted
 from rl_tui.lab.session import SessionError, StoredSession
 from rl_tui.tui import numbers
 from rl_tui.tui.canvas import shortened
 from rl_tui.tui.theme.look import Look
 from rl_tui.tui.written import separated, written
-from rl_tui.worlds.findings import one_line
-from rl_tui.worlds.words import counted
 
 _MINUTE: Final = 60
 _HOUR: Final = 60 * _MINUTE

@@ -19,7 +19,7 @@ from rl_tui.tui.world_views.arms_drawing import Arm, draw_arms, names_width, row
 from rl_tui.tui.world_views.arms_scale import NO_SCALE, Scale, bound_text, grown, shown_scale
 from rl_tui.tui.world_views.view import WorldView
 from rl_tui.worlds.drawing import Arms
-from rl_tui.worlds.mdp import FloatArray, TabularMDP
+from rl_tui.worlds.mdp.tabular_mdp import FloatArray, TabularMDP
 from rl_tui.worlds.world import World
 
 HEADINGS: Final = ("Arms · estimate ± standard error", "Arms · estimate ± error", "Arms")  # the longest first

@@ -7,8 +7,8 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from rl_tui.worlds.drawing import Grid
-from rl_tui.worlds.mdp import TabularMDP
-from rl_tui.worlds.space import FiniteSpace, FloatArray, IntArray
+from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray, IntArray
+from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
 MOST_CELLS: Final = 10_000
 

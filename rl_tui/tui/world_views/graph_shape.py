@@ -9,7 +9,7 @@ from rl_tui.lab.until import Breakpoints
 from rl_tui.tui.theme.glyphs import Glyphs
 from rl_tui.tui.written import written
 from rl_tui.worlds.drawing import Graph
-from rl_tui.worlds.mdp import TabularMDP
+from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
 
 class Node(NamedTuple):

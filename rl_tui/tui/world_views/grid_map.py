@@ -10,7 +10,7 @@ from rl_tui.lab.snapshot import Snapshot
 from rl_tui.lab.windows import NO_STATE, first_state_of_cells, pairs_of_states
 from rl_tui.tui.world_views.cell_rewards import CellReward, cell_rewards
 from rl_tui.worlds.drawing import CellKind, Grid
-from rl_tui.worlds.space import FiniteSpace, IntArray
+from rl_tui.worlds.mdp.space import FiniteSpace, IntArray
 
 Sign = tuple[int, int] | str
 

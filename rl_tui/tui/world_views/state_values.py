@@ -9,7 +9,7 @@ from rich.style import Style
 
 from rl_tui.lab.snapshot import Snapshot
 from rl_tui.tui.theme.look import Look
-from rl_tui.worlds.space import FiniteSpace
+from rl_tui.worlds.mdp.space import FiniteSpace
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Final
 
+from rl_tui.common.errors import UserError
 from rl_tui.lab.export.literals import literal, table
 from rl_tui.lab.export.template import fill
 from rl_tui.lab.export.worlds import grid_pieces as pieces
@@ -20,15 +21,14 @@ from rl_tui.lab.export.worlds.text import (
     limited,
 )
 from rl_tui.worlds.drawing import CellKind
-from rl_tui.worlds.errors import UserError
-from rl_tui.worlds.grid_legend import BUILT_IN, LegendEntry
-from rl_tui.worlds.grid_map import draw_map, lines_of, read_map
-from rl_tui.worlds.grid_moves import MOVES, STEPS, slips_of
+from rl_tui.worlds.grid.legend import BUILT_IN, LegendEntry
+from rl_tui.worlds.grid.map import draw_map, lines_of, read_map
+from rl_tui.worlds.grid.moves import MOVES, STEPS, slips_of
 
 if TYPE_CHECKING:
     from numpy.random import Generator
 
-    from rl_tui.worlds.grid_section import GridSection
+    from rl_tui.worlds.grid.section import GridSection
 
 MOST_ROWS: Final = 60
 MOST_COLUMNS: Final = 90

@@ -8,6 +8,7 @@ from contextlib import closing
 from keyword import iskeyword
 from typing import TYPE_CHECKING, Any, Final
 
+from rl_tui.common.errors import UserError
 from rl_tui.lab.export.literals import listed, literal
 from rl_tui.lab.export.template import fill
 from rl_tui.lab.export.worlds.text import (
@@ -20,15 +21,14 @@ from rl_tui.lab.export.worlds.text import (
     between,
 )
 from rl_tui.worlds.drawing import CellKind, Grid
-from rl_tui.worlds.errors import UserError
-from rl_tui.worlds.gymnasium_section import GymnasiumSection
-from rl_tui.worlds.registered import made, time_limit_of
+from rl_tui.worlds.gym.registered import made, time_limit_of
+from rl_tui.worlds.gym.section import GymnasiumSection
 from rl_tui.worlds.world import World
 
 if TYPE_CHECKING:
     from gymnasium import Env
 
-    from rl_tui.worlds.bins import BinsSection
+    from rl_tui.worlds.gym.stepped.bins import BinsSection
 
 MODEL: Final = """
 P = env.unwrapped.P  # the transition table, which the environment shows to those who plan

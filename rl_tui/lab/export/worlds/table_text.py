@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
+from rl_tui.common.errors import UserError
 from rl_tui.lab.export.literals import WIDEST, literal
 from rl_tui.lab.export.template import fill
 from rl_tui.lab.export.worlds.text import (
@@ -15,8 +16,7 @@ from rl_tui.lab.export.worlds.text import (
     WorldText,
     limited,
 )
-from rl_tui.worlds.errors import UserError
-from rl_tui.worlds.mdp import TabularMDP
+from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
 MOST_OUTCOMES: Final = 2_000
 

@@ -1,0 +1,169 @@
+"""The ``[bandit]`` table: arms, what they pay, and a budget of pulls (Sutton & Barto, 2nd ed., chapter 2)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from typing import TYPE_CHECKING, Annotated, Any, Final, Literal, TypeGuard
+
+from pydantic import BeforeValidator
+
+from rl_tui.common.findings import Finding, shown
+from rl_tui.common.limits import LARGEST_STD, MOST_ARMS, MOST_PULLS
+from rl_tui.common.words import counted
+from rl_tui.worlds.drawing import Arms
+from rl_tui.worlds.files.schema import (
+    Expect,
+    Number,
+    Section,
+    is_number,
+    is_table,
+    number,
+    refused,
+    whole_number,
+)
+from rl_tui.worlds.files.world_section import WorldSection
+from rl_tui.worlds.world import World
+
+if TYPE_CHECKING:
+    from numpy.random import Generator
+
+    from rl_tui.worlds.mdp.tabular_mdp import Outcome
+
+STATE_NAME: Final = "bandit"
+GAUSSIAN: Final = "gaussian"
+BERNOULLI: Final = "bernoulli"
+_PROBABILITY: Final = "means from 0 to 1, since they are probabilities"
+
+
+def _is_normal(value: object) -> bool:
+    return _is_pair(value) and number(0, LARGEST_STD).test(value[1])
+
+
+def _is_interval(value: object) -> TypeGuard[list[float]]:
+    return _is_pair(value) and value[0] <= value[1]
+
+
+def _is_pair(value: object) -> TypeGuard[list[float]]:
+    return isinstance(value, list) and len(value) == 2 and all(number().test(each) for each in value)
+
+
+class MeanDistribution(Section):
+    """Where the true means of the arms are drawn from, anew for every seed: the one or the other.
+
+    ``normal`` has mean and standard deviation, ``uniform`` the lowest and the highest.
+    """
+
+    normal: (
+        Annotated[
+            tuple[float, float],
+            Expect(f"[mean, standard deviation], the second from 0 to {LARGEST_STD:g}", _is_normal),
+        ]
+        | None
+    ) = None
+    uniform: (
+        Annotated[tuple[float, float], Expect("[low, high], the first not above the second", _is_interval)]
+        | None
+    ) = None
+
+
+def _number_of_means(means: object) -> object:
+    if not isinstance(means, list) or not 0 < len(means) <= MOST_ARMS:
+        raise refused(shown(means), f"1 to {MOST_ARMS:,} numbers")
+    return means
+
+
+class BanditSection(WorldSection):
+    """The whole table: ``arms`` means drawn from ``mean``, or ``means`` written out (then without ``arms``).
+
+    ``rewards`` are Gaussian around the means, with the standard deviation ``std``, or Bernoulli: 1 with the
+    mean as its probability, else 0. Means are drawn from N(0, 1), those of Bernoulli arms from [0, 1], where
+    the file does not say otherwise. ``drift`` is the standard deviation of the step that the mean of every
+    arm takes after every pull. ``budget`` is the pulls of a run.
+    """
+
+    arms: Annotated[int, whole_number(1, MOST_ARMS)] = 0
+    rewards: Annotated[
+        Literal["gaussian", "bernoulli"],
+        Expect(f"{GAUSSIAN} or {BERNOULLI}", lambda value: value in (GAUSSIAN, BERNOULLI)),
+    ] = "gaussian"
+    mean: Annotated[
+        MeanDistribution,
+        Expect("a table, { normal = [mean, std] } or { uniform = [low, high] }", is_table),
+    ] = MeanDistribution()
+    means: Annotated[list[Number], BeforeValidator(_number_of_means)] | None = None
+    std: Annotated[float, number(0, LARGEST_STD)] = 1.0
+    drift: Annotated[float, number(0, LARGEST_STD)] = 0.0
+    budget: Annotated[int, whole_number(1, MOST_PULLS)] = 1_000
+
+    @classmethod
+    def connection_findings(cls, raw: Mapping[str, Any]) -> Iterator[Finding]:
+        """Yield what does not fit together: who says how many arms there are, and what they pay."""
+        arms, means, mean = raw.get("arms"), raw.get("means"), raw.get("mean")
+        if "means" not in raw and "arms" not in raw:
+            yield Finding(("arms",), "nothing", f"a whole number from 1 to {MOST_ARMS:,}, or means")
+        if isinstance(means, list) and is_number(arms) and len(means) != arms:
+            yield Finding(
+                ("means",),
+                counted(len(means), "mean"),
+                f"as many as there are arms ({shown(arms)})",
+            )
+        if "means" in raw and "mean" in raw:
+            yield Finding(("mean",), "mean beside means", "either the distribution or the means themselves")
+        if isinstance(mean, dict) and "normal" in mean and "uniform" in mean:
+            yield Finding(("mean",), "normal beside uniform", "one of the two")
+        if raw.get("rewards") == BERNOULLI:
+            yield from _bernoulli_findings(raw)
+
+    @property
+    def drawn_from_seed(self) -> bool:
+        """Whether the means are drawn."""
+        return self.means is None
+
+    def build(self, generator: Generator) -> World:
+        """Return the world; means that the file does not fix are the first draws from ``generator``."""
+        from rl_tui.worlds.mdp.tabular_mdp import Transition, tabular_mdp
+
+        means = self._means(generator)
+        mdp = tabular_mdp(
+            [STATE_NAME],
+            [str(arm) for arm in range(len(means))],
+            [Transition(0, arm, self._outcomes(arm, mean)) for arm, mean in enumerate(means)],
+            {0: 1.0},
+        )
+        return World(replace(mdp, drift_std=self.drift) if self.drift else mdp, Arms(), self.budget)
+
+    def _means(self, generator: Generator) -> list[float]:
+        if self.means is not None:
+            return self.means
+        uniform = self.mean.uniform
+        if uniform is None and self.mean.normal is None and self.rewards == BERNOULLI:
+            uniform = (0.0, 1.0)
+        if uniform is not None:
+            return [float(drawn) for drawn in generator.uniform(*uniform, self.arms)]
+        return [float(drawn) for drawn in generator.normal(*(self.mean.normal or (0.0, 1.0)), self.arms)]
+
+    def _outcomes(self, arm: int, mean: float) -> list[Outcome]:
+        from rl_tui.worlds.mdp.tabular_mdp import Outcome
+
+        if self.rewards == BERNOULLI:
+            return [Outcome(mean, 0, 1.0, True, 0.0, arm), Outcome(1.0 - mean, 0, 0.0, True, 0.0, arm)]
+        return [Outcome(1.0, 0, mean, True, self.std, arm)]
+
+
+def _bernoulli_findings(raw: Mapping[str, Any]) -> Iterator[Finding]:
+    """Yield what Bernoulli arms cannot have: means that are no probabilities, noise and drift."""
+    means, mean = raw.get("means"), raw.get("mean")
+    if isinstance(means, list):
+        for index, each in enumerate(means[:MOST_ARMS]):
+            if number().test(each) and not 0 <= each <= 1:
+                yield Finding(("means", index), shown(each), _PROBABILITY)
+    if isinstance(mean, dict):
+        interval = mean.get("uniform")
+        if "normal" in mean:
+            yield Finding(("mean", "normal"), "normal means", f"uniform = [low, high]: {_PROBABILITY}")
+        if _is_interval(interval) and not 0 <= interval[0] <= interval[1] <= 1:
+            yield Finding(("mean", "uniform"), shown(interval), f"[low, high]: {_PROBABILITY}")
+    for key in ("std", "drift"):
+        if key in raw:
+            yield Finding((key,), f"{key} beside bernoulli rewards", "gaussian rewards where it is given")

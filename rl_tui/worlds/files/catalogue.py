@@ -1,0 +1,112 @@
+"""The scenarios there are: the shipped ones and the user's own."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from difflib import get_close_matches
+from importlib.resources import files
+from pathlib import Path
+from typing import Final, NamedTuple
+
+import platformdirs
+
+from rl_tui.common.errors import Fault, ScenarioError, UserError
+from rl_tui.common.findings import shown
+from rl_tui.common.kiosk import in_kiosk
+from rl_tui.worlds.files.scenario import Scenario, read_scenario
+from rl_tui.worlds.gym.ids import PREFIX, environment_scenario
+
+_SUFFIX: Final = ".toml"
+
+
+class Catalogue(NamedTuple):
+    """The scenarios in the order they are offered, and what is wrong with files that give none."""
+
+    scenarios: list[Scenario]
+    broken: list[ScenarioError]
+
+
+def shipped_folder() -> Path:
+    """Return the folder of the shipped scenarios: inside the installed package, or beside it in a clone."""
+    package = Path(str(files("rl_tui")))
+    inside = package / "scenarios"
+    return inside if inside.is_dir() else package.parent / "scenarios"
+
+
+def user_folder() -> Path:
+    """Return the folder of the user's own scenarios; it need not exist."""
+    try:
+        return platformdirs.user_config_path("rl-tui", appauthor=False) / "scenarios"
+    except RuntimeError:  # nobody knows a home
+        return Path(os.devnull) / "scenarios"
+
+
+def read_catalogue() -> Catalogue:
+    """Read every scenario file: the shipped ones by ``order``, then the user's likewise.
+
+    A faulty file only leaves itself out. Environments are not asked, so that nothing slow is imported.
+    """
+    catalogue = Catalogue([], [])
+    taken: set[str] = set()
+    for folder in _folders():
+        found = []
+        for path in _files(folder):
+            try:
+                scenario = read_scenario(path, ask_environment=False)
+            except ScenarioError as error:
+                catalogue.broken.append(error)
+                continue
+            if scenario.id in taken:
+                fault = Fault(str(path), "", f"the name of the shipped {scenario.id}", "another file name")
+                catalogue.broken.append(ScenarioError([fault]))
+            else:
+                found.append(scenario)
+        found.sort(key=lambda scenario: (scenario.order, scenario.id))
+        catalogue.scenarios.extend(found)
+        taken.update(scenario.id for scenario in found)
+    return catalogue
+
+
+def scenarios() -> list[Scenario]:
+    """Return the scenarios that can be read: the shipped ones in teaching order, then the user's."""
+    return read_catalogue().scenarios
+
+
+def find(name_or_path: str) -> Scenario:
+    """Return the scenario with this id, or that of a file where a path is given.
+
+    A path is what has a separator in it or ends in .toml; ``gym:ENV_ID`` is any registered environment of
+    Gymnasium. Other environments are not asked: whether one is there shows when the world is built. Raises
+    ScenarioError where the file has faults, UserError with near names where there is no such scenario, and in
+    a kiosk for all but the shipped ones.
+    """
+    is_path = name_or_path.endswith(_SUFFIX) or "/" in name_or_path or "\\" in name_or_path
+    if in_kiosk() and (is_path or name_or_path.startswith(PREFIX)):
+        raise UserError(
+            f"kiosk mode does not open {shown(name_or_path)}: only the shipped scenarios, as rl-tui list "
+            f"shows them"
+        )
+    if name_or_path.startswith(PREFIX):
+        return environment_scenario(name_or_path)
+    if is_path:
+        return read_scenario(name_or_path, ask_environment=False)
+    for folder in _folders():
+        for path in _files(folder):
+            if path.stem == name_or_path:
+                return read_scenario(path, ask_environment=False)
+    names = [scenario.id for scenario in scenarios()]
+    near = get_close_matches(name_or_path.lower(), names, n=3, cutoff=0.5)
+    hint = f"did you mean {' or '.join(near)}?" if near else f"there are {', '.join(names)}"
+    raise UserError(f"no scenario is called {shown(name_or_path)}: {hint}")
+
+
+def _folders() -> tuple[Path, ...]:
+    return (shipped_folder(),) if in_kiosk() else (shipped_folder(), user_folder())
+
+
+def _files(folder: Path) -> Iterator[Path]:
+    try:
+        yield from sorted(folder.glob(f"*{_SUFFIX}"))
+    except OSError:  # a folder that may not be read offers nothing
+        return

@@ -1,0 +1,191 @@
+"""The ``[mdp]`` table: states, actions, probabilities and rewards written out."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from typing import TYPE_CHECKING, Annotated, Any, Final
+
+from pydantic import AfterValidator, BeforeValidator, Field, model_validator
+
+from rl_tui.common.findings import Finding, shown
+from rl_tui.common.limits import (
+    LARGEST_PLACE,
+    LARGEST_STD,
+    LONGEST_TIME_LIMIT,
+    MOST_STATES_WRITTEN,
+    MOST_TRANSITIONS,
+)
+from rl_tui.worlds.drawing import Graph
+from rl_tui.worlds.files.mdp_connections import connection_findings
+from rl_tui.worlds.files.schema import (
+    Expect,
+    Name,
+    Number,
+    Probability,
+    Section,
+    is_number,
+    is_table,
+    number,
+    refused,
+    sums_to_one,
+    whole_number,
+)
+from rl_tui.worlds.files.world_section import WorldSection
+from rl_tui.worlds.world import World
+
+if TYPE_CHECKING:
+    from numpy.random import Generator
+
+    from rl_tui.worlds.mdp.tabular_mdp import Outcome
+
+_AT_MOST: Final = f", at most {MOST_STATES_WRITTEN:,}"
+
+Deviation = Annotated[float, number(0, LARGEST_STD)]
+
+
+class Destination(Section):
+    """Where a transition may lead: a probability, and a reward and its noise if they differ from the rest."""
+
+    p: Probability
+    reward: Number | None = None
+    std: Deviation | None = None
+
+    @model_validator(mode="before")
+    @classmethod
+    def _from_number(cls, value: object) -> object:
+        if is_table(value):
+            return value
+        if is_number(value) and 0 <= value <= 1:  # type: ignore[operator]
+            return {"p": value}
+        raise refused(shown(value), "a probability from 0 to 1, or { p = …, reward = …, std = … }")
+
+
+def _certain(value: object) -> object:
+    return {value: 1.0} if isinstance(value, str) else value
+
+
+def _destinations_sum_to_one(to: dict[str, Destination]) -> dict[str, Destination]:
+    sums_to_one(destination.p for destination in to.values())
+    return to
+
+
+def _start_sums_to_one(start: dict[str, float]) -> dict[str, float]:
+    sums_to_one(start.values())
+    return start
+
+
+def _is_place(value: object) -> bool:
+    return (
+        isinstance(value, list)
+        and len(value) == 2
+        and all(whole_number(0, LARGEST_PLACE).test(each) for each in value)
+    )
+
+
+def _is_table_of_states(value: object) -> bool:
+    return isinstance(value, dict) and len(value) <= MOST_STATES_WRITTEN
+
+
+def _is_list_of_tables(value: object) -> bool:
+    return isinstance(value, list) and 0 < len(value) <= MOST_TRANSITIONS
+
+
+class TransitionEntry(Section):
+    """What an action does in a state: one ``[[mdp.transition]]``.
+
+    ``std`` is the standard deviation of Gaussian noise on the reward.
+    """
+
+    state: Name
+    action: Name
+    reward: Number | None = None
+    std: Deviation = 0.0
+    to: Annotated[
+        dict[Name, Destination],
+        AfterValidator(_destinations_sum_to_one),
+        Expect(f"a table of states and probabilities{_AT_MOST}", _is_table_of_states),
+        BeforeValidator(_certain),
+    ]
+
+    def outcomes(self, index: Mapping[str, int], action: int) -> list[Outcome]:
+        """Return what may happen; nothing but the action itself does."""
+        from rl_tui.worlds.mdp.tabular_mdp import Outcome
+
+        return [
+            Outcome(
+                probability=destination.p,
+                next_state=index[state],
+                reward=next(each for each in (destination.reward, self.reward) if each is not None),
+                terminated=False,
+                reward_std=self.std if destination.std is None else destination.std,
+                action=action,
+            )
+            for state, destination in self.to.items()
+        ]
+
+
+class MDPSection(WorldSection):
+    """The whole table. States without transitions are terminal."""
+
+    start: Annotated[
+        dict[Name, Probability],
+        AfterValidator(_start_sums_to_one),
+        Expect(f"the name of a state, or a table of states and probabilities{_AT_MOST}", _is_table_of_states),
+        BeforeValidator(_certain),
+    ]
+    time_limit: Annotated[int, whole_number(0, LONGEST_TIME_LIMIT)] = 0
+    place: Annotated[
+        dict[
+            Name,
+            Annotated[
+                tuple[int, int],
+                Expect(f"[column, row], whole numbers from 0 to {LARGEST_PLACE}", _is_place),
+            ],
+        ],
+        Expect(f"a table of states and their [column, row]{_AT_MOST}", _is_table_of_states),
+    ] = Field(default_factory=dict)
+    transition: Annotated[
+        list[TransitionEntry],
+        Expect(f"1 to {MOST_TRANSITIONS:,} tables [[mdp.transition]]", _is_list_of_tables),
+    ]
+
+    @classmethod
+    def connection_findings(cls, raw: Mapping[str, Any]) -> Iterator[Finding]:
+        """Yield what does not fit together between entries."""
+        return connection_findings(raw)
+
+    def build(self, generator: Generator) -> World:
+        """Return the world; ``generator`` is not touched."""
+        from rl_tui.worlds.mdp.tabular_mdp import Transition, tabular_mdp
+
+        states = _in_order(
+            [*self.place, *(name for each in self.transition for name in (each.state, *each.to))]
+        )
+        actions = _in_order(each.action for each in self.transition)
+        mdp = tabular_mdp(
+            list(states),
+            list(actions),
+            (
+                Transition(
+                    states[each.state], actions[each.action], each.outcomes(states, actions[each.action])
+                )
+                for each in self.transition
+            ),
+            {states[name]: probability for name, probability in self.start.items()},
+            self.time_limit,
+        )
+        return World(mdp, Graph(self._places(states)))
+
+    def _places(self, states: Iterable[str]) -> tuple[tuple[int, int], ...]:
+        """Return (column, row) of each state; those without one fill rows below the others."""
+        states = list(states)
+        width = max(1, round(len(states) ** 0.5))
+        below = 1 + max((row for _, row in self.place.values()), default=-1)
+        unplaced = [state for state in states if state not in self.place]
+        free = {state: (i % width, below + i // width) for i, state in enumerate(unplaced)}
+        return tuple(self.place.get(state) or free[state] for state in states)
+
+
+def _in_order(names: Iterable[str]) -> dict[str, int]:
+    """Return each name once, in the order of first mention, with its index."""
+    return {name: index for index, name in enumerate(dict.fromkeys(names))}

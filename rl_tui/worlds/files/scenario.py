@@ -1,0 +1,164 @@
+"""A scenario: one TOML file that describes a world, what to try in it and how a run starts."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from itertools import islice
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Final
+
+from pydantic import Field
+
+from rl_tui.common.errors import Fault, ScenarioError
+from rl_tui.common.findings import Finding, in_file_order, place, shown
+from rl_tui.common.limits import MOST_FINDINGS
+from rl_tui.worlds.files.bandit_section import BanditSection
+from rl_tui.worlds.files.mdp_section import MDPSection
+from rl_tui.worlds.files.schema import (
+    Expect,
+    Section,
+    is_plain,
+    is_table,
+    markdown,
+    parsed,
+    text,
+    unknown_key,
+    whole_number,
+)
+from rl_tui.worlds.files.toml_file import UnreadableError, read_text, tables_in
+from rl_tui.worlds.files.world_section import WorldRefusedError, WorldSection
+from rl_tui.worlds.grid.section import GridSection
+from rl_tui.worlds.gym.section import GymnasiumSection
+from rl_tui.worlds.world import World
+
+if TYPE_CHECKING:
+    from numpy.random import Generator
+
+WORLD_KINDS: Final[Mapping[str, type[WorldSection]]] = {
+    "gymnasium": GymnasiumSection,
+    "mdp": MDPSection,
+    "grid": GridSection,
+    "bandit": BanditSection,
+}
+
+
+class Head(Section):
+    """What a file says besides its world."""
+
+    title: Annotated[str, text(80)] = ""
+    summary: Annotated[str, text(200)] = ""
+    notes: Annotated[str, markdown(20_000)] = ""
+    order: Annotated[int, whole_number(0, 1_000_000)] = 1_000_000
+    defaults: Annotated[dict[str, Any], Expect("a table", is_table)] = Field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Scenario:
+    """A scenario file without faults of form.
+
+    ``id`` is the file's stem, ``kind`` the name of its world's table, ``defaults`` the raw table of that name
+    (what its values may be is known to the agents). ``order`` says where it stands among its neighbours in
+    the catalogue. ``text`` is the file as it was read, empty where there is none.
+    """
+
+    id: str
+    title: str
+    summary: str
+    notes: str
+    order: int
+    kind: str
+    defaults: Mapping[str, Any]
+    source: Path
+    section: WorldSection
+    text: str = ""
+
+    def build(self, generator: Generator) -> World:
+        """Return the world. What is random about it (a bandit's arms, a random map) is drawn first from
+        ``generator``; other worlds do not touch it.
+
+        Raises ScenarioError where the environment behind the scenario cannot be used.
+        """
+        try:
+            return self.section.build(generator)
+        except WorldRefusedError as refusal:
+            finding = refusal.finding.inside(self.kind)
+            raise ScenarioError([_fault(self.source, finding)]) from refusal
+
+
+def read_scenario(path: str | Path, *, ask_environment: bool = True) -> Scenario:
+    """Return the scenario of a file; raises ScenarioError with all of its faults, in the order of the file.
+
+    Without ``ask_environment`` the file alone is read, which is quick: whether Gymnasium has the environment
+    and a table for it then shows when the world is built.
+    """
+    path = Path(path)
+    if not is_plain(str(path)):
+        raise ScenarioError([Fault(shown(str(path)), "", "control characters", "a plain path")])
+    try:
+        text = read_text(path)
+    except UnreadableError as reason:
+        raise _unreadable(path, reason) from reason
+    return scenario_of(text, path, ask_environment=ask_environment)
+
+
+def scenario_of(text: str, path: Path, *, ask_environment: bool = True) -> Scenario:
+    """Return the scenario that ``text`` describes, the content of the file ``path``, which is not read.
+
+    Raises ScenarioError as :func:`read_scenario` does.
+    """
+    try:
+        raw = tables_in(text)
+    except UnreadableError as reason:
+        raise _unreadable(path, reason) from reason
+    head, findings = _read_head(raw)
+    kinds = [kind for kind in raw if kind in WORLD_KINDS]
+    sections = []
+    for kind in kinds:
+        section, more = _read_world(kind, raw[kind], ask_environment)
+        sections.append(section)
+        findings += [finding.inside(kind) for finding in more]
+    if len(kinds) != 1:
+        found = " and ".join(f"[{kind}]" for kind in kinds) or "no world"
+        findings.append(
+            Finding((), found, f"exactly one of {', '.join(f'[{kind}]' for kind in WORLD_KINDS)}")
+        )
+    if findings or head is None or sections[0] is None:
+        raise ScenarioError((_fault(path, finding) for finding in in_file_order(findings, raw)), raw)
+    return Scenario(
+        id=path.stem,
+        title=head.title or path.stem,
+        summary=head.summary,
+        notes=head.notes,
+        order=head.order,
+        kind=kinds[0],
+        defaults=head.defaults,
+        source=path,
+        section=sections[0],
+        text=text,
+    )
+
+
+def _unreadable(path: Path, reason: UnreadableError) -> ScenarioError:
+    return ScenarioError([Fault(str(path), reason.place, reason.found, reason.expected)])
+
+
+def _fault(path: Path, finding: Finding) -> Fault:
+    return Fault(str(path), place(finding.location), finding.found, finding.expected)
+
+
+def _read_head(raw: Mapping[str, Any]) -> tuple[Head | None, list[Finding]]:
+    known = [*Head.model_fields, *WORLD_KINDS]
+    head, findings = parsed(Head, {key: value for key, value in raw.items() if key in Head.model_fields})
+    unknown = (unknown_key((key,), known) for key in raw if key not in known)
+    findings += islice(unknown, MOST_FINDINGS)
+    return head, findings
+
+
+def _read_world(kind: str, raw: object, ask_environment: bool) -> tuple[WorldSection | None, list[Finding]]:
+    section, findings = parsed(WORLD_KINDS[kind], raw)
+    if isinstance(raw, dict):
+        findings += islice(WORLD_KINDS[kind].connection_findings(raw), MOST_FINDINGS)
+    if section is not None and not findings and ask_environment:
+        findings += section.environment_findings()
+    return section, findings

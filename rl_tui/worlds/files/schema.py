@@ -1,0 +1,205 @@
+"""What the values of a scenario file may be, and how pydantic's complaints become findings."""
+
+from __future__ import annotations
+
+import math
+import typing
+import unicodedata
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
+from html import unescape
+from typing import Annotated, Any, Final, TypeVar
+
+from pydantic import BaseModel, ConfigDict, GetCoreSchemaHandler, ValidationError, model_validator
+from pydantic_core import CoreSchema, ErrorDetails, PydanticCustomError, core_schema
+
+from rl_tui.common.findings import Finding, near, shown
+from rl_tui.common.limits import LARGEST_NUMBER, LONGEST_NAME, MOST_FINDINGS, MOST_KEYS
+from rl_tui.worlds.mdp.tolerance import PROBABILITY_TOLERANCE
+
+_IN_LINES: Final = "\n\t"
+_BIDIRECTIONAL: Final = frozenset("\u061c\u200e\u200f\u202a\u202b\u202c\u202d\u202e\u2066\u2067\u2068\u2069")
+
+
+class Section(BaseModel):
+    """A table of a scenario file. Keys it does not know are faults."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _has_few_keys(cls, value: object) -> object:
+        """Refuse a table of very many keys at once: to complain of each takes a kilobyte."""
+        if isinstance(value, dict) and len(value) > MOST_KEYS:
+            raise refused(shown(value), f"a table of at most {MOST_KEYS:,} keys")
+        return value
+
+
+AnySection = TypeVar("AnySection", bound=Section)
+
+
+@dataclass(frozen=True, slots=True)
+class Expect:
+    """Put into Annotated: refuses a raw value that fails ``test``, in the words of ``expected``.
+
+    ``found`` says what such a value is.
+    """
+
+    expected: str
+    test: Callable[[Any], bool]
+    found: Callable[[Any], str] = shown
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        """Test the raw value before pydantic converts it."""
+        return core_schema.no_info_before_validator_function(self._tested, handler(source))
+
+    def _tested(self, value: object) -> object:
+        if not self.test(value):
+            raise refused(self.found(value), self.expected)
+        return value
+
+
+def refused(found: str, expected: str) -> PydanticCustomError:
+    """Return the error by which a validator says what it found and what it expected."""
+    return PydanticCustomError("refused", "{found}", {"found": found, "expected": expected})
+
+
+def is_number(value: object) -> bool:
+    """Tell a number from a truth value, a date and NaN."""
+    return isinstance(value, (int, float)) and not isinstance(value, bool) and value == value
+
+
+def number(low: float = -LARGEST_NUMBER, high: float = LARGEST_NUMBER) -> Expect:
+    """Expect a finite number within ``low`` .. ``high``."""
+    return Expect(
+        f"a finite number from {low:g} to {high:g}", lambda value: is_number(value) and low <= value <= high
+    )
+
+
+def whole_number(low: int, high: int) -> Expect:
+    """Expect an integer within ``low`` .. ``high``."""
+    return Expect(
+        f"a whole number from {low:,} to {high:,}",
+        lambda value: is_number(value) and isinstance(value, int) and low <= value <= high,
+    )
+
+
+def is_plain(text: str, also: str = "") -> bool:
+    """Tell whether a text has no control characters besides those in ``also``: none may reach a terminal."""
+    return not control_character(text, also)
+
+
+def control_character(text: str, also: str = "") -> str:
+    """Return the first control character of a text besides those in ``also``, as U+001B; empty if none.
+
+    What turns the direction of writing or ends a line counts as one, and so does half a character.
+    """
+    for letter in text:
+        if letter not in also and (
+            unicodedata.category(letter) in ("Cc", "Cs", "Zl", "Zp") or letter in _BIDIRECTIONAL
+        ):
+            return f"U+{ord(letter):04X}"
+    return ""
+
+
+def with_control_character(value: object, also: str = "") -> str:
+    """Return a value as :func:`shown` does, and before it the control character that is in it, if any."""
+    named = control_character(value, also) if isinstance(value, str) else ""
+    return f"{named} in {shown(value)}" if named else shown(value)
+
+
+def text(longest: int) -> Expect:
+    """Expect one line of at most ``longest`` characters."""
+    return Expect(
+        f"one line of text of at most {longest:,} characters, none of them a control character",
+        lambda value: isinstance(value, str) and len(value) <= longest and is_plain(value),
+        with_control_character,
+    )
+
+
+def markdown(longest: int) -> Expect:
+    """Expect Markdown of at most ``longest`` characters, which spells no control character either."""
+
+    def found(value: object) -> str:
+        return with_control_character(unescape(value) if isinstance(value, str) else value, _IN_LINES)
+
+    return Expect(
+        f"a text of at most {longest:,} characters, none of them a control character",
+        lambda value: (
+            isinstance(value, str)
+            and len(value) <= longest
+            and is_plain(value, _IN_LINES)
+            and is_plain(unescape(value), _IN_LINES)
+        ),
+        found,
+    )
+
+
+def is_name(value: object) -> bool:
+    """Tell whether a value can name a state or an action."""
+    return isinstance(value, str) and 0 < len(value.strip()) <= len(value) <= LONGEST_NAME and is_plain(value)
+
+
+def is_table(value: object) -> bool:
+    """Tell whether a value is a table."""
+    return isinstance(value, dict)
+
+
+Number = Annotated[float, number()]
+Probability = Annotated[float, number(0, 1)]
+Name = Annotated[str, Expect(f"a name of 1 to {LONGEST_NAME} characters", is_name, with_control_character)]
+
+
+def sums_to_one(probabilities: Iterable[float]) -> None:
+    """Refuse probabilities whose sum is not 1 (±1e-9)."""
+    total = math.fsum(probabilities)
+    if not abs(total - 1.0) <= PROBABILITY_TOLERANCE:
+        raise refused(f"{total:.12g}", "probabilities that sum to 1 (±1e-9)")
+
+
+def parsed(section: type[AnySection], raw: object) -> tuple[AnySection | None, list[Finding]]:
+    """Return the section made of ``raw`` and no findings, or None and all that is wrong with its form."""
+    try:
+        return section.model_validate(raw), []
+    except ValidationError as error:
+        return None, [_finding(section, each) for each in error.errors(include_url=False)[:MOST_FINDINGS]]
+
+
+def _finding(section: type[Section], error: ErrorDetails) -> Finding:
+    location = tuple(step for step in error["loc"] if step != "[key]")
+    if error["type"] == "refused":
+        return Finding(location, error["ctx"]["found"], error["ctx"]["expected"])
+    if error["type"] == "missing":
+        return Finding(location, "nothing", _expected_of(_section_at(section, location), str(location[-1])))
+    if error["type"] == "extra_forbidden":
+        keys = list(_section_at(section, location).model_fields)
+        return unknown_key(location, keys)
+    if error["type"] == "model_type":
+        return Finding(location, shown(error["input"]), "a table")
+    return Finding(location, shown(error["input"]), error["msg"])
+
+
+def unknown_key(location: tuple[str | int, ...], keys: Iterable[str]) -> Finding:
+    """Return the finding for a key that its table does not know."""
+    keys = list(keys)
+    return Finding(location, "an unknown key", f"one of {', '.join(keys)}{near(str(location[-1]), keys)}")
+
+
+def _section_at(section: type[Section], location: tuple[str | int, ...]) -> type[Section]:
+    """Return the section whose key the last step of ``location`` is."""
+    for step in location[:-1]:
+        field = section.model_fields.get(str(step))
+        section = next(_sections_in(field.annotation), section) if field else section
+    return section
+
+
+def _sections_in(annotation: object) -> Iterator[type[Section]]:
+    if isinstance(annotation, type) and issubclass(annotation, Section):
+        yield annotation
+    for inner in typing.get_args(annotation):
+        yield from _sections_in(inner)
+
+
+def _expected_of(section: type[Section], key: str) -> str:
+    metadata = section.model_fields[key].metadata
+    return next(each.expected for each in metadata if isinstance(each, Expect))

@@ -1,0 +1,89 @@
+"""Reading a TOML file that somebody wrote by hand."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from pathlib import Path
+from typing import Any, Final
+
+from rl_tui.common.findings import one_line
+from rl_tui.common.limits import LARGEST_FILE, LONGEST_WORD, MOST_KEY_PARTS, MOST_VALUES
+
+# What is no structure: texts in three quotes, in one, and comments. Those that never end match too: to look
+# on from every quote in them would take the square of their length
+_NO_STRUCTURE: Final = re.compile(
+    r""""{3}(?:[^"\\]|\\.|"(?!""))*+(?:"{3,5}|\Z)|'{3}.*?(?:'{3,5}|\Z)"""
+    r"""|"(?:[^"\\\n]|\\.)*+"?|'[^'\n]*+'?|\#[^\n]*+""",
+    re.DOTALL,
+)
+_LONG_KEY: Final = re.compile(rf"(?<![\w-])(?:[\w-]++[ \t]*+\.[ \t]*+){{{MOST_KEY_PARTS}}}")
+_LONG_WORD: Final = re.compile(rf"(?<!\w)\w{{{LONGEST_WORD + 1}}}")
+
+
+class UnreadableError(Exception):
+    """The file gives no table at all; ``place`` is the line and column, if it is one."""
+
+    def __init__(self, place: str, found: str, expected: str) -> None:
+        super().__init__(found)
+        self.place, self.found, self.expected = place, found, expected
+
+
+def read_text(path: Path) -> str:
+    """Return what stands in the file. Raises UnreadableError."""
+    content = _content(path)
+    try:
+        # "sig" because editors on Windows begin a file with a byte order mark, which TOML does not know
+        return content.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = content.count(b"\n", 0, error.start) + 1
+        raise UnreadableError(f"line {line}", f"byte {content[error.start]:#04x}", "text in UTF-8") from error
+
+
+def tables_in(text: str) -> dict[str, Any]:
+    """Return the tables that ``text`` spells in TOML. Raises UnreadableError."""
+    _check_structure(text)
+    try:
+        return tomllib.loads(text)
+    except RecursionError as error:
+        raise UnreadableError("", "tables within tables, too deep to read", "TOML of a few levels") from error
+    except ValueError as error:  # not only TOMLDecodeError: a number of 5,000 digits is a plain ValueError
+        message, where = _split(str(error), text)
+        raise UnreadableError(where, message, "valid TOML") from error
+
+
+def _check_structure(text: str) -> None:
+    """Refuse what would take minutes and gigabytes to read; a glance at it takes a fraction of a second."""
+    structure = _NO_STRUCTURE.sub("s", text)
+    if _LONG_KEY.search(structure):
+        raise UnreadableError("", "a key of too many parts", f"at most {MOST_KEY_PARTS} parts, a.b.c")
+    if _LONG_WORD.search(structure):
+        expected = f"numbers and keys of at most {LONGEST_WORD:,} characters"
+        raise UnreadableError("", "a number or a key that is far too long", expected)
+    # inline tables have a comma for a key, tables two brackets
+    values = max(structure.count("="), structure.count(",")) + structure.count("[") // 2
+    if values > MOST_VALUES:
+        raise UnreadableError("", f"some {values:,} values", f"at most {MOST_VALUES:,}")
+
+
+def _content(path: Path) -> bytes:
+    try:
+        if path.is_dir():
+            raise UnreadableError("", "a folder", "a TOML file")
+        if not path.exists():
+            raise UnreadableError("", "no such file", "a TOML file")
+        if not path.is_file() or path.stat().st_size > LARGEST_FILE:
+            raise UnreadableError("", "something else", f"a TOML file of at most {LARGEST_FILE // 10**6} MB")
+        return path.read_bytes()
+    except (OSError, ValueError) as error:  # ValueError: a null character in the path
+        reason = getattr(error, "strerror", None) or str(error)
+        raise UnreadableError("", f"a file that cannot be read ({reason})", "a TOML file") from error
+
+
+def _split(message: str, text: str) -> tuple[str, str]:
+    """Part tomllib's message from the line and column at its end."""
+    match = re.fullmatch(r"(.*) \(at (line \d+, column \d+|end of document)\)", message, re.DOTALL)
+    if match is None:
+        return f"invalid TOML ({one_line(message, 200)})", ""
+    where = match[2] if match[2].startswith("line") else f"line {text.count(chr(10)) + 1}"
+    return f"invalid TOML ({one_line(match[1], 200)})", where

@@ -1,0 +1,72 @@
+"""Modules that the id of an environment may import: those that a person allowed by name, and no other."""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import Final
+
+from rl_tui.common.errors import UserError
+from rl_tui.common.findings import Finding, one_line, shown
+from rl_tui.common.interrupts import is_interrupt
+from rl_tui.common.kiosk import in_kiosk
+from rl_tui.worlds.files.world_section import WorldRefusedError
+from rl_tui.worlds.gym.env_call import ASKING
+
+OPTION: Final = "--allow-module"
+_LONGEST_REASON: Final = 200
+# As imports are, it is one for the whole process
+_ALLOWED: Final[set[str]] = set()
+
+
+def allow_module(name: str) -> None:
+    """Let ids begin with ``name:``, whatever importing that module does.
+
+    Raises UserError where that is no name of a module, and in a kiosk.
+    """
+    if in_kiosk():
+        raise UserError(f"kiosk mode imports no modules: leave {OPTION} out")
+    if not _is_name(name):
+        raise UserError(f"{shown(name)} is not the name of a module, such as my_package.environments")
+    _ALLOWED.add(name)
+
+
+def module_of(id_: str) -> str:
+    """Return the module that an environment's id wants imported, empty if none."""
+    module, colon, _ = id_.partition(":")
+    return module if colon else ""
+
+
+def refusal_of(id_: str) -> Finding | None:
+    """Return why the id may not be used: it wants a module imported that nobody allowed."""
+    if ":" not in id_ or (module_of(id_) in _ALLOWED and not in_kiosk()):
+        return None
+    expected = "the id of a registered environment, without a module to import"
+    if _is_name(module_of(id_)) and not in_kiosk():
+        expected = f"{expected}; if you trust that module: {OPTION} {module_of(id_)}"
+    return Finding(("id",), shown(id_), expected)
+
+
+def registered_id(id_: str) -> str:
+    """Return the id by which Gymnasium knows the environment; imports the module before it, if allowed.
+
+    Raises WorldRefusedError where it is not allowed, or cannot be imported.
+    """
+    refusal = refusal_of(id_)
+    if refusal is not None:
+        raise WorldRefusedError(refusal)
+    module = module_of(id_)
+    if module:
+        try:
+            with ASKING:
+                import_module(module)
+        except BaseException as error:  # whatever a module does when it is imported
+            if is_interrupt(error):
+                raise
+            reason = one_line(f"{type(error).__name__}: {error}", _LONGEST_REASON)
+            found = f"{module}, which cannot be imported ({reason})"
+            raise WorldRefusedError(Finding(("id",), found, "a module of this Python's")) from error
+    return id_.partition(":")[2] if module else id_
+
+
+def _is_name(text: str) -> bool:
+    return text.isascii() and all(part.isidentifier() for part in text.split("."))

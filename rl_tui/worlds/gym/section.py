@@ -1,0 +1,81 @@
+"""The ``[gymnasium]`` table: a registered environment, by its transition table or stepped for real."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING, Annotated, Any
+
+from pydantic import Field
+
+from rl_tui.common.findings import Finding
+from rl_tui.worlds.files.schema import Expect, is_table, text
+from rl_tui.worlds.files.world_section import WorldRefusedError, WorldSection
+from rl_tui.worlds.gym.kwargs import kwargs_findings
+from rl_tui.worlds.gym.modules import refusal_of
+from rl_tui.worlds.gym.stepped.bins import BinsSection
+from rl_tui.worlds.gym.stepped.environment import EnvironmentFailedError
+from rl_tui.worlds.world import World
+
+if TYPE_CHECKING:
+    from numpy.random import Generator
+
+
+class GymnasiumSection(WorldSection):
+    """The whole table: the environment's id, what it is made with, and how it is used.
+
+    Its transition table is read once where it has a sound one; else it is stepped. ``table`` says which of
+    both it has to be. ``bins`` cuts observations of real numbers into states.
+    """
+
+    id: Annotated[str, text(100)]
+    kwargs: Annotated[dict[str, Any], Expect("a table of arguments", is_table)] = Field(default_factory=dict)
+    table: (
+        Annotated[
+            bool,
+            Expect("true (its transition table) or false (stepped)", lambda value: isinstance(value, bool)),
+        ]
+        | None
+    ) = None
+    bins: BinsSection | None = None
+
+    @classmethod
+    def connection_findings(cls, raw: Mapping[str, Any]) -> Iterator[Finding]:
+        """Yield what may not be asked for: importing a module, other arguments, a table of bins."""
+        name, kwargs, bins = raw.get("id"), raw.get("kwargs"), raw.get("bins")
+        refusal = refusal_of(name) if isinstance(name, str) else None
+        if refusal is not None:
+            yield refusal
+        if isinstance(kwargs, dict):
+            yield from kwargs_findings(kwargs)
+        if isinstance(bins, dict):
+            if raw.get("table") is True:
+                yield Finding(("table",), "true beside bins", "false: what is cut into bins has no table")
+            for finding in BinsSection.connection_findings(bins):
+                yield finding.inside("bins")
+
+    def environment_findings(self) -> Iterator[Finding]:
+        """Yield why the environment cannot be used, if so. Imports gymnasium, starts a stepped one once."""
+        try:
+            world = self._world()
+            if world.new_environment is not None:
+                world.new_environment().reset(seed=0)
+        except WorldRefusedError as refusal:
+            yield refusal.finding
+        except EnvironmentFailedError as failure:
+            yield Finding(("kwargs" if self.kwargs else "id",), str(failure), "an environment that starts")
+
+    def build(self, generator: Generator) -> World:
+        """Return the world; ``generator`` is not touched. Imports gymnasium, raises WorldRefusedError."""
+        return self._world()
+
+    def _world(self) -> World:
+        from rl_tui.worlds.gym.stepped.tabular_environment import stepped_world
+        from rl_tui.worlds.gym.tables.toy_text import NoTableError, world_of
+
+        if self.table is not False and self.bins is None:
+            try:
+                return world_of(self.id, self.kwargs, computed=self.table is True)
+            except NoTableError:
+                if self.table:
+                    raise
+        return stepped_world(self.id, self.kwargs, self.bins)

@@ -1,0 +1,1 @@
+"""Environments without a transition table, stepped for real."""

@@ -1,0 +1,175 @@
+"""What an environment observes, as states numbered from 0."""
+
+from __future__ import annotations
+
+import math
+from bisect import bisect_right
+from collections.abc import Callable, Iterable, Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, overload
+
+import numpy as np
+
+from rl_tui.common.limits import MOST_PARTS
+
+if TYPE_CHECKING:
+    from gymnasium import Space
+
+Reader = Callable[[Any], Iterable[Any]]
+
+
+class OutsideError(Exception):
+    """An observation is not in its space."""
+
+
+class Part(NamedTuple):
+    """A discrete part of an observation: its values are first .. first + size − 1."""
+
+    first: int
+    size: int
+
+
+class ProductNames(Sequence[str]):
+    """The names of all combinations of named parts, the last part running fastest; made when asked for.
+
+    Parts that know one name only are left out of it.
+    """
+
+    def __init__(self, parts: Sequence[Sequence[str]]) -> None:
+        self._parts = tuple(parts)
+        self._shown = tuple(len(part) > 1 for part in self._parts)
+        self._length = math.prod(len(part) for part in self._parts)
+
+    def __len__(self) -> int:
+        return self._length
+
+    @overload
+    def __getitem__(self, index: int) -> str: ...
+
+    @overload
+    def __getitem__(self, index: slice) -> Sequence[str]: ...
+
+    def __getitem__(self, index: int | slice) -> str | Sequence[str]:
+        """Return the name of a state."""
+        if isinstance(index, slice):
+            return tuple(self[each] for each in range(*index.indices(self._length)))
+        left = range(self._length)[index]
+        names = []
+        for part, is_shown in zip(reversed(self._parts), reversed(self._shown), strict=True):
+            left, place = divmod(left, len(part))
+            if is_shown:
+                names.append(part[place])
+        return ", ".join(reversed(names)) or self._parts[-1][0]
+
+
+class States(Protocol):
+    """How observations become states: ``part_names[i]`` are the names of the values of part i, in order."""
+
+    part_names: Sequence[Sequence[str]]
+
+    def state_of(self, observation: Any) -> int:
+        """Return the state of an observation; raises OutsideError, TypeError or ValueError if it has none."""
+
+
+class DiscreteStates:
+    """Every combination of the discrete parts of a space is a state."""
+
+    def __init__(self, parts: Sequence[Part], read: Reader) -> None:
+        self.part_names: Sequence[Sequence[str]] = [_Numbers(range(first, first + n)) for first, n in parts]
+        self._parts = tuple(parts)
+        self._read = read
+
+    def state_of(self, observation: Any) -> int:
+        """Return the number of this combination."""
+        state = 0
+        for value, (first, size) in zip(self._read(observation), self._parts, strict=True):
+            place = int(value) - first
+            if place + first != value or not 0 <= place < size:
+                raise OutsideError
+            state = state * size + place
+        return state
+
+
+class BinStates:
+    """Every combination of bins is a state. ``edges`` are the inner ones of each dimension, growing."""
+
+    def __init__(self, edges: Sequence[Sequence[float]], names: Sequence[Sequence[str]]) -> None:
+        self.part_names = names
+        self._bins = [(each, len(each) + 1) for each in edges]
+
+    def state_of(self, observation: Any) -> int:
+        """Return the state of a Box's observation; an edge belongs to the bin above it."""
+        state = 0
+        numbers = np.ravel(observation).tolist()
+        for value, (edges, count) in zip(numbers, self._bins, strict=True):
+            if value != value:
+                raise OutsideError
+            state = state * count + bisect_right(edges, value)
+        return state
+
+
+class _Numbers(Sequence[str]):
+    """A range of whole numbers as names."""
+
+    def __init__(self, numbers: range) -> None:
+        self._numbers = numbers
+
+    def __len__(self) -> int:
+        return len(self._numbers)
+
+    @overload
+    def __getitem__(self, index: int) -> str: ...
+
+    @overload
+    def __getitem__(self, index: slice) -> Sequence[str]: ...
+
+    def __getitem__(self, index: int | slice) -> str | Sequence[str]:
+        if isinstance(index, slice):
+            return _Numbers(self._numbers[index])
+        return str(self._numbers[index])
+
+
+def discrete_states(space: Space[Any]) -> DiscreteStates | None:
+    """Return the states of a space made of discrete parts, None where a part is not discrete."""
+    found = _parts_of(space)
+    return None if found is None else DiscreteStates(*found)
+
+
+def _parts_of(space: Space[Any]) -> tuple[list[Part], Reader] | None:
+    from gymnasium import spaces
+
+    if isinstance(space, spaces.Discrete):
+        return [Part(int(space.start), int(space.n))], lambda observation: (observation,)
+    if isinstance(space, spaces.MultiDiscrete):
+        numbers = zip(np.ravel(space.start).tolist(), np.ravel(space.nvec).tolist(), strict=True)
+        return [Part(first, size) for first, size in numbers], _flat
+    if isinstance(space, spaces.MultiBinary):
+        # beyond so many there are too many states, however many there are
+        return [Part(0, 2)] * min(math.prod(space.shape), MOST_PARTS), _flat
+    if isinstance(space, spaces.Tuple):
+        return _together([_parts_of(each) for each in space.spaces], lambda observation: observation)
+    if isinstance(space, spaces.Dict):
+        keys = list(space.spaces)
+        inner = [_parts_of(each) for each in space.spaces.values()]
+        return _together(inner, lambda observation: [observation[key] for key in keys])
+    return None
+
+
+def _flat(observation: Any) -> list[Any]:
+    numbers: list[Any] = np.ravel(observation).tolist()
+    return numbers
+
+
+def _together(
+    inner: Sequence[tuple[list[Part], Reader] | None], split: Callable[[Any], Sequence[Any]]
+) -> tuple[list[Part], Reader] | None:
+    """Join the parts of several spaces; ``split`` takes an observation of all apart."""
+    known = [each for each in inner if each is not None]
+    if len(known) < len(inner) or not known:
+        return None
+    readers = [read for _, read in known]
+
+    def read_all(observation: Any) -> list[Any]:
+        pieces = zip(readers, split(observation), strict=True)
+        return [value for read, piece in pieces for value in read(piece)]
+
+    return [part for parts, _ in known for part in parts], read_all

@@ -1,0 +1,152 @@
+"""Gymnasium environments without a transition table: stepped for real, one step at a time."""
+
+from __future__ import annotations
+
+import math
+import weakref
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+from rl_tui.common.findings import Finding
+from rl_tui.common.interrupts import is_interrupt
+from rl_tui.worlds.files.world_section import WorldRefusedError
+from rl_tui.worlds.gym.env_call import ASKING
+from rl_tui.worlds.gym.env_result import (
+    UnsoundAnswerError,
+    first_observation,
+    parts_of,
+    reward_of,
+    seen,
+    truth_of,
+)
+from rl_tui.worlds.gym.registered import close, looked_at, made, reason_of, time_limit_of
+from rl_tui.worlds.gym.sizes import check_sizes, combinations
+from rl_tui.worlds.gym.stepped.drawing import product_grid
+from rl_tui.worlds.gym.stepped.environment import EnvironmentFailedError, Stepped
+from rl_tui.worlds.gym.stepped.names import action_names, part_terms, told_part_names
+from rl_tui.worlds.gym.stepped.states import ProductNames, States, discrete_states
+from rl_tui.worlds.mdp.space import all_pairs
+from rl_tui.worlds.world import World
+
+if TYPE_CHECKING:
+    from gymnasium import Env
+
+    from rl_tui.worlds.gym.stepped.bins import BinsSection
+
+
+class SteppedEnvironment:
+    """One Gymnasium environment, its observations made states; closed when nobody holds it any more."""
+
+    def __init__(self, name: str, environment: Env[Any, Any], states: States, first_action: int) -> None:
+        self._name = name
+        self._environment = environment
+        self._state_of = states.state_of
+        self._first_action = first_action
+        weakref.finalize(self, close, environment)
+
+    def reset(self, seed: int | None = None) -> int:
+        """Begin an episode and return its first state."""
+        try:
+            with ASKING:
+                answer = self._environment.reset(seed=seed)
+            observation = first_observation(answer)
+        except BaseException as error:  # whatever an environment may raise
+            raise self._failure(error, "failed to start") from error
+        return self._state(observation)
+
+    def step(self, action: int) -> Stepped:
+        """Take ``action``; an episode that is both terminated and truncated is terminated."""
+        try:
+            with ASKING:
+                answer = self._environment.step(action + self._first_action)
+            observation, reward, terminated, truncated, _ = parts_of(answer)
+            reward = reward_of(reward)
+            terminated = truth_of(terminated, "terminated")
+            truncated = truth_of(truncated, "truncated")
+        except BaseException as error:  # whatever an environment may raise
+            raise self._failure(error, "failed in a step") from error
+        return Stepped(self._state(observation), reward, terminated, truncated and not terminated)
+
+    def _state(self, observation: Any) -> int:
+        try:
+            return self._state_of(observation)
+        except Exception as error:  # whatever a thing makes of it that is no observation
+            raise EnvironmentFailedError(
+                f"{self._name} observed {seen(observation)}, which is not in its own space of observations"
+            ) from error
+
+    def _failure(self, error: BaseException, how: str) -> BaseException:
+        """Return ``error`` as a failure of the environment, or as it is where it is none."""
+        if isinstance(error, UnsoundAnswerError):
+            return EnvironmentFailedError(f"{self._name} {error}")
+        if is_interrupt(error):
+            return error
+        return EnvironmentFailedError(f"{self._name} {how}: {reason_of(error)}")
+
+
+def stepped_world(name: str, kwargs: Mapping[str, Any], bins: BinsSection | None = None) -> World:
+    """Return the world of the registered environment ``name``, to be stepped.
+
+    Observations have to be discrete: one number, or a tuple, dictionary or array of them, of which every
+    combination is a state. ``bins`` cuts a Box of real numbers into states. Raises WorldRefusedError where
+    the environment cannot be made, its observations or actions are of another kind, or they are too many.
+    """
+    with looked_at(name, kwargs) as environment:
+        spaces = environment.observation_space, environment.action_space
+        first_action, actions = _actions_of(name, environment)
+        states = _states_of(name, environment, bins)
+        count = combinations(len(part) for part in states.part_names)
+        check_sizes(name, count, actions, "bins" if bins else "id")
+        names = action_names(environment.unwrapped, first_action, actions)
+        told = told_part_names(environment.unwrapped, [len(part) for part in states.part_names])
+        terms = part_terms(environment.unwrapped)
+        limit = time_limit_of(environment)
+    part_names = [given or part for given, part in zip(told, states.part_names, strict=True)]
+
+    def new_environment() -> SteppedEnvironment:
+        try:
+            environment = made(name, kwargs)
+        except WorldRefusedError as refusal:
+            raise EnvironmentFailedError(f"{name} cannot be made: {refusal.finding.found}") from refusal
+        stepped = SteppedEnvironment(name, environment, states, first_action)
+        if (environment.observation_space, environment.action_space) != spaces:
+            raise EnvironmentFailedError(f"{name} was made with other spaces than the time before")
+        return stepped
+
+    return World(
+        all_pairs(ProductNames(part_names), names, limit),
+        product_grid([len(part) for part in part_names], actions, terms),
+        new_environment=new_environment,
+    )
+
+
+def _states_of(name: str, environment: Env[Any, Any], bins: BinsSection | None) -> States:
+    from gymnasium.spaces import Box
+
+    space = environment.observation_space
+    if isinstance(space, Box):
+        if bins is None:
+            found = f"{name}, whose states are Box: {math.prod(space.shape)} real numbers"
+            raise WorldRefusedError(
+                Finding(("id",), found, "[gymnasium.bins] in a scenario file, which cuts them into states")
+            )
+        return bins.states(name, space)
+    if bins is not None:
+        found = f"bins for {name}, whose states are {type(space).__name__}"
+        raise WorldRefusedError(Finding(("bins",), found, "no bins: they cut a Box of real numbers"))
+    states = discrete_states(space)
+    if states is None:
+        found = f"{name}, whose states are {type(space).__name__}"
+        raise WorldRefusedError(Finding(("id",), found, "states made of discrete parts"))
+    return states
+
+
+def _actions_of(name: str, environment: Env[Any, Any]) -> tuple[int, int]:
+    """Return the first action and how many there are."""
+    from gymnasium.spaces import Discrete
+
+    space = environment.action_space
+    if not isinstance(space, Discrete):
+        found = f"{name}, whose actions are {type(space).__name__}"
+        raise WorldRefusedError(Finding(("id",), found, "discrete actions"))
+    return int(space.start), int(space.n)

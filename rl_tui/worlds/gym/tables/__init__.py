@@ -1,0 +1,1 @@
+"""Environments whose transition table is known."""

@@ -1,0 +1,182 @@
+"""The exact transition table of Gymnasium's Blackjack (Sutton & Barto, 2nd ed., example 5.1).
+
+Cards come from an infinite deck, so what was drawn before tells nothing. The dealer draws up to 17, a soft 17
+included, and shows one card. Gymnasium observes the player's sum, that card and whether an ace counts 11. One
+thing is missing there: a 21 that was dealt (a natural) pays otherwise than a 21 that was drawn. So naturals
+are states of their own here.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterator, Mapping
+from functools import cache
+from typing import Any, Final, NamedTuple
+
+from rl_tui.worlds.drawing import CellKind, Grid
+from rl_tui.worlds.mdp.tabular_mdp import Outcome, Transition, tabular_mdp
+from rl_tui.worlds.world import World
+
+CARDS: Final[Mapping[int, float]] = {**dict.fromkeys(range(1, 10), 1 / 13), 10: 4 / 13}
+DEALER_STANDS: Final = 17
+BEST: Final = 21
+WON, DREW, LOST = "won", "drew", "lost"
+STICK, HIT = 0, 1
+
+
+class Hand(NamedTuple):
+    """What counts of a hand: its sum, whether an ace is 11 in it, whether it is a dealt ace and ten."""
+
+    sum: int
+    usable_ace: bool
+    natural: bool = False
+
+    def with_card(self, card: int) -> Hand:
+        """Return the hand with another card; a sum above 21 is a bust."""
+        if self.usable_ace:
+            total = self.sum + card
+            return Hand(total, True) if total <= BEST else Hand(total - 10, False)
+        total = self.sum + card
+        return Hand(total + 10, True) if card == 1 and total + 10 <= BEST else Hand(total, False)
+
+
+class Rules(NamedTuple):
+    """The arguments of the environment.
+
+    With ``sab`` a natural wins against all but a natural, as in the book. Else it is a 21 like others, which
+    brings 1.5 in place of 1 where ``natural`` is true.
+    """
+
+    sab: bool
+    natural: bool
+
+
+def is_blackjack(environment: Any) -> bool:
+    """Tell whether an unwrapped environment is Gymnasium's."""
+    return type(environment).__name__ == "BlackjackEnv"
+
+
+def blackjack_world(environment: Any, time_limit: int) -> World:
+    """Return the exact world of an unwrapped environment."""
+    rules = Rules(bool(environment.sab), bool(environment.natural))
+    hands = _player_hands()
+    states = [(hand, showing) for hand in hands for showing in CARDS]
+    number = {state: index for index, state in enumerate(states)}
+    end = {name: len(states) + place for place, name in enumerate((WON, DREW, LOST))}
+    mdp = tabular_mdp(
+        [*(_name(hand, showing) for hand, showing in states), *end],
+        ("stick", "hit"),
+        _transitions(rules, number, end),
+        _start(number),
+        time_limit,
+    )
+    return World(mdp, _table_drawing(states))
+
+
+def _player_hands() -> list[Hand]:
+    hard = [Hand(total, False) for total in range(4, BEST + 1)]
+    soft = [Hand(total, True) for total in range(12, BEST + 1)]
+    return [*hard, *soft, Hand(BEST, True, natural=True)]
+
+
+def _name(hand: Hand, showing: int) -> str:
+    kind = "natural" if hand.natural else "yes" if hand.usable_ace else "no"
+    return f"{hand.sum}, {showing}, {kind}"
+
+
+def _first_two(first: int, second: int) -> Hand:
+    dealt = Hand(0, False).with_card(first).with_card(second)
+    return dealt._replace(natural=dealt.sum == BEST)
+
+
+def _start(number: Mapping[tuple[Hand, int], int]) -> dict[int, float]:
+    start: defaultdict[int, float] = defaultdict(float)
+    for first, p_first in CARDS.items():
+        for second, p_second in CARDS.items():
+            for showing, p_showing in CARDS.items():
+                start[number[_first_two(first, second), showing]] += p_first * p_second * p_showing
+    return dict(start)
+
+
+@cache
+def _dealer_from(hand: Hand) -> Mapping[Hand, float]:
+    """Return how likely the dealer ends with which hand."""
+    if hand.sum >= DEALER_STANDS:
+        return {hand: 1.0}
+    ends: defaultdict[Hand, float] = defaultdict(float)
+    for card, p_card in CARDS.items():
+        for end, p_end in _dealer_from(hand.with_card(card)).items():
+            ends[end] += p_card * p_end
+    return dict(ends)
+
+
+@cache
+def _dealer_showing(showing: int) -> Mapping[Hand, float]:
+    ends: defaultdict[Hand, float] = defaultdict(float)
+    for hidden, p_hidden in CARDS.items():
+        for end, p_end in _dealer_from(_first_two(showing, hidden)).items():
+            ends[end] += p_hidden * p_end
+    return dict(ends)
+
+
+def _reward(rules: Rules, player: Hand, dealer: Hand) -> float:
+    """Return what sticking brings against the dealer's final hand."""
+    of_dealer = dealer.sum if dealer.sum <= BEST else 0
+    reward = float((player.sum > of_dealer) - (player.sum < of_dealer))
+    if rules.sab and player.natural and not dealer.natural:
+        return 1.0
+    if not rules.sab and rules.natural and player.natural and reward == 1.0:
+        return 1.5
+    return reward
+
+
+def _transitions(
+    rules: Rules, number: Mapping[tuple[Hand, int], int], end: Mapping[str, int]
+) -> Iterator[Transition]:
+    for (hand, showing), state in number.items():
+        rewards: defaultdict[float, float] = defaultdict(float)
+        for dealer, probability in _dealer_showing(showing).items():
+            rewards[_reward(rules, hand, dealer)] += probability
+        yield Transition(
+            state,
+            STICK,
+            [
+                Outcome(
+                    probability, end[WON if reward > 0.0 else DREW if reward == 0.0 else LOST], reward, True
+                )
+                for reward, probability in sorted(rewards.items(), reverse=True)
+            ],
+        )
+        reached: defaultdict[int, float] = defaultdict(float)
+        for card, probability in CARDS.items():
+            drawn = hand.with_card(card)
+            reached[number[drawn, showing] if drawn.sum <= BEST else end[LOST]] += probability
+        yield Transition(
+            state,
+            HIT,
+            [
+                Outcome(probability, after, -1.0 if after == end[LOST] else 0.0, after == end[LOST])
+                for after, probability in reached.items()
+            ],
+        )
+
+
+def _table_drawing(states: list[tuple[Hand, int]]) -> Grid:
+    """Return the drawing: sums downwards from a natural to 4, the dealer's card across.
+
+    Hands without a usable ace are on the left, those with one on the right, and below these how it can end.
+    """
+    across, rows = len(CARDS), BEST - 4 + 2
+    columns = 2 * across + 1
+    cells = []
+    for hand, showing in states:
+        row = 0 if hand.natural else BEST + 1 - hand.sum
+        cells.append(row * columns + showing - 1 + (across + 1 if hand.usable_ace else 0))
+    ends = [(rows - 3) * columns + across + 1 + place for place in (2, 5, 8)]
+    kinds = [CellKind.WALL] * (rows * columns)
+    for cell in cells:
+        kinds[cell] = CellKind.FLOOR
+    for cell, kind in zip(ends, (CellKind.GOAL, CellKind.FLOOR, CellKind.HOLE), strict=True):
+        kinds[cell] = kind
+    legend = "sum down, dealer's card across, usable ace right"
+    return Grid(rows, columns, tuple(kinds), (*cells, *ends), (None, None), legend)

@@ -1,0 +1,1 @@
+"""The finite Markov decision process in flat arrays."""

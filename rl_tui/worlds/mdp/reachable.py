@@ -1,0 +1,54 @@
+"""Which states can be reached from the start."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+
+from rl_tui.worlds.mdp.space import BoolArray, IntArray
+
+# Below it a plain search takes less time than importing SciPy does
+MOST_PLAIN: Final = 100_000
+
+
+def reachable(first_edge: IntArray, leads_to: IntArray, start: IntArray) -> BoolArray:
+    """Return which of S states can be reached from ``start``, [K], by any number of edges, as [S].
+
+    State s owns the edges first_edge[s] .. first_edge[s+1], ``first_edge`` being [S+1]; ``leads_to``, [E],
+    holds the state at the end of each.
+    """
+    search = _plain_search if len(leads_to) <= MOST_PLAIN else _large_search
+    return search(first_edge, leads_to, start)
+
+
+def _plain_search(first_edge: IntArray, leads_to: IntArray, start: IntArray) -> BoolArray:
+    first, ends = first_edge.tolist(), leads_to.tolist()
+    reached = bytearray(len(first) - 1)
+    to_visit = []
+    for state in start.tolist():
+        if not reached[state]:
+            reached[state] = 1
+            to_visit.append(state)
+    while to_visit:
+        state = to_visit.pop()
+        for end in ends[first[state] : first[state + 1]]:
+            if not reached[end]:
+                reached[end] = 1
+                to_visit.append(end)
+    return np.frombuffer(reached, dtype=np.bool_).copy()
+
+
+def _large_search(first_edge: IntArray, leads_to: IntArray, start: IntArray) -> BoolArray:
+    """Search in compiled code, from one more state whose edges lead to all of ``start``."""
+    from scipy.sparse import csr_array
+    from scipy.sparse.csgraph import breadth_first_order
+
+    states = len(first_edge) - 1
+    ends = np.concatenate([leads_to, start]).astype(np.int32)
+    first = np.append(first_edge, len(ends)).astype(np.int32)
+    graph = csr_array((np.ones(len(ends)), ends, first), shape=(states + 1, states + 1))
+    order = breadth_first_order(graph, states, return_predecessors=False)
+    reached = np.zeros(states + 1, dtype=np.bool_)
+    reached[order] = True
+    return reached[:states]

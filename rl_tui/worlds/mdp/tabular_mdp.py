@@ -1,0 +1,316 @@
+"""The finite Markov decision process in flat arrays (Sutton & Barto, 2nd ed., section 3.1)."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, fields
+from typing import NamedTuple
+
+import numpy as np
+
+from rl_tui.worlds.mdp.consistency import check_consistency
+from rl_tui.worlds.mdp.reachable import reachable
+from rl_tui.worlds.mdp.space import BoolArray, FiniteSpace, FloatArray, IntArray
+from rl_tui.worlds.mdp.tolerance import PROBABILITY_TOLERANCE
+
+__all__ = [
+    "UNKNOWN_ACTION",
+    "BoolArray",
+    "FloatArray",
+    "IntArray",
+    "Outcome",
+    "TabularMDP",
+    "Transition",
+    "TransitionArrays",
+    "cumulative_inside",
+    "mdp_of_arrays",
+    "tabular_mdp",
+]
+
+UNKNOWN_ACTION = -1
+
+
+class Outcome(NamedTuple):
+    """One thing that may happen when a pair (state, action) is taken.
+
+    ``reward`` is its mean and ``reward_std`` the standard deviation of Gaussian noise on it. ``terminated``
+    says that the episode ends here. ``action`` is the action that really happened where the world slips, −1
+    if not known.
+    """
+
+    probability: float
+    next_state: int
+    reward: float
+    terminated: bool
+    reward_std: float = 0.0
+    action: int = UNKNOWN_ACTION
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class TabularMDP(FiniteSpace):
+    """S states, A named actions, P legal state–action pairs, O outcomes, as arrays that never change.
+
+    State s owns the pairs first_pair[s] .. first_pair[s+1], in the order of their actions; pair p owns the
+    outcomes first_outcome[p] .. first_outcome[p+1], at least one. A state that owns no pair is terminal or
+    cannot be reached, and every outcome into it is terminated. :func:`tabular_mdp` makes one from a list of
+    transitions.
+
+    ========================  =========  ==========================================================
+    first_pair                [S+1]      pair_action     [P]    which of the A actions this pair is
+    first_outcome             [P+1]      probability     [O]    for solvers
+    next_state                [O]        cumulative      [O]    inside the pair; the last is exactly 1
+    reward, reward_std        [O]        terminated      [O]    no bootstrapping past it
+    outcome_action            [O]        the action that really happened; −1: not known
+    start_state               [K]        start_cumulative [K]   cumulative start distribution
+    ========================  =========  ==========================================================
+
+    ``time_limit`` is the number of steps after which an episode is truncated (0: none). With a ``drift_std``
+    above 0 the world is not stationary: after every step the rewards of each pair move together by a draw
+    from N(0, drift_std²); ``reward`` is where they start. Raises ValueError where the arrays contradict each
+    other or leave their ranges.
+    """
+
+    first_outcome: IntArray
+    next_state: IntArray
+    reward: FloatArray
+    reward_std: FloatArray
+    terminated: BoolArray
+    outcome_action: IntArray
+    probability: FloatArray
+    cumulative: FloatArray
+    start_state: IntArray
+    start_cumulative: FloatArray
+    drift_std: float = 0.0
+
+    def __post_init__(self) -> None:
+        FiniteSpace.__post_init__(self)
+        check_consistency(self)
+
+    def __reduce__(self) -> tuple[type[TabularMDP], tuple[object, ...]]:
+        # an array unpickled by itself would come back writable
+        return TabularMDP, tuple(getattr(self, each.name) for each in fields(self))
+
+    @property
+    def outcome_pair(self) -> IntArray:
+        """The pair of each outcome, [O]."""
+        return np.repeat(np.arange(self.pairs), np.diff(self.first_outcome))
+
+    @property
+    def expected_reward(self) -> FloatArray:
+        """The expected reward of each pair, [P]."""
+        expected: FloatArray = np.add.reduceat(self.probability * self.reward, self.first_outcome[:-1])
+        return expected
+
+    @property
+    def start_probability(self) -> FloatArray:
+        """The probability of each of ``start_state``, [K]."""
+        return np.diff(self.start_cumulative, prepend=0.0)
+
+    def outcomes_of(self, pair: int) -> range:
+        """Return the outcomes that ``pair`` owns."""
+        return range(int(self.first_outcome[pair]), int(self.first_outcome[pair + 1]))
+
+
+class Transition(NamedTuple):
+    """The outcomes of one pair, as :func:`tabular_mdp` takes them."""
+
+    state: int
+    action: int
+    outcomes: Sequence[Outcome]
+
+
+class TransitionArrays(NamedTuple):
+    """All outcomes of P pairs as arrays, as :func:`mdp_of_arrays` takes them.
+
+    Pairs are in the order of their states, and of their actions within a state; of the O outcomes pair p
+    owns ``outcome_count[p]``. ``probability``, ``next_state``, ``reward``, ``reward_std``, ``terminated`` and
+    ``outcome_action`` are what they are in :class:`TabularMDP`.
+    """
+
+    pair_state: IntArray
+    pair_action: IntArray
+    outcome_count: IntArray
+    probability: FloatArray
+    next_state: IntArray
+    reward: FloatArray
+    reward_std: FloatArray
+    terminated: BoolArray
+    outcome_action: IntArray
+
+
+def tabular_mdp(
+    state_names: Sequence[str],
+    action_names: Sequence[str],
+    transitions: Iterable[Transition],
+    start: Mapping[int, float],
+    time_limit: int = 0,
+) -> TabularMDP:
+    """Make the MDP of these transitions, keeping the pairs of live states only.
+
+    Live are the states that can be reached from ``start`` (state → probability) through outcomes that do not
+    terminate. Every outcome into a state without pairs is marked as terminated. Outcomes that land alike stay
+    apart.
+
+    Raises ValueError where a probability, reward, state or action is out of its range, probabilities do not
+    sum to 1 (±1e-9), a pair is given twice, or nothing can be done at the start.
+    """
+    by_state = _pairs_by_state(len(state_names), len(action_names), transitions)
+    _check_distribution("start", list(start.values()))
+    pairs = [
+        Transition(state, action, outcomes)
+        for state, actions in enumerate(by_state)
+        for action, outcomes in sorted(actions.items())
+    ]
+    outcomes = [outcome for pair in pairs for outcome in pair.outcomes]
+    possible = {state: probability for state, probability in start.items() if probability > 0.0}
+    return mdp_of_arrays(
+        tuple(state_names),
+        tuple(action_names),
+        TransitionArrays(
+            pair_state=np.array([pair.state for pair in pairs], dtype=np.int64),
+            pair_action=np.array([pair.action for pair in pairs], dtype=np.int64),
+            outcome_count=np.array([len(pair.outcomes) for pair in pairs], dtype=np.int64),
+            probability=np.array([outcome.probability for outcome in outcomes], dtype=np.float64),
+            next_state=np.array([outcome.next_state for outcome in outcomes], dtype=np.int64),
+            reward=np.array([outcome.reward for outcome in outcomes], dtype=np.float64),
+            reward_std=np.array([outcome.reward_std for outcome in outcomes], dtype=np.float64),
+            terminated=np.array([outcome.terminated for outcome in outcomes], dtype=np.bool_),
+            outcome_action=np.array([outcome.action for outcome in outcomes], dtype=np.int64),
+        ),
+        np.array(list(possible), dtype=np.int64),
+        np.array(list(possible.values()), dtype=np.float64),
+        time_limit,
+    )
+
+
+def mdp_of_arrays(
+    state_names: Sequence[str],
+    action_names: tuple[str, ...],
+    arrays: TransitionArrays,
+    start_state: IntArray,
+    start_probability: FloatArray,
+    time_limit: int = 0,
+) -> TabularMDP:
+    """Make the MDP of these arrays as :func:`tabular_mdp` does of a list, in no more passes than numpy needs.
+
+    ``start_state`` and ``start_probability``, [K], are where an episode begins. The arrays become the MDP's
+    own where they can: nobody may write to them afterwards. Raises ValueError where nothing can be done at
+    the start, or the arrays contradict each other.
+    """
+    states = len(state_names)
+    owned = np.bincount(arrays.pair_state, minlength=states)
+    _check_start(start_state, owned)
+    live = _live_states(arrays, owned, start_state)
+    alive = live[arrays.pair_state]
+    if not alive.all():
+        arrays = _only(arrays, alive)
+        owned = np.where(live, owned, 0)
+    np.logical_or(arrays.terminated, ~live[arrays.next_state], out=arrays.terminated)
+    first_outcome = _offsets(arrays.outcome_count)
+    for array in arrays:
+        array.flags.writeable = False
+    return TabularMDP(
+        state_names=state_names,
+        action_names=action_names,
+        first_pair=_offsets(owned),
+        pair_action=arrays.pair_action,
+        first_outcome=first_outcome,
+        next_state=arrays.next_state,
+        reward=arrays.reward,
+        reward_std=arrays.reward_std,
+        terminated=arrays.terminated,
+        outcome_action=arrays.outcome_action,
+        probability=arrays.probability,
+        cumulative=cumulative_inside(arrays.probability, first_outcome),
+        start_state=start_state,
+        start_cumulative=cumulative_inside(start_probability, np.array([0, len(start_probability)])),
+        time_limit=time_limit,
+    )
+
+
+def cumulative_inside(probability: FloatArray, first_outcome: IntArray) -> FloatArray:
+    """Return the running sums of ``probability`` inside each pair, as drawing from it needs them.
+
+    They start afresh in every pair, never exceed 1, and the last of a pair is exactly 1, whatever rounding
+    did.
+    """
+    result = probability.copy()
+    length = np.diff(first_outcome)
+    longest = int(length.max(initial=0))
+    if len(result) == longest * len(length):
+        # pairs of equally many outcomes stand as rows: no index has to be looked up
+        rows = result.reshape(len(length), longest)
+        for place in range(1, longest):
+            rows[:, place] += rows[:, place - 1]
+    else:
+        for place in range(1, longest):
+            here = first_outcome[:-1][length > place] + place
+            result[here] += result[here - 1]
+    np.minimum(result, 1.0, out=result)
+    result[first_outcome[1:] - 1] = 1.0
+    result.flags.writeable = False
+    return result
+
+
+def _offsets(count: IntArray) -> IntArray:
+    """Return where each of these many begins when they stand one after another, and where the last ends."""
+    offsets = np.zeros(len(count) + 1, dtype=np.int64)
+    np.cumsum(count, out=offsets[1:])
+    offsets.flags.writeable = False
+    return offsets
+
+
+def _check_start(start_state: IntArray, owned: IntArray) -> None:
+    known = (start_state >= 0) & (start_state < len(owned))
+    idle = ~known
+    idle[known] = owned[start_state[known]] == 0
+    if idle.any():
+        raise ValueError(f"start: nothing can be done in state {start_state[np.argmax(idle)]}")
+
+
+def _live_states(arrays: TransitionArrays, owned: IntArray, start_state: IntArray) -> BoolArray:
+    """Return the states with pairs that can be reached from the start without ending an episode, [S]."""
+    goes_on = ~arrays.terminated
+    goes_on &= (owned > 0)[arrays.next_state]
+    # the first outcome of each state, and how many of those before it go on
+    first = _offsets(arrays.outcome_count)[_offsets(owned)]
+    first_edge = np.where(first > 0, np.cumsum(goes_on)[first - 1], 0)
+    return reachable(first_edge, arrays.next_state[goes_on], start_state)
+
+
+def _only(arrays: TransitionArrays, kept: BoolArray) -> TransitionArrays:
+    """Return the pairs that are ``kept``, [P], and their outcomes."""
+    outcomes = np.repeat(kept, arrays.outcome_count)
+    pairs = ("pair_state", "pair_action", "outcome_count")
+    return TransitionArrays(
+        **{name: array[kept if name in pairs else outcomes] for name, array in arrays._asdict().items()}
+    )
+
+
+def _pairs_by_state(
+    states: int, actions: int, transitions: Iterable[Transition]
+) -> list[dict[int, list[Outcome]]]:
+    """Return state → action → its possible outcomes, each checked."""
+    by_state: list[dict[int, list[Outcome]]] = [{} for _ in range(states)]
+    for state, action, outcomes in transitions:
+        where = f"state {state}, action {action}"
+        if not 0 <= state < states or not 0 <= action < actions:
+            raise ValueError(
+                f"{where}: expected a state in 0..{states - 1} and an action in 0..{actions - 1}"
+            )
+        if action in by_state[state]:
+            raise ValueError(f"{where}: given twice")
+        if any(not 0 <= outcome.next_state < states for outcome in outcomes):
+            raise ValueError(f"{where}: expected next states in 0..{states - 1}")
+        _check_distribution(where, [outcome.probability for outcome in outcomes])
+        by_state[state][action] = [outcome for outcome in outcomes if outcome.probability > 0.0]
+    return by_state
+
+
+def _check_distribution(where: str, probabilities: Sequence[float]) -> None:
+    # "not p >= 0" also catches NaN, which would otherwise be dropped as if it were 0
+    if any(not probability >= 0.0 for probability in probabilities):
+        raise ValueError(f"{where}: expected probabilities of at least 0")
+    if not abs(math.fsum(probabilities) - 1.0) <= PROBABILITY_TOLERANCE:
+        raise ValueError(f"{where}: probabilities sum to {math.fsum(probabilities)}, not to 1")
