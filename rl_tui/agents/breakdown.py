@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from rl_tui.agents.catalogue import BY_ID
+from rl_tui.agents.kernels.stop import Stop
 from rl_tui.agents.last_step import LastStep
-from rl_tui.agents.stop import Stop
 from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray
 
 

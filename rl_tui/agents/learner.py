@@ -11,20 +11,20 @@ import numpy as np
 from rl_tui.agents.breakdown import breakdown
 from rl_tui.agents.catalogue import BY_ID, RULE_BY_ID
 from rl_tui.agents.compatibility import check_compatible
-from rl_tui.agents.drift import Drifted, drifted_by, new_drift
 from rl_tui.agents.hyperparameters import Hyperparameters
+from rl_tui.agents.kernels.drift import Drifted, drifted_by, new_drift
+from rl_tui.agents.kernels.loop import advance, start_state
+from rl_tui.agents.kernels.planning_loop import sweep
+from rl_tui.agents.kernels.position import NOBODY
+from rl_tui.agents.kernels.settings import schedules_of, settings_of
+from rl_tui.agents.kernels.stepped_loop import SteppedLoop
+from rl_tui.agents.kernels.stop import Stop
+from rl_tui.agents.kernels.tables import Tables, tables_of
+from rl_tui.agents.kernels.watch import forget, new_watch, noticed_by
+from rl_tui.agents.kernels.watching import Noticed, Watching
 from rl_tui.agents.last_step import Author
+from rl_tui.agents.learner_counters import EPISODES_LOGGED, Standing
 from rl_tui.agents.learner_state import LearnerState, Planned, arrays_of, copies, put_back
-from rl_tui.agents.loop import advance, start_state
-from rl_tui.agents.planning_loop import sweep
-from rl_tui.agents.position import NOBODY
-from rl_tui.agents.settings import schedules_of, settings_of
-from rl_tui.agents.standing import EPISODES_LOGGED, Standing
-from rl_tui.agents.stepped_loop import SteppedLoop
-from rl_tui.agents.stop import Stop
-from rl_tui.agents.tables import Tables, tables_of
-from rl_tui.agents.watch import forget, new_watch, noticed_by
-from rl_tui.agents.watching import Noticed, Watching
 from rl_tui.common.errors import UserError
 from rl_tui.common.streams import Streams
 from rl_tui.worlds.gym.stepped.environment import Environment

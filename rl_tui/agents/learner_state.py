@@ -9,8 +9,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from rl_tui.agents.hyperparameters import Hyperparameters
+from rl_tui.agents.kernels.stop import Stop
 from rl_tui.agents.last_step import Author
-from rl_tui.agents.stop import Stop
 
 Arrays = tuple[Any, ...]
 

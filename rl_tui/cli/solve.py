@@ -31,7 +31,7 @@ def command(scenario: str, gamma: float | None, seed: int, as_json: bool) -> Non
 
     The seed counts only where the world depends on it: the arms of a bandit.
     """
-    from rl_tui.agents.planning import solve
+    from rl_tui.agents.exact.solve import solve
     from rl_tui.common.errors import UserError
     from rl_tui.lab.exact import NO_TABLE
     from rl_tui.lab.figures import MOST_STATES, policy_names, table

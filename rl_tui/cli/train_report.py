@@ -6,8 +6,8 @@ from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
 from rl_tui.agents.catalogue import BY_ID, RULE_BY_ID, parameters_of
+from rl_tui.agents.exact.solve import best_expected_return
 from rl_tui.agents.hyperparameters import PARAMETERS, Hyperparameters
-from rl_tui.agents.planning import best_expected_return
 from rl_tui.cli.advice import no_reward
 from rl_tui.cli.output import columns, number
 from rl_tui.cli.policy_map import policy_map

@@ -7,9 +7,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from rl_tui.agents.action_chances import action_chances
 from rl_tui.agents.catalogue import BY_ID
 from rl_tui.agents.last_step import LastStep
+from rl_tui.agents.policies.chances import action_chances
 from rl_tui.agents.update_terms import Lookup
 from rl_tui.lab.snapshot import Snapshot
 from rl_tui.worlds.mdp.space import FloatArray

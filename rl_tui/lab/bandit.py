@@ -12,7 +12,7 @@ from rl_tui.worlds.mdp.tabular_mdp import BoolArray, FloatArray, IntArray, Tabul
 from rl_tui.worlds.world import World
 
 if TYPE_CHECKING:
-    from rl_tui.agents.drift import Drifted
+    from rl_tui.agents.kernels.drift import Drifted
 
 
 def true_means(mdp: TabularMDP) -> FloatArray:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from rl_tui.agents.exact_model import exact_model
+from rl_tui.agents.exact.exact_model import exact_model
 from rl_tui.common.streams import streams
 from rl_tui.worlds.files.scenario import Scenario
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
@@ -19,7 +19,7 @@ def endless_warning(scenario: Scenario) -> str:
     state = None if mdp is None else endless_state(mdp)
     if mdp is None or state is None:
         return ""
-    from rl_tui.agents.stop import LONGEST_EPISODE
+    from rl_tui.agents.kernels.stop import LONGEST_EPISODE
 
     return (
         f"state {mdp.state_names[state]} can never reach an end and there is no time limit: "

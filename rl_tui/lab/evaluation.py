@@ -9,8 +9,8 @@ from typing import Final
 
 import numpy as np
 
+from rl_tui.agents.exact.solve import expected_return, greedy_policy
 from rl_tui.agents.hyperparameters import Ties
-from rl_tui.agents.planning import expected_return, greedy_policy
 from rl_tui.lab.snapshot import Marks
 from rl_tui.worlds.mdp.tabular_mdp import FloatArray, IntArray, TabularMDP
 

@@ -7,7 +7,7 @@ from collections import OrderedDict
 from collections.abc import Callable
 from typing import Final, NamedTuple
 
-from rl_tui.agents.solution import NoExactAnswer, Solution
+from rl_tui.agents.exact.solution import NoExactAnswer, Solution
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
 AT_ONCE_STATES: Final = 200
@@ -28,7 +28,7 @@ PENDING: Final = Answer(None, "")
 
 def exact_now(mdp: TabularMDP | None, gamma: float) -> Answer:
     """Return the exact answer of a small world that is another one after every step."""
-    from rl_tui.agents.planning import solve
+    from rl_tui.agents.exact.solve import solve
 
     return Answer(None, NO_TABLE) if mdp is None else Answer(solve(mdp, gamma), "")
 
@@ -50,7 +50,7 @@ class ExactAnswers:
         from rl_tui.lab.evaluation import DEAREST_LIVE, visits_of
 
         if solve is None:
-            from rl_tui.agents import planning
+            from rl_tui.agents.exact import solve as planning
 
             solve = planning.solve
         self.mdp = mdp

@@ -9,8 +9,8 @@ from typing import Any, Final
 import numpy as np
 import numpy.typing as npt
 
-from rl_tui.agents.planning import figures, greedy_policy, solve
-from rl_tui.agents.solution import NoExactAnswer, Solution
+from rl_tui.agents.exact.solution import NoExactAnswer, Solution
+from rl_tui.agents.exact.solve import figures, greedy_policy, solve
 from rl_tui.lab.exact import NO_TABLE
 from rl_tui.lab.recipe import Recipe
 from rl_tui.lab.run import Run

@@ -8,7 +8,7 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from rl_tui.agents.compiled import compiled
+from rl_tui.agents.kernels.compiled import compiled
 from rl_tui.lab.snapshot import Curve
 from rl_tui.worlds.mdp.tabular_mdp import FloatArray, IntArray
 

@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Final
 
-from rl_tui.agents.watching import Watching
+from rl_tui.agents.kernels.watching import Watching
 from rl_tui.common.errors import UserError
 from rl_tui.lab.branches import FIRST, Branch
 from rl_tui.lab.checkpoints import Checkpoints

@@ -16,7 +16,7 @@ from shutil import copyfileobj
 from tempfile import TemporaryDirectory
 from typing import Any, Final, TextIO, TypeVar
 
-from rl_tui.agents.solution import Solution
+from rl_tui.agents.exact.solution import Solution
 from rl_tui.common.errors import UserError
 from rl_tui.lab.episode_rows import EpisodeRows, csv_file
 from rl_tui.lab.figures import BANDIT_FIGURES, exact_world, finite, greedy_figures, head, optimum_of, pulls

@@ -8,10 +8,10 @@ from typing import Final
 
 import numpy as np
 
+from rl_tui.agents.kernels.stop import Stop
+from rl_tui.agents.kernels.watching import NOTHING_NOTICED
 from rl_tui.agents.learner import Learner
 from rl_tui.agents.learner_state import LearnerState
-from rl_tui.agents.stop import Stop
-from rl_tui.agents.watching import NOTHING_NOTICED
 from rl_tui.common.errors import UserError
 from rl_tui.lab.bandit import bandit_figures
 from rl_tui.lab.evaluation import DEAREST_LIVE, MOST_STATES, Evaluation, GreedyReturn, MarksState, visits_of

@@ -7,9 +7,9 @@ from enum import StrEnum
 
 import numpy as np
 
+from rl_tui.agents.exact.solution import Solution
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.agents.last_step import Author, LastStep
-from rl_tui.agents.solution import Solution
 from rl_tui.lab.branches import Branch
 from rl_tui.lab.recipe import Recipe
 from rl_tui.lab.until import Breakpoints

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rl_tui.agents.planning import greedy_policy
-from rl_tui.agents.watching import Watching
+from rl_tui.agents.exact.solve import greedy_policy
+from rl_tui.agents.kernels.watching import Watching
 from rl_tui.common.errors import UserError
 from rl_tui.lab.exact import exact_now
 from rl_tui.lab.run import UNLIMITED
@@ -16,8 +16,8 @@ from rl_tui.lab.until import Breakpoints, Event, Until
 from rl_tui.worlds.drawing import Arms
 
 if TYPE_CHECKING:
+    from rl_tui.agents.exact.solution import Solution
     from rl_tui.agents.hyperparameters import Ties
-    from rl_tui.agents.solution import Solution
     from rl_tui.lab.exact import Answer
     from rl_tui.lab.run import Run
     from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray

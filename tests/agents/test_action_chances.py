@@ -8,10 +8,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rl_tui.agents.action_chances import action_chances
-from rl_tui.agents.action_rules.family import expectation
 from rl_tui.agents.catalogue import RULE_BY_ID
 from rl_tui.agents.hyperparameters import Hyperparameters
+from rl_tui.agents.policies.chances import action_chances
+from rl_tui.agents.policies.family import expectation
 from rl_tui.worlds.mdp.space import FiniteSpace
 
 NO_VISITS = np.zeros(4, np.int64)

@@ -14,11 +14,11 @@ from hypothesis import strategies as st
 from random_worlds import worlds
 from scipy import stats
 
-from rl_tui.agents import loop
-from rl_tui.agents.action_rules.family import choose, expectation
-from rl_tui.agents.compiled import compiled
 from rl_tui.agents.hyperparameters import Hyperparameters
+from rl_tui.agents.kernels import loop
+from rl_tui.agents.kernels.compiled import compiled
 from rl_tui.agents.learner import Learner
+from rl_tui.agents.policies.family import choose, expectation
 from rl_tui.common.streams import streams
 from rl_tui.worlds.mdp.tabular_mdp import FloatArray, IntArray, TabularMDP
 

@@ -12,10 +12,10 @@ import pytest
 from arms import COINS, NO_VISITS, TESTBED, bandit_of, certain, gaussian, learner, new_rule, pulls
 from scipy import stats
 
-from rl_tui.agents.action_rules import gradient, thompson
-from rl_tui.agents.action_rules.family import expectation
-from rl_tui.agents.action_rules.thompson import beta_draw, gamma_draw, normal_draw
+from rl_tui.agents.exact.policy_arrays import gradient, thompson
 from rl_tui.agents.hyperparameters import Hyperparameters
+from rl_tui.agents.policies.family import expectation
+from rl_tui.agents.policies.thompson import beta_draw, gamma_draw, normal_draw
 from rl_tui.common.errors import UserError
 from rl_tui.common.streams import streams
 from rl_tui.worlds.mdp.tabular_mdp import Outcome, TabularMDP, Transition, tabular_mdp

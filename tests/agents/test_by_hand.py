@@ -8,10 +8,10 @@ from test_every_algorithm import everything, learner
 from test_stepped_loop import TOLD, Line, Table, facts, lake, untabled
 
 from rl_tui.agents.hyperparameters import Hyperparameters
+from rl_tui.agents.kernels.stop import Stop
+from rl_tui.agents.kernels.watching import Noticed, Watching
 from rl_tui.agents.last_step import LastStep
 from rl_tui.agents.learner import Learner
-from rl_tui.agents.stop import Stop
-from rl_tui.agents.watching import Noticed, Watching
 from rl_tui.common.errors import UserError
 from rl_tui.common.streams import streams
 from rl_tui.worlds.gym.stepped.environment import Stepped

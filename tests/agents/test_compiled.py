@@ -12,10 +12,17 @@ from typing import Any, NamedTuple
 import numba
 import pytest
 
-from rl_tui.agents.compiled import LONGEST_UNUSED, cache_folder, compiled, inlined_by_type, member_of, prune
+from rl_tui.agents.kernels.compiled import (
+    LONGEST_UNUSED,
+    cache_folder,
+    compiled,
+    inlined_by_type,
+    member_of,
+    prune,
+)
 
 SCRIPT = """
-from rl_tui.agents.compiled import CACHED, compiled
+from rl_tui.agents.kernels.compiled import CACHED, compiled
 
 @compiled
 def double(x):
@@ -111,7 +118,7 @@ def test_where_nobody_has_a_home_it_does_without(tmp_path: Path, monkeypatch: py
     def homeless(*_: object, **__: object) -> None:
         raise RuntimeError("could not determine the home directory")
 
-    monkeypatch.setattr("rl_tui.agents.compiled.platformdirs.user_cache_path", homeless)
+    monkeypatch.setattr("rl_tui.agents.kernels.compiled.platformdirs.user_cache_path", homeless)
     monkeypatch.delenv("RL_TUI_CACHE_DIR", raising=False)
     assert cache_folder().is_relative_to(os.devnull)
 

@@ -15,9 +15,9 @@ from hypothesis import strategies as st
 from plain_world import PlainWorld, Table, as_array
 from random_worlds import worlds
 
-from rl_tui.agents import loop, planning_loop
 from rl_tui.agents.catalogue import BY_ID
 from rl_tui.agents.hyperparameters import Hyperparameters
+from rl_tui.agents.kernels import loop, planning_loop
 from rl_tui.agents.learner import Learner
 from rl_tui.common.streams import streams
 from rl_tui.worlds.mdp.tabular_mdp import Outcome, TabularMDP, Transition, tabular_mdp

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from rl_tui.agents.algorithms import dyna_q, prioritized_sweeping
-from rl_tui.agents.algorithms.priority_queue import dequeue, empty_queue, enqueue
+from rl_tui.agents.algorithms.shared.priority_queue import dequeue, empty_queue, enqueue
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.agents.learner import Learner
 from rl_tui.common.streams import streams

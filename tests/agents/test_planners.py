@@ -14,10 +14,10 @@ from plain_value_iteration import plain_value_iteration
 from random_worlds import worlds
 
 from rl_tui.agents.algorithms.policy_iteration import Memory, phase_of
+from rl_tui.agents.exact.solve import solve
 from rl_tui.agents.hyperparameters import Hyperparameters
+from rl_tui.agents.kernels.stop import Stop
 from rl_tui.agents.learner import Learner
-from rl_tui.agents.planning import solve
-from rl_tui.agents.stop import Stop
 from rl_tui.common.streams import streams
 from rl_tui.worlds.files.catalogue import find
 from rl_tui.worlds.mdp.tabular_mdp import Outcome, TabularMDP, Transition, tabular_mdp

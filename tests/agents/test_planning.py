@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from exact_reference import lake, student, world
 
-from rl_tui.agents import backward_induction, linear_solve
-from rl_tui.agents.planning import (
+from rl_tui.agents.exact import backward_induction, linear_solve
+from rl_tui.agents.exact.solve import (
     best_expected_return,
     evaluate,
     expected_return,

@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from rl_tui.agents import loop, stepped_loop
 from rl_tui.agents.catalogue import ALGORITHMS
 from rl_tui.agents.hyperparameters import Hyperparameters
+from rl_tui.agents.kernels import loop, stepped_loop
+from rl_tui.agents.kernels.stop import LONGEST_EPISODE, Stop
 from rl_tui.agents.learner import EPISODES_LOGGED, UNLIMITED, Learner
-from rl_tui.agents.stop import LONGEST_EPISODE, Stop
 from rl_tui.common.errors import UserError
 from rl_tui.common.streams import streams
 from rl_tui.worlds.gym.stepped.environment import EnvironmentFailedError, Stepped

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from rl_tui.agents.hyperparameters import Hyperparameters
+from rl_tui.agents.kernels.stop import Stop
 from rl_tui.agents.last_step import LastStep
 from rl_tui.agents.learner import Learner
-from rl_tui.agents.stop import Stop
 from rl_tui.common.streams import streams
 from rl_tui.worlds.mdp.tabular_mdp import Outcome, TabularMDP, Transition, tabular_mdp
 

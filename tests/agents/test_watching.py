@@ -13,12 +13,12 @@ from random_worlds import worlds
 from test_every_algorithm import everything, hyperparameters, learner
 from test_stepped_loop import TOLD, Line, Table, facts, lake, untabled
 
-from rl_tui.agents import loop, planning_loop, watch
+from rl_tui.agents.exact.policy_arrays import greedy_policy
 from rl_tui.agents.hyperparameters import Hyperparameters
+from rl_tui.agents.kernels import loop, planning_loop, watch
+from rl_tui.agents.kernels.stop import Stop
+from rl_tui.agents.kernels.watching import NOTHING_NOTICED, Noticed, Watching
 from rl_tui.agents.learner import EPISODES_LOGGED, UNLIMITED, Learner
-from rl_tui.agents.policies import greedy_policy
-from rl_tui.agents.stop import Stop
-from rl_tui.agents.watching import NOTHING_NOTICED, Noticed, Watching
 from rl_tui.common.streams import streams
 from rl_tui.worlds.gym.stepped.environment import Stepped
 from rl_tui.worlds.mdp.space import all_pairs

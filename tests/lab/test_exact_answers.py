@@ -6,8 +6,8 @@ from dataclasses import replace
 import pytest
 from recipes import recipe
 
-from rl_tui.agents.planning import solve
-from rl_tui.agents.solution import NoExactAnswer, Solution
+from rl_tui.agents.exact.solution import NoExactAnswer, Solution
+from rl_tui.agents.exact.solve import solve
 from rl_tui.lab import exact
 from rl_tui.lab.exact import PENDING, ExactAnswers
 from rl_tui.lab.recipe import begin

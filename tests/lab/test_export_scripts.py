@@ -16,7 +16,7 @@ import pytest
 from export_samples import ALLOWED, imported, q_of, ran, recipe_of, script_of, table_of
 
 from rl_tui.agents.catalogue import ACTION_RULES, ALGORITHMS
-from rl_tui.agents.planning import figures, greedy_policy, solve
+from rl_tui.agents.exact.solve import figures, greedy_policy, solve
 from rl_tui.common.errors import UserError
 from rl_tui.lab.export.script import script
 from rl_tui.lab.library import episodes_of, recipe_for

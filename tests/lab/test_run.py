@@ -8,8 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from recipes import bandit, recipe
 
+from rl_tui.agents.exact.solve import expected_return, greedy_policy
 from rl_tui.agents.hyperparameters import SAMPLE_AVERAGE
-from rl_tui.agents.planning import expected_return, greedy_policy
 from rl_tui.common.errors import UserError
 from rl_tui.lab.recipe import JournalEntry, SetParameter, SwitchAlgorithm
 from rl_tui.lab.run import Run, RunState, replay

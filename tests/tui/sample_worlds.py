@@ -6,7 +6,7 @@ from functools import cache
 
 import numpy as np
 
-from rl_tui.agents.solution import Solution
+from rl_tui.agents.exact.solution import Solution
 from rl_tui.worlds.drawing import Arms, CellKind, Graph, Grid
 from rl_tui.worlds.mdp.tabular_mdp import FloatArray, Outcome, TabularMDP, Transition, tabular_mdp
 from rl_tui.worlds.world import World

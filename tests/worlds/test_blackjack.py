@@ -11,7 +11,7 @@ import pytest
 from gymnasium.envs.toy_text import blackjack as game
 from scipy.stats import chi2
 
-from rl_tui.agents.planning import solve
+from rl_tui.agents.exact.solve import solve
 from rl_tui.worlds.drawing import CellKind
 from rl_tui.worlds.gym.section import GymnasiumSection
 from rl_tui.worlds.gym.tables.blackjack import CARDS, Hand, _dealer_showing

@@ -7,7 +7,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from rl_tui.agents.planning import solve
+from rl_tui.agents.exact.solve import solve
 from rl_tui.worlds.drawing import CellKind
 from rl_tui.worlds.files.catalogue import find
 from rl_tui.worlds.grid.section import GridSection

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from rl_tui.agents.planning import solve
-from rl_tui.agents.solution import Solution
+from rl_tui.agents.exact.solution import Solution
+from rl_tui.agents.exact.solve import solve
 from rl_tui.lab.library import recipe_for
 from rl_tui.lab.run import Run
 from rl_tui.worlds.files.catalogue import find, shipped_folder

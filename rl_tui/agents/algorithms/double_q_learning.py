@@ -6,11 +6,11 @@ from typing import Any, NamedTuple
 
 from numpy.random import Generator
 
-from rl_tui.agents.action_rules.family import greedy
 from rl_tui.agents.algorithms.family import Transition, Update, learn
-from rl_tui.agents.compiled import member_of
-from rl_tui.agents.settings import Settings, step_size
-from rl_tui.agents.tables import Tables, pairs_of
+from rl_tui.agents.kernels.compiled import member_of
+from rl_tui.agents.kernels.settings import Settings, step_size
+from rl_tui.agents.kernels.tables import Tables, pairs_of
+from rl_tui.agents.policies.family import greedy
 from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray, IntArray
 
 

@@ -13,10 +13,10 @@ import numpy as np
 from numpy.random import Generator
 
 from rl_tui.agents.algorithms.family import Transition, Update, further, learn
-from rl_tui.agents.algorithms.model import THE_END, UNKNOWN, modelled_value
-from rl_tui.agents.compiled import compiled, member_of
-from rl_tui.agents.settings import Settings, step_size
-from rl_tui.agents.tables import Tables
+from rl_tui.agents.algorithms.shared.model import THE_END, UNKNOWN, modelled_value
+from rl_tui.agents.kernels.compiled import compiled, member_of
+from rl_tui.agents.kernels.settings import Settings, step_size
+from rl_tui.agents.kernels.tables import Tables
 from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray, IntArray
 
 

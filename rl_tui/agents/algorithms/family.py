@@ -6,10 +6,10 @@ from typing import Any, NamedTuple
 
 from numpy.random import Generator
 
-from rl_tui.agents.action_rules.family import choose
-from rl_tui.agents.compiled import inlined, inlined_by_type
-from rl_tui.agents.settings import Settings
-from rl_tui.agents.tables import Tables, pairs_of
+from rl_tui.agents.kernels.compiled import inlined, inlined_by_type
+from rl_tui.agents.kernels.settings import Settings
+from rl_tui.agents.kernels.tables import Tables, pairs_of
+from rl_tui.agents.policies.family import choose
 
 
 class Transition(NamedTuple):

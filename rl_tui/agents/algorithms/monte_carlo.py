@@ -7,11 +7,11 @@ from typing import Any, Final, NamedTuple
 import numpy as np
 from numpy.random import Generator
 
-from rl_tui.agents.action_rules.family import expectation
 from rl_tui.agents.algorithms.family import Transition, Update, further, has_room, learn, no_update
-from rl_tui.agents.compiled import member_of
-from rl_tui.agents.settings import Settings, step_size
-from rl_tui.agents.tables import Tables, pairs_of
+from rl_tui.agents.kernels.compiled import member_of
+from rl_tui.agents.kernels.settings import Settings, step_size
+from rl_tui.agents.kernels.tables import Tables, pairs_of
+from rl_tui.agents.policies.family import expectation
 from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray, IntArray
 
 MOST_REMEMBERED: Final = 1_000_000

@@ -8,11 +8,11 @@ import numpy as np
 from numpy.random import Generator
 
 from rl_tui.agents.algorithms.family import Transition, Update, act, further, learn, no_update, with_others
-from rl_tui.agents.algorithms.next_action import choose_next, nothing_chosen, take_chosen
-from rl_tui.agents.compiled import inlined, member_of
+from rl_tui.agents.algorithms.shared.next_action import choose_next, nothing_chosen, take_chosen
 from rl_tui.agents.hyperparameters import MOST_STEPS
-from rl_tui.agents.settings import Settings, step_size
-from rl_tui.agents.tables import Tables
+from rl_tui.agents.kernels.compiled import inlined, member_of
+from rl_tui.agents.kernels.settings import Settings, step_size
+from rl_tui.agents.kernels.tables import Tables
 from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray, IntArray
 
 _ROOM: Final = MOST_STEPS + 1
@@ -23,7 +23,8 @@ class Memory(NamedTuple):
 
     An estimate, a count of visits and one of updates for each pair, [P]; of the last steps of the episode,
     step t at t modulo the room for them, the ``pairs`` A_t and the ``rewards`` R_{t+1}; ``time``, [2]: t, the
-    steps taken, and τ, the next one to be updated; A′ as :mod:`rl_tui.agents.algorithms.next_action` has it.
+    steps taken, and τ, the next one to be updated; A′ as
+    :mod:`rl_tui.agents.algorithms.shared.next_action` has it.
     """
 
     q: FloatArray

@@ -12,7 +12,8 @@ from typing import Final, Literal, NamedTuple
 
 import numpy as np
 
-from rl_tui.agents.algorithms.backups import (
+from rl_tui.agents.algorithms.family import Update, back_up, has_converged
+from rl_tui.agents.algorithms.shared.backups import (
     ANY,
     Sweep,
     at_rest,
@@ -22,10 +23,9 @@ from rl_tui.agents.algorithms.backups import (
     no_sweep,
     note_change,
 )
-from rl_tui.agents.algorithms.family import Update, back_up, has_converged
-from rl_tui.agents.compiled import compiled, member_of
-from rl_tui.agents.settings import Settings
-from rl_tui.agents.tables import Tables, pairs_of
+from rl_tui.agents.kernels.compiled import compiled, member_of
+from rl_tui.agents.kernels.settings import Settings
+from rl_tui.agents.kernels.tables import Tables, pairs_of
 from rl_tui.common.words import counted
 from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray, IntArray
 
@@ -43,7 +43,7 @@ class Memory(NamedTuple):
     probabilities ``policy``. ``v``, [S], is the value of each state under the policy, 0 where it owns no
     pair. ``phase`` is 0 in an evaluation and 1 in an improvement; ``policies`` counts them from 1 and
     ``improved`` the states whose policy changed in the improvement, [1] each. The rest is the
-    :class:`rl_tui.agents.algorithms.backups.Sweep`, which counts the sweeps of an evaluation.
+    :class:`rl_tui.agents.algorithms.shared.backups.Sweep`, which counts the sweeps of an evaluation.
     """
 
     q: FloatArray

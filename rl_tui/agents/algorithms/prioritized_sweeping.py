@@ -22,11 +22,11 @@ from rl_tui.agents.algorithms.family import (
     one_update,
     with_others,
 )
-from rl_tui.agents.algorithms.model import THE_END, UNKNOWN, modelled_value
-from rl_tui.agents.algorithms.priority_queue import Queue, dequeue, empty_queue, enqueue
-from rl_tui.agents.compiled import compiled, inlined, member_of
-from rl_tui.agents.settings import Settings, step_size
-from rl_tui.agents.tables import Tables, state_of
+from rl_tui.agents.algorithms.shared.model import THE_END, UNKNOWN, modelled_value
+from rl_tui.agents.algorithms.shared.priority_queue import Queue, dequeue, empty_queue, enqueue
+from rl_tui.agents.kernels.compiled import compiled, inlined, member_of
+from rl_tui.agents.kernels.settings import Settings, step_size
+from rl_tui.agents.kernels.tables import Tables, state_of
 from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray, IntArray
 
 NONE = -1
@@ -38,7 +38,7 @@ class Memory(NamedTuple):
     The model of each pair, [P], is the ``model_reward`` and the ``model_next`` state last observed; the
     latter is −2 where the episode ended and −1 where the pair was never taken. The pairs that lead to state s
     are linked both ways: ``leading``, [S], is the first, ``link_next`` and ``link_previous``, [P], are its
-    neighbours, −1 for none. The rest is the :class:`rl_tui.agents.algorithms.priority_queue.Queue`.
+    neighbours, −1 for none. The rest is the :class:`rl_tui.agents.algorithms.shared.priority_queue.Queue`.
     """
 
     q: FloatArray

@@ -10,13 +10,13 @@ from typing import Any
 
 from numpy.random import Generator
 
-from rl_tui.agents.action_rules.family import best_value
 from rl_tui.agents.algorithms.family import Transition, Update, act, learn, overruled
-from rl_tui.agents.algorithms.next_action import choose_next, take_chosen
-from rl_tui.agents.algorithms.traces import TracedMemory, cut_traces, no_traces, teach
-from rl_tui.agents.compiled import compiled, member_of
-from rl_tui.agents.settings import Settings
-from rl_tui.agents.tables import Tables, pairs_of
+from rl_tui.agents.algorithms.shared.next_action import choose_next, take_chosen
+from rl_tui.agents.algorithms.shared.traces import TracedMemory, cut_traces, no_traces, teach
+from rl_tui.agents.kernels.compiled import compiled, member_of
+from rl_tui.agents.kernels.settings import Settings
+from rl_tui.agents.kernels.tables import Tables, pairs_of
+from rl_tui.agents.policies.family import best_value
 from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray, IntArray
 
 

@@ -6,19 +6,19 @@ from typing import Any, NamedTuple
 
 from numpy.random import Generator
 
-from rl_tui.agents.action_rules.family import choose
 from rl_tui.agents.algorithms.family import Transition, Update, act, learn, one_update
-from rl_tui.agents.algorithms.next_action import NO_PAIR, nothing_chosen
-from rl_tui.agents.compiled import member_of
-from rl_tui.agents.settings import Settings, step_size
-from rl_tui.agents.tables import Tables, pairs_of
+from rl_tui.agents.algorithms.shared.next_action import NO_PAIR, nothing_chosen
+from rl_tui.agents.kernels.compiled import member_of
+from rl_tui.agents.kernels.settings import Settings, step_size
+from rl_tui.agents.kernels.tables import Tables, pairs_of
+from rl_tui.agents.policies.family import choose
 from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray, IntArray
 
 
 class Memory(NamedTuple):
     """All that SARSA remembers: an estimate and a count for each pair, both [P], and A′, [2].
 
-    ``chosen`` is as :mod:`rl_tui.agents.algorithms.next_action` has it.
+    ``chosen`` is as :mod:`rl_tui.agents.algorithms.shared.next_action` has it.
     """
 
     q: FloatArray

@@ -7,11 +7,11 @@ from typing import Any
 from numpy.random import Generator
 
 from rl_tui.agents.algorithms.family import Transition, Update, act, learn
-from rl_tui.agents.algorithms.next_action import choose_next, take_chosen
-from rl_tui.agents.algorithms.traces import TracedMemory, no_traces, teach
-from rl_tui.agents.compiled import compiled, member_of
-from rl_tui.agents.settings import Settings
-from rl_tui.agents.tables import Tables
+from rl_tui.agents.algorithms.shared.next_action import choose_next, take_chosen
+from rl_tui.agents.algorithms.shared.traces import TracedMemory, no_traces, teach
+from rl_tui.agents.kernels.compiled import compiled, member_of
+from rl_tui.agents.kernels.settings import Settings
+from rl_tui.agents.kernels.tables import Tables
 from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray, IntArray
 
 

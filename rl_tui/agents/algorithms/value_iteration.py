@@ -9,7 +9,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rl_tui.agents.algorithms.backups import (
+from rl_tui.agents.algorithms.family import Update, back_up, has_converged
+from rl_tui.agents.algorithms.shared.backups import (
     ANY,
     Sweep,
     at_rest,
@@ -19,10 +20,9 @@ from rl_tui.agents.algorithms.backups import (
     no_sweep,
     note_change,
 )
-from rl_tui.agents.algorithms.family import Update, back_up, has_converged
-from rl_tui.agents.compiled import member_of
-from rl_tui.agents.settings import Settings
-from rl_tui.agents.tables import Tables
+from rl_tui.agents.kernels.compiled import member_of
+from rl_tui.agents.kernels.settings import Settings
+from rl_tui.agents.kernels.tables import Tables
 from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray, IntArray
 
 
@@ -31,7 +31,7 @@ class Memory(NamedTuple):
 
     The estimates ``q`` are [P], and so are ``visits``, which count how often each was backed up; ``v``, [S],
     are the greatest of each state, 0 where it owns no pair. The rest is the
-    :class:`rl_tui.agents.algorithms.backups.Sweep`, whose change is that of ``v``.
+    :class:`rl_tui.agents.algorithms.shared.backups.Sweep`, whose change is that of ``v``.
     """
 
     q: FloatArray

@@ -90,7 +90,7 @@ def _functions(told: Told, rule: Any, space: FiniteSpace, *, expects: bool) -> l
 
 
 def _posterior(rule: Any, told: Told, space: FiniteSpace) -> list[str]:
-    from rl_tui.agents.action_rules.thompson import new_rule
+    from rl_tui.agents.policies.thompson import new_rule
 
     known = new_rule(space, told.values)
     if known.bernoulli:

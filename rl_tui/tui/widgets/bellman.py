@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
-from rl_tui.agents.solution import Solution
+from rl_tui.agents.exact.solution import Solution
 from rl_tui.lab.snapshot import Snapshot
 from rl_tui.tui import numbers
 from rl_tui.tui.precision import column_figure, leading_zeros

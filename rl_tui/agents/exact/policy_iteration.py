@@ -7,10 +7,10 @@ from typing import Final
 
 import numpy as np
 
-from rl_tui.agents.backward_induction import best_values
-from rl_tui.agents.exact_model import ExactModel, ExtendedArray
-from rl_tui.agents.policy_evaluation import solve_chain
-from rl_tui.agents.solution import NoExactAnswer
+from rl_tui.agents.exact.backward_induction import best_values
+from rl_tui.agents.exact.exact_model import ExactModel, ExtendedArray
+from rl_tui.agents.exact.policy_evaluation import solve_chain
+from rl_tui.agents.exact.solution import NoExactAnswer
 from rl_tui.worlds.mdp.tabular_mdp import BoolArray, FloatArray, IntArray
 
 SMALLEST_GAIN: Final = 1e-12

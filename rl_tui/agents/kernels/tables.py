@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from rl_tui.agents.compiled import compiled, inlined
+from rl_tui.agents.kernels.compiled import compiled, inlined
 from rl_tui.worlds.mdp.space import BoolArray, FiniteSpace, FloatArray
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 

@@ -7,8 +7,14 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from rl_tui.agents.catalogue import BY_ID
+from rl_tui.agents.kernels.position import (
+    REWARDS_KEPT,
+    new_episode_log,
+    new_position,
+    new_record,
+    read_record,
+)
 from rl_tui.agents.last_step import LastStep
-from rl_tui.agents.position import REWARDS_KEPT, new_episode_log, new_position, new_record, read_record
 from rl_tui.worlds.mdp.space import BoolArray, FloatArray, IntArray
 
 EPISODES_LOGGED: Final = 8192

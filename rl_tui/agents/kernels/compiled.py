@@ -50,7 +50,7 @@ def cache_folder() -> Path:
     would leave stale code behind; the hash over all sources makes that impossible.
     """
     digest = hashlib.sha256()
-    package = Path(__file__).parent.parent
+    package = Path(__file__).parents[2]
     for source in sorted([*package.glob("agents/**/*.py"), *package.glob("lab/**/*.py")]):
         digest.update(source.relative_to(package).as_posix().encode())
         digest.update(source.read_bytes())

@@ -7,9 +7,9 @@ from __future__ import annotations
 
 from typing import Final
 
-from rl_tui.agents.action_rules.family import best_value
-from rl_tui.agents.compiled import compiled
-from rl_tui.agents.tables import Tables, pairs_of
+from rl_tui.agents.kernels.compiled import compiled
+from rl_tui.agents.kernels.tables import Tables, pairs_of
+from rl_tui.agents.policies.family import best_value
 from rl_tui.worlds.mdp.space import FloatArray
 
 # In place of the state that a pair leads to

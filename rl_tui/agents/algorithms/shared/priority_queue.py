@@ -10,7 +10,7 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from rl_tui.agents.compiled import compiled
+from rl_tui.agents.kernels.compiled import compiled
 from rl_tui.worlds.mdp.space import FloatArray, IntArray
 
 NOT_QUEUED: Final = -1

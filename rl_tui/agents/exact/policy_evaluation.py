@@ -7,9 +7,9 @@ from typing import Final
 
 import numpy as np
 
-from rl_tui.agents.exact_model import ExactModel, ExtendedArray, exact_model
-from rl_tui.agents.linear_solve import SingularMatrixError, Solver, solver_of
-from rl_tui.agents.solution import NoExactAnswer
+from rl_tui.agents.exact.exact_model import ExactModel, ExtendedArray, exact_model
+from rl_tui.agents.exact.linear_solve import SingularMatrixError, Solver, solver_of
+from rl_tui.agents.exact.solution import NoExactAnswer
 from rl_tui.worlds.mdp.tabular_mdp import BoolArray, FloatArray, TabularMDP
 
 MOST_ROUNDS: Final = 50

@@ -7,9 +7,9 @@ from typing import NamedTuple
 import numpy as np
 
 from rl_tui.agents.algorithms.family import Update, further
-from rl_tui.agents.compiled import compiled, inlined
-from rl_tui.agents.settings import Settings
-from rl_tui.agents.tables import Tables, landing, outcomes_of, pairs_of
+from rl_tui.agents.kernels.compiled import compiled, inlined
+from rl_tui.agents.kernels.settings import Settings
+from rl_tui.agents.kernels.tables import Tables, landing, outcomes_of, pairs_of
 from rl_tui.worlds.mdp.space import FloatArray, IntArray
 
 ANY = -1

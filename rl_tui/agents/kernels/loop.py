@@ -7,11 +7,10 @@ from typing import Any, Final
 import numpy as np
 from numpy.random import Generator
 
-from rl_tui.agents.action_rules.family import epsilon_of, in_force, reinforce
 from rl_tui.agents.algorithms.family import Transition, act, has_room, learn, overruled
-from rl_tui.agents.compiled import compiled, inlined
-from rl_tui.agents.drift import Drift, drift_on
-from rl_tui.agents.position import (
+from rl_tui.agents.kernels.compiled import compiled, inlined
+from rl_tui.agents.kernels.drift import Drift, drift_on
+from rl_tui.agents.kernels.position import (
     REWARDS_KEPT,
     EpisodeLog,
     LastRecord,
@@ -20,8 +19,8 @@ from rl_tui.agents.position import (
     record_transition,
     record_update,
 )
-from rl_tui.agents.settings import Schedules, Settings, scheduled, with_alpha
-from rl_tui.agents.stop import (
+from rl_tui.agents.kernels.settings import Schedules, Settings, scheduled, with_alpha
+from rl_tui.agents.kernels.stop import (
     DIVERGED,
     ENDLESS_EPISODE,
     EPISODES_FULL,
@@ -29,8 +28,9 @@ from rl_tui.agents.stop import (
     LONGEST_EPISODE,
     MEMORY_FULL,
 )
-from rl_tui.agents.tables import Tables, landing, outcomes_of, pairs_of
-from rl_tui.agents.watch import Watch, watched
+from rl_tui.agents.kernels.tables import Tables, landing, outcomes_of, pairs_of
+from rl_tui.agents.kernels.watch import Watch, watched
+from rl_tui.agents.policies.family import epsilon_of, in_force, reinforce
 
 # Why the inner loop came back: the rewards that are kept have to be added up before they are written over
 _REWARDS_FULL: Final = -1

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from rl_tui.agents.compiled import compiled
+from rl_tui.agents.kernels.compiled import compiled
 from rl_tui.worlds.mdp.tabular_mdp import FloatArray, IntArray, TabularMDP
 
 

@@ -7,7 +7,7 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from rl_tui.agents.algorithms.family import Transition, Update
-from rl_tui.agents.compiled import compiled, inlined
+from rl_tui.agents.kernels.compiled import compiled, inlined
 from rl_tui.agents.last_step import LastStep
 from rl_tui.worlds.mdp.space import BoolArray, FloatArray, IntArray
 

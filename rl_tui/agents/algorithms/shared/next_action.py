@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 from numpy.random import Generator
 
-from rl_tui.agents.action_rules.family import choose
 from rl_tui.agents.algorithms.family import Transition
-from rl_tui.agents.compiled import inlined
-from rl_tui.agents.tables import Tables, pairs_of
+from rl_tui.agents.kernels.compiled import inlined
+from rl_tui.agents.kernels.tables import Tables, pairs_of
+from rl_tui.agents.policies.family import choose
 from rl_tui.worlds.mdp.space import FloatArray, IntArray
 
 NO_PAIR = -1

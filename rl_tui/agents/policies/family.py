@@ -6,7 +6,7 @@ from typing import Any
 
 from numpy.random import Generator
 
-from rl_tui.agents.compiled import inlined, inlined_by_type
+from rl_tui.agents.kernels.compiled import inlined, inlined_by_type
 from rl_tui.worlds.mdp.space import FloatArray, IntArray
 
 

@@ -8,9 +8,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.random import Generator
 
-from rl_tui.agents.action_rules.family import best_value, choose, expectation
-from rl_tui.agents.compiled import member_of
 from rl_tui.agents.hyperparameters import Hyperparameters
+from rl_tui.agents.kernels.compiled import member_of
+from rl_tui.agents.policies.family import best_value, choose, expectation
 from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray, IntArray
 
 

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.random import Generator
 
 from rl_tui.agents.compatibility import is_bandit
-from rl_tui.agents.compiled import inlined
-from rl_tui.agents.tables import Tables
+from rl_tui.agents.kernels.compiled import inlined
+from rl_tui.agents.kernels.tables import Tables
 from rl_tui.worlds.mdp.space import BoolArray, FiniteSpace, FloatArray, IntArray
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 

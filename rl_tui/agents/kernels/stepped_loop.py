@@ -10,10 +10,9 @@ from typing import Any, Final, NamedTuple
 import numpy as np
 from numpy.random import Generator
 
-from rl_tui.agents.action_rules.family import epsilon_of, in_force, reinforce
 from rl_tui.agents.algorithms.family import Transition, act, has_room, learn, overruled
-from rl_tui.agents.compiled import compiled, entry
-from rl_tui.agents.position import (
+from rl_tui.agents.kernels.compiled import compiled, entry
+from rl_tui.agents.kernels.position import (
     REWARDS_KEPT,
     EpisodeLog,
     LastRecord,
@@ -22,8 +21,8 @@ from rl_tui.agents.position import (
     record_transition,
     record_update,
 )
-from rl_tui.agents.settings import Schedules, Settings, scheduled, with_alpha
-from rl_tui.agents.stop import (
+from rl_tui.agents.kernels.settings import Schedules, Settings, scheduled, with_alpha
+from rl_tui.agents.kernels.stop import (
     DIVERGED,
     ENDLESS_EPISODE,
     EPISODES_FULL,
@@ -32,8 +31,9 @@ from rl_tui.agents.stop import (
     MEMORY_FULL,
     Stop,
 )
-from rl_tui.agents.tables import Tables, pairs_of
-from rl_tui.agents.watch import Watch, watched
+from rl_tui.agents.kernels.tables import Tables, pairs_of
+from rl_tui.agents.kernels.watch import Watch, watched
+from rl_tui.agents.policies.family import epsilon_of, in_force, reinforce
 from rl_tui.worlds.gym.stepped.environment import Environment, EnvironmentFailedError
 from rl_tui.worlds.mdp.space import IntArray
 

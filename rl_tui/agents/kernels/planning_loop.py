@@ -5,12 +5,12 @@ from __future__ import annotations
 from typing import Any
 
 from rl_tui.agents.algorithms.family import Transition, back_up, has_converged
-from rl_tui.agents.compiled import compiled
-from rl_tui.agents.position import LastRecord, Position, record_transition, record_update
-from rl_tui.agents.settings import Settings
-from rl_tui.agents.stop import CONVERGED, DIVERGED, LARGEST_ESTIMATE
-from rl_tui.agents.tables import Tables
-from rl_tui.agents.watch import Watch, watched
+from rl_tui.agents.kernels.compiled import compiled
+from rl_tui.agents.kernels.position import LastRecord, Position, record_transition, record_update
+from rl_tui.agents.kernels.settings import Settings
+from rl_tui.agents.kernels.stop import CONVERGED, DIVERGED, LARGEST_ESTIMATE
+from rl_tui.agents.kernels.tables import Tables
+from rl_tui.agents.kernels.watch import Watch, watched
 
 
 @compiled

@@ -8,12 +8,12 @@ from typing import Final
 
 import numpy as np
 
-from rl_tui.agents.backward_induction import best_values, policy_values
-from rl_tui.agents.exact_model import ExactModel, exact_model
-from rl_tui.agents.policies import greedy_policy, uniform_over
-from rl_tui.agents.policy_evaluation import PolicyValue, ending_probability, evaluate, policy_value
-from rl_tui.agents.policy_iteration import Optimum, policy_iteration
-from rl_tui.agents.solution import NoExactAnswer, Solution
+from rl_tui.agents.exact.backward_induction import best_values, policy_values
+from rl_tui.agents.exact.exact_model import ExactModel, exact_model
+from rl_tui.agents.exact.policy_arrays import greedy_policy, uniform_over
+from rl_tui.agents.exact.policy_evaluation import PolicyValue, ending_probability, evaluate, policy_value
+from rl_tui.agents.exact.policy_iteration import Optimum, policy_iteration
+from rl_tui.agents.exact.solution import NoExactAnswer, Solution
 from rl_tui.worlds.mdp.tabular_mdp import FloatArray, TabularMDP
 
 __all__ = [

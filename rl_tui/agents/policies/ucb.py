@@ -7,9 +7,9 @@ from typing import NamedTuple
 
 from numpy.random import Generator
 
-from rl_tui.agents.action_rules.family import choose, expectation
-from rl_tui.agents.compiled import inlined, member_of
 from rl_tui.agents.hyperparameters import Hyperparameters
+from rl_tui.agents.kernels.compiled import inlined, member_of
+from rl_tui.agents.policies.family import choose, expectation
 from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray, IntArray
 
 

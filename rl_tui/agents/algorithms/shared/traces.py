@@ -10,9 +10,9 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from rl_tui.agents.algorithms.family import Update, further
-from rl_tui.agents.algorithms.next_action import nothing_chosen
-from rl_tui.agents.compiled import inlined
-from rl_tui.agents.settings import Settings, step_size
+from rl_tui.agents.algorithms.shared.next_action import nothing_chosen
+from rl_tui.agents.kernels.compiled import inlined
+from rl_tui.agents.kernels.settings import Settings, step_size
 from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray, IntArray
 
 # Below this a trace is dropped: else every step would go on moving all pairs of a long episode, by amounts
@@ -25,7 +25,7 @@ class TracedMemory(NamedTuple):
 
     The estimates ``q``, the counts ``visits`` and the traces ``eligibility`` are [P]. ``active``, [P], begins
     with the ``active_count[0]`` pairs whose trace is not 0. ``chosen``, [2], is A′ as
-    :mod:`rl_tui.agents.algorithms.next_action` has it.
+    :mod:`rl_tui.agents.algorithms.shared.next_action` has it.
     """
 
     q: FloatArray

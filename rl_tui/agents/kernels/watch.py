@@ -8,10 +8,10 @@ import numpy as np
 import numpy.typing as npt
 
 from rl_tui.agents.algorithms.family import Transition, Update
-from rl_tui.agents.compiled import compiled, inlined
-from rl_tui.agents.stop import DONE, EPISODES_FULL, NOTICED
-from rl_tui.agents.tables import Tables, pairs_of, state_of
-from rl_tui.agents.watching import Noticed, Watching
+from rl_tui.agents.kernels.compiled import compiled, inlined
+from rl_tui.agents.kernels.stop import DONE, EPISODES_FULL, NOTICED
+from rl_tui.agents.kernels.tables import Tables, pairs_of, state_of
+from rl_tui.agents.kernels.watching import Noticed, Watching
 from rl_tui.worlds.mdp.space import BoolArray, FiniteSpace, FloatArray, IntArray
 
 NONE = -1

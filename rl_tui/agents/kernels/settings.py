@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from typing import Final, NamedTuple
 
-from rl_tui.agents.compiled import inlined
 from rl_tui.agents.hyperparameters import SCHEDULES, Hyperparameters
+from rl_tui.agents.kernels.compiled import inlined
 
 _CONSTANT: Final = SCHEDULES.index("constant")
 _LINEAR: Final = SCHEDULES.index("linear")

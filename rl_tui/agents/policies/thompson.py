@@ -12,9 +12,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.random import Generator
 
-from rl_tui.agents.action_rules.family import best_value, choose, expectation, reinforce
-from rl_tui.agents.compiled import compiled, inlined, member_of
 from rl_tui.agents.hyperparameters import Hyperparameters
+from rl_tui.agents.kernels.compiled import compiled, inlined, member_of
+from rl_tui.agents.policies.family import best_value, choose, expectation, reinforce
 from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray, IntArray
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
