@@ -14,14 +14,14 @@ from typing import Any, Final, NamedTuple
 
 from pseudo_terminal import RL_TUI, PseudoTerminal
 
-from rl_tui.lab.branches import FIRST
-from rl_tui.lab.lane import Lane
-from rl_tui.lab.library import find, recipe_for
-from rl_tui.lab.recipe import SetParameter, begin
-from rl_tui.lab.record import LaneRecord, Record
-from rl_tui.lab.session import StoredSession, digest_of, encoded, read_session
-from rl_tui.lab.session_folder import files_in
-from rl_tui.lab.session_replay import replayed, whereto
+from rl_tui.lab.live.record import LaneRecord, Record
+from rl_tui.lab.run.library import find, recipe_for
+from rl_tui.lab.run.recipe import SetParameter, begin
+from rl_tui.lab.sessions.folder import files_in
+from rl_tui.lab.sessions.replay import replayed, whereto
+from rl_tui.lab.sessions.session import StoredSession, digest_of, encoded, read_session
+from rl_tui.lab.timeline.branches import FIRST
+from rl_tui.lab.timeline.lane import Lane
 
 SCENARIO: Final = "student"
 FASTER: Final = "+" * 9

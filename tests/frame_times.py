@@ -10,9 +10,9 @@ from typing import Final, NamedTuple
 
 from open_grids import open_grid_recipe
 
-from rl_tui.lab.commands import Train
-from rl_tui.lab.player import Player
-from rl_tui.lab.snapshot import Snapshot
+from rl_tui.lab.live.commands import Train
+from rl_tui.lab.live.player import Player
+from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.app import RlTuiApp
 from rl_tui.tui.display import Display
 from rl_tui.tui.screens.playground import Playground

@@ -112,7 +112,7 @@ def _import_all(screens: int) -> None:
     """Import what the inputs need, and let the process take two gigabytes more."""
     import gymnasium  # noqa: F401
 
-    from rl_tui.lab.figures import training_figures  # noqa: F401
+    from rl_tui.lab.run.figures import training_figures  # noqa: F401
 
     if screens:
         from rl_tui.tui.screenshot import screenshot  # noqa: F401
@@ -164,8 +164,8 @@ def _scenario(path: Path, quick: bool, screen: int | None) -> str:
         )
     if trained.status:
         return _kind_of(trained.err)
-    from rl_tui.lab.library import find, recipe_for
-    from rl_tui.lab.recipe import begin
+    from rl_tui.lab.run.library import find, recipe_for
+    from rl_tui.lab.run.recipe import begin
 
     recipe = recipe_for(find(str(path)))
     world = begin(recipe).world
@@ -178,8 +178,8 @@ def _scenario(path: Path, quick: bool, screen: int | None) -> str:
 
 def _session(path: Path, quick: bool, screen: int | None) -> str:
     from rl_tui.common.errors import UserError
-    from rl_tui.lab.session import read_session
-    from rl_tui.lab.session_replay import whereto
+    from rl_tui.lab.sessions.replay import whereto
+    from rl_tui.lab.sessions.session import read_session
 
     try:
         stored = read_session(path)

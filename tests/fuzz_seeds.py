@@ -15,11 +15,11 @@ sys.path.append(str(Path(__file__).parent / "lab"))
 from recipes import recipe
 from session_samples import after, fresh
 
-from rl_tui.lab.branches import Branch
-from rl_tui.lab.recipe import JournalEntry, SetParameter, SwitchAlgorithm, TakeAction
-from rl_tui.lab.record import Record
-from rl_tui.lab.session import encoded
-from rl_tui.lab.until import Breakpoints
+from rl_tui.lab.live.record import Record
+from rl_tui.lab.live.until import Breakpoints
+from rl_tui.lab.run.recipe import JournalEntry, SetParameter, SwitchAlgorithm, TakeAction
+from rl_tui.lab.sessions.session import encoded
+from rl_tui.lab.timeline.branches import Branch
 from rl_tui.worlds.files.catalogue import shipped_folder
 
 BINS = """

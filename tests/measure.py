@@ -31,8 +31,8 @@ LAYERS: Final = (r"Q\*", r"Q−Q\*", "visits", "Q")  # in the order of the key v
 STEPS: Final = re.compile(r"step +([\d,]+)\s")
 MEMORY: Final = """
 import os, sys
-from rl_tui.lab.library import find, recipe_for
-from rl_tui.lab.run import Run
+from rl_tui.lab.run.library import find, recipe_for
+from rl_tui.lab.run.run import Run
 run = Run(recipe_for(find({scenario!r})))
 page = os.sysconf("SC_PAGE_SIZE") / 1e6
 for steps in ({first}, {last}):

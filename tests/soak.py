@@ -27,7 +27,7 @@ from typing import Final, NamedTuple
 
 import pyte
 
-from rl_tui.lab.session_folder import sessions_in
+from rl_tui.lab.sessions.folder import sessions_in
 
 SCENARIO: Final = "frozenlake-slippery"
 SIZE: Final = (120, 40)

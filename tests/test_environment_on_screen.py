@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from pseudo_terminal import PseudoTerminal, visible
 
-from rl_tui.lab.session_folder import sessions_in
+from rl_tui.lab.sessions.folder import sessions_in
 
 SCRIPT = """
 import os, sys, threading, warnings

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from pseudo_terminal import RL_TUI, PseudoTerminal, visible
 
-from rl_tui.lab.session_folder import sessions_in
+from rl_tui.lab.sessions.folder import sessions_in
 
 KEYBOARD_ON = re.compile(rb"\x1b\[>\d+u")  # the protocol that tells all keys apart
 KEYBOARD_OFF = b"\x1b[<u"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rl_tui.lab.recipe import Recipe
+from rl_tui.lab.run.recipe import Recipe
 
 
 def no_reward(recipe: Recipe, blind: int = 1, runs: int = 1) -> str:

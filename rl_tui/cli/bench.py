@@ -25,8 +25,8 @@ def command(scenario: str, rounds: int, overrides: dict[str, object], seed: int,
     They take turns in one process. The plain loop runs twice: with argmax, which takes the first of equal
     values, and with random ties as here.
     """
-    from rl_tui.lab.benchmark import benchmark
-    from rl_tui.lab.library import find, recipe_for
+    from rl_tui.lab.experiments.benchmark import benchmark
+    from rl_tui.lab.run.library import find, recipe_for
 
     figures = benchmark(recipe_for(find(scenario), overrides, seed), rounds)
     if as_json:

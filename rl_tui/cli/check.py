@@ -18,8 +18,8 @@ def command(context: click.Context, files: tuple[str, ...]) -> None:
     Files without a fault are named on stdout, even where there is a warning on stderr.
     """
     from rl_tui.common.findings import printable
-    from rl_tui.lab.endless import endless_warning
-    from rl_tui.lab.library import checked
+    from rl_tui.lab.experiments.endless import endless_warning
+    from rl_tui.lab.run.library import checked
 
     faulty = False
     for file in files:

@@ -15,7 +15,7 @@ from rl_tui.cli.run_options import json_option
 def command(as_json: bool) -> None:
     """List the scenarios, with their sizes and defaults."""
     from rl_tui.common.errors import UserError
-    from rl_tui.lab.library import listing
+    from rl_tui.lab.run.library import listing
     from rl_tui.worlds.files.catalogue import read_catalogue
 
     catalogue = read_catalogue()

@@ -10,7 +10,7 @@ import click
 from rl_tui.agents.hyperparameters import Parameter, Range
 
 if TYPE_CHECKING:
-    from rl_tui.lab.changes import ChangeText
+    from rl_tui.lab.run.changes import ChangeText
 
 
 class OptionValue(click.ParamType):  # type: ignore[type-arg]  # generic in newer versions only
@@ -84,7 +84,7 @@ class ChangeValue(OptionValue):
 
     def convert(self, value: object, param: click.Parameter | None, ctx: click.Context | None) -> ChangeText:
         """Return the change; fails naming what is expected."""
-        from rl_tui.lab.changes import ChangeText, read_change
+        from rl_tui.lab.run.changes import ChangeText, read_change
 
         if isinstance(value, ChangeText):
             return value

@@ -15,9 +15,9 @@ from rl_tui.cli.progress import progress
 from rl_tui.cli.run_options import allow_module_option, json_option
 
 if TYPE_CHECKING:
-    from rl_tui.lab.run import Run
-    from rl_tui.lab.session import StoredSession
-    from rl_tui.lab.session_replay import Whereto
+    from rl_tui.lab.run.run import Run
+    from rl_tui.lab.sessions.replay import Whereto
+    from rl_tui.lab.sessions.session import StoredSession
 
 STDOUT: Final = "-"
 
@@ -41,8 +41,8 @@ def command(session: Path, lane: int | None, branch: str | None, csv: str | None
     """
     if csv == STDOUT and as_json:
         raise click.UsageError("--csv - and --json both want stdout", click.get_current_context())
-    from rl_tui.lab.session import OTHER_BITS, SessionError, read_session
-    from rl_tui.lab.session_replay import comes_out_otherwise, replay_figures, whereto
+    from rl_tui.lab.sessions.replay import comes_out_otherwise, replay_figures, whereto
+    from rl_tui.lab.sessions.session import OTHER_BITS, SessionError, read_session
 
     stored = read_session(session)
     if csv is not None and csv != STDOUT and Path(csv).exists() and session.samefile(csv):
@@ -60,10 +60,10 @@ def command(session: Path, lane: int | None, branch: str | None, csv: str | None
 
 def _replayed(stored: StoredSession, target: Whereto, csv: str | None) -> tuple[Run, float]:
     from rl_tui.common.errors import UserError
-    from rl_tui.lab.episode_rows import EpisodeRows, csv_file
-    from rl_tui.lab.run import no_episodes
-    from rl_tui.lab.session import SessionError
-    from rl_tui.lab.session_replay import replayed
+    from rl_tui.lab.experiments.episode_rows import EpisodeRows, csv_file
+    from rl_tui.lab.run.run import no_episodes
+    from rl_tui.lab.sessions.replay import replayed
+    from rl_tui.lab.sessions.session import SessionError
 
     file = sys.stdout if csv == STDOUT else Path(csv) if csv else None
     with (

@@ -14,8 +14,8 @@ from rl_tui.agents.hyperparameters import PARAMETERS, Parameter
 from rl_tui.cli.number import ParameterValue, Whole
 
 if TYPE_CHECKING:
-    from rl_tui.lab.recipe import Recipe
-    from rl_tui.lab.session import StoredSession
+    from rl_tui.lab.run.recipe import Recipe
+    from rl_tui.lab.sessions.session import StoredSession
 
 Command = Callable[..., Any]
 
@@ -73,8 +73,8 @@ def start_of(name: str, overrides: dict[str, object], seed: int) -> Recipe | Sto
 
     Raises UserError where there is none, UsageError where options of a run are given to a session.
     """
-    from rl_tui.lab.library import find, recipe_for
-    from rl_tui.lab.session import SUFFIX, read_session
+    from rl_tui.lab.run.library import find, recipe_for
+    from rl_tui.lab.sessions.session import SUFFIX, read_session
 
     if not name.endswith(SUFFIX):
         return recipe_for(find(name), overrides, seed)

@@ -18,8 +18,8 @@ from rl_tui.common.kiosk import in_kiosk
 from rl_tui.tui.display import Display
 
 if TYPE_CHECKING:
-    from rl_tui.lab.recipe import Recipe
-    from rl_tui.lab.session import StoredSession
+    from rl_tui.lab.run.recipe import Recipe
+    from rl_tui.lab.sessions.session import StoredSession
 
 
 IN_BROWSER: Final = "rl_tui.tui.browser_driver:BrowserDriver"  # TEXTUAL_DRIVER of what the server starts
@@ -57,7 +57,7 @@ def run_app(display: Display, start: Recipe | StoredSession | None = None) -> No
     require_terminal()
     _stand_somewhere()
     share_heap()
-    from rl_tui.lab.session_folder import session_folder
+    from rl_tui.lab.sessions.folder import session_folder
     from rl_tui.tui.app import RlTuiApp
 
     if in_kiosk():

@@ -70,7 +70,7 @@ def command(
     if out == "-":
         sys.stdout.write(svg)
     else:
-        from rl_tui.lab.whole_file import whole_file
+        from rl_tui.lab.experiments.whole_file import whole_file
 
         with whole_file(Path(out)) as stream:
             stream.write(svg)

@@ -23,10 +23,10 @@ from rl_tui.cli.run_options import (
 from rl_tui.common.words import counted
 
 if TYPE_CHECKING:
-    from rl_tui.lab.changes import ChangeText
-    from rl_tui.lab.recipe import JournalEntry, Recipe
-    from rl_tui.lab.run import Run
-    from rl_tui.lab.training import Goal
+    from rl_tui.lab.experiments.training import Goal
+    from rl_tui.lab.run.changes import ChangeText
+    from rl_tui.lab.run.recipe import JournalEntry, Recipe
+    from rl_tui.lab.run.run import Run
 
 MOST: Final = 10**15
 MOST_RUNS: Final = 100_000
@@ -83,8 +83,8 @@ def command(
             "--change and --runs exclude each other: the steps of a change are those of one run",
             click.get_current_context(),
         )
-    from rl_tui.lab.library import episodes_of, find, recipe_for
-    from rl_tui.lab.training import Goal
+    from rl_tui.lab.experiments.training import Goal
+    from rl_tui.lab.run.library import episodes_of, find, recipe_for
 
     chosen = find(scenario)
     recipe = recipe_for(chosen, overrides, seed)
@@ -112,7 +112,7 @@ def _warn_of_no_effect(
     recipe: Recipe, overrides: dict[str, object], changes: tuple[ChangeText, ...] = ()
 ) -> None:
     from rl_tui.agents.catalogue import BY_ID
-    from rl_tui.lab.library import without_effect
+    from rl_tui.lab.run.library import without_effect
 
     if any(change.name in ("algorithm", "policy") for change in changes):
         return  # what the first algorithm does not use may be for a later one
@@ -123,7 +123,7 @@ def _warn_of_no_effect(
 
 
 def _warn_beyond_budget(recipe: Recipe, goal: Goal) -> None:
-    from rl_tui.lab.recipe import begin
+    from rl_tui.lab.run.recipe import begin
 
     if recipe.scenario.kind != "bandit":
         return
@@ -137,14 +137,14 @@ def _warn_beyond_budget(recipe: Recipe, goal: Goal) -> None:
 def _train_once(
     recipe: Recipe, goal: Goal, csv: Path | TextIO | None, changes: tuple[ChangeText, ...]
 ) -> Outcome:
-    from rl_tui.lab.figures import training_figures
+    from rl_tui.lab.run.figures import training_figures
 
     run, seconds, left_out = _trained(recipe, goal, csv, changes)
     for change in left_out:
         click.echo(f"--change {change} has no effect: the run ends after {run.step:,} steps", err=True)
     figures = training_figures(run, seconds)
     if changes:
-        from rl_tui.lab.changes import as_json
+        from rl_tui.lab.run.changes import as_json
 
         figures["journal"] = as_json(run.journal, run.world.space.action_names)
 
@@ -160,11 +160,11 @@ def _trained(
     recipe: Recipe, goal: Goal, csv: Path | TextIO | None, changes: tuple[ChangeText, ...]
 ) -> tuple[Run, float, list[str]]:
     """Return the run, the seconds it took, and the changes that it ended before."""
-    from rl_tui.lab.changes import journal_of, written_change
-    from rl_tui.lab.episode_rows import EpisodeRows, csv_file
-    from rl_tui.lab.recipe import begin
-    from rl_tui.lab.run import Run
-    from rl_tui.lab.training import train
+    from rl_tui.lab.experiments.episode_rows import EpisodeRows, csv_file
+    from rl_tui.lab.experiments.training import train
+    from rl_tui.lab.run.changes import journal_of, written_change
+    from rl_tui.lab.run.recipe import begin
+    from rl_tui.lab.run.run import Run
 
     beginning = begin(recipe)
     names = beginning.world.space.action_names
@@ -181,7 +181,7 @@ def _trained(
 
 
 def _train_many(recipe: Recipe, runs: int, goal: Goal, csv: Path | TextIO | None) -> Outcome:
-    from rl_tui.lab.many_runs import many_runs
+    from rl_tui.lab.experiments.many_runs import many_runs
 
     with progress(f"{recipe.scenario.id}, {counted(runs, 'run')}") as on_progress:
         figures: dict[str, Any] = many_runs(recipe, runs, goal, csv, on_progress)

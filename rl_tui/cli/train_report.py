@@ -12,10 +12,10 @@ from rl_tui.cli.advice import no_reward
 from rl_tui.cli.output import columns, number
 from rl_tui.cli.policy_map import policy_map
 from rl_tui.common.words import counted
-from rl_tui.lab.figures import exact_world, why_inexact
-from rl_tui.lab.recipe import Recipe
-from rl_tui.lab.run import Run
-from rl_tui.lab.snapshot import BanditFigures
+from rl_tui.lab.live.snapshot import BanditFigures
+from rl_tui.lab.run.figures import exact_world, why_inexact
+from rl_tui.lab.run.recipe import Recipe
+from rl_tui.lab.run.run import Run
 
 Figures = Mapping[str, Any]
 Row = tuple[str, str, str]

@@ -18,8 +18,8 @@ from textual.theme import Theme, ThemeProvider
 
 from rl_tui.common.errors import UserError
 from rl_tui.common.findings import one_line
-from rl_tui.lab.library import recipe_for
-from rl_tui.lab.recipe import Recipe
+from rl_tui.lab.run.library import recipe_for
+from rl_tui.lab.run.recipe import Recipe
 from rl_tui.tui.actions import bindings_everywhere
 from rl_tui.tui.bugs import bug_of
 from rl_tui.tui.display import Display
@@ -43,7 +43,7 @@ from rl_tui.worlds.files.catalogue import scenarios
 if TYPE_CHECKING:
     from rich.console import RenderableType
 
-    from rl_tui.lab.session import StoredSession
+    from rl_tui.lab.sessions.session import StoredSession
     from rl_tui.tui.screens.catalogue import Catalogue
     from rl_tui.tui.screens.playground import Playground
 

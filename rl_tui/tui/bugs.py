@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from textual.worker import WorkerFailed
 
 if TYPE_CHECKING:
-    from rl_tui.lab.autosave import Autosave
+    from rl_tui.lab.sessions.autosave import Autosave
 
 
 def bug_of(fault: Exception | None, autosave: Autosave | None) -> Exception:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Final
 
-from rl_tui.lab.snapshot import Snapshot
+from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.canvas import shortened
 from rl_tui.tui.theme.glyphs import Glyphs
 from rl_tui.tui.widgets.names import LONGEST_NAME, action_name, state_name

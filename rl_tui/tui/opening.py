@@ -10,16 +10,16 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Protocol
 
 from rl_tui.common.errors import UserError
-from rl_tui.lab.recipe import Recipe
+from rl_tui.lab.run.recipe import Recipe
 from rl_tui.tui.action import Place
 from rl_tui.tui.theme.look import Look
 
 if TYPE_CHECKING:
-    from rl_tui.lab.autosave import Autosave
-    from rl_tui.lab.keeper import Keeper
-    from rl_tui.lab.player import Player
-    from rl_tui.lab.record import Record
-    from rl_tui.lab.session import StoredSession
+    from rl_tui.lab.live.player import Player
+    from rl_tui.lab.live.record import Record
+    from rl_tui.lab.live.record_sink import Keeper
+    from rl_tui.lab.sessions.autosave import Autosave
+    from rl_tui.lab.sessions.session import StoredSession
     from rl_tui.tui.screens.catalogue import Catalogue
     from rl_tui.tui.screens.playground import Playground
 
@@ -33,7 +33,7 @@ class MakePlayer(Protocol):
 
 def live_player(recipe: Recipe, *, keeper: Keeper | None, record: Record | None) -> Player:
     """Return a player that takes steps as time passes."""
-    from rl_tui.lab.player import Player
+    from rl_tui.lab.live.player import Player
 
     return Player(recipe, keeper=keeper, record=record)
 
@@ -65,15 +65,15 @@ class Opener:
 
     def playground(self, look: Look, recipe: Recipe) -> Playground:
         """Return the playground of a run that is about to begin."""
-        from rl_tui.lab.autosave import Autosave, untouched
-        from rl_tui.lab.player import START_SPEED
+        from rl_tui.lab.live.player import START_SPEED
+        from rl_tui.lab.sessions.autosave import Autosave, untouched
 
         autosave = None if self._sessions is None else Autosave(untouched(recipe), self._sessions)
         return self._playground(look, recipe, autosave, None, START_SPEED)
 
     def resumed(self, look: Look, session: StoredSession, record: Record) -> Playground:
         """Return the playground in which ``session``, which holds ``record``, goes on."""
-        from rl_tui.lab.autosave import Autosave
+        from rl_tui.lab.sessions.autosave import Autosave
 
         autosave = None if self._sessions is None else Autosave(record, self._sessions, session)
         recipe = record.lanes[record.shown].recipe

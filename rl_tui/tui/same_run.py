@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rl_tui.lab.snapshot import Snapshot
+from rl_tui.lab.live.snapshot import Snapshot
 
 
 def is_another_run(before: Snapshot | None, now: Snapshot) -> bool:

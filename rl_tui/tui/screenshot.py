@@ -12,10 +12,10 @@ from textual.pilot import Pilot
 from textual.widgets import Input
 
 from rl_tui.common.errors import UserError
-from rl_tui.lab.commands import Train
-from rl_tui.lab.player import Player
-from rl_tui.lab.recipe import Recipe
-from rl_tui.lab.session import StoredSession
+from rl_tui.lab.live.commands import Train
+from rl_tui.lab.live.player import Player
+from rl_tui.lab.run.recipe import Recipe
+from rl_tui.lab.sessions.session import StoredSession
 from rl_tui.tui.actions import ACTIONS
 from rl_tui.tui.app import RlTuiApp
 from rl_tui.tui.display import Display

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
-from rl_tui.lab.snapshot import Phase, Snapshot
+from rl_tui.lab.live.snapshot import Phase, Snapshot
 
 _LADDER: Final[tuple[float | None, ...]] = (
     *(float(digit * 10**power) for power in range(5) for digit in (1, 3)),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rl_tui.lab.snapshot import Phase, Snapshot
+from rl_tui.lab.live.snapshot import Phase, Snapshot
 
 
 def episode_under_way(snapshot: Snapshot) -> int:

@@ -13,8 +13,8 @@ from click.testing import CliRunner, Result
 from rl_tui.cli.main import program
 from rl_tui.cli.policy_map import policy_map
 from rl_tui.lab.export.recipe_line import recipe_line
-from rl_tui.lab.library import find, recipe_for
-from rl_tui.lab.recipe import begin
+from rl_tui.lab.run.library import find, recipe_for
+from rl_tui.lab.run.recipe import begin
 
 EXACT = ("value_at_start", "optimal_value_at_start", "expected_return", "max_error", "greedy_ends")
 BINS = """

@@ -15,7 +15,7 @@ from rl_tui.cli.kiosk import COMMANDS
 from rl_tui.cli.main import RlTui, program
 from rl_tui.common.errors import UserError
 from rl_tui.common.kiosk import VARIABLE, in_kiosk
-from rl_tui.lab.session import SessionError, read_session
+from rl_tui.lab.sessions.session import SessionError, read_session
 from rl_tui.worlds.files.catalogue import find, read_catalogue, shipped_folder
 
 

@@ -17,8 +17,8 @@ from rl_tui.cli.main import program
 from rl_tui.cli.output import columns, number
 from rl_tui.cli.policy_map import policy_map
 from rl_tui.cli.progress import progress
-from rl_tui.lab.library import find, recipe_for
-from rl_tui.lab.recipe import begin
+from rl_tui.lab.run.library import find, recipe_for
+from rl_tui.lab.run.recipe import begin
 from rl_tui.worlds.drawing import Graph
 
 

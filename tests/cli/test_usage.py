@@ -17,10 +17,10 @@ from rl_tui import __version__
 from rl_tui.agents.hyperparameters import PARAMETERS
 from rl_tui.cli import program as program_module
 from rl_tui.cli.main import program
-from rl_tui.lab.branches import FIRST
-from rl_tui.lab.library import find, recipe_for
-from rl_tui.lab.record import LaneRecord, Record
-from rl_tui.lab.session import encoded
+from rl_tui.lab.live.record import LaneRecord, Record
+from rl_tui.lab.run.library import find, recipe_for
+from rl_tui.lab.sessions.session import encoded
+from rl_tui.lab.timeline.branches import FIRST
 
 COMMANDS = ("play", "train", "replay", "solve", "list", "check", "bench", "screenshot", "serve")
 
@@ -295,7 +295,7 @@ def test_a_bug_is_one_line_too(monkeypatch: pytest.MonkeyPatch) -> None:
         raise ZeroDivisionError("a\nb")
 
     monkeypatch.delenv(program_module.TRACEBACK, raising=False)
-    monkeypatch.setattr("rl_tui.lab.library.find", broken)
+    monkeypatch.setattr("rl_tui.lab.run.library.find", broken)
     result = run("train", "student")
     assert result.exit_code == 1
     assert "ZeroDivisionError: a b" in one_line(result)

@@ -9,10 +9,10 @@ from typing import Any
 from recipes import recipe
 from session_samples import after, fresh
 
-from rl_tui.lab.autosave import Autosave
-from rl_tui.lab.record import Record
-from rl_tui.lab.session import StoredSession
-from rl_tui.lab.session_folder import sessions_in
+from rl_tui.lab.live.record import Record
+from rl_tui.lab.sessions.autosave import Autosave
+from rl_tui.lab.sessions.folder import sessions_in
+from rl_tui.lab.sessions.session import StoredSession
 
 OPENED = fresh(recipe("student"))
 

@@ -8,8 +8,8 @@ from typing import Any, Final
 import numpy as np
 
 from rl_tui.lab.export.script import script
-from rl_tui.lab.library import recipe_for
-from rl_tui.lab.recipe import Recipe, begin
+from rl_tui.lab.run.library import recipe_for
+from rl_tui.lab.run.recipe import Recipe, begin
 from rl_tui.worlds.files.catalogue import find
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 

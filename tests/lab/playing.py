@@ -7,12 +7,12 @@ from typing import Any
 
 import numpy as np
 
-from rl_tui.lab.commands import ChooseLane, Command, Step
-from rl_tui.lab.playback import Playback
-from rl_tui.lab.recipe import Recipe
-from rl_tui.lab.record import Record
-from rl_tui.lab.run import Run
-from rl_tui.lab.snapshot import Snapshot
+from rl_tui.lab.live.commands import ChooseLane, Command, Step
+from rl_tui.lab.live.playback import Playback
+from rl_tui.lab.live.record import Record
+from rl_tui.lab.live.snapshot import Snapshot
+from rl_tui.lab.run.recipe import Recipe
+from rl_tui.lab.run.run import Run
 
 
 class Ticking:

@@ -5,11 +5,11 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
-from rl_tui.lab.figures import training_figures
-from rl_tui.lab.library import find, recipe_for
-from rl_tui.lab.recipe import Recipe
-from rl_tui.lab.run import Run
-from rl_tui.lab.training import Goal, train
+from rl_tui.lab.experiments.training import Goal, train
+from rl_tui.lab.run.figures import training_figures
+from rl_tui.lab.run.library import find, recipe_for
+from rl_tui.lab.run.recipe import Recipe
+from rl_tui.lab.run.run import Run
 
 
 def recipe(scenario: str, seed: int = 0, **overrides: Any) -> Recipe:

@@ -9,10 +9,10 @@ from hypothesis import strategies as st
 from recipes import recipe
 
 from rl_tui.agents.hyperparameters import PARAMETERS
-from rl_tui.lab.branches import FIRST, Branch
-from rl_tui.lab.recipe import Change, JournalEntry, Recipe, SetParameter, SwitchAlgorithm, TakeAction
-from rl_tui.lab.record import LaneRecord, Record
-from rl_tui.lab.until import Breakpoints
+from rl_tui.lab.live.record import LaneRecord, Record
+from rl_tui.lab.live.until import Breakpoints
+from rl_tui.lab.run.recipe import Change, JournalEntry, Recipe, SetParameter, SwitchAlgorithm, TakeAction
+from rl_tui.lab.timeline.branches import FIRST, Branch
 
 NAMES = st.text(st.characters(exclude_categories=("C", "Z")), min_size=1, max_size=20)
 

@@ -16,14 +16,15 @@ from autosaving import OPENED, at, kept, only, told
 from recipes import recipe
 from session_samples import after, fresh
 
-from rl_tui.lab import held_file, session_folder
-from rl_tui.lab.atomic_file import draft_of, write_atomically
-from rl_tui.lab.autosave import Autosave
-from rl_tui.lab.file_lock import FileLock
-from rl_tui.lab.recipe import SetParameter
-from rl_tui.lab.record import Record
-from rl_tui.lab.session import digest_of, encoded, read_session
-from rl_tui.lab.session_folder import sessions_in
+from rl_tui.lab.live.record import Record
+from rl_tui.lab.run.recipe import SetParameter
+from rl_tui.lab.sessions import folder as session_folder
+from rl_tui.lab.sessions import held_file
+from rl_tui.lab.sessions.atomic_file import draft_of, write_atomically
+from rl_tui.lab.sessions.autosave import Autosave
+from rl_tui.lab.sessions.file_lock import FileLock
+from rl_tui.lab.sessions.folder import sessions_in
+from rl_tui.lab.sessions.session import digest_of, encoded, read_session
 
 
 def resumed(path: Path, folder: Path) -> Autosave:
@@ -130,7 +131,7 @@ def test_the_second_program_gets_a_copy(tmp_path: Path) -> None:
 def test_a_killed_program_leaves_no_lock(tmp_path: Path) -> None:
     path = tmp_path / "evening.json"
     hold = (
-        "import sys, time; from pathlib import Path; from rl_tui.lab.file_lock import FileLock\n"
+        "import sys, time; from pathlib import Path; from rl_tui.lab.sessions.file_lock import FileLock\n"
         "lock = FileLock(Path(sys.argv[1])); print(lock.acquire(), flush=True); time.sleep(600)"
     )
     with subprocess.Popen(
@@ -338,7 +339,7 @@ def test_a_full_disk_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
     def full(descriptor: int) -> None:
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
-    monkeypatch.setattr("rl_tui.lab.atomic_file.os.fsync", full)
+    monkeypatch.setattr("rl_tui.lab.sessions.atomic_file.os.fsync", full)
     (notice,) = told(kept(tmp_path, OPENED, at(1)))
     assert notice.startswith(f"this session is not being saved: {tmp_path}")
     assert notice.endswith(".json: No space left on device")
@@ -351,7 +352,7 @@ def test_the_home_of_nobody_is_not_made(tmp_path: Path, monkeypatch: pytest.Monk
 
     monkeypatch.chdir(tmp_path)
     monkeypatch.delenv("RL_TUI_SESSIONS_DIR")
-    monkeypatch.setattr("rl_tui.lab.session_folder.platformdirs.user_state_path", homeless)
+    monkeypatch.setattr("rl_tui.lab.sessions.folder.platformdirs.user_state_path", homeless)
     autosave = kept(session_folder.session_folder(), OPENED, at(1))
     (notice,) = told(autosave)
     assert notice == (

@@ -10,11 +10,11 @@ import pytest
 from recipes import recipe
 
 from rl_tui.agents.last_step import LastStep
-from rl_tui.lab.backup import Leaf, backup_of, expected_target, sources
-from rl_tui.lab.preparing import preparing
-from rl_tui.lab.recipe import begin
-from rl_tui.lab.run import Run
-from rl_tui.lab.snapshot import Phase, Snapshot
+from rl_tui.lab.live.backup import Leaf, backup_of, expected_target, sources
+from rl_tui.lab.live.preparing import preparing
+from rl_tui.lab.live.snapshot import Phase, Snapshot
+from rl_tui.lab.run.recipe import begin
+from rl_tui.lab.run.run import Run
 
 STUDY, CHECK_PHONE, SCROLL, QUIT, SLEEP = range(5)
 Q = np.array([6.37, 5.0, 1.0, 2.0, 10.0])

@@ -12,8 +12,8 @@ from typing import Any
 import pytest
 from recipes import recipe
 
-from rl_tui.lab.many_runs import many_runs
-from rl_tui.lab.training import Goal
+from rl_tui.lab.experiments.many_runs import many_runs
+from rl_tui.lab.experiments.training import Goal
 
 
 @functools.cache

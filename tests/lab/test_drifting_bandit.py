@@ -11,12 +11,12 @@ from playing import busy
 from recipes import one_run, recipe
 
 from rl_tui.common.streams import streams
-from rl_tui.lab.commands import Step, Train
-from rl_tui.lab.many_runs import many_runs
-from rl_tui.lab.playback import Playback
-from rl_tui.lab.recipe import Recipe
-from rl_tui.lab.run import Run
-from rl_tui.lab.training import Goal
+from rl_tui.lab.experiments.many_runs import many_runs
+from rl_tui.lab.experiments.training import Goal
+from rl_tui.lab.live.commands import Step, Train
+from rl_tui.lab.live.playback import Playback
+from rl_tui.lab.run.recipe import Recipe
+from rl_tui.lab.run.run import Run
 
 DRIFT = 0.2
 FILE = f"[bandit]\nmeans = [0.5, 0.5, -1]\nstd = 2\ndrift = {DRIFT}\nbudget = 500\n"

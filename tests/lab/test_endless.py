@@ -3,8 +3,8 @@ from __future__ import annotations
 import pytest
 from recipes import recipe
 
-from rl_tui.lab.endless import endless_state
-from rl_tui.lab.recipe import begin
+from rl_tui.lab.experiments.endless import endless_state
+from rl_tui.lab.run.recipe import begin
 from rl_tui.worlds.mdp.tabular_mdp import Outcome, TabularMDP, Transition, tabular_mdp
 
 

@@ -19,9 +19,9 @@ from rl_tui.agents.catalogue import ACTION_RULES, ALGORITHMS
 from rl_tui.agents.exact.solve import figures, greedy_policy, solve
 from rl_tui.common.errors import UserError
 from rl_tui.lab.export.script import script
-from rl_tui.lab.library import episodes_of, recipe_for
-from rl_tui.lab.recipe import begin
-from rl_tui.lab.run import Run
+from rl_tui.lab.run.library import episodes_of, recipe_for
+from rl_tui.lab.run.recipe import begin
+from rl_tui.lab.run.run import Run
 from rl_tui.worlds.files.catalogue import find, read_catalogue
 from rl_tui.worlds.files.scenario import read_scenario
 

@@ -13,14 +13,14 @@ import gymnasium
 import pytest
 from playing import busy
 
-from rl_tui.lab.autosave import Autosave, untouched
-from rl_tui.lab.commands import AddLane, Apply, Pause, Play, Restart, Step, StepBack
-from rl_tui.lab.library import find, recipe_for
-from rl_tui.lab.playback import Playback
-from rl_tui.lab.player import Player
-from rl_tui.lab.recipe import JournalEntry, Recipe, SetParameter
-from rl_tui.lab.session_folder import sessions_in
-from rl_tui.lab.snapshot import Phase, Snapshot
+from rl_tui.lab.live.commands import AddLane, Apply, Pause, Play, Restart, Step, StepBack
+from rl_tui.lab.live.playback import Playback
+from rl_tui.lab.live.player import Player
+from rl_tui.lab.live.snapshot import Phase, Snapshot
+from rl_tui.lab.run.library import find, recipe_for
+from rl_tui.lab.run.recipe import JournalEntry, Recipe, SetParameter
+from rl_tui.lab.sessions.autosave import Autosave, untouched
+from rl_tui.lab.sessions.folder import sessions_in
 from rl_tui.worlds.gym.stepped.environment import EnvironmentFailedError
 
 

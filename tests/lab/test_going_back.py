@@ -14,7 +14,7 @@ from playing import Ticking, assert_true_to_the_record, begin, bits, do, stand
 from recipes import bandit, recipe
 
 from rl_tui.agents.hyperparameters import SAMPLE_AVERAGE
-from rl_tui.lab.commands import (
+from rl_tui.lab.live.commands import (
     AddLane,
     Apply,
     ChooseBranch,
@@ -34,12 +34,12 @@ from rl_tui.lab.commands import (
     ToggleBreakpoint,
     Train,
 )
-from rl_tui.lab.playback import Playback
-from rl_tui.lab.recipe import SetParameter, SwitchAlgorithm
-from rl_tui.lab.record import Record
-from rl_tui.lab.session import encoded, read_session
-from rl_tui.lab.snapshot import Phase, Snapshot
-from rl_tui.lab.until import Event, Until
+from rl_tui.lab.live.playback import Playback
+from rl_tui.lab.live.record import Record
+from rl_tui.lab.live.snapshot import Phase, Snapshot
+from rl_tui.lab.live.until import Event, Until
+from rl_tui.lab.run.recipe import SetParameter, SwitchAlgorithm
+from rl_tui.lab.sessions.session import encoded, read_session
 
 
 def through_a_file(record: Record) -> Record:

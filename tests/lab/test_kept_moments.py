@@ -6,12 +6,12 @@ import numpy as np
 from playing import begin, do
 from recipes import recipe
 
-from rl_tui.lab.checkpoints import MOST, MOST_LEFT, Checkpoints
-from rl_tui.lab.commands import Apply, FollowCell, GoTo, Take, Train
-from rl_tui.lab.limits import USUAL
-from rl_tui.lab.recipe import SetParameter
-from rl_tui.lab.run import Run, replay
-from rl_tui.lab.table_samples import TableSamples
+from rl_tui.lab.live.commands import Apply, FollowCell, GoTo, Take, Train
+from rl_tui.lab.run.recipe import SetParameter
+from rl_tui.lab.run.run import Run, replay
+from rl_tui.lab.timeline.checkpoints import MOST, MOST_LEFT, Checkpoints
+from rl_tui.lab.timeline.memory_limits import USUAL
+from rl_tui.lab.timeline.table_samples import TableSamples
 
 
 def test_the_history_of_a_cell_is_what_it_was() -> None:

@@ -5,9 +5,9 @@ from typing import Any
 
 import pytest
 
-from rl_tui.lab.lane_names import difference, lane_names
-from rl_tui.lab.library import find, recipe_for
-from rl_tui.lab.recipe import Recipe
+from rl_tui.lab.run.library import find, recipe_for
+from rl_tui.lab.run.recipe import Recipe
+from rl_tui.lab.timeline.lane_names import difference, lane_names
 
 BASE = recipe_for(find("frozenlake-slippery"), {}, 0)
 

@@ -10,7 +10,7 @@ from recipes import recipe
 
 from rl_tui.agents.hyperparameters import SAMPLE_AVERAGE
 from rl_tui.common.errors import ScenarioError, UserError
-from rl_tui.lab.library import episodes_of, faults_of, find, listing, recipe_for
+from rl_tui.lab.run.library import episodes_of, faults_of, find, listing, recipe_for
 
 WORLD = "[bandit]\nmeans = [0.0, 1.0]\n"
 
@@ -144,7 +144,7 @@ def test_a_listing_has_sizes_and_complete_defaults() -> None:
 
 def test_what_the_screen_imports_first_loads_neither_numba_nor_gymnasium() -> None:
     program = (
-        "import sys, rl_tui.lab.player, rl_tui.lab.commands, rl_tui.lab.library, rl_tui.lab.snapshot\n"
+        "import sys, rl_tui.lab.live.player, rl_tui.lab.live.commands, rl_tui.lab.run.library, rl_tui.lab.live.snapshot\n"
         "print([name for name in ('numba', 'gymnasium', 'scipy', 'textual') if name in sys.modules])"
     )
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)

@@ -8,11 +8,11 @@ import pytest
 from recipes import recipe
 
 from rl_tui.common.errors import UserError
-from rl_tui.lab.checkpoints import Checkpoints
-from rl_tui.lab.lane import Lane
-from rl_tui.lab.lanes import MOST
-from rl_tui.lab.limits import KIOSK, USUAL, limits
-from rl_tui.lab.recipe import SetParameter, begin
+from rl_tui.lab.run.recipe import SetParameter, begin
+from rl_tui.lab.timeline.checkpoints import Checkpoints
+from rl_tui.lab.timeline.lane import Lane
+from rl_tui.lab.timeline.lanes import MOST
+from rl_tui.lab.timeline.memory_limits import KIOSK, USUAL, limits
 
 
 def test_four_lanes_of_a_kiosk_keep_64_megabytes() -> None:
@@ -55,7 +55,7 @@ def test_branches_are_so_many(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_changes_are_so_many(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("RL_TUI_KIOSK", "1")
-    monkeypatch.setattr("rl_tui.lab.limits.KIOSK", replace(KIOSK, changes=5))
+    monkeypatch.setattr("rl_tui.lab.timeline.memory_limits.KIOSK", replace(KIOSK, changes=5))
     lane = _lane()
     for number in range(5):
         lane.apply(SetParameter("alpha", 0.1 + number / 100))

@@ -8,10 +8,10 @@ from pathlib import Path
 
 from autosaving import OPENED, at, only, told
 
-from rl_tui.lab.autosave import Autosave
-from rl_tui.lab.file_lock import FileLock
-from rl_tui.lab.session import encoded, read_session
-from rl_tui.lab.session_folder import sessions_in
+from rl_tui.lab.sessions.autosave import Autosave
+from rl_tui.lab.sessions.file_lock import FileLock
+from rl_tui.lab.sessions.folder import sessions_in
+from rl_tui.lab.sessions.session import encoded, read_session
 
 
 def lost(folder: Path) -> tuple[Autosave, Path]:

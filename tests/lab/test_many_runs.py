@@ -11,10 +11,10 @@ import pytest
 from recipes import one_run, recipe
 
 from rl_tui.common.errors import UserError
-from rl_tui.lab.figures import BANDIT_FIGURES
-from rl_tui.lab.many_runs import FIGURES, many_runs, summary
-from rl_tui.lab.run import Run
-from rl_tui.lab.training import Goal
+from rl_tui.lab.experiments.many_runs import FIGURES, many_runs, summary
+from rl_tui.lab.experiments.training import Goal
+from rl_tui.lab.run.figures import BANDIT_FIGURES
+from rl_tui.lab.run.run import Run
 
 
 def timeless(document: dict[str, Any]) -> dict[str, Any]:

@@ -12,8 +12,8 @@ import pytest
 from fuzz_seeds import session_seeds, signed
 
 from rl_tui.common.errors import UserError
-from rl_tui.lab.session import LARGEST_FILE, SessionError, read_session
-from rl_tui.lab.session_replay import replayed, whereto
+from rl_tui.lab.sessions.replay import replayed, whereto
+from rl_tui.lab.sessions.session import LARGEST_FILE, SessionError, read_session
 
 
 def changed(place: str = "", value: Any = None) -> str:

@@ -5,11 +5,11 @@ from __future__ import annotations
 import pytest
 from recipes import bandit, one_run, recipe
 
-from rl_tui.lab.many_runs import many_runs
-from rl_tui.lab.recipe import Recipe, SetParameter, SwitchAlgorithm
-from rl_tui.lab.run import Run, replay
-from rl_tui.lab.snapshot import Phase
-from rl_tui.lab.training import Goal
+from rl_tui.lab.experiments.many_runs import many_runs
+from rl_tui.lab.experiments.training import Goal
+from rl_tui.lab.live.snapshot import Phase
+from rl_tui.lab.run.recipe import Recipe, SetParameter, SwitchAlgorithm
+from rl_tui.lab.run.run import Run, replay
 
 PLAN = SwitchAlgorithm("value-iteration")
 LEARN = SwitchAlgorithm("q-learning")

@@ -7,12 +7,12 @@ from playing import busy
 from recipes import bandit, recipe
 
 from rl_tui.agents import learner
-from rl_tui.lab.commands import Apply, Pause, Play, Restart, RunEpisode, SetSpeed, Step, Train
-from rl_tui.lab.pacing import FIRST_CHUNK
-from rl_tui.lab.playback import Playback
-from rl_tui.lab.recipe import JournalEntry, Recipe, SetParameter, SwitchAlgorithm
-from rl_tui.lab.run import replay
-from rl_tui.lab.snapshot import Phase
+from rl_tui.lab.live.commands import Apply, Pause, Play, Restart, RunEpisode, SetSpeed, Step, Train
+from rl_tui.lab.live.pacing import FIRST_CHUNK
+from rl_tui.lab.live.playback import Playback
+from rl_tui.lab.live.snapshot import Phase
+from rl_tui.lab.run.recipe import JournalEntry, Recipe, SetParameter, SwitchAlgorithm
+from rl_tui.lab.run.run import replay
 
 
 class Clock:

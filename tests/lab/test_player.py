@@ -12,13 +12,13 @@ import pytest
 from recipes import bandit, recipe
 
 from rl_tui.common.errors import UserError
-from rl_tui.lab.commands import Apply, Pause, Play, Restart, RunEpisode, SetSpeed, Step, Train
-from rl_tui.lab.interpreter import SWITCH_INTERVAL, USUAL_SWITCH_INTERVAL
-from rl_tui.lab.player import Player, PlayerClosedError
-from rl_tui.lab.recipe import SetParameter
-from rl_tui.lab.record import Record
-from rl_tui.lab.run import replay
-from rl_tui.lab.snapshot import Phase, Snapshot
+from rl_tui.lab.live.commands import Apply, Pause, Play, Restart, RunEpisode, SetSpeed, Step, Train
+from rl_tui.lab.live.interpreter import SWITCH_INTERVAL, USUAL_SWITCH_INTERVAL
+from rl_tui.lab.live.player import Player, PlayerClosedError
+from rl_tui.lab.live.record import Record
+from rl_tui.lab.live.snapshot import Phase, Snapshot
+from rl_tui.lab.run.recipe import SetParameter
+from rl_tui.lab.run.run import replay
 
 
 async def until(player: Player, phase: Phase) -> Snapshot:
@@ -234,7 +234,7 @@ async def test_closing_does_not_wait_for_a_world_that_is_being_built(monkeypatch
 
 
 async def test_an_exact_answer_that_comes_later_is_published(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("rl_tui.lab.playback.AT_ONCE_STATES", 0)
+    monkeypatch.setattr("rl_tui.lab.live.playback.AT_ONCE_STATES", 0)
     player = Player(recipe("student"))
     async for snapshot in player.snapshots():
         if snapshot.exact is not None:

@@ -7,7 +7,7 @@ from dataclasses import replace
 from playing import Ticking, assert_true_to_the_record, begin, do
 from recipes import recipe
 
-from rl_tui.lab.commands import (
+from rl_tui.lab.live.commands import (
     AddLane,
     Apply,
     ChooseLane,
@@ -22,10 +22,10 @@ from rl_tui.lab.commands import (
     ToggleBreakpoint,
     Train,
 )
-from rl_tui.lab.playback import Playback
-from rl_tui.lab.recipe import SetParameter, SwitchAlgorithm, TakeAction
-from rl_tui.lab.snapshot import Phase, Snapshot
-from rl_tui.lab.until import Breakpoints
+from rl_tui.lab.live.playback import Playback
+from rl_tui.lab.live.snapshot import Phase, Snapshot
+from rl_tui.lab.live.until import Breakpoints
+from rl_tui.lab.run.recipe import SetParameter, SwitchAlgorithm, TakeAction
 
 
 def test_lanes_follow_to_the_same_step_and_are_runs_of_their_own() -> None:

@@ -12,12 +12,12 @@ from export_samples import recipe_of
 
 from rl_tui.cli.main import program
 from rl_tui.common.errors import UserError
-from rl_tui.lab.changes import ChangeText, journal_of, read_change, written_change
 from rl_tui.lab.export.recipe_line import recipe_line
-from rl_tui.lab.figures import training_figures
-from rl_tui.lab.library import recipe_for
-from rl_tui.lab.recipe import JournalEntry, Recipe, SetParameter, SwitchAlgorithm, TakeAction
-from rl_tui.lab.run import Run
+from rl_tui.lab.run.changes import ChangeText, journal_of, read_change, written_change
+from rl_tui.lab.run.figures import training_figures
+from rl_tui.lab.run.library import recipe_for
+from rl_tui.lab.run.recipe import JournalEntry, Recipe, SetParameter, SwitchAlgorithm, TakeAction
+from rl_tui.lab.run.run import Run
 from rl_tui.worlds.files.scenario import read_scenario, scenario_of
 
 ACTIONS = ("left", "down", "right", "up")

@@ -11,9 +11,9 @@ from recipes import bandit, recipe
 from rl_tui.agents.exact.solve import expected_return, greedy_policy
 from rl_tui.agents.hyperparameters import SAMPLE_AVERAGE
 from rl_tui.common.errors import UserError
-from rl_tui.lab.recipe import JournalEntry, SetParameter, SwitchAlgorithm
-from rl_tui.lab.run import Run, RunState, replay
-from rl_tui.lab.snapshot import Phase
+from rl_tui.lab.live.snapshot import Phase
+from rl_tui.lab.run.recipe import JournalEntry, SetParameter, SwitchAlgorithm
+from rl_tui.lab.run.run import Run, RunState, replay
 
 
 def assert_same(one: Run, other: Run) -> None:

@@ -16,12 +16,11 @@ from recipes import recipe
 from session_samples import after, fresh, records
 
 from rl_tui.common.errors import UserError
-from rl_tui.lab import atomic_file
-from rl_tui.lab.atomic_file import write_atomically
-from rl_tui.lab.branches import Branch
-from rl_tui.lab.recipe import JournalEntry, SetParameter, SwitchAlgorithm, TakeAction
-from rl_tui.lab.record import LaneRecord, Record
-from rl_tui.lab.session import (
+from rl_tui.lab.live.record import LaneRecord, Record
+from rl_tui.lab.run.recipe import JournalEntry, SetParameter, SwitchAlgorithm, TakeAction
+from rl_tui.lab.sessions import atomic_file
+from rl_tui.lab.sessions.atomic_file import write_atomically
+from rl_tui.lab.sessions.session import (
     LARGEST_FILE,
     SessionError,
     StoredSession,
@@ -30,6 +29,7 @@ from rl_tui.lab.session import (
     encoded,
     read_session,
 )
+from rl_tui.lab.timeline.branches import Branch
 
 SOUND = after(
     fresh(recipe("student", seed=3)),

@@ -9,11 +9,11 @@ import pytest
 from autosaving import OPENED, at, kept, only, told
 
 from rl_tui.common.errors import UserError
-from rl_tui.lab import session_folder
-from rl_tui.lab.autosave import Autosave
-from rl_tui.lab.file_lock import FileLock
-from rl_tui.lab.session import encoded, read_session
-from rl_tui.lab.session_folder import MOST_UNNAMED, file_stem, named_path, prune, remove, sessions_in
+from rl_tui.lab.sessions import folder as session_folder
+from rl_tui.lab.sessions.autosave import Autosave
+from rl_tui.lab.sessions.file_lock import FileLock
+from rl_tui.lab.sessions.folder import MOST_UNNAMED, file_stem, named_path, prune, remove, sessions_in
+from rl_tui.lab.sessions.session import encoded, read_session
 
 
 def test_saving_under_a_name(tmp_path: Path) -> None:

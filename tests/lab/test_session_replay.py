@@ -17,14 +17,14 @@ from session_samples import after, fresh
 
 from rl_tui.cli.main import program
 from rl_tui.common.errors import UserError
-from rl_tui.lab import training
-from rl_tui.lab.branches import Branch
-from rl_tui.lab.recipe import JournalEntry, SetParameter, TakeAction
-from rl_tui.lab.record import LaneRecord, Record
-from rl_tui.lab.run import Run
-from rl_tui.lab.session import digest_of, encoded, read_session
-from rl_tui.lab.session_replay import replayed, whereto
-from rl_tui.lab.training import Goal, train
+from rl_tui.lab.experiments import training
+from rl_tui.lab.experiments.training import Goal, train
+from rl_tui.lab.live.record import LaneRecord, Record
+from rl_tui.lab.run.recipe import JournalEntry, SetParameter, TakeAction
+from rl_tui.lab.run.run import Run
+from rl_tui.lab.sessions.replay import replayed, whereto
+from rl_tui.lab.sessions.session import digest_of, encoded, read_session
+from rl_tui.lab.timeline.branches import Branch
 
 ALPHA = JournalEntry(12, SetParameter("alpha", 0.5))
 EPSILON = JournalEntry(60, SetParameter("epsilon", 0.0))

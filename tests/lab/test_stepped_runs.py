@@ -11,15 +11,15 @@ import pytest
 from recipes import recipe
 
 from rl_tui.common.errors import UserError
-from rl_tui.lab.exact import NO_TABLE, exact_now
-from rl_tui.lab.figures import training_figures
-from rl_tui.lab.library import find, listing, recipe_for
-from rl_tui.lab.many_runs import many_runs
-from rl_tui.lab.preparing import preparing
-from rl_tui.lab.recipe import Recipe, SetParameter
-from rl_tui.lab.run import Run
-from rl_tui.lab.snapshot import Phase
-from rl_tui.lab.training import Goal, train
+from rl_tui.lab.experiments.many_runs import many_runs
+from rl_tui.lab.experiments.training import Goal, train
+from rl_tui.lab.live.preparing import preparing
+from rl_tui.lab.live.snapshot import Phase
+from rl_tui.lab.run.exact_answers import NO_TABLE, exact_now
+from rl_tui.lab.run.figures import training_figures
+from rl_tui.lab.run.library import find, listing, recipe_for
+from rl_tui.lab.run.recipe import Recipe, SetParameter
+from rl_tui.lab.run.run import Run
 
 EXACT = ("value_at_start", "optimal_value_at_start", "expected_return", "max_error", "greedy_ends")
 GAMES = Goal(episodes=200)

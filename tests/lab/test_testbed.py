@@ -14,8 +14,8 @@ import numpy as np
 import pytest
 from recipes import recipe
 
-from rl_tui.lab.many_runs import many_runs
-from rl_tui.lab.training import Goal
+from rl_tui.lab.experiments.many_runs import many_runs
+from rl_tui.lab.experiments.training import Goal
 from rl_tui.worlds.mdp.tabular_mdp import FloatArray
 
 PULLS = 1_000

@@ -7,10 +7,10 @@ import pytest
 from recipes import one_run, recipe
 
 from rl_tui.common.errors import UserError
-from rl_tui.lab.episode_rows import EpisodeRows, csv_file
-from rl_tui.lab.figures import training_figures
-from rl_tui.lab.run import Run
-from rl_tui.lab.training import Goal, train
+from rl_tui.lab.experiments.episode_rows import EpisodeRows, csv_file
+from rl_tui.lab.experiments.training import Goal, train
+from rl_tui.lab.run.figures import training_figures
+from rl_tui.lab.run.run import Run
 
 FIELDS = {
     "scenario", "algorithm", "seed", "hyperparameters", "episodes", "steps", "seconds", "steps_per_second",

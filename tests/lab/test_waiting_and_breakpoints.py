@@ -6,7 +6,7 @@ import pytest
 from playing import begin, do
 from recipes import recipe
 
-from rl_tui.lab.commands import (
+from rl_tui.lab.live.commands import (
     Apply,
     ClearBreakpoints,
     GoTo,
@@ -16,10 +16,10 @@ from rl_tui.lab.commands import (
     ToggleBreakpoint,
     Train,
 )
-from rl_tui.lab.recipe import SetParameter
-from rl_tui.lab.run import replay
-from rl_tui.lab.snapshot import Snapshot
-from rl_tui.lab.until import Event, Until
+from rl_tui.lab.live.snapshot import Snapshot
+from rl_tui.lab.live.until import Event, Until
+from rl_tui.lab.run.recipe import SetParameter
+from rl_tui.lab.run.run import replay
 
 
 def test_a_run_pauses_at_breakpoints_and_at_what_was_waited_for() -> None:

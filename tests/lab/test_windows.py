@@ -6,12 +6,10 @@ from open_grids import open_grid, open_grid_recipe
 from playing import busy
 from recipes import recipe
 
-from rl_tui.lab.commands import LookAt, Step
-from rl_tui.lab.playback import Playback
-from rl_tui.lab.recipe import Recipe
-from rl_tui.lab.run import Run
-from rl_tui.lab.snapshot import Phase, Snapshot
-from rl_tui.lab.windows import (
+from rl_tui.lab.live.commands import LookAt, Step
+from rl_tui.lab.live.playback import Playback
+from rl_tui.lab.live.snapshot import Phase, Snapshot
+from rl_tui.lab.live.viewport import (
     MOST_COPIED,
     NO_STATE,
     Cells,
@@ -22,6 +20,8 @@ from rl_tui.lab.windows import (
     is_large,
     pairs_of_states,
 )
+from rl_tui.lab.run.recipe import Recipe
+from rl_tui.lab.run.run import Run
 from rl_tui.worlds.drawing import CellKind, Grid
 
 SIDE = 200

@@ -12,10 +12,10 @@ pytest.importorskip("pty", reason="there are no pseudo-terminals here")
 
 from pseudo_terminal import RL_TUI, PseudoTerminal, visible
 
-from rl_tui.lab.branches import FIRST
-from rl_tui.lab.library import find, recipe_for
-from rl_tui.lab.record import LaneRecord, Record
-from rl_tui.lab.session import encoded
+from rl_tui.lab.live.record import LaneRecord, Record
+from rl_tui.lab.run.library import find, recipe_for
+from rl_tui.lab.sessions.session import encoded
+from rl_tui.lab.timeline.branches import FIRST
 
 
 @pytest.mark.parametrize(

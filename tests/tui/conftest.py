@@ -11,8 +11,8 @@ from textual.css.model import RuleSet
 from textual.css.stylesheet import Stylesheet
 from textual.pilot import Pilot
 
-from rl_tui.lab.library import recipe_for
-from rl_tui.lab.player import Player
+from rl_tui.lab.live.player import Player
+from rl_tui.lab.run.library import recipe_for
 from rl_tui.tui.app import RlTuiApp
 from rl_tui.tui.display import Display
 from rl_tui.worlds.files.catalogue import find

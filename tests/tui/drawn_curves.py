@@ -6,7 +6,7 @@ import numpy as np
 from rich.style import Style
 from samples import look
 
-from rl_tui.lab.snapshot import Curve, Marks, Snapshot
+from rl_tui.lab.live.snapshot import Curve, Marks, Snapshot
 from rl_tui.tui.widgets.braille import Steps
 from rl_tui.tui.widgets.curve import ReturnCurve
 

@@ -10,7 +10,7 @@ from sample_worlds import lake_world
 from samples import lake, look
 from textual.strip import Strip
 
-from rl_tui.lab.snapshot import Snapshot
+from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.world_views.grid import GridView, draw_grid
 from rl_tui.tui.world_views.grid_cells import CellArtist
 from rl_tui.tui.world_views.grid_form import CellForm

@@ -10,7 +10,7 @@ from rich.style import Style
 from samples import lake, look
 from textual.geometry import Size
 
-from rl_tui.lab.snapshot import Snapshot
+from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.widgets.q_table import QTable
 from rl_tui.tui.widgets.q_table_layers import Layer
 

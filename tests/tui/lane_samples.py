@@ -10,7 +10,7 @@ import numpy as np
 from samples import curve, lake, marks
 
 from rl_tui.agents.hyperparameters import Hyperparameters
-from rl_tui.lab.snapshot import Curve, LaneView, Snapshot
+from rl_tui.lab.live.snapshot import Curve, LaneView, Snapshot
 
 # name, algorithm, changed settings, highest mean return, greedy return, episodes
 LANES: tuple[tuple[str, str, dict[str, Any], float, float, int], ...] = (

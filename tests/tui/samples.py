@@ -20,8 +20,8 @@ from sample_worlds import (
 
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.agents.last_step import LastStep
-from rl_tui.lab.recipe import Recipe
-from rl_tui.lab.snapshot import BanditFigures, Curve, Marks, Phase, Snapshot
+from rl_tui.lab.live.snapshot import BanditFigures, Curve, Marks, Phase, Snapshot
+from rl_tui.lab.run.recipe import Recipe
 from rl_tui.tui.theme.glyphs import ASCII, UNICODE
 from rl_tui.tui.theme.look import Look
 from rl_tui.tui.theme.palette import palette_for

@@ -10,8 +10,8 @@ from conftest import MakeApp
 from textual.command import CommandPalette
 
 from rl_tui.common.errors import UserError
-from rl_tui.lab.library import recipe_for
-from rl_tui.lab.player import Player
+from rl_tui.lab.live.player import Player
+from rl_tui.lab.run.library import recipe_for
 from rl_tui.tui.action import Place
 from rl_tui.tui.actions import actions_of
 from rl_tui.tui.app import RlTuiApp

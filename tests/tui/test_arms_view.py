@@ -10,7 +10,7 @@ from sample_worlds import bandit_world
 from samples import bandit, look
 from textual.strip import Strip
 
-from rl_tui.lab.snapshot import Snapshot
+from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.theme.glyphs import ASCII, UNICODE
 from rl_tui.tui.world_views.arms import ArmsView, arms_of, noise_of_rewards, standard_error, true_means_now
 from rl_tui.tui.world_views.arms_scale import NO_SCALE, Scale, bound_text, grown, round_up, shown_scale, ticks

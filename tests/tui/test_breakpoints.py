@@ -12,8 +12,8 @@ from samples import bandit, lake, look, student
 from textual.geometry import Size
 from textual.strip import Strip
 
-from rl_tui.lab.snapshot import Snapshot
-from rl_tui.lab.until import Breakpoints
+from rl_tui.lab.live.snapshot import Snapshot
+from rl_tui.lab.live.until import Breakpoints
 from rl_tui.tui.theme.look import Look
 from rl_tui.tui.widgets.breakpoint_text import breakpoints_text
 from rl_tui.tui.widgets.q_table import QTable

@@ -3,7 +3,7 @@ from __future__ import annotations
 import pytest
 from samples import bandit, lake, look
 
-from rl_tui.lab.snapshot import BanditFigures, Snapshot
+from rl_tui.lab.live.snapshot import BanditFigures, Snapshot
 from rl_tui.tui.widgets.budget import BudgetPanel, sum_text
 
 

@@ -14,9 +14,9 @@ from textual.pilot import Pilot
 from textual.widgets import Input, OptionList, Static
 
 from rl_tui.common.errors import UserError
-from rl_tui.lab.commands import AddLane, ChooseLane, Command, DropLane
-from rl_tui.lab.library import recipe_for
-from rl_tui.lab.recipe import SetParameter, SwitchAlgorithm
+from rl_tui.lab.live.commands import AddLane, ChooseLane, Command, DropLane
+from rl_tui.lab.run.library import recipe_for
+from rl_tui.lab.run.recipe import SetParameter, SwitchAlgorithm
 from rl_tui.tui.screens.choice import Choice
 from rl_tui.tui.screens.compare import Compare
 from rl_tui.tui.screens.lane_changes import lane_changes, what_may_differ

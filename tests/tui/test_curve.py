@@ -10,7 +10,7 @@ from drawn_curves import NARROW, NO_MARKS, drawn, flat
 from samples import bandit, lake, look, planning, stepped_lake, student
 
 from rl_tui.agents.hyperparameters import Hyperparameters
-from rl_tui.lab.snapshot import Phase, Snapshot
+from rl_tui.lab.live.snapshot import Phase, Snapshot
 from rl_tui.tui.widgets.curve import ReturnCurve
 from rl_tui.tui.widgets.curve_data import curve_data
 from rl_tui.worlds.mdp.space import all_pairs

@@ -9,8 +9,8 @@ import pytest
 from drawn_curves import NARROW, WIDE, drawn, flat, steps, styles_of
 from samples import bandit, curve, lake, look, marks, planning, student
 
-from rl_tui.lab.branches import Branch
-from rl_tui.lab.snapshot import Timeline
+from rl_tui.lab.live.snapshot import Timeline
+from rl_tui.lab.timeline.branches import Branch
 from rl_tui.tui.canvas import Canvas
 from rl_tui.tui.widgets import braille
 from rl_tui.tui.widgets.axes import draw_value_axis

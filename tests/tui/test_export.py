@@ -18,9 +18,9 @@ from textual.widgets import Input, OptionList, Static
 from textual.widgets._toast import Toast
 
 from rl_tui.common.errors import UserError
-from rl_tui.lab.commands import Train
-from rl_tui.lab.player import Player
-from rl_tui.lab.snapshot import Snapshot
+from rl_tui.lab.live.commands import Train
+from rl_tui.lab.live.player import Player
+from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.app import RlTuiApp
 from rl_tui.tui.display import Display
 from rl_tui.tui.screens.export_dialogs import AskNewFile, BrokenOffError, CommandLine, ExportChoice, Working

@@ -12,16 +12,16 @@ import pytest
 from textual.pilot import Pilot
 
 from rl_tui.common.errors import UserError
-from rl_tui.lab.branches import FIRST
 from rl_tui.lab.export.recipe_line import recipe_line
 from rl_tui.lab.export.script import script
 from rl_tui.lab.export.tables import write_q_csv
-from rl_tui.lab.library import recipe_for
-from rl_tui.lab.player import Player
-from rl_tui.lab.recipe import begin
-from rl_tui.lab.record import LaneRecord, Record
-from rl_tui.lab.run import Run
-from rl_tui.lab.session import encoded
+from rl_tui.lab.live.player import Player
+from rl_tui.lab.live.record import LaneRecord, Record
+from rl_tui.lab.run.library import recipe_for
+from rl_tui.lab.run.recipe import begin
+from rl_tui.lab.run.run import Run
+from rl_tui.lab.sessions.session import encoded
+from rl_tui.lab.timeline.branches import FIRST
 from rl_tui.tui.app import RlTuiApp
 from rl_tui.tui.display import Display
 from rl_tui.tui.screenshot import settle

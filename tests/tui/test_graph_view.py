@@ -9,7 +9,7 @@ from sample_worlds import student_world
 from samples import look, student
 from textual.strip import Strip
 
-from rl_tui.lab.snapshot import Snapshot
+from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.theme.glyphs import ASCII, UNICODE
 from rl_tui.tui.world_views.graph import GraphView
 from rl_tui.tui.world_views.graph_layout import GraphLayout, graph_layout

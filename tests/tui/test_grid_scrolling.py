@@ -11,7 +11,7 @@ from samples import lake, look
 from textual.app import App, ComposeResult
 from textual.geometry import Region
 
-from rl_tui.lab.snapshot import Snapshot
+from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.scrolling import kept_in_view
 from rl_tui.tui.world_views import world_view
 from rl_tui.tui.world_views.grid import GridView

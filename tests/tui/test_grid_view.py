@@ -9,7 +9,7 @@ from rich.style import Style
 from sample_worlds import LEFT, RIGHT, UP, lake_world
 from samples import big_lake, lake, look
 
-from rl_tui.lab.snapshot import Snapshot
+from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.world_views.cell_rewards import cell_rewards
 from rl_tui.tui.world_views.grid import GridView
 from rl_tui.tui.world_views.grid_form import CellForm, cell_form

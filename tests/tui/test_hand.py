@@ -5,7 +5,7 @@ from dataclasses import replace
 from sample_worlds import LEFT, RIGHT, UP, bandit_world
 from samples import bandit, lake, look, student
 
-from rl_tui.lab.snapshot import Snapshot
+from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.hand import (
     action_towards,
     digit_keys,

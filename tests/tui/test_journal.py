@@ -7,10 +7,10 @@ from samples import bandit, lake, look, planning, student
 from textual.app import App
 from textual.widgets import OptionList, Static
 
-from rl_tui.lab.branches import Branch
-from rl_tui.lab.commands import GoTo
-from rl_tui.lab.recipe import JournalEntry, SetParameter, SwitchAlgorithm, TakeAction
-from rl_tui.lab.snapshot import Snapshot, Timeline
+from rl_tui.lab.live.commands import GoTo
+from rl_tui.lab.live.snapshot import Snapshot, Timeline
+from rl_tui.lab.run.recipe import JournalEntry, SetParameter, SwitchAlgorithm, TakeAction
+from rl_tui.lab.timeline.branches import Branch
 from rl_tui.tui.screens.journal import HOW_TO_BRANCH, NO_CHANGE, JournalScreen, Moment
 from rl_tui.tui.screens.moments import ask_moment, moment_of
 from rl_tui.tui.theme.glyphs import ASCII, UNICODE, Glyphs

@@ -9,9 +9,9 @@ from textual.pilot import Pilot
 from textual.widgets import Static
 
 from rl_tui.common.errors import UserError
-from rl_tui.lab.library import recipe_for
-from rl_tui.lab.player import Player
-from rl_tui.lab.snapshot import Phase
+from rl_tui.lab.live.player import Player
+from rl_tui.lab.live.snapshot import Phase
+from rl_tui.lab.run.library import recipe_for
 from rl_tui.tui.action import Place
 from rl_tui.tui.actions import ACTIONS, actions_of
 from rl_tui.tui.app import RlTuiApp

@@ -9,8 +9,8 @@ from rich.cells import cell_len
 from rich.style import Style
 from samples import bandit, curve, lake, look, marks, planning
 
-from rl_tui.lab.branches import Branch
-from rl_tui.lab.snapshot import Curve, Snapshot, Timeline
+from rl_tui.lab.live.snapshot import Curve, Snapshot, Timeline
+from rl_tui.lab.timeline.branches import Branch
 from rl_tui.tui.theme.look import Look
 from rl_tui.tui.widgets.curve import ReturnCurve
 from rl_tui.tui.widgets.curve_data import curve_data

@@ -8,7 +8,7 @@ from lane_samples import lane_views, side_by_side
 from samples import bandit, lake, look, student
 from textual.geometry import Size
 
-from rl_tui.lab.snapshot import LaneView, Snapshot
+from rl_tui.lab.live.snapshot import LaneView, Snapshot
 from rl_tui.tui.widgets.q_table import QTable
 from rl_tui.tui.widgets.q_table_layers import Figures, Layer
 from rl_tui.worlds.mdp.space import FloatArray

@@ -9,9 +9,9 @@ from textual.events import MouseScrollDown
 from textual.pilot import Pilot
 
 from rl_tui.common.errors import UserError
-from rl_tui.lab.backup import sources
-from rl_tui.lab.commands import Apply, StepBack
-from rl_tui.lab.recipe import SwitchAlgorithm
+from rl_tui.lab.live.backup import sources
+from rl_tui.lab.live.commands import Apply, StepBack
+from rl_tui.lab.run.recipe import SwitchAlgorithm
 from rl_tui.tui.screens.arrangement import CONTROLS, CURVE, MICROSCOPE, TABLE, TIMELINE, WORLD
 from rl_tui.tui.screens.board import Board
 from rl_tui.tui.screenshot import settle

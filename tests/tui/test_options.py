@@ -12,8 +12,8 @@ from textual.widgets import Input, OptionList
 from rl_tui.agents.catalogue import ACTION_RULES, ALGORITHMS, BY_ID
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.common.errors import UserError
-from rl_tui.lab.library import recipe_for
-from rl_tui.lab.snapshot import Phase
+from rl_tui.lab.live.snapshot import Phase
+from rl_tui.lab.run.library import recipe_for
 from rl_tui.tui.screens.choice import Choice, algorithm_choice, policy_choice
 from rl_tui.tui.screens.model import ModelScreen
 from rl_tui.tui.screens.options import Options

@@ -11,7 +11,7 @@ from textual.pilot import Pilot
 from textual.widgets import OptionList
 
 from rl_tui.common.errors import UserError
-from rl_tui.lab.commands import Train
+from rl_tui.lab.live.commands import Train
 from rl_tui.tui.screens.playground import Playground
 from rl_tui.tui.screenshot import settle
 

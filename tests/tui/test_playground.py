@@ -6,8 +6,8 @@ from textual.pilot import Pilot
 from textual.widgets._toast import Toast
 
 from rl_tui.common.errors import UserError
-from rl_tui.lab.commands import Train
-from rl_tui.lab.snapshot import Phase, Snapshot
+from rl_tui.lab.live.commands import Train
+from rl_tui.lab.live.snapshot import Phase, Snapshot
 from rl_tui.tui.app import RlTuiApp
 from rl_tui.tui.screens.help import HelpScreen
 from rl_tui.tui.screens.model import ModelScreen

@@ -9,8 +9,8 @@ from test_playground import playground, press, slider, snapshot, train
 from textual.widgets import Input
 
 from rl_tui.agents.hyperparameters import Hyperparameters
-from rl_tui.lab.bandit import true_means
-from rl_tui.lab.snapshot import Snapshot
+from rl_tui.lab.live.snapshot import Snapshot
+from rl_tui.lab.run.bandit import true_means
 from rl_tui.tui.screens.choice import Choice
 from rl_tui.tui.screens.playground import Playground
 from rl_tui.tui.screens.prompt import Prompt

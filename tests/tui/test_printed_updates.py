@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from samples import lake, learned_from, look
 
 from rl_tui.agents.update_terms import Lookup
-from rl_tui.lab.backup import Backup, Leaf
+from rl_tui.lab.live.backup import Backup, Leaf
 from rl_tui.tui import numbers
 from rl_tui.tui.precision import figure
 from rl_tui.tui.theme.glyphs import ASCII, UNICODE

@@ -10,7 +10,7 @@ from rich.segment import Segment
 from samples import bandit, big_lake, lake, snapshot, student
 
 from rl_tui.agents.hyperparameters import Hyperparameters
-from rl_tui.lab.snapshot import Phase, Snapshot
+from rl_tui.lab.live.snapshot import Phase, Snapshot
 from rl_tui.tui.widgets.q_table import COMPUTING, FOLLOWS
 from rl_tui.tui.widgets.q_table_layers import Figures, Layer
 from rl_tui.worlds.drawing import Graph

@@ -3,8 +3,8 @@ from __future__ import annotations
 import pytest
 
 from rl_tui.common.errors import UserError
-from rl_tui.lab.library import recipe_for
-from rl_tui.lab.recipe import Recipe
+from rl_tui.lab.run.library import recipe_for
+from rl_tui.lab.run.recipe import Recipe
 from rl_tui.tui.display import Colours, Display
 from rl_tui.tui.screenshot import screenshot
 from rl_tui.worlds.files.catalogue import find

@@ -14,14 +14,14 @@ from textual.pilot import Pilot
 from textual.widgets import Input, OptionList, Static
 
 from rl_tui.common.errors import UserError
-from rl_tui.lab.autosave import untouched
-from rl_tui.lab.branches import FIRST
-from rl_tui.lab.library import find, recipe_for
-from rl_tui.lab.player import Player
-from rl_tui.lab.recipe import JournalEntry, Recipe, SetParameter
-from rl_tui.lab.record import LaneRecord, Record
-from rl_tui.lab.session import digest_of, encoded, read_session
-from rl_tui.lab.session_folder import sessions_in
+from rl_tui.lab.live.player import Player
+from rl_tui.lab.live.record import LaneRecord, Record
+from rl_tui.lab.run.library import find, recipe_for
+from rl_tui.lab.run.recipe import JournalEntry, Recipe, SetParameter
+from rl_tui.lab.sessions.autosave import untouched
+from rl_tui.lab.sessions.folder import sessions_in
+from rl_tui.lab.sessions.session import digest_of, encoded, read_session
+from rl_tui.lab.timeline.branches import FIRST
 from rl_tui.tui.app import RlTuiApp
 from rl_tui.tui.display import Display
 from rl_tui.tui.screens.catalogue import Catalogue

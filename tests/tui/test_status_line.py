@@ -3,9 +3,9 @@ from __future__ import annotations
 import pytest
 from samples import bandit, lake, look, planning, student
 
-from rl_tui.lab.branches import Branch
-from rl_tui.lab.playback import PREPARING
-from rl_tui.lab.snapshot import Phase, Snapshot, Timeline
+from rl_tui.lab.live.playback import PREPARING
+from rl_tui.lab.live.snapshot import Phase, Snapshot, Timeline
+from rl_tui.lab.timeline.branches import Branch
 from rl_tui.tui.widgets.status_line import StatusLine
 
 

@@ -10,9 +10,9 @@ from textual.pilot import Pilot
 from textual.widgets import Input, OptionList, Static
 
 from rl_tui.common.errors import UserError
-from rl_tui.lab.commands import ClearBreakpoints, Command, RunUntil, ToggleBreakpoint, Train
-from rl_tui.lab.snapshot import Phase, Snapshot
-from rl_tui.lab.until import Event, Until
+from rl_tui.lab.live.commands import ClearBreakpoints, Command, RunUntil, ToggleBreakpoint, Train
+from rl_tui.lab.live.snapshot import Phase, Snapshot
+from rl_tui.lab.live.until import Event, Until
 from rl_tui.tui.app import RlTuiApp
 from rl_tui.tui.screens.playground import Playground
 from rl_tui.tui.screens.prompt import Prompt

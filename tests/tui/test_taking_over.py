@@ -10,9 +10,9 @@ from test_stopping import notices, playground, press
 from textual.pilot import Pilot
 
 from rl_tui.common.errors import UserError
-from rl_tui.lab.commands import Command, GoTo, RunEpisode, Step, Take, Train
-from rl_tui.lab.recipe import JournalEntry, TakeAction
-from rl_tui.lab.snapshot import Phase
+from rl_tui.lab.live.commands import Command, GoTo, RunEpisode, Step, Take, Train
+from rl_tui.lab.live.snapshot import Phase
+from rl_tui.lab.run.recipe import JournalEntry, TakeAction
 from rl_tui.tui.screens.arrangement import WORLD
 from rl_tui.tui.screens.help import HelpScreen
 from rl_tui.tui.screens.playground import Playground

@@ -11,10 +11,19 @@ from textual.pilot import Pilot
 from textual.widgets import Input
 
 from rl_tui.common.errors import UserError
-from rl_tui.lab.branches import Branch
-from rl_tui.lab.commands import Apply, ChooseBranch, Command, EpisodeBack, GoTo, LookAt, Restart, StepBack
-from rl_tui.lab.recipe import JournalEntry, SetParameter
-from rl_tui.lab.snapshot import Phase, Snapshot, Timeline
+from rl_tui.lab.live.commands import (
+    Apply,
+    ChooseBranch,
+    Command,
+    EpisodeBack,
+    GoTo,
+    LookAt,
+    Restart,
+    StepBack,
+)
+from rl_tui.lab.live.snapshot import Phase, Snapshot, Timeline
+from rl_tui.lab.run.recipe import JournalEntry, SetParameter
+from rl_tui.lab.timeline.branches import Branch
 from rl_tui.tui.screens.prompt import Prompt
 from rl_tui.tui.screenshot import settle
 from rl_tui.tui.widgets.slider import Slider

@@ -9,7 +9,7 @@ from textual.pilot import Pilot
 from textual.widget import Widget
 
 from rl_tui.common.errors import UserError
-from rl_tui.lab.snapshot import Phase, Snapshot
+from rl_tui.lab.live.snapshot import Phase, Snapshot
 from rl_tui.tui.screenshot import settle
 from rl_tui.tui.widgets.curve import ReturnCurve
 from rl_tui.tui.widgets.inspector import Inspector

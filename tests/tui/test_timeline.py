@@ -9,9 +9,9 @@ from textual.app import App, ComposeResult
 from textual.pilot import Pilot
 from textual.widgets import Button
 
-from rl_tui.lab.branches import Branch
-from rl_tui.lab.recipe import JournalEntry, SetParameter, SwitchAlgorithm, TakeAction
-from rl_tui.lab.snapshot import Phase, Snapshot, Timeline
+from rl_tui.lab.live.snapshot import Phase, Snapshot, Timeline
+from rl_tui.lab.run.recipe import JournalEntry, SetParameter, SwitchAlgorithm, TakeAction
+from rl_tui.lab.timeline.branches import Branch
 from rl_tui.tui.theme.palette import Palette
 from rl_tui.tui.widgets.timeline import TimelineBar
 from rl_tui.tui.widgets.timeline_picture import (

@@ -11,7 +11,7 @@ from samples import bandit, lake, look
 from rl_tui.agents.catalogue import ALGORITHMS
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.agents.last_step import NOTHING
-from rl_tui.lab.snapshot import Snapshot
+from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.widgets.inspector import Inspector
 
 LAKE = lake(slippery=False)

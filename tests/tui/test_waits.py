@@ -5,8 +5,8 @@ from dataclasses import replace
 import pytest
 from samples import bandit, lake, look, planning, stepped_lake, student
 
-from rl_tui.lab.snapshot import Snapshot
-from rl_tui.lab.until import Event, Until
+from rl_tui.lab.live.snapshot import Snapshot
+from rl_tui.lab.live.until import Event, Until
 from rl_tui.tui.screens.waits import Wait, ask_number, waits
 
 GLYPHS = look().glyphs

@@ -7,8 +7,8 @@ import pytest
 
 from rl_tui.agents.exact.solution import Solution
 from rl_tui.agents.exact.solve import solve
-from rl_tui.lab.library import recipe_for
-from rl_tui.lab.run import Run
+from rl_tui.lab.run.library import recipe_for
+from rl_tui.lab.run.run import Run
 from rl_tui.worlds.files.catalogue import find, shipped_folder
 from rl_tui.worlds.files.scenario import read_scenario
 from rl_tui.worlds.world import World

@@ -9,9 +9,9 @@ from typing import Final
 
 from rl_tui.agents.hyperparameters import PARAMETERS
 from rl_tui.common.errors import UserError
-from rl_tui.lab.changes import written_change, written_value
-from rl_tui.lab.library import recipe_for, without_effect
-from rl_tui.lab.recipe import JournalEntry, Recipe, SetParameter, SwitchAlgorithm, TakeAction
+from rl_tui.lab.run.changes import written_change, written_value
+from rl_tui.lab.run.library import recipe_for, without_effect
+from rl_tui.lab.run.recipe import JournalEntry, Recipe, SetParameter, SwitchAlgorithm, TakeAction
 from rl_tui.worlds.files import catalogue
 from rl_tui.worlds.files.scenario import Scenario
 from rl_tui.worlds.files.toml_file import UnreadableError, read_text

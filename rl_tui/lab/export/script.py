@@ -17,7 +17,7 @@ from rl_tui.lab.export.literals import WIDEST
 from rl_tui.lab.export.planner_text import planner_text
 from rl_tui.lab.export.settings_text import Told
 from rl_tui.lab.export.worlds.text import WorldText
-from rl_tui.lab.recipe import Recipe, begin
+from rl_tui.lab.run.recipe import Recipe, begin
 
 if TYPE_CHECKING:
     from rl_tui.worlds.world import World

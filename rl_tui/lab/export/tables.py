@@ -9,11 +9,11 @@ from pathlib import Path
 import numpy as np
 
 from rl_tui.common.errors import UserError
-from rl_tui.lab.episode_rows import HEADER, EpisodeRows
+from rl_tui.lab.experiments.episode_rows import HEADER, EpisodeRows
+from rl_tui.lab.experiments.training import Goal, OnProgress, no_progress, train
 from rl_tui.lab.export.files import new_file
-from rl_tui.lab.recipe import JournalEntry, Recipe, begin
-from rl_tui.lab.run import Run
-from rl_tui.lab.training import Goal, OnProgress, no_progress, train
+from rl_tui.lab.run.recipe import JournalEntry, Recipe, begin
+from rl_tui.lab.run.run import Run
 from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray, IntArray
 from rl_tui.worlds.world import World
 

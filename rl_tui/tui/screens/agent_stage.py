@@ -9,9 +9,9 @@ from rl_tui.agents.catalogue import BY_ID, RULE_BY_ID, parameters_of
 from rl_tui.agents.compatibility import check_compatible
 from rl_tui.agents.hyperparameters import PARAMETERS, SAMPLE_AVERAGE, Hyperparameters
 from rl_tui.common.errors import UserError
-from rl_tui.lab.commands import Apply, Command
-from rl_tui.lab.recipe import Recipe, SetParameter, SwitchAlgorithm
-from rl_tui.lab.snapshot import Snapshot
+from rl_tui.lab.live.commands import Apply, Command
+from rl_tui.lab.live.snapshot import Snapshot
+from rl_tui.lab.run.recipe import Recipe, SetParameter, SwitchAlgorithm
 from rl_tui.tui.screens.board import Board
 from rl_tui.tui.screens.choice import algorithm_choice, policy_choice, word_choice
 from rl_tui.tui.screens.options import Options

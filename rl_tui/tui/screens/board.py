@@ -10,9 +10,9 @@ from textual.layout import ArrangeResult, Layout, WidgetPlacement
 from textual.widget import Widget
 from textual.widgets import Static
 
-from rl_tui.lab.recipe import Recipe
-from rl_tui.lab.snapshot import Phase, Snapshot
-from rl_tui.lab.windows import Sight
+from rl_tui.lab.live.snapshot import Phase, Snapshot
+from rl_tui.lab.live.viewport import Sight
+from rl_tui.lab.run.recipe import Recipe
 from rl_tui.tui.pointing import Pointed
 from rl_tui.tui.screens.arrangement import (
     BUDGET,

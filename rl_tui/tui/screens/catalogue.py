@@ -25,9 +25,9 @@ from textual.worker import WorkerCancelled
 from rl_tui.common.errors import ScenarioError, UserError
 from rl_tui.common.findings import one_line
 from rl_tui.common.streams import streams
-from rl_tui.lab.library import read_catalogue, recipe_for
-from rl_tui.lab.recipe import Recipe
-from rl_tui.lab.session import SessionError, StoredSession
+from rl_tui.lab.run.library import read_catalogue, recipe_for
+from rl_tui.lab.run.recipe import Recipe
+from rl_tui.lab.sessions.session import SessionError, StoredSession
 from rl_tui.tui.action import Place
 from rl_tui.tui.actions import bindings_of
 from rl_tui.tui.screens.help import HelpScreen
@@ -234,7 +234,7 @@ class Catalogue(SessionShelf):
         drawing.display = not isinstance(world, UserError)
         await drawing.remove_children()
         if isinstance(world, World):
-            from rl_tui.lab.preparing import preparing
+            from rl_tui.lab.live.preparing import preparing
             from rl_tui.tui.world_views import world_view
 
             view = world_view(world, self.look)

@@ -16,7 +16,7 @@ from rl_tui.agents.catalogue import ACTION_RULES, ALGORITHMS
 from rl_tui.agents.compatibility import check_compatible
 from rl_tui.agents.hyperparameters import PARAMETERS, SAMPLE_AVERAGE, Hyperparameters
 from rl_tui.common.errors import UserError
-from rl_tui.lab.recipe import Recipe
+from rl_tui.lab.run.recipe import Recipe
 from rl_tui.tui.screens.dialog import Dialog
 from rl_tui.tui.theme.glyphs import Glyphs
 from rl_tui.tui.written import written

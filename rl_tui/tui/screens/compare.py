@@ -14,9 +14,9 @@ from textual.widgets.option_list import Option
 
 from rl_tui.agents.catalogue import BY_ID, RULE_BY_ID
 from rl_tui.agents.hyperparameters import PARAMETERS
-from rl_tui.lab.commands import ChooseLane, DropLane
-from rl_tui.lab.recipe import Recipe
-from rl_tui.lab.snapshot import LaneView
+from rl_tui.lab.live.commands import ChooseLane, DropLane
+from rl_tui.lab.live.snapshot import LaneView
+from rl_tui.lab.run.recipe import Recipe
 from rl_tui.tui import numbers
 from rl_tui.tui.canvas import shortened
 from rl_tui.tui.screens.dialog import Dialog

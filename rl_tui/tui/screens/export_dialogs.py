@@ -15,8 +15,8 @@ from textual.widgets import OptionList, Static
 from textual.widgets.option_list import Option
 
 from rl_tui.common.errors import UserError
+from rl_tui.lab.experiments.training import OnProgress
 from rl_tui.lab.export.files import new_path
-from rl_tui.lab.training import OnProgress
 from rl_tui.tui.screens.dialog import Dialog
 from rl_tui.tui.screens.prompt import Prompt
 from rl_tui.tui.theme.glyphs import Glyphs

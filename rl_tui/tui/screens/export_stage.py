@@ -8,12 +8,12 @@ from pathlib import Path
 
 from rl_tui.agents.catalogue import BY_ID
 from rl_tui.common.errors import UserError
+from rl_tui.lab.experiments.training import OnProgress, no_progress
 from rl_tui.lab.export.files import free_name, write_text
 from rl_tui.lab.export.recipe_line import entries_until, recipe_line
-from rl_tui.lab.library import episodes_of
-from rl_tui.lab.recipe import JournalEntry, Recipe
-from rl_tui.lab.snapshot import Snapshot
-from rl_tui.lab.training import OnProgress, no_progress
+from rl_tui.lab.live.snapshot import Snapshot
+from rl_tui.lab.run.library import episodes_of
+from rl_tui.lab.run.recipe import JournalEntry, Recipe
 from rl_tui.tui.screens import export_dialogs as dialogs
 from rl_tui.tui.screens.agent_stage import AgentStage
 from rl_tui.worlds.drawing import Arms

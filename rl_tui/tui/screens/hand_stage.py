@@ -7,8 +7,8 @@ from typing import Final
 from textual.binding import Binding, BindingType
 
 from rl_tui.agents.catalogue import BY_ID
-from rl_tui.lab.commands import Command, Pause, Play, Restart, RunEpisode, RunUntil, Take
-from rl_tui.lab.snapshot import Phase, Snapshot
+from rl_tui.lab.live.commands import Command, Pause, Play, Restart, RunEpisode, RunUntil, Take
+from rl_tui.lab.live.snapshot import Phase, Snapshot
 from rl_tui.tui.hand import DIGITS, action_towards, digit_keys, has_directions, prompts, title, told_keys
 from rl_tui.tui.screens.agent_stage import AgentStage
 from rl_tui.tui.screens.arrangement import WORLD

@@ -13,7 +13,7 @@ from textual.widgets import OptionList, Static
 from textual.widgets.option_list import Option
 
 from rl_tui.common.words import counted
-from rl_tui.lab.snapshot import Snapshot
+from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.screens.dialog import Dialog
 from rl_tui.tui.theme.look import Look
 from rl_tui.tui.widgets.journal_text import JournalLine, journal_lines

@@ -8,9 +8,9 @@ from dataclasses import replace
 from rl_tui.agents.catalogue import BY_ID
 from rl_tui.agents.hyperparameters import PARAMETERS
 from rl_tui.common.errors import UserError
-from rl_tui.lab.commands import AddLane, ChooseLane, DropLane
-from rl_tui.lab.recipe import Recipe
-from rl_tui.lab.snapshot import LaneView, Snapshot
+from rl_tui.lab.live.commands import AddLane, ChooseLane, DropLane
+from rl_tui.lab.live.snapshot import LaneView, Snapshot
+from rl_tui.lab.run.recipe import Recipe
 from rl_tui.tui.screens.agent_stage import AgentStage
 from rl_tui.tui.screens.choice import algorithm_choice, policy_choice, word_choice
 from rl_tui.tui.screens.compare import Answer, Compare

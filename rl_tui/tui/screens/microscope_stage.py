@@ -5,8 +5,8 @@ from __future__ import annotations
 from textual import on
 from textual.widget import Widget
 
-from rl_tui.lab.commands import FollowCell
-from rl_tui.lab.snapshot import Phase
+from rl_tui.lab.live.commands import FollowCell
+from rl_tui.lab.live.snapshot import Phase
 from rl_tui.tui.screens.agent_stage import AgentStage
 from rl_tui.tui.widgets.q_table import QTable
 

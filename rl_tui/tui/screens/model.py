@@ -8,7 +8,7 @@ from typing import ClassVar
 from textual.app import ComposeResult
 from textual.binding import Binding, BindingType
 
-from rl_tui.lab.snapshot import Snapshot
+from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.screens.dialog import Dialog
 from rl_tui.tui.theme.look import Look
 from rl_tui.tui.widgets.model import ModelPanel

@@ -6,8 +6,8 @@ import re
 from typing import Final
 
 from rl_tui.agents.catalogue import BY_ID
-from rl_tui.lab.commands import GoTo
-from rl_tui.lab.snapshot import Snapshot
+from rl_tui.lab.live.commands import GoTo
+from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.screens.prompt import Prompt
 from rl_tui.tui.under_way import episode_under_way
 from rl_tui.worlds.drawing import Arms

@@ -12,7 +12,7 @@ from textual.widgets.option_list import Option
 
 from rl_tui.agents.catalogue import RULE_BY_ID, parameters_of
 from rl_tui.agents.hyperparameters import PARAMETERS
-from rl_tui.lab.recipe import Recipe
+from rl_tui.lab.run.recipe import Recipe
 from rl_tui.tui.screens.dialog import Dialog
 from rl_tui.tui.theme.look import Look
 from rl_tui.tui.widgets.settings import option_text

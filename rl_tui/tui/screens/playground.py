@@ -12,10 +12,20 @@ from textual.message import Message
 from textual.widget import Widget
 
 from rl_tui.common.errors import UserError
-from rl_tui.lab.commands import LOOKING, Command, LookAt, Pause, Play, Restart, RunEpisode, SetSpeed, Step
-from rl_tui.lab.player import START_SPEED, Player
-from rl_tui.lab.recipe import Recipe
-from rl_tui.lab.snapshot import Phase, Snapshot
+from rl_tui.lab.live.commands import (
+    LOOKING,
+    Command,
+    LookAt,
+    Pause,
+    Play,
+    Restart,
+    RunEpisode,
+    SetSpeed,
+    Step,
+)
+from rl_tui.lab.live.player import START_SPEED, Player
+from rl_tui.lab.live.snapshot import Phase, Snapshot
+from rl_tui.lab.run.recipe import Recipe
 from rl_tui.tui.action import Place
 from rl_tui.tui.actions import ORDINALS, bindings_of
 from rl_tui.tui.pacing import Pacer

@@ -11,9 +11,9 @@ from threading import Thread
 from textual.message import Message
 
 from rl_tui.common.errors import UserError
-from rl_tui.lab.record import Record
-from rl_tui.lab.session import SessionError, StoredSession
-from rl_tui.lab.session_folder import files_in, remove, sessions_in
+from rl_tui.lab.live.record import Record
+from rl_tui.lab.sessions.folder import files_in, remove, sessions_in
+from rl_tui.lab.sessions.session import SessionError, StoredSession
 from rl_tui.tui.screens.confirm import Confirm
 from rl_tui.tui.screens.stage import Stage
 from rl_tui.tui.theme.look import Look

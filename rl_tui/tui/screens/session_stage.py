@@ -7,10 +7,10 @@ import asyncio
 from textual.message import Message
 
 from rl_tui.common.errors import UserError
-from rl_tui.lab.autosave import Autosave
-from rl_tui.lab.session import OTHER_BITS, SessionError, StoredSession, digest_of
-from rl_tui.lab.session_folder import named_path
-from rl_tui.lab.snapshot import Phase, Snapshot
+from rl_tui.lab.live.snapshot import Phase, Snapshot
+from rl_tui.lab.sessions.autosave import Autosave
+from rl_tui.lab.sessions.folder import named_path
+from rl_tui.lab.sessions.session import OTHER_BITS, SessionError, StoredSession, digest_of
 from rl_tui.tui.screens.agent_stage import AgentStage
 from rl_tui.tui.screens.prompt import Prompt
 from rl_tui.tui.written import written

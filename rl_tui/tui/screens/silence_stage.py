@@ -8,7 +8,7 @@ from rl_tui.tui.screens.agent_stage import AgentStage
 from rl_tui.tui.widgets.status_line import StatusLine
 
 if TYPE_CHECKING:
-    from rl_tui.lab.player import Player
+    from rl_tui.lab.live.player import Player
 
 LISTENS_EVERY: Final = 0.5
 WORTH_TELLING: Final = 3.0

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from rl_tui.lab.commands import ChooseBranch, EpisodeBack, GoTo, StepBack
-from rl_tui.lab.snapshot import Phase, Snapshot
+from rl_tui.lab.live.commands import ChooseBranch, EpisodeBack, GoTo, StepBack
+from rl_tui.lab.live.snapshot import Phase, Snapshot
 from rl_tui.tui.screens.agent_stage import AgentStage
 from rl_tui.tui.screens.journal import JournalScreen, Moment
 from rl_tui.tui.screens.moments import ask_moment, moment_of

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from rl_tui.lab.commands import ClearBreakpoints, RunUntil, ToggleBreakpoint
-from rl_tui.lab.snapshot import Phase, Snapshot
+from rl_tui.lab.live.commands import ClearBreakpoints, RunUntil, ToggleBreakpoint
+from rl_tui.lab.live.snapshot import Phase, Snapshot
 from rl_tui.tui.screens.agent_stage import AgentStage
 from rl_tui.tui.screens.until import UntilChoice
 from rl_tui.tui.screens.waits import Kind, Wait, ask_number, kind_of, waits

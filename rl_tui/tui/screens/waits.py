@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from enum import Enum, auto
 
 from rl_tui.agents.catalogue import BY_ID
-from rl_tui.lab.snapshot import Snapshot
-from rl_tui.lab.until import Event, Until
+from rl_tui.lab.live.snapshot import Snapshot
+from rl_tui.lab.live.until import Event, Until
 from rl_tui.tui import numbers
 from rl_tui.tui.screens.prompt import Prompt
 from rl_tui.tui.theme.glyphs import Glyphs

@@ -8,8 +8,8 @@ from typing import Final
 
 import numpy as np
 
-from rl_tui.lab.backup import Backup, Leaf
-from rl_tui.lab.snapshot import Snapshot
+from rl_tui.lab.live.backup import Backup, Leaf
+from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.theme.look import Look
 from rl_tui.tui.widgets import names
 from rl_tui.tui.widgets.backup_columns import outcome_rows

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Final
 
 from rl_tui.agents.exact.solution import Solution
-from rl_tui.lab.snapshot import Snapshot
+from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui import numbers
 from rl_tui.tui.precision import column_figure, leading_zeros
 from rl_tui.tui.theme.look import Look

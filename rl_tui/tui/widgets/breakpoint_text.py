@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rl_tui.lab.until import Breakpoints
+from rl_tui.lab.live.until import Breakpoints
 from rl_tui.tui.theme.glyphs import Glyphs
 from rl_tui.tui.widgets.names import pair_name, state_name
 from rl_tui.worlds.drawing import Arms

@@ -6,7 +6,7 @@ from typing import Final
 
 from textual.strip import Strip
 
-from rl_tui.lab.snapshot import BanditFigures, Phase, Snapshot
+from rl_tui.lab.live.snapshot import BanditFigures, Phase, Snapshot
 from rl_tui.tui import numbers
 from rl_tui.tui.theme.look import Look
 from rl_tui.tui.widgets.panel import Panel

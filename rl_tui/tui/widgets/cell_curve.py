@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 from textual.strip import Strip
 
-from rl_tui.lab.snapshot import CellHistory
+from rl_tui.lab.live.snapshot import CellHistory
 from rl_tui.tui.canvas import Canvas
 from rl_tui.tui.theme.look import Look
 from rl_tui.tui.widgets import braille

@@ -7,7 +7,7 @@ import numpy as np
 from rl_tui.agents.catalogue import RULE_BY_ID
 from rl_tui.agents.hyperparameters import PARAMETERS
 from rl_tui.agents.last_step import LastStep
-from rl_tui.lab.snapshot import Snapshot
+from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.theme.glyphs import Glyphs
 from rl_tui.tui.widgets.update_text import setting
 

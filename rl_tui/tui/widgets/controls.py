@@ -9,8 +9,8 @@ from textual.containers import Container
 
 from rl_tui.agents.catalogue import parameters_of
 from rl_tui.agents.hyperparameters import PARAMETERS, SAMPLE_AVERAGE, Hyperparameters, Parameter
-from rl_tui.lab.recipe import Recipe
-from rl_tui.lab.snapshot import Snapshot
+from rl_tui.lab.live.snapshot import Snapshot
+from rl_tui.lab.run.recipe import Recipe
 from rl_tui.tui.theme.look import Look
 from rl_tui.tui.widgets.settings import Settings
 from rl_tui.tui.widgets.slider import Slider

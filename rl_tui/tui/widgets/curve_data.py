@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 
 from rl_tui.agents.catalogue import BY_ID
-from rl_tui.lab.snapshot import LaneView, Snapshot
+from rl_tui.lab.live.snapshot import LaneView, Snapshot
 from rl_tui.tui.widgets.braille import Steps
 from rl_tui.tui.widgets.reward_range import reward_range
 from rl_tui.worlds.drawing import Arms

@@ -9,7 +9,7 @@ from typing import Final
 from rich.style import Style
 
 from rl_tui.agents.catalogue import RULE_BY_ID
-from rl_tui.lab.snapshot import Snapshot
+from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui import numbers
 from rl_tui.tui.theme.glyphs import Glyphs
 from rl_tui.tui.theme.look import Look

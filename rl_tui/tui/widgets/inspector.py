@@ -6,7 +6,7 @@ from typing import Final
 
 from textual.strip import Strip
 
-from rl_tui.lab.snapshot import Snapshot
+from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.speeds import passes_too_fast
 from rl_tui.tui.theme.look import Look
 from rl_tui.tui.widgets.loop_text import loop_text

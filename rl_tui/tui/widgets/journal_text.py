@@ -8,7 +8,7 @@ from itertools import groupby
 
 from rl_tui.agents.catalogue import BY_ID, RULE_BY_ID
 from rl_tui.agents.hyperparameters import PARAMETERS
-from rl_tui.lab.recipe import JournalEntry, Recipe, SetParameter, SwitchAlgorithm, TakeAction
+from rl_tui.lab.run.recipe import JournalEntry, Recipe, SetParameter, SwitchAlgorithm, TakeAction
 from rl_tui.tui.theme.glyphs import Glyphs
 from rl_tui.tui.widgets.names import action_name
 from rl_tui.tui.widgets.settings import option_text

@@ -8,7 +8,7 @@ from rl_tui.agents.catalogue import BY_ID
 from rl_tui.agents.hyperparameters import SAMPLE_AVERAGE, Hyperparameters
 from rl_tui.agents.last_step import LastStep
 from rl_tui.agents.update_terms import UpdateTerms
-from rl_tui.lab.snapshot import Snapshot
+from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui import numbers
 from rl_tui.tui.theme.glyphs import Glyphs
 from rl_tui.tui.widgets import names

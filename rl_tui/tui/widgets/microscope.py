@@ -8,8 +8,8 @@ from textual import events
 from textual.binding import Binding, BindingType
 from textual.strip import Strip
 
-from rl_tui.lab.backup import sources
-from rl_tui.lab.snapshot import Snapshot
+from rl_tui.lab.live.backup import sources
+from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.canvas import Canvas
 from rl_tui.tui.speeds import passes_too_fast
 from rl_tui.tui.theme.look import Look

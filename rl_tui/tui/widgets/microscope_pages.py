@@ -7,8 +7,8 @@ from typing import Final
 from rich.segment import Segment
 from textual.strip import Strip
 
-from rl_tui.lab.backup import backup_of, sources
-from rl_tui.lab.snapshot import Snapshot
+from rl_tui.lab.live.backup import backup_of, sources
+from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.speeds import passes_too_fast
 from rl_tui.tui.theme.look import Look
 from rl_tui.tui.widgets import backup_tree, microscope_step, microscope_update, return_text

@@ -10,7 +10,7 @@ from rich.style import Style
 from rl_tui.agents.catalogue import BY_ID
 from rl_tui.agents.last_step import LastStep
 from rl_tui.agents.update_terms import Lookup
-from rl_tui.lab.snapshot import Snapshot
+from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui import numbers
 from rl_tui.tui.precision import column_figure, comes_to, parsed
 from rl_tui.tui.theme.look import Look

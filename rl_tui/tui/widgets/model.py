@@ -8,7 +8,7 @@ from textual import events
 from textual.binding import Binding, BindingType
 from textual.strip import Strip
 
-from rl_tui.lab.snapshot import Snapshot
+from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.scrolling import Scrolled
 from rl_tui.tui.theme.look import Look
 from rl_tui.tui.widgets.model_text import model_lines, pair_lines

@@ -10,7 +10,7 @@ import numpy as np
 from rich.cells import cell_len
 
 from rl_tui.common.words import counted
-from rl_tui.lab.snapshot import Snapshot
+from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui import numbers
 from rl_tui.tui.theme.look import Look
 from rl_tui.tui.widgets import names

@@ -11,7 +11,7 @@ from textual.geometry import Region, Size
 from textual.strip import Strip
 from textual.widget import Widget
 
-from rl_tui.lab.snapshot import Phase, Snapshot
+from rl_tui.lab.live.snapshot import Phase, Snapshot
 from rl_tui.tui.theme.look import Look
 from rl_tui.tui.written import separated
 

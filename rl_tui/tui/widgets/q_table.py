@@ -11,8 +11,8 @@ from textual.message import Message
 from textual.strip import Strip
 
 from rl_tui.common.words import counted
-from rl_tui.lab.snapshot import Snapshot
-from rl_tui.lab.windows import Stretch, followed_state, is_large
+from rl_tui.lab.live.snapshot import Snapshot
+from rl_tui.lab.live.viewport import Stretch, followed_state, is_large
 from rl_tui.tui.pointing import NOWHERE, Pointed
 from rl_tui.tui.scrolling import Scrolled
 from rl_tui.tui.theme.look import Look

@@ -8,7 +8,7 @@ from typing import Final, Protocol
 from rich.cells import cell_len
 from rich.segment import Segment
 
-from rl_tui.lab.until import Breakpoints
+from rl_tui.lab.live.until import Breakpoints
 from rl_tui.tui.pointing import NOWHERE
 from rl_tui.tui.theme.look import Look
 from rl_tui.tui.widgets.q_table_layers import Figures, Layer

@@ -10,8 +10,8 @@ import numpy as np
 import numpy.typing as npt
 from rich.style import Style
 
-from rl_tui.lab.bandit import best_arms, true_means
-from rl_tui.lab.snapshot import LaneView, Snapshot
+from rl_tui.lab.live.snapshot import LaneView, Snapshot
+from rl_tui.lab.run.bandit import best_arms, true_means
 from rl_tui.tui import numbers
 from rl_tui.tui.speeds import passes_too_fast
 from rl_tui.tui.theme.glyphs import Glyphs

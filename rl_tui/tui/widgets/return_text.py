@@ -7,7 +7,7 @@ from typing import Final
 
 from rl_tui.agents.catalogue import BY_ID
 from rl_tui.agents.last_step import LastStep
-from rl_tui.lab.snapshot import Snapshot
+from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui import numbers
 from rl_tui.tui.precision import comes_to
 from rl_tui.tui.theme.look import Look

@@ -11,7 +11,7 @@ from textual.widgets import OptionList
 from textual.widgets.option_list import Option
 
 from rl_tui.common.findings import one_line
-from rl_tui.lab.session import SessionError, StoredSession
+from rl_tui.lab.sessions.session import SessionError, StoredSession
 from rl_tui.tui.theme.look import Look
 from rl_tui.tui.widgets.session_text import SessionRow
 from rl_tui.tui.written import written

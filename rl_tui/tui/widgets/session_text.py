@@ -14,7 +14,7 @@ from rich.text import Text
 from rl_tui.agents.catalogue import BY_ID
 from rl_tui.common.findings import one_line
 from rl_tui.common.words import counted
-from rl_tui.lab.session import SessionError, StoredSession
+from rl_tui.lab.sessions.session import SessionError, StoredSession
 from rl_tui.tui import numbers
 from rl_tui.tui.canvas import shortened
 from rl_tui.tui.theme.look import Look

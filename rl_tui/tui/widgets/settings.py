@@ -14,7 +14,7 @@ from textual.widget import Widget
 
 from rl_tui.agents.catalogue import BY_ID, RULE_BY_ID, parameters_of
 from rl_tui.agents.hyperparameters import PARAMETERS, Hyperparameters, Parameter
-from rl_tui.lab.snapshot import Phase, Snapshot
+from rl_tui.lab.live.snapshot import Phase, Snapshot
 from rl_tui.tui.theme.glyphs import Glyphs
 from rl_tui.tui.theme.look import Look
 from rl_tui.tui.written import written

@@ -10,7 +10,7 @@ from rich.style import Style
 from textual.strip import Strip
 
 from rl_tui.agents.catalogue import BY_ID
-from rl_tui.lab.snapshot import Phase, Snapshot
+from rl_tui.lab.live.snapshot import Phase, Snapshot
 from rl_tui.tui import numbers
 from rl_tui.tui.canvas import shortened
 from rl_tui.tui.theme.look import Look

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Final
 
 from rl_tui.agents.update_terms import Lookup
-from rl_tui.lab.backup import Backup
-from rl_tui.lab.snapshot import Snapshot
+from rl_tui.lab.live.backup import Backup
+from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui import numbers
 from rl_tui.tui.precision import agrees, column_figure, leading_zeros, parsed
 from rl_tui.tui.theme.look import Look

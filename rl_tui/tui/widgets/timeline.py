@@ -9,7 +9,7 @@ from textual.binding import Binding, BindingType
 from textual.message import Message
 from textual.strip import Strip
 
-from rl_tui.lab.snapshot import Phase, Snapshot, Timeline
+from rl_tui.lab.live.snapshot import Phase, Snapshot, Timeline
 from rl_tui.tui.theme.look import Look
 from rl_tui.tui.widgets.draggable import Draggable
 from rl_tui.tui.widgets.panel import Panel

@@ -9,8 +9,8 @@ from rich.cells import cell_len
 from rich.style import Style
 from textual.strip import Strip
 
-from rl_tui.lab.recipe import TakeAction
-from rl_tui.lab.snapshot import Timeline
+from rl_tui.lab.live.snapshot import Timeline
+from rl_tui.lab.run.recipe import TakeAction
 from rl_tui.tui import numbers
 from rl_tui.tui.canvas import Canvas, shortened
 from rl_tui.tui.theme.look import Look

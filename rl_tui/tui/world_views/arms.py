@@ -9,8 +9,8 @@ import numpy as np
 from textual.strip import Strip
 
 from rl_tui.agents.hyperparameters import SAMPLE_AVERAGE, StepSize
-from rl_tui.lab.bandit import true_means
-from rl_tui.lab.snapshot import Snapshot
+from rl_tui.lab.live.snapshot import Snapshot
+from rl_tui.lab.run.bandit import true_means
 from rl_tui.tui.same_run import is_another_run
 from rl_tui.tui.scrolling import scrolled_to
 from rl_tui.tui.theme.look import Look

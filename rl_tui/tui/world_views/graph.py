@@ -7,7 +7,7 @@ from typing import Final
 from rich.style import Style
 from textual.strip import Strip
 
-from rl_tui.lab.snapshot import Snapshot
+from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui import numbers
 from rl_tui.tui.canvas import Canvas, centred, shortened
 from rl_tui.tui.scrolling import scrolled_to

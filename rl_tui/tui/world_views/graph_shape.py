@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Final, NamedTuple
 
-from rl_tui.lab.until import Breakpoints
+from rl_tui.lab.live.until import Breakpoints
 from rl_tui.tui.theme.glyphs import Glyphs
 from rl_tui.tui.written import written
 from rl_tui.worlds.drawing import Graph

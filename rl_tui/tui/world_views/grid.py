@@ -10,8 +10,8 @@ from typing import Final
 from rich.segment import Segment
 from textual.strip import Strip
 
-from rl_tui.lab.snapshot import Snapshot
-from rl_tui.lab.windows import Cells, is_large
+from rl_tui.lab.live.snapshot import Snapshot
+from rl_tui.lab.live.viewport import Cells, is_large
 from rl_tui.tui.same_run import is_another_run
 from rl_tui.tui.scrolling import Scrolled, kept_in_view, scrolled_to
 from rl_tui.tui.theme.look import Look

@@ -6,8 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rl_tui.lab.snapshot import Snapshot
-from rl_tui.lab.windows import NO_STATE, first_state_of_cells, pairs_of_states
+from rl_tui.lab.live.snapshot import Snapshot
+from rl_tui.lab.live.viewport import NO_STATE, first_state_of_cells, pairs_of_states
 from rl_tui.tui.world_views.cell_rewards import CellReward, cell_rewards
 from rl_tui.worlds.drawing import CellKind, Grid
 from rl_tui.worlds.mdp.space import FiniteSpace, IntArray

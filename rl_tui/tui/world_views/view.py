@@ -8,8 +8,8 @@ from textual import events
 from textual.binding import Binding, BindingType
 from textual.strip import Strip
 
-from rl_tui.lab.snapshot import Snapshot
-from rl_tui.lab.windows import Cells
+from rl_tui.lab.live.snapshot import Snapshot
+from rl_tui.lab.live.viewport import Cells
 from rl_tui.tui.canvas import Canvas, shortened
 from rl_tui.tui.pointing import NOWHERE, Pointed
 from rl_tui.tui.theme.look import Look

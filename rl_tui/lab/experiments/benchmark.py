@@ -1,0 +1,198 @@
+"""How fast learning is here, against the plain loop over Gymnasium that everybody writes."""
+
+from __future__ import annotations
+
+import asyncio
+import time
+from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
+from dataclasses import replace
+from statistics import median
+from typing import Any, Final
+
+import numpy as np
+from numpy.random import Generator, default_rng
+
+from rl_tui.agents.catalogue import BY_ID
+from rl_tui.agents.hyperparameters import SAMPLE_AVERAGE
+from rl_tui.common.errors import UserError
+from rl_tui.common.interrupts import is_interrupt
+from rl_tui.lab.experiments.many_runs import cores
+from rl_tui.lab.live.commands import Pause, Play, Train
+from rl_tui.lab.live.player import Player
+from rl_tui.lab.run.recipe import Recipe
+from rl_tui.lab.run.run import Run
+from rl_tui.worlds.gym.env_call import ASKING
+from rl_tui.worlds.gym.registered import reason_of
+from rl_tui.worlds.gym.section import GymnasiumSection
+from rl_tui.worlds.mdp.tabular_mdp import FloatArray
+
+KERNEL_STEPS: Final = 5_000_000
+PLAIN_STEPS: Final = 20_000
+ROUNDS: Final = 5
+RUNS: Final = 64
+FRAMES_A_SECOND: Final = 20
+LIVE_SECONDS: Final = 0.5
+LIVE_ROUNDS: Final = 5
+
+
+class PlainLoop:
+    """Q-learning as it is usually written, a step of the Gymnasium environment at a time."""
+
+    def __init__(self, recipe: Recipe, random_ties: bool) -> None:
+        import gymnasium
+
+        section = recipe.scenario.section
+        if not isinstance(section, GymnasiumSection):
+            raise UserError(
+                f"{recipe.scenario.id} is not a Gymnasium environment: choose one for the benchmark"
+            )
+        if recipe.hyperparameters.alpha == SAMPLE_AVERAGE:
+            raise UserError(
+                "the plain loop of the benchmark has a constant step size: give a number for alpha"
+            )
+        self._name = section.id
+        with self._asked():
+            self._env: Any = gymnasium.make(section.id, **section.kwargs)
+        if not all(
+            isinstance(space, gymnasium.spaces.Discrete)
+            for space in (self._env.observation_space, self._env.action_space)
+        ):
+            raise UserError(
+                f"{recipe.scenario.id} observes more than one number, which the plain loop of the benchmark "
+                f"cannot index its table with: choose a scenario such as frozenlake"
+            )
+        self._alpha = float(recipe.hyperparameters.alpha)
+        self._gamma = recipe.hyperparameters.gamma
+        self._epsilon_at = recipe.hyperparameters.epsilon_at
+        self._episodes = 0
+        self._random_ties = random_ties
+        self._generator: Generator = default_rng(recipe.seed)
+        shape = (self._env.observation_space.n, self._env.action_space.n)
+        self._q: FloatArray = np.full(shape, recipe.hyperparameters.initial_q)
+        with self._asked():
+            self._state, _ = self._env.reset(seed=recipe.seed)
+
+    @contextmanager
+    def _asked(self) -> Iterator[None]:
+        """Ask the environment for something: what it prints is no result, and its failure one line."""
+        try:
+            with ASKING:
+                yield
+        except BaseException as error:  # whatever an environment may raise
+            if is_interrupt(error):
+                raise
+            raise UserError(f"{self._name} failed in the plain loop: {reason_of(error)}") from error
+
+    def advance(self, steps: int) -> None:
+        """Take ``steps`` steps. Raises UserError where the environment fails."""
+        with self._asked():
+            self._take(steps)
+
+    def _take(self, steps: int) -> None:
+        env, q, generator = self._env, self._q, self._generator
+        alpha, gamma, epsilon = self._alpha, self._gamma, self._epsilon_at(self._episodes)
+        actions, random_ties, state = q.shape[1], self._random_ties, self._state
+        for _ in range(steps):
+            if generator.random() < epsilon:
+                action = generator.integers(actions)
+            elif random_ties:
+                action = generator.choice(np.flatnonzero(q[state] == q[state].max()))
+            else:
+                action = np.argmax(q[state])
+            next_state, reward, terminated, truncated, _ = env.step(int(action))
+            bootstrap = 0.0 if terminated else np.max(q[next_state])
+            q[state, action] += alpha * (reward + gamma * bootstrap - q[state, action])
+            if terminated or truncated:
+                next_state, _ = env.reset()
+                self._episodes += 1
+                epsilon = self._epsilon_at(self._episodes)
+            state = next_state
+        self._state = state
+
+
+class Together:
+    """Many runs of one recipe, each with a seed of its own, on all cores as ``train --runs`` has them."""
+
+    def __init__(self, recipe: Recipe, runs: int = RUNS) -> None:
+        self._runs = [Run(replace(recipe, seed=recipe.seed + n), evaluate=False) for n in range(runs)]
+
+    def advance(self, steps: int) -> None:
+        """Take ``steps`` steps in all, as many in each run."""
+        each = steps // len(self._runs)
+        with ThreadPoolExecutor(cores()) as pool:
+            for done in [pool.submit(run.advance, each) for run in self._runs]:
+                done.result()
+
+
+def benchmark(recipe: Recipe, rounds: int = ROUNDS) -> dict[str, Any]:
+    """Time our kernel, alone and in 64 runs, and the plain loop, with first and with random ties.
+
+    They take turns; the figures are medians of steps/s. It is the document of ``bench --json``. Raises
+    UserError where ``recipe`` is not of a Gymnasium environment, or its algorithm takes no steps in it.
+    """
+    if BY_ID[recipe.algorithm].planner:
+        raise UserError(f"{recipe.algorithm} takes no steps in the world: choose an algorithm that learns")
+    first, random = PlainLoop(recipe, random_ties=False), PlainLoop(recipe, random_ties=True)
+    run, together = Run(recipe, evaluate=False), Together(recipe)
+    run.warm_up()
+    run.advance(KERNEL_STEPS // 10)
+    together.advance(KERNEL_STEPS)
+    turns: list[tuple[Run | Together | PlainLoop, int]] = [
+        (run, KERNEL_STEPS),
+        (together, 4 * KERNEL_STEPS),
+        (first, PLAIN_STEPS),
+        (random, PLAIN_STEPS),
+    ]
+    speeds = [[_speed(loop, steps) for loop, steps in turns] for _ in range(rounds)]
+    kernel, many, plain, plain_random = (median(column) for column in zip(*speeds, strict=True))
+    return {
+        "scenario": recipe.scenario.id,
+        "kernel_steps_per_second": kernel,
+        "gymnasium_steps_per_second": plain,
+        "ratio": kernel / plain,
+        "gymnasium_random_ties_steps_per_second": plain_random,
+        "ratio_random_ties": kernel / plain_random,
+        "many_runs_steps_per_second": many,
+        "ratio_many_runs": many / plain,
+    }
+
+
+def _speed(loop: Run | Together | PlainLoop, steps: int) -> float:
+    start = time.perf_counter()
+    loop.advance(steps)
+    return steps / (time.perf_counter() - start)
+
+
+async def live_fraction(recipe: Recipe, rounds: int = LIVE_ROUNDS) -> float:
+    """Return which share of the headless speed a player keeps while somebody reads 20 snapshots a second.
+
+    Both are timed in turns, once they are well under way, and the medians compared.
+    """
+    run = Run(recipe, evaluate=False)
+    run.warm_up()
+    run.advance(KERNEL_STEPS)
+    player = Player(recipe, speed=None)
+    try:
+        player.send(Train(KERNEL_STEPS))
+        live, headless = [], []
+        for _ in range(rounds):
+            headless.append(_speed(run, KERNEL_STEPS))
+            live.append(await _live_speed(player))
+        return median(live) / median(headless)
+    finally:
+        player.close()
+
+
+async def _live_speed(player: Player) -> float:
+    before = await player.carried_out()
+    player.send(Play())
+    start = time.perf_counter()
+    async for _ in player.snapshots():
+        if time.perf_counter() - start >= LIVE_SECONDS:
+            break
+        await asyncio.sleep(1 / FRAMES_A_SECOND)
+    player.send(Pause())
+    after = await player.carried_out()
+    return (after.step - before.step) / (time.perf_counter() - start)

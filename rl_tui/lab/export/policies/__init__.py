@@ -1,0 +1,1 @@
+"""The text of every policy for exported scripts, one a file."""

@@ -1,0 +1,173 @@
+"""What a screen may ask of a player."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+from rl_tui.lab.live.until import Until
+from rl_tui.lab.live.viewport import Sight
+from rl_tui.lab.run.recipe import Change, Recipe, SetParameter, SwitchAlgorithm
+
+
+@dataclass(frozen=True, slots=True)
+class Play:
+    """Run on at the wanted speed."""
+
+
+@dataclass(frozen=True, slots=True)
+class Pause:
+    """Stand still; also breaks off an episode under way."""
+
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    """Pause if running, and take one step."""
+
+
+@dataclass(frozen=True, slots=True)
+class RunEpisode:
+    """Run to the end of the episode under way, as fast as it goes, and pause there."""
+
+
+@dataclass(frozen=True, slots=True)
+class Train:
+    """Take exactly ``steps`` steps (fewer only where the run ends) before any other command counts."""
+
+    steps: int
+
+
+@dataclass(frozen=True, slots=True)
+class SetSpeed:
+    """Steps a second to aim at from now on; None for as fast as it goes."""
+
+    speed: float | None
+
+
+@dataclass(frozen=True, slots=True)
+class Apply:
+    """Change a hyper-parameter or the algorithm before the next step."""
+
+    change: Change
+
+
+@dataclass(frozen=True, slots=True)
+class Restart:
+    """Start again from ``recipe``, paused."""
+
+    recipe: Recipe
+
+
+@dataclass(frozen=True, slots=True)
+class LookAt:
+    """Copy no more than ``sight`` shows of a world that is too large to be copied whole."""
+
+    sight: Sight
+
+
+@dataclass(frozen=True, slots=True)
+class StepBack:
+    """Pause, one step earlier."""
+
+
+@dataclass(frozen=True, slots=True)
+class EpisodeBack:
+    """Pause where the episode under way began, or the one before it if it has only begun."""
+
+
+@dataclass(frozen=True, slots=True)
+class GoTo:
+    """Pause at ``step``, or where ``episode`` (from 1) begins; at most as far as the branch has come."""
+
+    step: int | None = None
+    episode: int | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class ChooseBranch:
+    """Go to another branch, where it was left, and pause there."""
+
+    branch: int
+
+
+@dataclass(frozen=True, slots=True)
+class RunUntil:
+    """Run as fast as it goes until something happens, and pause there."""
+
+    until: Until
+
+
+@dataclass(frozen=True, slots=True)
+class ToggleBreakpoint:
+    """Set a breakpoint on a state or on a state–action pair, or take it away."""
+
+    state: int | None = None
+    pair: int | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class ClearBreakpoints:
+    """Take all breakpoints away."""
+
+
+@dataclass(frozen=True, slots=True)
+class Take:
+    """Pause if running, and take one step with this action (its number) in place of the agent."""
+
+    action: int
+
+
+@dataclass(frozen=True, slots=True)
+class AddLane:
+    """Begin another run beside the one shown, the same but for ``changes``, and let it catch up."""
+
+    changes: tuple[SetParameter | SwitchAlgorithm, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class ChooseLane:
+    """Show another lane, counted from 0: what is changed from now on is changed there."""
+
+    lane: int
+
+
+@dataclass(frozen=True, slots=True)
+class DropLane:
+    """End a lane, counted from 0, unless it is the only one."""
+
+    lane: int
+
+
+@dataclass(frozen=True, slots=True)
+class FollowCell:
+    """Tell in every snapshot how Q of ``pair`` went; None: of no pair."""
+
+    pair: int | None
+
+
+Command = (
+    Play
+    | Pause
+    | Step
+    | RunEpisode
+    | Train
+    | SetSpeed
+    | Apply
+    | Restart
+    | LookAt
+    | StepBack
+    | EpisodeBack
+    | GoTo
+    | ChooseBranch
+    | RunUntil
+    | ToggleBreakpoint
+    | ClearBreakpoints
+    | Take
+    | AddLane
+    | ChooseLane
+    | DropLane
+    | FollowCell
+)
+
+LOOKING: Final = (LookAt, FollowCell, SetSpeed)
+"""Commands that leave nothing behind that is worth keeping."""

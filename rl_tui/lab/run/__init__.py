@@ -1,0 +1,1 @@
+"""A run: its recipe, its journal, and what came of them."""

@@ -1,0 +1,57 @@
+"""How a bandit's budget was spent (Sutton & Barto, 2nd ed., section 2.3)."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from rl_tui.lab.live.snapshot import BanditFigures
+from rl_tui.worlds.drawing import Arms
+from rl_tui.worlds.mdp.tabular_mdp import BoolArray, FloatArray, IntArray, TabularMDP
+from rl_tui.worlds.world import World
+
+if TYPE_CHECKING:
+    from rl_tui.agents.kernels.drift import Drifted
+
+
+def true_means(mdp: TabularMDP) -> FloatArray:
+    """Return the expected reward of each pair, [P]: q* of a bandit's arms."""
+    return mdp.expected_reward
+
+
+def best_arms(mdp: TabularMDP) -> BoolArray:
+    """Mark the truly best arms of a bandit, [P]; several where means are equal."""
+    means = true_means(mdp)
+    return np.asarray(means == means.max())
+
+
+def bandit_figures(
+    world: World, visits: IntArray, winnings: float, drifted: Drifted | None = None
+) -> BanditFigures | None:
+    """Return what pulling each arm ``visits``, [P], times came to; None where ``world`` is no bandit.
+
+    ``drifted`` has the sums over all pulls where the means drift.
+    """
+    if not isinstance(world.drawing, Arms) or world.mdp is None or world.budget is None:
+        return None
+    pulls = int(visits.sum())
+    if drifted is not None:
+        return BanditFigures(
+            pulls=pulls,
+            budget=world.budget,
+            winnings=winnings,
+            regret=drifted.regret,
+            best_arm_rate=drifted.optimal_pulls / pulls if pulls else None,
+            best_possible=drifted.best_total,
+        )
+    means = true_means(world.mdp)
+    best = float(means.max())
+    return BanditFigures(
+        pulls=pulls,
+        budget=world.budget,
+        winnings=winnings,
+        regret=float(np.dot(visits, best - means)),
+        best_arm_rate=int(visits[means == best].sum()) / pulls if pulls else None,
+        best_possible=best * pulls,
+    )

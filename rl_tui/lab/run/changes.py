@@ -1,0 +1,123 @@
+"""The entries of a journal as text: ``500:epsilon=0.01``, ``800:algorithm=sarsa``, ``900:take=left``."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from typing import Any, Final, NamedTuple
+
+from rl_tui.agents.catalogue import BY_ID
+from rl_tui.agents.hyperparameters import PARAMETERS
+from rl_tui.common.errors import UserError
+from rl_tui.common.findings import near, shown
+from rl_tui.lab.run.recipe import Change, JournalEntry, SetParameter, SwitchAlgorithm, TakeAction
+
+ALGORITHM: Final = "algorithm"
+TAKE: Final = "take"
+FORM: Final = "STEP:NAME=VALUE"
+LATEST: Final = 10**15
+# Every estimate starts from it: later there is nothing left to set
+_AT_THE_START_ONLY: Final = "initial_q"
+_NAMES: Final = tuple(name for name in (ALGORITHM, TAKE, *PARAMETERS) if name != _AT_THE_START_ONLY)
+
+
+class ChangeText(NamedTuple):
+    """One entry as it was written; the value is checked but for the name of an action."""
+
+    step: int
+    name: str
+    value: float | str
+
+
+def read_change(text: str) -> ChangeText:
+    """Return what ``text`` says; raises ValueError, naming what was expected, where it says nothing."""
+    before, colon, after = text.partition(":")
+    name, equals, value = after.partition("=")
+    if not colon or not equals:
+        raise ValueError(f"{shown(text)} is not {FORM}, such as 500:epsilon=0.01")
+    step = before.strip()
+    if not (step.isascii() and step.isdigit()) or int(step) > LATEST:
+        raise ValueError(f"{shown(text)}: {shown(step)} is not a whole number of steps in [0, {LATEST:g}]")
+    name = name.strip().replace("-", "_")
+    if name == _AT_THE_START_ONLY:
+        raise ValueError(f"{shown(text)}: every estimate starts from {name}; it cannot change on the way")
+    if name not in _NAMES:
+        raise ValueError(
+            f"{shown(text)}: expected the name of a hyper-parameter, {ALGORITHM} or {TAKE}"
+            f"{near(name, _NAMES)}"
+        )
+    return ChangeText(int(step), name, value if name == TAKE else _value(text, name, value.strip()))
+
+
+def _value(text: str, name: str, value: str) -> float | str:
+    if name == ALGORITHM:
+        if value not in BY_ID:
+            expected = f"one of {', '.join(BY_ID)}{near(value, BY_ID)}"
+            raise ValueError(f"{shown(text)}: algorithm is {shown(value)}; expected {expected}")
+        return value
+    parameter = PARAMETERS[name]
+    if value in parameter.words:
+        return value
+    try:
+        number = float(value)
+    except ValueError:
+        number = float("nan")
+    if not parameter.accepts(number):
+        raise ValueError(f"{shown(text)}: {name} is {shown(value)}; expected {parameter.expected}")
+    return number
+
+
+def journal_of(changes: Iterable[ChangeText], action_names: Sequence[str]) -> tuple[JournalEntry, ...]:
+    """Return the journal of ``changes``, by their steps; those of one step stay in their order.
+
+    Raises UserError, naming the actions, where there is none of that name.
+    """
+    entries = (JournalEntry(each.step, _change(each, action_names)) for each in changes)
+    return tuple(sorted(entries, key=lambda entry: entry.step))
+
+
+def _change(change: ChangeText, action_names: Sequence[str]) -> Change:
+    if change.name == ALGORITHM:
+        return SwitchAlgorithm(str(change.value))
+    if change.name != TAKE:
+        return SetParameter(change.name, change.value)
+    wanted = str(change.value)
+    if wanted not in action_names:  # spaces may belong to a name
+        wanted = wanted.strip()
+    if wanted not in action_names:
+        known = ", ".join(action_names[:20]) + (", …" if len(action_names) > 20 else "")
+        raise UserError(
+            f"{change.step}:take={wanted}: there is no such action{near(wanted, action_names)}; take one of "
+            f"{known}"
+        )
+    return TakeAction(list(action_names).index(wanted))
+
+
+def name_and_value(change: Change, action_names: Sequence[str]) -> tuple[str, float | str]:
+    """Return what ``change`` sets and to what; an action by its name."""
+    if isinstance(change, SetParameter):
+        return change.name, change.value
+    if isinstance(change, SwitchAlgorithm):
+        return ALGORITHM, change.algorithm
+    return TAKE, action_names[change.action]
+
+
+def written_change(entry: JournalEntry, action_names: Sequence[str]) -> str:
+    """Return ``entry`` as :func:`read_change` reads it."""
+    name, value = name_and_value(entry.change, action_names)
+    return f"{entry.step}:{name}={written_value(value)}"
+
+
+def written_value(value: float | str) -> str:
+    """Return a value with all its digits, a whole number without a point."""
+    if isinstance(value, str):
+        return value
+    return str(int(value)) if value == int(value) and abs(value) < LATEST else repr(value)
+
+
+def as_json(journal: Iterable[JournalEntry], action_names: Sequence[str]) -> list[dict[str, Any]]:
+    """Return ``journal`` as ``train --json`` prints it: after so many steps, what was set to what."""
+    entries = []
+    for entry in journal:
+        name, value = name_and_value(entry.change, action_names)
+        entries.append({"step": entry.step, "name": name, "value": value})
+    return entries

@@ -1,0 +1,128 @@
+"""Exact figures of the greedy policy while a run goes on, at marks fixed by step number."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from rl_tui.agents.exact.solve import expected_return, greedy_policy
+from rl_tui.agents.hyperparameters import Ties
+from rl_tui.lab.live.snapshot import Marks
+from rl_tui.worlds.mdp.tabular_mdp import FloatArray, IntArray, TabularMDP
+
+MOST_MARKS: Final = 256
+FIRST_SPACING: Final = 16
+MOST_STATES: Final = 20_000
+# An evaluation within a time limit visits every outcome once for every step of it, some 10⁹ a second. One
+# that costs more than this is left out of snapshots, which must not wait.
+DEAREST_LIVE: Final = 2_000_000
+# Without a time limit linear equations are solved instead; they are charged as so many visits.
+UNLIMITED: Final = 100
+VISITS_A_STEP: Final = 1_000
+
+
+def visits_of(mdp: TabularMDP) -> int:
+    """Return about how often an exact evaluation visits an outcome: what it costs."""
+    return len(mdp.next_state) * (mdp.time_limit or UNLIMITED)
+
+
+class GreedyReturn:
+    """The exact undiscounted return of the greedy policy, remembered while policy and world stay the same.
+
+    ``mdp_now`` gives the world as it is, another one after each step where it drifts.
+    """
+
+    def __init__(self, mdp_now: Callable[[], TabularMDP | None]) -> None:
+        self._mdp_now = mdp_now
+        self._mdp: TabularMDP | None = None
+        self._policy: FloatArray | None = None
+        self._value: float | None = None
+
+    def __call__(self, q: FloatArray, ties: Ties) -> float | None:
+        """Return it for the estimates ``q``, [P]; None where the policy has none."""
+        mdp = self._mdp_now()
+        if mdp is None:
+            return None
+        policy = greedy_policy(mdp, q, ties)
+        if mdp is not self._mdp or self._policy is None or not np.array_equal(policy, self._policy):
+            self._value = expected_return(mdp, policy)
+            self._policy, self._mdp = policy, mdp
+        return self._value
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class MarksState:
+    """A copy of all marks, for checkpoints."""
+
+    spacing: int
+    used: int
+    step: IntArray
+    episode: IntArray
+    value: FloatArray
+
+    @property
+    def nbytes(self) -> int:
+        """How much memory it takes."""
+        return self.step.nbytes + self.episode.nbytes + self.value.nbytes
+
+
+class Evaluation:
+    """Marks at multiples of a spacing that doubles, dropping every other mark, when there are many.
+
+    Where they lie depends on the world and the step number only. The first spacing is 16 steps, or the power
+    of two above that which keeps dear evaluations rare. There are no marks above 20,000 states, nor without a
+    transition table.
+    """
+
+    def __init__(self, mdp: TabularMDP | None, greedy_return: GreedyReturn, most: int = MOST_MARKS) -> None:
+        self._greedy_return = greedy_return
+        self._active = mdp is not None and mdp.states <= MOST_STATES
+        self._spacing = FIRST_SPACING
+        while mdp is not None and self._spacing * VISITS_A_STEP < visits_of(mdp):
+            self._spacing *= 2
+        self._used = 0
+        self._step: IntArray = np.zeros(most, np.int64)
+        self._episode: IntArray = np.zeros(most, np.int64)
+        self._value: FloatArray = np.zeros(most)
+
+    @property
+    def next_step(self) -> int | None:
+        """The step number of the next mark; None where no marks are taken."""
+        return self._used * self._spacing if self._active else None
+
+    def mark(self, episodes: int, q: FloatArray, ties: Ties) -> None:
+        """Take the mark that is due, after ``episodes`` finished ones, with the estimates ``q``, [P]."""
+        value = self._greedy_return(q, ties)
+        self._step[self._used] = self._used * self._spacing
+        self._episode[self._used] = episodes
+        self._value[self._used] = math.nan if value is None else value
+        self._used += 1
+        if self._used == len(self._step):
+            self._thin_out()
+
+    def _thin_out(self) -> None:
+        kept = (self._used + 1) // 2
+        for array in (self._step, self._episode, self._value):
+            array[:kept] = array[: self._used : 2].copy()
+        self._used = kept
+        self._spacing *= 2
+
+    def marks(self) -> Marks:
+        """Return the marks taken so far."""
+        used = slice(0, self._used)
+        return Marks(self._step[used].copy(), self._episode[used].copy(), self._value[used].copy())
+
+    def checkpoint(self) -> MarksState:
+        """Return a copy of all that is kept."""
+        return MarksState(
+            self._spacing, self._used, self._step.copy(), self._episode.copy(), self._value.copy()
+        )
+
+    def restore(self, state: MarksState) -> None:
+        """Go back to what :meth:`checkpoint` returned."""
+        self._spacing, self._used = state.spacing, state.used
+        self._step[:], self._episode[:], self._value[:] = state.step, state.episode, state.value

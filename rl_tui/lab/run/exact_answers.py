@@ -1,0 +1,119 @@
+"""The exact answers of one world, for whatever γ is in force."""
+
+from __future__ import annotations
+
+import threading
+from collections import OrderedDict
+from collections.abc import Callable
+from typing import Final, NamedTuple
+
+from rl_tui.agents.exact.solution import NoExactAnswer, Solution
+from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
+
+AT_ONCE_STATES: Final = 200
+LIVE_STATES: Final = 20_000
+KEPT: Final = 64
+
+
+class Answer(NamedTuple):
+    """The exact answer, or why there is none; both empty while it is worked out."""
+
+    solution: Solution | None
+    refused: str
+
+
+NO_TABLE: Final = "this environment has no transition table to work it out from"
+PENDING: Final = Answer(None, "")
+
+
+def exact_now(mdp: TabularMDP | None, gamma: float) -> Answer:
+    """Return the exact answer of a small world that is another one after every step."""
+    from rl_tui.agents.exact.solve import solve
+
+    return Answer(None, NO_TABLE) if mdp is None else Answer(solve(mdp, gamma), "")
+
+
+class ExactAnswers:
+    """Exact answers by γ: small worlds at once, others in a thread, none above 20,000 states.
+
+    A world is small if it has few states and its time limit does not make an evaluation dear. ``on_ready`` is
+    called, in that thread, when an answer that was asked for has come.
+    """
+
+    def __init__(
+        self,
+        mdp: TabularMDP | None,
+        on_ready: Callable[[], None],
+        solve: Callable[[TabularMDP, float], Solution] | None = None,
+        at_once_states: int = AT_ONCE_STATES,
+    ) -> None:
+        from rl_tui.lab.run.evaluation import DEAREST_LIVE, visits_of
+
+        if solve is None:
+            from rl_tui.agents.exact import solve as planning
+
+            solve = planning.solve
+        self.mdp = mdp
+        self._on_ready = on_ready
+        self._solve = solve
+        self._at_once = mdp is None or (mdp.states <= at_once_states and visits_of(mdp) <= DEAREST_LIVE)
+        self._lock = threading.Lock()
+        self._answers: OrderedDict[float, Answer] = OrderedDict()
+        self._wanted: float | None = None
+        self._working = False
+        self._failure: BaseException | None = None
+
+    def answer(self, gamma: float) -> Answer:
+        """Return the answer for ``gamma`` if it is known, and see to it that it will be."""
+        if self.mdp is None:
+            return Answer(None, NO_TABLE)
+        if self.mdp.states > LIVE_STATES:
+            return Answer(None, f"more than {LIVE_STATES:,} states: rl-tui solve has the exact answer")
+        with self._lock:
+            if self._failure is not None:
+                raise self._failure
+            known = self._answers.get(gamma)
+            if known is not None:
+                self._answers.move_to_end(gamma)
+                return known
+            if self._at_once:
+                return self._keep(gamma, self._work_out(gamma))
+            self._wanted = gamma
+            if not self._working:
+                self._working = True
+                threading.Thread(target=self._work, name="exact answers", daemon=True).start()
+        return PENDING
+
+    def _work(self) -> None:
+        """Work out the newest γ that was asked for until none is left; those overtaken are skipped."""
+        while True:
+            with self._lock:
+                gamma, self._wanted = self._wanted, None
+                # Every picture drawn meanwhile has asked again for the answer that has just come
+                if gamma is None or gamma in self._answers:
+                    self._working = False
+                    return
+            try:
+                answer = self._work_out(gamma)
+            except BaseException as error:
+                with self._lock:
+                    self._failure, self._working = error, False
+                self._on_ready()
+                return
+            with self._lock:
+                self._keep(gamma, answer)
+            self._on_ready()
+
+    def _work_out(self, gamma: float) -> Answer:
+        if self.mdp is None:
+            return Answer(None, NO_TABLE)
+        try:
+            return Answer(self._solve(self.mdp, gamma), "")
+        except NoExactAnswer as refusal:
+            return Answer(None, str(refusal))
+
+    def _keep(self, gamma: float, answer: Answer) -> Answer:
+        self._answers[gamma] = answer
+        while len(self._answers) > KEPT:
+            self._answers.popitem(last=False)
+        return answer

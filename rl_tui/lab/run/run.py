@@ -1,0 +1,403 @@
+"""A run: a recipe, a journal, and all that came of them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from rl_tui.agents.kernels.stop import Stop
+from rl_tui.agents.kernels.watching import NOTHING_NOTICED
+from rl_tui.agents.learner import Learner
+from rl_tui.agents.learner_state import LearnerState
+from rl_tui.common.errors import UserError
+from rl_tui.lab.live.snapshot import BanditFigures, Marks, Phase, Snapshot
+from rl_tui.lab.live.viewport import Sight, Window, Windows, is_large
+from rl_tui.lab.run.bandit import bandit_figures
+from rl_tui.lab.run.evaluation import (
+    DEAREST_LIVE,
+    MOST_STATES,
+    Evaluation,
+    GreedyReturn,
+    MarksState,
+    visits_of,
+)
+from rl_tui.lab.run.exact_answers import PENDING, Answer
+from rl_tui.lab.run.history import History, HistoryState
+from rl_tui.lab.run.recipe import (
+    Beginning,
+    Change,
+    JournalEntry,
+    Recipe,
+    SetParameter,
+    SwitchAlgorithm,
+    TakeAction,
+    begin,
+)
+from rl_tui.worlds.mdp.tabular_mdp import BoolArray, FloatArray, IntArray
+
+UNLIMITED: Final = 2**62
+
+OnEpisodes = Callable[[FloatArray, IntArray, BoolArray], None]
+
+
+def no_episodes(returns: FloatArray, lengths: IntArray, optimal: BoolArray) -> None:
+    """Ignore finished episodes."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class RunState:
+    """A copy of all that a run knows at one step, for checkpoints."""
+
+    step: int
+    episodes: int
+    begins_episode: bool
+    learner: LearnerState
+    history: HistoryState
+    marks: MarksState
+    journal: tuple[JournalEntry, ...]
+
+    @property
+    def nbytes(self) -> int:
+        """How much memory it takes."""
+        parts = (self.learner.memory, self.learner.rule, self.learner.drift)
+        learned: int = sum(array.nbytes for part in parts for array in part)
+        return learned + self.history.nbytes + self.marks.nbytes
+
+
+class Run:
+    """What one recipe and its journal come to, step by step: the same bits however the steps are chunked.
+
+    ``beginning`` is what :func:`begin` made of the recipe, if it is at hand. ``evaluate`` takes marks, which
+    never influence learning. ``episode_limit`` ends the run after so many episodes of an agent.
+    ``on_episodes`` is called with the returns and lengths of finished episodes and whether each took the best
+    arm of a bandit, [n] each, in order and each once.
+    """
+
+    def __init__(
+        self,
+        recipe: Recipe,
+        beginning: Beginning | None = None,
+        *,
+        evaluate: bool = True,
+        episode_limit: int | None = None,
+        on_episodes: OnEpisodes = no_episodes,
+    ) -> None:
+        self.recipe = recipe
+        self.world, drawn = beginning or begin(recipe)
+        new_environment = self.world.new_environment
+        self.learner = Learner(
+            self.world.space,
+            recipe.algorithm,
+            recipe.hyperparameters,
+            drawn,
+            new_environment() if new_environment else None,
+        )
+        self.history = History()
+        self.episode_limit = UNLIMITED if episode_limit is None else episode_limit
+        self.stop_reason = ""
+        """Why the run broke down, naming the step; empty if it did not."""
+        self.came_early = False
+        """Whether the last advance ended because patience did: see :meth:`Learner.be_patient`."""
+        self._journal: list[JournalEntry] = []
+        self._evaluate = evaluate
+        self._greedy_return = GreedyReturn(lambda: self.learner.mdp)
+        self._evaluation = Evaluation(self.world.mdp, self._greedy_return)
+        self._on_episodes = on_episodes
+        self._windows: Windows | None = None
+
+    @property
+    def step(self) -> int:
+        """How many steps were taken."""
+        return self.learner.step
+
+    @property
+    def journal(self) -> tuple[JournalEntry, ...]:
+        """What was changed on the way."""
+        return tuple(self._journal)
+
+    @property
+    def marks(self) -> Marks:
+        """The exact returns of the greedy policy on the way."""
+        return self._evaluation.marks()
+
+    @property
+    def bandit(self) -> BanditFigures | None:
+        """How the pulls of a bandit were spent; None where the world is no bandit."""
+        if self.world.budget is None:
+            return None
+        learner = self.learner
+        # A planner's backup counts as a visit of every arm, but it pulls none
+        pulled = learner.visits - learner.planned.steps
+        return bandit_figures(self.world, pulled, self.history.total_return, learner.drifted)
+
+    @property
+    def spent(self) -> bool:
+        """Whether the episodes it may take are used up; sweeps of a planner are none."""
+        return self.learner.episodes >= self._last_episode
+
+    @property
+    def begins_episode(self) -> bool:
+        """Whether an episode or a sweep has just ended, or nothing has happened yet.
+
+        Where another kind of algorithm has taken over in the middle of an episode, none has.
+        """
+        last = self.learner.last_step
+        return last is None or last.episode == self.learner.episodes
+
+    @property
+    def noticed(self) -> bool:
+        """Whether the last step is one of those that the learner watches for."""
+        return self.learner.noticed != NOTHING_NOTICED
+
+    @property
+    def converged(self) -> bool:
+        """Whether a planner is done."""
+        return self.learner.converged
+
+    @property
+    def message(self) -> str:
+        """Why it goes no further, as a sentence; empty while it does."""
+        if not self.converged:
+            return self.stop_reason
+        sweeps, accuracy = self.learner.planned.sweeps, self.learner.hyperparameters.accuracy
+        return f"converged after {sweeps:,} sweeps: no value moved by more than {accuracy:g} in the last one"
+
+    @property
+    def over(self) -> bool:
+        """Whether it takes no further step."""
+        return self.spent or self.converged or bool(self.stop_reason)
+
+    def warm_up(self) -> None:
+        """Compile all that is compiled, or read it from its cache, without taking a step."""
+        self.learner.warm_up()
+        self.history.warm_up()
+        self._mark_if_due()
+
+    def advance(self, steps: int = UNLIMITED, episodes: int = UNLIMITED) -> None:
+        """Take ``steps`` steps or finish ``episodes`` episodes, whichever is first, unless it is over."""
+        learner = self.learner
+        last_step = learner.step + steps
+        last_episode = learner.episodes + episodes
+        if not learner.plans:
+            last_episode = min(last_episode, self._last_episode)
+        self.came_early = False
+        while not self.stop_reason:
+            self._mark_if_due()
+            if self.over or learner.step >= last_step or learner.episodes >= last_episode:
+                return
+            mark = self._next_mark
+            until = last_step if mark is None else min(last_step, mark)
+            try:
+                stop = learner.advance(until - learner.step, last_episode - learner.episodes)
+            except KeyboardInterrupt:
+                self._take_in(Stop.DONE)  # what is finished is told before the end
+                raise
+            self._take_in(stop)
+            is_there = learner.step >= until or learner.episodes >= last_episode
+            self.came_early = stop is Stop.DONE and not is_there
+            if self.noticed or self.came_early:
+                return
+
+    def apply(self, change: Change) -> None:
+        """Change something before the next step. Raises UserError, with the range, if it does not fit."""
+        # A mark of this step belongs to what was in force until now
+        self._mark_if_due()
+        entry = JournalEntry(self.step, change)
+        if isinstance(change, TakeAction):
+            self._take(change.action)
+        else:
+            self._tell(change)
+        self._journal.append(entry)
+
+    def _tell(self, change: SetParameter | SwitchAlgorithm) -> None:
+        learner = self.learner
+        try:
+            if isinstance(change, SwitchAlgorithm):
+                learner.switch(change.algorithm)
+            else:
+                learner.configure(learner.hyperparameters.changed(change.name, change.value))
+        except ValueError as fault:
+            raise UserError(str(fault)) from fault
+
+    def _take(self, action: int) -> None:
+        space, state = self.world.space, self.learner.state
+        pair = next((each for each in space.pairs_of(state) if space.pair_action[each] == action), None)
+        if pair is None:
+            known = 0 <= action < len(space.action_names)
+            name = space.action_names[action] if known else f"action {action}"
+            raise UserError(f"{name} is not possible in state {space.state_names[state]}")
+        if self.over:
+            raise UserError("the run is over: no step can be taken")
+        self._take_in(self.learner.take(pair))
+        self._mark_if_due()
+
+    def follow(self, journal: Sequence[JournalEntry], step: int) -> None:
+        """Advance to ``step`` along ``journal``, of which this run has applied the beginning.
+
+        Each entry is applied at its step; those beyond ``step`` are left out, and so is an action taken by a
+        person at ``step``, since that is a step further.
+        """
+        self.advance_along(journal, step - self.step)
+
+    def advance_along(
+        self, journal: Sequence[JournalEntry], steps: int = UNLIMITED, episodes: int = UNLIMITED
+    ) -> None:
+        """Take ``steps`` steps or finish ``episodes`` episodes, as :meth:`advance` does, along ``journal``.
+
+        ``journal`` begins with what has been applied already. All settings of the step that is reached are
+        applied too.
+        """
+        last_step, last_episode = self.step + steps, self.learner.episodes + episodes
+        self._apply_settings(journal)
+        while not self.over and self.step < last_step and self.learner.episodes < last_episode:
+            applied, before = len(self._journal), self.step
+            ahead = journal[applied] if applied < len(journal) else None
+            if ahead is not None and ahead.step == self.step:
+                self.apply(ahead.change)
+            else:
+                until = last_step if ahead is None else min(last_step, ahead.step)
+                self.advance(until - self.step, last_episode - self.learner.episodes)
+            self._apply_settings(journal)
+            if self.noticed or self.came_early or self.step == before:
+                break
+        self._mark_if_due()
+
+    def _apply_settings(self, journal: Sequence[JournalEntry]) -> None:
+        """Apply what follows in ``journal`` at this step, up to an action, which is a step further."""
+        while len(self._journal) < len(journal):
+            entry = journal[len(self._journal)]
+            if entry.step != self.step or isinstance(entry.change, TakeAction):
+                return
+            self.apply(entry.change)
+
+    def checkpoint(self) -> RunState:
+        """Return a copy of where the run stands."""
+        return RunState(
+            self.step,
+            self.learner.episodes,
+            self.begins_episode,
+            self.learner.checkpoint(),
+            self.history.checkpoint(),
+            self._evaluation.checkpoint(),
+            self.journal,
+        )
+
+    def restore(self, state: RunState) -> None:
+        """Go back to what :meth:`checkpoint` returned, be it from another run of the same recipe."""
+        self.learner.restore(state.learner)
+        self.stop_reason = self.learner.stop_reason
+        self.history.restore(state.history)
+        self._evaluation.restore(state.marks)
+        self._journal = list(state.journal)
+
+    def snapshot(
+        self,
+        phase: Phase,
+        *,
+        message: str = "",
+        speed: float | None = None,
+        steps_per_second: float | None = None,
+        answer: Answer = PENDING,
+        sight: Sight | None = None,
+    ) -> Snapshot:
+        """Return a frozen picture of the run; what the run itself does not know is passed in.
+
+        Of a large world it has what ``sight`` shows; None: everything.
+        """
+        learner, window = self.learner, self._window(sight)
+        return Snapshot(
+            world=self.world,
+            recipe=self.recipe,
+            algorithm=learner.algorithm,
+            hyperparameters=learner.hyperparameters,
+            phase=phase,
+            message=message,
+            speed=speed,
+            steps_per_second=steps_per_second,
+            step=learner.step,
+            episodes=learner.episodes,
+            state=self._seen_state(),
+            step_from=learner.state,
+            episode_step=learner.episode_step,
+            episode_return=learner.episode_return,
+            q=learner.q.copy() if window is None else window.q,
+            visits=learner.visits.copy() if window is None else window.visits,
+            last=learner.last_step,
+            curve=self.history.curve(),
+            marks=self.marks,
+            return_last_100=self.history.return_last_100,
+            length_last_100=self.history.length_last_100,
+            greedy_return=self.greedy_return,
+            exact=answer.solution,
+            exact_refused=answer.refused,
+            bandit=self.bandit,
+            window=window,
+            tables=() if window is not None else learner.remembered("q1", "q2"),
+            values=np.empty(0) if window is not None or not learner.plans else learner.remembered("v")[0],
+            planning=learner.planning,
+            author=learner.author,
+            rewards=learner.rewards,
+            discounted_return=learner.discounted_return,
+        )
+
+    def _window(self, sight: Sight | None) -> Window | None:
+        """Return what ``sight`` shows of a large world, None where all is copied."""
+        if sight is None or not is_large(self.world):
+            return None
+        if self._windows is None:
+            self._windows = Windows(self.world)
+        learner = self.learner
+        return self._windows.copy(sight, self._seen_state(), learner.last_step, learner.q, learner.visits)
+
+    def _seen_state(self) -> int:
+        """Return where the agent is: after an episode's last step still where that step led.
+
+        After a sweep's last step it is the state backed up. Where a planner has taken over from an agent, or
+        the other way round, the last step tells nothing about that.
+        """
+        learner, last = self.learner, self.learner.last_step
+        if last is None or learner.episode_step > 0:
+            return learner.state
+        ended = last.planned if learner.plans else last.terminated or last.truncated
+        return last.next_state if ended else learner.state
+
+    @property
+    def _last_episode(self) -> int:
+        """The number of the last episode within the limit."""
+        return self.episode_limit + self.learner.planned.sweeps
+
+    @property
+    def _next_mark(self) -> int | None:
+        return self._evaluation.next_step if self._evaluate else None
+
+    def _mark_if_due(self) -> None:
+        if self.learner.step == self._next_mark and not self.stop_reason:
+            ties = self.learner.hyperparameters.ties
+            self._evaluation.mark(self.learner.episodes, self.learner.q, ties)
+
+    @property
+    def greedy_return(self) -> float | None:
+        """The exact expected return of the greedy policy; None where it has none or it is too dear."""
+        mdp = self.world.mdp
+        if mdp is None or self.stop_reason or mdp.states > MOST_STATES or visits_of(mdp) > DEAREST_LIVE:
+            return None
+        return self._greedy_return(self.learner.q, self.learner.hyperparameters.ties)
+
+    def _take_in(self, stop: Stop) -> None:
+        """Take in the episodes that ended, and why the learner came back."""
+        returns, lengths, optimal = self.learner.drain_episodes()
+        if len(returns):
+            self.history.add(returns, lengths)
+            self._on_episodes(returns, lengths, optimal)
+        if stop is not Stop.DONE:
+            self.stop_reason = self.learner.stop_reason
+
+
+def replay(recipe: Recipe, journal: Sequence[JournalEntry], step: int) -> Run:
+    """Return the run of ``recipe`` and ``journal`` at ``step``."""
+    run = Run(recipe)
+    run.follow(journal, step)
+    return run

@@ -1,0 +1,252 @@
+"""Keeping a session on the disk while it goes on, so that whatever ends the program takes little along."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Final
+
+from rl_tui.lab.live.record import LaneRecord, Record
+from rl_tui.lab.run.recipe import Recipe
+from rl_tui.lab.sessions.folder import settled
+from rl_tui.lab.sessions.session import MOST_PAIRS_DIGESTED, StoredSession, digest_of
+from rl_tui.lab.sessions.writer import SessionWriter, reason
+from rl_tui.lab.timeline.branches import FIRST
+
+if TYPE_CHECKING:
+    from rl_tui.worlds.mdp.space import FloatArray
+
+INTERVAL: Final = 0.3
+AGAIN: Final = 2.0  # seconds until it is tried again what could not be written
+LONGEST_GOODBYE: Final = 3.0
+_REST: Final = 3  # times as long as writing took: a large session does not keep the disk busy
+
+OnNotice = Callable[[str], None]
+
+
+def untouched(recipe: Recipe) -> Record:
+    """Return the record of a run that has only just begun."""
+    return Record((LaneRecord(recipe, (FIRST,)),))
+
+
+class Autosave:
+    """Writes the newest record that it is offered to a file of its own, at most every 0.3 s if it changed.
+
+    ``opened`` is what the screen starts from: a file is begun only once something differs from it.
+    ``resumed`` is the session that it came from; that file is gone on with where it can be, otherwise a new
+    one in ``folder``. A file is locked as long as it is written here.
+
+    What a person should know (that nothing can be written, that it is a copy) is told, from any thread, to
+    whoever listens.
+    """
+
+    def __init__(self, opened: Record, folder: Path, resumed: StoredSession | None = None) -> None:
+        self.folder = settled(folder)
+        self._changed = threading.Condition()  # guards the lines up to the next lock
+        self._notices: list[str] = []
+        self._on_notice: OnNotice | None = None
+        self._closing = False
+        self._thread: threading.Thread | None = None
+        self._session = _Session(opened, SessionWriter(self.folder, resumed, self._tell))
+        self._left: list[_Session] = []  # those that were left, and are not written yet
+        self._writing = threading.Lock()  # guards the files, and what follows
+        self._in_trouble = False
+
+    @property
+    def path(self) -> Path | None:
+        """The file of the session, None while there is none."""
+        return self._session.writer.path
+
+    @property
+    def title(self) -> str:
+        """The name that a person gave to the session, empty without one."""
+        return self._session.writer.title
+
+    def offer(self, record: Record, q: FloatArray | None = None) -> None:
+        """Take ``record`` as the newest; never waits for the disk.
+
+        ``q``, [P], is the table of the lane shown where ``record`` says that it stands, None where that is
+        not at hand; it is copied.
+        """
+        with self._changed:
+            newest = self._session.newest
+            is_news = record != newest.record or (q is not None and not newest.has_table)
+            if is_news and not self._closing:
+                self._session.take(_Offer(record, q))
+                self._start_or_wake()
+
+    def begin_anew(self, record: Record) -> None:
+        """Take ``record`` as the beginning of another session; the one until now stays as it is.
+
+        One in which nothing was done yet gives way; and where ``record`` has the same recipes, there is
+        nothing to keep of it yet. Never waits for the disk.
+        """
+        with self._changed:
+            old = self._session
+            if self._closing or (_is_blank(old.newest.record) and not old.writer.kept):
+                same_session = old
+            else:
+                self._left.append(old)
+                before = tuple(LaneRecord(lane.recipe, (FIRST,)) for lane in old.newest.record.lanes)
+                opened = replace(record, lanes=before)
+                same_session = _Session(opened, SessionWriter(self.folder, None, self._tell))
+                self._session = same_session
+            same_session.take(_Offer(record, None))
+            self._start_or_wake()
+
+    def save_as(self, title: str) -> Path:
+        """Save the session under ``title`` and go on there; return its file. Waits for the disk.
+
+        Raises UserError where another session has that name, or the file cannot be written.
+        """
+        with self._writing:
+            session = self._session
+            newest = session.newest
+            path = session.writer.save_as(title, newest.record, newest.digest)
+            session.written, session.begun = newest, True
+            self._in_trouble = False
+            if self._closing:
+                session.writer.release()
+        return path
+
+    def become_copy(self) -> None:
+        """Leave the file as it is; what is done from now on goes into another one."""
+        with self._writing:
+            self._session.writer.become_copy()
+
+    def listen(self, on_notice: OnNotice) -> None:
+        """Call ``on_notice`` with each sentence that a person should read, those of before included."""
+        with self._changed:
+            self._on_notice = on_notice
+            waiting, self._notices = self._notices, []
+        for notice in waiting:
+            on_notice(notice)
+
+    def close(self) -> None:
+        """Write what is not written yet, and let the file go."""
+        with self._changed:
+            self._closing = True
+            self._changed.notify_all()
+        if self._thread is not None:
+            self._thread.join(LONGEST_GOODBYE)
+            if self._thread.is_alive():
+                return  # the disk hangs: the lock is held until the program is gone
+        for session in (*self._left, self._session):
+            session.writer.release()
+
+    def _start_or_wake(self) -> None:
+        if self._thread is None and self._has_work:
+            thread = threading.Thread(target=self._live, name="autosave", daemon=True)
+            try:
+                thread.start()
+            except RuntimeError as error:  # there may be only so many threads; the next offer tries again
+                if not self._in_trouble:
+                    self._in_trouble = True
+                    self._tell(f"this session is not being saved: {error}")
+                return
+            self._thread = thread
+        self._changed.notify_all()
+
+    @property
+    def _has_work(self) -> bool:
+        return bool(self._left) or self._session.is_due
+
+    def _tell(self, notice: str) -> None:
+        with self._changed:
+            on_notice = self._on_notice
+            if on_notice is None:
+                self._notices.append(notice)
+        if on_notice is not None:
+            on_notice(notice)
+
+    # The thread
+
+    def _live(self) -> None:
+        while True:
+            with self._changed:
+                self._changed.wait_for(lambda: self._closing or self._has_work)
+                closing = self._closing
+            started = time.perf_counter()
+            self._write_all()
+            if closing:
+                return
+            least = AGAIN if self._in_trouble else INTERVAL
+            pause = max(least, _REST * (time.perf_counter() - started))
+            with self._changed:
+                self._changed.wait_for(lambda: self._closing, pause)
+
+    def _write_all(self) -> None:
+        with self._writing:
+            with self._changed:
+                left, self._left = self._left, []
+            faults = [(session, self._fault_of(session)) for session in (*left, self._session)]
+            for session, fault in faults:
+                if session in left and fault is None:
+                    session.writer.release()
+            with self._changed:
+                self._left = [each for each, fault in faults if each in left and fault] + self._left
+            self._tell_of([fault for _, fault in faults if fault is not None])
+
+    def _tell_of(self, faults: list[Exception]) -> None:
+        if faults and not self._in_trouble:
+            self._tell(f"this session is not being saved: {reason(faults[0])}")
+        elif self._in_trouble and not faults:
+            self._tell("this session is being saved again")
+        self._in_trouble = bool(faults)
+
+    def _fault_of(self, session: _Session) -> Exception | None:
+        """Write ``session`` if that is due; return why it cannot be."""
+        if not session.is_due:
+            return None
+        newest = session.newest
+        try:
+            session.writer.write(newest.record, newest.digest)
+        except Exception as error:  # whatever it is, the program goes on, and says so
+            return error
+        session.written = newest
+        return None
+
+
+class _Session:
+    """A session under way: what is to be written, and who writes it.
+
+    It is ``begun`` once a record differs from the one with which it was ``opened``.
+    """
+
+    def __init__(self, opened: Record, writer: SessionWriter) -> None:
+        self.writer = writer
+        self.newest = _Offer(opened, None)
+        self.begun = False
+        self.written = self.newest
+        self._opened = opened
+
+    @property
+    def is_due(self) -> bool:
+        return self.begun and self.newest is not self.written
+
+    def take(self, offer: _Offer) -> None:
+        self.newest = offer
+        # how fast it goes is nothing that was done
+        here, opened = replace(offer.record, speed=None), replace(self._opened, speed=None)
+        self.begun = self.begun or here != opened
+
+
+class _Offer:
+    """A record, and a copy of Q where it stands."""
+
+    def __init__(self, record: Record, q: FloatArray | None) -> None:
+        self.record = record
+        self.has_table = q is not None
+        self._q = None if q is None or len(q) > MOST_PAIRS_DIGESTED else q.copy()
+
+    @property
+    def digest(self) -> str:
+        return "" if self._q is None else digest_of(self._q)
+
+
+def _is_blank(record: Record) -> bool:
+    """Tell whether no step was taken and nothing was changed in any lane."""
+    return not any(branch.end or branch.journal for lane in record.lanes for branch in lane.branches)

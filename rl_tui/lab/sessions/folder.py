@@ -1,0 +1,127 @@
+"""The folder of sessions: where it is, what is in it, and what is thrown away."""
+
+from __future__ import annotations
+
+import os
+import re
+from contextlib import suppress
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Final
+
+import platformdirs
+
+from rl_tui.common.errors import UserError
+from rl_tui.lab.sessions.atomic_file import draft_of
+from rl_tui.lab.sessions.document import LONGEST_NAME
+from rl_tui.lab.sessions.file_lock import FileLock
+from rl_tui.lab.sessions.session import SUFFIX, SessionError, StoredSession, read_session, signature
+from rl_tui.worlds.files.schema import is_plain
+
+VARIABLE: Final = "RL_TUI_SESSIONS_DIR"
+MOST_UNNAMED: Final = 50
+_LONGEST_STEM: Final = 200  # bytes: file systems take 255, of which a lock needs some
+
+
+def session_folder() -> Path:
+    """Return the folder of sessions; it need not exist, nor be one that can be made."""
+    chosen = os.environ.get(VARIABLE)
+    if chosen:
+        return Path(chosen)
+    try:
+        return platformdirs.user_state_path("rl-tui", appauthor=False) / "sessions"
+    except RuntimeError:  # nobody knows a home: where it would be is told when nothing can be kept there
+        return Path("~/.local/state/rl-tui/sessions")
+
+
+def settled(folder: Path) -> Path:
+    """Return ``folder`` as a path that stays the same wherever the program goes, where there is one."""
+    with suppress(OSError):  # the folder that the program was started in may be gone
+        return folder if is_homeless(folder) else folder.resolve()
+    return folder
+
+
+def is_homeless(folder: Path) -> bool:
+    """Tell whether ``folder`` would be in the home of somebody who has none."""
+    return folder.parts[:1] == ("~",)
+
+
+def files_in(folder: Path) -> list[Path]:
+    """Return the files in ``folder`` that should be sessions."""
+    try:
+        # hidden ones are the locks and drafts of others
+        return sorted(path for path in folder.glob(f"*{SUFFIX}") if not path.name.startswith("."))
+    except OSError:  # a folder that may not be read holds nothing
+        return []
+
+
+def sessions_in(folder: Path) -> tuple[list[StoredSession], list[SessionError]]:
+    """Return the sessions in ``folder``, the last one saved first, and what is wrong with other files."""
+    sound, broken = [], []
+    for path in files_in(folder):
+        try:
+            sound.append(read_session(path))
+        except SessionError as error:
+            broken.append(error)
+    # of those saved in one second the order on the disk decides
+    sound.sort(key=lambda session: (session.saved, session.written[1]), reverse=True)
+    return sound, broken
+
+
+def prune(folder: Path) -> None:
+    """Remove all but the newest 50 sessions that nobody gave a name; those open somewhere stay.
+
+    One that cannot be removed stays too: that is no reason to keep nothing new.
+    """
+    sound, _ = sessions_in(folder)
+    for session in [each for each in sound if not each.document.kept][MOST_UNNAMED:]:
+        lock = FileLock(session.path)
+        with suppress(OSError):
+            # it may have been gone on with, or named, since it was read
+            if lock.acquire() and signature(session.path.stat()) == session.written:
+                _unlink(session.path)
+        lock.release()
+
+
+def remove(session: StoredSession) -> None:
+    """Remove the file of ``session``. Raises UserError where it is open somewhere or cannot be removed."""
+    lock = FileLock(session.path)
+    try:
+        if not lock.acquire():
+            raise UserError(f"{session.title} is open in another program; close it there first")
+        _unlink(session.path)
+    except OSError as error:
+        raise UserError(f"{session.path}: cannot be removed ({error.strerror or error})") from error
+    finally:
+        lock.release()
+
+
+def new_path(folder: Path, scenario: str) -> Path:
+    """Return a path in ``folder`` that no file has, named after the scenario and the moment."""
+    moment = datetime.now(UTC).strftime("%Y%m%d-%H%M%S")
+    stem = f"{file_stem(scenario)}-{moment}"
+    candidate, number = folder / f"{stem}{SUFFIX}", 1
+    while candidate.exists():
+        number += 1
+        candidate = folder / f"{stem}-{number}{SUFFIX}"
+    return candidate
+
+
+def named_path(folder: Path, name: str) -> Path:
+    """Return the path of the session called ``name``. Raises UserError where that cannot be a name."""
+    if not name.strip():
+        raise UserError("type a name")
+    if len(name) > LONGEST_NAME or not is_plain(name):
+        raise UserError(f"type one line of at most {LONGEST_NAME} characters")
+    return folder / f"{file_stem(name)}{SUFFIX}"
+
+
+def file_stem(name: str) -> str:
+    """Return ``name`` with nothing but letters, digits and dashes: harmless in every file system."""
+    words = re.sub(r"[\W_]+", "-", name.lower()).strip("-")
+    return words.encode()[:_LONGEST_STEM].decode(errors="ignore") or "session"
+
+
+def _unlink(path: Path) -> None:
+    for each in (path, draft_of(path)):
+        each.unlink(missing_ok=True)

@@ -1,0 +1,199 @@
+"""Sessions in files: one JSON file each, told from every file that is none, or no longer one."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final, NoReturn
+
+from pydantic import ValidationError
+from pydantic_core import ErrorDetails
+
+from rl_tui.common.errors import UserError
+from rl_tui.common.findings import one_line, place
+from rl_tui.common.kiosk import in_kiosk
+from rl_tui.lab.live.record import Record
+from rl_tui.lab.sessions.document import FORMAT, VERSION, Document, algorithm_in_force, changes_in
+from rl_tui.lab.sessions.encoding import document_of, record_of
+
+if TYPE_CHECKING:
+    from rl_tui.worlds.mdp.space import FloatArray
+
+SUFFIX: Final = ".json"
+LARGEST_FILE: Final = 64_000_000
+MOST_PAIRS_DIGESTED: Final = 100_000
+OTHER_BITS: Final = (
+    "Q does not come out as it was saved: the program, NumPy or Numba is another version now, and so the run "
+    "is another one"
+)
+_CHECKSUM: Final = "checksum"
+_LONGEST_FAULT: Final = 300
+
+
+class SessionError(UserError):
+    """A file that gives no session: its ``path``, what is wrong with it and what to do."""
+
+    def __init__(self, path: Path, fault: str) -> None:
+        super().__init__(f"{one_line(str(path), 1000)}: {one_line(fault, _LONGEST_FAULT)}")
+        self.path = path
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class StoredSession:
+    """A sound session file as it was when it was read. ``written`` tells that file from a later one."""
+
+    path: Path
+    document: Document
+    written: tuple[int, ...]
+
+    @property
+    def title(self) -> str:
+        """The name it was given; without one, the title of its scenario."""
+        return self.document.title or self.document.scenario.title or self.document.scenario.id
+
+    @property
+    def saved(self) -> datetime:
+        """When it was last saved, in UTC."""
+        return datetime.fromisoformat(self.document.saved).astimezone(UTC)
+
+    @property
+    def step(self) -> int:
+        """The step at which the lane shown stands."""
+        lane = self.document.lanes[self.document.shown]
+        return lane.branches[lane.branch].here
+
+    @property
+    def algorithm(self) -> str:
+        """The id of the algorithm at work there."""
+        return algorithm_in_force(self.document.lanes[self.document.shown])
+
+    @property
+    def changes(self) -> int:
+        """How many changes were made in all lanes and branches."""
+        return changes_in(self.document.lanes)
+
+    def record(self) -> Record:
+        """Return what to resume. Raises SessionError where its scenario or a change cannot be used here."""
+        try:
+            return record_of(self.document)
+        except UserError as fault:
+            raise SessionError(self.path, str(fault)) from fault
+
+
+def read_session(path: Path) -> StoredSession:
+    """Return the session in the file ``path``; raises SessionError where it holds none, in a kiosk always."""
+    if in_kiosk():
+        raise SessionError(path, "kiosk mode opens no files: only the shipped scenarios")
+    try:
+        if path.is_dir():
+            raise SessionError(path, "is a folder; give the .json file of a session")
+        status = path.stat()
+        if not path.is_file():
+            raise SessionError(path, "is not a plain file; give the .json file of a session")
+        if status.st_size > LARGEST_FILE:
+            size = f"{status.st_size / 1e6:,.0f} MB"
+            raise SessionError(
+                path, f"is too large for a session ({size}; at most {LARGEST_FILE // 10**6} MB)"
+            )
+        content = path.read_bytes()
+    except FileNotFoundError:
+        raise SessionError(
+            path, "there is no such file; rl-tui without a command lists the sessions"
+        ) from None
+    except (OSError, ValueError) as error:
+        raise SessionError(path, f"cannot be read ({getattr(error, 'strerror', None) or error})") from error
+    return StoredSession(path, _document(path, content), signature(status))
+
+
+def encoded(record: Record, *, title: str = "", kept: bool = False, digest: str = "") -> bytes:
+    """Return the content of a session file.
+
+    A ``kept`` session was saved by a person under its ``title``; others are pruned when they are many.
+    ``digest`` is that of Q where the lane shown stands, empty where it is not known. Raises UserError where
+    the session is too large, or of a scenario whose file is not known.
+    """
+    fields = document_of(record, title=title, kept=kept, digest=digest)
+    try:
+        content = json.dumps({**fields, _CHECKSUM: _checksum(fields)}, allow_nan=False).encode()
+    except ValueError as error:
+        raise UserError(f"it holds a number that cannot be written ({error})") from error
+    if len(content) > LARGEST_FILE:
+        raise UserError(f"it is larger than {LARGEST_FILE // 10**6} MB")
+    return content
+
+
+def digest_of(q: FloatArray) -> str:
+    """Return what tells ``q``, [P], from any other table to the last bit; empty above 100,000 pairs."""
+    if len(q) > MOST_PAIRS_DIGESTED:
+        return ""
+    import numpy as np  # the catalogue lists sessions before it is needed
+
+    return hashlib.sha256(np.ascontiguousarray(q, dtype="<f8").tobytes()).hexdigest()
+
+
+def signature(status: os.stat_result) -> tuple[int, ...]:
+    """Return what changes whenever somebody writes a file."""
+    return status.st_ino, status.st_mtime_ns, status.st_size
+
+
+def _document(path: Path, content: bytes) -> Document:
+    fields = _fields(path, content)
+    if fields.get("format") != FORMAT:
+        raise SessionError(path, "is not a session of rl-tui; sessions are the files that rl-tui saves")
+    version = fields.get("version")
+    if isinstance(version, int) and version > VERSION:
+        raise SessionError(
+            path, f"was saved by a newer rl-tui (format {version}, this one reads {VERSION}); update rl-tui"
+        )
+    checksum = fields.pop(_CHECKSUM, None)
+    if checksum != _checksum(fields):
+        raise SessionError(path, "was damaged or edited: its checksum does not fit; go back to a copy of it")
+    try:
+        document = Document.model_validate(fields)
+        if not 1970 <= datetime.fromisoformat(document.saved).year < 9000:
+            raise ValueError(f"{document.saved} is no time at which anything was saved")
+    except ValidationError as error:
+        first = error.errors(include_url=False)[0]
+        where = place(first["loc"]) or "the document"
+        raise SessionError(path, f"is no sound session: {where}: {_reason(first)}") from error
+    except ValueError as error:
+        raise SessionError(path, f"is no sound session: saved: {error}") from error
+    return document
+
+
+def _reason(error: ErrorDetails) -> str:
+    """Return why a value is refused, as part of a sentence."""
+    if error["type"] == "value_error":
+        return str(error["ctx"]["error"])
+    return error["msg"].lower()
+
+
+def _fields(path: Path, content: bytes) -> dict[str, Any]:
+    """Return the object in ``content``; otherwise tell half a session from what never was one."""
+    if not content:
+        raise SessionError(path, "is empty; nothing can be resumed from it")
+    try:
+        fields = json.loads(content.decode("utf-8"), parse_constant=_refuse_constant)
+    except (ValueError, RecursionError) as error:
+        if FORMAT.encode() in content[:100]:
+            raise SessionError(
+                path, "is cut off or damaged, and cannot be resumed; go back to a copy of it"
+            ) from error
+        raise SessionError(path, "is not JSON, so it is no session of rl-tui") from error
+    if not isinstance(fields, dict):
+        raise SessionError(path, "is not a session of rl-tui; sessions are the files that rl-tui saves")
+    return fields
+
+
+def _refuse_constant(name: str) -> NoReturn:
+    raise ValueError(f"{name} is not JSON")
+
+
+def _checksum(fields: dict[str, Any]) -> str:
+    """Return the SHA-256 of ``fields`` in one form of all those that mean the same."""
+    text = json.dumps(fields, sort_keys=True, separators=(",", ":"))
+    return hashlib.sha256(text.encode()).hexdigest()

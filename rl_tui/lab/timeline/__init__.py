@@ -1,0 +1,1 @@
+"""Going back in a run, and on from there another way."""

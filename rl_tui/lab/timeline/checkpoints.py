@@ -1,0 +1,100 @@
+"""States of a run to come back to, in bounded memory."""
+
+from __future__ import annotations
+
+from bisect import bisect_right, insort
+from collections import deque
+from typing import TYPE_CHECKING, Final
+
+from rl_tui.lab.timeline.memory_limits import limits
+
+if TYPE_CHECKING:
+    from rl_tui.lab.run.run import RunState
+
+MOST: Final = 512
+MOST_LEFT: Final = 32  # of a branch that nobody is on
+FIRST_SPACING: Final = 0.05
+_LEAST: Final = 2
+_NEAR: Final = 4
+_LARGE: Final = 16 * 2**20  # of such states only one is kept that is near
+
+
+class Checkpoints:
+    """States along one branch, about evenly apart in the time it takes to compute from one to the next.
+
+    Where there are too many, or they take too much memory, every other is dropped, and the ``spacing``, in
+    seconds of computing, doubles. A few more, those left by the last journeys, make the next one short.
+    """
+
+    def __init__(self) -> None:
+        self.spacing = FIRST_SPACING
+        self._states: list[RunState] = []
+        self._near: deque[RunState] = deque(maxlen=_NEAR)
+
+    def __len__(self) -> int:
+        """Return how many there are."""
+        return len(self._states)
+
+    @property
+    def nbytes(self) -> int:
+        """How much memory they take."""
+        return sum(state.nbytes for state in self._states)
+
+    def add(self, state: RunState) -> None:
+        """Keep ``state``; some others may go for it."""
+        insort(self._states, state, key=_step)
+        if len(self._states) > self._room(state):
+            self._states = self._states[::2]
+            self.spacing *= 2
+
+    def any_between(self, after: int, step: int) -> bool:
+        """Tell whether one that is kept for good is beyond ``after``, but not beyond ``step``."""
+        place = bisect_right(self._states, step, key=_step)
+        return place > 0 and self._states[place - 1].step > after
+
+    def add_near(self, state: RunState) -> None:
+        """Keep ``state`` for a while: somebody has just been about there."""
+        if state.nbytes > _LARGE:
+            self._near.clear()
+        self._near.append(state)
+
+    def before_step(self, step: int) -> RunState | None:
+        """Return the last state that is not beyond ``step``, None if there is none."""
+        place = bisect_right(self._states, step, key=_step)
+        found = [
+            *self._states[max(0, place - 1) : place],
+            *(each for each in self._near if each.step <= step),
+        ]
+        return max(found, key=_step, default=None)
+
+    def before_episode(self, episode: int) -> RunState | None:
+        """Return the last state from which the beginning of ``episode`` (from 1) is still ahead."""
+        found = (each for each in (*self._states, *self._near) if _is_before(each, episode))
+        return max(found, key=_step, default=None)
+
+    def up_to(self, step: int, entries: int) -> Checkpoints:
+        """Return those not beyond ``step`` to which at most so many journal entries were applied."""
+        shared = Checkpoints()
+        shared.spacing = self.spacing
+        shared._states = [each for each in self._states if each.step <= step and len(each.journal) <= entries]
+        return shared
+
+    def thin_out(self, branches: int) -> None:
+        """Keep a few only, or none of very large ones: their branch is one of ``branches`` that were left."""
+        self._near.clear()
+        while len(self._states) > MOST_LEFT or self.nbytes > limits().checkpoints_left // branches:
+            self._states = self._states[::2] if len(self._states) > 1 else []
+            self.spacing *= 2
+
+    @staticmethod
+    def _room(state: RunState) -> int:
+        return max(_LEAST, min(MOST, limits().checkpoints // max(1, state.nbytes)))
+
+
+def _step(state: RunState) -> int:
+    return state.step
+
+
+def _is_before(state: RunState, episode: int) -> bool:
+    finished = episode - 1
+    return state.episodes < finished or (state.episodes == finished and state.begins_episode)

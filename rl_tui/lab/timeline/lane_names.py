@@ -1,0 +1,95 @@
+"""What runs side by side are called: by what is different in them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Final
+
+from rl_tui.agents.catalogue import BY_ID, RULE_BY_ID, parameters_of
+from rl_tui.agents.hyperparameters import PARAMETERS, SAMPLE_AVERAGE
+from rl_tui.lab.run.recipe import Recipe
+
+_ALGORITHM: Final = "algorithm"
+_SEED: Final = "seed"
+_Features = Mapping[str, float | str]
+
+
+def lane_names(recipes: Sequence[Recipe]) -> list[str]:
+    """Return a name for each of ``recipes``, all of them distinct: what is different from the first one.
+
+    The first is named by all that any other has otherwise. Pass the settings in force.
+    """
+    if not recipes:
+        return []
+    base, *others = (_features(recipe) for recipe in recipes)
+    differing = {name for other in others for name in _different(base, other, recipes[0])}
+    contrast = [_text(name, value) for name, value in base.items() if name in differing]
+    names = [", ".join(contrast), *(difference(recipes[0], other) for other in recipes[1:])]
+    return _distinct([name or BY_ID[each.algorithm].name for name, each in zip(names, recipes, strict=True)])
+
+
+def difference(base: Recipe, other: Recipe) -> str:
+    """Return in a few words what ``other`` has otherwise than ``base``: ``SARSA, α 0.5``; empty if nothing.
+
+    Only what counts for the algorithm and action rule of ``other`` is told.
+    """
+    features = _features(other)
+    return ", ".join(_text(name, features[name]) for name in _different(_features(base), features, base))
+
+
+def _different(base: _Features, other: _Features, known: Recipe) -> Iterator[str]:
+    """Yield what ``other`` has otherwise; what does not count in ``base`` is looked up in ``known``."""
+    for name, value in other.items():
+        before = base[name] if name in base else known.hyperparameters.value(name)
+        if value != before:
+            yield name
+
+
+def _features(recipe: Recipe) -> _Features:
+    """Return all that counts, by name, alike for settings that come to the same."""
+    values = recipe.hyperparameters
+    features: dict[str, float | str] = {_ALGORITHM: recipe.algorithm}
+    for name in parameters_of(recipe.algorithm, values.policy):
+        features[name] = values.value(name)
+    if values.sample_average and "alpha" in features:
+        features["alpha"] = SAMPLE_AVERAGE
+        for name in ("step_size_schedule", "alpha_min", "alpha_decay"):
+            del features[name]
+    _without_idle_schedule(features, "step_size_schedule", "alpha")
+    _without_idle_schedule(features, "epsilon_schedule", "epsilon")
+    features[_SEED] = recipe.seed
+    return features
+
+
+def _without_idle_schedule(features: dict[str, float | str], schedule: str, scheduled: str) -> None:
+    """Leave no more than a decay of 0 of a schedule that changes nothing."""
+    decay = f"{scheduled}_decay"
+    if decay in features and (features[schedule] == "constant" or features[decay] == 0.0):
+        features[decay] = 0.0
+        del features[schedule], features[f"{scheduled}_min"]
+
+
+def _text(name: str, value: float | str) -> str:
+    if name == _ALGORITHM:
+        return BY_ID[str(value)].name
+    if name == "policy":
+        return RULE_BY_ID[str(value)].name
+    symbol = name if name == _SEED else PARAMETERS[name].symbol
+    if value == SAMPLE_AVERAGE:
+        return f"{symbol} 1/n"
+    return f"{symbol} {value if isinstance(value, str) else _number(value)}"
+
+
+def _number(value: float) -> str:
+    """Return ``value`` in short, unless that is another number."""
+    short = f"{value:g}"
+    text = short if float(short) == value else str(value)
+    return f"−{text[1:]}" if text.startswith("-") else text
+
+
+def _distinct(names: Sequence[str]) -> list[str]:
+    """Return ``names``, numbered where one comes again."""
+    return [
+        name if name not in names[:place] else f"{name} ({names[:place].count(name) + 1})"
+        for place, name in enumerate(names)
+    ]
