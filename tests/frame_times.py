@@ -13,9 +13,9 @@ from open_grids import open_grid_recipe
 from rl_tui.lab.live.commands import Train
 from rl_tui.lab.live.player import Player
 from rl_tui.lab.live.snapshot import Snapshot
-from rl_tui.tui.app import RlTuiApp
-from rl_tui.tui.display import Display
-from rl_tui.tui.screens.playground import Playground
+from rl_tui.tui.app.app import RlTuiApp
+from rl_tui.tui.app.display import Display
+from rl_tui.tui.screens.playground.playground import Playground
 
 SIZE: Final = (120, 40)
 STEPS: Final = 20_000  # between two frames, so that much has changed in each

@@ -115,7 +115,7 @@ def _import_all(screens: int) -> None:
     from rl_tui.lab.run.figures import training_figures  # noqa: F401
 
     if screens:
-        from rl_tui.tui.screenshot import screenshot  # noqa: F401
+        from rl_tui.tui.app.screenshot import screenshot  # noqa: F401
     size = int(re.search(r"VmSize:\s+(\d+)", Path("/proc/self/status").read_text())[1]) << 10  # type: ignore[index]
     resource.setrlimit(resource.RLIMIT_AS, (size + ADDRESS_SPACE, size + ADDRESS_SPACE))
 
@@ -210,7 +210,7 @@ def _shown(start: Any, number: int) -> None:
     import random
 
     from rl_tui.common.errors import UserError
-    from rl_tui.tui.screenshot import screenshot
+    from rl_tui.tui.app.screenshot import screenshot
 
     chance = random.Random(number)
     keys = ["wait:60", *chance.choices(KEYS, k=8)]

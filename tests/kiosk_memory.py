@@ -38,9 +38,9 @@ def memory() -> tuple[float, float]:
 
 async def abuse(rounds: int) -> None:
     """Start the program without a terminal, and misuse it."""
-    from rl_tui.tui.app import RlTuiApp
-    from rl_tui.tui.display import Display
-    from rl_tui.tui.screenshot import settle
+    from rl_tui.tui.app.app import RlTuiApp
+    from rl_tui.tui.app.display import Display
+    from rl_tui.tui.app.screenshot import settle
 
     app = RlTuiApp(Display(), kiosk=True)
     confine()
@@ -74,8 +74,8 @@ async def abuse(rounds: int) -> None:
 
 
 async def _to_playground(pilot: Pilot[UserError]) -> None:
-    from rl_tui.tui.screens.catalogue import Catalogue
-    from rl_tui.tui.screens.playground import Playground
+    from rl_tui.tui.screens.catalogue.catalogue import Catalogue
+    from rl_tui.tui.screens.playground.playground import Playground
 
     while not isinstance(pilot.app.screen, Playground):
         await pilot.press("enter" if isinstance(pilot.app.screen, Catalogue) else "escape")

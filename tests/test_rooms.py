@@ -57,7 +57,7 @@ def test_a_lower_room_neither_draws_nor_looks_up(room: str, above: tuple[str, ..
 
 
 def test_the_screen_comes_up_without_what_is_slow() -> None:
-    loaded = loaded_by("import rl_tui.tui.app")
+    loaded = loaded_by("import rl_tui.tui.app.app")
     assert "textual" in loaded
     assert not loaded & {"numba", "gymnasium"}
 

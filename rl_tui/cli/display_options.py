@@ -10,7 +10,7 @@ import click
 from rl_tui.agents.hyperparameters import Range
 from rl_tui.cli.number import RealNumber
 from rl_tui.cli.run_options import Command
-from rl_tui.tui.display import Colours, Display
+from rl_tui.tui.app.display import Colours, Display
 
 _DEFAULT: Final = Display()
 _OPTIONS: Final = (

@@ -15,14 +15,14 @@ from rl_tui.cli.heap import share_heap
 from rl_tui.cli.kiosk import confine
 from rl_tui.cli.program import USAGE
 from rl_tui.common.kiosk import in_kiosk
-from rl_tui.tui.display import Display
+from rl_tui.tui.app.display import Display
 
 if TYPE_CHECKING:
     from rl_tui.lab.run.recipe import Recipe
     from rl_tui.lab.sessions.session import StoredSession
 
 
-IN_BROWSER: Final = "rl_tui.tui.browser_driver:BrowserDriver"  # TEXTUAL_DRIVER of what the server starts
+IN_BROWSER: Final = "rl_tui.terminal.browser_driver:BrowserDriver"  # TEXTUAL_DRIVER of what the server starts
 
 
 class NoTerminalError(click.ClickException):
@@ -58,7 +58,7 @@ def run_app(display: Display, start: Recipe | StoredSession | None = None) -> No
     _stand_somewhere()
     share_heap()
     from rl_tui.lab.sessions.folder import session_folder
-    from rl_tui.tui.app import RlTuiApp
+    from rl_tui.tui.app.app import RlTuiApp
 
     if in_kiosk():
         app = RlTuiApp(display, start, kiosk=True)

@@ -62,7 +62,7 @@ def command(
         raise click.UsageError("options of a run need a scenario", click.get_current_context())
     import asyncio
 
-    from rl_tui.tui.screenshot import screenshot
+    from rl_tui.tui.app.screenshot import screenshot
 
     start = start_of(scenario, overrides, seed) if scenario is not None else None
     wanted = keys.split(",") if keys else []

@@ -118,7 +118,7 @@ def _check_start(scenario: str | None, display: dict[str, Any], *, kiosk: bool) 
         if kiosk:
             _check_shipped(scenario)
         start_of(scenario, {}, 0)
-    from rl_tui.tui.app import RlTuiApp
+    from rl_tui.tui.app.app import RlTuiApp
 
     RlTuiApp(display_of(display))
 

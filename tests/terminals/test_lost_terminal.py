@@ -17,7 +17,7 @@ FAILING = (
     sys.executable,
     "-c",
     "from rl_tui.cli.main import main\n"
-    "from rl_tui.tui.screens.playground import Playground\n"
+    "from rl_tui.tui.screens.playground.playground import Playground\n"
     "def fail(self): raise ZeroDivisionError('of [red]all\\nthings')\n"
     "Playground.action_episode = fail\n"
     "main()",

@@ -13,8 +13,8 @@ from textual.pilot import Pilot
 
 from rl_tui.lab.live.player import Player
 from rl_tui.lab.run.library import recipe_for
-from rl_tui.tui.app import RlTuiApp
-from rl_tui.tui.display import Display
+from rl_tui.tui.app.app import RlTuiApp
+from rl_tui.tui.app.display import Display
 from rl_tui.worlds.files.catalogue import find
 
 MakeApp = Callable[..., RlTuiApp]

@@ -7,8 +7,8 @@ from rich.style import Style
 from samples import look
 
 from rl_tui.lab.live.snapshot import Curve, Marks, Snapshot
-from rl_tui.tui.widgets.braille import Steps
-from rl_tui.tui.widgets.curve import ReturnCurve
+from rl_tui.tui.draw.braille import Steps
+from rl_tui.tui.panels.curve.curve import ReturnCurve
 
 NARROW, WIDE = (40, 7), (60, 13)
 NO_MARKS = Marks(np.array([], dtype=np.int64), np.array([], dtype=np.int64), np.array([]))

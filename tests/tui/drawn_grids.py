@@ -11,10 +11,10 @@ from samples import lake, look
 from textual.strip import Strip
 
 from rl_tui.lab.live.snapshot import Snapshot
-from rl_tui.tui.world_views.grid import GridView, draw_grid
-from rl_tui.tui.world_views.grid_cells import CellArtist
-from rl_tui.tui.world_views.grid_form import CellForm
-from rl_tui.tui.world_views.grid_map import GridMap, Part
+from rl_tui.tui.panels.world.grid.cells import CellArtist
+from rl_tui.tui.panels.world.grid.form import CellForm
+from rl_tui.tui.panels.world.grid.grid import GridView, draw_grid
+from rl_tui.tui.panels.world.grid.map import GridMap, Part
 from rl_tui.worlds.drawing import Grid
 from rl_tui.worlds.mdp.tabular_mdp import FloatArray
 

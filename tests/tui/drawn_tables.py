@@ -11,8 +11,8 @@ from samples import lake, look
 from textual.geometry import Size
 
 from rl_tui.lab.live.snapshot import Snapshot
-from rl_tui.tui.widgets.q_table import QTable
-from rl_tui.tui.widgets.q_table_layers import Layer
+from rl_tui.tui.panels.q_table.layers import Layer
+from rl_tui.tui.panels.q_table.q_table import QTable
 
 PALETTE = look().palette
 

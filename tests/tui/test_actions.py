@@ -2,11 +2,11 @@ from __future__ import annotations
 
 import pytest
 
-from rl_tui.tui.action import Place
-from rl_tui.tui.actions import ACTIONS, actions_of, bindings_of
-from rl_tui.tui.screens.catalogue import Catalogue
-from rl_tui.tui.screens.playground import Playground
-from rl_tui.tui.widgets.key_line import fitting
+from rl_tui.tui.app.action import Place
+from rl_tui.tui.app.actions import ACTIONS, actions_of, bindings_of
+from rl_tui.tui.panels.key_line import fitting
+from rl_tui.tui.screens.catalogue.catalogue import Catalogue
+from rl_tui.tui.screens.playground.playground import Playground
 
 PLAYGROUND_KEYS = {
     "space",

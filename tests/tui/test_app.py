@@ -12,14 +12,14 @@ from textual.command import CommandPalette
 from rl_tui.common.errors import UserError
 from rl_tui.lab.live.player import Player
 from rl_tui.lab.run.library import recipe_for
-from rl_tui.tui.action import Place
-from rl_tui.tui.actions import actions_of
-from rl_tui.tui.app import RlTuiApp
-from rl_tui.tui.display import Display
-from rl_tui.tui.palette_entries import ActionProvider, palette_name
-from rl_tui.tui.screens.catalogue import Catalogue
-from rl_tui.tui.screens.playground import Playground
-from rl_tui.tui.screenshot import settle
+from rl_tui.tui.app.action import Place
+from rl_tui.tui.app.actions import actions_of
+from rl_tui.tui.app.app import RlTuiApp
+from rl_tui.tui.app.display import Display
+from rl_tui.tui.app.palette_entries import ActionProvider, palette_name
+from rl_tui.tui.app.screenshot import settle
+from rl_tui.tui.screens.catalogue.catalogue import Catalogue
+from rl_tui.tui.screens.playground.playground import Playground
 from rl_tui.worlds.files.scenario import read_scenario
 
 NOT_REGISTERED = """
@@ -30,7 +30,7 @@ id = "Nowhere-v0"
 
 
 def test_importing_the_app_loads_neither_numba_nor_gymnasium() -> None:
-    code = "import sys, rl_tui.tui.app; print(sorted({'numba', 'gymnasium', 'scipy'} & set(sys.modules)))"
+    code = "import sys, rl_tui.tui.app.app; print(sorted({'numba', 'gymnasium', 'scipy'} & set(sys.modules)))"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"
 

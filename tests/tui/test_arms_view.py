@@ -11,9 +11,23 @@ from samples import bandit, look
 from textual.strip import Strip
 
 from rl_tui.lab.live.snapshot import Snapshot
+from rl_tui.tui.panels.world.arms.arms import (
+    ArmsView,
+    arms_of,
+    noise_of_rewards,
+    standard_error,
+    true_means_now,
+)
+from rl_tui.tui.panels.world.arms.scale import (
+    NO_SCALE,
+    Scale,
+    bound_text,
+    grown,
+    round_up,
+    shown_scale,
+    ticks,
+)
 from rl_tui.tui.theme.glyphs import ASCII, UNICODE
-from rl_tui.tui.world_views.arms import ArmsView, arms_of, noise_of_rewards, standard_error, true_means_now
-from rl_tui.tui.world_views.arms_scale import NO_SCALE, Scale, bound_text, grown, round_up, shown_scale, ticks
 from rl_tui.worlds.drawing import Arms
 from rl_tui.worlds.mdp.tabular_mdp import Outcome, Transition, tabular_mdp
 from rl_tui.worlds.world import World

@@ -3,7 +3,7 @@ from __future__ import annotations
 import pytest
 from textual.geometry import Region, Size
 
-from rl_tui.tui.screens.arrangement import Shape, arrangement, is_roomy
+from rl_tui.tui.screens.playground.arrangement import Shape, arrangement, is_roomy
 from rl_tui.worlds.drawing import Arms, CellKind, Drawing, Graph, Grid
 
 

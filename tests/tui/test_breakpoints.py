@@ -14,13 +14,13 @@ from textual.strip import Strip
 
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.live.until import Breakpoints
+from rl_tui.tui.panels.breakpoint_text import breakpoints_text
+from rl_tui.tui.panels.q_table.q_table import QTable
+from rl_tui.tui.panels.world.arms.arms import ArmsView
+from rl_tui.tui.panels.world.graph.graph import GraphView
+from rl_tui.tui.panels.world.grid.grid import GridView
+from rl_tui.tui.panels.world.views import WorldView, world_view
 from rl_tui.tui.theme.look import Look
-from rl_tui.tui.widgets.breakpoint_text import breakpoints_text
-from rl_tui.tui.widgets.q_table import QTable
-from rl_tui.tui.world_views import WorldView, world_view
-from rl_tui.tui.world_views.arms import ArmsView
-from rl_tui.tui.world_views.graph import GraphView
-from rl_tui.tui.world_views.grid import GridView
 
 LOOK = look()
 PALETTE = LOOK.palette

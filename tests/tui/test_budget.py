@@ -4,7 +4,7 @@ import pytest
 from samples import bandit, lake, look
 
 from rl_tui.lab.live.snapshot import BanditFigures, Snapshot
-from rl_tui.tui.widgets.budget import BudgetPanel, sum_text
+from rl_tui.tui.panels.budget import BudgetPanel, sum_text
 
 
 def drawn(snapshot: Snapshot | None, width: int = 54, height: int = 4, *, revealed: bool = False) -> str:

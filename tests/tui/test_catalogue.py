@@ -9,11 +9,11 @@ from textual.widgets import OptionList
 
 from rl_tui.common.errors import UserError
 from rl_tui.common.streams import streams
-from rl_tui.tui.screens.catalogue import Catalogue
+from rl_tui.tui.app.screenshot import settle
+from rl_tui.tui.screens.catalogue.catalogue import Catalogue
+from rl_tui.tui.screens.catalogue.facts import defaults, sizes
 from rl_tui.tui.screens.help import HelpScreen
-from rl_tui.tui.screens.playground import Playground
-from rl_tui.tui.screenshot import settle
-from rl_tui.tui.widgets.facts import defaults, sizes
+from rl_tui.tui.screens.playground.playground import Playground
 from rl_tui.worlds.files.catalogue import find, shipped_folder
 from rl_tui.worlds.files.catalogue import scenarios as shipped
 

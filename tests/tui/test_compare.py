@@ -17,11 +17,11 @@ from rl_tui.common.errors import UserError
 from rl_tui.lab.live.commands import AddLane, ChooseLane, Command, DropLane
 from rl_tui.lab.run.library import recipe_for
 from rl_tui.lab.run.recipe import SetParameter, SwitchAlgorithm
-from rl_tui.tui.screens.choice import Choice
-from rl_tui.tui.screens.compare import Compare
-from rl_tui.tui.screens.lane_changes import lane_changes, what_may_differ
-from rl_tui.tui.screens.prompt import Prompt
-from rl_tui.tui.screenshot import settle
+from rl_tui.tui.app.screenshot import settle
+from rl_tui.tui.screens.dialogs.choice import Choice
+from rl_tui.tui.screens.dialogs.compare import Compare
+from rl_tui.tui.screens.dialogs.lane_changes import lane_changes, what_may_differ
+from rl_tui.tui.screens.dialogs.prompt import Prompt
 from rl_tui.worlds.files.catalogue import find
 
 LAKE, ARMS = lake_world().space, bandit_world().space

@@ -11,9 +11,9 @@ from samples import lake
 from rl_tui.agents.catalogue import ACTION_RULES, ALGORITHMS, parameters_of
 from rl_tui.agents.hyperparameters import PARAMETERS, SAMPLE_AVERAGE, Hyperparameters
 from rl_tui.lab.live.snapshot import Phase, Snapshot
+from rl_tui.tui.panels.controls.controls import in_force, sliders_of
+from rl_tui.tui.panels.controls.settings import laid_out, settings_of
 from rl_tui.tui.theme.glyphs import ASCII, UNICODE, Glyphs
-from rl_tui.tui.widgets.controls import in_force, sliders_of
-from rl_tui.tui.widgets.settings import laid_out, settings_of
 
 LAKE = lake()
 EVERY = [

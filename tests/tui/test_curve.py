@@ -11,8 +11,8 @@ from samples import bandit, lake, look, planning, stepped_lake, student
 
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.lab.live.snapshot import Phase, Snapshot
-from rl_tui.tui.widgets.curve import ReturnCurve
-from rl_tui.tui.widgets.curve_data import curve_data
+from rl_tui.tui.panels.curve.curve import ReturnCurve
+from rl_tui.tui.panels.curve.data import curve_data
 from rl_tui.worlds.mdp.space import all_pairs
 from rl_tui.worlds.world import World
 

@@ -11,15 +11,15 @@ from samples import bandit, curve, lake, look, marks, planning, student
 
 from rl_tui.lab.live.snapshot import Timeline
 from rl_tui.lab.timeline.branches import Branch
-from rl_tui.tui.canvas import Canvas
-from rl_tui.tui.widgets import braille
-from rl_tui.tui.widgets.axes import draw_value_axis
-from rl_tui.tui.widgets.braille import Steps
-from rl_tui.tui.widgets.chart import apart, taking_turns
-from rl_tui.tui.widgets.chart_plot import Plot
-from rl_tui.tui.widgets.curve import ReturnCurve
-from rl_tui.tui.widgets.curve_data import curve_data, smoothed
-from rl_tui.tui.widgets.scale import Scale, round_range, round_scale, settled, tick_label, tick_step
+from rl_tui.tui.draw import braille
+from rl_tui.tui.draw.axes import draw_value_axis
+from rl_tui.tui.draw.braille import Steps
+from rl_tui.tui.draw.canvas import Canvas
+from rl_tui.tui.draw.chart_plot import Plot
+from rl_tui.tui.draw.scale import Scale, round_range, round_scale, settled, tick_label, tick_step
+from rl_tui.tui.panels.curve.chart import apart, taking_turns
+from rl_tui.tui.panels.curve.curve import ReturnCurve
+from rl_tui.tui.panels.curve.data import curve_data, smoothed
 
 # Axes
 

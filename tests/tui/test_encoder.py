@@ -16,10 +16,10 @@ from rich.style import Style
 from textual.strip import Strip
 from wcwidth import wcwidth
 
-from rl_tui.tui.terminal.cells import Cutter
-from rl_tui.tui.terminal.encoder import Encoder
-from rl_tui.tui.terminal.pens import Pens
-from rl_tui.tui.terminal.screen_buffer import ScreenBuffer
+from rl_tui.terminal.cells import Cutter
+from rl_tui.terminal.encoder import Encoder
+from rl_tui.terminal.pens import Pens
+from rl_tui.terminal.screen_buffer import ScreenBuffer
 
 COLOURS = (None, "default", "red", "bright_blue", "color(7)", "color(99)", "#102030", "#fedcba")
 SHOWS_ON_BLANKS = ("underscore", "strikethrough", "reverse", "blink")
@@ -204,7 +204,7 @@ def test_a_pen_is_made_once() -> None:
 
 
 def test_pens_that_no_cell_has_are_forgotten(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("rl_tui.tui.terminal.pens._MOST_KEPT", 100)
+    monkeypatch.setattr("rl_tui.terminal.pens._MOST_KEPT", 100)
     pens = Pens(ColorSystem.TRUECOLOR)
     kept = pens.of(Style(color="#102030"))
     for number in range(1_000):

@@ -6,10 +6,10 @@ import pytest
 from conftest import MakeApp
 from textual.css.query import NoMatches
 
-from rl_tui.tui.app import RlTuiApp
-from rl_tui.tui.ending import HUNG_UP
-from rl_tui.tui.screens.playground import Playground
-from rl_tui.tui.screenshot import settle
+from rl_tui.terminal.ending import HUNG_UP
+from rl_tui.tui.app.app import RlTuiApp
+from rl_tui.tui.app.screenshot import settle
+from rl_tui.tui.screens.playground.playground import Playground
 
 
 async def test_a_screen_that_opens_while_the_program_ends_is_no_bug() -> None:

@@ -21,11 +21,11 @@ from rl_tui.common.errors import UserError
 from rl_tui.lab.live.commands import Train
 from rl_tui.lab.live.player import Player
 from rl_tui.lab.live.snapshot import Snapshot
-from rl_tui.tui.app import RlTuiApp
-from rl_tui.tui.display import Display
-from rl_tui.tui.screens.export_dialogs import AskNewFile, BrokenOffError, CommandLine, ExportChoice, Working
-from rl_tui.tui.screens.playground import Playground
-from rl_tui.tui.screenshot import settle
+from rl_tui.tui.app.app import RlTuiApp
+from rl_tui.tui.app.display import Display
+from rl_tui.tui.app.screenshot import settle
+from rl_tui.tui.screens.dialogs.export import AskNewFile, BrokenOffError, CommandLine, ExportChoice, Working
+from rl_tui.tui.screens.playground.playground import Playground
 
 
 @pytest.fixture(autouse=True)

@@ -22,9 +22,9 @@ from rl_tui.lab.run.recipe import begin
 from rl_tui.lab.run.run import Run
 from rl_tui.lab.sessions.session import encoded
 from rl_tui.lab.timeline.branches import FIRST
-from rl_tui.tui.app import RlTuiApp
-from rl_tui.tui.display import Display
-from rl_tui.tui.screenshot import settle
+from rl_tui.tui.app.app import RlTuiApp
+from rl_tui.tui.app.display import Display
+from rl_tui.tui.app.screenshot import settle
 from rl_tui.worlds.files.scenario import Scenario, read_scenario
 
 TITLE = r"[red]T[/] {0} %s $HOME \x1b[31m [@click=app.quit]"

@@ -10,12 +10,12 @@ from samples import look, student
 from textual.strip import Strip
 
 from rl_tui.lab.live.snapshot import Snapshot
+from rl_tui.tui.panels.world.graph.graph import GraphView
+from rl_tui.tui.panels.world.graph.layout import GraphLayout, graph_layout
+from rl_tui.tui.panels.world.graph.routing import RIGHT, Box, Port, Sheet, route
+from rl_tui.tui.panels.world.graph.shape import GraphShape, graph_shape, probability_text, reward_text
+from rl_tui.tui.panels.world.graph.strokes import BOLD, THIN, Arms, joint
 from rl_tui.tui.theme.glyphs import ASCII, UNICODE
-from rl_tui.tui.world_views.graph import GraphView
-from rl_tui.tui.world_views.graph_layout import GraphLayout, graph_layout
-from rl_tui.tui.world_views.graph_shape import GraphShape, graph_shape, probability_text, reward_text
-from rl_tui.tui.world_views.routing import RIGHT, Box, Port, Sheet, route
-from rl_tui.tui.world_views.strokes import BOLD, THIN, Arms, joint
 from rl_tui.worlds.drawing import Graph
 from rl_tui.worlds.mdp.tabular_mdp import Outcome, TabularMDP, Transition, tabular_mdp
 from rl_tui.worlds.world import World

@@ -12,10 +12,10 @@ from textual.app import App, ComposeResult
 from textual.geometry import Region
 
 from rl_tui.lab.live.snapshot import Snapshot
-from rl_tui.tui.scrolling import kept_in_view
-from rl_tui.tui.world_views import world_view
-from rl_tui.tui.world_views.grid import GridView
-from rl_tui.tui.world_views.grid_map import CellContent, GridMap, Part
+from rl_tui.tui.draw.scrolling import kept_in_view
+from rl_tui.tui.panels.world.grid.grid import GridView
+from rl_tui.tui.panels.world.grid.map import CellContent, GridMap, Part
+from rl_tui.tui.panels.world.views import world_view
 from rl_tui.worlds.drawing import Grid
 from rl_tui.worlds.world import World
 

@@ -10,9 +10,9 @@ from sample_worlds import LEFT, RIGHT, UP, lake_world
 from samples import big_lake, lake, look
 
 from rl_tui.lab.live.snapshot import Snapshot
-from rl_tui.tui.world_views.cell_rewards import cell_rewards
-from rl_tui.tui.world_views.grid import GridView
-from rl_tui.tui.world_views.grid_form import CellForm, cell_form
+from rl_tui.tui.panels.world.grid.form import CellForm, cell_form
+from rl_tui.tui.panels.world.grid.grid import GridView
+from rl_tui.tui.panels.world.grid.rewards import cell_rewards
 from rl_tui.worlds.drawing import CellKind, Grid
 from rl_tui.worlds.grid.section import GridSection
 from rl_tui.worlds.mdp.space import FiniteSpace

@@ -6,7 +6,9 @@ from sample_worlds import LEFT, RIGHT, UP, bandit_world
 from samples import bandit, lake, look, student
 
 from rl_tui.lab.live.snapshot import Snapshot
-from rl_tui.tui.hand import (
+from rl_tui.tui.panels.last_step.choice_text import choice_text
+from rl_tui.tui.panels.last_step.last_step import inspector_lines
+from rl_tui.tui.screens.playground.manual_control import (
     action_towards,
     digit_keys,
     has_directions,
@@ -15,8 +17,6 @@ from rl_tui.tui.hand import (
     title,
     told_keys,
 )
-from rl_tui.tui.widgets.choice_text import choice_text
-from rl_tui.tui.widgets.inspector import inspector_lines
 
 GLYPHS = look().glyphs
 STUDY, PHONE, SCROLL, QUIT, SLEEP = range(5)

@@ -11,9 +11,9 @@ from samples import bandit, lake, learned_from, look, planning, student
 
 from rl_tui.agents.last_step import LastStep
 from rl_tui.lab.live.snapshot import Phase, Snapshot
+from rl_tui.tui.panels.last_step.last_step import Inspector
+from rl_tui.tui.panels.last_step.update_text import step_size_text, update_text
 from rl_tui.tui.theme.glyphs import UNICODE
-from rl_tui.tui.widgets.inspector import Inspector
-from rl_tui.tui.widgets.update_text import step_size_text, update_text
 
 LAKE = lake()
 LAST = LastStep(

@@ -11,11 +11,11 @@ from rl_tui.lab.live.commands import GoTo
 from rl_tui.lab.live.snapshot import Snapshot, Timeline
 from rl_tui.lab.run.recipe import JournalEntry, SetParameter, SwitchAlgorithm, TakeAction
 from rl_tui.lab.timeline.branches import Branch
-from rl_tui.tui.screens.journal import HOW_TO_BRANCH, NO_CHANGE, JournalScreen, Moment
-from rl_tui.tui.screens.moments import ask_moment, moment_of
+from rl_tui.tui.draw.to_ascii import written
+from rl_tui.tui.screens.dialogs.goto import ask_moment, moment_of
+from rl_tui.tui.screens.dialogs.journal import HOW_TO_BRANCH, NO_CHANGE, JournalScreen, Moment
+from rl_tui.tui.screens.dialogs.journal_text import journal_lines
 from rl_tui.tui.theme.glyphs import ASCII, UNICODE, Glyphs
-from rl_tui.tui.widgets.journal_text import journal_lines
-from rl_tui.tui.written import written
 
 HANDS = tuple(JournalEntry(step, TakeAction(1)) for step in range(3_400, 3_461))
 
@@ -87,7 +87,7 @@ TWO = Timeline(
 
 
 class Bench(App[None]):
-    CSS_PATH = "../../rl_tui/tui/app.tcss"
+    CSS_PATH = "../../rl_tui/tui/app/app.tcss"
 
     def __init__(self, timeline: Timeline, snapshot: Snapshot | None = None) -> None:
         super().__init__()

@@ -12,15 +12,15 @@ from rl_tui.common.errors import UserError
 from rl_tui.lab.live.player import Player
 from rl_tui.lab.live.snapshot import Phase
 from rl_tui.lab.run.library import recipe_for
-from rl_tui.tui.action import Place
-from rl_tui.tui.actions import ACTIONS, actions_of
-from rl_tui.tui.app import RlTuiApp
-from rl_tui.tui.display import Display
-from rl_tui.tui.idleness import Idleness
-from rl_tui.tui.palette_entries import ActionProvider, palette_name
-from rl_tui.tui.screens.playground import Playground
-from rl_tui.tui.screenshot import settle
-from rl_tui.tui.widgets.key_line import fitting
+from rl_tui.tui.app.action import Place
+from rl_tui.tui.app.actions import ACTIONS, actions_of
+from rl_tui.tui.app.app import RlTuiApp
+from rl_tui.tui.app.display import Display
+from rl_tui.tui.app.idleness import Idleness
+from rl_tui.tui.app.palette_entries import ActionProvider, palette_name
+from rl_tui.tui.app.screenshot import settle
+from rl_tui.tui.panels.key_line import fitting
+from rl_tui.tui.screens.playground.playground import Playground
 from rl_tui.worlds.files.catalogue import find
 
 FOR_THE_OWNER = {"save", "export", "delete_session", "suspend"}

@@ -11,9 +11,9 @@ from samples import bandit, curve, lake, look, marks, planning
 
 from rl_tui.lab.live.snapshot import Curve, Snapshot, Timeline
 from rl_tui.lab.timeline.branches import Branch
+from rl_tui.tui.panels.curve.curve import ReturnCurve
+from rl_tui.tui.panels.curve.data import curve_data
 from rl_tui.tui.theme.look import Look
-from rl_tui.tui.widgets.curve import ReturnCurve
-from rl_tui.tui.widgets.curve_data import curve_data
 
 NARROW, WIDE, BROAD = (40, 7), (64, 14), (110, 14)
 

@@ -9,8 +9,8 @@ from samples import bandit, lake, look, student
 from textual.geometry import Size
 
 from rl_tui.lab.live.snapshot import LaneView, Snapshot
-from rl_tui.tui.widgets.q_table import QTable
-from rl_tui.tui.widgets.q_table_layers import Figures, Layer
+from rl_tui.tui.panels.q_table.layers import Figures, Layer
+from rl_tui.tui.panels.q_table.q_table import QTable
 from rl_tui.worlds.mdp.space import FloatArray
 
 

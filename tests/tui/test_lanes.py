@@ -11,9 +11,9 @@ from textual.pilot import Pilot
 from textual.widgets import Input
 
 from rl_tui.common.errors import UserError
-from rl_tui.tui.screens.compare import Compare
-from rl_tui.tui.screenshot import settle
-from rl_tui.tui.widgets.slider import Slider
+from rl_tui.tui.app.screenshot import settle
+from rl_tui.tui.panels.controls.slider import Slider
+from rl_tui.tui.screens.dialogs.compare import Compare
 
 
 async def open_lane(pilot: Pilot[UserError], name: str, value: str) -> None:

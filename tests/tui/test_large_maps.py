@@ -14,12 +14,12 @@ from rl_tui.lab.live.commands import Train
 from rl_tui.lab.live.player import Player
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.live.viewport import Stretch
-from rl_tui.tui.app import RlTuiApp
-from rl_tui.tui.display import Display
-from rl_tui.tui.screens.playground import Playground
-from rl_tui.tui.screenshot import settle
-from rl_tui.tui.widgets.model import ModelPanel
-from rl_tui.tui.world_views.grid import GridView
+from rl_tui.tui.app.app import RlTuiApp
+from rl_tui.tui.app.display import Display
+from rl_tui.tui.app.screenshot import settle
+from rl_tui.tui.panels.model.model import ModelPanel
+from rl_tui.tui.panels.world.grid.grid import GridView
+from rl_tui.tui.screens.playground.playground import Playground
 
 SIDE = 200
 

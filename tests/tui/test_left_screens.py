@@ -7,7 +7,7 @@ import gc
 from conftest import MakeApp
 from textual._styles_cache import StylesCache
 
-from rl_tui.tui.screenshot import settle
+from rl_tui.tui.app.screenshot import settle
 
 
 def lines_kept() -> int:

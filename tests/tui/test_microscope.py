@@ -12,8 +12,8 @@ from samples import bandit, big_lake, lake, look, planning, stepped_lake, studen
 from rl_tui.agents.catalogue import ALGORITHMS
 from rl_tui.agents.last_step import NOTHING
 from rl_tui.lab.live.snapshot import CellHistory, Phase, Snapshot
-from rl_tui.tui.widgets.microscope import Microscope, lit_sources
-from rl_tui.tui.widgets.q_table import QTable
+from rl_tui.tui.panels.microscope.microscope import Microscope, lit_sources
+from rl_tui.tui.panels.q_table.q_table import QTable
 from rl_tui.worlds.drawing import Arms, Graph
 from rl_tui.worlds.mdp.tabular_mdp import Outcome, Transition, tabular_mdp
 from rl_tui.worlds.world import World

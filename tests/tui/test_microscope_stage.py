@@ -12,11 +12,11 @@ from rl_tui.common.errors import UserError
 from rl_tui.lab.live.backup import sources
 from rl_tui.lab.live.commands import Apply, StepBack
 from rl_tui.lab.run.recipe import SwitchAlgorithm
-from rl_tui.tui.screens.arrangement import CONTROLS, CURVE, MICROSCOPE, TABLE, TIMELINE, WORLD
-from rl_tui.tui.screens.board import Board
-from rl_tui.tui.screenshot import settle
-from rl_tui.tui.widgets.microscope import Microscope
-from rl_tui.tui.widgets.slider import Slider
+from rl_tui.tui.app.screenshot import settle
+from rl_tui.tui.panels.controls.slider import Slider
+from rl_tui.tui.panels.microscope.microscope import Microscope
+from rl_tui.tui.screens.playground.arrangement import CONTROLS, CURVE, MICROSCOPE, TABLE, TIMELINE, WORLD
+from rl_tui.tui.screens.playground.board import Board
 
 
 def board(pilot: Pilot[UserError]) -> Board:

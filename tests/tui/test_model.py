@@ -8,8 +8,8 @@ from samples import bandit, big_lake, lake, look, stepped_lake, student
 from textual.app import App, ComposeResult
 
 from rl_tui.lab.live.snapshot import Snapshot
-from rl_tui.tui.widgets import names
-from rl_tui.tui.widgets.model import ModelPanel
+from rl_tui.tui.draw import names
+from rl_tui.tui.panels.model.model import ModelPanel
 from rl_tui.worlds.files.catalogue import find
 
 

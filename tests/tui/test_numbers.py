@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rl_tui.tui import numbers
+from rl_tui.tui.draw import numbers
 from rl_tui.tui.theme.glyphs import ASCII
 
 

@@ -14,14 +14,14 @@ from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.common.errors import UserError
 from rl_tui.lab.live.snapshot import Phase
 from rl_tui.lab.run.library import recipe_for
-from rl_tui.tui.screens.choice import Choice, algorithm_choice, policy_choice
-from rl_tui.tui.screens.model import ModelScreen
-from rl_tui.tui.screens.options import Options
-from rl_tui.tui.screens.prompt import Prompt
-from rl_tui.tui.screenshot import settle
+from rl_tui.tui.app.screenshot import settle
+from rl_tui.tui.panels.controls.slider import Slider
+from rl_tui.tui.panels.status_line import StatusLine
+from rl_tui.tui.screens.dialogs.choice import Choice, algorithm_choice, policy_choice
+from rl_tui.tui.screens.dialogs.model import ModelScreen
+from rl_tui.tui.screens.dialogs.options import Options
+from rl_tui.tui.screens.dialogs.prompt import Prompt
 from rl_tui.tui.theme.glyphs import ASCII, UNICODE
-from rl_tui.tui.widgets.slider import Slider
-from rl_tui.tui.widgets.status_line import StatusLine
 from rl_tui.worlds.files.catalogue import find
 from rl_tui.worlds.mdp.space import all_pairs
 

@@ -12,8 +12,8 @@ from textual.widgets import OptionList
 
 from rl_tui.common.errors import UserError
 from rl_tui.lab.live.commands import Train
-from rl_tui.tui.screens.playground import Playground
-from rl_tui.tui.screenshot import settle
+from rl_tui.tui.app.screenshot import settle
+from rl_tui.tui.screens.playground.playground import Playground
 
 SIZES: Final = [(80, 24), (120, 40)]
 SCENES: Final = {  # a scenario, then keys; a number lets so many steps pass

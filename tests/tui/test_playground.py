@@ -8,13 +8,13 @@ from textual.widgets._toast import Toast
 from rl_tui.common.errors import UserError
 from rl_tui.lab.live.commands import Train
 from rl_tui.lab.live.snapshot import Phase, Snapshot
-from rl_tui.tui.app import RlTuiApp
+from rl_tui.tui.app.app import RlTuiApp
+from rl_tui.tui.app.screenshot import settle
+from rl_tui.tui.panels.controls.slider import Slider
+from rl_tui.tui.panels.q_table.q_table import QTable
+from rl_tui.tui.screens.dialogs.model import ModelScreen
 from rl_tui.tui.screens.help import HelpScreen
-from rl_tui.tui.screens.model import ModelScreen
-from rl_tui.tui.screens.playground import Playground
-from rl_tui.tui.screenshot import settle
-from rl_tui.tui.widgets.q_table import QTable
-from rl_tui.tui.widgets.slider import Slider
+from rl_tui.tui.screens.playground.playground import Playground
 from rl_tui.worlds.files.catalogue import scenarios
 
 

@@ -11,14 +11,14 @@ from textual.widgets import Input
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.run.bandit import true_means
-from rl_tui.tui.screens.choice import Choice
-from rl_tui.tui.screens.playground import Playground
-from rl_tui.tui.screens.prompt import Prompt
-from rl_tui.tui.screenshot import settle
+from rl_tui.tui.app.screenshot import settle
+from rl_tui.tui.panels.controls.settings import Settings
+from rl_tui.tui.panels.world.arms.arms import ArmsView
+from rl_tui.tui.panels.world.grid.grid import GridView
+from rl_tui.tui.screens.dialogs.choice import Choice
+from rl_tui.tui.screens.dialogs.prompt import Prompt
+from rl_tui.tui.screens.playground.playground import Playground
 from rl_tui.tui.theme.glyphs import UNICODE
-from rl_tui.tui.widgets.settings import Settings
-from rl_tui.tui.world_views.arms import ArmsView
-from rl_tui.tui.world_views.grid import GridView
 from rl_tui.worlds.drawing import CellKind, Grid
 
 

@@ -12,13 +12,13 @@ from samples import lake, learned_from, look
 
 from rl_tui.agents.update_terms import Lookup
 from rl_tui.lab.live.backup import Backup, Leaf
-from rl_tui.tui import numbers
-from rl_tui.tui.precision import figure
+from rl_tui.tui.draw import numbers
+from rl_tui.tui.draw.precision import figure
+from rl_tui.tui.panels.last_step.loop_text import loop_text
+from rl_tui.tui.panels.last_step.update_text import UpdateText, update_text
+from rl_tui.tui.panels.microscope.backup_columns import outcome_rows
+from rl_tui.tui.panels.microscope.targets import target_lines
 from rl_tui.tui.theme.glyphs import ASCII, UNICODE
-from rl_tui.tui.widgets.backup_columns import outcome_rows
-from rl_tui.tui.widgets.loop_text import loop_text
-from rl_tui.tui.widgets.targets import target_lines
-from rl_tui.tui.widgets.update_text import UpdateText, update_text
 
 LAKE = lake()
 LAST = LAKE.last

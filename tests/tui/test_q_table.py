@@ -11,8 +11,8 @@ from samples import bandit, big_lake, lake, snapshot, student
 
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.lab.live.snapshot import Phase, Snapshot
-from rl_tui.tui.widgets.q_table import COMPUTING, FOLLOWS
-from rl_tui.tui.widgets.q_table_layers import Figures, Layer
+from rl_tui.tui.panels.q_table.layers import Figures, Layer
+from rl_tui.tui.panels.q_table.q_table import COMPUTING, FOLLOWS
 from rl_tui.worlds.drawing import Graph
 from rl_tui.worlds.mdp.tabular_mdp import Outcome, Transition, tabular_mdp
 from rl_tui.worlds.world import World

@@ -14,7 +14,7 @@ from textual.strip import Strip
 from textual.widgets import Button
 
 from rl_tui.lab.live.snapshot import Snapshot
-from rl_tui.tui.widgets.q_table import FOLLOW_HINT, FOLLOWS, QTable
+from rl_tui.tui.panels.q_table.q_table import FOLLOW_HINT, FOLLOWS, QTable
 
 
 class Bench(App[None]):

@@ -6,7 +6,7 @@ import pytest
 from drawn_tables import Drawn, fresh
 from samples import bandit, student
 
-from rl_tui.tui.widgets.q_table_layers import Layer
+from rl_tui.tui.panels.q_table.layers import Layer
 
 
 def test_few_pairs_are_listed_a_row_each() -> None:

@@ -5,8 +5,8 @@ import pytest
 from rl_tui.common.errors import UserError
 from rl_tui.lab.run.library import recipe_for
 from rl_tui.lab.run.recipe import Recipe
-from rl_tui.tui.display import Colours, Display
-from rl_tui.tui.screenshot import screenshot
+from rl_tui.tui.app.display import Colours, Display
+from rl_tui.tui.app.screenshot import screenshot
 from rl_tui.worlds.files.catalogue import find
 
 

@@ -22,18 +22,18 @@ from rl_tui.lab.sessions.autosave import untouched
 from rl_tui.lab.sessions.folder import sessions_in
 from rl_tui.lab.sessions.session import digest_of, encoded, read_session
 from rl_tui.lab.timeline.branches import FIRST
-from rl_tui.tui.app import RlTuiApp
-from rl_tui.tui.display import Display
-from rl_tui.tui.screens.catalogue import Catalogue
-from rl_tui.tui.screens.confirm import Confirm
-from rl_tui.tui.screens.playground import Playground
-from rl_tui.tui.screens.prompt import Prompt
-from rl_tui.tui.screenshot import settle
+from rl_tui.tui.app.app import RlTuiApp
+from rl_tui.tui.app.display import Display
+from rl_tui.tui.app.screenshot import settle
+from rl_tui.tui.screens.catalogue.catalogue import Catalogue
+from rl_tui.tui.screens.catalogue.session_list import SessionList
+from rl_tui.tui.screens.catalogue.session_text import SessionRow, long_age, session_facts, short_age
+from rl_tui.tui.screens.dialogs.confirm import Confirm
+from rl_tui.tui.screens.dialogs.prompt import Prompt
+from rl_tui.tui.screens.playground.playground import Playground
 from rl_tui.tui.theme.glyphs import ASCII
 from rl_tui.tui.theme.look import Look
 from rl_tui.tui.theme.palette import palette_for
-from rl_tui.tui.widgets.session_list import SessionList
-from rl_tui.tui.widgets.session_text import SessionRow, long_age, session_facts, short_age
 
 MakeSessionApp = Callable[..., RlTuiApp]
 NOW = datetime(2026, 3, 4, 12, 0, tzinfo=UTC)

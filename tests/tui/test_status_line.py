@@ -6,7 +6,7 @@ from samples import bandit, lake, look, planning, student
 from rl_tui.lab.live.playback import PREPARING
 from rl_tui.lab.live.snapshot import Phase, Snapshot, Timeline
 from rl_tui.lab.timeline.branches import Branch
-from rl_tui.tui.widgets.status_line import StatusLine
+from rl_tui.tui.panels.status_line import StatusLine
 
 
 def drawn(snapshot: Snapshot | None, width: int = 80, *, ascii: bool = False) -> str:  # noqa: A002

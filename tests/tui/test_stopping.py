@@ -13,11 +13,11 @@ from rl_tui.common.errors import UserError
 from rl_tui.lab.live.commands import ClearBreakpoints, Command, RunUntil, ToggleBreakpoint, Train
 from rl_tui.lab.live.snapshot import Phase, Snapshot
 from rl_tui.lab.live.until import Event, Until
-from rl_tui.tui.app import RlTuiApp
-from rl_tui.tui.screens.playground import Playground
-from rl_tui.tui.screens.prompt import Prompt
-from rl_tui.tui.screens.until import UntilChoice
-from rl_tui.tui.screenshot import settle
+from rl_tui.tui.app.app import RlTuiApp
+from rl_tui.tui.app.screenshot import settle
+from rl_tui.tui.screens.dialogs.prompt import Prompt
+from rl_tui.tui.screens.dialogs.until import UntilChoice
+from rl_tui.tui.screens.playground.playground import Playground
 
 ASKED = (RunUntil, ToggleBreakpoint, ClearBreakpoints)
 

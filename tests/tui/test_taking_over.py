@@ -13,13 +13,13 @@ from rl_tui.common.errors import UserError
 from rl_tui.lab.live.commands import Command, GoTo, RunEpisode, Step, Take, Train
 from rl_tui.lab.live.snapshot import Phase
 from rl_tui.lab.run.recipe import JournalEntry, TakeAction
-from rl_tui.tui.screens.arrangement import WORLD
+from rl_tui.tui.app.screenshot import settle
+from rl_tui.tui.panels.controls.slider import Slider
+from rl_tui.tui.panels.key_line import KeyLine
+from rl_tui.tui.panels.status_line import StatusLine
 from rl_tui.tui.screens.help import HelpScreen
-from rl_tui.tui.screens.playground import Playground
-from rl_tui.tui.screenshot import settle
-from rl_tui.tui.widgets.key_line import KeyLine
-from rl_tui.tui.widgets.slider import Slider
-from rl_tui.tui.widgets.status_line import StatusLine
+from rl_tui.tui.screens.playground.arrangement import WORLD
+from rl_tui.tui.screens.playground.playground import Playground
 
 LEFT, DOWN, RIGHT, UP = range(4)
 

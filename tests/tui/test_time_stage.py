@@ -24,9 +24,9 @@ from rl_tui.lab.live.commands import (
 from rl_tui.lab.live.snapshot import Phase, Snapshot, Timeline
 from rl_tui.lab.run.recipe import JournalEntry, SetParameter
 from rl_tui.lab.timeline.branches import Branch
-from rl_tui.tui.screens.prompt import Prompt
-from rl_tui.tui.screenshot import settle
-from rl_tui.tui.widgets.slider import Slider
+from rl_tui.tui.app.screenshot import settle
+from rl_tui.tui.panels.controls.slider import Slider
+from rl_tui.tui.screens.dialogs.prompt import Prompt
 
 JOURNAL = (JournalEntry(40, SetParameter("alpha", 0.5)),)
 

@@ -10,14 +10,14 @@ from textual.widget import Widget
 
 from rl_tui.common.errors import UserError
 from rl_tui.lab.live.snapshot import Phase, Snapshot
-from rl_tui.tui.screenshot import settle
-from rl_tui.tui.widgets.curve import ReturnCurve
-from rl_tui.tui.widgets.inspector import Inspector
-from rl_tui.tui.widgets.q_table import QTable
-from rl_tui.tui.widgets.slider import Slider
-from rl_tui.tui.world_views import world_view
-from rl_tui.tui.world_views.arms import ArmsView
-from rl_tui.tui.world_views.arms_scale import NO_SCALE
+from rl_tui.tui.app.screenshot import settle
+from rl_tui.tui.panels.controls.slider import Slider
+from rl_tui.tui.panels.curve.curve import ReturnCurve
+from rl_tui.tui.panels.last_step.last_step import Inspector
+from rl_tui.tui.panels.q_table.q_table import QTable
+from rl_tui.tui.panels.world.arms.arms import ArmsView
+from rl_tui.tui.panels.world.arms.scale import NO_SCALE
+from rl_tui.tui.panels.world.views import world_view
 
 Moment = tuple[str, ...]
 """What the panels say, and the bits behind it."""

@@ -12,14 +12,14 @@ from textual.widgets import Button
 from rl_tui.lab.live.snapshot import Phase, Snapshot, Timeline
 from rl_tui.lab.run.recipe import JournalEntry, SetParameter, SwitchAlgorithm, TakeAction
 from rl_tui.lab.timeline.branches import Branch
-from rl_tui.tui.theme.palette import Palette
-from rl_tui.tui.widgets.timeline import TimelineBar
-from rl_tui.tui.widgets.timeline_picture import (
+from rl_tui.tui.panels.timeline.picture import (
     TimelineState,
     Track,
     timeline_form,
     timeline_strip,
 )
+from rl_tui.tui.panels.timeline.timeline import TimelineBar
+from rl_tui.tui.theme.palette import Palette
 
 JOURNAL = (
     JournalEntry(2_500, SetParameter("alpha", 0.5)),

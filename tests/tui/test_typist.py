@@ -9,9 +9,9 @@ from textual.app import App, ComposeResult
 from textual.events import Event, Key, MouseUp
 from textual.widgets import Input
 
-from rl_tui.tui.app import RlTuiApp
-from rl_tui.tui.terminal.input_parser import EscapeOrAlt
-from rl_tui.tui.typist import Typist
+from rl_tui.terminal.input_parser import EscapeOrAlt
+from rl_tui.terminal.key_queue import Typist
+from rl_tui.tui.app.app import RlTuiApp
 
 
 async def test_of_a_flood_of_keys_only_so_many_are_held() -> None:

@@ -12,7 +12,7 @@ from rl_tui.agents.catalogue import ALGORITHMS
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.agents.last_step import NOTHING
 from rl_tui.lab.live.snapshot import Snapshot
-from rl_tui.tui.widgets.inspector import Inspector
+from rl_tui.tui.panels.last_step.last_step import Inspector
 
 LAKE = lake(slippery=False)
 

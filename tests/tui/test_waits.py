@@ -7,7 +7,7 @@ from samples import bandit, lake, look, planning, stepped_lake, student
 
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.live.until import Event, Until
-from rl_tui.tui.screens.waits import Wait, ask_number, waits
+from rl_tui.tui.screens.dialogs.until_options import Wait, ask_number, waits
 
 GLYPHS = look().glyphs
 

@@ -12,12 +12,12 @@ from textual.binding import Binding, BindingType
 from textual.containers import Vertical, VerticalScroll
 from textual.widgets import Static
 
-from rl_tui.tui.action import Place
-from rl_tui.tui.actions import actions_of
-from rl_tui.tui.screens.dialog import Dialog
+from rl_tui.tui.app.action import Place
+from rl_tui.tui.app.actions import actions_of
+from rl_tui.tui.panels.notes import notes_markdown
+from rl_tui.tui.screens.dialogs.dialog import Dialog
+from rl_tui.tui.screens.explained import Explained, Explanation
 from rl_tui.tui.theme.look import Look
-from rl_tui.tui.widgets.explained import Explained, Explanation
-from rl_tui.tui.widgets.notes import notes_markdown
 
 _PANELS: Final = (
     (

@@ -10,11 +10,11 @@ from textual.screen import Screen
 from textual.widget import Widget
 from textual.widgets import Static
 
-from rl_tui.tui.action import Place
-from rl_tui.tui.screens.arrangement import ROOMY_HEIGHT, ROOMY_WIDTH
+from rl_tui.tui.app.action import Place
+from rl_tui.tui.draw.to_ascii import written
+from rl_tui.tui.panels.key_line import KeyLine
+from rl_tui.tui.screens.playground.arrangement import ROOMY_HEIGHT, ROOMY_WIDTH
 from rl_tui.tui.theme.look import Look
-from rl_tui.tui.widgets.key_line import KeyLine
-from rl_tui.tui.written import written
 
 LEAST_WIDTH: Final = 60
 LEAST_HEIGHT: Final = 18

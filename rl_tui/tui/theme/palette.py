@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Final, Literal
 
-from rl_tui.tui.theme import colours_16, colours_256, colours_none, colours_truecolor
+from rl_tui.tui.theme.palettes import colours_16, colours_256, colours_none, colours_truecolor
 from rl_tui.tui.theme.roles import Palette
 
 __all__ = ["Depth", "Palette", "palette_for"]

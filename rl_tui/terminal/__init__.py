@@ -1,0 +1,1 @@
+"""Between Textual and the terminal: what is read, what is written, and how fast."""

@@ -1,0 +1,188 @@
+"""The terminal's life: taken, lent back to the shell while the program is stopped, slow, or gone."""
+
+from __future__ import annotations
+
+import asyncio
+import os
+import signal
+import sys
+from collections.abc import Callable
+from contextlib import suppress
+from typing import Any, Final
+
+from textual._ansi_sequences import SYNC_END
+from textual.app import App
+from textual.drivers.linux_driver import LinuxDriver
+from textual.message import Message
+
+from rl_tui.terminal.ending import HUNG_UP, end_at_last
+from rl_tui.terminal.linked_app import LinkedApp
+from rl_tui.terminal.reader import messages_from
+from rl_tui.terminal.writer import TerminalWriter
+
+LONGEST_FAREWELL: Final = 3.0  # seconds
+
+
+class TerminalDriver(LinuxDriver):
+    """Textual's driver for Unix, for terminals that do not read, come and go.
+
+    ``write`` never waits: who draws asks by ``waiting`` whether the terminal keeps up. Where it is gone, the
+    app gets the message ``Lost``, and the process ends some seconds later in any case. After it was stopped,
+    the screen is drawn anew, and the app's ``app_resume_signal`` says so.
+    """
+
+    class Lost(Message):
+        """There is no terminal any more."""
+
+    def __init__(
+        self, app: App[Any], *, debug: bool = False, mouse: bool = True, size: tuple[int, int] | None = None
+    ) -> None:
+        may_stop = signal.getsignal(signal.SIGTSTP) is not signal.SIG_IGN
+        super().__init__(app, debug=debug, mouse=mouse, size=size)
+        if not may_stop:  # a shell that knows no jobs could not bring it back
+            signal.signal(signal.SIGTSTP, signal.SIG_IGN)
+        self._may_stop = may_stop
+        # not to where errors go, as Textual does: they may be on their way into a file
+        output = sys.__stdout__ or sys.stdout
+        self._encoding = output.encoding
+        self._output = TerminalWriter(output.fileno(), self._lose)
+        self._is_lost = False
+        self._is_away = False
+        self._continued = 0
+
+    # Writing
+
+    def write(self, data: str) -> None:
+        """Put ``data`` on its way."""
+        self._output.write(data.encode(self._encoding, "replace"))
+
+    @property
+    def waiting(self) -> int:
+        """Bytes that the system has not taken yet."""
+        return self._output.waiting
+
+    # Beginning and end
+
+    def start_application_mode(self) -> None:
+        """Take the terminal."""
+        super().start_application_mode()  # type: ignore[no-untyped-call]
+        if self._writer_thread is not None:  # nothing is written by Textual's own
+            self._writer_thread.stop()
+            self._writer_thread = None
+
+    def stop_application_mode(self) -> None:
+        """Give the terminal back as it was; pictures that are still on their way are dropped."""
+        self._output.forget()
+        if self._app._sync_available:
+            self.write(SYNC_END)  # the one that was on its way is among them
+        super().stop_application_mode()
+        self._output.drain(LONGEST_FAREWELL)
+
+    def close(self) -> None:
+        """End what writes."""
+        super().close()
+        if not self._is_away:
+            self._output.close(LONGEST_FAREWELL)
+
+    def _get_terminal_size(self) -> tuple[int, int]:
+        # the environment may say how large some other terminal was
+        with suppress(OSError):
+            size = os.get_terminal_size(self.fileno)
+            if size.columns and size.lines:
+                return size.columns, size.lines
+        return super()._get_terminal_size()
+
+    # Losing it
+
+    def _run_input_thread(self) -> None:
+        try:
+            for message in messages_from(self.fileno, self.exit_event, debug=self._debug):
+                self.process_message(message)
+        except (EOFError, OSError):
+            self._lose()
+        except Exception as fault:  # nobody would read keys any more: better to end and say why
+            self._soon(self._app._handle_exception, fault)
+
+    def _lose(self) -> None:
+        if not self._is_lost:
+            self._is_lost = True
+            end_at_last(HUNG_UP)
+            self._soon(self._app.post_message, self.Lost())
+
+    def _soon(self, do: Callable[..., object], *args: object) -> None:
+        """Have something done in the event loop, from any thread or signal handler."""
+        with suppress(RuntimeError):  # the loop has ended, and the program is about to
+            self._loop.call_soon_threadsafe(do, *args)
+
+    # Being stopped
+
+    @property
+    def can_suspend(self) -> bool:
+        """Whether there is a shell that can bring the program back after ctrl+z."""
+        with suppress(OSError):
+            parent = os.getppid()  # 0 where it lives in another container
+            return self._may_stop and parent > 0 and os.getsid(parent) == os.getsid(0)
+        return False
+
+    async def suspend(self) -> None:
+        """Give the terminal back and stop, together with what was started along, until the shell says go on.
+
+        Where no shell looks after the program it goes on at once.
+        """
+        await self._leave(_stop_group)
+
+    def _sigtstp_application(self, *_: object) -> None:
+        # asked for from outside: whoever does this can also let it go on
+        asyncio.run_coroutine_threadsafe(self._leave(_stop), self._loop)
+
+    def _sigcont_application(self, *_: object) -> None:
+        self._continued += 1
+        if not self._is_away:  # stopped without being asked: somebody else may have used the terminal
+            self._soon(self._pause, _go_on)
+
+    async def _leave(self, stop: Callable[[], None]) -> None:
+        if isinstance(self._app, LinkedApp) and not self._is_away:
+            await self._app.rest()
+        self._pause(stop)
+
+    def _pause(self, stop: Callable[[], None]) -> None:
+        if self._is_away or not self._app._running:
+            return
+        self._is_away = True
+        self.suspend_application_mode()
+        stop()
+        while self._is_in_background():
+            before = self._continued
+            os.killpg(0, signal.SIGTTIN)
+            if self._continued == before:  # nobody is there who could bring it to the foreground
+                break
+        self._is_away = False
+        self.resume_application_mode()
+        self._app.call_later(self._draw_anew)
+
+    def _is_in_background(self) -> bool:
+        try:
+            return os.tcgetpgrp(self.fileno) != os.getpgrp()
+        except OSError:  # gone; whoever reads next will tell
+            return False
+
+    def _draw_anew(self) -> None:
+        self._app.app_resume_signal.publish(self._app)
+        self._app.refresh(layout=True)
+
+
+def _go_on() -> None:
+    """Do not stop."""
+
+
+def _stop() -> None:
+    os.kill(os.getpid(), signal.SIGSTOP)
+
+
+def _stop_group() -> None:
+    """Stop as the terminal itself would do it: not where nobody could continue the processes."""
+    ours = signal.signal(signal.SIGTSTP, signal.SIG_DFL)
+    try:
+        os.killpg(0, signal.SIGTSTP)
+    finally:
+        signal.signal(signal.SIGTSTP, ours)

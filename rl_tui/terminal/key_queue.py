@@ -1,0 +1,117 @@
+"""Keys one at a time: what a key does is done, its dialog open and in focus, before the next one counts.
+
+Textual hands a key to the widget in focus, from which it rises through the queues of all that is around it.
+Only then are the bindings looked up, and a screen that an action opens takes its time to come. A key typed
+meanwhile would go to whatever was in focus before. So keys are held back until nothing of the last one is on
+its way.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from collections import deque
+from collections.abc import Awaitable, Callable
+from contextlib import suppress
+from typing import Any, Final
+
+from textual.app import App, ScreenStackError
+from textual.command import CommandPalette
+from textual.dom import DOMNode
+from textual.events import Event, Key
+
+from rl_tui.terminal.input_parser import EscapeOrAlt
+
+PATIENCE: Final = 5.0  # seconds: a widget that is stuck must not keep the keyboard for ever
+MOST_HELD: Final = 1_000  # keys: nobody types so far ahead, and who floods us gets no memory for it
+_LOOK_AGAIN: Final = 0.1  # seconds: what is removed meanwhile does not answer
+
+
+class Typist:
+    """Lets ``handle``, which is Textual's own way, have the keys and pastes of ``app`` one at a time.
+
+    Of those that come meanwhile ``most`` are held back; more are lost.
+    """
+
+    def __init__(
+        self, app: App[Any], handle: Callable[[Event], Awaitable[None]], most: int = MOST_HELD
+    ) -> None:
+        self._app = app
+        self._handle = handle
+        self._most = most
+        self._held: deque[Event] = deque()
+        self._settling: asyncio.Task[None] | None = None
+        self._has_rest = asyncio.Event()
+        self._has_rest.set()
+
+    async def rest(self) -> None:
+        """Wait until all that was typed is done."""
+        await self._has_rest.wait()
+
+    async def take(self, event: Event) -> None:
+        """Handle ``event`` now, or once all that was typed before it is done."""
+        if self._settling is None:
+            await self._type(event)
+        elif len(self._held) < self._most:
+            self._held.append(event)
+
+    async def _type(self, event: Event) -> None:
+        if isinstance(event, EscapeOrAlt):
+            event = self._first_of(event)
+        aim = self._in_focus()
+        self._has_rest.clear()
+        await self._handle(event)
+        self._settling = asyncio.create_task(self._settle(aim), name="typist")
+
+    def _first_of(self, event: EscapeOrAlt) -> Key:
+        """Return the key that ``event`` is where that does something, else escape, with the other next."""
+        if event.key in self._app.active_bindings:
+            return Key(event.key, event.character)
+        self._held.appendleft(event.typed)
+        return Key("escape", "\x1b")
+
+    async def _settle(self, aim: DOMNode) -> None:
+        """Wait until nothing of the last key is on its way, then let the next one through."""
+        with suppress(TimeoutError, ScreenStackError):  # no screen: the program is ending
+            async with asyncio.timeout(PATIENCE):
+                await self._pass_through(aim)
+                await self._follow_focus()
+                if self._held and _is_enter(self._held[0]):
+                    await self._find_entries()
+        if not (self._held and self._app.call_later(self._type_next)):
+            self._settling = None
+            self._has_rest.set()
+
+    async def _type_next(self) -> None:
+        await self._type(self._held.popleft())
+
+    async def _follow_focus(self) -> None:
+        """Wait for what the key's action has sent on, and for the screen that it has opened."""
+        before = None
+        while (now := self._in_focus()) is not before:
+            before = now
+            await self._pass_through(now)
+
+    async def _pass_through(self, node: DOMNode) -> None:
+        """Wait until ``node`` and all that is around it have dealt with what was sent to them until now."""
+        for each in node.ancestors_with_self:
+            is_done = asyncio.Event()
+            is_sent = each.call_later(is_done.set)
+            while is_sent and not is_done.is_set() and (each is self._app or each.is_attached):
+                with suppress(TimeoutError):
+                    async with asyncio.timeout(_LOOK_AGAIN):
+                        await is_done.wait()
+
+    async def _find_entries(self) -> None:
+        """Wait until the palette has found what was typed: enter is for the best of it."""
+        screen = self._app.screen
+        if isinstance(screen, CommandPalette):
+            looking = [worker.wait() for worker in self._app.workers if worker.node is screen]
+            await asyncio.gather(*looking, return_exceptions=True)
+            await self._pass_through(self._in_focus())
+
+    def _in_focus(self) -> DOMNode:
+        return self._app.focused or self._app.screen
+
+
+def _is_enter(event: Event) -> bool:
+    return isinstance(event, Key) and event.key == "enter"

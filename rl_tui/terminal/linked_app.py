@@ -1,0 +1,139 @@
+"""An app that sends its terminal differences only, and no more than arrives."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from typing import Any, Final, TypeVar
+
+from rich.color import ColorSystem
+from rich.console import RenderableType
+from textual import events
+from textual._compositor import ChopsUpdate, LayoutUpdate
+from textual.app import App
+from textual.driver import Driver
+from textual.geometry import Region
+from textual.message import Message
+from textual.screen import Screen
+from textual.timer import Timer
+
+from rl_tui.terminal.output import Output
+
+_ARRANGING: Final = 0.1  # seconds after a change of size in which panels find their places
+ReturnType = TypeVar("ReturnType")
+
+
+class LinkedApp(App[ReturnType]):
+    """Puts an :class:`Output` between the compositor and the driver, if that leads to a terminal."""
+
+    def __init__(self, driver_class: type[Driver] | None = None, *, ansi_color: bool = False) -> None:
+        super().__init__(driver_class, ansi_color=ansi_color)
+        self._output: Output | None = None
+        self._arranging: Timer | None = None
+        self._drawn: Screen[object] | None = None
+        self._in_front = range(0)  # the lines of the dialog that was open when it was drawn
+
+    def set_timer(self, delay: float, callback: Callable[[], object] | None = None, **options: Any) -> Timer:
+        """Have ``callback`` called once after ``delay`` seconds, or later where the machine is busy.
+
+        Textual leaves out what comes too late, be it all that there is: a change of size that it held back
+        for milliseconds could be lost, and every later one then waited for it.
+        """
+        timer = super().set_timer(delay, callback, **options)
+        timer._skip = False
+        return timer
+
+    @property
+    def has_slow_link(self) -> bool:
+        """Whether what changes on screen takes its time to arrive, so that it should be little."""
+        return self._output is not None and self._output.link.is_slow
+
+    async def arrived(self) -> None:
+        """Wait until the terminal shows what was drawn until now."""
+        if self._output is not None:
+            await self._output.arrived()
+
+    async def rest(self) -> None:
+        """Draw nothing more until the terminal is taken again, and wait for its last answer."""
+        if self._output is not None:
+            await self._output.rest()
+
+    def action_redraw(self) -> None:
+        """Draw everything again: something else may have written over it."""
+        if self._output is not None:
+            self._output.draw_again()
+
+    def on_resize(self, event: events.Resize) -> None:
+        """Draw everything again: after a change of size, or a pause, nobody knows what the terminal shows."""
+        if self._output is not None:
+            self._output.resize(*event.size)
+            if self._arranging is not None:
+                self._arranging.stop()
+            self._arranging = self.set_timer(_ARRANGING, self._output.wake)
+
+    def _display(self, screen: Screen[object], renderable: RenderableType | None) -> None:
+        if not isinstance(renderable, ChopsUpdate | LayoutUpdate) or not self._leads_to_terminal():
+            super()._display(screen, renderable)
+            return
+        if self._running and not self._closed and not self._batch_count:
+            try:
+                self._draw_on(self._output_of_driver(), screen, renderable)
+            except Exception as error:  # as Textual does: it is shown once the terminal is restored
+                self._handle_exception(error)
+        self.post_display_hook()
+
+    def _leads_to_terminal(self) -> bool:
+        return self._driver is not None and not self.is_headless and not self.is_inline
+
+    def _output_of_driver(self) -> Output:
+        if self._output is None:
+            assert self._driver is not None
+            system = self.console._color_system or ColorSystem.TRUECOLOR
+            self._output = Output(self._driver.write, system, partial(getattr, self._driver, "waiting", 0))
+            self._output.resize(*self.size)
+            self._output.wake()
+        return self._output
+
+    def _draw_on(self, output: Output, screen: Screen[object], update: ChopsUpdate | LayoutUpdate) -> None:
+        lines = _lines_of_dialog(screen)
+        if screen is not self._drawn:  # a dialog has come or gone: that is what was asked for
+            output.begin_with(lines or self._in_front)
+        self._drawn, self._in_front = screen, lines
+        output.synchronises = self._sync_available
+        output.place_cursor(*self.screen.outer_size.clamp_offset(self.cursor_position))
+        if isinstance(update, LayoutUpdate):
+            for y, strips in enumerate(update.strips, update.region.y):
+                output.put(update.region.x, y, (segment for strip in strips for segment in strip))
+        else:
+            for y, start, end in update.spans:
+                # what Textual would write: pieces that begin in the span, cut at its end
+                for (x, strip), piece_end in zip(update.chops[y].items(), update.chop_ends[y], strict=True):
+                    if strip is not None and x <= end and piece_end > start:
+                        is_inside = start <= x and piece_end <= end
+                        output.put(x, y, strip if is_inside else strip.crop(0, min(piece_end, end) - x))
+        output.send()
+
+    async def _post_message(self, message: Message) -> bool:
+        if self._output is not None:
+            if isinstance(message, events.CursorPosition):
+                # not one more message in the queue: others need not wait to be dealt with
+                self._output.answer(message.x, message.y)
+                return True
+            if isinstance(message, events.Key | events.MouseDown):
+                self._output.link.hurry()
+        return await super()._post_message(message)
+
+    async def _process_messages_loop(self) -> None:
+        try:
+            await super()._process_messages_loop()
+        finally:
+            if self._output is not None:
+                await self._output.rest()
+
+
+def _lines_of_dialog(screen: Screen[object]) -> range:
+    """Return the lines of the box that lies over another screen, none of a screen that fills the terminal."""
+    if not screen.is_modal:
+        return range(0)
+    box = Region.from_union([child.region for child in screen.children] or [Region()])
+    return range(box.y, box.bottom)

@@ -1,0 +1,1 @@
+"""The app and everything a person can do in it."""

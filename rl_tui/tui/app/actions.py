@@ -1,0 +1,358 @@
+"""Everything a person can do, once: bindings, palette, help panel and key line derive from this list."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from textual.binding import Binding, BindingType
+
+from rl_tui.tui.app.action import Action, Group, Place
+
+ORDINALS: Final = ("first", "second", "third", "fourth")
+
+ACTIONS: Final[tuple[Action, ...]] = (
+    Action(
+        "open",
+        ("enter",),
+        "enter",
+        "open",
+        "Open the scenario, or go on with the session.",
+        Group.SCENARIO,
+        Place.CATALOGUE,
+        rank=0,
+    ),
+    Action(
+        "delete_session",
+        ("delete",),
+        "del",
+        "delete",
+        "Delete the session under the cursor, after asking; tab goes to the sessions.",
+        Group.SESSION,
+        Place.CATALOGUE,
+        for_the_owner=True,
+    ),
+    Action("run", ("space",), "space", "run", "Run, or pause where it stands.", Group.RUN, rank=0),
+    Action("step", ("s",), "s", "step", "Take one step, then pause.", Group.RUN, rank=1),
+    Action(
+        "episode",
+        ("e",),
+        "e",
+        "episode",
+        "Run to the end of the episode (of a planner: the sweep), then pause.",
+        Group.RUN,
+        rank=2,
+    ),
+    Action(
+        "faster",
+        ("plus", "equals_sign"),
+        "+",
+        "faster",
+        "Next higher speed: 1, 3, 10, 30 … steps a second, up to as fast as it goes.",
+        Group.RUN,
+        rank=3,
+        hint=("+ −", "speed"),
+    ),
+    Action("slower", ("minus", "underscore"), "−", "slower", "Next lower speed.", Group.RUN),
+    Action("reset", ("r",), "r", "reset", "Start again: these settings, the same seed.", Group.RUN, rank=12),
+    Action(
+        "step_back",
+        ("b",),
+        "b",
+        "step back",
+        "Go one step back; to change something there begins another branch.",
+        Group.TIME,
+        rank=3,
+        hint=("b B", "back"),
+    ),
+    Action(
+        "episode_back",
+        ("B",),
+        "B",
+        "episode back",
+        "Go back to where the episode began, then to the one before it.",
+        Group.TIME,
+    ),
+    Action(
+        "go_to",
+        ("g",),
+        "g",
+        "go to",
+        "Go to a step or an episode, as far as the run has come; or drag the timeline.",
+        Group.TIME,
+        rank=15,
+    ),
+    Action(
+        "branches",
+        ("j",),
+        "j",
+        "journal",
+        "Show the branches of the run and what was changed in each; enter goes to one.",
+        Group.TIME,
+        rank=16,
+    ),
+    Action(
+        "until",
+        ("u",),
+        "u",
+        "run until",
+        "Run until a reward, a change of the policy, a value: choose what to wait for.",
+        Group.TIME,
+        rank=6,
+    ),
+    Action(
+        "breakpoint",
+        ("k",),
+        "k",
+        "breakpoint",
+        "Pause whenever the state or pair under the cursor is met; again takes it away.",
+        Group.TIME,
+        rank=17,
+    ),
+    Action(
+        "clear_breakpoints",
+        ("K",),
+        "K",
+        "no breakpoints",
+        "Take all breakpoints away.",
+        Group.TIME,
+    ),
+    Action(
+        "algorithm",
+        ("a",),
+        "a",
+        "algorithm",
+        "Choose the algorithm; Q and visits are kept.",
+        Group.AGENT,
+        rank=9,
+    ),
+    Action(
+        "policy",
+        ("p",),
+        "p",
+        "policy",
+        "Choose the rule by which actions are chosen.",
+        Group.AGENT,
+        rank=13,
+    ),
+    Action(
+        "ties",
+        ("t",),
+        "t",
+        "ties",
+        "Break ties between equal best actions at random, or take the first.",
+        Group.AGENT,
+        rank=20,
+    ),
+    Action(
+        "initial_q",
+        ("i",),
+        "i",
+        "initial Q",
+        "Set what every estimate starts from, and start again.",
+        Group.AGENT,
+        rank=21,
+    ),
+    Action("seed", ("n",), "n", "seed", "Set the seed, and start again.", Group.AGENT, rank=22),
+    *(
+        Action(
+            f"slider_{number}",
+            (str(number),),
+            str(number),
+            f"{ordinal} slider",
+            f"Put the focus on the {ordinal} slider; there digits type a value.",
+            Group.AGENT,
+            command=f"slider({number})",
+        )
+        for number, ordinal in enumerate(ORDINALS, start=1)
+    ),
+    Action(
+        "options",
+        ("o",),
+        "o",
+        "options",
+        "Everything the agent is told, schedules and sample averages too; enter changes it.",
+        Group.AGENT,
+        rank=14,
+    ),
+    Action(
+        "take_over",
+        ("y",),
+        "y",
+        "you",
+        "Be the agent: arrows or numbers take its steps, and it learns from them; again hands back.",
+        Group.AGENT,
+        rank=8,
+    ),
+    Action(
+        "layer",
+        ("v",),
+        "v",
+        "layer",
+        "Next layer of the table: Q, exact Q*, error Q−Q*, visits.",
+        Group.VIEW,
+        rank=4,
+    ),
+    Action(
+        "zoom",
+        ("f",),
+        "f",
+        "zoom",
+        "Show the focused panel (else the world) alone, and back.",
+        Group.VIEW,
+        rank=11,
+    ),
+    Action(
+        "microscope",
+        ("d",),
+        "d",
+        "dissect",
+        "Take the last step apart: the loop, the backup, the return, the history of a cell.",
+        Group.VIEW,
+        rank=5,
+    ),
+    Action(
+        "compare",
+        ("c",),
+        "c",
+        "compare",
+        "Run another agent beside this one, with one thing different.",
+        Group.VIEW,
+        rank=7,
+    ),
+    Action("lane", ("l",), "l", "next lane", "Show the next of the runs side by side.", Group.VIEW),
+    Action("model", ("m",), "m", "model", "Show the model: the outcomes of each pair.", Group.VIEW, rank=11),
+    Action("reveal", ("h",), "h", "reveal", "Show or hide what a bandit keeps secret.", Group.VIEW, rank=18),
+    Action(
+        "save",
+        ("w",),
+        "w",
+        "save",
+        "Save the session under a name; it is kept by itself as well.",
+        Group.SESSION,
+        rank=19,
+        for_the_owner=True,
+    ),
+    Action(
+        "export",
+        ("x",),
+        "x",
+        "export",
+        "Write the run as a command, a Python script, tables or a picture.",
+        Group.SESSION,
+        rank=10,
+        for_the_owner=True,
+    ),
+    Action(
+        "previous_scenario",
+        ("left_square_bracket",),
+        "[",
+        "previous scenario",
+        "Go to the previous scenario.",
+        Group.SCENARIO,
+        rank=12,
+        hint=("[ ]", "scenario"),
+    ),
+    Action(
+        "next_scenario",
+        ("right_square_bracket",),
+        "]",
+        "next scenario",
+        "Go to the next scenario.",
+        Group.SCENARIO,
+    ),
+    Action(
+        "back",
+        ("escape",),
+        "esc",
+        "back",
+        "Leave the zoom or the microscope, else go back to the catalogue: twice, once a step was taken.",
+        Group.SCENARIO,
+        rank=18,
+    ),
+    Action(
+        "help",
+        ("question_mark",),
+        "?",
+        "help",
+        "Show all keys, how to read the panels, and the notes.",
+        Group.PROGRAM,
+        Place.BOTH,
+        rank=-1,
+    ),
+    Action(
+        "palette",
+        ("ctrl+p",),
+        "ctrl+p",
+        "palette",
+        "Find every action by its name, and the colour themes.",
+        Group.PROGRAM,
+        Place.BOTH,
+        command="app.command_palette",
+        rank=23,
+    ),
+    Action(
+        "redraw",
+        ("ctrl+l",),
+        "ctrl+l",
+        "draw again",
+        "Draw the whole screen again, where something else wrote over it.",
+        Group.PROGRAM,
+        Place.BOTH,
+        command="app.redraw",
+        everywhere=True,
+    ),
+    Action(
+        "suspend",
+        ("ctrl+z",),
+        "ctrl+z",
+        "to the shell",
+        "Stop here and go to the shell; its command fg comes back.",
+        Group.PROGRAM,
+        Place.BOTH,
+        command="app.suspend_process",
+        for_the_owner=True,
+        everywhere=True,
+    ),
+    Action(
+        "quit",
+        ("q",),
+        "q",
+        "quit",
+        "Quit; in the help and in the model only close them.",
+        Group.PROGRAM,
+        Place.BOTH,
+        command="app.quit",
+        rank=24,
+    ),
+)
+
+
+def actions_of(place: Place) -> tuple[Action, ...]:
+    """Return the actions that apply in ``place``, in the order of the list."""
+    screen = place & Place.BOTH
+    kiosk = Place.KIOSK in place
+    return tuple(
+        action for action in ACTIONS if screen in action.place and not (kiosk and action.for_the_owner)
+    )
+
+
+def bindings_of(place: Place) -> list[BindingType]:
+    """Return the key bindings of the screen ``place``."""
+    return [_binding(action) for action in actions_of(place)]
+
+
+def bindings_everywhere() -> list[BindingType]:
+    """Return the key bindings of the app that count before those of any screen, dialogs included."""
+    return [_binding(action, priority=True) for action in ACTIONS if action.everywhere]
+
+
+def _binding(action: Action, *, priority: bool = False) -> Binding:
+    return Binding(
+        ",".join(action.keys),
+        action.textual_action,
+        action.label,
+        key_display=action.shown,
+        tooltip=action.help,
+        id=action.id,
+        priority=priority,
+    )

@@ -1,0 +1,256 @@
+"""The program on screen: screens compose, verbs are commands, and nothing else grows here."""
+
+from __future__ import annotations
+
+import asyncio
+import os
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, ClassVar
+
+from textual.binding import BindingType
+from textual.command import CommandPalette, Provider
+from textual.css.query import NoMatches
+from textual.driver import Driver
+from textual.events import Event, InputEvent, Key, Paste
+from textual.theme import Theme, ThemeProvider
+
+from rl_tui.common.errors import UserError
+from rl_tui.common.findings import one_line
+from rl_tui.lab.run.library import recipe_for
+from rl_tui.lab.run.recipe import Recipe
+from rl_tui.terminal.choice import driver_class, go_to_shell
+from rl_tui.terminal.ending import HUNG_UP, end_when_told
+from rl_tui.terminal.key_queue import Typist
+from rl_tui.terminal.linked_app import LinkedApp
+from rl_tui.terminal.textual_workarounds import forget_left_screens
+from rl_tui.tui.app.actions import bindings_everywhere
+from rl_tui.tui.app.bugs import bug_of
+from rl_tui.tui.app.display import Display
+from rl_tui.tui.app.idleness import LOOKS, Idleness
+from rl_tui.tui.app.opening import MakePlayer, Opener, live_player
+from rl_tui.tui.app.palette_entries import ActionProvider
+from rl_tui.tui.theme.depth import choose_look, depth_of, environment_for, is_native
+from rl_tui.tui.theme.encoding import encoding_of
+from rl_tui.tui.theme.glyphs import ASCII
+from rl_tui.tui.theme.limited_themes import PICTURE_DARK, PICTURE_LIGHT, themes_for
+from rl_tui.tui.theme.look import Look
+from rl_tui.tui.theme.palette import Depth
+from rl_tui.tui.theme.scroll_bars import use_scroll_bars
+from rl_tui.worlds.files.catalogue import scenarios
+
+if TYPE_CHECKING:
+    from rich.console import RenderableType
+
+    from rl_tui.lab.sessions.session import StoredSession
+    from rl_tui.tui.screens.catalogue.catalogue import Catalogue
+    from rl_tui.tui.screens.playground.playground import Playground
+
+
+_LONGEST_ADDRESS = 300
+
+
+class RlTuiApp(LinkedApp[UserError]):
+    """Catalogue and playground; started with a recipe or a session, it goes straight to that playground.
+
+    ``make_player`` makes the thread behind a playground. A ``picture`` asks no terminal what it can do.
+    ``sessions`` is the folder in which sessions are kept, None to keep none. A ``kiosk`` offers nothing that
+    has to do with files, and pauses when nobody is there. The app's result is the fault that ended it, None
+    if none did. Raises UserError where the theme is not known.
+    """
+
+    TITLE = "rl-tui"
+    CSS_PATH = "app.tcss"
+    NOTIFICATION_TIMEOUT: ClassVar[float] = 3
+    BINDINGS: ClassVar[list[BindingType]] = bindings_everywhere()
+    COMMANDS: ClassVar[set[type[Provider] | Callable[[], type[Provider]]]] = {ActionProvider}
+
+    def __init__(
+        self,
+        display: Display | None = None,
+        start: Recipe | StoredSession | None = None,
+        make_player: MakePlayer = live_player,
+        *,
+        picture: bool = False,
+        sessions: Path | None = None,
+        kiosk: bool = False,
+    ) -> None:
+        options = display or Display()
+        depth = "truecolor" if picture and options.colors == "auto" else depth_of(options.colors, os.environ)
+        with environment_for(depth):
+            super().__init__(driver_class(), ansi_color=is_native(depth) and not picture)
+        if picture:
+            self.ansi_theme_dark, self.ansi_theme_light = PICTURE_DARK, PICTURE_LIGHT
+        for theme in themes_for(depth, picture=picture):
+            self.register_theme(theme)
+        if options.theme not in self.available_themes:
+            known = ", ".join(sorted(self.available_themes))
+            raise UserError(f"theme {options.theme!r} is not known; choose one of {known}")
+        self.theme = options.theme
+        self.options = options
+        self._depth: Depth = depth
+        named = encoding_of(os.environ, sys.stdout.encoding, utf8_mode=bool(sys.flags.utf8_mode))
+        self._encoding = "utf-8" if picture else named
+        self._start = start
+        self._opener = Opener(make_player, options.fps, sessions, kiosk=kiosk)
+        self._kiosk = kiosk
+        self._idleness = Idleness()
+        self._bug: Exception | None = None
+        self._typist = Typist(self, super().on_event)
+        has_ascii_only = self.look.glyphs is ASCII
+        self.set_class(has_ascii_only, "-ascii")
+        use_scroll_bars(ascii_only=has_ascii_only)
+
+    @property
+    def look(self) -> Look:
+        """The characters and colours in force."""
+        return choose_look(
+            self._depth, self.options.ascii, self.current_theme.dark, os.environ, self._encoding
+        )
+
+    def _build_driver(
+        self, headless: bool, inline: bool, mouse: bool, size: tuple[int, int] | None
+    ) -> Driver:
+        driver = super()._build_driver(headless, inline, mouse, size)
+        if not driver.is_headless:
+            end_when_told(self._end)  # before the terminal is taken: it has to be given back in any case
+        return driver
+
+    async def on_event(self, event: Event) -> None:
+        """Take keys one at a time, and everything else as it comes."""
+        if isinstance(event, InputEvent):
+            self._idleness.stir()
+            await asyncio.sleep(0)  # or a flood of it would let nothing else happen, not even an end
+        if isinstance(event, (Key, Paste)) and not event.is_forwarded:
+            await self._typist.take(event)
+        else:
+            await super().on_event(event)
+
+    async def typed(self) -> None:
+        """Wait until all that was typed is done, and what it opens is there."""
+        await self._typist.rest()
+
+    def on_mount(self) -> None:
+        """Open the first screen."""
+        self.theme_changed_signal.subscribe(self, self._follow_theme)
+        self.screen_change_signal.subscribe(self, forget_left_screens)
+        if not self.is_headless:
+            end_when_told(self._end)  # again: the driver for browsers has put its own way to end in place
+        if self._kiosk:
+            self.set_interval(LOOKS, self._pause_when_idle)
+        if self._start is None:
+            self.push_screen(self._opener.catalogue(self.look))
+        elif isinstance(self._start, Recipe):
+            self.push_screen(self._opener.playground(self.look, self._start))
+        else:
+            self.push_screen(self._opener.resumed(self.look, self._start, self._start.record()))
+
+    def on_catalogue_opened(self, event: Catalogue.Opened) -> None:
+        """Go to the playground."""
+        self._start = None  # from here on a fault leads back to the catalogue
+        self.switch_screen(self._opener.playground(self.look, event.recipe))
+
+    def on_session_shelf_resumed(self, event: Catalogue.Resumed) -> None:
+        """Go on with a session."""
+        self._start = None
+        self.switch_screen(self._opener.resumed(self.look, event.session, event.record))
+
+    def on_playground_left(self, event: Playground.Left) -> None:
+        """Go back to the catalogue; end where a fault meets the only run that was asked for."""
+        if event.fault is not None and self._start is not None:
+            self.exit(event.fault, return_code=1)
+            return
+        self._start = None
+        self._opener.close()  # the session has to be on the disk before the catalogue lists it
+        self.switch_screen(self._opener.catalogue(self.look, event.recipe.scenario.id, event.fault))
+
+    def on_playground_neighbour_wanted(self, event: Playground.NeighbourWanted) -> None:
+        """Go to the scenario before or after; from a file that is not listed, to the first or last."""
+        known = scenarios()
+        ids = [scenario.id for scenario in known]
+        unlisted = min(0, -event.offset)
+        here = ids.index(event.recipe.scenario.id) if event.recipe.scenario.id in ids else unlisted
+        try:
+            recipe = recipe_for(known[(here + event.offset) % len(known)], {}, event.recipe.seed)
+        except UserError as fault:
+            self.notify(str(fault), severity="error", markup=False)
+            return
+        self._start = None
+        self.switch_screen(self._opener.playground(self.look, recipe))
+
+    def _pause_when_idle(self) -> None:
+        from rl_tui.tui.screens.playground.playground import Playground
+
+        if self._idleness.begins():
+            for screen in self.screen_stack:
+                if isinstance(screen, Playground):
+                    screen.rest()
+
+    def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
+        """Refuse a kiosk to stop its process for a shell that may not be there."""
+        if self._kiosk and action == "suspend_process":
+            return False
+        return super().check_action(action, parameters)
+
+    def open_url(self, url: str, *, new_tab: bool = True) -> None:
+        """Show the address ``url``: a browser would open where the program runs, not where it is read."""
+        self.notify(one_line(url, _LONGEST_ADDRESS), title="address", timeout=15, markup=False)
+
+    def action_command_palette(self) -> None:
+        """Open the palette."""
+        if not isinstance(self.screen, CommandPalette):
+            self._open_palette("find an action")
+
+    async def action_suspend_process(self) -> None:  # type: ignore[override]
+        """Go back to the shell, if there is one that can bring the program back."""
+        if not await go_to_shell(self._driver):
+            self.notify("there is no shell here to go back to; q quits", markup=False)
+
+    def on_terminal_driver_lost(self) -> None:
+        """End as if told that the terminal is closed, which is what has happened."""
+        self._end(HUNG_UP)
+
+    def exit(
+        self, result: UserError | None = None, return_code: int = 0, message: RenderableType | None = None
+    ) -> None:
+        """End the app, and all that is under way with it: what mounts a widget from now on would fail."""
+        self.workers.cancel_all()
+        super().exit(result, return_code, message)
+
+    def search_themes(self) -> None:
+        """Open the palette with the themes alone."""
+        self._open_palette("find a theme", ThemeProvider)
+
+    def _open_palette(self, placeholder: str, *providers: type[Provider]) -> None:
+        classes = "-slow" if self.has_slow_link else None
+        self.push_screen(CommandPalette(providers or None, placeholder=placeholder, classes=classes))
+
+    def _end(self, status: int) -> None:
+        self._opener.close()  # what was done is kept first: there may be little time
+        self.exit(return_code=status)
+
+    @property
+    def bug(self) -> Exception | None:
+        """The unexpected fault that ended the program, with what became of the session; None if none did."""
+        return self._bug
+
+    def _handle_exception(self, error: Exception) -> None:
+        if self._exit and isinstance(error, NoMatches):
+            return  # of a screen that opens while the program ends, the widgets may be gone already
+        super()._handle_exception(error)
+
+    def _fatal_error(self) -> None:
+        # Textual would print pages here; the command line says in one line what has happened
+        if self._bug is None:
+            self._opener.close()
+            self._bug = bug_of(self._exception, self._opener.autosave)
+        self._close_messages_no_wait()
+
+    def _follow_theme(self, _: Theme) -> None:
+        look = self.look
+        for screen in self.screen_stack:
+            for widget in screen.walk_children(with_self=True):
+                if hasattr(widget, "look"):
+                    widget.look = look
+                    widget.refresh()

@@ -1,0 +1,104 @@
+"""The screens of the app and what stands behind them: a player, and the session that it is kept in.
+
+Each screen is imported when it is first wanted: the first paint waits for one of them only, that of the
+catalogue not for numpy and a dozen widgets.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Protocol
+
+from rl_tui.common.errors import UserError
+from rl_tui.lab.run.recipe import Recipe
+from rl_tui.tui.app.action import Place
+from rl_tui.tui.theme.look import Look
+
+if TYPE_CHECKING:
+    from rl_tui.lab.live.player import Player
+    from rl_tui.lab.live.record import Record
+    from rl_tui.lab.live.record_sink import Keeper
+    from rl_tui.lab.sessions.autosave import Autosave
+    from rl_tui.lab.sessions.session import StoredSession
+    from rl_tui.tui.screens.catalogue.catalogue import Catalogue
+    from rl_tui.tui.screens.playground.playground import Playground
+
+
+class MakePlayer(Protocol):
+    """Makes the thread behind a playground; ``record`` is what to go on with."""
+
+    def __call__(self, recipe: Recipe, *, keeper: Keeper | None, record: Record | None) -> Player:
+        """Return the player of ``recipe``."""
+
+
+def live_player(recipe: Recipe, *, keeper: Keeper | None, record: Record | None) -> Player:
+    """Return a player that takes steps as time passes."""
+    from rl_tui.lab.live.player import Player
+
+    return Player(recipe, keeper=keeper, record=record)
+
+
+class Opener:
+    """Makes catalogues and playgrounds, which draw at most ``fps`` frames a second.
+
+    ``sessions`` is the folder in which sessions are kept, None to keep none. The screens of a ``kiosk`` offer
+    nothing that has to do with files.
+    """
+
+    def __init__(self, make_player: MakePlayer, fps: float, sessions: Path | None, *, kiosk: bool) -> None:
+        self._make_player = make_player
+        self._fps = fps
+        self._sessions = sessions
+        self._kiosk = kiosk
+        self._player: Player | None = None
+        self.autosave: Autosave | None = None
+        """What keeps the newest playground's session, if anything does."""
+
+    def catalogue(self, look: Look, start_at: str = "", fault: UserError | None = None) -> Catalogue:
+        """Return the catalogue with its cursor on the scenario ``start_at``; it tells the ``fault``."""
+        from rl_tui.tui.screens.catalogue.catalogue import Catalogue
+
+        catalogue = Catalogue(look, start_at, fault, self._sessions)
+        if self._kiosk:
+            catalogue.place |= Place.KIOSK
+        return catalogue
+
+    def playground(self, look: Look, recipe: Recipe) -> Playground:
+        """Return the playground of a run that is about to begin."""
+        from rl_tui.lab.live.player import START_SPEED
+        from rl_tui.lab.sessions.autosave import Autosave, untouched
+
+        autosave = None if self._sessions is None else Autosave(untouched(recipe), self._sessions)
+        return self._playground(look, recipe, autosave, None, START_SPEED)
+
+    def resumed(self, look: Look, session: StoredSession, record: Record) -> Playground:
+        """Return the playground in which ``session``, which holds ``record``, goes on."""
+        from rl_tui.lab.sessions.autosave import Autosave
+
+        autosave = None if self._sessions is None else Autosave(record, self._sessions, session)
+        recipe = record.lanes[record.shown].recipe
+        playground = self._playground(look, recipe, autosave, record, record.speed)
+        playground.resumed = session
+        return playground
+
+    def close(self) -> None:
+        """End the newest player; what was done is on the disk then."""
+        if self._player is not None:
+            self._player.close()
+
+    def _playground(
+        self,
+        look: Look,
+        recipe: Recipe,
+        autosave: Autosave | None,
+        record: Record | None,
+        speed: float | None,
+    ) -> Playground:
+        from rl_tui.tui.screens.playground.playground import Playground
+
+        self._player = self._make_player(recipe, keeper=autosave, record=record)
+        playground = Playground(look, recipe, self._player, self._fps, speed)
+        playground.autosave = self.autosave = autosave
+        if self._kiosk:
+            playground.place |= Place.KIOSK
+        return playground

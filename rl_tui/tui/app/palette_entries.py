@@ -1,0 +1,55 @@
+"""What the command palette offers: every action of the screen beneath it, and the themes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from functools import partial
+from typing import Protocol, runtime_checkable
+
+from textual.command import DiscoveryHit, Hit, Hits, Provider
+
+from rl_tui.tui.app.action import Action, Place
+from rl_tui.tui.app.actions import actions_of
+from rl_tui.tui.draw.to_ascii import written
+from rl_tui.tui.theme.look import Look
+
+
+@runtime_checkable
+class HasPlace(Protocol):
+    """A screen of which the registry knows the actions."""
+
+    place: Place
+    look: Look
+
+
+class ActionProvider(Provider):
+    """The palette entries: every action of the screen beneath the palette, and the themes."""
+
+    async def discover(self) -> Hits:
+        """Yield every entry, for an empty search."""
+        for name, command, sentence in self._entries():
+            yield DiscoveryHit(name, command, help=sentence)
+
+    async def search(self, query: str) -> Hits:
+        """Yield the entries whose name or sentence fits ``query``."""
+        matcher = self.matcher(query)
+        for name, command, sentence in self._entries():
+            score = max(matcher.match(name), matcher.match(f"{name} {sentence}") * 0.5)
+            if score > 0:
+                yield Hit(score, matcher.highlight(name), command, help=sentence)
+
+    def _entries(self) -> Iterator[tuple[str, Callable[[], object], str]]:
+        """Yield what is listed, what is done and the sentence about it."""
+        screen = self.screen
+        if isinstance(screen, HasPlace):
+            for action in actions_of(screen.place):
+                name, sentence = (
+                    written(text, screen.look.glyphs) for text in (palette_name(action), action.help)
+                )
+                yield name, partial(self.screen.run_action, action.textual_action), sentence
+        yield "Theme", self.app.action_change_theme, "Choose the colours."
+
+
+def palette_name(action: Action) -> str:
+    """Return how the palette lists ``action``: the word and its key."""
+    return f"{action.label[0].upper()}{action.label[1:]} ({action.shown})"

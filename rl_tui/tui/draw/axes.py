@@ -1,0 +1,52 @@
+"""The axes of a chart: values at the left, what is counted below."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from rl_tui.tui.draw.canvas import Canvas
+from rl_tui.tui.draw.chart_plot import Plot
+from rl_tui.tui.draw.scale import Scale, tick_label, tick_step
+from rl_tui.tui.theme.look import Look
+
+_LEAST_LABEL: Final = 3
+_GAP: Final = 2  # columns between two labels below
+
+
+def value_axis_columns(scale: Scale, look: Look) -> int:
+    """Return how many columns the vertical axis takes with its labels."""
+    return 1 + max(_LEAST_LABEL, *(len(tick_label(each, scale.step, look.glyphs)) for each in scale.ticks))
+
+
+def draw_value_axis(canvas: Canvas, plot: Plot, look: Look) -> None:
+    """Draw the vertical axis with its labels.
+
+    Where two of them fall into one row, the ends of the axis go before those between.
+    """
+    glyphs, style = look.glyphs, look.palette.dim
+    axis = plot.left - 1
+    for row in range(plot.rows):
+        canvas.put(axis, row, glyphs.axis_vertical, style)
+    low, *between, high = plot.scale.ticks
+    taken: set[int] = set()
+    for value in (high, low, *between):
+        row = plot.row(value)
+        if row not in taken:
+            text = tick_label(value, plot.scale.step, glyphs) + glyphs.axis_tick
+            canvas.put(plot.left - len(text), row, text, style)
+            taken.add(row)
+
+
+def draw_count_axis(canvas: Canvas, plot: Plot, last: float, most: int, unit: str, look: Look) -> None:
+    """Draw the horizontal axis with ``unit`` at its end, and at most ``most`` labels from 0 to ``last``."""
+    glyphs, style = look.glyphs, look.palette.dim
+    canvas.put(plot.left - 1, plot.rows, glyphs.axis_corner + glyphs.axis_horizontal * plot.columns, style)
+    canvas.put(plot.left + plot.columns - len(unit), plot.rows, unit, style)
+    step = tick_step(last, most)
+    free, end = 0, plot.columns - len(unit) - 1
+    for number in range(int(last / step) + 1):
+        text = tick_label(number * step, step, glyphs)
+        start = max(0, plot.column(number * step) - len(text) // 2)
+        if start >= free and start + len(text) <= end:
+            canvas.put(plot.left + start, plot.rows, text, style)
+            free = start + len(text) + _GAP

@@ -1,0 +1,74 @@
+"""How states, actions and chances are called in running text."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from typing import Final
+
+from rl_tui.tui.draw import numbers
+from rl_tui.tui.draw.canvas import shortened
+from rl_tui.tui.theme.glyphs import Glyphs
+from rl_tui.worlds.drawing import Arms, CellKind, Grid
+from rl_tui.worlds.world import World
+
+LONGEST_NAME: Final = 14
+_LARGEST_DENOMINATOR: Final = 12
+
+
+def state_name(world: World, state: int, glyphs: Glyphs) -> str:
+    """Return the name of ``state``, shortened if it is long."""
+    return shortened(world.space.state_names[state], LONGEST_NAME, glyphs.ellipsis)
+
+
+def action_name(world: World, action: int, glyphs: Glyphs) -> str:
+    """Return the arrow of ``action`` where it is a direction on a grid, its name (shortened) elsewhere."""
+    if isinstance(world.drawing, Grid):
+        direction = world.drawing.directions[action]
+        if direction is not None:
+            return glyphs.direction(direction)
+    return shortened(world.space.action_names[action], LONGEST_NAME, glyphs.ellipsis)
+
+
+def is_direction(world: World, action: int) -> bool:
+    """Tell whether ``action`` is a direction on a grid, so that its name is an arrow."""
+    return isinstance(world.drawing, Grid) and world.drawing.directions[action] is not None
+
+
+def pair_name(world: World, pair: int, glyphs: Glyphs) -> str:
+    """Return ``6,←`` for the arguments of Q; an arm of a bandit has no state."""
+    action = action_name(world, int(world.space.pair_action[pair]), glyphs)
+    if isinstance(world.drawing, Arms):
+        return action
+    return f"{state_name(world, world.space.state_of(pair), glyphs)},{action}"
+
+
+def place(world: World, state: int) -> str:
+    """Return where ``state`` is on a grid, ``row 1, column 2``, counted from 0; empty elsewhere.
+
+    Empty too where the name of the state is no plain number: such a name tells the place in the world itself,
+    and a row of the drawing, which has many maps or tables side by side, would contradict it.
+    """
+    if not isinstance(world.drawing, Grid) or not world.space.state_names[state].isdecimal():
+        return ""
+    row, column = divmod(world.drawing.cell_of_state[state], world.drawing.columns)
+    return f"row {row}, column {column}"
+
+
+def landmark(world: World, state: int) -> str:
+    """Return ``hole``, ``cliff`` or ``goal`` where ``state`` is one on a grid; empty elsewhere."""
+    if isinstance(world.drawing, Grid):
+        kind = world.drawing.kinds[world.drawing.cell_of_state[state]]
+        if kind in (CellKind.HOLE, CellKind.CLIFF, CellKind.GOAL):
+            return kind.value
+    return ""
+
+
+def chance(probability: float, glyphs: Glyphs) -> str:
+    """Return a probability as people write it: ``.8``, ``1/3``, ``1``."""
+    short = numbers.brief(probability, glyphs, decimals=3)
+    if abs(round(probability, 3) - probability) < numbers.NEGLIGIBLE:
+        return short
+    fraction = Fraction(probability).limit_denominator(_LARGEST_DENOMINATOR)
+    if abs(float(fraction) - probability) < numbers.NEGLIGIBLE:
+        return f"{fraction.numerator}/{fraction.denominator}"
+    return short

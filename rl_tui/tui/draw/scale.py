@@ -1,0 +1,86 @@
+"""Axes that stay put: round bounds and labels, which change in steps only."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Final
+
+from rl_tui.tui.draw import numbers
+from rl_tui.tui.theme.glyphs import Glyphs
+
+FIRST_RANGE: Final = 20.0
+_MOST_INTERVALS: Final = 3
+_LEAST_SHARE: Final = 0.3  # of the axis that the data must take, else it shrinks
+
+
+@dataclass(frozen=True, slots=True)
+class Scale:
+    """A vertical axis from ``low`` to ``high``, both multiples of ``step``."""
+
+    low: float
+    high: float
+    step: float
+
+    @property
+    def ticks(self) -> list[float]:
+        """The labelled values, two to four, lowest first."""
+        return [self.low + each * self.step for each in range(round((self.high - self.low) / self.step) + 1)]
+
+
+def round_scale(low: float, high: float) -> Scale:
+    """Return the axis with two to four round labels that holds 0 and ``low`` .. ``high`` most closely."""
+    low, high = min(low, 0.0), max(high, 0.0)
+    if high - low < numbers.NEGLIGIBLE:
+        return Scale(0.0, 1.0, 1.0)
+    power = 10.0 ** (math.floor(math.log10(high - low)) - 1)
+    for step in (digit * power * ten for ten in (1.0, 10.0, 100.0) for digit in (1.0, 2.0, 5.0)):
+        first, last = math.floor(low / step + 1e-9), math.ceil(high / step - 1e-9)
+        if last - first <= _MOST_INTERVALS:
+            return Scale(first * step, last * step, step)
+    raise AssertionError("a step of five times the range always does")
+
+
+def settled(previous: Scale | None, low: float, high: float, *, may_shrink: bool = True) -> Scale:
+    """Return ``previous`` as long as ``low`` .. ``high`` fits into it and does not look lost in it.
+
+    Unless it ``may_shrink``, it is kept however lost they look.
+    """
+    fresh = round_scale(low, high)
+    if previous is None or low < previous.low or high > previous.high:
+        return fresh
+    lost = fresh.high - fresh.low < _LEAST_SHARE * (previous.high - previous.low)
+    return fresh if lost and may_shrink else previous
+
+
+def round_range(last: float, share: float, limit: float | None = None) -> float:
+    """Return the right end of an axis from 0 on which ``last`` stands within its first ``share`` (0 to 1).
+
+    It is 20 or 30 times a power of two, so that it changes rarely; ``limit``, the largest value that will
+    ever come, keeps it from going further than needed.
+    """
+    needed = last / share
+    power = 2.0 ** max(0, math.floor(math.log2(max(needed, FIRST_RANGE) / FIRST_RANGE)))
+    right = next(
+        FIRST_RANGE * power * factor for factor in (1.0, 1.5, 2.0) if needed <= FIRST_RANGE * power * factor
+    )
+    return right if limit is None else min(right, limit / share)
+
+
+def tick_label(x: float, step: float, glyphs: Glyphs) -> str:
+    """Return ``x`` with the decimals of ``step``: ``0``, ``0.5``, ``−200``, ``20k``."""
+    if abs(x) < numbers.NEGLIGIBLE * step:
+        return "0"
+    if abs(x) >= 1e15:
+        return numbers.value(x, 5, glyphs)
+    if step >= 1_000.0:
+        short = numbers.count(round(abs(x)), 4).replace(".0", "")
+        return (glyphs.minus if x < 0 else "") + short
+    decimals = max(0, -math.floor(math.log10(step) + 1e-9))
+    return numbers.fixed(x, decimals, glyphs) if decimals <= 3 else numbers.value(x, 5, glyphs)
+
+
+def tick_step(right: float, most: int) -> float:
+    """Return the smallest 1, 2 or 5 times a power of ten, at least 1, that fits ``most`` times or less."""
+    step = 10.0 ** max(0, math.floor(math.log10(max(1.0, right / max(1, most)))))
+    return next(step * digit for digit in (1.0, 2.0, 5.0, 10.0) if right / (step * digit) <= max(1, most))

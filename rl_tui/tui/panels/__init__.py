@@ -1,0 +1,1 @@
+"""The panels of the playground, a folder for each."""

@@ -1,0 +1,66 @@
+"""The Bellman optimality equation of one pair in numbers (Sutton & Barto, 2nd ed., equation 3.20)."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from rl_tui.agents.exact.solution import Solution
+from rl_tui.lab.live.snapshot import Snapshot
+from rl_tui.tui.draw import names, numbers
+from rl_tui.tui.draw.pieces import KEPT_BLANK as K
+from rl_tui.tui.draw.pieces import Line, Piece, wrapped
+from rl_tui.tui.draw.precision import column_figure, leading_zeros
+from rl_tui.tui.panels.last_step.update_text import setting
+from rl_tui.tui.theme.look import Look
+from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
+
+_DECIMALS: Final = 4
+_EQUALS: Final = "   = "
+_CONTINUED: Final = "     "
+SECRET: Final = "hidden until h or the end of the budget"
+
+
+def bellman_lines(snapshot: Snapshot, pair: int, look: Look, width: int, *, secret: bool) -> list[Line]:
+    """Return Q*(s,a) = Σ p [r + γ max Q*(s′,·)] in symbols and in numbers, or why there are none."""
+    palette = look.palette
+    name = names.pair_name(snapshot.world, pair, look.glyphs)
+    total = "sum of" if look.glyphs.name == "ascii" else "Σ"
+    symbols = f"Q*({name}) = {total} p · [r{K}+{K}γ{K}·{K}max{K}Q*(s′,·)]"
+    lines: list[Line] = [*wrapped(symbols, width, palette.strong, look, " ", _CONTINUED)]
+    if secret:
+        return [*lines, *wrapped(SECRET, width, palette.dim, look, f"{_EQUALS}··· ", _CONTINUED)]
+    mdp = snapshot.world.mdp
+    if snapshot.exact is None or mdp is None:
+        why = snapshot.exact_refused or "the exact answer is being computed"
+        return [*lines, *wrapped(why, width, palette.dim, look, _CONTINUED, _CONTINUED)]
+    decimals = _decimals(mdp, snapshot.exact, pair)
+    terms = _terms(mdp, snapshot.exact, pair, look, decimals)
+    text = "means as they are now" if mdp.drift_std else " + ".join(terms)
+    result = column_figure(float(snapshot.exact.q[pair]), decimals, look.glyphs)
+    return [
+        *lines,
+        *wrapped(text, width, palette.text, look, _EQUALS, _CONTINUED),
+        [Piece(_EQUALS, palette.text), Piece(result, palette.strong)],
+    ]
+
+
+def _decimals(mdp: TabularMDP, exact: Solution, pair: int) -> int:
+    """Return four decimals, more where all values are small: the sum is that of the printed terms."""
+    values = [float(exact.v[mdp.next_state[outcome]]) for outcome in mdp.outcomes_of(pair)]
+    return _DECIMALS + max(0, leading_zeros(float(exact.q[pair]), *values) - 1)
+
+
+def _terms(mdp: TabularMDP, exact: Solution, pair: int, look: Look, decimals: int) -> list[str]:
+    """Return ``1/3·[0 + .99·.5420]`` for each outcome."""
+    glyphs = look.glyphs
+    terms = []
+    for outcome in mdp.outcomes_of(pair):
+        reward = numbers.brief(float(mdp.reward[outcome]), glyphs, decimals=_DECIMALS)
+        target = reward
+        if not mdp.terminated[outcome]:
+            value = column_figure(float(exact.v[mdp.next_state[outcome]]), decimals, glyphs)
+            value = f"({value})" if value.startswith(glyphs.minus) else value
+            target = f"{reward} + {setting(exact.gamma, glyphs)}{glyphs.times}{value}"
+        chance = names.chance(float(mdp.probability[outcome]), glyphs)
+        terms.append(f"{chance}{glyphs.times}[{target}]".replace(" ", K))
+    return terms

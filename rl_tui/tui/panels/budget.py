@@ -1,0 +1,97 @@
+"""How a bandit's budget is being spent: pulls, winnings and, once it may be known, regret."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from textual.strip import Strip
+
+from rl_tui.lab.live.snapshot import BanditFigures, Phase, Snapshot
+from rl_tui.tui.draw import numbers
+from rl_tui.tui.draw.pieces import Line, Piece, first_that_fits, strips_of
+from rl_tui.tui.draw.to_ascii import separated
+from rl_tui.tui.panels.panel import Panel
+from rl_tui.tui.theme.look import Look
+
+WAITING: Final = "the arms are being drawn"
+NO_BUDGET: Final = "this world has no budget"
+_LABEL: Final = 10
+_FIGURE: Final = 8
+_MANY: Final = 100.0  # from here on the sum of so many rewards is told in whole numbers
+
+
+class BudgetPanel(Panel):
+    """Pulls and winnings; regret and the share of the best arm when revealed or spent."""
+
+    def picture(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
+        """Return the picture of the figures of ``snapshot``."""
+        self.heading = "Budget"
+        lines = budget_lines(snapshot, self.look, width, revealed=self.tells_all)
+        return strips_of(lines, width, height, self.look)
+
+
+def budget_lines(snapshot: Snapshot | None, look: Look, width: int, *, revealed: bool) -> list[Line]:
+    """Return the lines; what the agent cannot know only if ``revealed``."""
+    palette = look.palette
+    if snapshot is None or snapshot.bandit is None:
+        return [[Piece(f" {WAITING if snapshot is None else NO_BUDGET}", palette.dim)]]
+    figures, spent = snapshot.bandit, snapshot.phase is Phase.SPENT
+    drifts = snapshot.world.mdp is not None and snapshot.world.mdp.drift_std > 0.0
+    lines = [_pulls(figures, look, spent, drifts), *_winnings(figures, look, width, revealed)]
+    if not revealed:
+        lines.append([Piece(" h  ", palette.accent), Piece("shows regret and the best arm", palette.dim)])
+    return lines
+
+
+def _pulls(figures: BanditFigures, look: Look, spent: bool, drifts: bool) -> Line:
+    palette = look.palette
+    line = [
+        Piece(f" {'pulls':<{_LABEL}}", palette.dim),
+        Piece(f"{figures.pulls:,} of {figures.budget:,}", palette.strong),
+    ]
+    if spent:
+        line += [
+            Piece(separated(" · spent", look.glyphs), palette.accent),
+            Piece("   r starts again", palette.dim),
+        ]
+    return [*line, *([Piece("   means drift", palette.dim)] if drifts else [])]
+
+
+def _winnings(figures: BanditFigures, look: Look, width: int, known: bool) -> list[Line]:
+    palette = look.palette
+    winnings = _figure("winnings", sum_text(figures.winnings, look), look)
+    if not known:
+        mean = [] if not figures.pulls else [_mean(figures, look)]
+        return [[*winnings, *mean]]
+    regret = _figure("regret", sum_text(figures.regret, look), look)
+    best = sum_text(figures.best_possible, look)
+    possible = Piece(f"   best possible {best} on average", palette.text)
+    shorter = Piece(f"   best {best} on average", palette.text)
+    rate = "" if figures.best_arm_rate is None else numbers.percent(figures.best_arm_rate)
+    share = f"best arm pulled {rate}" if rate else ""
+    remarks = [Piece(f"   {text}", palette.dim) for text in ("in true means, luck left out", "in true means")]
+    return [
+        first_that_fits(([*winnings, possible], [*winnings, shorter]), width, look),
+        first_that_fits(([*regret, remark] for remark in remarks), width, look),
+        *([[Piece(f" {share}", palette.text)]] if share else []),
+    ]
+
+
+def _mean(figures: BanditFigures, look: Look) -> Piece:
+    mean = numbers.fixed(figures.winnings / figures.pulls, 2, look.glyphs, leading_zero=False)
+    return Piece(f"   {mean} a pull", look.palette.text)
+
+
+def _figure(label: str, number: str, look: Look) -> list[Piece]:
+    palette = look.palette
+    return [Piece(f" {label:<{_LABEL}}", palette.dim), Piece(f"{number:<{_FIGURE}}", palette.strong)]
+
+
+def sum_text(x: float, look: Look) -> str:
+    """Return a sum of rewards: whole and with commas from 100 on, with one decimal below."""
+    if x == 0.0:
+        return "0"
+    if abs(x) < _MANY:
+        return numbers.fixed(x, 1, look.glyphs)
+    text = f"{abs(x):,.0f}" if abs(x) < 1e9 else numbers.value(abs(x), _FIGURE, look.glyphs)
+    return look.glyphs.minus + text if x < 0 else text

@@ -1,0 +1,237 @@
+"""The return curve as character cells: axes, lines in dots, and the names of the lines where they end."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Final, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+from rich.cells import cell_len
+from rich.style import Style
+from textual.strip import Strip
+
+from rl_tui.tui.draw import braille
+from rl_tui.tui.draw.axes import draw_count_axis, draw_value_axis, value_axis_columns
+from rl_tui.tui.draw.canvas import Canvas, shortened
+from rl_tui.tui.draw.chart_plot import Plot
+from rl_tui.tui.draw.pieces import wrapped
+from rl_tui.tui.draw.scale import Scale, round_range
+from rl_tui.tui.panels.curve.chart_lanes import lane_cells
+from rl_tui.tui.panels.curve.data import CurveData
+from rl_tui.tui.panels.curve.lane_text import lane_columns, lane_labels
+from rl_tui.tui.panels.curve.text import Label, barren_words, empty_words, label_columns, labels
+from rl_tui.tui.theme.look import Look
+
+LEAST_WIDTH: Final = 14
+LEAST_HEIGHT: Final = 3
+_TICK_COLUMNS: Final = 11  # a labelled episode number at most every so many columns
+_UNIT_ROOM: Final = 40
+# What a cell shows, the more important the greater; after the greedy line come the lanes
+_NOTHING, _LEVEL, _BAND, _EPISODES, _GREEDY = range(5)
+
+
+def plot_columns(scale: Scale, look: Look, width: int) -> int:
+    """Return how many of ``width`` columns are right of the vertical axis and its labels."""
+    return width - value_axis_columns(scale, look)
+
+
+def draw_chart(
+    data: CurveData, scale: Scale, look: Look, decimals: int, width: int, height: int
+) -> list[Strip]:
+    """Return ``height`` strips of ``width`` cells, with numbers of so many decimals beside the lines."""
+    canvas = Canvas(width, height, look.palette.text)
+    columns_of, labels_of = (lane_columns, lane_labels) if data.lanes else (label_columns, labels)
+    if width < LEAST_WIDTH or height < LEAST_HEIGHT:
+        return _figures_only(canvas, labels_of(data, look, decimals, width), look)
+    columns = plot_columns(scale, look, width)
+    reserved = min(columns_of(data, look, columns), columns - 2)
+    right = round_range(data.furthest, (columns - reserved) / columns, data.limit)
+    plot = Plot(width - columns, columns, height - 1, right, scale)
+    draw_value_axis(canvas, plot, look)
+    _draw_episode_axis(canvas, plot, data, look)
+    if data.furthest:
+        _draw_lines(canvas, plot, data, look)
+    _draw_names(canvas, plot, data, labels_of(data, look, decimals, columns), look)
+    return canvas.strips()
+
+
+def _figures_only(canvas: Canvas, names: Sequence[Label], look: Look) -> list[Strip]:
+    for y, label in enumerate(names[: canvas.height]):
+        canvas.put(0, y, shortened(label.text, canvas.width, look.glyphs.ellipsis), label.style)
+    return canvas.strips()
+
+
+def _draw_episode_axis(canvas: Canvas, plot: Plot, data: CurveData, look: Look) -> None:
+    """Draw the axis with its labels, none beyond the last episode there can be."""
+    if data.has_both_units:
+        unit = " ep, sweep"
+    else:
+        unit = " ep" if data.unit == "episode" and plot.columns < _UNIT_ROOM else f" {data.unit}"
+    last = plot.right if data.limit is None else min(plot.right, data.limit)
+    draw_count_axis(canvas, plot, last, plot.column(last) // _TICK_COLUMNS, unit, look)
+
+
+def _draw_lines(canvas: Canvas, plot: Plot, data: CurveData, look: Look) -> None:
+    """Put every line into the plot; where they share a cell the more important shows."""
+    if data.lanes:
+        _draw_lanes(canvas, plot, data, look)
+        return
+    codes = _braille(plot, data) if look.glyphs.braille else _ascii(plot, data)
+    shown, kind = np.zeros_like(codes.greedy), np.full(codes.greedy.shape, _NOTHING)
+    blank = braille.BLANK if look.glyphs.braille else 0
+
+    def lay(over: npt.NDArray[np.int64], what: int, where: npt.NDArray[np.bool_]) -> None:
+        there = (over > blank) & where
+        shown[there], kind[there] = over[there], what
+
+    everywhere = np.ones(kind.shape, dtype=bool)
+    lay(codes.band, _BAND, everywhere)
+    if data.optimum is not None:
+        level = _level_cells(plot, data, data.optimum, look)
+        shown[level], kind[level] = ord(look.glyphs.level), _LEVEL
+    lay(codes.episodes, _EPISODES, everywhere)
+    lay(codes.greedy, _GREEDY, ~codes.yielded)
+    palette = look.palette
+    styles = (palette.text, palette.optimum, palette.band, palette.episodes, palette.greedy_line)
+    _put_cells(canvas, plot, kind, shown, styles)
+
+
+def _draw_lanes(canvas: Canvas, plot: Plot, data: CurveData, look: Look) -> None:
+    """Put the lines of runs side by side into the plot, over the level of the optimum and the band."""
+    cells, palette = lane_cells(plot, data, look), look.palette
+    shown, kind = cells.band.copy(), np.where(cells.band > 0, _BAND, _NOTHING)
+    if data.optimum is not None:
+        level = _level_cells(plot, data, data.optimum, look)
+        shown[level], kind[level] = ord(look.glyphs.level), _LEVEL
+    there = cells.line >= 0
+    shown[there], kind[there] = cells.codes[there], _GREEDY + cells.line[there]
+    lane = next(lane.number for lane in data.lanes if lane.shown)
+    band = palette.lanes[lane - 1] + Style(dim=True)
+    styles = (palette.text, palette.optimum, band, palette.episodes, palette.greedy_line, *palette.lanes)
+    _put_cells(canvas, plot, kind, shown, styles)
+
+
+def _level_cells(plot: Plot, data: CurveData, value: float, look: Look) -> tuple[int, slice]:
+    """Return the cells of a level line: its row, and its columns as far as there are episodes."""
+    every = 1 if look.glyphs.braille else 2
+    return plot.row(value), slice(0, plot.column(data.furthest) + 1, every)
+
+
+class _Codes(NamedTuple):
+    """The characters of each line, [rows, columns], and where the greedy one gives way."""
+
+    band: npt.NDArray[np.int64]
+    episodes: npt.NDArray[np.int64]
+    greedy: npt.NDArray[np.int64]
+    yielded: npt.NDArray[np.bool_]
+
+
+def _braille(plot: Plot, data: CurveData) -> _Codes:
+    columns, rows = plot.columns * braille.DOTS_ACROSS, plot.rows * braille.DOTS_DOWN
+    band = braille.stipple(braille.dots_of(plot.span(data.band, columns, rows), rows))
+    episodes, greedy = (
+        braille.braille_codes(braille.dots_of(braille.joined(plot.span(line, columns, rows)), rows))
+        for line in (data.episodes, data.greedy)
+    )
+    yielded = taking_turns(greedy - braille.BLANK, episodes - braille.BLANK)
+    return _Codes(braille.braille_codes(band), episodes, greedy, yielded)
+
+
+def _ascii(plot: Plot, data: CurveData) -> _Codes:
+    """Return ``'`` ``.`` ``:`` for the upper and lower half of the cells of a line, ``*`` for the greedy one.
+
+    The band is left out: without colour it could not be told from a line.
+    """
+    rows = plot.rows * 2
+    episodes, greedy = (
+        dots[::2] + 2 * dots[1::2]
+        for dots in (
+            braille.dots_of(braille.joined(plot.span(line, plot.columns, rows)), rows).astype(np.int64)
+            for line in (data.episodes, data.greedy)
+        )
+    )
+    codes = np.array([0, ord("'"), ord("."), ord(":")])[episodes]
+    stars = np.where(greedy > 0, ord("*"), 0)
+    return _Codes(np.zeros_like(codes), codes, stars, taking_turns(greedy, episodes))
+
+
+def taking_turns(first: npt.NDArray[np.int64], second: npt.NDArray[np.int64]) -> npt.NDArray[np.bool_]:
+    """Return the cells, [rows, columns], in which the first line gives way to the second.
+
+    Both are bits, one a dot. Where the lines run side by side through one row of cells, but not on the same
+    dots, every other cell shows the second.
+    """
+    shared = (first > 0) & (second & ~first > 0)
+    beside = shared.copy()
+    beside[:, 1:] &= shared[:, :-1]
+    beside[:, ::2] = False
+    return beside
+
+
+def _put_cells(
+    canvas: Canvas,
+    plot: Plot,
+    kind: npt.NDArray[np.int64],
+    codes: npt.NDArray[np.int64],
+    styles: Sequence[Style],
+) -> None:
+    """Write every cell that has something, in the one of ``styles`` that belongs to its kind."""
+    for row in range(plot.rows):
+        kinds = kind[row]
+        ends = np.append(np.flatnonzero(np.diff(kinds)) + 1, plot.columns)
+        start = 0
+        for end in ends.tolist():
+            if kinds[start] != _NOTHING:
+                text = "".join(map(chr, codes[row, start:end].tolist()))
+                canvas.put(plot.left + start, row, text, styles[int(kinds[start])])
+            start = end
+
+
+def _draw_names(canvas: Canvas, plot: Plot, data: CurveData, names: Sequence[Label], look: Look) -> None:
+    """Write the names of the lines beside their ends, and what is to be said where there is no line."""
+    if not data.furthest:
+        _put_message(canvas, plot, empty_words(data.unit), look, set())
+        return
+    placed = sorted(enumerate(names[: plot.rows]), key=lambda each: (-each[1].value, -each[0]))
+    names = [label for _, label in placed]  # of equals the optimum, which comes last, is above
+    rows = apart([plot.row(label.value) for label in names], plot.rows)
+    x = plot.left + plot.column(data.furthest) + 2
+    for label, row in zip(names, rows, strict=True):
+        if x + cell_len(label.text) <= canvas.width:
+            canvas.put(x, row, label.text, label.style)
+    if data.barren and not data.lanes:
+        _put_message(canvas, plot, barren_words(data), look, {*rows, plot.rows - 1})
+
+
+def _put_message(canvas: Canvas, plot: Plot, words: Sequence[str], look: Look, taken: set[int]) -> None:
+    """Write ``words`` into rows that are not ``taken``: on one line if they fit, else on a line each."""
+    room = plot.columns - 2
+    whole = " ".join(words)
+    parts = (whole,) if len(whole) <= room else words
+    lines = [line for part in parts for line in wrapped(part, room, look.palette.text, look)]
+    middle = (plot.rows - len(lines)) / 2
+    free = [
+        row
+        for row in range(max(0, plot.rows - len(lines)) + 1)
+        if not taken.intersection(range(row, row + len(lines)))
+    ]
+    if not free:
+        return
+    first = min(free, key=lambda row: abs(row - middle))
+    for row, line in enumerate(lines[: plot.rows], first):
+        for piece in line:
+            x = plot.left + max(1, (plot.columns - cell_len(piece.text)) // 2)
+            canvas.put(x, row, piece.text, piece.style)
+
+
+def apart(wanted: Sequence[int], rows: int) -> list[int]:
+    """Return a row of its own for each of ``wanted`` (ascending, at most ``rows``), as near as they go."""
+    placed: list[int] = []
+    for row in wanted:
+        placed.append(max(row, placed[-1] + 1) if placed else max(row, 0))
+    limit = rows - 1
+    for index in reversed(range(len(placed))):
+        placed[index] = min(placed[index], limit)
+        limit = placed[index] - 1
+    return placed

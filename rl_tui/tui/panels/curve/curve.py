@@ -1,0 +1,85 @@
+"""Return per episode: what was earned, what the greedy policy is worth, and the best there is."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from textual.strip import Strip
+
+from rl_tui.lab.live.snapshot import Snapshot
+from rl_tui.tui.draw.pieces import Piece, strips_of
+from rl_tui.tui.draw.scale import Scale, settled
+from rl_tui.tui.panels.curve.chart import draw_chart, plot_columns
+from rl_tui.tui.panels.curve.data import CurveData, curve_data
+from rl_tui.tui.panels.curve.lane_text import lane_remark, lane_titles
+from rl_tui.tui.panels.curve.text import decimals_for, remark, titles
+from rl_tui.tui.panels.panel import Panel
+from rl_tui.tui.panels.same_run import is_another_run
+from rl_tui.tui.panels.speeds import passes_too_fast
+from rl_tui.tui.theme.look import Look
+
+WAITING: Final = "the world is being built"
+Words = tuple[str, ...]
+_ROOM_FOR_REMARK: Final = 10  # rows; with fewer the remark goes into the border
+
+
+class ReturnCurve(Panel):
+    """The curve of a run. Its vertical axis changes in steps only, and starts afresh with a new run.
+
+    ``hints`` are ways to write keys, the longest first, that stand on the border in place of all else.
+    """
+
+    def __init__(self, look: Look, *, id: str | None = None, classes: str | None = None) -> None:  # noqa: A002
+        super().__init__(look, id=id, classes=classes)
+        self._scale: Scale | None = None
+        self._hints: tuple[str, ...] = ()
+
+    @property
+    def hints(self) -> tuple[str, ...]:
+        """The keys on the border, empty for none."""
+        return self._hints
+
+    @hints.setter
+    def hints(self, hints: tuple[str, ...]) -> None:
+        if hints != self._hints:
+            self._hints = hints
+            self.redraw()
+
+    def show(self, snapshot: Snapshot) -> None:
+        """Draw ``snapshot``; the past of a run has the same axis as its present."""
+        if is_another_run(self.snapshot, snapshot):
+            self._scale = None
+        super().show(snapshot)
+
+    def picture(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
+        """Return the picture of the curve of ``snapshot``."""
+        if snapshot is None:
+            self.heading = self.fitting(titles(None, self.look.glyphs, 2, width), width)
+            return strips_of([[Piece(f" {WAITING}", self.look.palette.dim)]], width, height, self.look)
+        data = curve_data(snapshot, revealed=self.tells_all)
+        self._scale = settled(self._scale, *data.range, may_shrink=not snapshot.timeline.in_past)
+        decimals = decimals_for(self._scale.low, self._scale.high)
+        in_border = height < _ROOM_FOR_REMARK
+        heads, words = self._words(snapshot, data, self._scale, width, in_border)
+        self.heading, said = self.fitting(heads, width), self.fitting(words, width)
+        self.footing = self.fitting(self.hints, width) or (said if in_border else "")
+        if not said or in_border:
+            return draw_chart(data, self._scale, self.look, decimals, width, height)
+        line = [Piece(f"    {said}", self.look.palette.dim)]
+        chart = draw_chart(data, self._scale, self.look, decimals, width, height - 1)
+        return [*chart, *strips_of([line], width, 1, self.look)]
+
+    def _words(
+        self, snapshot: Snapshot, data: CurveData, scale: Scale, width: int, in_border: bool
+    ) -> tuple[Words, Words]:
+        """Return the titles and the remarks, the longest form of each first."""
+        look, decimals = self.look, decimals_for(scale.low, scale.high)
+        # Figures in the border would redraw the whole panel at every frame
+        fast = passes_too_fast(snapshot)
+        heads = titles(None if fast and not data.is_bandit else data, look.glyphs, decimals, width)
+        words = remark(snapshot, data, look.glyphs, decimals, with_figures=not (fast and in_border))
+        if not data.lanes:
+            return heads, words
+        if not data.hidden:
+            words = lane_remark(data, look, plot_columns(scale, look, width))
+        return lane_titles(data, heads, look.glyphs), words

@@ -1,0 +1,195 @@
+"""What the return curve shows of a snapshot, in numbers."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from rl_tui.agents.catalogue import BY_ID
+from rl_tui.lab.live.snapshot import LaneView, Snapshot
+from rl_tui.tui.draw.braille import Steps
+from rl_tui.tui.panels.reward_range import reward_range
+from rl_tui.worlds.drawing import Arms
+from rl_tui.worlds.mdp.space import FloatArray
+
+_SMOOTHED_SHARE: Final = 24  # a mean is taken over one in so many of the bins
+_MANY_WITHOUT_REWARD: Final = 10
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LaneLine:
+    """One of several runs side by side.
+
+    ``number`` counts from 1. ``line`` is the smoothed mean of its returns; of a planner, which has none, what
+    its greedy policy is worth (then ``is_exact``). ``value`` is where that line ends: the mean of the last
+    100 episodes, None before the first. ``greedy_now`` is None where unknown, hidden, or the line itself.
+    """
+
+    number: int
+    name: str
+    shown: bool
+    finished: int
+    line: Steps
+    is_exact: bool
+    value: float | None
+    greedy_now: float | None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CurveData:
+    """The curves and the figures beside them.
+
+    ``episodes`` is the smoothed mean of the returns, ``band`` their lowest and highest, ``greedy`` the exact
+    expected return of the greedy policy, each over episodes from 0. ``greedy_now``, ``mean_now`` (of the
+    last 100 episodes) and ``optimum`` are the values to print, None where unknown or hidden. ``hidden`` tells
+    that greedy and optimum are kept secret, ``barren`` that there were many episodes and none had a reward,
+    ``is_decided`` that somewhere one action is estimated above another, so that being greedy means something
+    (true as well where there is no choice, false where ``greedy_now`` is unknown).
+    ``unit`` is what the horizontal axis counts: pulls, a planner's sweeps, or episodes. The optimum is the
+    undiscounted return of the policy that is best for the γ in force.
+
+    All this is of the run shown; ``lanes`` are the runs side by side, itself among them, none if it is alone.
+    """
+
+    finished: int
+    limit: int | None
+    episodes: Steps
+    band: Steps
+    greedy: Steps
+    greedy_now: float | None
+    mean_now: float | None
+    optimum: float | None
+    is_bandit: bool
+    unit: str
+    hidden: bool
+    barren: bool
+    is_decided: bool
+    lanes: tuple[LaneLine, ...] = ()
+
+    @property
+    def has_both_units(self) -> bool:
+        """Whether planners run beside agents, so that the horizontal axis counts sweeps and episodes."""
+        return len({lane.is_exact for lane in self.lanes}) > 1
+
+    @property
+    def furthest(self) -> int:
+        """The last episode that any run has finished."""
+        return max(self.finished, *(lane.finished for lane in self.lanes)) if self.lanes else self.finished
+
+    @property
+    def range(self) -> tuple[float, float]:
+        """The lowest and highest value that must be on the vertical axis; the band may stick out.
+
+        So may greedy policies that are worth far less than all the rest: one that walks into walls until the
+        time limit would leave no room for others.
+        """
+        known = [each for each in (self.optimum, self.greedy_now, self.mean_now) if each is not None]
+        known += [lane.value for lane in self.lanes if lane.value is not None]
+        means = [lane.line.low for lane in self.lanes if not lane.is_exact]
+        every = _numbers(self.episodes.low, self.episodes.high, *means, np.array(known))
+        greedy = _numbers(self.greedy.low, *(lane.line.low for lane in self.lanes if lane.is_exact))
+        if every.any():
+            room = max(float(every.max() - every.min()) / 2.0, abs(float(every.max())))
+            greedy = greedy[greedy >= every.min() - room]
+        every = np.concatenate((every, greedy))
+        return (float(every.min()), float(every.max())) if len(every) else (0.0, 0.0)
+
+
+def _numbers(*arrays: FloatArray) -> FloatArray:
+    every = np.concatenate(arrays)
+    return np.asarray(every[~np.isnan(every)])
+
+
+def curve_data(snapshot: Snapshot, *, revealed: bool) -> CurveData:
+    """Return what there is to draw; of a bandit's greedy arm and optimum only if ``revealed``."""
+    is_bandit = isinstance(snapshot.world.drawing, Arms)
+    plans = BY_ID[snapshot.algorithm].planner
+    hidden = is_bandit and not revealed
+    episodes, curve = _episodes(snapshot), snapshot.curve
+    nothing = Steps(np.empty(0), np.empty(0), np.empty(0), np.empty(0))
+    return CurveData(
+        finished=snapshot.episodes,
+        limit=None if plans else snapshot.world.budget,
+        episodes=episodes,
+        band=Steps(episodes.start, episodes.end, curve.return_low, curve.return_high),
+        greedy=nothing if hidden else _greedy(snapshot),
+        greedy_now=None if hidden else snapshot.greedy_return,
+        mean_now=snapshot.return_last_100,
+        optimum=None if hidden or snapshot.exact is None else snapshot.exact.expected_return,
+        is_bandit=is_bandit,
+        unit="sweep" if plans else "pull" if is_bandit else "episode",
+        hidden=hidden,
+        barren=_barren(snapshot),
+        is_decided=_is_decided(snapshot),
+        lanes=tuple(
+            _lane(number, lane, shown=number - 1 == snapshot.lane, hidden=hidden)
+            for number, lane in enumerate(snapshot.lanes, 1)
+        ),
+    )
+
+
+def _lane(number: int, lane: LaneView, *, shown: bool, hidden: bool) -> LaneLine:
+    is_exact = BY_ID[lane.algorithm].planner and not len(lane.curve.episode)
+    greedy_now = None if hidden else lane.greedy_return
+    return LaneLine(
+        number=number,
+        name=lane.name,
+        shown=shown,
+        finished=lane.episodes,
+        line=_greedy(lane) if is_exact and not hidden else _episodes(lane),
+        is_exact=is_exact,
+        value=greedy_now if is_exact else lane.return_last_100,
+        greedy_now=None if is_exact else greedy_now,
+    )
+
+
+def _episodes(run: Snapshot | LaneView) -> Steps:
+    end = run.curve.episode.astype(np.float64)
+    start = np.concatenate(([0.0], end[:-1])) if len(end) else end
+    mean = smoothed(run.curve.return_mean)
+    return Steps(start, end, mean, mean)
+
+
+def smoothed(values: FloatArray) -> FloatArray:
+    """Return the mean of each of ``values`` and its neighbours, one in 24 of all, fewer at the ends."""
+    reach = len(values) // _SMOOTHED_SHARE // 2
+    if reach == 0:
+        return values
+    sums = np.concatenate(([0.0], np.cumsum(values)))
+    places = np.arange(len(values))
+    first, behind = np.maximum(places - reach, 0), np.minimum(places + reach + 1, len(values))
+    return np.asarray((sums[behind] - sums[first]) / (behind - first))
+
+
+def _greedy(run: Snapshot | LaneView) -> Steps:
+    """Return the marks, each held until the next, and the value of this very moment at the end."""
+    marks = run.marks
+    now = np.nan if run.greedy_return is None else run.greedy_return
+    episode = np.concatenate((marks.episode.astype(np.float64), [float(run.episodes)]))
+    value = np.concatenate((marks.expected_return, [now]))
+    end = np.concatenate((episode[1:], episode[-1:]))
+    return Steps(episode, end, value, value)
+
+
+def _is_decided(snapshot: Snapshot) -> bool:
+    if snapshot.greedy_return is None:  # then nothing is said of the greedy policy
+        return False
+    space, q = snapshot.world.space, snapshot.q
+    counts = np.diff(space.first_pair)
+    if not (counts > 1).any():  # one action is no tie
+        return True
+    return bool((q != np.repeat(q[space.first_pair[:-1][counts > 0]], counts[counts > 0])).any())
+
+
+def _barren(snapshot: Snapshot) -> bool:
+    """Tell whether there were many episodes without any reward, not just with rewards that cancel out.
+
+    Where nobody wrote the rewards down, or a planner sees them anyway, that is not claimed.
+    """
+    curve, mdp = snapshot.curve, snapshot.world.mdp
+    if mdp is None or not len(curve.episode):
+        return False
+    all_zero = not curve.return_low.any() and not curve.return_high.any()
+    return snapshot.episodes >= _MANY_WITHOUT_REWARD and all_zero and reward_range(mdp).has_one_sign

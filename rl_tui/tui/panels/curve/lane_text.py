@@ -1,0 +1,135 @@
+"""The words of runs side by side on the return curve: names at the ends of their lines, and titles."""
+
+from __future__ import annotations
+
+from typing import Final, NamedTuple
+
+from rich.cells import cell_len
+from rich.style import Style
+
+from rl_tui.tui.draw.canvas import shortened
+from rl_tui.tui.draw.to_ascii import written
+from rl_tui.tui.panels.curve.data import CurveData, LaneLine
+from rl_tui.tui.panels.curve.text import (
+    NUMBER,
+    ROOM_FOR_NAMES,
+    Label,
+    amount,
+    label_columns,
+    labels,
+)
+from rl_tui.tui.theme.glyphs import Glyphs
+from rl_tui.tui.theme.look import Look
+
+_GREEDY: Final = ", greedy "
+_LARGEST_SHARE: Final = 0.5  # of the plot that names may take
+_TITLE_NAME: Final = 16  # cells of a shortened name in a title
+
+
+class _Form(NamedTuple):
+    """How much is said of a lane where its line ends: ``name`` is the cells of the longest name."""
+
+    name: int
+    number: bool
+    greedy: bool
+
+
+_FORMS: Final = (
+    _Form(24, number=True, greedy=True),
+    _Form(24, number=True, greedy=False),
+    _Form(16, number=True, greedy=False),
+    _Form(10, number=True, greedy=False),
+    _Form(10, number=False, greedy=False),
+)
+
+
+def lane_labels(data: CurveData, look: Look, decimals: int, room: int) -> list[Label]:
+    """Return the names for a plot of ``room`` columns, the lane shown and then the others before the rest."""
+    if room < ROOM_FOR_NAMES:
+        return []
+    form = _form(data, look, room)
+    names = _names(data, look, form.name)
+    lanes = sorted(zip(data.lanes, names, strict=True), key=lambda each: not each[0].shown)
+    found = [
+        Label(_said(lane, name, form, decimals, look.glyphs), lane.value, _style(lane, look))
+        for lane, name in lanes
+        if lane.value is not None
+    ]
+    has_greedy = not any(lane.shown and lane.is_exact for lane in data.lanes)
+    return [*found, *labels(data, look, decimals, room, greedy=has_greedy, mean=False)]
+
+
+def lane_columns(data: CurveData, look: Look, room: int) -> int:
+    """Return how many columns the names take at most, their distance from the line included."""
+    if room < ROOM_FOR_NAMES:
+        return 0
+    return max(_columns(data, look, _form(data, look, room)), label_columns(data, look, room, mean=False))
+
+
+def lane_titles(data: CurveData, usual: tuple[str, ...], glyphs: Glyphs) -> tuple[str, ...]:
+    """Return titles that say which lane is shown, the longest first; ``usual`` are those of a single one."""
+    shown = next(lane for lane in data.lanes if lane.shown)
+    short = f"lane {shown.number} of {len(data.lanes)}"
+    named = f"{short}: {shown.name}"
+    clipped = f"{short}: {_clipped(shown.name, _TITLE_NAME, glyphs.ellipsis)}"
+    return f"{usual[0]} · {named}", f"Return · {named}", named, f"Return · {clipped}", clipped, short
+
+
+def lane_remark(data: CurveData, look: Look, room: int) -> tuple[str, ...]:
+    """Return what the figures beside the names are, the longest form first; nothing where there are none."""
+    if room < ROOM_FOR_NAMES or not data.furthest or not _form(data, look, room).number:
+        return ()
+    what = "pulls" if data.is_bandit else "episodes"
+    if any(lane.is_exact for lane in data.lanes):
+        return (
+            f"beside names: mean of the last 100 {what}; of planners the exact return",
+            "mean of the last 100; planners: exact",
+            "mean of the last 100, or exact",
+        )
+    return (
+        f"beside each name: the mean return of its last 100 {what}",
+        f"beside names: mean of the last 100 {what}",
+        "mean of the last 100 each",
+    )
+
+
+def _form(data: CurveData, look: Look, room: int) -> _Form:
+    """Return the fullest form that leaves the lines their share of ``room`` columns, else the shortest."""
+    fitting = (form for form in _FORMS if _columns(data, look, form) <= _LARGEST_SHARE * room)
+    return next(fitting, _FORMS[-1])
+
+
+def _columns(data: CurveData, look: Look, form: _Form) -> int:
+    longest = max(cell_len(name) for name in _names(data, look, form.name))
+    number = cell_len(": ") + NUMBER if form.number else 0
+    return 2 + longest + number + (cell_len(_GREEDY) + NUMBER if form.greedy else 0)
+
+
+def _names(data: CurveData, look: Look, width: int) -> list[str]:
+    """Return the names in at most ``width`` cells, with their numbers where they would not tell enough."""
+    glyphs = look.glyphs
+    names = [written(lane.name, glyphs) for lane in data.lanes]
+    is_enough = look.palette.tells_lanes_apart and glyphs.braille
+    if is_enough and all(cell_len(name) <= width for name in names):
+        return names
+    numbered = (f"{lane.number}) {name}" for lane, name in zip(data.lanes, names, strict=True))
+    return [_clipped(name, width + cell_len("1) "), glyphs.ellipsis) for name in numbered]
+
+
+def _clipped(name: str, width: int, ellipsis: str) -> str:
+    return shortened(name, width, ellipsis).replace(f",{ellipsis}", ellipsis)
+
+
+def _said(lane: LaneLine, name: str, form: _Form, decimals: int, glyphs: Glyphs) -> str:
+    if not form.number or lane.value is None:
+        return name
+    greedy = ""
+    if form.greedy and not lane.shown and lane.greedy_now is not None:
+        greedy = f"{_GREEDY}{amount(lane.greedy_now, decimals, glyphs)}"
+    # a colon between name and figure, for names end with figures themselves
+    return f"{name}: {amount(lane.value, decimals, glyphs)}{greedy}"
+
+
+def _style(lane: LaneLine, look: Look) -> Style:
+    style = look.palette.lanes[lane.number - 1]
+    return style + Style(bold=True) if lane.shown else style

@@ -1,0 +1,186 @@
+"""The words of the return curve: its title, the names at the ends of its lines, and the remark below it."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Final
+
+from rich.style import Style
+
+from rl_tui.agents.catalogue import RULE_BY_ID
+from rl_tui.lab.live.snapshot import Snapshot
+from rl_tui.tui.draw import numbers
+from rl_tui.tui.draw.to_ascii import written
+from rl_tui.tui.panels.curve.data import CurveData
+from rl_tui.tui.panels.last_step.update_text import setting
+from rl_tui.tui.theme.glyphs import Glyphs
+from rl_tui.tui.theme.look import Look
+
+ROOM_FOR_LONG: Final = 50
+ROOM_FOR_NUMBERS: Final = 30
+ROOM_FOR_NAMES: Final = 20
+NUMBER: Final = 6  # cells of the widest number beside a name
+_RECENT: Final = 100  # episodes in the mean that a snapshot tells
+_TIES: Final = "greedy: ties"
+
+
+@dataclass(frozen=True, slots=True)
+class Label:
+    """The name of a line, to stand where the line ends, at ``value``."""
+
+    text: str
+    value: float
+    style: Style
+
+
+def decimals_for(low: float, high: float) -> int:
+    """Return the decimals that tell values on an axis from ``low`` to ``high`` apart: 2 on 0 .. 1."""
+    extent = max(high - low, numbers.NEGLIGIBLE)
+    return min(5, max(0, 2 - math.floor(math.log10(extent))))
+
+
+def amount(x: float, decimals: int, glyphs: Glyphs) -> str:
+    """Return ``x`` beside a curve: ``.73``, ``7.5``, ``−12``."""
+    if abs(x) < numbers.NEGLIGIBLE:
+        return "0"
+    text = numbers.fixed(x, decimals, glyphs, leading_zero=False)
+    return text if len(text) <= NUMBER else numbers.value(x, NUMBER, glyphs)
+
+
+def labels(
+    data: CurveData, look: Look, decimals: int, room: int, *, greedy: bool = True, mean: bool = True
+) -> list[Label]:
+    """Return the names for a plot of ``room`` columns, the most important first; none if it is small.
+
+    ``greedy`` and ``mean`` tell whether those two lines are named.
+    """
+    palette = look.palette
+    names = _names(data, room)
+    if names is None:
+        return []
+    lines = (
+        (names[0], data.greedy_now if greedy else None, palette.greedy_line),
+        (names[1], data.mean_now if mean else None, palette.episodes),
+        (names[2], data.optimum, palette.optimum),
+    )
+    return [
+        Label(written(_with_number(name, value, decimals, room, look.glyphs), look.glyphs), value, style)
+        for name, value, style in lines
+        if value is not None
+    ]
+
+
+def label_columns(data: CurveData, look: Look, room: int, *, mean: bool = True) -> int:
+    """Return how many columns the names take at most, their distance from the line included.
+
+    It does not change on the way, lest the whole plot be squeezed by a longer name. ``mean`` tells whether
+    the mean is named.
+    """
+    if room < ROOM_FOR_NAMES:
+        return 0
+    number = NUMBER if room >= ROOM_FOR_NUMBERS else 0
+    greedy, recent, best = _usual_names(data.is_bandit, room, f"last {_RECENT}:")
+    names = (greedy, recent, best) if mean else (greedy, best)
+    return 2 + max(len(written(name, look.glyphs)) for name in names) + number
+
+
+def _names(data: CurveData, room: int) -> tuple[str, str, str] | None:
+    """Return what greedy line, mean and optimum are called; mere ties have no figure."""
+    if room < ROOM_FOR_NAMES:
+        return None
+    names = _usual_names(data.is_bandit, room, f"last {min(data.finished, _RECENT)}:")
+    return names if data.is_decided or room < ROOM_FOR_NUMBERS else (_TIES, *names[1:])
+
+
+def _usual_names(is_bandit: bool, room: int, recent: str) -> tuple[str, str, str]:
+    if room >= ROOM_FOR_LONG:
+        if is_bandit:
+            return "greedy arm, exact", f"pulls, {recent}", "best arm"
+        return "greedy, exact", f"episodes, {recent}", "best for this γ"
+    mean = recent if room >= ROOM_FOR_NUMBERS else "pulls" if is_bandit else "episodes"
+    return ("greedy arm", mean, "best arm") if is_bandit else ("greedy", mean, "γ-best")
+
+
+def _with_number(name: str, value: float, decimals: int, room: int, glyphs: Glyphs) -> str:
+    has_number = room >= ROOM_FOR_NUMBERS and name != _TIES
+    return f"{name} {amount(value, decimals, glyphs)}" if has_number else name
+
+
+def titles(data: CurveData | None, glyphs: Glyphs, decimals: int, width: int) -> tuple[str, ...]:
+    """Return titles for ``width`` cells, the longest first; a narrow one names greedy return and optimum."""
+    if data is not None and data.unit == "sweep":
+        return "Greedy return, exact, per sweep", "Greedy return per sweep", "Greedy return"
+    if data is not None and data.is_bandit:
+        return ("Reward per pull",)
+    if width >= ROOM_FOR_LONG or data is None or data.greedy_now is None or not data.is_decided:
+        return "Return per episode", "Return"
+    greedy = f"greedy {amount(data.greedy_now, decimals, glyphs)}"
+    alone = f"Return · {greedy}"
+    if data.optimum is None:
+        return alone, "Return"
+    both = f"{greedy} · γ-best {amount(data.optimum, decimals, glyphs)}"
+    return f"Return · {both}", both, alone, "Return"
+
+
+def remark(
+    snapshot: Snapshot, data: CurveData, glyphs: Glyphs, decimals: int, *, with_figures: bool = True
+) -> tuple[str, ...]:
+    """Return what is to be said of the picture, longest form first; empty where there is nothing."""
+    if data.hidden:
+        return (
+            "h adds the best arm and the greedy arm, exact",
+            "h adds best and greedy arm",
+            "h adds the best arm",
+        )
+    if data.greedy_now is None or data.mean_now is None or data.finished < _RECENT:
+        return ()
+    gap = data.greedy_now - data.mean_now
+    values = snapshot.hyperparameters
+    is_drawn = "epsilon" in RULE_BY_ID[values.policy].parameters
+    epsilon = values.epsilon_at(snapshot.episodes) if is_drawn else None
+    cost = amount(gap, decimals, glyphs)
+    if not any(digit in cost for digit in "123456789") or gap < 0.0 or epsilon == 0.0:
+        return ()
+    if not _has_learned(data):
+        return ()
+    if epsilon is None or not with_figures:
+        if with_figures:
+            what = "a pull" if data.is_bandit else "a return"
+            return f"gap {cost} {what}: mostly what exploring costs", f"gap {cost}: mostly exploring"
+        return "gap: mostly what exploring costs", "gap: mostly exploring"
+    what, rate = ("a pull" if data.is_bandit else "a return"), setting(round(epsilon, 3), glyphs)
+    return (
+        f"gap {cost} {what}: mostly what exploring (ε {rate}) costs",
+        f"gap {cost}: mostly exploring (ε {rate})",
+        f"gap {cost}: mostly exploring",
+    )
+
+
+def _has_learned(data: CurveData) -> bool:
+    """Tell whether the gap may be laid to exploring rather than to what is not known yet.
+
+    That is claimed only of a greedy policy that is more than ties and that, over all the episodes whose mean
+    is told, falls short of the optimum by no more than a third of the optimum's size: .5 and up of .75, −16
+    and up of −12.
+    """
+    if data.greedy_now is None or data.optimum is None or data.barren or not data.is_decided:
+        return False
+    recent = data.greedy.low[data.greedy.end > data.finished - _RECENT]
+    least = data.optimum - abs(data.optimum) / 3 - numbers.NEGLIGIBLE
+    return data.greedy_now >= least and bool((recent >= least).all())
+
+
+def empty_words(unit: str) -> tuple[str, ...]:
+    """Return what to do before the first pull, sweep or episode has ended."""
+    if unit == "sweep":
+        return "no sweep has ended yet:", "space runs, e runs one sweep"
+    if unit == "pull":
+        return "no arm has been pulled yet:", "space runs, s pulls once"
+    return "no episode has ended yet:", "space runs, e runs one episode"
+
+
+def barren_words(data: CurveData) -> tuple[str, ...]:
+    """Return that nothing was ever earned."""
+    finished = "finished " if data.unit == "episode" else ""
+    return "no reward seen yet", f"in {data.finished:,} {finished}{data.unit}s"

@@ -1,0 +1,121 @@
+"""The bottom line: which keys do what, as many as fit."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from rich.cells import cell_len
+from rich.segment import Segment
+from textual import events
+from textual.strip import Strip
+from textual.widget import Widget
+
+from rl_tui.tui.app.action import Action, Place
+from rl_tui.tui.app.actions import actions_of
+from rl_tui.tui.draw.to_ascii import written
+from rl_tui.tui.theme.glyphs import Glyphs
+from rl_tui.tui.theme.look import Look
+
+_GAPS = (3, 2)
+
+
+def fitting(place: Place, width: int) -> tuple[tuple[Action, ...], int]:
+    """Return the actions whose hints fit into ``width`` columns, as the line shows them, and the gap between.
+
+    Entries are dropped whole, those of the highest rank first; the one of the lowest rank (help) stays in any
+    width and stands last. The gap is the wide one where that drops nothing more.
+    """
+    ranked = sorted((a for a in actions_of(place) if a.rank is not None), key=lambda a: a.rank or 0)
+    wide, narrow = (_as_many_as_fit(ranked, width, gap) for gap in _GAPS)
+    shown, gap = (wide, _GAPS[0]) if len(wide) == len(narrow) else (narrow, _GAPS[1])
+    last, *others = shown
+    return (*sorted(others, key=actions_of(place).index), last), gap
+
+
+def _as_many_as_fit(ranked: Sequence[Action], width: int, gap: int) -> tuple[Action, ...]:
+    shown: list[Action] = []
+    used = 1
+    for action in ranked:
+        used += _columns(action) + (gap if shown else 0)
+        if used > width and shown:
+            break
+        shown.append(action)
+    return tuple(shown)
+
+
+def _columns(action: Action) -> int:
+    keys, label = action.key_hint
+    return len(keys) + 1 + len(label)
+
+
+def _line_columns(hints: Sequence[tuple[str, str]], gap: int, glyphs: Glyphs) -> int:
+    texts = [written(f"{keys} {label}", glyphs) for keys, label in hints]
+    return 1 + sum(map(cell_len, texts)) + gap * (len(texts) - 1)
+
+
+class KeyLine(Widget):
+    """Key hints of the screen it stands on; a click on one does it.
+
+    ``hints`` are keys and words to show in their place, as many as fit, while a mode has keys of its own.
+    """
+
+    def __init__(
+        self,
+        look: Look,
+        place: Place,
+        *,
+        id: str | None = None,  # noqa: A002
+        classes: str | None = None,
+    ) -> None:
+        super().__init__(id=id, classes=classes)
+        self.look = look
+        self._place = place
+        self._hints: tuple[tuple[str, str], ...] = ()
+
+    @property
+    def hints(self) -> tuple[tuple[str, str], ...]:
+        """What is shown in place of the screen's own hints; empty: those."""
+        return self._hints
+
+    @hints.setter
+    def hints(self, hints: tuple[tuple[str, str], ...]) -> None:
+        if hints != self._hints:
+            self._hints = hints
+            self.refresh()
+
+    def render_line(self, y: int) -> Strip:
+        """Draw the line."""
+        palette, glyphs = self.look.palette, self.look.glyphs
+        shown, gap = fitting(self._place, self.size.width)
+        hints = [action.key_hint for action in shown]
+        if self.hints:
+            hints, gap = self._fitting_hints(), _GAPS[1]
+        segments = [Segment(" ", palette.text)]
+        for number, (keys, label) in enumerate(hints):
+            segments += [
+                Segment(" " * gap if number else "", palette.text),
+                Segment(written(keys, glyphs), palette.accent),
+                Segment(f" {label}", palette.text),
+            ]
+        strip = Strip(segments).adjust_cell_length(self.size.width, palette.text)
+        return strip.apply_style(self.rich_style)
+
+    def _fitting_hints(self) -> list[tuple[str, str]]:
+        """Return the hints of the mode; where not all fit, the last but one goes first."""
+        hints = list(self.hints)
+        while len(hints) > 1 and _line_columns(hints, _GAPS[1], self.look.glyphs) > self.size.width:
+            hints.pop(-2)
+        return hints
+
+    async def on_click(self, event: events.Click) -> None:
+        """Do what the hint under the pointer says."""
+        if self.hints:
+            return
+        shown, gap = fitting(self._place, self.size.width)
+        column = 1
+        for action in shown:
+            end = column + _columns(action)
+            if column <= event.x < end:
+                await self.screen.run_action(action.textual_action)
+                return
+            column = end + gap

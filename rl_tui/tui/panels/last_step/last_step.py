@@ -1,0 +1,52 @@
+"""The last step: what the agent chose and why, what the environment did, and the update with its numbers."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from textual.strip import Strip
+
+from rl_tui.lab.live.snapshot import Snapshot
+from rl_tui.tui.draw.pieces import Line, Piece, strips_of
+from rl_tui.tui.panels.last_step.loop_text import loop_text
+from rl_tui.tui.panels.last_step.step_lines import StepWriter
+from rl_tui.tui.panels.panel import Panel
+from rl_tui.tui.panels.speeds import passes_too_fast
+from rl_tui.tui.theme.look import Look
+from rl_tui.worlds.drawing import Arms
+
+NOTHING_YET: Final = "no step yet: s takes one"
+_LEAST_ROWS: Final = 4  # below this the loop is not told in lines of its own
+
+
+class Inspector(Panel):
+    """The loop in five parts (state, action, reward, next state, update); in one row the update alone.
+
+    It is drawn from the last step of the snapshot only, so that all its numbers belong together.
+    """
+
+    def picture(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
+        """Return the picture of the last step of ``snapshot``."""
+        self.heading = "Last step"
+        self.footing = _which(snapshot)
+        return strips_of(inspector_lines(snapshot, self.look, width, height), width, height, self.look)
+
+
+def _which(snapshot: Snapshot | None) -> str:
+    """Return which step it was; nothing while they pass too fast to tell, since a title redraws the panel."""
+    if snapshot is None or snapshot.last is None or passes_too_fast(snapshot):
+        return ""
+    step, episode = snapshot.last.step, snapshot.last.episode
+    if snapshot.last.planned:
+        return f"step {step:,} · sweep {episode:,}"
+    is_bandit = isinstance(snapshot.world.drawing, Arms)
+    return f"pull {step:,}" if is_bandit else f"step {step:,} · episode {episode:,}"
+
+
+def inspector_lines(snapshot: Snapshot | None, look: Look, width: int, height: int) -> list[Line]:
+    """Return what the inspector says in ``height`` rows of ``width`` cells, at most so many lines."""
+    palette = look.palette
+    if snapshot is None or snapshot.last is None:
+        return [[Piece(" ", palette.text), Piece(NOTHING_YET, palette.dim)]]
+    writer = StepWriter(loop_text(snapshot, snapshot.last, look.glyphs), look, width)
+    return (writer.tall(height) if height >= _LEAST_ROWS else writer.short(height))[:height]

@@ -1,0 +1,1 @@
+"""The microscope: the last step taken apart."""

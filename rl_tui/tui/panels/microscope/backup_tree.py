@@ -1,0 +1,105 @@
+"""The backup of the last step as a tree (Sutton & Barto, 2nd ed., Fig. 3.4), and its two targets."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import lru_cache
+from typing import Final
+
+import numpy as np
+
+from rl_tui.lab.live.backup import Backup, Leaf
+from rl_tui.lab.live.snapshot import Snapshot
+from rl_tui.tui.draw import names
+from rl_tui.tui.draw.pieces import Line, Piece
+from rl_tui.tui.panels.last_step.loop_text import LoopText
+from rl_tui.tui.panels.microscope.backup_columns import outcome_rows
+from rl_tui.tui.panels.microscope.section import Section
+from rl_tui.tui.panels.microscope.targets import target_lines
+from rl_tui.tui.theme.look import Look
+from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
+
+HEADING: Final = "The backup"
+MOST_LEAVES: Final = 8
+TARGET_ROWS: Final = 4
+_HEAD_ROWS: Final = 3
+_TRUNK: Final = 5  # the cells of the tree before the first column
+
+
+def backup_section(
+    snapshot: Snapshot, backup: Backup, text: LoopText, look: Look, width: int, *, secret: bool
+) -> Section:
+    """Return the tree over all outcomes and the targets below it; ``secret`` hides true rewards."""
+    leaves = _leaf_rows(snapshot)
+    lines = [*_tree(snapshot, backup, look, width, secret=secret)]
+    lines += [[Piece("", look.palette.text)]] * (_HEAD_ROWS + leaves - len(lines))
+    lines += target_lines(snapshot, backup, text, look, width, secret=secret)
+    return Section(HEADING, lines, rows_of(snapshot), _remarks(snapshot, backup))
+
+
+def rows_of(snapshot: Snapshot) -> int:
+    """Return how many rows the tree of any pair of this world and the targets take."""
+    return _HEAD_ROWS + _leaf_rows(snapshot) + TARGET_ROWS
+
+
+def _remarks(snapshot: Snapshot, backup: Backup) -> tuple[str, ...]:
+    if snapshot.world.mdp is None:
+        return ("what else may follow is not known", "one sample")
+    return () if backup.is_current else ("estimates as they are now", "as they are now")
+
+
+@lru_cache(maxsize=1)  # one world is on screen; no other is kept alive
+def _most_outcomes(mdp: TabularMDP) -> int:
+    return int(np.diff(mdp.first_outcome).max())
+
+
+def _leaf_rows(snapshot: Snapshot) -> int:
+    """Return how many rows the leaves of any pair of this world take."""
+    mdp = snapshot.world.mdp
+    return 1 if mdp is None else min(_most_outcomes(mdp), MOST_LEAVES)
+
+
+def _tree(snapshot: Snapshot, backup: Backup, look: Look, width: int, *, secret: bool) -> list[Line]:
+    """Return the state, the action below it, and the leaves that hang from it."""
+    palette, glyphs, world = look.palette, look.glyphs, snapshot.world
+    shown, left_out = _chosen(backup.leaves)
+    heads, *rows = outcome_rows(world, backup, shown, look, width - _TRUNK, secret=secret)
+    state = names.state_name(world, backup.state, glyphs)
+    action = names.action_name(world, int(world.space.pair_action[backup.pair]), glyphs)
+    lines: list[Line] = [
+        [Piece(f" {glyphs.state_node} ", palette.strong), Piece(state, palette.text)],
+        [
+            Piece(f" {glyphs.axis_corner}", palette.dim),
+            Piece(f"{glyphs.action_node} ", palette.strong),
+            Piece(action, palette.text),
+        ],
+        [Piece(f"  {glyphs.thin_vertical}  ", palette.dim), Piece(heads, palette.dim)],
+    ]
+    for number, (leaf, told) in enumerate(zip(shown, rows, strict=True), start=1):
+        is_last = number == len(shown) and not left_out
+        mark = Piece(f" {glyphs.cursor if leaf.happened else ' '}", palette.accent)
+        branch = Piece(glyphs.axis_corner if is_last else glyphs.fork, palette.dim)
+        node = Piece(f"{glyphs.state_node} ", palette.strong if leaf.happened else palette.dim)
+        row = Piece(told, palette.strong if leaf.happened else palette.text)
+        lines.append([mark, branch, node, row])
+    if left_out:
+        chance = names.chance(sum(leaf.probability or 0.0 for leaf in left_out), glyphs)
+        lines.append(
+            [
+                Piece(f"  {glyphs.axis_corner}{glyphs.ellipsis} ", palette.dim),
+                Piece(f"{len(left_out):,} more, together p {chance}", palette.dim),
+            ]
+        )
+    return lines
+
+
+def _chosen(leaves: Sequence[Leaf]) -> tuple[list[Leaf], list[Leaf]]:
+    """Return the leaves that are drawn, in their order, and those that have no room: the least likely.
+
+    What happened always is drawn.
+    """
+    if len(leaves) <= MOST_LEAVES:
+        return list(leaves), []
+    ranked = sorted(enumerate(leaves), key=lambda each: (not each[1].happened, -(each[1].probability or 0.0)))
+    kept, left_out = ranked[: MOST_LEAVES - 1], ranked[MOST_LEAVES - 1 :]
+    return [leaf for _, leaf in sorted(kept, key=lambda each: each[0])], [leaf for _, leaf in left_out]

@@ -1,0 +1,146 @@
+"""The target of a sample beside the target that is expected, and what lies between them."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from rl_tui.agents.update_terms import Lookup
+from rl_tui.lab.live.backup import Backup
+from rl_tui.lab.live.snapshot import Snapshot
+from rl_tui.tui.draw import numbers
+from rl_tui.tui.draw.pieces import Line, Piece, first_that_fits, wrapped
+from rl_tui.tui.draw.precision import agrees, column_figure, leading_zeros, parsed
+from rl_tui.tui.panels.bellman import SECRET
+from rl_tui.tui.panels.last_step.loop_text import LoopText
+from rl_tui.tui.panels.microscope.section import flowed
+from rl_tui.tui.theme.look import Look
+from rl_tui.worlds.drawing import Arms
+
+_LABEL: Final = 11
+_FEWEST: Final = 2
+_MORE: Final = 6  # decimals beyond the fewest
+
+
+def target_lines(
+    snapshot: Snapshot, backup: Backup, text: LoopText, look: Look, width: int, *, secret: bool
+) -> list[Line]:
+    """Return the sampled target, the expected one and their difference, each where it is known."""
+    palette = look.palette
+    if backup.sampled is None:
+        return _said(_no_sample(snapshot, text), look, width)
+    decimals = _decimals(backup.sampled, backup.expected, look)
+    sampled = column_figure(backup.sampled, decimals, look.glyphs)
+    label = "target" if text.sweep else "sampled"
+    lines: list[Line] = [
+        first_that_fits(
+            [
+                [_label(label, look), Piece(each, palette.text), Piece(sampled, palette.strong)]
+                for each in (f"{_symbols(text)} = ", "")
+            ],
+            width,
+            look,
+        )
+    ]
+    if secret:
+        hidden = [[_label("expected", look), Piece(each, palette.dim)] for each in (SECRET, "hidden until h")]
+        return [*lines, first_that_fits(hidden, width, look)]
+    if backup.expected is None:
+        return [*lines, *_said(_not_known(snapshot), look, width)]
+    if text.sweep:
+        return [*lines, *_said("a planner takes the expectation itself: no luck in it", look, width)]
+    symbols = ("mean reward = " if isinstance(snapshot.world.drawing, Arms) else "Σ p (r + γ V(s′)) = ", "")
+    expected = column_figure(backup.expected, decimals, look.glyphs)
+    lines.append(
+        first_that_fits(
+            [
+                [_label("expected", look), Piece(each, palette.text), Piece(expected, palette.strong)]
+                for each in symbols
+            ],
+            width,
+            look,
+        )
+    )
+    difference = backup.sampled - backup.expected
+    reason = _drifted(snapshot) or _reason(backup, difference)
+    return [*lines, *_difference(difference, reason, decimals, look, width)]
+
+
+def _difference(difference: float, reason: str, decimals: int, look: Look, width: int) -> list[Line]:
+    palette = look.palette
+    if abs(difference) < numbers.NEGLIGIBLE:
+        shown, style = "0", palette.text
+    else:
+        shown = column_figure(difference, decimals, look.glyphs)
+        shown, style = (shown, palette.bad) if difference < 0.0 else (f"+{shown}", palette.good)
+    head: list[Line] = [[_label("difference", look), Piece(shown, style)]]
+    words = reason.split(" ")
+    return flowed(
+        [*head, *([Piece(f"{'   ' if n == 0 else ' '}{word}", palette.dim)] for n, word in enumerate(words))],
+        width,
+        look,
+        indent=_LABEL + 1,
+    )
+
+
+def _drifted(snapshot: Snapshot) -> str:
+    """Return what else there is where the mean is that after the pull; empty elsewhere."""
+    mdp = snapshot.world.mdp
+    return "luck, and how far the mean drifted since" if mdp is not None and mdp.drift_std else ""
+
+
+def _reason(backup: Backup, difference: float) -> str:
+    """Return what makes the difference between a sample and its expectation."""
+    if not backup.is_current:
+        return "luck, and what else this step updated"
+    if backup.is_certain:
+        return "which action came next" if backup.lookup is Lookup.NEXT else "one outcome, no luck"
+    if abs(difference) < numbers.NEGLIGIBLE:
+        targets = {leaf.reward + backup.gamma * (leaf.value or 0.0) for leaf in backup.leaves}
+        return "all outcomes look alike as yet" if len(targets) == 1 else "just what was expected"
+    return "luck of this sample and of A′" if backup.lookup is Lookup.NEXT else "luck of this sample"
+
+
+def _no_sample(snapshot: Snapshot, text: LoopText) -> str:
+    if not text.estimate:
+        return text.waiting
+    return "the target spans several steps: one step has no expected target to match it"
+
+
+def _not_known(snapshot: Snapshot) -> str:
+    if snapshot.world.mdp is None:
+        return "expected: not known, this world is stepped and nobody wrote its table down"
+    return "expected: not known, not all estimates that it needs are at hand"
+
+
+def _said(text: str, look: Look, width: int) -> list[Line]:
+    return list(wrapped(text, width, look.palette.dim, look, " ", " "))
+
+
+def _symbols(text: LoopText) -> str:
+    gathered = text.gathered
+    return f"{gathered} + {text.discount}·{text.bootstrap}" if text.bootstrap else gathered
+
+
+def _decimals(sampled: float, expected: float | None, look: Look) -> int:
+    """Return the fewest decimals with which the printed difference is that of the printed targets.
+
+    Two at least, three where both are fractions, more where both are small.
+    """
+    known = [sampled] if expected is None else [sampled, expected]
+    largest = max(map(abs, known))
+    fewest = _FEWEST if largest >= 1.0 else _FEWEST + max(1, leading_zeros(*known))
+    if expected is None or abs(sampled - expected) < numbers.NEGLIGIBLE:
+        return fewest
+    difference = sampled - expected
+    for decimals in range(fewest, fewest + _MORE):
+        first, second, told = (
+            column_figure(each, decimals, look.glyphs) for each in (sampled, expected, difference)
+        )
+        between = parsed(first, look.glyphs) - parsed(second, look.glyphs)
+        if round(difference, decimals) and agrees(between, told, look.glyphs, decimals, digits=0.5):
+            return decimals
+    return fewest + _MORE
+
+
+def _label(text: str, look: Look) -> Piece:
+    return Piece(f" {text:<{_LABEL}}", look.palette.dim)

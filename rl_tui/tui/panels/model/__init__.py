@@ -1,0 +1,1 @@
+"""The model of a world: what may follow each action."""

@@ -1,0 +1,133 @@
+"""The model of a scenario and, pair by pair, what may follow and what it is worth."""
+
+from __future__ import annotations
+
+from typing import ClassVar, Final
+
+from textual import events
+from textual.binding import Binding, BindingType
+from textual.strip import Strip
+
+from rl_tui.lab.live.snapshot import Snapshot
+from rl_tui.tui.draw.pieces import Line, Piece, strips_of
+from rl_tui.tui.draw.scrolling import Scrolled
+from rl_tui.tui.panels.model.text import model_lines, pair_lines
+from rl_tui.tui.panels.panel import Panel
+from rl_tui.tui.theme.look import Look
+
+WAITING: Final = "the world is being built"
+
+
+class ModelPanel(Panel, can_focus=True):
+    """⟨S, A, P, R, γ⟩ above one pair (state, action): arrows go through the pairs, pgup and pgdn scroll."""
+
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding(
+            "up", "move_state(-1)", "Previous state", show=False, id="model.up", tooltip="Previous state"
+        ),
+        Binding("down", "move_state(1)", "Next state", show=False, id="model.down", tooltip="Next state"),
+        Binding(
+            "left",
+            "move_action(-1)",
+            "Previous action",
+            show=False,
+            id="model.left",
+            tooltip="Previous action",
+        ),
+        Binding(
+            "right", "move_action(1)", "Next action", show=False, id="model.right", tooltip="Next action"
+        ),
+        Binding("pageup", "scroll_by(-1)", "Scroll up", show=False, id="model.page_up", tooltip="Scroll up"),
+        Binding(
+            "pagedown", "scroll_by(1)", "Scroll down", show=False, id="model.page_down", tooltip="Scroll down"
+        ),
+    ]
+
+    def __init__(self, look: Look, *, id: str | None = None, classes: str | None = None) -> None:  # noqa: A002
+        super().__init__(look, id=id, classes=classes)
+        self._pair: int | None = None
+        self._first = 0
+        self._lines = 0
+
+    @property
+    def pair(self) -> int | None:
+        """The pair whose outcomes are shown, None before the first snapshot."""
+        if self._pair is None and self.snapshot is not None:
+            space, mdp = self.snapshot.world.space, self.snapshot.world.mdp
+            start = self.snapshot.state if mdp is None else int(mdp.start_state[0])
+            return min(int(space.first_pair[start]), space.pairs - 1)
+        return self._pair
+
+    def show_pair(self, pair: int) -> None:
+        """Show the outcomes of ``pair``."""
+        self._pair = pair
+        self.redraw()
+        if self.snapshot is not None and self.is_attached and not self.snapshot.holds(pair):
+            self.post_message(Scrolled())
+
+    def picture(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
+        """Return the part of the model that is in view."""
+        pair = self.pair
+        if snapshot is None or pair is None:
+            return strips_of([[Piece(f" {WAITING}", self.look.palette.dim)]], width, height, self.look)
+        self.heading = f"Model ⟨S, A, P, R, γ⟩ · {snapshot.recipe.scenario.title}"
+        model = model_lines(snapshot, self.look, width, revealed=self.tells_all)
+        one_pair = pair_lines(snapshot, pair, self.look, width, revealed=self.tells_all)
+        blank: Line = [Piece("", self.look.palette.text)]
+        lines = [*model, blank, *one_pair]
+        if len(lines) > height:  # what the arrows change stays in view
+            lines = [*one_pair, blank, *model]
+        self._lines = len(lines)
+        self._first = max(0, min(self._first, len(lines) - height))
+        self.footing = self.fitting(_keys(is_scrolled=len(lines) > height), width)
+        return strips_of(lines[self._first :], width, height, self.look)
+
+    def action_move_state(self, step: int) -> None:
+        """Go to the next state that owns pairs, ``step`` of them on, keeping the action where it is legal."""
+        if self.snapshot is None or self.pair is None:
+            return
+        space = self.snapshot.world.space
+        action = int(space.pair_action[self.pair])
+        state = space.state_of(self.pair) + step
+        while 0 <= state < space.states and not len(space.pairs_of(state)):
+            state += step
+        if 0 <= state < space.states:
+            self.show_pair(
+                min(space.pairs_of(state), key=lambda pair: abs(int(space.pair_action[pair]) - action))
+            )
+
+    def action_move_action(self, step: int) -> None:
+        """Go to another action of the same state."""
+        if self.snapshot is None or self.pair is None:
+            return
+        space = self.snapshot.world.space
+        pairs = space.pairs_of(space.state_of(self.pair))
+        if self.pair + step in pairs:
+            self.show_pair(self.pair + step)
+
+    def action_scroll_by(self, pages: int) -> None:
+        """Scroll by so many pages."""
+        self._scroll(pages * max(1, self.size.height - 2))
+
+    def on_mouse_scroll_down(self, event: events.MouseScrollDown) -> None:
+        """Scroll down by a few lines."""
+        event.stop()
+        self._scroll(3)
+
+    def on_mouse_scroll_up(self, event: events.MouseScrollUp) -> None:
+        """Scroll up by a few lines."""
+        event.stop()
+        self._scroll(-3)
+
+    def _scroll(self, lines: int) -> None:
+        self._first = max(0, min(self._first + lines, self._lines - self.size.height))
+        self.redraw()
+
+
+def _keys(*, is_scrolled: bool) -> list[str]:
+    """Return the keys of the panel, longest form first."""
+    pair, scroll, close = "arrows: another pair", "pgup pgdn: scroll", "m: close"
+    forms = [(pair, close), (close,)]
+    if is_scrolled:
+        forms = [(pair, scroll, close), ("arrows: pair", scroll, close), (scroll, close), (close,)]
+    return ["   ".join(form) for form in forms]

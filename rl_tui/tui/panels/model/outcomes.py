@@ -1,0 +1,57 @@
+"""The outcomes of one pair as a table."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from rich.cells import cell_len
+
+from rl_tui.tui.draw import names, numbers
+from rl_tui.tui.draw.pieces import Line, Piece
+from rl_tui.tui.draw.to_ascii import written
+from rl_tui.tui.theme.look import Look
+from rl_tui.worlds.mdp.tabular_mdp import UNKNOWN_ACTION, TabularMDP
+from rl_tui.worlds.world import World
+
+HIDDEN: Final = "···"
+
+
+def outcome_lines(world: World, mdp: TabularMDP, pair: int, look: Look, *, secret: bool) -> list[Line]:
+    """Return a table: probability, what happened where the world slips, reward, next state."""
+    palette, glyphs = look.palette, look.glyphs
+    meant = int(mdp.pair_action[pair])
+    slips = any(mdp.outcome_action[each] not in (UNKNOWN_ACTION, meant) for each in mdp.outcomes_of(pair))
+    rows = []
+    for outcome in mdp.outcomes_of(pair):
+        next_state = int(mdp.next_state[outcome])
+        happened = int(mdp.outcome_action[outcome])
+        landing = names.state_name(world, next_state, glyphs)
+        if landmark := names.landmark(world, next_state):
+            landing += f": {landmark}"
+        rows.append(
+            (
+                names.chance(float(mdp.probability[outcome]), glyphs),
+                (names.action_name(world, happened, glyphs) if happened != UNKNOWN_ACTION else "?")
+                if slips
+                else "",
+                HIDDEN if secret else numbers.brief(float(mdp.reward[outcome]), glyphs, decimals=4),
+                landing,
+                "ends" if mdp.terminated[outcome] else "",
+            )
+        )
+    noise = float(mdp.reward_std[mdp.first_outcome[pair]])
+    heads = ("p", "went" if slips else "", "r at the start" if mdp.drift_std else "r", "s′", "")
+    spelled = [tuple(written(cell, glyphs) for cell in row) for row in (heads, *rows)]
+    widths = [max(cell_len(row[column]) for row in spelled) for column in range(len(heads))]
+    lines: list[Line] = []
+    for number, row in enumerate(spelled):
+        style = palette.text if number else palette.dim
+        cells = [
+            Piece(f"   {cell}{' ' * (columns - cell_len(cell))}", palette.accent if cell == "ends" else style)
+            for cell, columns in zip(row, widths, strict=True)
+            if columns
+        ]
+        if number and noise > 0.0:
+            cells.append(Piece(f"   r ± {numbers.brief(noise, glyphs, decimals=3)} (normal)", palette.dim))
+        lines.append(cells)
+    return lines

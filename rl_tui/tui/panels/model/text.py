@@ -1,0 +1,197 @@
+"""The model in words: ⟨S, A, P, R, γ⟩ (Sutton & Barto, 2nd ed., section 3.1) and one pair in full."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import lru_cache
+from typing import Final
+
+import numpy as np
+from rich.cells import cell_len
+
+from rl_tui.common.words import counted
+from rl_tui.lab.live.snapshot import Snapshot
+from rl_tui.tui.draw import names, numbers
+from rl_tui.tui.draw.pieces import Line, Piece, wrapped
+from rl_tui.tui.draw.to_ascii import written
+from rl_tui.tui.panels.bellman import SECRET, bellman_lines
+from rl_tui.tui.panels.last_step.update_text import setting
+from rl_tui.tui.panels.model.outcomes import outcome_lines
+from rl_tui.tui.panels.reward_range import reward_range
+from rl_tui.tui.theme.look import Look
+from rl_tui.worlds.drawing import Arms
+from rl_tui.worlds.mdp.space import FiniteSpace
+from rl_tui.worlds.mdp.tabular_mdp import IntArray, TabularMDP
+from rl_tui.worlds.world import World
+
+UNKNOWN: Final = "unknown: stepped for real, nobody wrote its table down"
+_MANY_NAMES: Final = 100  # no two lines hold more
+_LABEL: Final = 8
+
+
+def is_secret(snapshot: Snapshot, *, revealed: bool) -> bool:
+    """Tell whether true rewards must not be told: a bandit's, until ``revealed``."""
+    return isinstance(snapshot.world.drawing, Arms) and not revealed
+
+
+def model_lines(snapshot: Snapshot, look: Look, width: int, *, revealed: bool) -> list[Line]:
+    """Return the five parts, the start and the end of episodes."""
+    space, mdp = snapshot.world.space, snapshot.world.mdp
+    others = _without_pairs(space)
+    actors = f", {space.states - len(others)} with actions" if len(others) else ""
+    room = width - _LABEL - 1
+    actions = _actions(snapshot, look)
+    pairs = f"{counted(space.pairs, 'legal pair')} (s, a)"
+    if mdp is None:
+        chances, rewards, start = f"{UNKNOWN}; {pairs}", UNKNOWN, "drawn by the environment"
+        end = "where the environment says so" + _time_limit(space)
+    else:
+        chances = f"{pairs}, {counted(len(mdp.next_state), 'outcome')}"
+        rewards = _rewards(snapshot, mdp, look, revealed=revealed)
+        start, end = _start(snapshot.world, mdp, look, room), _end(snapshot.world, mdp, look, room)
+    parts = [
+        ("S", f"{counted(space.states, 'state')}{actors}: {_listed(space.state_names, room, look)}"),
+        ("A", f"{counted(len(actions), 'action')}: {_listed(actions, room, look)}"),
+        ("P", chances),
+        ("R", rewards),
+        ("γ", setting(snapshot.hyperparameters.gamma, look.glyphs)),
+        ("start", start),
+        ("end", end),
+    ]
+    lines: list[Line] = []
+    for label, text in parts:
+        lines += _labelled(label, text, look, width)
+    return lines
+
+
+# What takes a look at every state is worked out once for the world on screen, not for every frame
+@lru_cache(maxsize=1)
+def _without_pairs(space: FiniteSpace) -> IntArray:
+    return np.flatnonzero(np.diff(space.first_pair) == 0)
+
+
+@lru_cache(maxsize=1)
+def _terminal(mdp: TabularMDP) -> IntArray:
+    return np.intersect1d(mdp.next_state[mdp.terminated], _without_pairs(mdp))
+
+
+def pair_lines(snapshot: Snapshot, pair: int, look: Look, width: int, *, revealed: bool) -> list[Line]:
+    """Return the outcomes of ``pair`` and its Bellman optimality equation with numbers put in."""
+    world, space, palette, glyphs = snapshot.world, snapshot.world.space, look.palette, look.glyphs
+    state, action = space.state_of(pair), int(space.pair_action[pair])
+    secret = is_secret(snapshot, revealed=revealed)
+    head: list[Piece] = [
+        Piece(" state ", palette.dim),
+        Piece(space.state_names[state], palette.strong),
+        *([Piece(f" ({place})", palette.dim)] if (place := names.place(world, state)) else []),
+        Piece("   action ", palette.dim),
+        Piece(_action(snapshot, action, look), palette.strong),
+        Piece(f"   pair {pair + 1:,} of {space.pairs:,}", palette.dim),
+    ]
+    taken = int(snapshot.visits[pair])
+    learned = numbers.value(float(snapshot.q[pair]), 7, glyphs) if taken else "not yet visited"
+    if not snapshot.holds(pair):  # the next snapshot of a large world will have it
+        learned = glyphs.ellipsis
+    estimate: Line = [
+        Piece(f" learned Q({names.pair_name(world, pair, glyphs)}) = ", palette.dim),
+        Piece(learned, palette.text),
+        Piece(f", taken {counted(taken, 'time')}" if taken else "", palette.dim),
+    ]
+    unknown: Line = [Piece(f"   {UNKNOWN}", palette.dim)]
+    mdp = world.mdp
+    return [
+        head,
+        *([unknown] if mdp is None else outcome_lines(world, mdp, pair, look, secret=secret)),
+        estimate,
+        [Piece("", palette.text)],
+        *bellman_lines(snapshot, pair, look, width, secret=secret),
+    ]
+
+
+def _rewards(snapshot: Snapshot, mdp: TabularMDP, look: Look, *, revealed: bool) -> str:
+    glyphs = look.glyphs
+    rewards, drift = reward_range(mdp), mdp.drift_std
+    known = ""
+    if rewards.noise:
+        deviation = numbers.brief(rewards.noise, glyphs)
+        known = f", normally distributed around their mean (standard deviation {deviation})"
+    if drift:
+        known += f"; after every step each mean drifts by a normal step of standard deviation {drift:g}"
+    if is_secret(snapshot, revealed=revealed):
+        return SECRET + known
+    low, high = (numbers.brief(each, glyphs, decimals=3) for each in (rewards.low, rewards.high))
+    text = f"always {low}" if low == high else f"from {low} to {high}"
+    return f"{text}{' at the start' if drift else ''}{known}"
+
+
+def _start(world: World, mdp: TabularMDP, look: Look, room: int) -> str:
+    if len(mdp.start_state) == 1:
+        state = int(mdp.start_state[0])
+        place = names.place(world, state)
+        return mdp.state_names[state] + (f" ({place})" if place else "")
+    chances = [
+        f"{names.state_name(world, int(state), look.glyphs)} with {names.chance(float(p), look.glyphs)}"
+        for state, p in zip(mdp.start_state[:20], mdp.start_probability[:20], strict=True)
+    ]
+    more = ["…"] if len(mdp.start_state) > 20 else []
+    return _listed([*chances, *more], room, look)
+
+
+def _end(world: World, mdp: TabularMDP, look: Look, room: int) -> str:
+    if isinstance(world.drawing, Arms):
+        return "every pull is an episode of its own"
+    reached = _terminal(mdp)
+    listed = [*reached[:_MANY_NAMES], *reached[_MANY_NAMES:][-1:]]
+    terminal = [names.state_name(world, int(state), look.glyphs) for state in listed]
+    text = (
+        f"terminal {_listed(terminal, room, look)}: nothing follows an outcome that ends there, worth 0"
+        if terminal
+        else "no state is terminal"
+    )
+    return text + _time_limit(mdp)
+
+
+def _time_limit(space: FiniteSpace) -> str:
+    if not space.time_limit:
+        return ""
+    return (
+        f"; after {space.time_limit:,} steps the time limit cuts the episode off, which is no end: "
+        "the last step still bootstraps"
+    )
+
+
+def _actions(snapshot: Snapshot, look: Look) -> list[str]:
+    return [_action(snapshot, action, look) for action in range(len(snapshot.world.space.action_names))]
+
+
+def _action(snapshot: Snapshot, action: int, look: Look) -> str:
+    """Return the arrow and the name of ``action``, or its name alone."""
+    name = snapshot.world.space.action_names[action]
+    arrow = names.action_name(snapshot.world, action, look.glyphs)
+    is_direction = names.is_direction(snapshot.world, action)
+    return f"{arrow} {name}" if is_direction and arrow != name else name
+
+
+def _listed(items: Sequence[str], room: int, look: Look) -> str:
+    """Return ``items`` separated by commas; the first ones and the last if they take more than two lines.
+
+    Where the names themselves have commas, semicolons keep them apart.
+    """
+    between = "; " if any("," in item for item in items[:1]) else ", "
+    shown: list[str] = []
+    taken = 0
+    for number, item in enumerate(items):
+        taken += cell_len(written(item, look.glyphs)) + 2
+        if taken > 2 * room - 30 and number < len(items) - 1:
+            return between.join([*shown, look.glyphs.ellipsis, items[-1]])
+        shown.append(item)
+    return between.join(shown)
+
+
+def _labelled(label: str, text: str, look: Look, width: int) -> list[Line]:
+    palette = look.palette
+    spelled = written(label, look.glyphs)
+    lines: list[Line] = []
+    for number, line in enumerate(wrapped(text, max(1, width - _LABEL - 1), palette.text, look)):
+        lines.append([Piece(f" {spelled if number == 0 else '':<{_LABEL}}", palette.accent), *line])
+    return lines

@@ -1,0 +1,42 @@
+"""A scenario's notes, Markdown."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from textual.containers import Vertical
+
+from rl_tui.tui.draw.to_ascii import written
+from rl_tui.tui.theme.glyphs import Glyphs
+
+if TYPE_CHECKING:
+    from textual.widgets import Markdown
+
+_ASCII_BULLETS = ["* "]
+
+
+class Notes(Vertical):
+    """Draws Markdown in the characters of ``glyphs``."""
+
+    def __init__(self, glyphs: Glyphs, *, id: str | None = None, classes: str | None = None) -> None:  # noqa: A002
+        super().__init__(id=id, classes=classes)
+        self._glyphs = glyphs
+        self._shown: str | None = None
+
+    async def show(self, markdown: str) -> None:
+        """Replace what is shown by ``markdown``; the same text again stays as it is."""
+        if markdown == self._shown:
+            return
+        self._shown = markdown
+        await self.remove_children()
+        await self.mount(notes_markdown(markdown, self._glyphs))
+
+
+def notes_markdown(markdown: str, glyphs: Glyphs) -> Markdown:
+    """Return the widget that draws ``markdown`` in the characters of ``glyphs``; the app shows addresses."""
+    from textual.widgets import Markdown  # its parser is slow to load and must not delay the first paint
+
+    widget = Markdown(written(markdown, glyphs), open_links=True)
+    if glyphs.name == "ascii":
+        widget.BULLETS = _ASCII_BULLETS
+    return widget

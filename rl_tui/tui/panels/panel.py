@@ -1,0 +1,115 @@
+"""What the panels that draw text from a snapshot have in common."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Final
+
+from rich.cells import cell_len
+from textual.content import Content
+from textual.geometry import Region, Size
+from textual.strip import Strip
+from textual.widget import Widget
+
+from rl_tui.lab.live.snapshot import Phase, Snapshot
+from rl_tui.tui.draw.to_ascii import separated
+from rl_tui.tui.theme.look import Look
+
+_BORDER_ENDS: Final = 4  # a piece of line and a blank on either side of a title
+
+
+class Panel(Widget):
+    """Draws each snapshot anew and refreshes only the rows that came out different.
+
+    Subclasses implement :meth:`picture`, which may set ``heading`` and ``footing`` on the way. ``revealed``
+    tells whether what a bandit's agent cannot know is shown.
+    """
+
+    def __init__(self, look: Look, *, id: str | None = None, classes: str | None = None) -> None:  # noqa: A002
+        super().__init__(id=id, classes=classes)
+        self.snapshot: Snapshot | None = None
+        self.heading = ""
+        self.footing = ""
+        self._look = look
+        self._revealed = False
+        self._rows: list[Strip] = []
+        self._drawn_size = Size(0, 0)
+        self._border_texts = ("", "", "")
+
+    @property
+    def look(self) -> Look:
+        """The characters and colours it is drawn with."""
+        return self._look
+
+    @look.setter
+    def look(self, look: Look) -> None:
+        self._look = look
+        self.redraw()
+
+    @property
+    def revealed(self) -> bool:
+        """Whether what the agent cannot know (the true means of a bandit) is shown."""
+        return self._revealed
+
+    @revealed.setter
+    def revealed(self, revealed: bool) -> None:
+        if revealed != self._revealed:
+            self._revealed = revealed
+            self.redraw()
+
+    @property
+    def tells_all(self) -> bool:
+        """Whether secrets are out: by :attr:`revealed`, or because the budget is spent."""
+        return self._revealed or (self.snapshot is not None and self.snapshot.phase is Phase.SPENT)
+
+    def show(self, snapshot: Snapshot) -> None:
+        """Draw ``snapshot``."""
+        self.snapshot = snapshot
+        self.redraw()
+
+    def picture(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
+        """Return ``height`` strips of ``width`` cells (at least 1); None is before the first snapshot."""
+        raise NotImplementedError
+
+    def fitting(self, titles: Iterable[str], width: int) -> str:
+        """Return the first of ``titles`` that the border around ``width`` cells holds; empty if none does."""
+        room = width - _BORDER_ENDS
+        return next((each for each in titles if cell_len(separated(each, self.look.glyphs)) <= room), "")
+
+    def redraw(self) -> None:
+        """Draw again and refresh what came out different."""
+        before, size_before = self._rows, self._drawn_size
+        self._draw()
+        self._write_border()
+        if self._drawn_size != size_before:
+            self.refresh()
+            return
+        changed = [y for y, (old, new) in enumerate(zip(before, self._rows, strict=True)) if old != new]
+        if changed:
+            self.refresh(*(Region(0, y, self._drawn_size.width, 1) for y in changed))
+
+    def on_resize(self) -> None:
+        """Fit the picture and the titles to the new size."""
+        self.redraw()
+
+    def render_line(self, y: int) -> Strip:
+        """Return row ``y`` of the picture."""
+        if self._drawn_size != self.size:
+            self._draw()
+        if y >= len(self._rows):
+            return Strip.blank(self.size.width, self.rich_style)
+        return self._rows[y].apply_style(self.rich_style)
+
+    def _draw(self) -> None:
+        self._drawn_size = size = self.size
+        self._rows = (
+            self.picture(self.snapshot, size.width, size.height) if size.width > 0 and size.height > 0 else []
+        )
+
+    def _write_border(self) -> None:
+        # setting a title refreshes the whole widget, even where it says the same
+        texts = (self.heading, self.footing, self.look.glyphs.name)
+        if texts != self._border_texts:
+            self._border_texts = texts
+            self.border_title = Content(separated(self.heading, self.look.glyphs))
+            self.border_subtitle = Content(separated(self.footing, self.look.glyphs))

@@ -1,0 +1,123 @@
+"""What the two forms of the Q-table, a matrix and a list of pairs, have in common."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final, Protocol
+
+from rich.cells import cell_len
+from rich.segment import Segment
+
+from rl_tui.lab.live.until import Breakpoints
+from rl_tui.tui.draw.pointing import NOWHERE
+from rl_tui.tui.panels.q_table.layers import Figures, Layer
+from rl_tui.tui.panels.q_table.world import TableWorld
+from rl_tui.tui.theme.look import Look
+
+Pieces = list[Segment]
+NO_BREAKPOINTS: Final = Breakpoints()
+
+
+@dataclass(frozen=True, slots=True)
+class Scene:
+    """What is drawn: the figures of each layer that can be shown, the agent's state and the cursor's pair.
+
+    ``last_pair`` is the pair taken last. ``cursor`` is None where no cursor is to be seen; ``pointed`` are
+    the pairs on which the cursor of another panel stands, or none. ``is_secret`` says that the means of a
+    bandit are hidden.
+    """
+
+    world: TableWorld
+    figures: dict[Layer, Figures]
+    layer: Layer
+    state: int
+    last_pair: int | None
+    cursor: int | None
+    is_secret: bool
+    look: Look
+    breakpoints: Breakpoints = NO_BREAKPOINTS
+    pointed: range = NOWHERE
+
+    @property
+    def shown(self) -> Figures:
+        """The figures of the layer in force."""
+        return self.figures[self.layer]
+
+    def state_mark(self, state: int) -> Segment:
+        """Return the mark before a state: of the agent, of a breakpoint, or of both, or a blank."""
+        palette, glyphs = self.look.palette, self.look.glyphs
+        if state in self.breakpoints.states:
+            return Segment(glyphs.agent if state == self.state else glyphs.breakpoint, palette.breakpoint)
+        return Segment(glyphs.agent, palette.agent) if state == self.state else Segment(" ", palette.text)
+
+
+class Form(Protocol):
+    """A scene laid out for one width. An entry is a row of the table, counted from 0."""
+
+    @property
+    def blocks(self) -> int:
+        """How many columns of entries stand side by side."""
+
+    @property
+    def block_width(self) -> int:
+        """The cells from one block to the next."""
+
+    @property
+    def entries(self) -> int:
+        """How many entries there are."""
+
+    def heads(self) -> Pieces:
+        """Return the row of column heads."""
+
+    def entry(self, entry: int, is_first: bool) -> Pieces:
+        """Return one row; ``is_first`` says that none is shown above it."""
+
+    def pairs_in(self, entry: int) -> range:
+        """Return the pairs that stand in a row."""
+
+    def entry_of(self, state: int) -> int:
+        """Return the (first) entry of ``state``, ``NO_ROW`` if it has none."""
+
+    def entry_of_pair(self, pair: int) -> int:
+        """Return the entry in which ``pair`` stands."""
+
+    def moved(self, pair: int, rows: int, columns: int) -> int:
+        """Return the pair so many rows below and columns right of ``pair``, as far as the table goes."""
+
+    def pair_at(self, entry: int, x: int) -> int | None:
+        """Return the pair drawn at column ``x`` of a row, None between the cells."""
+
+
+def boxed(scene: Scene, figures: Figures, pair: int, width: int, digits: int, is_greedy: bool) -> Pieces:
+    """Return the cell of ``pair``: a number of up to ``digits`` cells amid ``width`` ones, between marks.
+
+    Marks stand on the ground of the panel, so that they are seen beside every tint; a breakpoint takes the
+    place of the left one.
+    """
+    palette, glyphs = scene.look.palette, scene.look.glyphs
+    if pair == scene.cursor:
+        style = palette.focus
+    else:
+        style = figures.style(pair) if figures.layer is scene.layer else figures.plain_style(pair)
+    number = figures.text(pair, digits).rjust(figures.cells(digits)).center(width)
+    left = right = " "
+    if is_greedy:
+        lit = figures.is_lit(pair)
+        left = glyphs.lit_left if lit else glyphs.mark_left
+        right = glyphs.lit_right if lit else glyphs.mark_right
+    if pair == scene.cursor:
+        left = glyphs.cursor
+    mark = Segment(left, palette.greedy)
+    if pair in scene.breakpoints.pairs:
+        mark = Segment(left if pair == scene.cursor else glyphs.breakpoint, palette.breakpoint)
+    return [mark, Segment(number, style), Segment(right, palette.greedy)]
+
+
+def padded(text: str, width: int) -> str:
+    """Return ``text``, which is no wider than ``width`` cells, with blanks after it."""
+    return text + " " * (width - cell_len(text))
+
+
+def aligned_right(text: str, width: int) -> str:
+    """Return ``text``, which is no wider than ``width`` cells, with blanks before it."""
+    return " " * (width - cell_len(text)) + text

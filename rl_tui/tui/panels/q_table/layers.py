@@ -1,0 +1,235 @@
+"""The layers of the Q-table: which number of a pair is shown, how it is written and in which style."""
+
+from __future__ import annotations
+
+import math
+from enum import StrEnum
+from typing import Final, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+from rich.style import Style
+
+from rl_tui.lab.live.snapshot import LaneView, Snapshot
+from rl_tui.lab.run.bandit import best_arms, true_means
+from rl_tui.tui.draw import numbers
+from rl_tui.tui.panels.speeds import passes_too_fast
+from rl_tui.tui.theme.glyphs import Glyphs
+from rl_tui.tui.theme.look import Look
+from rl_tui.worlds.drawing import Arms
+from rl_tui.worlds.mdp.space import BoolArray, FloatArray
+
+_ROOM_FOR_THREE: Final = 5
+
+
+class Layer(StrEnum):
+    """What the table shows of each pair."""
+
+    Q = "Q"
+    OPTIMAL = "Q*"
+    ERROR = "Q−Q*"
+    LANES = "Q−other"
+    VISITS = "visits"
+
+
+EXACT_LAYERS: Final = (Layer.OPTIMAL, Layer.ERROR)
+
+
+def is_secret(snapshot: Snapshot, revealed: bool) -> bool:
+    """Tell whether what is exact must be hidden: the means of a bandit, until they are revealed."""
+    return isinstance(snapshot.world.drawing, Arms) and not revealed
+
+
+def exact_q(snapshot: Snapshot, revealed: bool) -> tuple[FloatArray, BoolArray] | None:
+    """Return Q* and the pairs that are greedy for it, [P] each; None while unknown, secret or refused.
+
+    For a bandit they are the true means, whatever γ is: every pull ends its episode. Where they drift they
+    are those of this very step.
+    """
+    if isinstance(snapshot.world.drawing, Arms):
+        mdp = snapshot.world.mdp
+        if mdp is None or not revealed:
+            return None
+        if mdp.drift_std == 0.0 or snapshot.step == 0:
+            return true_means(mdp), best_arms(mdp)
+    return None if snapshot.exact is None else (snapshot.exact.q, snapshot.exact.greedy)
+
+
+def other_lane(snapshot: Snapshot) -> LaneView | None:
+    """Return the first of the other runs side by side, None where there is none or its table is too large."""
+    others = (lane for number, lane in enumerate(snapshot.lanes) if number != snapshot.lane)
+    other = next(others, None)
+    return other if other is not None and len(other.q) else None
+
+
+def lit_pair(snapshot: Snapshot) -> int | None:
+    """Return the pair that was just updated, None where steps pass too fast to follow."""
+    last = None if passes_too_fast(snapshot) else snapshot.last
+    return None if last is None else last.updated_pair
+
+
+class Figures:
+    """One layer at one moment. ``exact`` is what :func:`exact_q` returns; the exact layers need it.
+
+    Ties between greedy pairs are exact equality of Q, as the agent compares, and those of the solution in the
+    layer of Q*. No pair is greedy where nothing is known about the state. ``sources`` are pairs that the last
+    update looked up. Of a large world ``low`` and ``high`` are the ends of what the snapshot holds, which is
+    what is in view and around.
+    """
+
+    def __init__(
+        self,
+        snapshot: Snapshot,
+        layer: Layer,
+        look: Look,
+        exact: tuple[FloatArray, BoolArray] | None,
+        lit: int | None = None,
+        sources: frozenset[int] = frozenset(),
+    ) -> None:
+        self.layer = layer
+        self._look = look
+        self._q = snapshot.q
+        self._visits = snapshot.visits
+        self._exact_greedy = exact[1] if exact is not None and layer is Layer.OPTIMAL else None
+        self._lit = lit if layer is not Layer.OPTIMAL else None
+        self._sources = sources if layer is not Layer.OPTIMAL else frozenset()
+        self._values: npt.NDArray[np.float64] | npt.NDArray[np.int64] = _values(snapshot, layer, exact)
+        window = None if layer is Layer.OPTIMAL else snapshot.window
+        self._held = None if window is None else window.held
+        self.low, self.high = _ends(self._values if window is None else self._values[window.pairs])
+        self._total_visits: int | None = None
+        self._forms: dict[int, _NumberForm] = {}
+
+    def text(self, pair: int, width: int) -> str:
+        """Return the number of ``pair`` in at most ``width`` cells; a dot for what was never updated."""
+        if not self.holds(pair):
+            return ""
+        x = self._values[pair].item()
+        glyphs = self._look.glyphs
+        if x == 0 and self._is_new(pair) and self.layer is not Layer.ERROR:
+            return "." if glyphs.name == "ascii" else "·"
+        if self.layer is Layer.VISITS:
+            return numbers.count(int(x), width)
+        return numbers.value(x, width, glyphs, self._form(width).decimals)
+
+    def cells(self, width: int) -> int:
+        """Return how many of ``width`` cells the longest number takes."""
+        if self.layer is Layer.VISITS:
+            return len(numbers.count(int(self.high), width))
+        return self._form(width).cells
+
+    def holds(self, pair: int) -> bool:
+        """Tell whether the number of ``pair`` is known: of a large world the snapshot has a part only."""
+        return self._held is None or bool(self._held[pair])
+
+    def style(self, pair: int) -> Style:
+        """Return the style of the cell of ``pair``: its tint, or that of a pair never or just updated."""
+        palette = self._look.palette
+        if not self.holds(pair):
+            return palette.text
+        if pair == self._lit:
+            return palette.updated
+        if pair in self._sources:
+            return palette.source
+        if self._is_new(pair):
+            return palette.unvisited
+        return self._tint(self._values[pair].item())
+
+    def plain_style(self, pair: int) -> Style:
+        """Return the style of the number of ``pair`` where another layer is the tinted one."""
+        palette = self._look.palette
+        if pair == self._lit:
+            return palette.updated
+        if pair in self._sources:
+            return palette.source
+        return palette.unvisited if self._is_new(pair) else palette.text
+
+    def share(self, pair: int) -> float:
+        """Return how much of all visits went to ``pair``, 0 to 1."""
+        if self._total_visits is None:
+            self._total_visits = int(self._visits.sum())
+        return int(self._visits[pair]) / max(1, self._total_visits)
+
+    def is_lit(self, pair: int) -> bool:
+        """Tell whether ``pair`` was just updated."""
+        return pair == self._lit
+
+    def greedy(self, pairs: range) -> tuple[int, ...]:
+        """Return the greedy ones of ``pairs``, which are those of one state."""
+        if not self.holds(pairs.start):
+            return ()
+        inside = slice(pairs.start, pairs.stop)
+        if self._exact_greedy is not None:
+            marked = self._exact_greedy[inside]
+        else:
+            q = self._q[inside]
+            best = q.max()
+            if not self._visits[inside].any() and q.min() == best:
+                return ()
+            marked = q == best
+        return tuple(pairs.start + place for place in np.flatnonzero(marked).tolist())
+
+    def _is_new(self, pair: int) -> bool:
+        if self.layer is Layer.LANES and self._values[pair]:  # the other lane has been there
+            return False
+        return self.layer is not Layer.OPTIMAL and not self._visits[pair]
+
+    def _tint(self, x: float) -> Style:
+        palette = self._look.palette
+        if self.layer is Layer.VISITS:
+            return palette.value(math.log1p(x) / math.log1p(self.high))
+        if not math.isfinite(x):
+            return palette.bad
+        if self.layer in (Layer.ERROR, Layer.LANES):
+            largest = max(abs(self.low), abs(self.high))
+            return palette.signed_value(x / largest if largest > numbers.NEGLIGIBLE else 0.0)
+        low, high = min(self.low, 0.0), max(self.high, 0.0)
+        span = high - low
+        return palette.value((x - low) / span if 0.0 < span < math.inf else 0.0)
+
+    def _form(self, width: int) -> _NumberForm:
+        form = self._forms.get(width)
+        if form is None:
+            form = self._forms[width] = _number_form(self.low, self.high, width, self._look.glyphs)
+        return form
+
+
+class _NumberForm(NamedTuple):
+    """The decimals of numbers and the cells that the longest one takes."""
+
+    decimals: int
+    cells: int
+
+
+def _number_form(low: float, high: float, width: int, glyphs: Glyphs) -> _NumberForm:
+    """Return 3 decimals where all numbers have room for them, so that their points line up; else 2."""
+    decimals = 2
+    if width >= _ROOM_FOR_THREE:
+        decimals = 3 if all(len(numbers.fixed(end, 3, glyphs)) <= width for end in (low, high)) else 2
+    return _NumberForm(decimals, max(len(numbers.value(end, width, glyphs, decimals)) for end in (low, high)))
+
+
+def _values(
+    snapshot: Snapshot, layer: Layer, exact: tuple[FloatArray, BoolArray] | None
+) -> npt.NDArray[np.float64] | npt.NDArray[np.int64]:
+    if layer is Layer.VISITS:
+        return snapshot.visits
+    if layer is Layer.Q:
+        return snapshot.q
+    if layer is Layer.LANES:
+        other = other_lane(snapshot)
+        return np.zeros(len(snapshot.q)) if other is None else np.asarray(snapshot.q - other.q)
+    if exact is None:
+        raise ValueError(f"the layer {layer} needs the exact answer")
+    return exact[0] if layer is Layer.OPTIMAL else np.asarray(snapshot.q - exact[0])
+
+
+def _ends(values: npt.NDArray[np.float64] | npt.NDArray[np.int64]) -> tuple[float, float]:
+    """Return the least and the greatest finite value; zeros where there is none."""
+    if not values.size:
+        return 0.0, 0.0
+    low, high = float(values.min()), float(values.max())
+    if math.isfinite(low) and math.isfinite(high):
+        return low, high
+    finite = values[np.isfinite(values)]
+    return (float(finite.min()), float(finite.max())) if finite.size else (0.0, 0.0)

@@ -1,0 +1,272 @@
+"""The Q-table as a list, a row a pair: for worlds with few legal pairs, and for the arms of a bandit."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+from rich.cells import cell_len
+from rich.segment import Segment
+
+from rl_tui.tui.draw.canvas import shortened
+from rl_tui.tui.draw.to_ascii import written
+from rl_tui.tui.panels.q_table.form import Pieces, Scene, aligned_right, boxed, padded
+from rl_tui.tui.panels.q_table.layers import EXACT_LAYERS, Layer
+from rl_tui.tui.panels.q_table.world import NO_ROW
+
+DIGITS: Final = 6
+BOX: Final = DIGITS + 2
+COUNT: Final = 8
+LEAST_BAR: Final = 6
+MOST_BAR: Final = 20
+_LEAST_NAME: Final = 3
+_STATE_GAP: Final = 2
+_LEAST_GAP: Final = 1
+_ARM_HEADS: Final = {Layer.OPTIMAL: "q*", Layer.ERROR: "Q−q*"}
+
+Draw = Callable[[int, bool], Pieces]
+
+
+@dataclass(frozen=True, slots=True)
+class Column:
+    """A column of ``width`` cells. Of several, the one of the highest ``rank`` gives way first.
+
+    ``draw`` takes the pair and whether its state was not named above.
+    """
+
+    head: str
+    width: int
+    rank: int
+    draw: Draw
+    align: Callable[[str, int], str] = padded
+
+
+@dataclass(frozen=True, slots=True)
+class ListForm:
+    """The columns that fit, from the left."""
+
+    scene: Scene
+    columns: tuple[Column, ...]
+
+    @property
+    def blocks(self) -> int:
+        """Never more than one."""
+        return 1
+
+    @property
+    def block_width(self) -> int:
+        """The cells that the columns take."""
+        return sum(column.width for column in self.columns)
+
+    @property
+    def entries(self) -> int:
+        """One a pair."""
+        return self.scene.world.space.pairs
+
+    def heads(self) -> Pieces:
+        """Return the heads, aligned as what stands below them."""
+        glyphs = self.scene.look.glyphs
+        texts = [column.align(written(column.head, glyphs), column.width) for column in self.columns]
+        return [Segment("".join(texts), self.scene.look.palette.dim)]
+
+    def entry(self, entry: int, is_first: bool) -> Pieces:
+        """Return the row of a pair; the state is named in its first row and in the first of all."""
+        world = self.scene.world
+        is_new = is_first or entry == int(world.space.first_pair[world.state_of(entry)])
+        return [segment for column in self.columns for segment in column.draw(entry, is_new)]
+
+    def pairs_in(self, entry: int) -> range:
+        """Return the pair of the row."""
+        return range(entry, entry + 1)
+
+    def entry_of(self, state: int) -> int:
+        """Return the row of the first pair of ``state``."""
+        first, end = self.scene.world.space.first_pair[state : state + 2].tolist()
+        return first if first < end else NO_ROW
+
+    def entry_of_pair(self, pair: int) -> int:
+        """Return the row of ``pair``: pairs are listed in their order."""
+        return pair
+
+    def moved(self, pair: int, rows: int, columns: int) -> int:
+        """Return the pair so many rows below."""
+        return max(0, min(self.entries - 1, pair + rows))
+
+    def pair_at(self, entry: int, x: int) -> int | None:
+        """Return the pair of the row."""
+        return entry
+
+
+def list_form(scene: Scene, width: int) -> ListForm:
+    """Return the form for ``width`` cells. Where one value has room, it is that of the layer in force."""
+    columns = _arm_columns(scene, width) if scene.world.is_bandit else _pair_columns(scene, width)
+    while columns and sum(column.width for column in columns) > width:
+        columns.remove(max(columns, key=lambda column: column.rank))
+    return ListForm(scene, tuple(columns))
+
+
+def greedy_line(scene: Scene) -> str:
+    """Return the greedy actions of all states, ties joined by =; empty where nothing is known."""
+    world = scene.world
+    states = []
+    for state in world.live.tolist():
+        greedy = scene.shown.greedy(world.space.pairs_of(state))
+        states.append("=".join(world.action_names[world.action_of(pair)] for pair in greedy) or "?")
+    known = any(state != "?" for state in states)
+    return f"greedy: {' · '.join(states)}" if known else ""
+
+
+def _pair_columns(scene: Scene, width: int) -> list[Column]:
+    world, look = scene.world, scene.look
+    exact = _compared(scene)
+    around = 1 + _STATE_GAP + 1 + COUNT
+    natural = world.state_width + world.action_width
+    shows_all = width >= around + natural + BOX * (1 + len(exact))
+    values = [Layer.Q, *exact] if shows_all else [_only_value(scene.layer)]
+    room = width - around - BOX * len(values)
+    gap = _STATE_GAP
+    if room < natural:  # names matter more than the column that gives way first
+        room += BOX if scene.layer is Layer.VISITS else COUNT
+    if room < natural:
+        gap, room = _LEAST_GAP, room + _STATE_GAP - _LEAST_GAP
+    state, action = _shared(world.state_width, world.action_width, room)
+    # the heads may reach over the gaps, and where there is room the columns are made wide enough for them
+    state += _widening(len("state") - gap + 1 - state, room - state - action)
+    action += _widening(len("action") - action, room - state - action)
+
+    def mark(pair: int, is_new: bool) -> Pieces:
+        return [scene.state_mark(world.state_of(pair)) if is_new else Segment(" ", look.palette.text)]
+
+    def state_name(pair: int, is_new: bool) -> Pieces:
+        name = world.state_name(world.state_of(pair), state) if is_new else ""
+        pointed = bool(name) and pair in scene.pointed
+        style = look.palette.focus if pointed else look.palette.strong
+        return [
+            Segment(name, style),
+            Segment(padded("", state + gap - cell_len(name)), look.palette.text),
+        ]
+
+    def action_name(pair: int, _: bool) -> Pieces:
+        name = shortened(world.action_names[world.action_of(pair)], action, look.glyphs.ellipsis)
+        return [Segment(padded(name, action + 1), look.palette.text)]
+
+    return [
+        Column("", 1, 1, mark),
+        Column(shortened("state", state + gap - 1, ""), state + gap, 2, state_name),
+        Column(shortened("action", action, ""), action + 1, 1, action_name),
+        *_value_columns(scene, values),
+        _count_column(scene),
+    ]
+
+
+def _arm_columns(scene: Scene, width: int) -> list[Column]:
+    world, look = scene.world, scene.look
+    label = max(len("arm"), world.action_width)
+    exact = _compared(scene)
+    if width < label + 2 + 3 * BOX + COUNT + LEAST_BAR:
+        in_force = scene.layer if scene.layer in (Layer.ERROR, Layer.LANES) else Layer.OPTIMAL
+        exact = [layer for layer in exact if layer is in_force]
+
+    def last(pair: int, _: bool) -> Pieces:
+        if pair == scene.last_pair:
+            return [Segment(look.glyphs.cursor, look.palette.accent)]
+        return [Segment(" ", look.palette.text)]
+
+    def arm(pair: int, _: bool) -> Pieces:
+        name = aligned_right(world.action_names[world.action_of(pair)], label)
+        style = look.palette.focus if pair in scene.pointed else look.palette.text
+        return [Segment(name, style), Segment(" ", look.palette.text)]
+
+    def secret(_: int, __: bool) -> Pieces:
+        hidden = "..." if look.glyphs.name == "ascii" else "···"
+        return [Segment(_right(hidden, BOX), look.palette.dim)]
+
+    columns = [
+        Column("", 1, 1, last),
+        Column("arm", label + 1, 1, arm, _right),
+        *_value_columns(scene, [Layer.Q, *exact]),
+        *([] if exact else [Column("q*", BOX, 2, secret, _right)]),
+        _count_column(scene),
+    ]
+    room = width - sum(column.width for column in columns)
+    return [*columns, _share_column(scene, room)] if room >= LEAST_BAR else columns
+
+
+def _compared(scene: Scene) -> list[Layer]:
+    """Return what Q is held against: what is exact, and another run while that is the layer in force."""
+    compared = (*EXACT_LAYERS, Layer.LANES) if scene.layer is Layer.LANES else EXACT_LAYERS
+    return [layer for layer in compared if layer in scene.figures]
+
+
+def _only_value(layer: Layer) -> Layer:
+    return Layer.Q if layer is Layer.VISITS else layer
+
+
+def _shared(first: int, second: int, room: int) -> tuple[int, int]:
+    """Return the widths of two names in ``room`` cells: the longer one gives way first."""
+    while first + second > room and max(first, second) > _LEAST_NAME:
+        if first > second:
+            first -= 1
+        else:
+            second -= 1
+    return first, second
+
+
+def _widening(wanted: int, room: int) -> int:
+    """Return ``wanted`` cells, or none where they are not there."""
+    return wanted if 0 < wanted <= room else 0
+
+
+def _value_columns(scene: Scene, layers: Sequence[Layer]) -> list[Column]:
+    """Return a column a layer. One has the frames and the cursor: Q*, if it is in force, else the first."""
+    main = scene.layer if scene.layer is Layer.OPTIMAL and scene.layer in layers else layers[0]
+    rank = 3 if scene.layer is Layer.VISITS else 0
+    columns = []
+    for layer in layers:
+        head = _ARM_HEADS.get(layer, layer) if scene.world.is_bandit else layer
+        columns.append(
+            Column(head, BOX, rank if layer is main else 2, _value(scene, layer, layer is main), _right)
+        )
+    return columns
+
+
+def _value(scene: Scene, layer: Layer, is_main: bool) -> Draw:
+    figures, world = scene.figures[layer], scene.world
+
+    def draw(pair: int, _: bool) -> Pieces:
+        if is_main or layer is scene.layer:
+            greedy = is_main and pair in figures.greedy(world.space.pairs_of(world.state_of(pair)))
+            return boxed(scene, figures, pair, DIGITS, DIGITS, greedy)
+        return [Segment(_right(figures.text(pair, DIGITS), BOX), figures.plain_style(pair))]
+
+    return draw
+
+
+def _count_column(scene: Scene) -> Column:
+    figures, text = scene.figures[Layer.VISITS], scene.look.palette.text
+    is_shown = scene.layer is Layer.VISITS
+
+    def draw(pair: int, _: bool) -> Pieces:
+        number = figures.text(pair, COUNT - 2).rjust(COUNT - 2)
+        style = figures.style(pair) if is_shown else figures.plain_style(pair)
+        if is_shown and pair == scene.cursor:
+            style = scene.look.palette.focus
+        return [Segment(" ", text), Segment(number, style), Segment(" ", text)]
+
+    return Column("N", COUNT, 0 if is_shown else 3, draw, _right)
+
+
+def _share_column(scene: Scene, width: int) -> Column:
+    bar, figures, look = min(MOST_BAR, width - 2), scene.figures[Layer.VISITS], scene.look
+
+    def draw(pair: int, _: bool) -> Pieces:
+        text = " " + look.glyphs.bar * round(bar * figures.share(pair))
+        return [Segment(padded(text, width), look.palette.slider_done)]
+
+    return Column(" share", width, 4, draw)
+
+
+def _right(text: str, width: int) -> str:
+    """Return ``text`` at the right, a blank after it: above the last digit of a number between marks."""
+    return f"{aligned_right(text, width - 1)} "

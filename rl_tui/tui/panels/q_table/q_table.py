@@ -1,0 +1,362 @@
+"""The Q-table as a heat map, with its layers: Q, exact Q*, error Q − Q*, visits, another run's."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import ClassVar, Final
+
+from textual import events
+from textual.binding import Binding, BindingType
+from textual.message import Message
+from textual.strip import Strip
+
+from rl_tui.common.words import counted
+from rl_tui.lab.live.snapshot import Snapshot
+from rl_tui.lab.live.viewport import Stretch, followed_state, is_large
+from rl_tui.tui.draw.pieces import Piece, strips_of, wrapped
+from rl_tui.tui.draw.pointing import NOWHERE, Pointed
+from rl_tui.tui.draw.scrolling import Scrolled
+from rl_tui.tui.panels.panel import Panel
+from rl_tui.tui.panels.q_table.form import Form, Scene
+from rl_tui.tui.panels.q_table.layers import (
+    EXACT_LAYERS,
+    Figures,
+    Layer,
+    exact_q,
+    is_secret,
+    lit_pair,
+    other_lane,
+)
+from rl_tui.tui.panels.q_table.list import ListForm, list_form
+from rl_tui.tui.panels.q_table.matrix import matrix_form
+from rl_tui.tui.panels.q_table.sheet import Sheet, strip_cache
+from rl_tui.tui.panels.q_table.world import NO_ROW, TableWorld
+from rl_tui.tui.theme.look import Look
+
+WAITING: Final = "the estimates Q(s, a) come with the first step"
+COMPUTING: Final = "computing the exact answer …"
+FOLLOWS: Final = "follows the agent"
+FOLLOW_HINT: Final = "esc: follow the agent"
+_WHEEL_ROWS: Final = 3
+_TITLES: Final = {
+    Layer.Q: "Q",
+    Layer.OPTIMAL: "Q*, exact",
+    Layer.ERROR: "Q − Q*",
+    Layer.LANES: "Q − other lane",
+    Layer.VISITS: "Visits",
+}
+
+
+class QTable(Panel, can_focus=True):
+    """Rows are states and columns actions; a row a pair where few pairs are legal or the columns do not fit.
+
+    It follows the agent until a key, the wheel or a click moves cursor or view; escape goes back to it.
+    ``lights`` lets the cell that was just updated light up, while steps are slow enough to follow;
+    ``sources`` are the pairs that light up because the update looked them up.
+    """
+
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding("up", "move(-1, 0)", "Up", show=False, id="table.up", tooltip="Move the cursor up"),
+        Binding("down", "move(1, 0)", "Down", show=False, id="table.down", tooltip="Move the cursor down"),
+        Binding("left", "move(0, -1)", "Left", show=False, id="table.left", tooltip="Move the cursor left"),
+        Binding(
+            "right", "move(0, 1)", "Right", show=False, id="table.right", tooltip="Move the cursor right"
+        ),
+        Binding("pageup", "page(-1)", "Page up", show=False, id="table.page_up", tooltip="A page up"),
+        Binding("pagedown", "page(1)", "Page down", show=False, id="table.page_down", tooltip="A page down"),
+        Binding("home", "end(False)", "First", show=False, id="table.first", tooltip="Go to the first row"),
+        Binding("end", "end(True)", "Last", show=False, id="table.last", tooltip="Go to the last row"),
+        Binding(
+            "escape,full_stop",
+            "follow",
+            "Follow",
+            show=False,
+            id="table.follow",
+            tooltip="Follow the agent again",
+        ),
+    ]
+
+    class CursorMoved(Message):
+        """The user moved the cursor to ``pair``; None where the table follows the agent again."""
+
+        def __init__(self, pair: int | None) -> None:
+            super().__init__()
+            self.pair = pair
+
+    def __init__(self, look: Look, *, id: str | None = None, classes: str | None = None) -> None:  # noqa: A002
+        super().__init__(look, id=id, classes=classes)
+        self.lights = True
+        self.sources: frozenset[int] = frozenset()
+        self.cursor_pair: int | None = (
+            None  # where the user put the cursor; None while the table follows the agent
+        )
+        self.heading = "Q"
+        self._layer = Layer.Q
+        self._following = True
+        self._pointed = NOWHERE
+        self._first = 0
+        self._world: TableWorld | None = None
+        self._sheet: Sheet | None = None
+        self._cache = strip_cache()
+        self._told: Stretch | None = None
+
+    @property
+    def shown_layer(self) -> Layer:
+        """What is shown of each pair."""
+        return self._layer if self._layer in self.layer_choices else Layer.Q
+
+    @shown_layer.setter
+    def shown_layer(self, layer: Layer) -> None:
+        self._layer = layer
+        self.redraw()
+
+    @property
+    def layer_choices(self) -> tuple[Layer, ...]:
+        """The layers there are: of a bandit only those that give nothing away, until it is revealed.
+
+        The difference from another run is there while runs are side by side.
+        """
+        snapshot = self.snapshot
+        missing: tuple[Layer, ...] = ()
+        if snapshot is None or other_lane(snapshot) is None:
+            missing = (Layer.LANES,)
+        if snapshot is not None and is_secret(snapshot, self.revealed):
+            missing = (*missing, *EXACT_LAYERS)
+        return tuple(layer for layer in Layer if layer not in missing)
+
+    def next_layer(self) -> None:
+        """Go to the next layer, from the last to the first."""
+        layers = self.layer_choices
+        self.shown_layer = layers[(layers.index(self.shown_layer) + 1) % len(layers)]
+
+    @property
+    def rows(self) -> int:
+        """How many rows the whole table takes below its heads, what is noted below it included."""
+        if self.snapshot is None:
+            return 1
+        world = self._world_of(self.snapshot)
+        return world.space.pairs + 2 if world.is_sparse else len(world.live)
+
+    @property
+    def stretch(self) -> Stretch | None:
+        """The pairs in view: where it was scrolled to by hand, or around the agent."""
+        sheet = self._sheet
+        if sheet is None or self.snapshot is None:
+            return None
+        most = sheet.shown * len(self.snapshot.world.space.action_names)
+        return Stretch(most, sheet.pairs.start if self._pointed or not self._following else None)
+
+    @property
+    def is_complete(self) -> bool:
+        """Whether the newest snapshot has all that is in view."""
+        window = None if self.snapshot is None else self.snapshot.window
+        if window is None or self._sheet is None:
+            return True
+        pairs = self._sheet.pairs
+        return bool(window.held[pairs.start : pairs.stop].all())
+
+    def redraw(self) -> None:
+        """Draw again; say so where another part of a large table has come into view."""
+        super().redraw()
+        if self.snapshot is None or not self.is_attached or not is_large(self.snapshot.world):
+            return
+        stretch = self.stretch
+        if stretch != self._told:
+            self._told = stretch
+            self.post_message(Scrolled())
+
+    def show(self, snapshot: Snapshot) -> None:
+        """Draw ``snapshot``; in another world the table starts at its top and follows the agent."""
+        if self.snapshot is not None and self.snapshot.world.space is not snapshot.world.space:
+            self.cursor_pair, self._following, self._first, self._pointed = None, True, 0, NOWHERE
+        super().show(snapshot)
+
+    def picture(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
+        """Return the rows in view, or what is to be said in their place."""
+        self._sheet = None
+        if snapshot is None:
+            return strips_of([[Piece(f" {WAITING}", self.look.palette.dim)]], width, height, self.look)
+        if self.shown_layer in EXACT_LAYERS and exact_q(snapshot, self.revealed) is None:
+            self.heading = _TITLES[self.shown_layer]
+            self.footing = self._footing(width, is_scrolled=False)
+            return self._message(snapshot, width, height)
+        form, scene = self._form(snapshot, width, height)
+        self._sheet = sheet = Sheet(form, scene, width, height)
+        if self._pointed:
+            sheet.scroll_to(self._first, self._pointed.start)
+        else:
+            sheet.scroll(self._first, _followed(snapshot) if self._following else None)
+            if self._following and self.sources and snapshot.last is not None:
+                sheet.reach(snapshot.last.updated_pair, _followed(snapshot))
+        self._first = sheet.first
+        self.heading = self._heading(snapshot, _size_in_words(scene, form), width)
+        self.footing = self._footing(width, sheet.is_scrolled and not self._pointed)
+        return sheet.strips(self._cache)
+
+    def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
+        """Leave escape to the screen while there is nothing to go back from."""
+        return not self._following if action == "follow" else True
+
+    def action_move(self, rows: int, columns: int) -> None:
+        """Move the cursor; the first move starts where the agent is."""
+        pair = self.shown_cursor
+        if self._sheet is not None and pair is not None:
+            self._put_cursor(self._sheet.form.moved(pair, rows, columns))
+
+    def action_page(self, pages: int) -> None:
+        """Move the cursor by as many rows as a page has."""
+        if self._sheet is not None:
+            self.action_move(pages * self._sheet.page, 0)
+
+    def action_end(self, last: bool) -> None:
+        """Move the cursor to the first or the last row."""
+        if self._sheet is not None:
+            self.action_move(self._sheet.form.entries * (1 if last else -1), 0)
+
+    def action_follow(self) -> None:
+        """Follow the agent again."""
+        self.cursor_pair, self._following = None, True
+        self.redraw()
+        self.post_message(self.CursorMoved(None))
+        self._tell()
+
+    def on_click(self, event: events.Click) -> None:
+        """Put the cursor on the cell under the pointer."""
+        offset = event.get_content_offset(self)
+        if offset is None or self._sheet is None:
+            return
+        pair = self._sheet.pair_at(offset.x, offset.y)
+        if pair is not None:
+            self._put_cursor(pair)
+
+    def on_mouse_scroll_down(self, event: events.MouseScrollDown) -> None:
+        """Scroll down."""
+        self._scroll_by(_WHEEL_ROWS, event)
+
+    def on_mouse_scroll_up(self, event: events.MouseScrollUp) -> None:
+        """Scroll up."""
+        self._scroll_by(-_WHEEL_ROWS, event)
+
+    def watch_has_focus(self, has_focus: bool) -> None:
+        """Show or hide the cursor."""
+        super().watch_has_focus(has_focus)
+        self.redraw()
+        self._tell()
+
+    def point_at(self, pairs: range) -> None:
+        """Show where the cursor of another panel stands; no pairs: it has none."""
+        if pairs != self._pointed:
+            self._pointed = pairs
+            self.redraw()
+
+    def _tell(self) -> None:
+        """Tell other panels where the cursor stands."""
+        if self.is_attached:
+            pair = self.cursor_pair if self.has_focus else None
+            self.post_message(Pointed(self, NOWHERE if pair is None else range(pair, pair + 1)))
+
+    def _scroll_by(self, rows: int, event: events.MouseEvent) -> None:
+        if self._sheet is not None and self._sheet.is_scrolled:
+            event.stop()
+            self._following = False
+            self._first += rows
+            self.redraw()
+
+    def _put_cursor(self, pair: int) -> None:
+        self.cursor_pair, self._following = pair, False
+        if self._sheet is not None:
+            self._sheet.scroll_to(self._first, pair)
+            self._first = self._sheet.first
+        self.redraw()
+        self.post_message(self.CursorMoved(pair))
+        self._tell()
+
+    @property
+    def shown_cursor(self) -> int | None:
+        """The pair of the cursor: until it is moved the first of the agent's state, or of the table.
+
+        None before the first snapshot.
+        """
+        if self.cursor_pair is not None or self.snapshot is None:
+            return self.cursor_pair
+        world = self._world_of(self.snapshot)
+        state = _followed(self.snapshot) if self._following else int(world.live[0])
+        if world.row_of(state) == NO_ROW:
+            state = int(world.live[0])
+        return world.space.pairs_of(state).start
+
+    def _world_of(self, snapshot: Snapshot) -> TableWorld:
+        if self._world is None or not self._world.describes(snapshot.world, self.look.glyphs):
+            self._world = TableWorld(snapshot.world, self.look.glyphs)
+        return self._world
+
+    def _form(self, snapshot: Snapshot, width: int, height: int) -> tuple[Form, Scene]:
+        if not self._world_of(snapshot).is_sparse:
+            scene = self._scene(snapshot, (self.shown_layer,))
+            matrix = matrix_form(scene, width, height - 1)
+            if matrix is not None:
+                return matrix, scene
+        scene = self._scene(snapshot, self.layer_choices)
+        is_scrolled = scene.world.space.pairs > height - 1
+        return list_form(scene, width - 1 if is_scrolled else width), scene
+
+    def _scene(self, snapshot: Snapshot, layers: Iterable[Layer]) -> Scene:
+        exact = exact_q(snapshot, self.revealed)
+        lit = lit_pair(snapshot) if self.lights else None
+        return Scene(
+            world=self._world_of(snapshot),
+            figures={
+                layer: Figures(snapshot, layer, self.look, exact, lit, self.sources)
+                for layer in layers
+                if exact is not None or layer not in EXACT_LAYERS
+            },
+            layer=self.shown_layer,
+            state=snapshot.state,
+            last_pair=None if snapshot.last is None else snapshot.last.pair,
+            cursor=self.shown_cursor if self.has_focus else None,
+            is_secret=is_secret(snapshot, self.revealed),
+            look=self.look,
+            breakpoints=snapshot.breakpoints,
+            pointed=self._pointed,
+        )
+
+    def _message(self, snapshot: Snapshot, width: int, height: int) -> list[Strip]:
+        palette = self.look.palette
+        text = f"No exact answer: {snapshot.exact_refused}" if snapshot.exact_refused else COMPUTING
+        lines = wrapped(
+            text, max(1, width - 2), palette.text if snapshot.exact_refused else palette.dim, self.look
+        )
+        return strips_of([[Piece(" ", palette.text), *line] for line in lines], width, height, self.look)
+
+    def _heading(self, snapshot: Snapshot, size: str, width: int) -> str:
+        other = other_lane(snapshot) if self.shown_layer is Layer.LANES else None
+        if other is None:
+            return f"{_TITLES[self.shown_layer]} · {size}"
+        title, own = f"Q − Q of {other.name}", snapshot.lanes[snapshot.lane].name
+        number = 1 + next(place for place, lane in enumerate(snapshot.lanes) if lane is other)
+        forms = (f"Q of {own} − Q of {other.name} · {size}", f"{title} · {size}", title)
+        return self.fitting((*forms, f"Q − Q of lane {number}"), width)
+
+    def _footing(self, width: int, is_scrolled: bool) -> str:
+        glyphs = self.look.glyphs
+        marked = [
+            f"{glyphs.mark_left}{layer}{glyphs.mark_right}" if layer is self.shown_layer else f" {layer} "
+            for layer in self.layer_choices
+        ]
+        layers, short = f"v:{''.join(marked)}".rstrip(), f"v: {self.shown_layer}"
+        forms = [layers, short]
+        if is_scrolled:
+            follow = FOLLOWS if self._following else FOLLOW_HINT
+            forms = [f"{follow} · {layers}", f"{follow} · {short}", follow]
+        return self.fitting(forms, width)
+
+
+def _followed(snapshot: Snapshot) -> int:
+    return followed_state(snapshot.world.space, snapshot.state, snapshot.last)
+
+
+def _size_in_words(scene: Scene, form: Form) -> str:
+    if isinstance(form, ListForm):
+        noun = "arm" if scene.world.is_bandit else "pair"
+        return counted(form.entries, noun)
+    return f"{form.entries:,} states × {len(scene.world.action_names)}"

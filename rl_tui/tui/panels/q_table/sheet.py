@@ -1,0 +1,142 @@
+"""The part of a Q-table that is in view, as strips."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from rich.segment import Segment
+from textual.cache import LRUCache
+from textual.strip import Strip
+
+from rl_tui.tui.draw.scrolling import kept_in_view
+from rl_tui.tui.draw.to_ascii import separated
+from rl_tui.tui.panels.q_table.form import Form, Pieces, Scene
+from rl_tui.tui.panels.q_table.list import ListForm, greedy_line
+from rl_tui.tui.panels.q_table.world import NO_ROW
+
+_MOST_CACHED: Final = 512
+_STATES_IN_GREEDY_LINE: Final = 12
+REVEAL_HINT: Final = "show the true means q*"
+
+
+class Sheet:
+    """A form in ``height`` rows of ``width`` cells, from entry ``first`` on: heads, entries, notes."""
+
+    def __init__(self, form: Form, scene: Scene, width: int, height: int) -> None:
+        self.form = form
+        self.first = 0
+        self._scene = scene
+        self._width = width
+        self._height = height
+        self._head_rows = 1 if height > 1 else 0
+        self._lines = min(height - self._head_rows, -(-form.entries // form.blocks))
+        self.shown = min(form.entries, self._lines * form.blocks)
+
+    @property
+    def is_scrolled(self) -> bool:
+        """Tell whether there are more entries than are in view."""
+        return self.shown < self.form.entries
+
+    @property
+    def page(self) -> int:
+        """How many rows a page is."""
+        return max(1, self._lines)
+
+    @property
+    def pairs(self) -> range:
+        """The pairs in view, from the first to the last."""
+        if self.shown == 0:
+            return range(0)
+        last = self.form.pairs_in(self.first + self.shown - 1)
+        return range(self.form.pairs_in(self.first).start, last.stop)
+
+    def scroll(self, first: int, state: int | None = None) -> None:
+        """Start at about entry ``first``, with ``state`` in view (None: whatever is)."""
+        entry = NO_ROW if state is None else self.form.entry_of(state)
+        self.first = kept_in_view(first, None if entry == NO_ROW else entry, self.shown, self.form.entries)
+
+    def scroll_to(self, first: int, pair: int) -> None:
+        """Start at entry ``first``, or as near to it as keeps ``pair`` in view."""
+        entry = self.form.entry_of_pair(pair)
+        self.scroll(max(entry - self.shown + 1, min(first, entry)))
+
+    def reach(self, pair: int, state: int) -> None:
+        """Scroll so far that ``pair`` is in view as well, if ``state`` stays in view."""
+        first = self.first
+        self.scroll_to(first, pair)
+        if not self.first <= self.form.entry_of(state) < self.first + self.shown:
+            self.first = first
+
+    def pair_at(self, x: int, y: int) -> int | None:
+        """Return the pair drawn at column ``x`` of row ``y``."""
+        block, x = divmod(x, max(1, self.form.block_width))
+        line = y - self._head_rows
+        entry = self.first + block * self._lines + line
+        if not 0 <= line < self._lines or block >= self.form.blocks or entry >= self.form.entries:
+            return None
+        return self.form.pair_at(entry, x)
+
+    def strips(self, cache: LRUCache[tuple[Segment, ...], Strip]) -> list[Strip]:
+        """Return the rows; those that were drawn before come from ``cache``."""
+        rows = (
+            [[segment for _ in range(self.form.blocks) for segment in self.form.heads()]]
+            if self._head_rows
+            else []
+        )
+        rows += [self._row(line) for line in range(self._lines)]
+        rows += self._notes(self._height - len(rows))
+        rows += [[]] * (self._height - len(rows))
+        return [self._strip(row, cache) for row in rows]
+
+    def _row(self, line: int) -> Pieces:
+        pieces: Pieces = []
+        for block in range(self.form.blocks):
+            entry = self.first + block * self._lines + line
+            if entry < self.form.entries:
+                pieces += self.form.entry(entry, is_first=line == 0)
+        if not self.is_scrolled:
+            return pieces
+        gap = self._width - 1 - sum(segment.cell_length for segment in pieces)
+        return [*pieces, Segment(" " * gap, self._scene.look.palette.text), self._scroll_bar(line)]
+
+    def _scroll_bar(self, line: int) -> Segment:
+        palette, glyphs = self._scene.look.palette, self._scene.look.glyphs
+        length = max(1, self._lines * self.shown // self.form.entries)
+        room = self._lines - length
+        start = round(room * self.first / (self.form.entries - self.shown))
+        inside = start <= line < start + length
+        return Segment(glyphs.bar if inside else glyphs.axis_vertical, palette.dim)
+
+    def _notes(self, room: int) -> list[Pieces]:
+        """Return a blank row and one that says more, where a list leaves so much room."""
+        if room < 2 or not isinstance(self.form, ListForm):
+            return []
+        note = self._bandit_note() if self._scene.world.is_bandit else self._greedy_note()
+        return [[], note] if note and sum(segment.cell_length for segment in note) <= self._width else []
+
+    def _bandit_note(self) -> Pieces:
+        palette = self._scene.look.palette
+        if not self._scene.is_secret:
+            return []
+        return [Segment("  h", palette.accent), Segment(f"  {REVEAL_HINT}", palette.dim)]
+
+    def _greedy_note(self) -> Pieces:
+        if len(self._scene.world.live) > _STATES_IN_GREEDY_LINE:
+            return []
+        text = separated(greedy_line(self._scene), self._scene.look.glyphs)
+        return [Segment(f" {text}", self._scene.look.palette.dim)] if text else []
+
+    def _strip(self, row: Pieces, cache: LRUCache[tuple[Segment, ...], Strip]) -> Strip:
+        key = (*row, Segment(str(self._width), self._scene.look.palette.text))
+        strip = cache.get(key)
+        if strip is None:
+            text = self._scene.look.palette.text
+            blank = Segment(" " * self._width, text)
+            strip = Strip(row or [blank]).adjust_cell_length(self._width, text)
+            cache[key] = strip
+        return strip
+
+
+def strip_cache() -> LRUCache[tuple[Segment, ...], Strip]:
+    """Return an empty cache for :meth:`Sheet.strips`."""
+    return LRUCache(_MOST_CACHED)

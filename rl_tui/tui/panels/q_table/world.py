@@ -1,0 +1,80 @@
+"""What the Q-table has to know of a world once: its live states, and how states and actions are written."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+from rich.cells import cell_len
+
+from rl_tui.tui.draw.canvas import shortened
+from rl_tui.tui.draw.names import action_name
+from rl_tui.tui.draw.to_ascii import written
+from rl_tui.tui.theme.glyphs import Glyphs
+from rl_tui.worlds.drawing import Arms
+from rl_tui.worlds.mdp.space import IntArray
+from rl_tui.worlds.world import World
+
+LONGEST_STATE: Final = 14
+NO_ROW: Final = -1
+MOST_MEASURED: Final = 10_000
+
+
+class TableWorld:
+    """A world's states and pairs as the table lists them: live states only, in their order."""
+
+    def __init__(self, world: World, glyphs: Glyphs) -> None:
+        self._world = world
+        self.space = world.space
+        self.glyphs = glyphs
+        self.is_bandit = isinstance(world.drawing, Arms)
+        self.live: IntArray = np.flatnonzero(np.diff(self.space.first_pair))
+        self.state_width = min(LONGEST_STATE, self._longest_name())
+        self.action_names = tuple(
+            written(action_name(world, action, glyphs), glyphs)
+            for action in range(len(self.space.action_names))
+        )
+        self.action_width = max(map(cell_len, self.action_names))
+
+    def _longest_name(self) -> int:
+        """Return the cells of the longest name; of very many states, those of the last and of a sample.
+
+        A name that the sample overlooks is drawn shortened.
+        """
+        names, live = self.space.state_names, self.live
+        if len(live) > MOST_MEASURED:
+            live = np.append(live[:: -(-len(live) // MOST_MEASURED)], live[-1])
+        return max(cell_len(names[state]) for state in live.tolist())
+
+    def describes(self, world: World, glyphs: Glyphs) -> bool:
+        """Tell whether this is what is known of ``world`` in these characters."""
+        return world is self._world and glyphs is self.glyphs
+
+    @property
+    def is_sparse(self) -> bool:
+        """Whether one row a pair says it better: one state, or half the cells of a matrix would be empty."""
+        cells = len(self.live) * len(self.space.action_names)
+        return len(self.live) == 1 or 2 * self.space.pairs <= cells
+
+    def state_name(self, state: int, width: int) -> str:
+        """Return the name of ``state``, shortened to ``width`` cells."""
+        return shortened(written(self.space.state_names[state], self.glyphs), width, self.glyphs.ellipsis)
+
+    def state_of(self, pair: int) -> int:
+        """Return the state that owns ``pair``."""
+        return self.space.state_of(pair)
+
+    def action_of(self, pair: int) -> int:
+        """Return the action of ``pair``."""
+        return int(self.space.pair_action[pair])
+
+    def row_of(self, state: int) -> int:
+        """Return which of the live states ``state`` is, ``NO_ROW`` if none."""
+        row = int(np.searchsorted(self.live, state))
+        return row if row < len(self.live) and self.live[row] == state else NO_ROW
+
+    def pair_near(self, state: int, action: int) -> int:
+        """Return the pair of ``state`` whose action is nearest to ``action``."""
+        pairs = self.space.pairs_of(state)
+        actions = self.space.pair_action[pairs.start : pairs.stop]
+        return pairs.start + int(np.argmin(np.abs(actions - action)))

@@ -1,0 +1,229 @@
+"""One row: what runs, whether it runs, how fast, and how far it has come."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+from rich.cells import cell_len, set_cell_size
+from rich.style import Style
+from textual.strip import Strip
+
+from rl_tui.agents.catalogue import BY_ID
+from rl_tui.lab.live.snapshot import Phase, Snapshot
+from rl_tui.tui.draw import numbers
+from rl_tui.tui.draw.canvas import shortened
+from rl_tui.tui.draw.pieces import Line, Piece, strips_of
+from rl_tui.tui.draw.to_ascii import separated, written
+from rl_tui.tui.panels.controls.settings import speed_text
+from rl_tui.tui.panels.panel import Panel
+from rl_tui.tui.panels.under_way import episode_under_way
+from rl_tui.tui.theme.look import Look
+from rl_tui.worlds.drawing import Arms
+
+WIDE: Final = 100
+WAITING: Final = "the world is being built"
+_GAP: Final = 2
+_LEAST_END: Final = 4  # columns of ``100M``
+_LEAST_TITLE: Final = 12
+_STATE_COLUMNS: Final = 11
+_KEEPS_UP: Final = 0.8  # from this share of the wanted speed on, the measured one is not told beside it
+_SPEED_RANK: Final = 3  # above all others
+
+
+@dataclass(frozen=True, slots=True)
+class _Field:
+    """A part of fixed width, so that nothing beside it moves while its number grows.
+
+    Where there is no room for all, those of the highest ``rank`` are left out first.
+    """
+
+    text: str
+    columns: int
+    style: Style
+    rank: int = 0
+
+
+class StatusLine(Panel):
+    """Draws phase, speed, episode under way and steps of the newest snapshot; a message takes the whole row.
+
+    ``in_hand`` says that a person takes the steps.
+    """
+
+    in_hand = False
+    _silence = 0
+
+    def tell_silence(self, seconds: int) -> None:
+        """Say for how many seconds the environment has not answered; 0 where it does."""
+        if seconds != self._silence:
+            self._silence = seconds
+            self.redraw()
+
+    def picture(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
+        """Return the row, and blank ones below it."""
+        line = status_line(snapshot, self.look, width, in_hand=self.in_hand, silence=self._silence)
+        return strips_of([line], width, height, self.look)
+
+
+def status_line(
+    snapshot: Snapshot | None, look: Look, width: int, *, in_hand: bool = False, silence: int = 0
+) -> Line:
+    """Return the row for ``width`` cells; ``in_hand`` says that a person takes the steps.
+
+    ``silence`` is for how many seconds the environment has not answered, 0 where it does.
+    """
+    palette, glyphs = look.palette, look.glyphs
+    if silence:
+        text = f"the environment has not answered for {silence:,} s; esc leaves it"
+        if snapshot is None:
+            return [Piece(shortened(f" {text}", width, glyphs.ellipsis), palette.accent)]
+        return _waiting(snapshot, text, look, width)
+    if snapshot is None:
+        return [Piece(f" {WAITING}", palette.dim)]
+    if snapshot.phase is Phase.STOPPED:
+        message = shortened(
+            written(f" {glyphs.stopped} stopped: {snapshot.message}", glyphs), width, glyphs.ellipsis
+        )
+        return [Piece(message, palette.bad)]
+    if snapshot.phase is Phase.PREPARING:
+        whole = f"preparing: {snapshot.message}"
+        fits = cell_len(written(whole, glyphs)) < width
+        return _waiting(snapshot, whole if fits else snapshot.message, look, width)
+    if snapshot.phase is Phase.SEEKING and snapshot.message:
+        return _waiting(snapshot, snapshot.message, look, width)
+    fields = _fitting(_fields(snapshot, look, width, in_hand=in_hand), width - 1)
+    right = [
+        Piece(" " * _GAP + set_cell_size(written(field.text, glyphs), field.columns), field.style)
+        for field in fields
+    ]
+    taken = sum(cell_len(piece.text) for piece in right)
+    room = max(0, width - 1 - taken)
+    title = _title(snapshot, look, room)
+    if room < _LEAST_TITLE and cell_len(title) > room - 1:
+        title = ""
+    return [Piece(f" {set_cell_size(title, room)}", palette.strong), *right]
+
+
+def _fitting(fields: list[_Field], width: int) -> list[_Field]:
+    """Return those of ``fields`` that fit beside a title.
+
+    A long state, which tells what the run waits for or why it paused, is worth more than the title, though
+    not the speed.
+    """
+
+    def room_beside(kept: list[_Field]) -> int:
+        return width - sum(field.columns + _GAP for field in kept)
+
+    kept = fields
+    while len(kept) > 1 and room_beside(kept) < _LEAST_TITLE:
+        last = max(kept, key=lambda field: field.rank)
+        if last.rank < _SPEED_RANK and fields[0].columns > _STATE_COLUMNS and room_beside(kept) >= 0:
+            break
+        kept = [field for field in kept if field is not last]
+    return kept
+
+
+def _title(snapshot: Snapshot, look: Look, width: int) -> str:
+    recipe, timeline = snapshot.recipe, snapshot.timeline
+    title, seed = recipe.scenario.title, f"seed {recipe.seed}"
+    branch = timeline.current.name if len(timeline.branches) > 1 else ""
+    forms = (
+        (title, BY_ID[snapshot.algorithm].name, seed, branch),
+        *([(title, seed, branch), (title, branch)] if branch else []),
+    )
+    texts = (separated(" · ".join(filter(None, form)), look.glyphs) for form in forms)
+    fitting = next((text for text in texts if cell_len(text) <= width), None)
+    return fitting or shortened(separated(title, look.glyphs), max(0, width), look.glyphs.ellipsis)
+
+
+def _waiting(snapshot: Snapshot, text: str, look: Look, width: int) -> Line:
+    palette, glyphs = look.palette, look.glyphs
+    message = written(f"  {text}", glyphs)
+    title = _title(snapshot, look, max(0, width - 1 - cell_len(message)))
+    if cell_len(title) < _LEAST_TITLE and title.endswith(glyphs.ellipsis):
+        title = ""
+    message = shortened(
+        message if title else message[1:], width - cell_len(title) - bool(title), glyphs.ellipsis
+    )
+    return [*([Piece(f" {title}", palette.strong)] if title else []), Piece(message, palette.accent)]
+
+
+def _fields(snapshot: Snapshot, look: Look, width: int, *, in_hand: bool) -> list[_Field]:
+    """Return state, progress and measured speed."""
+    wide = width >= WIDE
+    state = _state(snapshot, look, width - 1 - _GAP, in_hand=in_hand)
+    speed = _speed(snapshot, look, wide=wide)
+    stands_in_past = snapshot.timeline.in_past and snapshot.phase is not Phase.RUNNING
+    plans = BY_ID[snapshot.algorithm].planner
+    if isinstance(snapshot.world.drawing, Arms) and snapshot.bandit is not None and not plans:
+        pulls, budget = snapshot.bandit.pulls, f"{snapshot.bandit.budget:,}"
+        text, style = f"pull {numbers.count(pulls)} of {budget}", look.palette.text
+        if stands_in_past:
+            style = look.palette.accent
+        return [state, _Field(text, len(f"pull {budget} of {budget}"), style), speed]
+    label = "sweep" if plans else "episode" if wide else "ep"
+    episode = _counted(label, episode_under_way(snapshot), 9, look, rank=2)
+    step = _counted("step", snapshot.step, 11 if wide else 9, look, rank=1)
+    if stands_in_past:
+        return [state, episode, _step_in_past(snapshot, step.columns + _GAP + speed.columns, look)]
+    return [state, episode, step, speed]
+
+
+def _counted(label: str, count: int, columns: int, look: Look, *, rank: int) -> _Field:
+    text = f"{label} {numbers.count(count, columns)}"
+    return _Field(text, len(label) + 1 + columns, look.palette.text, rank)
+
+
+def _step_in_past(snapshot: Snapshot, columns: int, look: Look) -> _Field:
+    """Return the step and how far the branch has come; ``columns`` are those of step and speed otherwise."""
+    room = columns - len("step  of ")
+    here = numbers.count(snapshot.step, room - _LEAST_END)
+    end = numbers.count(snapshot.timeline.current.end, room - len(here))
+    return _Field(f"step {here} of {end}", columns, look.palette.accent, rank=1)
+
+
+def _speed(snapshot: Snapshot, look: Look, *, wide: bool) -> _Field:
+    """Return the measured speed; without room for its unit only where the wanted one does not tell it."""
+    speed = snapshot.steps_per_second
+    if wide:
+        text, columns = "" if speed is None else numbers.long_rate(speed), len("999.9 M steps/s")
+    else:
+        is_told = speed is None or _keeps_up(snapshot, speed)
+        text, columns = "" if speed is None or is_told else numbers.rate(speed), len("999 M/s")
+    return _Field(f"{text:>{columns}}", columns, look.palette.dim, _SPEED_RANK)
+
+
+def _keeps_up(snapshot: Snapshot, speed: float) -> bool:
+    """Tell whether the state names a wanted speed that the measured ``speed`` comes up to."""
+    if snapshot.speed is None or snapshot.until or snapshot.timeline.in_past:
+        return False
+    return speed >= _KEEPS_UP * snapshot.speed
+
+
+def _state(snapshot: Snapshot, look: Look, most: int, *, in_hand: bool) -> _Field:
+    """Return what goes on, in at most so many columns where it is told in words."""
+    palette, glyphs = look.palette, look.glyphs
+    if snapshot.phase is Phase.SPENT:
+        text = f"{glyphs.stopped} budget spent"
+        return _Field(text, len(text), palette.accent)
+    if snapshot.phase is Phase.DONE:
+        text = f"{glyphs.stopped} {snapshot.message.partition(':')[0] or snapshot.phase.value}"
+        return _Field(text, cell_len(written(text, glyphs)), palette.accent)
+    if snapshot.phase in (Phase.PAUSED, Phase.SEEKING):
+        if snapshot.paused_by:
+            return _told(f"{glyphs.paused} {snapshot.paused_by}", look, most)
+        if snapshot.timeline.in_past:
+            return _Field(f"{glyphs.past} the past", _STATE_COLUMNS, palette.accent)
+        if in_hand:
+            return _Field(f"{glyphs.agent} you act", _STATE_COLUMNS, palette.accent)
+        return _Field(f"{glyphs.paused} paused", _STATE_COLUMNS, palette.dim)
+    if snapshot.until:
+        return _told(f"{glyphs.running} until {snapshot.until}", look, most)
+    if snapshot.timeline.in_past:
+        return _Field(f"{glyphs.running} replaying", _STATE_COLUMNS, palette.accent)
+    return _Field(f"{glyphs.running} {speed_text(snapshot.speed)}", _STATE_COLUMNS, palette.good)
+
+
+def _told(text: str, look: Look, most: int) -> _Field:
+    text = shortened(written(text, look.glyphs), max(_STATE_COLUMNS, most), look.glyphs.ellipsis)
+    return _Field(text, max(_STATE_COLUMNS, cell_len(text)), look.palette.accent)

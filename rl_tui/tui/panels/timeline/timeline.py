@@ -1,0 +1,173 @@
+"""The time of a run in one row: what was run, where the moment shown stands, and a handle to go elsewhere."""
+
+from __future__ import annotations
+
+from typing import ClassVar, Final
+
+from textual import events
+from textual.binding import Binding, BindingType
+from textual.message import Message
+from textual.strip import Strip
+
+from rl_tui.lab.live.snapshot import Phase, Snapshot, Timeline
+from rl_tui.tui.draw.to_ascii import written
+from rl_tui.tui.panels.draggable import Draggable
+from rl_tui.tui.panels.panel import Panel
+from rl_tui.tui.panels.timeline.picture import (
+    TimelineForm,
+    TimelineState,
+    Track,
+    timeline_form,
+    timeline_strip,
+)
+from rl_tui.tui.theme.look import Look
+from rl_tui.worlds.drawing import Arms
+
+HINTS: Final = (
+    "← →: move · < >: one step · pgup pgdn: a tenth",
+    "← →: move · pgup pgdn: a tenth",
+    "← →: move",
+)
+_STEP, _CELL, _TENTH = "step", "cell", "tenth"
+
+
+class TimelineBar(Draggable, Panel, can_focus=True):
+    """Shows the branch in force from step 0 to its end; keys, click and drag ask for another moment.
+
+    The handle goes at once to where it is asked for, and stays there until the run has come to it.
+    """
+
+    ALLOW_SELECT = False
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding("left", "move('cell', -1)", "Earlier", show=False, id="timeline.earlier", tooltip="Earlier"),
+        Binding("right", "move('cell', 1)", "Later", show=False, id="timeline.later", tooltip="Later"),
+        Binding(
+            "shift+left,less_than_sign",
+            "move('step', -1)",
+            "One step back",
+            show=False,
+            id="timeline.step_back",
+            tooltip="One step earlier",
+        ),
+        Binding(
+            "shift+right,greater_than_sign",
+            "move('step', 1)",
+            "One step on",
+            show=False,
+            id="timeline.step_on",
+            tooltip="One step later",
+        ),
+        Binding(
+            "pagedown",
+            "move('tenth', -1)",
+            "Much earlier",
+            show=False,
+            id="timeline.much_earlier",
+            tooltip="A tenth of the run earlier",
+        ),
+        Binding(
+            "pageup",
+            "move('tenth', 1)",
+            "Much later",
+            show=False,
+            id="timeline.much_later",
+            tooltip="A tenth of the run later",
+        ),
+        Binding("home", "end(False)", "Start", show=False, id="timeline.start", tooltip="Go to step 0"),
+        Binding("end", "end(True)", "End", show=False, id="timeline.end", tooltip="Go to the end"),
+    ]
+
+    class Sought(Message):
+        """The user wants to see the moment after ``step`` steps."""
+
+        def __init__(self, step: int) -> None:
+            super().__init__()
+            self.step = step
+
+    def __init__(self, look: Look, *, id: str | None = None, classes: str | None = None) -> None:  # noqa: A002
+        super().__init__(look, id=id, classes=classes)
+        glyphs = look.glyphs
+        self.tooltip = written(
+            f"what was run; click or drag to go there. {glyphs.change_mark} a setting was changed, "
+            f"{glyphs.hand_mark} steps by hand, {glyphs.fork_mark} here the branch begins",
+            glyphs,
+        )
+        self._sought: int | None = None
+
+    @property
+    def at(self) -> int:
+        """The step that the handle stands at."""
+        return self._at(self._timeline)
+
+    def show(self, snapshot: Snapshot) -> None:
+        """Draw where ``snapshot`` stands, or where the run is still on its way to."""
+        if snapshot.phase is not Phase.SEEKING and snapshot.timeline.current.here == self._sought:
+            self._sought = None
+        super().show(snapshot)
+
+    def forget(self) -> None:
+        """Show where the run stands, wherever it was asked to go: something else came in between."""
+        if self._sought is not None:
+            self._sought = None
+            self.redraw()
+
+    def picture(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
+        """Return the row, and blank ones below it."""
+        blank = Strip.blank(width, self.look.palette.text)
+        rows = [blank] * height
+        if snapshot is not None and not (snapshot.phase is Phase.PREPARING and not snapshot.step):
+            is_bandit = isinstance(snapshot.world.drawing, Arms)
+            unit = "pull" if is_bandit else "step"
+            state = TimelineState(snapshot.timeline, self._at(snapshot.timeline), self.has_focus, unit)
+            rows[0] = timeline_strip(state, self.look, width)
+        return rows
+
+    # Keys
+
+    def action_move(self, distance: str, direction: int) -> None:
+        """Move the handle by one ``step``, by a ``cell`` of the track, or by a ``tenth`` of the run."""
+        track = self._form.track
+        by = {_STEP: 1, _CELL: track.steps_a_cell, _TENTH: max(1, round(track.end / 10))}[distance]
+        self._seek(self.at + direction * by)
+
+    def action_end(self, last: bool) -> None:
+        """Go to the first or the last step."""
+        self._seek(self._form.track.end if last else 0)
+
+    def watch_has_focus(self, has_focus: bool) -> None:
+        """Show the focus, or that it is gone."""
+        super().watch_has_focus(has_focus)
+        self.redraw()
+
+    # Mouse
+
+    def on_mouse_down(self, event: events.MouseDown) -> None:
+        """Take hold of the handle, which jumps to the pointer."""
+        offset = event.get_content_offset(self)
+        if event.button != 1 or offset is None or offset.x < self._form.track.start:
+            return
+        self.take_hold(offset.x)
+
+    def drag_to(self, column: int) -> None:
+        """Ask for the moment that belongs to ``column``."""
+        track: Track = self._form.track
+        self._seek(track.step_at(column - track.start))
+
+    @property
+    def _timeline(self) -> Timeline:
+        return self.snapshot.timeline if self.snapshot is not None else Timeline()
+
+    @property
+    def _form(self) -> TimelineForm:
+        return timeline_form(self._timeline, self.size.width)
+
+    def _at(self, timeline: Timeline) -> int:
+        branch = timeline.current
+        return branch.here if self._sought is None else min(self._sought, branch.end)
+
+    def _seek(self, step: int) -> None:
+        step = min(max(step, 0), self._timeline.current.end)
+        if step != self.at:
+            self._sought = step
+            self.redraw()
+            self.post_message(self.Sought(step))

@@ -1,0 +1,1 @@
+"""The world panel: one folder for each kind of drawing."""

@@ -1,0 +1,196 @@
+"""A bandit: one bar an arm, the estimate with its standard error."""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+import numpy as np
+from textual.strip import Strip
+
+from rl_tui.agents.hyperparameters import SAMPLE_AVERAGE, StepSize
+from rl_tui.lab.live.snapshot import Snapshot
+from rl_tui.lab.run.bandit import true_means
+from rl_tui.tui.draw.scrolling import scrolled_to
+from rl_tui.tui.panels.breakpoint_text import pair_in_words
+from rl_tui.tui.panels.same_run import is_another_run
+from rl_tui.tui.panels.world.arms.bars import Arm, draw_arms, names_width, rows_an_arm, true_mean_glyph
+from rl_tui.tui.panels.world.arms.scale import NO_SCALE, Scale, bound_text, grown, shown_scale
+from rl_tui.tui.panels.world.view import WorldView
+from rl_tui.tui.theme.look import Look
+from rl_tui.worlds.drawing import Arms
+from rl_tui.worlds.mdp.tabular_mdp import FloatArray, TabularMDP
+from rl_tui.worlds.world import World
+
+HEADINGS: Final = ("Arms · estimate ± standard error", "Arms · estimate ± error", "Arms")  # the longest first
+
+
+class ArmsView(WorldView):
+    """The arms of a bandit, from top to bottom; more of them than rows scroll.
+
+    What the agent has not learned, the true means and the best arm, is drawn only while ``revealed``.
+    """
+
+    def __init__(
+        self,
+        world: World,
+        look: Look,
+        *,
+        id: str | None = None,  # noqa: A002
+        classes: str | None = None,
+    ) -> None:
+        super().__init__(world, look, id=id, classes=classes)
+        self._scale = NO_SCALE
+        self._top = 0
+        self._shown = self._each = 1
+        self.heading = HEADINGS[0]
+
+    def enter(self, world: World) -> None:
+        """Take ``world`` for the one that is drawn: its arms have means of their own."""
+        if not isinstance(world.drawing, Arms) or world.mdp is None:
+            raise TypeError("an ArmsView draws worlds that have a table and whose drawing is Arms")
+        super().enter(world)
+        self._mdp = world.mdp
+
+    def show(self, snapshot: Snapshot) -> None:
+        """Draw ``snapshot``. The scale only ever widens, until another run starts."""
+        if is_another_run(self.snapshot, snapshot):
+            self._scale = NO_SCALE
+        super().show(snapshot)
+
+    def drawing(self, snapshot: Snapshot, width: int, height: int) -> list[Strip]:
+        """Return the bars of the arms from the first in view on, and the axis where a row is left for it."""
+        means = true_means_now(self._mdp, snapshot) if self.revealed else None
+        arms = tuple(
+            arm._replace(cursor=pair == self.shown_cursor, stops=pair in snapshot.breakpoints.pairs)
+            for pair, arm in enumerate(arms_of(self._mdp, snapshot, means))
+        )
+        self._scale = grown(self._scale, [value for arm in arms for value in arm.extent()])
+        scale = shown_scale(self._scale)
+        each = rows_an_arm(len(arms), height)
+        shown = min(len(arms), max(1, height // each))
+        self._top = max(0, min(self._top, len(arms) - shown))
+        self._shown, self._each = shown, each
+        # where no row is left for the axis, its ends are named in the title
+        ends = [] if len(arms) * each < height else [f"{form}  {self._ends(scale)}" for form in HEADINGS]
+        self.heading = self.fitting([*ends, *HEADINGS], width)
+        hidden = len(arms) - shown
+        parts = [f"↑↓ {self._top + 1}–{self._top + shown} of {len(arms)}"] if hidden else []
+        if self.revealed:
+            parts.append(f"{true_mean_glyph(self.look)} true mean  ★ best arm")
+        self.footing = self.fitting(("  ".join(parts), *parts), width)
+        names = names_width(arms, self.look)
+        return draw_arms(arms[self._top : self._top + shown], scale, self.look, width, height, each, names)
+
+    def agent_place(self, snapshot: Snapshot) -> int:
+        """Return the arm pulled last, the first before any pull."""
+        return snapshot.last.pair if snapshot.last is not None and not snapshot.last.planned else 0
+
+    def moved(self, place: int, rows: int, columns: int) -> int:
+        """Return the arm so many rows below."""
+        return max(0, min(place + rows, self.world.space.pairs - 1))
+
+    def place_at(self, x: int, y: int) -> int | None:
+        """Return the arm whose bar is drawn in row ``y``."""
+        place = y // self._each
+        return self._top + place if place < self._shown else None
+
+    def state_at(self, place: int) -> int | None:
+        """Return nothing: an arm is a pair."""
+        return None
+
+    def name_at(self, place: int) -> str:
+        """Return which arm it is."""
+        return pair_in_words(self.world, place, self.look.glyphs)
+
+    def pairs_at(self, place: int) -> range:
+        """Return the pair that an arm is."""
+        return range(place, place + 1)
+
+    def place_of(self, pair: int) -> int:
+        """Return the arm that is ``pair``."""
+        return pair
+
+    @property
+    def page_size(self) -> tuple[int, int]:
+        """As many arms as are in view."""
+        return self._shown, 1
+
+    def keep_in_view(self, place: int) -> None:
+        """Scroll so far that an arm is seen."""
+        self._top = scrolled_to(self._top, place, self._shown)
+
+    def pan(self, rows: int, columns: int) -> None:
+        """Scroll by arms."""
+        self._top += rows
+
+    def follow(self) -> None:
+        """Go back to the first arm."""
+        self._top = 0
+
+    def _ends(self, scale: Scale) -> str:
+        low, high = (bound_text(end, self.look.glyphs) for end in scale)
+        return f"{low}…{'+' if scale.high > 0.0 else ''}{high}"
+
+
+def noise_of_pairs(mdp: TabularMDP) -> FloatArray:
+    """Return the standard deviation of the noise on each pair's rewards, [P], as the scenario states it."""
+    variance = np.bincount(mdp.outcome_pair, mdp.probability * mdp.reward_std**2, minlength=mdp.pairs)
+    return np.asarray(np.sqrt(variance))
+
+
+def true_means_now(mdp: TabularMDP, snapshot: Snapshot) -> FloatArray | None:
+    """Return the true mean q*(a) of each pair at this step, [P]; None where it has drifted out of sight."""
+    if mdp.drift_std > 0.0 and snapshot.step > 0:
+        return None if snapshot.exact is None else snapshot.exact.q
+    return true_means(mdp)
+
+
+def noise_of_rewards(mdp: TabularMDP, q: FloatArray) -> FloatArray:
+    """Return the standard deviation of one reward of each pair, [P], as far as the agent can know it.
+
+    That is the noise that the scenario states. Where rewards are either of two numbers it depends on the
+    hidden mean, in whose place the estimate is taken: √((q − low)(high − q)).
+    """
+    values = np.unique(mdp.reward)
+    if len(values) != 2 or mdp.reward_std.any() or len(mdp.reward) == mdp.pairs:
+        return noise_of_pairs(mdp)
+    low, high = values
+    inside = np.clip(q, low, high)
+    return np.asarray(np.sqrt((inside - low) * (high - inside)))
+
+
+def standard_error(noise: float, pulls: int, alpha: StepSize) -> float:
+    """Return the standard deviation that the noise of ``pulls`` (≥ 1) rewards leaves in an estimate.
+
+    ``noise`` is σ of one reward, which the scenario states openly. A sample average leaves σ/√N. A constant
+    step size weighs the rewards by α(1 − α)^(N−i) (equation 2.6), which leaves
+    σ·√(α/(2 − α)·(1 − (1 − α)^2N)); what Q₀ still weighs, (1 − α)^N, is bias and not counted here.
+    """
+    if alpha == SAMPLE_AVERAGE:
+        return noise / math.sqrt(pulls)
+    step_size = float(alpha)
+    return noise * math.sqrt(step_size / (2.0 - step_size) * (1.0 - (1.0 - step_size) ** (2 * pulls)))
+
+
+def arms_of(mdp: TabularMDP, snapshot: Snapshot, means: FloatArray | None) -> tuple[Arm, ...]:
+    """Return what is known about each arm; true means only where ``means`` are given."""
+    q, visits = snapshot.q.tolist(), snapshot.visits.tolist()
+    noise, values = noise_of_rewards(mdp, snapshot.q), snapshot.hyperparameters
+    alpha: StepSize = SAMPLE_AVERAGE if values.sample_average else values.alpha
+    anything = any(visits)
+    best_estimate, last = max(q), snapshot.last.pair if snapshot.last is not None else None
+    best_mean = float(means.max()) if means is not None else None
+    return tuple(
+        Arm(
+            name=mdp.action_names[int(mdp.pair_action[pair])],
+            estimate=q[pair],
+            error=standard_error(float(noise[pair]), visits[pair], alpha) if visits[pair] else None,
+            pulls=visits[pair],
+            greedy=anything and q[pair] == best_estimate,
+            last=pair == last,
+            mean=float(means[pair]) if means is not None else None,
+            best=best_mean is not None and means is not None and float(means[pair]) == best_mean,
+        )
+        for pair in mdp.pairs_of(0)
+    )

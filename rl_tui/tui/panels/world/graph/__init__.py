@@ -1,0 +1,1 @@
+"""An MDP as a graph."""

@@ -1,0 +1,82 @@
+"""The actions of an MDP as lines of text, for panels in which its graph has no room."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from rich.style import Style
+from textual.strip import Strip
+
+from rl_tui.tui.draw import numbers
+from rl_tui.tui.draw.canvas import Canvas
+from rl_tui.tui.panels.world.graph.shape import Action, GraphShape, Signs
+from rl_tui.tui.panels.world.state_values import StateValues
+from rl_tui.tui.theme.look import Look
+
+_VALUE_WIDTH: Final = 6
+_LEAST_TEXT: Final = 20  # of an edge, below which names and values are left out
+
+
+def edge_list_rows(shape: GraphShape) -> int:
+    """Return how many lines the whole list has."""
+    return len(shape.actions)
+
+
+def draw_edge_list(
+    shape: GraphShape, values: StateValues, signs: Signs, look: Look, width: int, height: int, top: int
+) -> list[Strip]:
+    """Return one line an action from number ``top`` on: state, V, action with its reward, where it may lead.
+
+    In narrow panels V is left out, then the names of the states.
+    """
+    canvas = Canvas(width, height, look.palette.text)
+    names = max((len(shape.nodes[action.source].name) for action in shape.actions), default=0)
+    with_values = width >= names + _VALUE_WIDTH + 3 + _LEAST_TEXT
+    with_names = width >= names + 2 + _LEAST_TEXT
+    x = 1 + (names + 1) * with_names + (_VALUE_WIDTH + 1) * with_values
+    shown = shape.actions[top : top + height]
+    for y, action in enumerate(shown):
+        if y == 0 or shown[y - 1].source != action.source:
+            state = action.source
+            _put_mark(canvas, y, state, signs, look)
+            if with_names:
+                style = look.palette.focus if state == signs.cursor else look.palette.text + Style(bold=True)
+                canvas.put(1, y, shape.nodes[state].name, style)
+            if with_values:
+                text = numbers.value(values.value[state] or 0.0, _VALUE_WIDTH, look.glyphs, decimals=2)
+                canvas.put(2 + names, y, text.rjust(_VALUE_WIDTH), values.style(state, look))
+        greedy = action.pair in values.greedy
+        style = look.palette.greedy if greedy else look.palette.text
+        canvas.put(x, y, whole_words(edge_text(shape, action, greedy, look), width - x, look), style)
+        if action.pair in signs.breakpoints.pairs:
+            canvas.put(x, y, look.glyphs.breakpoint, look.palette.breakpoint)
+    return canvas.strips()
+
+
+def _put_mark(canvas: Canvas, y: int, state: int, signs: Signs, look: Look) -> None:
+    """Put the agent, a breakpoint or the cursor before a state; the agent has the colour of what it is on."""
+    here, palette = state == signs.agent, look.palette
+    if state in signs.breakpoints.states:
+        canvas.put(0, y, look.glyphs.agent if here else look.glyphs.breakpoint, palette.breakpoint)
+    elif state == signs.cursor:
+        canvas.put(0, y, look.glyphs.agent if here else look.glyphs.cursor, palette.focus)
+    elif here:
+        canvas.put(0, y, look.glyphs.agent, palette.agent)
+
+
+def edge_text(shape: GraphShape, action: Action, greedy: bool, look: Look) -> str:
+    """Return ``─study −2─▶ Pass .8 / Class .2``, with a bold line where the action is greedy."""
+    line = look.glyphs.bold if greedy else look.glyphs.thin
+    targets = (f"{shape.nodes[branch.target].name} {branch.label}".strip() for branch in action.branches)
+    return f"{line}{action.label}{line}{look.glyphs.head_right} {' / '.join(targets)}"
+
+
+def whole_words(text: str, width: int, look: Look) -> str:
+    """Return ``text``, cut between words so that no number loses digits, and ended by an ellipsis if cut."""
+    if len(text) <= width:
+        return text
+    ellipsis = look.glyphs.ellipsis
+    words = text.split(" ")
+    while words and len(" ".join(words)) + 1 + len(ellipsis) > width:
+        words.pop()
+    return " ".join([*words, ellipsis]) if words else ellipsis[: max(0, width)]

@@ -1,0 +1,197 @@
+"""An MDP as a graph: states as boxes with V(s), actions as edges, the greedy ones bold."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from rich.style import Style
+from textual.strip import Strip
+
+from rl_tui.lab.live.snapshot import Snapshot
+from rl_tui.tui.draw import numbers
+from rl_tui.tui.draw.canvas import Canvas, centred, shortened
+from rl_tui.tui.draw.scrolling import scrolled_to
+from rl_tui.tui.panels.world.graph.edge_list import draw_edge_list, edge_list_rows
+from rl_tui.tui.panels.world.graph.layout import GraphLayout, graph_layout
+from rl_tui.tui.panels.world.graph.routing import Box
+from rl_tui.tui.panels.world.graph.shape import GraphShape, Node, Signs, graph_shape
+from rl_tui.tui.panels.world.graph.strokes import BOLD, THIN, Arms, joint
+from rl_tui.tui.panels.world.state_values import StateValues, state_values
+from rl_tui.tui.panels.world.view import WorldView
+from rl_tui.tui.theme.look import Look
+from rl_tui.worlds.drawing import Graph
+from rl_tui.worlds.world import World
+
+VALUE_WIDTH: Final = 6
+HEADING: Final = "World · bold = greedy"
+END: Final = "end"  # in place of the value of a terminal state
+
+
+class GraphView(WorldView):
+    """A graph, laid out once for each size. Where it does not fit, a list of its edges that scrolls."""
+
+    def __init__(
+        self,
+        world: World,
+        look: Look,
+        *,
+        id: str | None = None,  # noqa: A002
+        classes: str | None = None,
+    ) -> None:
+        super().__init__(world, look, id=id, classes=classes)
+        self._top = 0
+        self._layout: GraphLayout | None = None
+        self._height = 1
+
+    def enter(self, world: World) -> None:
+        """Take ``world`` for the one that is drawn."""
+        if not isinstance(world.drawing, Graph) or world.mdp is None:
+            raise TypeError("a GraphView draws worlds that have a table and whose drawing is a Graph")
+        super().enter(world)
+        self._graph, self._mdp = world.drawing, world.mdp
+        self._shape = graph_shape(self._mdp, self._graph, self.look.glyphs)
+        self._shape_glyphs = self.look.glyphs
+
+    def drawing(self, snapshot: Snapshot, width: int, height: int) -> list[Strip]:
+        """Return the graph, or the list of its edges where it does not fit."""
+        if self._shape_glyphs is not self.look.glyphs:
+            self._shape = graph_shape(self._mdp, self._graph, self.look.glyphs)
+            self._shape_glyphs = self.look.glyphs
+        self.heading = HEADING
+        values = state_values(self.world.space, snapshot)
+        signs = Signs(snapshot.state, self.shown_cursor, snapshot.breakpoints)
+        self._layout = layout = graph_layout(self._shape, width, height)
+        if layout is not None:
+            self.footing = ""
+            return draw_graph(self._shape, layout, values, signs, self.look, width, height)
+        rows = edge_list_rows(self._shape)
+        self._height = height
+        self._top = max(0, min(self._top, rows - height))
+        self.footing = f"↑↓ {self._top + 1}–{self._top + height} of {rows}" if rows > height else ""
+        return draw_edge_list(self._shape, values, signs, self.look, width, height, self._top)
+
+    def moved(self, place: int, rows: int, columns: int) -> int:
+        """Return the nearest state in that direction, ``place`` itself if there is none.
+
+        In the list of edges it is the state so many places further, of those that are listed.
+        """
+        if self._layout is None:
+            listed = sorted({action.source for action in self._shape.actions} | {place})
+            return listed[max(0, min(listed.index(place) + rows + columns, len(listed) - 1))]
+        here, there = self._shape.nodes[place], {}
+        for state, node in enumerate(self._shape.nodes):
+            right, down = node.column - here.column, node.row - here.row
+            ahead, aside = rows * down + columns * right, abs(rows * right) + abs(columns * down)
+            if ahead > 0:
+                there[state] = ahead + 2 * aside
+        return min(there, key=there.__getitem__, default=place)
+
+    def place_at(self, x: int, y: int) -> int | None:
+        """Return the state whose box or edge is drawn there."""
+        if self._layout is not None:
+            boxes = enumerate(self._layout.boxes)
+            return next((state for state, box in boxes if (x, y) in set(box.cells())), None)
+        line = self._top + y
+        return self._shape.actions[line].source if line < len(self._shape.actions) else None
+
+    def keep_in_view(self, place: int) -> None:
+        """Scroll the list of edges to those of a state."""
+        lines = [line for line, action in enumerate(self._shape.actions) if action.source == place]
+        if lines:
+            self._top = scrolled_to(scrolled_to(self._top, lines[-1], self._height), lines[0], self._height)
+
+    def pan(self, rows: int, columns: int) -> None:
+        """Scroll the list of edges."""
+        self._top += rows
+
+    def follow(self) -> None:
+        """Go back to the first edge."""
+        self._top = 0
+
+
+def draw_graph(
+    shape: GraphShape,
+    layout: GraphLayout,
+    values: StateValues,
+    signs: Signs,
+    look: Look,
+    width: int,
+    height: int,
+) -> list[Strip]:
+    """Return ``layout`` with the values, the greedy actions, agent, cursor and breakpoints stamped on it."""
+    canvas = Canvas(width, height, look.palette.text)
+    for state, (node, box) in enumerate(zip(shape.nodes, layout.boxes, strict=True)):
+        _draw_box(canvas, box, node, values, state, signs, look)
+    _draw_lines(canvas, layout, values, signs.agent, look)
+    for fork in layout.forks:
+        canvas.put(fork.x, fork.y, look.glyphs.estimate, _edge_style(fork.pair in values.greedy, look))
+    heads = (look.glyphs.head_up, look.glyphs.head_right, look.glyphs.head_down, look.glyphs.head_left)
+    for head in layout.heads:
+        canvas.put(head.x, head.y, heads[head.direction], _edge_style(head.pair in values.greedy, look))
+    for label in layout.labels:
+        greedy = label.pair in values.greedy
+        style = look.palette.greedy if greedy else look.palette.text
+        if label.pair in signs.breakpoints.pairs:
+            style = look.palette.breakpoint
+        canvas.put(label.x, label.y, label.text, style)
+    for state in signs.breakpoints.states:
+        box = layout.boxes[state]
+        canvas.put(box.x + box.width - 1, box.y, look.glyphs.breakpoint, look.palette.breakpoint)
+    return canvas.strips()
+
+
+def _draw_box(
+    canvas: Canvas, box: Box, node: Node, values: StateValues, state: int, signs: Signs, look: Look
+) -> None:
+    glyphs, palette, agent = look.glyphs, look.palette, state == signs.agent
+    if node.terminal:
+        horizontal, vertical, *corners = tuple(glyphs.double_box)
+    else:
+        horizontal, vertical, *corners = glyphs.thin, glyphs.thin_vertical, *glyphs.round_corners
+    border = _border_style(agent, look)
+    inner, last = box.width - 2, box.y + box.height - 1
+    canvas.put(box.x, box.y, corners[0] + horizontal * inner + corners[1], border)
+    canvas.put(box.x, last, corners[2] + horizontal * inner + corners[3], border)
+    ground = values.style(state, look)
+    for y in range(box.y + 1, last):
+        canvas.put(box.x, y, vertical, border)
+        canvas.put(box.x + 1, y, " " * inner, ground)
+        canvas.put(box.x + box.width - 1, y, vertical, border)
+    first = box.y + 1 + (box.height - 4) // 2
+    name = shortened(node.name, inner - 1, glyphs.ellipsis)
+    start = max(1, (inner - len(name) + 1) // 2)
+    canvas.put(box.x + 1 + start, first, name, ground + Style(bold=True))
+    if agent:
+        canvas.put(box.x + 1 + start - (2 if start > 1 else 1), first, glyphs.agent, ground + palette.agent)
+    value = values.value[state]
+    text = END if value is None else numbers.value(value, VALUE_WIDTH, glyphs, decimals=2)
+    style = palette.focus if state == signs.cursor else ground
+    canvas.put(box.x + 1, first + 1, centred(text, inner), style)
+
+
+def _border_style(agent: bool, look: Look) -> Style:
+    return look.palette.strong if agent else look.palette.text
+
+
+def _edge_style(greedy: bool, look: Look) -> Style:
+    return look.palette.greedy if greedy else look.palette.dim
+
+
+def _draw_lines(canvas: Canvas, layout: GraphLayout, values: StateValues, agent: int, look: Look) -> None:
+    """Draw all lines; where two meet or cross, their arms are joined, and a bold one gives the style."""
+    arms: dict[tuple[int, int], Arms] = {}
+    styles: dict[tuple[int, int], Style] = {}
+    for stroke in sorted(layout.strokes, key=lambda each: each.pair in values.greedy):
+        cell, greedy = (stroke.x, stroke.y), stroke.pair in values.greedy
+        mine = Arms(*((BOLD if greedy else THIN) * (side in stroke.arms) for side in range(4)))
+        arms[cell] = arms.get(cell, Arms()).joined(mine)
+        styles[cell] = _edge_style(greedy, look)
+    for state, box in enumerate(layout.boxes):
+        for cell in arms.keys() & set(box.cells()):
+            # a line begins in a border: the border runs through, in its own style
+            on_side = cell[0] in (box.x, box.x + box.width - 1)
+            border = Arms(up=THIN, down=THIN) if on_side else Arms(right=THIN, left=THIN)
+            arms[cell] = arms[cell].joined(border)
+            styles[cell] = _border_style(state == agent, look)
+    for (x, y), each in arms.items():
+        canvas.put(x, y, joint(each, look.glyphs), styles[x, y])

@@ -1,0 +1,227 @@
+"""How the cells of a map look: the sign, the number and the tint of each."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Final, NamedTuple
+
+from rich.segment import Segment
+from rich.style import Style
+
+from rl_tui.tui.draw import numbers
+from rl_tui.tui.draw.canvas import Canvas
+from rl_tui.tui.panels.world.grid.form import CellForm
+from rl_tui.tui.panels.world.grid.map import CellContent, Sign
+from rl_tui.tui.panels.world.grid.rewards import CellReward
+from rl_tui.tui.panels.world.state_values import fraction
+from rl_tui.tui.theme.look import Look
+from rl_tui.worlds.drawing import CellKind
+
+SEVERAL: Final = "+"  # in place of the arrows where they do not fit
+START: Final = "S"
+_ROOM_FOR_SMALL: Final = 6
+_LEAST_SHOWN: Final = 0.005  # what is below would be rounded to .00
+_MOST_KEPT: Final = 20_000
+
+Drawn = list[list[Segment]]
+
+
+class Face(NamedTuple):
+    """All that makes a cell look as it does; ``text`` is its value, None where nothing can be done.
+
+    ``stops`` marks a breakpoint, ``cursor`` the cell the cursor stands on.
+    """
+
+    kind: CellKind
+    agent: bool
+    text: str | None
+    signs: str
+    style: Style
+    reward: CellReward | None = None
+    stops: bool = False
+    cursor: bool = False
+
+
+class CellArtist:
+    """Draws cells of one form. What looks the same is drawn once.
+
+    Without a table of the world many states may be impossible: the zero of one that was never visited is
+    written as a dot.
+    """
+
+    def __init__(self, look: Look, form: CellForm, has_table: bool = True) -> None:
+        self.look = look
+        self.form = form
+        palette, glyphs = look.palette, look.glyphs
+        self._idle_styles = {
+            CellKind.HOLE: palette.hole,
+            CellKind.GOAL: palette.goal,
+            CellKind.WALL: palette.wall,
+            CellKind.CLIFF: palette.cliff,
+        }
+        self._idle_signs = {
+            CellKind.HOLE: glyphs.hole,
+            CellKind.GOAL: glyphs.goal,
+            CellKind.CLIFF: glyphs.cliff,
+        }
+        self._faces: dict[Face, Drawn] = {}
+        self._texts: dict[float, str] = {}
+        self._has_table = has_table
+        self._signs: dict[tuple[Sign, ...], str] = {}
+
+    def drawn(self, cells: Sequence[CellContent], low: float, high: float) -> list[Drawn]:
+        """Return the rows of each of ``cells``, tinted by its value from ``low`` to ``high``."""
+        return [self._drawn(self._face(cell, low, high)) for cell in cells]
+
+    def _face(self, cell: CellContent, low: float, high: float) -> Face:
+        kind, agent, value, known, greedy, reward, stops, cursor = cell
+        palette = self.look.palette
+        if value is None:
+            style = self._idle_styles.get(kind, palette.dim)
+            return Face(kind, agent, None, self._idle_signs.get(kind, ""), style, None, stops, cursor)
+        style = palette.value(fraction(value, low, high)) if known else palette.unvisited
+        is_dot = not known and value == 0.0 and not self._has_table
+        text = self.look.glyphs.stay if is_dot else self._text(value)
+        return Face(kind, agent, text, self._signs_of(greedy), style, reward, stops, cursor)
+
+    def _drawn(self, face: Face) -> Drawn:
+        drawn = self._faces.get(face)
+        if drawn is None:
+            _make_room(self._faces)
+            canvas = Canvas(self.form.width, self.form.height, self.look.palette.text)
+            _draw_cell(canvas, face, self.form, self.look)
+            drawn = self._faces[face] = [list(strip) for strip in canvas.strips()]
+        return drawn
+
+    def _text(self, value: float) -> str:
+        text = self._texts.get(value)
+        if text is None:
+            _make_room(self._texts)
+            text = self._texts[value] = _value_text(value, self.form.digits, self.look)
+        return text
+
+    def _signs_of(self, greedy: tuple[Sign, ...]) -> str:
+        signs = self._signs.get(greedy)
+        if signs is None:
+            direction = self.look.glyphs.direction
+            signs = "".join(direction(each) if isinstance(each, tuple) else each for each in greedy)
+            self._signs[greedy] = signs
+        return signs
+
+
+def _make_room(kept: dict[Face, Drawn] | dict[float, str]) -> None:
+    if len(kept) >= _MOST_KEPT:
+        kept.clear()
+
+
+def _draw_cell(canvas: Canvas, face: Face, form: CellForm, look: Look) -> None:
+    if face.cursor and form.height == 1:
+        face = face._replace(style=look.palette.focus)
+    filling = look.glyphs.wall if face.kind is CellKind.WALL else " "
+    for row in range(form.height):
+        canvas.put(0, row, filling * form.width, face.style)
+    if face.cursor:
+        canvas.put(0, _value_row(form), " " * form.width, look.palette.focus)
+    if face.kind is CellKind.WALL:
+        return
+    if not form.has_values or (form.height == 1 and face.text is None):
+        _draw_signs_alone(canvas, face, form, look)
+    elif form.height == 1:
+        _draw_small(canvas, face, form, look)
+    else:
+        _draw_large(canvas, face, form, look)
+
+
+def _draw_large(canvas: Canvas, face: Face, form: CellForm, look: Look) -> None:
+    """Draw arrows above the value, the mark beside the arrows, what the cell pays in the corner."""
+    row = _value_row(form) - 1
+    signs = _fitting(face, most=form.width - 2)
+    start = (form.width - max(1, len(signs))) // 2
+    canvas.put(start, row, signs, _sign_style(face))
+    mark = start - (2 if form.width >= 10 else 1)
+    _put_mark(canvas, mark, row, face, look)
+    _put_reward(canvas, 0, 0, form.width if row else mark if _mark(face, look) else start, face, look)
+    if face.text is not None:
+        style = look.palette.focus if face.cursor else face.style
+        canvas.put((form.width - len(face.text)) // 2, row + 1, face.text, style)
+    if face.stops:
+        canvas.put(form.width - 1, 0, look.glyphs.breakpoint, look.palette.breakpoint)
+
+
+def _value_row(form: CellForm) -> int:
+    """Return the row of the value, which is where the cursor is drawn."""
+    return (form.height - 1) // 2 + (form.height > 1)
+
+
+def _draw_signs_alone(canvas: Canvas, face: Face, form: CellForm, look: Look) -> None:
+    """Draw mark and arrow."""
+    middle = max(1, (form.width - 1) // 2)
+    canvas.put(middle, 0, _fitting(face, most=1), _sign_style(face))
+    _put_mark_or_reward(canvas, middle - 1, face, look)
+
+
+def _draw_small(canvas: Canvas, face: Face, form: CellForm, look: Look) -> None:
+    """Draw mark, arrows and value in one row."""
+    text = (face.text or "").rjust(form.digits)
+    mark = 1 if _mark(face, look) or face.reward or face.stops else 0
+    # a blank before it all, so that neighbours keep apart without colours too
+    signs = _fitting(face, most=max(1, form.width - form.digits - mark - 1))
+    end = form.width - form.digits
+    canvas.put(end, 0, text, face.style)
+    canvas.put(end - len(signs), 0, signs, _sign_style(face))
+    _put_mark_or_reward(canvas, end - max(1, len(signs)) - 1, face, look)
+
+
+def _value_text(x: float, width: int, look: Look) -> str:
+    """Return a value; one too small for two decimals as a bound where there is no room for more."""
+    if width < _ROOM_FOR_SMALL and numbers.NEGLIGIBLE <= x < _LEAST_SHOWN:
+        return "<.01" if width >= len("<.01") else ".00"
+    return numbers.value(x, width, look.glyphs, decimals=2)
+
+
+def _fitting(face: Face, most: int) -> str:
+    """Return the arrows of the greedy actions, or what stands in a cell where nothing can be done."""
+    return face.signs if len(face.signs) <= most else SEVERAL
+
+
+def _sign_style(face: Face) -> Style:
+    return face.style if face.text is None else face.style + Style(bold=True)
+
+
+def _mark(face: Face, look: Look) -> str:
+    if face.agent:
+        return look.glyphs.agent
+    return START if face.kind is CellKind.START else ""
+
+
+def _put_mark(canvas: Canvas, x: int, y: int, face: Face, look: Look) -> None:
+    mark = _mark(face, look)
+    if mark:
+        canvas.put(x, y, mark, face.style + (look.palette.agent if face.agent else look.palette.start))
+
+
+def _put_mark_or_reward(canvas: Canvas, x: int, face: Face, look: Look) -> None:
+    """Put the mark, or where there is none the sign of what the cell pays.
+
+    The agent on a breakpoint has the colour of one.
+    """
+    if face.stops:
+        canvas.put(x, 0, look.glyphs.agent if face.agent else look.glyphs.breakpoint, look.palette.breakpoint)
+    elif _mark(face, look):
+        _put_mark(canvas, x, 0, face, look)
+    else:
+        _put_reward(canvas, x, 0, 1, face, look)
+
+
+def _put_reward(canvas: Canvas, x: int, y: int, room: int, face: Face, look: Look) -> None:
+    """Put what the cell pays; where it does not fit, whether that is more or less than usual.
+
+    It stands on the ground of the panel, so that it is seen on every tint.
+    """
+    if face.reward is None or room < 1:
+        return
+    reward, good = face.reward
+    text = ("+" if reward > 0.0 else "") + numbers.brief(reward, look.glyphs, decimals=2)
+    if len(text) > room:
+        text = "+" if good else look.glyphs.minus
+    canvas.put(x, y, text, (look.palette.good if good else look.palette.bad) + Style(bold=True))

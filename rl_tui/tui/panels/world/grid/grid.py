@@ -1,0 +1,252 @@
+"""The map of a grid world: cells tinted by V(s), with the greedy actions as arrows."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from itertools import chain
+from typing import Final
+
+from rich.segment import Segment
+from textual.strip import Strip
+
+from rl_tui.lab.live.snapshot import Snapshot
+from rl_tui.lab.live.viewport import Cells, is_large
+from rl_tui.tui.draw.scrolling import Scrolled, kept_in_view, scrolled_to
+from rl_tui.tui.panels.same_run import is_another_run
+from rl_tui.tui.panels.world.grid.cells import CellArtist
+from rl_tui.tui.panels.world.grid.form import LEAST_DIGITS, CellForm, cell_form, digits_needed
+from rl_tui.tui.panels.world.grid.map import CellContent, GridMap, Part
+from rl_tui.tui.panels.world.view import WorldView
+from rl_tui.tui.theme.look import Look
+from rl_tui.worlds.drawing import Grid
+from rl_tui.worlds.world import World
+
+WORLD: Final = "World"
+HEADING: Final = f"{WORLD} · V and greedy"
+HEADING_WITHOUT_VALUES: Final = f"{WORLD} · greedy, V as tint"
+FOLLOWS: Final = "follows the agent"
+FOLLOW_HINT: Final = "esc: follow the agent"
+
+
+class GridView(WorldView):
+    """A grid world; its places are the cells, row by row.
+
+    Where the map is larger than the panel, the part around the agent is drawn, or that around the cursor.
+    """
+
+    def __init__(
+        self,
+        world: World,
+        look: Look,
+        *,
+        id: str | None = None,  # noqa: A002
+        classes: str | None = None,
+    ) -> None:
+        super().__init__(world, look, id=id, classes=classes)
+        self._part: Part | None = None
+        self._form: CellForm | None = None
+        self._origin = (0, 0)  # column and row of the first cell's first character
+        self._told: Cells | None = None
+        self._artist: CellArtist | None = None
+        self._digits = LEAST_DIGITS
+        self.heading = HEADING
+
+    def enter(self, world: World) -> None:
+        """Take ``world`` for the one that is drawn, and follow the agent in it."""
+        if not isinstance(world.drawing, Grid):
+            raise TypeError("a GridView draws worlds whose drawing is a Grid")
+        super().enter(world)
+        self._map = GridMap(world.space, world.drawing)
+        self._top = self._left = 0
+        self._following = True
+
+    @property
+    def cells(self) -> Cells | None:
+        """What is in view: where it was scrolled to by hand, or around the agent."""
+        part = self._part
+        if part is None or self._is_whole:
+            return None
+        if self._following:
+            return Cells(part.rows, part.columns)
+        return Cells(part.rows, part.columns, part.top, part.left)
+
+    @property
+    def is_complete(self) -> bool:
+        """Whether the newest snapshot has all that is in view."""
+        return self.snapshot is None or self._part is None or self._map.holds(self._part, self.snapshot)
+
+    @property
+    def is_away(self) -> bool:
+        """Whether cursor or view were moved away from the agent, and not back."""
+        return not self._following or super().is_away
+
+    def agent_place(self, snapshot: Snapshot) -> int:
+        """Return the cell the agent is in."""
+        return int(self._map.grid.cell_of_state[snapshot.state])
+
+    def moved(self, place: int, rows: int, columns: int) -> int:
+        """Return the cell so many rows below and columns to the right, or the last one there."""
+        grid = self._map.grid
+        row, column = divmod(place, grid.columns)
+        row, column = max(0, min(row + rows, grid.rows - 1)), max(0, min(column + columns, grid.columns - 1))
+        return row * grid.columns + column
+
+    def place_at(self, x: int, y: int) -> int | None:
+        """Return the cell drawn at column ``x`` of row ``y``."""
+        part, form = self._part, self._form
+        if part is None or form is None:
+            return None
+        row, column = (y - self._origin[1]) // form.height, (x - self._origin[0]) // form.width
+        if not (0 <= row < part.rows and 0 <= column < part.columns):
+            return None
+        return (part.top + row) * self._map.grid.columns + part.left + column
+
+    def state_at(self, place: int) -> int | None:
+        """Return the state of a cell: of several the agent's, else the first; None in a wall."""
+        return self._map.state_at(place, self.snapshot)
+
+    def place_of(self, pair: int) -> int:
+        """Return the cell of the state that owns ``pair``."""
+        return int(self._map.grid.cell_of_state[self.world.space.state_of(pair)])
+
+    @property
+    def page_size(self) -> tuple[int, int]:
+        """As many rows and columns as are in view."""
+        return (1, 1) if self._part is None else (self._part.rows, self._part.columns)
+
+    def keep_in_view(self, place: int) -> None:
+        """Scroll so far that a cell is seen, in a map that is not whole in view."""
+        if self._part is not None and not self._is_whole:
+            row, column = divmod(place, self._map.grid.columns)
+            self._following = False
+            self._top = scrolled_to(self._top, row, self._part.rows)
+            self._left = scrolled_to(self._left, column, self._part.columns)
+
+    def show(self, snapshot: Snapshot) -> None:
+        """Draw ``snapshot``. Its numbers only ever get wider, until another run starts."""
+        if is_another_run(self.snapshot, snapshot):
+            self._digits = LEAST_DIGITS
+        super().show(snapshot)
+
+    def drawing(self, snapshot: Snapshot, width: int, height: int) -> list[Strip]:
+        """Return the map, or the part of it that fits."""
+        grid = self._map.grid
+        form = cell_form(grid.rows, grid.columns, width, height, self._digits)
+        rows, columns = (
+            min(grid.rows, max(1, height // form.height)),
+            min(grid.columns, max(1, width // form.width)),
+        )
+        row, column = divmod(self.agent_place(snapshot), grid.columns)
+        self._top = kept_in_view(self._top, row if self._following else None, rows, grid.rows)
+        self._left = kept_in_view(self._left, column if self._following else None, columns, grid.columns)
+        self._part = part = Part(self._top, self._left, rows, columns)
+        cells = self._map.contents(part, snapshot, self.shown_cursor)
+        needed = digits_needed(each.value for each in cells if each.value is not None)
+        if needed > self._digits:  # they stay as wide, lest the map jump to and fro
+            self._digits = needed
+            return self.drawing(snapshot, width, height)
+        self.heading = self._title(HEADING if form.has_values else HEADING_WITHOUT_VALUES, width)
+        self.footing = self._where(width)
+        self._form, self._origin = form, origin(form, part, width, height)
+        return draw_grid(cells, self._artist_for(form), part, width, height)
+
+    def redraw(self) -> None:
+        """Draw again; say so where another part of a large map has come into view."""
+        super().redraw()
+        if self.cells != self._told and self.is_attached and is_large(self.world):
+            self._told = self.cells
+            self.post_message(Scrolled())
+
+    def pan(self, rows: int, columns: int) -> None:
+        """Scroll a map that is not whole in view; it then stands still until :meth:`follow`."""
+        if self._is_whole:
+            return
+        self._following = False
+        self._top += rows
+        self._left += columns
+
+    def follow(self) -> None:
+        """Keep the agent in view again."""
+        self._following = True
+
+    def _artist_for(self, form: CellForm) -> CellArtist:
+        artist = self._artist
+        if artist is None or artist.form != form or artist.look is not self.look:
+            artist = self._artist = CellArtist(self.look, form, has_table=self.world.mdp is not None)
+        return artist
+
+    @property
+    def _is_whole(self) -> bool:
+        grid, part = self._map.grid, self._part
+        return part is None or (part.rows, part.columns) == (grid.rows, grid.columns)
+
+    def _title(self, heading: str, width: int) -> str:
+        """Return ``heading``; with what rows and columns mean where the footing tells what is in view."""
+        legend = self._map.grid.legend
+        if self._is_whole or not legend:
+            return heading
+        return self.fitting((f"{heading} · {legend}", f"{WORLD} · {legend}"), width) or heading
+
+    def _where(self, width: int) -> str:
+        """Return which part is in view, counted from 0 as the inspector counts, and how to follow again.
+
+        Of a whole map, and where the heading had no room for it: what its rows and columns mean.
+        """
+        legend = self._map.grid.legend
+        if self._is_whole or self._part is None:
+            return self.fitting(_shorter(legend), width)
+        if self._following and legend and legend not in self.heading:
+            return self.fitting((*_shorter(legend), FOLLOWS), width)
+        grid, (top, left, rows, columns) = self._map.grid, self._part
+        down, across = _stretch(top, rows, grid.rows), _stretch(left, columns, grid.columns)
+        follow = FOLLOWS if self._following else FOLLOW_HINT
+        forms = (f"rows {down} · columns {across} · {follow}", f"{down} · {across} · {follow}", follow)
+        return self.fitting(forms, width)
+
+
+def _shorter(legend: str) -> tuple[str, ...]:
+    """Return ``legend``, then rows and columns alone, without further parts and what precedes a colon."""
+    rows_and_columns = ", ".join(legend.split(", ")[:2])
+    return legend, rows_and_columns, rows_and_columns.rpartition(": ")[2]
+
+
+def _stretch(first: int, shown: int, total: int) -> str:
+    return f"{first}–{first + shown - 1} of {total:,}"
+
+
+def origin(form: CellForm, part: Part, width: int, height: int) -> tuple[int, int]:
+    """Return column and row at which ``part`` begins, in the middle of width × height characters."""
+    return (
+        max(0, (width - part.columns * form.width) // 2),
+        max(0, (height - part.rows * form.height) // 2),
+    )
+
+
+def draw_grid(
+    cells: Sequence[CellContent], artist: CellArtist, part: Part, width: int, height: int
+) -> list[Strip]:
+    """Return ``cells``, those of ``part`` row by row, in the middle of width × height characters.
+
+    The tints go from the least to the greatest value in ``part``, 0 included.
+    """
+    form, text = artist.form, artist.look.palette.text
+    shown = [each.value for each in cells if each.value is not None and math.isfinite(each.value)]
+    low, high = min(shown, default=0.0), max(shown, default=0.0)
+    drawn = artist.drawn(cells, min(low, 0.0), max(high, 0.0))
+    left, top = origin(form, part, width, height)
+    before = Segment(" " * left, text)
+    after = Segment(" " * max(0, width - part.columns * form.width - len(before.text)), text)
+    strips = [Strip([Segment(" " * width, text)], width)] * top
+    for row in range(part.rows):
+        faces = drawn[row * part.columns : (row + 1) * part.columns]
+        for line in range(form.height):
+            segments = [before, *chain.from_iterable(face[line] for face in faces), after]
+            strips.append(
+                Strip(Segment.simplify(filter(_has_text, segments))).adjust_cell_length(width, text)
+            )
+    return strips + [Strip([Segment(" " * width, text)], width)] * (height - len(strips))
+
+
+def _has_text(segment: Segment) -> bool:
+    return bool(segment.text)

@@ -1,0 +1,140 @@
+"""What stands in each cell of a map at one moment of a run."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from rl_tui.lab.live.snapshot import Snapshot
+from rl_tui.lab.live.viewport import NO_STATE, first_state_of_cells, pairs_of_states
+from rl_tui.tui.panels.world.grid.rewards import CellReward, cell_rewards
+from rl_tui.worlds.drawing import CellKind, Grid
+from rl_tui.worlds.mdp.space import FiniteSpace, IntArray
+
+Sign = tuple[int, int] | str
+
+
+class Part(NamedTuple):
+    """The rows × columns cells from (top, left) on."""
+
+    top: int
+    left: int
+    rows: int
+    columns: int
+
+
+class CellContent(NamedTuple):
+    """One cell.
+
+    ``value`` is V(s) = max over a of Q(s, a), None where nothing can be done or the snapshot does not tell.
+    ``known`` says that something was learned about the state: it was updated or its estimates differ.
+    ``greedy`` holds the greedy actions, all ties, as their direction or the first letter of their name; it is
+    empty where nothing is known. ``reward`` is what the cell pays where that is not the usual step's.
+    ``stops`` marks a breakpoint, ``cursor`` the cell the cursor stands on.
+    """
+
+    kind: CellKind
+    agent: bool
+    value: float | None = None
+    known: bool = False
+    greedy: tuple[Sign, ...] = ()
+    reward: CellReward | None = None
+    stops: bool = False
+    cursor: bool = False
+
+
+class GridMap:
+    """A map and its states. Reading a part of it costs the same in a map of any size."""
+
+    def __init__(self, space: FiniteSpace, grid: Grid) -> None:
+        self.grid = grid
+        self._space = space
+        self._signs = tuple(
+            (name[:1] or "?") if step is None else step
+            for step, name in zip(grid.directions, space.action_names, strict=True)
+        )
+        self._states = first_state_of_cells(grid)
+        self._rewards = cell_rewards(space, grid)
+
+    def state_at(self, cell: int, snapshot: Snapshot | None) -> int | None:
+        """Return the state in ``cell``: of several the agent's, else the first; None where there is none."""
+        if snapshot is not None and self.grid.cell_of_state[snapshot.state] == cell:
+            return snapshot.state
+        state = int(self._states[divmod(cell, self.grid.columns)])
+        return None if state == NO_STATE else state
+
+    def contents(self, part: Part, snapshot: Snapshot, cursor: int | None = None) -> list[CellContent]:
+        """Return what stands in the cells of ``part``, row by row; the cursor stands in the cell ``cursor``.
+
+        Of several states in one cell it is the agent's, else the first.
+        """
+        kinds, columns = self.grid.kinds, self.grid.columns
+        states = self._states_in(part, snapshot)
+        owners = states[states != NO_STATE]
+        pairs = pairs_of_states(self._space, owners)
+        counts = np.zeros(len(states), dtype=np.int64)
+        counts[states != NO_STATE] = self._space.first_pair[owners + 1] - self._space.first_pair[owners]
+        held = None if snapshot.window is None else snapshot.window.held[pairs].tolist()
+        q, visits = snapshot.q[pairs].tolist(), snapshot.visits[pairs].tolist()
+        signs = [self._signs[action] for action in self._space.pair_action[pairs].tolist()]
+        agent = self._place(part, int(self.grid.cell_of_state[snapshot.state]))
+        contents, first = [], 0
+        for place, count in enumerate(counts.tolist()):
+            row, column = divmod(place, part.columns)
+            cell = (part.top + row) * columns + part.left + column
+            kind = kinds[cell]
+            last = first + count
+            if count == 0 or (held is not None and not held[first]):
+                contents.append(CellContent(kind, place == agent))
+            else:
+                content = _content(kind, place == agent, q[first:last], visits[first:last], signs[first:last])
+                reward = self._rewards.get(cell)
+                contents.append(content if reward is None else content._replace(reward=reward))
+            first = last
+        for state in snapshot.breakpoints.states:
+            marked = self._place(part, int(self.grid.cell_of_state[state]))
+            if marked is not None:
+                contents[marked] = contents[marked]._replace(stops=True)
+        marked = None if cursor is None else self._place(part, cursor)
+        if marked is not None:
+            contents[marked] = contents[marked]._replace(cursor=True)
+        return contents
+
+    def holds(self, part: Part, snapshot: Snapshot) -> bool:
+        """Tell whether ``snapshot`` has all that is to be seen in ``part``."""
+        if snapshot.window is None:
+            return True
+        states = self._states_in(part, snapshot)
+        pairs = pairs_of_states(self._space, states[states != NO_STATE])
+        return bool(snapshot.window.held[pairs].all())
+
+    def _states_in(self, part: Part, snapshot: Snapshot) -> IntArray:
+        top, left, rows, columns = part
+        states = self._states[top : top + rows, left : left + columns].flatten()
+        agent = self._place(part, int(self.grid.cell_of_state[snapshot.state]))
+        if agent is not None:
+            states[agent] = snapshot.state
+        return states
+
+    def _place(self, part: Part, cell: int) -> int | None:
+        """Return which cell of ``part``, counted row by row, ``cell`` is, None if it is outside."""
+        row, column = divmod(cell, self.grid.columns)
+        row, column = row - part.top, column - part.left
+        inside = 0 <= row < part.rows and 0 <= column < part.columns
+        return row * part.columns + column if inside else None
+
+
+def _content(
+    kind: CellKind,
+    agent: bool,
+    q: list[float],
+    visits: list[int],
+    signs: list[Sign],
+) -> CellContent:
+    value = max(q)
+    known = min(q) != value or any(visits)
+    if not known:
+        return CellContent(kind, agent, value)
+    greedy = tuple(sign for sign, each in zip(signs, q, strict=True) if each == value)
+    return CellContent(kind, agent, value, known, greedy)

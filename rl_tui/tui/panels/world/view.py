@@ -1,0 +1,273 @@
+"""What the pictures of all kinds of worlds have in common."""
+
+from __future__ import annotations
+
+from typing import ClassVar, Final
+
+from textual import events
+from textual.binding import Binding, BindingType
+from textual.strip import Strip
+
+from rl_tui.lab.live.snapshot import Snapshot
+from rl_tui.lab.live.viewport import Cells
+from rl_tui.tui.draw.canvas import Canvas, shortened
+from rl_tui.tui.draw.names import state_name
+from rl_tui.tui.draw.pointing import NOWHERE, Pointed
+from rl_tui.tui.panels.panel import Panel
+from rl_tui.tui.theme.look import Look
+from rl_tui.worlds.world import World
+
+WAITING: Final = "the world is being built"
+_WHEEL: Final = 3
+
+
+def _binding(keys: str, action: str, name: str, tooltip: str) -> Binding:
+    return Binding(
+        keys, action, name.replace("_", " ").capitalize(), show=False, id=f"world.{name}", tooltip=tooltip
+    )
+
+
+class WorldView(Panel, can_focus=True):
+    """A panel with the picture of one world. Before the first snapshot one line says what comes.
+
+    In focus it has a cursor, which stands on a place: a cell of a map, a state of a graph, an arm. Until an
+    arrow key or a click moves it, it stays with the agent; escape takes it back there. ``in_hand`` says that
+    a person is the agent: then the cursor is not drawn, and ``title`` and ``prompt``, the longest forms
+    first, stand in the border.
+
+    Subclasses implement :meth:`drawing`, which may set ``heading`` and ``footing`` on the way, and say what
+    the places are.
+    """
+
+    BINDINGS: ClassVar[list[BindingType]] = [
+        _binding("up", "move(-1, 0)", "up", "Move the cursor up"),
+        _binding("down", "move(1, 0)", "down", "Move the cursor down"),
+        _binding("left", "move(0, -1)", "left", "Move the cursor left"),
+        _binding("right", "move(0, 1)", "right", "Move the cursor right"),
+        _binding("pageup", "page(-1, 0)", "page_up", "Move the cursor a page up"),
+        _binding("pagedown", "page(1, 0)", "page_down", "Move the cursor a page down"),
+        _binding("shift+left", "page(0, -1)", "page_left", "Move the cursor a page to the left"),
+        _binding("shift+right", "page(0, 1)", "page_right", "Move the cursor a page to the right"),
+        _binding("home", "follow", "follow", "Follow the agent again"),
+        _binding("escape,full_stop", "back", "back", "Follow the agent again, where a cursor was put"),
+    ]
+
+    def __init__(
+        self,
+        world: World,
+        look: Look,
+        *,
+        id: str | None = None,  # noqa: A002
+        classes: str | None = None,
+    ) -> None:
+        super().__init__(look, id=id, classes=classes)
+        self.title: tuple[str, ...] = ()
+        self.prompt: tuple[str, ...] = ()
+        self._in_hand = False
+        self.enter(world)
+
+    def enter(self, world: World) -> None:
+        """Take ``world`` for the one that is drawn from here on."""
+        self.world = world
+        self.cursor: int | None = None  # where the user put it; None while it stays with the agent
+        self._pointed: int | None = None  # where the cursor of another panel stands
+
+    @property
+    def in_hand(self) -> bool:
+        """Whether a person takes the actions."""
+        return self._in_hand
+
+    @in_hand.setter
+    def in_hand(self, in_hand: bool) -> None:
+        self._in_hand = in_hand
+        self.set_class(in_hand, "-in-hand")
+        self.redraw()
+
+    def show(self, snapshot: Snapshot) -> None:
+        """Draw ``snapshot``; another seed may have made another world of the same kind."""
+        if snapshot.world is not self.world:
+            self.enter(snapshot.world)
+        super().show(snapshot)
+
+    @property
+    def cells(self) -> Cells | None:
+        """The cells of the map in view, None where all of it is or there is no map."""
+        return None
+
+    @property
+    def is_complete(self) -> bool:
+        """Whether the newest snapshot has all that is in view."""
+        return True
+
+    @property
+    def is_away(self) -> bool:
+        """Whether cursor or view were moved away from the agent, and not back."""
+        return self.cursor is not None
+
+    # Places
+
+    def agent_place(self, snapshot: Snapshot) -> int:
+        """Return where the agent is."""
+        return snapshot.state
+
+    def moved(self, place: int, rows: int, columns: int) -> int:
+        """Return the place so many rows below and columns to the right, or as far as there is one."""
+        raise NotImplementedError
+
+    def place_at(self, x: int, y: int) -> int | None:
+        """Return the place drawn at column ``x`` of row ``y``, None where there is none."""
+        raise NotImplementedError
+
+    def state_at(self, place: int) -> int | None:
+        """Return the state at ``place``, None where there is none."""
+        return place
+
+    def name_at(self, place: int) -> str:
+        """Return what stands at ``place``, empty where nothing does that has a name."""
+        state = self.state_at(place)
+        return "" if state is None else f"state {state_name(self.world, state, self.look.glyphs)}"
+
+    def pairs_at(self, place: int) -> range:
+        """Return the pairs that ``place`` is about."""
+        state = self.state_at(place)
+        return NOWHERE if state is None else self.world.space.pairs_of(state)
+
+    def place_of(self, pair: int) -> int:
+        """Return the place that ``pair`` is about."""
+        return self.world.space.state_of(pair)
+
+    @property
+    def page_size(self) -> tuple[int, int]:
+        """How many rows and columns a page key moves the cursor."""
+        return 1, 1
+
+    @property
+    def cursor_place(self) -> int | None:
+        """Where the cursor stands: with the agent until it is moved; None before the first snapshot."""
+        if self.cursor is not None or self.snapshot is None:
+            return self.cursor
+        return self.agent_place(self.snapshot)
+
+    @property
+    def shown_cursor(self) -> int | None:
+        """The place at which a cursor is drawn: its own while in focus, else that of another panel."""
+        if self.in_hand:
+            return None
+        return self.cursor_place if self.has_focus else self._pointed
+
+    def put_cursor(self, place: int) -> None:
+        """Put the cursor on ``place``, and scroll so far that it is seen."""
+        self.cursor = place
+        self.keep_in_view(place)
+        self.redraw()
+        self._tell(self.pairs_at(place))
+
+    def point_at(self, pairs: range) -> None:
+        """Show where the cursor of another panel stands; no pairs: it has none."""
+        if pairs:
+            self._pointed = self.place_of(pairs.start)
+            self.keep_in_view(self._pointed)
+        elif self._pointed is not None:
+            self._pointed = None
+            if self.cursor is None:
+                self.follow()
+        self.redraw()
+
+    def keep_in_view(self, place: int) -> None:
+        """Scroll so far that ``place`` is seen."""
+
+    def _tell(self, pairs: range) -> None:
+        if self.is_attached:
+            self.post_message(Pointed(self, pairs))
+
+    def picture(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
+        """Return the drawing of ``snapshot``, a moment of a run in this view's world."""
+        if snapshot is not None:
+            strips = self.drawing(snapshot, width, height)
+            if not self.footing and self.has_focus:
+                self.footing = self.fitting(self._about_cursor(), width)
+            if self.in_hand:
+                self.heading, self.footing = self.fitting(self.title, width), self.fitting(self.prompt, width)
+            return strips
+        palette, glyphs = self.look.palette, self.look.glyphs
+        canvas = Canvas(width, height, palette.text)
+        text = shortened(WAITING, width, glyphs.ellipsis)
+        canvas.put((width - len(text)) // 2, (height - 1) // 2, text, palette.dim)
+        return canvas.strips()
+
+    def _about_cursor(self) -> tuple[str, ...]:
+        """Return where the cursor stands and what may be done there, the longest form first."""
+        if self.cursor is None:
+            return "arrows: cursor · k: breakpoint", "arrows: cursor"
+        name = self.name_at(self.cursor)
+        if not name:
+            return "esc: back to the agent", "esc: back"
+        return f"{name} · k: breakpoint · esc: back", f"{name} · esc: back", name
+
+    def drawing(self, snapshot: Snapshot, width: int, height: int) -> list[Strip]:
+        """Return ``height`` strips of ``width`` cells (both at least 1)."""
+        raise NotImplementedError
+
+    def pan(self, rows: int, columns: int) -> None:
+        """Scroll by hand, so many steps down and to the right, where there is more than fits."""
+
+    def follow(self) -> None:
+        """Undo all scrolling by hand."""
+
+    def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
+        """Leave escape to the screen while there is nothing to go back from; an unseen cursor stays."""
+        if action == "back":
+            return self.is_away
+        return not (self.in_hand and action in ("move", "page"))
+
+    def action_move(self, rows: int, columns: int) -> None:
+        """Move the cursor; the first move starts where the agent is."""
+        place = self.cursor_place
+        if place is not None:
+            self.put_cursor(self.moved(place, rows, columns))
+
+    def action_page(self, rows: int, columns: int) -> None:
+        """Move the cursor by pages."""
+        down, across = self.page_size
+        self.action_move(rows * down, columns * across)
+
+    def action_back(self) -> None:
+        """Follow the agent again."""
+        self.action_follow()
+
+    def action_follow(self) -> None:
+        """Follow the agent again."""
+        self.cursor = None
+        self.follow()
+        self.redraw()
+        self._tell(NOWHERE)
+
+    def on_click(self, event: events.Click) -> None:
+        """Put the cursor where the pointer is."""
+        offset = event.get_content_offset(self)
+        if offset is None or self.snapshot is None or self.in_hand:
+            return
+        place = self.place_at(offset.x, offset.y)
+        if place is not None:
+            self.put_cursor(place)
+
+    def watch_has_focus(self, has_focus: bool) -> None:
+        """Show or hide the cursor, here and in other panels."""
+        super().watch_has_focus(has_focus)
+        self.redraw()
+        shown = self.cursor if has_focus else None
+        self._tell(NOWHERE if shown is None else self.pairs_at(shown))
+
+    def on_mouse_scroll_down(self, event: events.MouseScrollDown) -> None:
+        """Scroll down; to the right with shift or ctrl."""
+        self._turn_wheel(_WHEEL, event)
+
+    def on_mouse_scroll_up(self, event: events.MouseScrollUp) -> None:
+        """Scroll up; to the left with shift or ctrl."""
+        self._turn_wheel(-_WHEEL, event)
+
+    def _turn_wheel(self, lines: int, event: events.MouseEvent) -> None:
+        event.stop()
+        sideways = event.shift or event.ctrl
+        self.pan(0 if sideways else lines, lines if sideways else 0)
+        self.redraw()

@@ -1,0 +1,297 @@
+"""The catalogue: scenarios and recent sessions, with what is known of the one under the cursor."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Iterable
+from contextlib import suppress
+from datetime import UTC, datetime
+from importlib import import_module
+from pathlib import Path
+from threading import Thread
+from typing import ClassVar
+
+from rich.console import RenderableType
+from textual.binding import BindingType
+from textual.containers import Container, Horizontal, Vertical, VerticalScroll
+from textual.content import Content
+from textual.events import DescendantFocus
+from textual.message import Message
+from textual.widget import Widget
+from textual.widgets import OptionList, Static
+from textual.widgets.option_list import Option
+from textual.worker import WorkerCancelled
+
+from rl_tui.common.errors import ScenarioError, UserError
+from rl_tui.common.findings import one_line
+from rl_tui.common.streams import streams
+from rl_tui.lab.run.library import read_catalogue, recipe_for
+from rl_tui.lab.run.recipe import Recipe
+from rl_tui.lab.sessions.session import SessionError, StoredSession
+from rl_tui.tui.app.action import Place
+from rl_tui.tui.app.actions import bindings_of
+from rl_tui.tui.draw.to_ascii import separated, written
+from rl_tui.tui.panels.notes import Notes
+from rl_tui.tui.screens.catalogue.facts import facts, faults_text
+from rl_tui.tui.screens.catalogue.saved_sessions import SessionShelf
+from rl_tui.tui.screens.catalogue.session_list import SessionList
+from rl_tui.tui.screens.catalogue.session_text import session_facts, session_fault
+from rl_tui.tui.screens.help import HelpScreen
+from rl_tui.tui.theme.look import Look
+from rl_tui.worlds.drawing import Arms, Grid
+from rl_tui.worlds.files.scenario import Scenario
+from rl_tui.worlds.world import World
+
+_SEED = 0
+_DETAILS = "details"
+_LONGEST_NAME = 255
+_ROOM_FOR_WORDS = 11  # rows for what is said above a drawing, and a beginning of the notes
+_NEEDED_TO_PLAY = ("rl_tui.tui.screens.playground.playground", "rl_tui.agents.learner")
+
+
+Entry = Scenario | ScenarioError | StoredSession | SessionError
+
+
+class Catalogue(SessionShelf):
+    """Left the scenarios and the sessions, right what is known of the one under the cursor.
+
+    Worlds are built in a thread after the first paint, those of Gymnasium last: importing it takes a moment.
+    ``sessions`` is the folder of sessions, None where none are kept.
+    """
+
+    CSS_PATH = "catalogue.tcss"
+    BINDINGS: ClassVar[list[BindingType]] = bindings_of(Place.CATALOGUE)
+    place = Place.CATALOGUE
+
+    class Opened(Message):
+        """The user wants to play."""
+
+        def __init__(self, recipe: Recipe) -> None:
+            super().__init__()
+            self.recipe = recipe
+
+    class WorldBuilt(Message):
+        """A world is ready, or could not be built."""
+
+        def __init__(self, scenario: Scenario, world: World | UserError) -> None:
+            super().__init__()
+            self.scenario = scenario
+            self.world = world
+
+    class NotImported(Message):
+        """What the playground needs cannot be imported."""
+
+        def __init__(self, reason: str) -> None:
+            super().__init__()
+            self.reason = reason
+
+    def __init__(
+        self,
+        look: Look,
+        start_at: str = "",
+        fault: UserError | None = None,
+        sessions: Path | None = None,
+    ) -> None:
+        super().__init__(look, sessions)
+        self._scenarios, self._broken = read_catalogue()
+        self._start_at = start_at
+        self._fault = fault
+        self._worlds: dict[str, World | UserError] = {}
+        self._shown: Entry | None = None
+        self._all_built = asyncio.Event()
+        self._in_sessions = False
+
+    def content(self) -> Iterable[Widget]:
+        """Yield the list and the details."""
+        title = " rl-tui · scenarios · kiosk" if self.in_kiosk else " rl-tui · scenarios"
+        yield Static(separated(title, self.look.glyphs), id="title")
+        scenarios = OptionList(*self._options(), id="scenarios", classes="panel")
+        scenarios.border_title = "Scenarios"
+        details = VerticalScroll(
+            Static(id="facts", markup=False),
+            Container(id="preview"),
+            Notes(self.look.glyphs, id="notes"),
+            id="details",
+            classes="panel",
+        )
+        details.border_subtitle = "tab, arrows: scroll"
+        lists = Vertical(scenarios, self.new_session_list(), id="lists")
+        yield Horizontal(lists, details, id="columns")
+
+    def on_mount(self) -> None:
+        """Put the cursor where the user came from; build the worlds once the first paint is done."""
+        ids = [scenario.id for scenario in self._scenarios]
+        scenarios = self.query_one("#scenarios", OptionList)
+        scenarios.highlighted = ids.index(self._start_at) if self._start_at in ids else 0
+        scenarios.focus()
+        if self._fault is not None:
+            self.notify(str(self._fault), severity="error", timeout=15, markup=False)
+        self.call_after_refresh(Thread(target=self._build_worlds, name="build worlds", daemon=True).start)
+
+    def _options(self) -> Iterable[Option]:
+        for scenario in self._scenarios:
+            yield Option(Content(written(scenario.title, self.look.glyphs)), id=scenario.id)
+        for error in self._broken:
+            name = one_line(error.faults[0].file.rsplit("/", 1)[-1], _LONGEST_NAME)
+            yield Option(Content(written(f"{name} (faulty)", self.look.glyphs)))
+
+    # In the thread: only messages leave it
+
+    def _build_worlds(self) -> None:
+        with suppress(RuntimeError):  # the program has ended meanwhile
+            for scenario in sorted(self._scenarios, key=lambda each: each.kind == "gymnasium"):
+                try:
+                    world: World | UserError = scenario.build(streams(_SEED).world)
+                except UserError as error:
+                    world = error
+                except ImportError as error:
+                    world = UserError(f"{error}")
+                self.post_message(self.WorldBuilt(scenario, world))
+            try:
+                for module in _NEEDED_TO_PLAY:
+                    import_module(module)
+            except ImportError as error:
+                self.post_message(self.NotImported(str(error)))
+
+    def on_catalogue_world_built(self, event: WorldBuilt) -> None:
+        """Fill in what was missing."""
+        self._worlds[event.scenario.id] = event.world
+        if len(self._worlds) == len(self._scenarios):
+            self._all_built.set()
+        if event.scenario is self._current:
+            self.show_current()
+
+    def on_catalogue_not_imported(self, event: NotImported) -> None:
+        """Tell why nothing can be played."""
+        self.notify(event.reason, title="cannot load", severity="error", timeout=30, markup=False)
+
+    async def settled(self) -> None:
+        """Wait until every world is built, the sessions are read and the details are drawn."""
+        await self._all_built.wait()
+        await self.sessions_read()
+        while under_way := [each for each in self.workers if each.group == _DETAILS and not each.is_finished]:
+            with suppress(WorkerCancelled):
+                await self.workers.wait_for_complete(under_way)
+
+    # The cursor
+
+    @property
+    def _current(self) -> Entry | None:
+        if self._in_sessions:
+            return self.query_one(SessionList).current
+        entries: list[Scenario | ScenarioError] = [*self._scenarios, *self._broken]
+        highlighted = self.query_one("#scenarios", OptionList).highlighted
+        return None if highlighted is None else entries[highlighted]
+
+    def on_descendant_focus(self, event: DescendantFocus) -> None:
+        """Follow the focus from one list to the other; the details belong to the one it was last in."""
+        to_sessions = isinstance(event.widget, SessionList)
+        if isinstance(event.widget, OptionList) and to_sessions is not self._in_sessions:
+            self._in_sessions = to_sessions
+            self.show_current()
+
+    def on_option_list_option_highlighted(self) -> None:
+        """Show the details of the entry under the cursor."""
+        self.show_current()
+
+    def on_option_list_option_selected(self) -> None:
+        """Open the entry."""
+        self.action_open()
+
+    def show_current(self) -> None:
+        """Show the details of the entry under the cursor."""
+        # not the coroutine itself: of several in a row only the last one begins
+        self.run_worker(self._show, exclusive=True, group=_DETAILS)  # type: ignore[arg-type]
+
+    async def _show(self) -> None:
+        entry, details = self._current, self.query_one("#details")
+        if entry is not self._shown:
+            self._shown = entry
+            details.scroll_home(animate=False)
+        if isinstance(entry, Scenario):
+            world = self._worlds.get(entry.id)
+            await self._show_text(entry.title, facts(entry, world, self.look))
+            await self._draw(entry, world)
+            await self.query_one(Notes).show(entry.notes)
+            return
+        if isinstance(entry, ScenarioError):
+            await self._show_text("Faults", faults_text(entry, self.look))
+        elif isinstance(entry, SessionError):
+            await self._show_text("Faults", session_fault(entry, self.look))
+        elif entry is not None:
+            await self._show_text(entry.title, session_facts(entry, datetime.now(UTC), self.look))
+        drawing = self.query_one("#preview")
+        drawing.display = False
+        await drawing.remove_children()
+        await self.query_one(Notes).show("")
+
+    async def _show_text(self, title: str, about: RenderableType) -> None:
+        self.query_one("#details").border_title = Content(written(title, self.look.glyphs))
+        self.query_one("#facts", Static).update(about)
+
+    async def _draw(self, scenario: Scenario, world: World | UserError | None) -> None:
+        drawing = self.query_one("#preview")
+        drawing.display = not isinstance(world, UserError)
+        await drawing.remove_children()
+        if isinstance(world, World):
+            from rl_tui.lab.live.preparing import preparing
+            from rl_tui.tui.panels.world.views import world_view
+
+            view = world_view(world, self.look)
+            view.can_focus = False
+            drawing.styles.height = preview_rows(world, self.size.height)
+            await drawing.mount(view)
+            view.show(preparing(recipe_for(scenario, {}, _SEED), world, None, ""))
+        elif world is None:
+            await drawing.mount(Static(f"preparing {self.look.glyphs.ellipsis}", classes="hint"))
+
+    # Verbs
+
+    def action_open(self) -> None:
+        """Play the scenario under the cursor, or go on with the session."""
+        entry = self._current
+        if isinstance(entry, StoredSession):
+            self.resume(entry)
+        elif isinstance(entry, SessionError):
+            self.notify("this file cannot be resumed", severity="warning")
+        elif isinstance(entry, ScenarioError):
+            self.notify("this file has faults; mend them first", severity="warning")
+        elif entry is not None:
+            try:
+                self.post_message(self.Opened(recipe_for(entry, {}, _SEED)))
+            except UserError as fault:
+                self.notify(str(fault), severity="error", markup=False)
+
+    def action_delete_session(self) -> None:
+        """Delete the session under the cursor, once that is confirmed."""
+        entry = self._current
+        if self.in_kiosk:
+            self.tell("no sessions are kept here: this is a kiosk")
+            return
+        if not isinstance(entry, StoredSession):
+            faulty = isinstance(entry, SessionError)
+            self.notify(
+                "a faulty file is left alone; remove it yourself"
+                if faulty
+                else "only sessions can be deleted"
+            )
+            return
+        self.ask_to_delete(entry)
+
+    def action_help(self) -> None:
+        """Show the help."""
+        entry = self._current
+        notes = entry.notes if isinstance(entry, Scenario) else ""
+        self.app.push_screen(HelpScreen(self.look, self.place, notes))
+
+
+def preview_rows(world: World, height: int) -> int:
+    """Return the rows of the drawing where the screen has ``height`` rows."""
+    match world.drawing:
+        case Grid(rows=rows):
+            if rows * 2 <= height // 3:
+                return rows * 2
+            return rows if rows <= height - _ROOM_FOR_WORDS else max(10, height * 2 // 5)
+        case Arms():
+            return min(world.space.pairs, height - _ROOM_FOR_WORDS)
+    return max(10, height * 2 // 5)

@@ -1,0 +1,95 @@
+"""What the catalogue says of a scenario: summary, sizes, defaults; or the faults of its file."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Final
+
+from rich.console import Console, ConsoleOptions, Group, RenderableType, RenderResult
+from rich.measure import Measurement
+from rich.table import Table
+from rich.text import Text
+
+from rl_tui.agents.catalogue import BY_ID
+from rl_tui.agents.hyperparameters import PARAMETERS
+from rl_tui.common.errors import ScenarioError, UserError
+from rl_tui.common.words import counted
+from rl_tui.tui.draw.pieces import KEPT_BLANK, wrapped
+from rl_tui.tui.draw.to_ascii import separated, written
+from rl_tui.tui.theme.look import Look
+from rl_tui.worlds.files.scenario import Scenario
+from rl_tui.worlds.world import World
+
+_DOT: Final = " · "
+_SHORT: Final = 24
+
+
+def facts(scenario: Scenario, world: World | UserError | None, look: Look) -> RenderableType:
+    """Return the lines above the notes; ``world`` is None while it is being built."""
+    palette, glyphs = look.palette, look.glyphs
+    table = Table.grid(padding=(0, 1, 0, 0))
+    table.add_column(no_wrap=True, style=palette.dim)
+    table.add_column(style=palette.text)
+    for label, line in (("sizes", sizes(world)), ("defaults", defaults(scenario.defaults))):
+        table.add_row(label, _Parts(line, look))
+    return Group(Text(written(scenario.summary, glyphs), palette.text), table)
+
+
+def sizes(world: World | UserError | None) -> str:
+    """Return states, actions, pairs and limits in words."""
+    if world is None:
+        return "loading …"
+    if isinstance(world, UserError):
+        return f"unknown: {world}"
+    mdp = world.space
+    parts = [
+        counted(mdp.states, "state"),
+        counted(len(mdp.action_names), "action"),
+        counted(mdp.pairs, "pair"),
+    ]
+    if world.budget is not None:
+        parts.append(f"budget {world.budget:,}")
+    if mdp.time_limit > 1:
+        parts.append(f"time limit {mdp.time_limit:,}")
+    return _DOT.join(parts)
+
+
+def defaults(values: Mapping[str, object]) -> str:
+    """Return the defaults of a scenario file in words, with the symbols of the playground."""
+    parts = []
+    for name, value in values.items():
+        if name == "algorithm":
+            parts.append(BY_ID[str(value)].name if str(value) in BY_ID else str(value))
+        elif name in PARAMETERS:
+            shown = f"{value:g}" if isinstance(value, float) else value
+            parts.append(f"{PARAMETERS[name].symbol} {shown}")
+        else:
+            singular = name.removesuffix("s")  # what is counted has a plural as its name: episodes
+            parts.append(counted(value, singular) if isinstance(value, int) else f"{name} {value}")
+    return _DOT.join(parts) or "those of the program"
+
+
+class _Parts:
+    """Parts between dots, of which none that is short is broken across lines."""
+
+    def __init__(self, line: str, look: Look) -> None:
+        dot = separated(_DOT, look.glyphs)
+        parts = separated(line, look.glyphs).split(dot)
+        kept = [part.replace(" ", KEPT_BLANK) if len(part) <= _SHORT else part for part in parts]
+        self._text = f"{KEPT_BLANK}{dot.lstrip()}".join(kept)
+        self._look = look
+
+    def __rich_console__(self, console: Console, options: ConsoleOptions) -> RenderResult:
+        for line in wrapped(self._text, options.max_width, self._look.palette.text, self._look):
+            yield from (Text(piece.text, piece.style) for piece in line)
+
+    def __rich_measure__(self, console: Console, options: ConsoleOptions) -> Measurement:
+        return Measurement(1, options.max_width)
+
+
+def faults_text(error: ScenarioError, look: Look) -> Text:
+    """Return every fault of a file, a paragraph each."""
+    text = Text("This file cannot be played until it is mended.\n", look.palette.text)
+    for fault in error.faults:
+        text.append(written(f"\n{fault}\n", look.glyphs), look.palette.bad)
+    return text

@@ -1,0 +1,123 @@
+"""What is said of a session: a row of the list, and the details."""
+
+from __future__ import annotations
+
+from datetime import datetime, timedelta
+from typing import Final
+
+from rich.cells import cell_len
+from rich.console import Console, ConsoleOptions, Group, RenderableType, RenderResult
+from rich.measure import Measurement
+from rich.table import Table
+from rich.text import Text
+
+from rl_tui.agents.catalogue import BY_ID
+from rl_tui.common.findings import one_line
+from rl_tui.common.words import counted
+from rl_tui.lab.sessions.session import SessionError, StoredSession
+from rl_tui.tui.draw import numbers
+from rl_tui.tui.draw.canvas import shortened
+from rl_tui.tui.draw.to_ascii import separated, written
+from rl_tui.tui.theme.look import Look
+
+_MINUTE: Final = 60
+_HOUR: Final = 60 * _MINUTE
+_DAY: Final = 24 * _HOUR
+_MOST_DAYS: Final = 14
+_LONGEST_PATH: Final = 1_000
+
+
+class SessionRow:
+    """Two lines of the list: title and age, then the step and the algorithm."""
+
+    def __init__(self, session: StoredSession, now: datetime, look: Look) -> None:
+        self._session = session
+        self._now = now
+        self._look = look
+
+    def __rich_console__(self, console: Console, options: ConsoleOptions) -> RenderResult:
+        session, glyphs, width = self._session, self._look.glyphs, options.max_width
+        age = short_age(self._now - session.saved, session.saved)
+        room = max(1, width - cell_len(age) - 1)
+        title = shortened(written(session.title, glyphs), room, glyphs.ellipsis)
+        gap = " " * max(1, width - cell_len(title) - cell_len(age))
+        yield Text(f"{title}{gap}{age}", no_wrap=True)
+        line = f"  step {numbers.count(session.step, 12)} · {algorithm_name(session.algorithm)}"
+        yield Text(shortened(separated(line, glyphs), width, glyphs.ellipsis), no_wrap=True)
+
+    def __rich_measure__(self, console: Console, options: ConsoleOptions) -> Measurement:
+        return Measurement(1, options.max_width)
+
+
+def session_facts(session: StoredSession, now: datetime, look: Look) -> RenderableType:
+    """Return the details of ``session``: its world, what was done in it, and where it stands."""
+    palette, glyphs, document = look.palette, look.glyphs, session.document
+    lane = document.lanes[document.shown]
+    branch = lane.branches[lane.branch]
+    scenario = document.scenario
+    world = scenario.title if scenario.title == scenario.id else f"{scenario.title} ({scenario.id})"
+    stands = f"step {session.step:,}"
+    if branch.here < branch.end:
+        stands = f"{stands} of {branch.end:,}"
+    if len(document.lanes) > 1:
+        stands = f"{stands} · lane {document.shown + 1} of {len(document.lanes)}"
+    if len(lane.branches) > 1:
+        stands = f"{stands} · branch {branch.name} of {len(lane.branches)}"
+    table = Table.grid(padding=(0, 1, 0, 0))
+    table.add_column(no_wrap=True, style=palette.dim)
+    table.add_column(style=palette.text)
+    for label, line in (
+        ("scenario", world),
+        ("algorithm", f"{algorithm_name(session.algorithm)} · seed {lane.seed}"),
+        ("stands at", stands),
+        ("changes", f"{session.changes:,}" if session.changes else "none so far"),
+        ("saved", f"{long_age(now - session.saved)} · {_local(session.saved)}"),
+        ("file", one_line(str(session.path), _LONGEST_PATH)),
+    ):
+        table.add_row(label, Text(separated(line, glyphs), overflow="fold"))
+    kept = (
+        "Saved under a name: it stays until you delete it."
+        if document.kept
+        else "Kept by itself. Only the newest 50 of these stay; w in the playground gives it a name."
+    )
+    return Group(table, Text(""), Text(kept, palette.dim))
+
+
+def session_fault(error: SessionError, look: Look) -> Text:
+    """Return what is wrong with a file that gives no session."""
+    text = Text("This file cannot be resumed. It is left as it is.\n", look.palette.text)
+    text.append(written(f"\n{error}\n", look.glyphs), look.palette.bad)
+    return text
+
+
+def algorithm_name(algorithm: str) -> str:
+    """Return how people call the algorithm of that id."""
+    return BY_ID[algorithm].name if algorithm in BY_ID else algorithm
+
+
+def short_age(age: timedelta, moment: datetime) -> str:
+    """Return how long ago it was, in a few letters; after two weeks the date."""
+    seconds = int(age.total_seconds())
+    if seconds < _MINUTE:
+        return "now"
+    if seconds < _HOUR:
+        return f"{seconds // _MINUTE} min"
+    if seconds < _DAY:
+        return f"{seconds // _HOUR} h"
+    if seconds < _MOST_DAYS * _DAY:
+        return f"{seconds // _DAY} d"
+    return moment.astimezone().strftime("%Y-%m-%d")
+
+
+def long_age(age: timedelta) -> str:
+    """Return how long ago it was, in words."""
+    seconds = int(age.total_seconds())
+    for length, word in ((_DAY, "day"), (_HOUR, "hour"), (_MINUTE, "minute")):
+        count = seconds // length
+        if count >= 1:
+            return f"{counted(count, word)} ago"
+    return "less than a minute ago"
+
+
+def _local(moment: datetime) -> str:
+    return moment.astimezone().strftime("%Y-%m-%d %H:%M")

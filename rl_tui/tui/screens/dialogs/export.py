@@ -1,0 +1,203 @@
+"""What is asked and shown while a run is exported."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable
+from typing import ClassVar, Final
+
+from rich.text import Text
+from textual.app import ComposeResult
+from textual.binding import Binding, BindingType
+from textual.containers import Vertical, VerticalScroll
+from textual.content import Content
+from textual.widgets import OptionList, Static
+from textual.widgets.option_list import Option
+
+from rl_tui.common.errors import UserError
+from rl_tui.lab.experiments.training import OnProgress
+from rl_tui.lab.export.files import new_path
+from rl_tui.tui.draw.to_ascii import written
+from rl_tui.tui.screens.dialogs.dialog import Dialog
+from rl_tui.tui.screens.dialogs.prompt import Prompt
+from rl_tui.tui.theme.glyphs import Glyphs
+
+COMMAND, SCRIPT, Q_CSV, Q_ARRAY, RETURNS, PICTURE = "command", "script", "q-csv", "q-npy", "returns", "svg"
+_SECRET: Final = "Careful: the true means of the arms are written in it."
+_KINDS: Final = {
+    COMMAND: ("Command", "The rl-tui train line that does this run again, to read and copy."),
+    SCRIPT: ("Python script", "A plain program with Gymnasium and NumPy only, to read and change."),
+    Q_CSV: ("Q-table as CSV", "A row for each state, a column for each action, and their visits."),
+    Q_ARRAY: ("Q-table as .npy", "The same for NumPy: states × actions, NaN where one is not possible."),
+    RETURNS: ("Returns as CSV", "Return and length of every episode; the run is done again for them."),
+    PICTURE: ("Screen as SVG", "A picture of the screen, without this window."),
+}
+_LOOKS_AT_PROGRESS: Final = 0.1
+
+
+class ExportChoice(Dialog[str]):
+    """What to write. Answers its id; escape answers None.
+
+    For a ``bandit`` the script tells what is hidden from the agent, which is said before. ``no_returns`` says
+    why there are no returns, empty if there are.
+    """
+
+    def __init__(self, glyphs: Glyphs, *, bandit: bool, no_returns: str) -> None:
+        super().__init__()
+        self._glyphs = glyphs
+        secret = {SCRIPT: _SECRET} if bandit else {}
+        refused = {RETURNS: f"Not here: {no_returns}."} if no_returns else {}
+        self._options = [
+            Option(self._described(name, [sentence, secret.get(what, ""), refused.get(what, "")]), id=what)
+            for what, (name, sentence) in _KINDS.items()
+        ]
+        for option in self._options:
+            option.disabled = option.id in refused
+
+    def compose(self) -> ComposeResult:
+        """Yield the list."""
+        with Vertical(id="box") as box:
+            yield OptionList(*self._options)
+        box.border_title = "Export"
+        box.border_subtitle = "enter: choose   esc: close"
+
+    def on_mount(self) -> None:
+        """Start on the first."""
+        choices = self.query_one(OptionList)
+        choices.highlighted = 0
+        choices.focus()
+
+    def on_option_list_option_selected(self, event: OptionList.OptionSelected) -> None:
+        """Answer the chosen one."""
+        self.dismiss(event.option_id)
+
+    def _described(self, name: str, sentences: list[str]) -> Text:
+        text = Text(name, "bold")
+        for sentence in filter(None, sentences):
+            text.append(written(f"\n{sentence}", self._glyphs), "not bold")
+        return text
+
+
+class AskNewFile(Prompt):
+    """One line to type the name of a new file into."""
+
+    def on_mount(self) -> None:
+        """Say what enter does."""
+        self.query_one("#box").border_subtitle = "enter: write   esc: close"
+
+
+def ask_new_file(title: str, name: str, glyphs: Glyphs) -> AskNewFile:
+    """Return the prompt for the name of a new file; ``name`` is offered."""
+
+    def read(text: str) -> str:
+        try:
+            return str(new_path(text))
+        except UserError as fault:
+            raise ValueError(str(fault)) from fault
+
+    return AskNewFile(
+        written(title, glyphs), "where to write it: a new file, here if no folder is named", name, read
+    )
+
+
+class CommandLine(Dialog[str]):
+    """The command to read and copy. Answers it where it shall be written to a file.
+
+    ``hint`` says what it does.
+    """
+
+    CSS = """
+    #command { height: auto; max-height: 60vh; }
+    #command Static { height: auto; }
+    """
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding(
+            "c", "copy", "copy", id="copy_command", tooltip="Copy the command, where the terminal lets it."
+        ),
+        Binding("w,enter", "write", "write", id="write_command", tooltip="Write the command to a file."),
+    ]
+
+    def __init__(self, line: str, hint: str) -> None:
+        super().__init__()
+        self._line = line
+        self._hint = hint
+
+    def compose(self) -> ComposeResult:
+        """Yield the command and what may be done with it."""
+        with Vertical(id="box") as box:
+            with VerticalScroll(id="command"):
+                yield Static(Text(self._line, overflow="fold"), markup=False)
+            yield Static(self._hint, classes="hint", markup=False)
+        box.border_title = "Command"
+        box.border_subtitle = "c: copy   w: write to a file   esc: close"
+
+    def on_mount(self) -> None:
+        """Let the arrow keys scroll a long one."""
+        self.query_one("#command").focus()
+
+    def action_copy(self) -> None:
+        """Copy it through the terminal (OSC 52), which may not allow it."""
+        self.app.copy_to_clipboard(self._line)
+        self.notify("copied; if it does not paste, this terminal does not allow it: w writes it to a file")
+
+    def action_write(self) -> None:
+        """Answer it."""
+        self.dismiss(self._line)
+
+
+class BrokenOffError(Exception):
+    """Nobody wants the result any more."""
+
+
+Work = Callable[[OnProgress], None]
+
+
+class Working(Dialog[str]):
+    """Something that takes its time, with how far it has come; escape breaks it off.
+
+    Answers what went wrong, in a line, empty if nothing did, None where it was broken off. ``work`` runs in a
+    thread of its own and calls what it is given often; that raises where it shall end.
+    """
+
+    def __init__(self, title: str, work: Work) -> None:
+        super().__init__()
+        self._title = title
+        self._job = work
+        self._progress = (0, 0)
+        self._unwanted = False
+
+    def compose(self) -> ComposeResult:
+        """Yield how far it has come."""
+        with Vertical(id="box") as box:
+            yield Static("0 %", id="progress", markup=False)
+        box.border_title = Content(self._title)
+        box.border_subtitle = "esc: break off"
+
+    def on_mount(self) -> None:
+        """Begin."""
+        self.set_interval(_LOOKS_AT_PROGRESS, self._show)
+        self.run_worker(self._work(), name="export")
+
+    def on_unmount(self) -> None:
+        """Let the thread end."""
+        self._unwanted = True
+
+    async def _work(self) -> None:
+        fault = ""
+        try:
+            await asyncio.to_thread(self._job, self._note)
+        except BrokenOffError:
+            return
+        except UserError as error:
+            fault = str(error)
+        if self.is_attached and not self._unwanted:
+            self.dismiss(fault)
+
+    def _note(self, done: int, wanted: int) -> None:
+        self._progress = (done, wanted)
+        if self._unwanted:
+            raise BrokenOffError
+
+    def _show(self) -> None:
+        done, wanted = self._progress
+        self.query_one("#progress", Static).update(f"{done / max(wanted, 1):.0%} of {wanted:,} steps")

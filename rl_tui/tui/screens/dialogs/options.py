@@ -1,0 +1,85 @@
+"""Everything the agent is told: each hyper-parameter with its value, and what it may be."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from rich.text import Text
+from textual.app import ComposeResult
+from textual.containers import Vertical
+from textual.widgets import OptionList, Static
+from textual.widgets.option_list import Option
+
+from rl_tui.agents.catalogue import RULE_BY_ID, parameters_of
+from rl_tui.agents.hyperparameters import PARAMETERS
+from rl_tui.lab.run.recipe import Recipe
+from rl_tui.tui.draw.to_ascii import written
+from rl_tui.tui.panels.controls.settings import option_text
+from rl_tui.tui.screens.dialogs.dialog import Dialog
+from rl_tui.tui.theme.look import Look
+
+_LEAST_SYMBOL = 12
+_VALUE = 15  # columns; a row fits into 51 even where symbols are spelled out
+
+
+class Options(Dialog[None]):
+    """A list of what counts for the algorithm and the action rule in force.
+
+    ``recipe`` returns what is in force; ``change`` is asked to change the parameter of a name.
+    """
+
+    def __init__(self, look: Look, recipe: Callable[[], Recipe], change: Callable[[str], None]) -> None:
+        super().__init__()
+        self._look = look
+        self._recipe = recipe
+        self._change = change
+
+    def compose(self) -> ComposeResult:
+        """Yield the list and the sentence about the entry under the cursor."""
+        with Vertical(id="box") as box:
+            yield OptionList()
+            yield Static(classes="hint", markup=False)
+        box.border_title = "Options"
+        box.border_subtitle = "enter: change   esc: close"
+
+    def on_mount(self) -> None:
+        """Let the arrows choose."""
+        self.query_one(OptionList).focus()
+
+    def on_screen_resume(self) -> None:
+        """Show the values in force, be it because one was changed."""
+        self.refresh_values()
+
+    def refresh_values(self) -> None:
+        """Show the values in force; the cursor stays on its parameter."""
+        choices = self.query_one(OptionList)
+        at = choices.highlighted_option.id if choices.highlighted_option else None
+        names = self._names
+        symbols = [len(written(PARAMETERS[name].symbol, self._look.glyphs)) for name in names]
+        columns = max(_LEAST_SYMBOL, *symbols)
+        choices.set_options(Option(self._row(name, columns), id=name) for name in names)
+        choices.highlighted = names.index(at) if at in names else 0
+
+    def on_option_list_option_highlighted(self, event: OptionList.OptionHighlighted) -> None:
+        """Say what the parameter means and what it takes."""
+        parameter = PARAMETERS[str(event.option_id)]
+        starts = "; the run starts again" if parameter.name == "initial_q" else ""
+        text = f"{parameter.help}\n{parameter.expected}{starts}"
+        self.query_one(".hint", Static).update(written(text, self._look.glyphs))
+
+    def on_option_list_option_selected(self, event: OptionList.OptionSelected) -> None:
+        """Change it."""
+        self._change(str(event.option_id))
+
+    @property
+    def _names(self) -> tuple[str, ...]:
+        recipe = self._recipe()
+        return parameters_of(recipe.algorithm, recipe.hyperparameters.policy)
+
+    def _row(self, name: str, columns: int) -> Text:
+        parameter, value = PARAMETERS[name], self._recipe().hyperparameters.value(name)
+        shown = RULE_BY_ID[str(value)].name if name == "policy" else option_text(value)
+        glyphs = self._look.glyphs
+        text = Text(f"{written(parameter.symbol, glyphs):<{columns}} ")
+        text.append(f"{written(shown, glyphs):<{_VALUE}} ", "bold")
+        return text.append(name.replace("_", " "))

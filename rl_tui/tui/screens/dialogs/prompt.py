@@ -1,0 +1,58 @@
+"""Asks for one value and says at once what is wrong with it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from textual.app import ComposeResult
+from textual.containers import Vertical
+from textual.content import Content
+from textual.widgets import Input, Static
+
+from rl_tui.tui.screens.dialogs.dialog import Dialog
+
+Reader = Callable[[str], float | str]
+"""Turns the typed text into the value; raises ValueError whose text says what was expected."""
+
+
+_LONGEST = 1_000  # characters: whoever pastes a book types none of it
+
+
+class Prompt(Dialog[float | str]):
+    """One line to type a value into. Answers the value that ``read`` makes of it; escape answers None.
+
+    ``does`` is what enter does with it, in a word.
+    """
+
+    def __init__(self, title: str, hint: str, value: str, read: Reader, does: str = "set") -> None:
+        super().__init__()
+        self._title = title
+        self._hint = hint
+        self._value = value
+        self._read = read
+        self._does = does
+
+    def compose(self) -> ComposeResult:
+        """Yield the line, the sentence about it, and room for a fault."""
+        with Vertical(id="box") as box:
+            yield Input(self._value, select_on_focus=True, compact=True, max_length=_LONGEST)
+            yield Static(self._hint, classes="hint", markup=False)
+            yield Static("", classes="error", markup=False)
+        box.border_title = Content(self._title)
+        box.border_subtitle = f"enter: {self._does}   esc: close"
+
+    def on_input_changed(self, event: Input.Changed) -> None:
+        """Tell what is wrong while it is typed."""
+        self.query_one(".error", Static).update(self._fault(event.value))
+
+    def on_input_submitted(self, event: Input.Submitted) -> None:
+        """Answer the value if it is one."""
+        if not self._fault(event.value):
+            self.dismiss(self._read(event.value))
+
+    def _fault(self, text: str) -> str:
+        try:
+            self._read(text)
+        except ValueError as fault:
+            return str(fault)
+        return ""

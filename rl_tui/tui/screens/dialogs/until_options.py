@@ -1,0 +1,178 @@
+"""What there is to wait for in a run, in words that fit it, and what has to be asked about each."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from enum import Enum, auto
+
+from rl_tui.agents.catalogue import BY_ID
+from rl_tui.lab.live.snapshot import Snapshot
+from rl_tui.lab.live.until import Event, Until
+from rl_tui.tui.draw import numbers
+from rl_tui.tui.draw.to_ascii import written
+from rl_tui.tui.panels.breakpoint_text import estimate_name
+from rl_tui.tui.panels.under_way import episode_under_way
+from rl_tui.tui.screens.dialogs.prompt import Prompt
+from rl_tui.tui.theme.glyphs import Glyphs
+from rl_tui.worlds.drawing import Arms
+
+_LARGEST = 10**15
+_VALUE_COLUMNS = 8
+
+
+class Kind(Enum):
+    """What episodes are to whoever looks at the run."""
+
+    AGENT = auto()
+    BANDIT = auto()
+    PLANNER = auto()
+
+
+@dataclass(frozen=True, slots=True)
+class Wait:
+    """Something to run until: ``name`` in the list, ``hint`` a sentence about it.
+
+    ``id`` is the same for what is alike in other runs. ``refused`` says why it cannot be waited for here,
+    empty if it can. ``pair`` is that of a value, −1 otherwise.
+    """
+
+    id: str
+    event: Event
+    name: str
+    hint: str
+    refused: str = ""
+    pair: int = -1
+
+    @property
+    def asks(self) -> bool:
+        """Whether a number has to be asked for."""
+        return self.event in (Event.STEP, Event.EPISODE, Event.VALUE)
+
+    def until(self, number: float = 0.0) -> Until:
+        """Return what a run is told, with the ``number`` that was asked for."""
+        if self.event is Event.VALUE:
+            return Until(self.event, pair=self.pair, threshold=number)
+        return Until(self.event, number=int(number)) if self.asks else Until(self.event)
+
+
+def kind_of(snapshot: Snapshot) -> Kind:
+    """Return what is learning, or planning, in ``snapshot``."""
+    if BY_ID[snapshot.algorithm].planner:
+        return Kind.PLANNER
+    return Kind.BANDIT if isinstance(snapshot.world.drawing, Arms) else Kind.AGENT
+
+
+def waits(snapshot: Snapshot, cursor: int | None, glyphs: Glyphs) -> tuple[Wait, ...]:
+    """Return all there is to wait for; ``cursor`` is the pair under a cursor, None without one."""
+    kind = kind_of(snapshot)
+    rewards = "A planner takes no steps in the world: nothing pays." if kind is Kind.PLANNER else ""
+    step = {Kind.AGENT: "step", Kind.BANDIT: "pull", Kind.PLANNER: "backup"}[kind]
+    found = [
+        Wait("reward", Event.REWARD, "the next reward", f"A {step} whose reward is not 0.", rewards),
+        *([] if kind is Kind.BANDIT else [_end(kind)]),
+        Wait(
+            "policy",
+            Event.POLICY_CHANGE,
+            "another greedy arm" if kind is Kind.BANDIT else "the next change of the greedy policy",
+            "Another arm has the highest estimate, or one more has."
+            if kind is Kind.BANDIT
+            else "In some state other actions have the highest estimate than before.",
+        ),
+        _optimal(snapshot, kind),
+        Wait("step", Event.STEP, f"a {step} by its number …", f"Asks for the {step}."),
+    ]
+    if kind is not Kind.BANDIT:
+        episode = "sweep" if kind is Kind.PLANNER else "episode"
+        article = "a" if kind is Kind.PLANNER else "an"
+        name = f"{article} {episode} by its number …"
+        found.append(
+            Wait("episode", Event.EPISODE, name, f"Asks for the {episode}, and stops where it begins.")
+        )
+    return (*found, *_values(snapshot, cursor, glyphs))
+
+
+def _end(kind: Kind) -> Wait:
+    if kind is Kind.PLANNER:
+        return Wait("end", Event.EPISODE_END, "the end of the sweep", "Every state was backed up once more.")
+    hint = "A terminal state, or the time limit."
+    return Wait("end", Event.EPISODE_END, "the end of the episode", hint)
+
+
+def _optimal(snapshot: Snapshot, kind: Kind) -> Wait:
+    if kind is Kind.BANDIT:
+        name = "the greedy arm is the best one"
+        hint = "Compares with the true means without showing them."
+    else:
+        name = "the greedy policy is optimal"
+        hint = "No policy is better from the start of an episode, for the γ in force."
+    refused = f"No exact answer: {snapshot.exact_refused}." if snapshot.exact_refused else ""
+    return Wait("optimal", Event.OPTIMAL, name, hint, refused)
+
+
+def _values(snapshot: Snapshot, cursor: int | None, glyphs: Glyphs) -> list[Wait]:
+    """Return the values that may be waited for: that under the cursor, and the one updated last."""
+    last = snapshot.last.updated_pair if snapshot.last is not None and snapshot.last.learned else None
+    found = []
+    for id, pair, where in (("cursor", cursor, "under the cursor"), ("last", last, "updated last")):  # noqa: A001
+        if pair is not None and (id == "cursor" or pair != cursor):
+            name = f"{estimate_name(snapshot.world, pair, glyphs)} reaches a value …"
+            now = f" It is {_value(snapshot, pair, glyphs)} now." if snapshot.holds(pair) else ""
+            hint = f"The estimate {where}; asks for the value.{now}"
+            found.append(Wait(f"value {id}", Event.VALUE, name, hint, pair=pair))
+    if found:
+        return found
+    refused = "No cell is chosen: tab goes to the table, the arrows to a cell."
+    return [Wait("value cursor", Event.VALUE, "an estimate reaches a value …", "", refused)]
+
+
+def ask_number(wait: Wait, snapshot: Snapshot, glyphs: Glyphs) -> Prompt:
+    """Return the prompt for the number of ``wait``, one of the waits that ask."""
+    if wait.event is Event.VALUE:
+        return _ask_value(wait, snapshot, glyphs)
+    kind = kind_of(snapshot)
+    if wait.event is Event.STEP:
+        noun = {Kind.AGENT: "step", Kind.BANDIT: "pull", Kind.PLANNER: "backup"}[kind]
+        now, least = f"after {noun} {snapshot.step:,}", snapshot.step + 1
+        example = snapshot.step + 1_000
+    else:
+        noun = "sweep" if kind is Kind.PLANNER else "episode"
+        under_way = episode_under_way(snapshot)
+        now, least = f"in {noun} {under_way:,}", under_way + 1
+        example = snapshot.episodes + 100
+    most = snapshot.bandit.budget if kind is Kind.BANDIT and snapshot.bandit is not None else _LARGEST
+    expected = f"type a whole number, {least:,} or more"
+    if most < _LARGEST:
+        expected = f"type a whole number from {least:,} to {most:,}"
+
+    def read(text: str) -> int:
+        digits = text.strip().replace(",", "")
+        if not (digits.isascii() and digits.isdigit() and least <= int(digits) <= most):
+            raise ValueError(expected)
+        return int(digits)
+
+    hint = f"now {now}; the run goes as fast as it can and pauses there"
+    return Prompt(f"Run until {noun}", hint, str(min(example, most)), read)
+
+
+def _ask_value(wait: Wait, snapshot: Snapshot, glyphs: Glyphs) -> Prompt:
+    pair, now = wait.pair, _value(snapshot, wait.pair, glyphs)
+
+    def read(text: str) -> float:
+        try:
+            number = float(text.replace("−", "-"))
+        except ValueError:
+            number = math.nan
+        if not math.isfinite(number):
+            raise ValueError("type a number, such as 0.5")
+        if snapshot.holds(pair) and number == float(snapshot.q[pair]):
+            raise ValueError("that is what it is now: type another number")
+        return number
+
+    hint = f"it is {now} now; the run pauses when it gets there, or past it"
+    title = f"Run until {estimate_name(snapshot.world, pair, glyphs)} reaches"
+    return Prompt(written(title, glyphs), written(hint, glyphs), "", read)
+
+
+def _value(snapshot: Snapshot, pair: int, glyphs: Glyphs) -> str:
+    return numbers.value(float(snapshot.q[pair]), _VALUE_COLUMNS, glyphs)

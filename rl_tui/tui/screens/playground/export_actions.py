@@ -1,0 +1,192 @@
+"""Writing a run for other programs."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import partial
+from pathlib import Path
+
+from rl_tui.agents.catalogue import BY_ID
+from rl_tui.common.errors import UserError
+from rl_tui.lab.experiments.training import OnProgress, no_progress
+from rl_tui.lab.export.files import free_name, write_text
+from rl_tui.lab.export.recipe_line import entries_until, recipe_line
+from rl_tui.lab.live.snapshot import Snapshot
+from rl_tui.lab.run.library import episodes_of
+from rl_tui.lab.run.recipe import JournalEntry, Recipe
+from rl_tui.tui.screens.dialogs import export as dialogs
+from rl_tui.tui.screens.playground.agent_actions import AgentStage
+from rl_tui.worlds.drawing import Arms
+from rl_tui.worlds.mdp.space import FloatArray, IntArray
+
+Write = Callable[[Path], None]
+SlowWrite = Callable[[Path, OnProgress], None]
+
+
+class ExportStage(AgentStage):
+    """Exporting: what is written is the moment that was shown when x was pressed."""
+
+    def action_export(self) -> None:
+        """Choose what to write."""
+        snapshot = self.snapshot
+        if self.in_kiosk:
+            self.tell("nothing is written here: this is a kiosk")
+            return
+        if snapshot is None:
+            return
+        choice = dialogs.ExportChoice(
+            self.look.glyphs,
+            bandit=isinstance(snapshot.world.drawing, Arms),
+            no_returns=_without_returns(snapshot),
+        )
+
+        def export(what: str | None) -> None:
+            if what is not None:
+                self._export(what, snapshot)
+
+        self.app.push_screen(choice, export)
+
+    def _export(self, what: str, snapshot: Snapshot) -> None:
+        export = {
+            dialogs.COMMAND: self._export_command,
+            dialogs.SCRIPT: self._export_script,
+            dialogs.Q_CSV: self._export_q_csv,
+            dialogs.Q_ARRAY: self._export_q_array,
+            dialogs.RETURNS: self._export_returns,
+            dialogs.PICTURE: self._export_picture,
+        }[what]
+        try:
+            export(snapshot)
+        except UserError as fault:
+            self._say_fault(str(fault))
+
+    def _export_command(self, snapshot: Snapshot) -> None:
+        line = recipe_line(*_run_of(snapshot), snapshot.world.space.action_names)
+
+        def write(chosen: str | None) -> None:
+            if chosen is not None:
+                self._ask_file(snapshot, "Command", ".txt", partial(write_text, text=f"{line}\n"))
+
+        self.app.push_screen(dialogs.CommandLine(line, _about_command(snapshot)), write)
+
+    def _export_script(self, snapshot: Snapshot) -> None:
+        self._ask_file(snapshot, "Python script", ".py", partial(write_text, text=script_of(snapshot)))
+
+    def _export_q_csv(self, snapshot: Snapshot) -> None:
+        from rl_tui.lab.export.tables import write_q_csv
+
+        def write(path: Path, on_progress: OnProgress) -> None:
+            write_q_csv(path, snapshot.world.space, *_estimates(snapshot, on_progress))
+
+        self._export_estimates(snapshot, "Q-table as CSV", "-q.csv", write)
+
+    def _export_q_array(self, snapshot: Snapshot) -> None:
+        from rl_tui.lab.export.tables import write_q_array
+
+        def write(path: Path, on_progress: OnProgress) -> None:
+            q, _ = _estimates(snapshot, on_progress)
+            write_q_array(path, snapshot.world.space, q)
+
+        self._export_estimates(snapshot, "Q-table as .npy", "-q.npy", write)
+
+    def _export_estimates(self, snapshot: Snapshot, title: str, ending: str, write: SlowWrite) -> None:
+        if snapshot.window is None:
+            self._ask_file(snapshot, title, ending, lambda path: write(path, no_progress))
+        else:
+            self._ask_file(snapshot, title, ending, write, takes_time=True)
+
+    def _export_returns(self, snapshot: Snapshot) -> None:
+        from rl_tui.lab.export.tables import write_returns
+
+        def write(path: Path, on_progress: OnProgress) -> None:
+            write_returns(path, *_run_of(snapshot), snapshot.world, on_progress)
+
+        self._ask_file(snapshot, "Returns as CSV", "-returns.csv", write, takes_time=True)
+
+    def _export_picture(self, snapshot: Snapshot) -> None:
+        def write(path: Path) -> None:
+            write_text(path, self.app.export_screenshot(title="rl-tui", simplify=True))
+
+        self._ask_file(snapshot, "Screen as SVG", ".svg", write)
+
+    def _ask_file(
+        self,
+        snapshot: Snapshot,
+        title: str,
+        ending: str,
+        write: Callable[..., None],
+        *,
+        takes_time: bool = False,
+    ) -> None:
+        """Ask for a new file, offering a name, and have it written: a SlowWrite where it takes time."""
+
+        def write_to(chosen: float | str | None) -> None:
+            if chosen is None:
+                return
+            path = Path(str(chosen))
+            if takes_time:
+                working = dialogs.Working(title, partial(write, path))
+                self.app.push_screen(working, partial(self._say_written, path))
+            else:
+                # What is asked is closed by then, so that a picture does not show it
+                self.call_after_refresh(self._write_now, path, write)
+
+        name = free_name(f"{snapshot.recipe.scenario.id}-{snapshot.algorithm}", ending)
+        self.app.push_screen(dialogs.ask_new_file(title, name, self.look.glyphs), write_to)
+
+    def _write_now(self, path: Path, write: Write) -> None:
+        try:
+            write(path)
+        except UserError as fault:
+            self._say_fault(str(fault))
+        else:
+            self._say_written(path, "")
+
+    def _say_written(self, path: Path, fault: str | None) -> None:
+        """Say where it was written, or what went wrong; None: it was broken off."""
+        if fault is None:
+            self.notify("broken off: nothing was written")
+        elif fault:
+            self._say_fault(fault)
+        else:
+            self.notify(f"written: {path.absolute()}", markup=False)
+
+    def _say_fault(self, fault: str) -> None:
+        self.notify(fault, severity="error", markup=False)
+
+
+def script_of(snapshot: Snapshot) -> str:
+    """Return the script of what is in force; raises UserError where there can be none."""
+    from rl_tui.lab.export.script import script
+
+    recipe, journal, step = _run_of(snapshot)
+    in_force = Recipe(recipe.scenario, snapshot.algorithm, snapshot.hyperparameters, recipe.seed)
+    changed = bool(entries_until(journal, step))
+    return script(in_force, episodes_of(recipe.scenario), snapshot.world, changed=changed)
+
+
+def _about_command(snapshot: Snapshot) -> str:
+    if snapshot.step == 0:
+        return "It trains this agent as long as the scenario says."
+    return f"It does this run again, bit for bit, up to step {snapshot.step:,}."
+
+
+def _run_of(snapshot: Snapshot) -> tuple[Recipe, Sequence[JournalEntry], int]:
+    return snapshot.recipe, snapshot.timeline.current.journal, snapshot.step
+
+
+def _estimates(snapshot: Snapshot, on_progress: OnProgress) -> tuple[FloatArray, IntArray]:
+    """Return Q and visits; of a large world a snapshot holds only what is in view: the run is done again."""
+    from rl_tui.lab.export.tables import estimates_again
+
+    if snapshot.window is None:
+        return snapshot.q, snapshot.visits
+    return estimates_again(*_run_of(snapshot), snapshot.world, on_progress)
+
+
+def _without_returns(snapshot: Snapshot) -> str:
+    """Return why there are no returns to write; empty if there are."""
+    if len(snapshot.curve.episode):
+        return ""
+    algorithm = BY_ID[snapshot.algorithm]
+    return f"{algorithm.name} plays no episodes" if algorithm.planner else "no episode is finished yet"

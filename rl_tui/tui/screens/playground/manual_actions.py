@@ -1,0 +1,161 @@
+"""A person in place of the agent."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from textual.binding import Binding, BindingType
+
+from rl_tui.agents.catalogue import BY_ID
+from rl_tui.lab.live.commands import Command, Pause, Play, Restart, RunEpisode, RunUntil, Take
+from rl_tui.lab.live.snapshot import Phase, Snapshot
+from rl_tui.tui.draw.to_ascii import written
+from rl_tui.tui.panels.key_line import KeyLine
+from rl_tui.tui.panels.status_line import StatusLine
+from rl_tui.tui.screens.playground.agent_actions import AgentStage
+from rl_tui.tui.screens.playground.arrangement import WORLD
+from rl_tui.tui.screens.playground.manual_control import (
+    DIGITS,
+    action_towards,
+    digit_keys,
+    has_directions,
+    prompts,
+    title,
+    told_keys,
+)
+
+_STEPS: Final = {"up": (-1, 0), "down": (1, 0), "left": (0, -1), "right": (0, 1)}
+
+# Before whatever is in focus: a slider or a table has uses of its own for these keys
+HAND_BINDINGS: Final[list[BindingType]] = [
+    *(
+        Binding(key, f"steer{step}", key, show=False, priority=True, id=f"hand.{key}", tooltip="Go there")
+        for key, step in _STEPS.items()
+    ),
+    *(
+        Binding(
+            digit,
+            f"act('{digit}')",
+            digit,
+            show=False,
+            priority=True,
+            id=f"hand.{digit}",
+            tooltip="Take this action",
+        )
+        for digit in DIGITS
+    ),
+    Binding("escape", "let_go", "hand back", show=False, priority=True, id="hand.back", tooltip="Hand back"),
+]
+
+
+class HandStage(AgentStage):
+    """Taking over, and handing back."""
+
+    in_hand = False
+
+    def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
+        """Leave arrows and digits to the panels unless a person is the agent."""
+        if action == "steer":
+            return self.in_hand and self.snapshot is not None and has_directions(self.snapshot)
+        if action in ("act", "let_go"):
+            return self.in_hand
+        return super().check_action(action, parameters)
+
+    def action_take_over(self) -> None:
+        """Take over, or hand back."""
+        if self.in_hand:
+            self.hand_back()
+            self.tell("the agent acts again")
+            return
+        snapshot = self.snapshot
+        if snapshot is None or snapshot.phase is Phase.PREPARING:
+            return
+        refused = _refused(snapshot)
+        if refused:
+            self.tell(refused)
+            return
+        if snapshot.phase is not Phase.PAUSED:
+            self.send(Pause())
+        self.bring_into_view(WORLD)
+        self._show_mode(True)
+        self.board.table.action_follow()
+        self.show_hand(snapshot)
+        if self.board.world is not None:
+            self.board.world.action_follow()
+        text = f"you are the agent: act with {told_keys(snapshot)}; y hands back"
+        self.tell(written(text, self.look.glyphs))
+
+    def action_let_go(self) -> None:
+        """Hand back."""
+        self.action_take_over()
+
+    def hand_back(self) -> None:
+        """Let the agent act again."""
+        if self.in_hand:
+            self._show_mode(False)
+
+    def note_sent(self, command: Command) -> None:
+        """Hand back where the agent is asked to go on by itself, or the run starts again."""
+        if isinstance(command, Play | RunEpisode | RunUntil | Restart):
+            self.hand_back()
+
+    def show_hand(self, snapshot: Snapshot) -> None:
+        """Show what can be done in ``snapshot``; hand back where nothing can be done any more."""
+        if not self.in_hand:
+            return
+        refused = _refused(snapshot)
+        if refused:
+            self.hand_back()
+            self.tell(refused)
+        elif self.board.world is not None:
+            self.board.world.title = title(snapshot, self.look.glyphs)
+            self.board.world.prompt = prompts(snapshot, self.look.glyphs)
+            self.query_one(KeyLine).hints = ((told_keys(snapshot), "act"), *_HINTS)
+
+    def action_steer(self, rows: int, columns: int) -> None:
+        """Take the action that goes so many rows down and columns to the right."""
+        if self.snapshot is not None:
+            arrow = self.look.glyphs.direction((rows, columns))
+            self._take(action_towards(self.snapshot, (rows, columns)), arrow)
+
+    def action_act(self, digit: str) -> None:
+        """Take the action of a digit."""
+        if self.snapshot is not None:
+            self._take(digit_keys(self.snapshot).get(digit), digit)
+
+    def _take(self, action: int | None, key: str) -> None:
+        if self.snapshot is None:
+            return
+        if action is not None:
+            self.send(Take(action))
+            return
+        text = f"{key} is no action here: act with {told_keys(self.snapshot)}"
+        self.notify(written(text, self.look.glyphs), severity="warning", markup=False)
+
+    def _show_mode(self, in_hand: bool) -> None:
+        self.in_hand = in_hand
+        if self.board.world is not None:
+            self.board.world.in_hand = in_hand
+        status = self.query_one(StatusLine)
+        status.in_hand = in_hand
+        status.redraw()
+        if not in_hand:
+            self.query_one(KeyLine).hints = ()
+
+
+_HINTS: Final = (
+    ("y", "hand back"),
+    ("s", "agent's step"),
+    ("space", "run"),
+    ("?", "help"),
+)
+
+
+def _refused(snapshot: Snapshot) -> str:
+    """Return why nobody can act in place of the agent, empty if one can."""
+    name = BY_ID[snapshot.algorithm].name
+    if BY_ID[snapshot.algorithm].planner:
+        return f"{name} takes no actions: it plans with the model; a chooses an agent"
+    if snapshot.phase is Phase.SPENT:
+        return "the budget is spent; r starts again"
+    return "the run has stopped; r starts again" if snapshot.phase is Phase.STOPPED else ""

@@ -1,0 +1,98 @@
+"""Keeping what was done."""
+
+from __future__ import annotations
+
+import asyncio
+
+from textual.message import Message
+
+from rl_tui.common.errors import UserError
+from rl_tui.lab.live.snapshot import Phase, Snapshot
+from rl_tui.lab.sessions.autosave import Autosave
+from rl_tui.lab.sessions.folder import named_path
+from rl_tui.lab.sessions.session import OTHER_BITS, SessionError, StoredSession, digest_of
+from rl_tui.tui.draw.to_ascii import written
+from rl_tui.tui.screens.dialogs.prompt import Prompt
+from rl_tui.tui.screens.playground.agent_actions import AgentStage
+
+
+class SessionStage(AgentStage):
+    """A screen whose session keeps itself by ``autosave``, None where none is kept."""
+
+    autosave: Autosave | None = None
+    resumed: StoredSession | None = None
+    """What it went on with, until it has come out as it was saved."""
+
+    class Noticed(Message):
+        """There is something to know about the session; sent from any thread."""
+
+        def __init__(self, notice: str) -> None:
+            super().__init__()
+            self.notice = notice
+
+    def on_mount(self) -> None:
+        """Hear what becomes of the session."""
+
+        def tell(notice: str) -> None:
+            self.post_message(self.Noticed(notice))
+
+        if self.autosave is not None:
+            self.autosave.listen(tell)
+
+    def on_session_stage_noticed(self, event: Noticed) -> None:
+        """Tell it."""
+        text = written(event.notice, self.look.glyphs)
+        self.notify(text, severity="warning", timeout=15, markup=False)
+
+    def named(self, fault: UserError) -> UserError:
+        """Return ``fault`` with the file of the session where that could not be gone on with."""
+        return fault if self.resumed is None else SessionError(self.resumed.path, str(fault))
+
+    def compare_with_saved(self, snapshot: Snapshot) -> None:
+        """Tell, once it stands where the session was left, if that came out otherwise than it was saved.
+
+        The file is then left alone, since it holds what somebody did who had other versions.
+        """
+        if self.resumed is None or snapshot.phase in (Phase.PREPARING, Phase.SEEKING):
+            return
+        document, self.resumed = self.resumed.document, None
+        lane = document.lanes[document.shown]
+        left = (document.shown, lane.branch, lane.branches[lane.branch].here)
+        if (snapshot.lane, snapshot.timeline.branch, snapshot.step) != left or snapshot.window is not None:
+            return
+        if document.digest and digest_of(snapshot.q) != document.digest:
+            if self.autosave is not None:
+                self.autosave.become_copy()
+            self.notify(f"{OTHER_BITS}; what you do here is saved in a copy", severity="warning", timeout=15)
+
+    def action_save(self) -> None:
+        """Ask for a name, and save the session."""
+        autosave = self.autosave
+        if autosave is None:
+            reason = ": this is a kiosk" if self.in_kiosk else ""
+            self.tell(f"no session is kept here{reason}")
+            return
+
+        def read(text: str) -> str:
+            try:
+                path = named_path(autosave.folder, text)
+            except UserError as fault:
+                raise ValueError(str(fault)) from fault
+            if path != autosave.path and path.exists():
+                raise ValueError("another session has this name; type another one")
+            return text.strip()
+
+        def save(name: float | str | None) -> None:
+            if name is not None:
+                self.run_worker(self._save(autosave, str(name)), name="save the session")
+
+        hint = "the session goes on keeping itself under this name; the catalogue lists it"
+        self.app.push_screen(Prompt("Save the session as", hint, autosave.title, read), save)
+
+    async def _save(self, autosave: Autosave, name: str) -> None:
+        try:
+            path = await asyncio.to_thread(autosave.save_as, name)
+        except UserError as fault:
+            self.notify(str(fault), severity="error", timeout=15, markup=False)
+        else:
+            self.notify(written(f"saved: {path}", self.look.glyphs), timeout=8, markup=False)

@@ -1,0 +1,107 @@
+"""Where the run is to stop by itself."""
+
+from __future__ import annotations
+
+from rl_tui.lab.live.commands import ClearBreakpoints, RunUntil, ToggleBreakpoint
+from rl_tui.lab.live.snapshot import Phase, Snapshot
+from rl_tui.tui.draw.names import state_name
+from rl_tui.tui.draw.to_ascii import written
+from rl_tui.tui.panels.breakpoint_text import breakpoints_text, pair_in_words
+from rl_tui.tui.panels.q_table.q_table import QTable
+from rl_tui.tui.panels.world.arms.arms import ArmsView
+from rl_tui.tui.panels.world.view import WorldView
+from rl_tui.tui.screens.dialogs.until import UntilChoice
+from rl_tui.tui.screens.dialogs.until_options import Kind, Wait, ask_number, kind_of, waits
+from rl_tui.tui.screens.playground.agent_actions import AgentStage
+from rl_tui.worlds.drawing import Arms
+
+
+class UntilStage(AgentStage):
+    """What a person may wait for."""
+
+    _waited_for = ""  # the id of the wait chosen last
+
+    def action_until(self) -> None:
+        """Choose what to run until."""
+        snapshot = self.snapshot
+        if snapshot is None or snapshot.phase is Phase.PREPARING:
+            return
+        if snapshot.phase in (Phase.SPENT, Phase.DONE, Phase.STOPPED):
+            self.tell("the run has come to its end; r starts again")
+            return
+        glyphs = self.look.glyphs
+        found = waits(snapshot, self._pair_under_cursor(), glyphs)
+        listed = breakpoints_text(snapshot.world, snapshot.breakpoints, glyphs)
+        choice = UntilChoice(found, self._waited_for, listed, self.action_clear_breakpoints, glyphs)
+        self.app.push_screen(choice, self._wait_for)
+
+    def action_breakpoint(self) -> None:
+        """Set a breakpoint where the cursor is, or take it away."""
+        snapshot = self.snapshot
+        if snapshot is None:
+            return
+        focused = self.focused
+        if isinstance(focused, QTable):
+            self._toggle_pair(snapshot, focused.shown_cursor)
+        elif isinstance(focused, ArmsView):
+            self._toggle_pair(snapshot, focused.cursor_place)
+        elif isinstance(snapshot.world.drawing, Arms):
+            self.tell("a breakpoint of a bandit is on an arm: tab goes to them, the arrows choose one")
+        elif isinstance(focused, WorldView) and focused.cursor_place is not None:
+            self._toggle_state(snapshot, focused.state_at(focused.cursor_place))
+        else:
+            self._toggle_state(snapshot, snapshot.state)
+
+    def action_clear_breakpoints(self) -> None:
+        """Take all breakpoints away."""
+        if self.snapshot is None or not self.snapshot.breakpoints:
+            self.tell("there are no breakpoints; k sets one where the cursor is")
+            return
+        self.send(ClearBreakpoints())
+        self.tell("all breakpoints are taken away")
+
+    def _wait_for(self, wait: Wait | None) -> None:
+        if wait is None or self.snapshot is None:
+            return
+        self._waited_for = wait.id
+        if not wait.asks:
+            self.send(RunUntil(wait.until()))
+            return
+
+        def run(number: float | str | None) -> None:
+            if number is not None:
+                self.send(RunUntil(wait.until(float(number))))
+
+        self.app.push_screen(ask_number(wait, self.snapshot, self.look.glyphs), run)
+
+    def _pair_under_cursor(self) -> int | None:
+        """Return the pair that a cursor was put on, or stands on in focus; None without one."""
+        table, world = self.board.table, self.board.world
+        if self.focused is table:
+            return table.shown_cursor
+        if isinstance(world, ArmsView) and self.focused is world:
+            return world.cursor_place
+        return table.cursor_pair
+
+    def _toggle_state(self, snapshot: Snapshot, state: int | None) -> None:
+        if state is None:
+            self.tell("here is no state to stop at")
+            return
+        is_set = state in snapshot.breakpoints.states
+        name = f"state {state_name(snapshot.world, state, self.look.glyphs)}"
+        happens = "is backed up" if kind_of(snapshot) is Kind.PLANNER else "is reached"
+        self.send(ToggleBreakpoint(state=state))
+        self._tell_breakpoint(name, f"each time it {happens}", is_set=is_set)
+
+    def _toggle_pair(self, snapshot: Snapshot, pair: int | None) -> None:
+        if pair is None:
+            return
+        is_set = pair in snapshot.breakpoints.pairs
+        name = pair_in_words(snapshot.world, pair, self.look.glyphs)
+        happens = {Kind.AGENT: "taken", Kind.BANDIT: "pulled", Kind.PLANNER: "backed up"}[kind_of(snapshot)]
+        self.send(ToggleBreakpoint(pair=pair))
+        self._tell_breakpoint(name, f"each time it is {happens}", is_set=is_set)
+
+    def _tell_breakpoint(self, name: str, when: str, *, is_set: bool) -> None:
+        text = f"no breakpoint on {name} any more" if is_set else f"breakpoint on {name}: pauses {when}"
+        self.tell(written(text, self.look.glyphs))

@@ -1,0 +1,1 @@
+"""A palette for each depth of colours."""
