@@ -12,10 +12,10 @@ import click
 
 from rl_tui import __version__
 from rl_tui.cli.descriptors import keep_stdout
-from rl_tui.cli.display_options import DISPLAY_OPTIONS, display_of, display_options
 from rl_tui.cli.kiosk import enter_kiosk, kiosk_option
+from rl_tui.cli.options.display import DISPLAY_OPTIONS, display_of, display_options
+from rl_tui.cli.options.run import allow_module_option
 from rl_tui.cli.program import Program
-from rl_tui.cli.run_options import allow_module_option
 from rl_tui.common.interrupts import note_interrupts
 
 
@@ -23,7 +23,7 @@ class RlTui(Program):
     """The commands of rl-tui."""
 
     modules: ClassVar = {
-        name: f"rl_tui.cli.{name}"
+        name: f"rl_tui.cli.commands.{name}"
         for name in ("play", "train", "replay", "solve", "list", "check", "bench", "screenshot", "serve")
     }
 

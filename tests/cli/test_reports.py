@@ -13,9 +13,9 @@ import pytest
 from click.testing import CliRunner
 
 from rl_tui.cli.advice import no_reward
+from rl_tui.cli.commands.policy_map import policy_map
 from rl_tui.cli.main import program
 from rl_tui.cli.output import columns, number
-from rl_tui.cli.policy_map import policy_map
 from rl_tui.cli.progress import progress
 from rl_tui.lab.run.library import find, recipe_for
 from rl_tui.lab.run.recipe import begin

@@ -8,7 +8,7 @@ import sys
 import pytest
 from click.testing import CliRunner, Result
 
-from rl_tui.cli import serve
+from rl_tui.cli.commands import serve
 from rl_tui.cli.main import program
 
 

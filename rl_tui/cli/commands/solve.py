@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from rl_tui.agents.hyperparameters import PARAMETERS
-from rl_tui.cli.number import ParameterValue
+from rl_tui.cli.options.numbers import ParameterValue
+from rl_tui.cli.options.run import allow_module_option, json_option, scenario_argument, seed_option
 from rl_tui.cli.output import columns, number, print_json
-from rl_tui.cli.run_options import allow_module_option, json_option, scenario_argument, seed_option
 from rl_tui.common.words import counted
 
 if TYPE_CHECKING:
@@ -66,7 +66,7 @@ def command(scenario: str, gamma: float | None, seed: int, as_json: bool) -> Non
 
 
 def _report(title: str, world: World, answer: dict[str, Any]) -> str:
-    from rl_tui.cli.policy_map import policy_map
+    from rl_tui.cli.commands.policy_map import policy_map
     from rl_tui.worlds.drawing import Grid
 
     head = ("state", "V", *(f"Q {action}" for action in answer["actions"]), "policy")

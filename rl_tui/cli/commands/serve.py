@@ -15,10 +15,10 @@ from urllib.parse import urlsplit
 
 import click
 
-from rl_tui.cli.display_options import DISPLAY_OPTIONS, display_of, display_options
-from rl_tui.cli.number import Whole
+from rl_tui.cli.options.display import DISPLAY_OPTIONS, display_of, display_options
+from rl_tui.cli.options.numbers import Whole
+from rl_tui.cli.options.run import start_of
 from rl_tui.cli.program import FAILED
-from rl_tui.cli.run_options import start_of
 from rl_tui.common.errors import UserError
 from rl_tui.common.kiosk import VARIABLE, in_kiosk
 

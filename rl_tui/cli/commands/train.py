@@ -9,17 +9,17 @@ from typing import TYPE_CHECKING, Any, Final, TextIO
 
 import click
 
-from rl_tui.cli.help_sections import SectionedCommand
-from rl_tui.cli.number import ChangeValue, Whole
-from rl_tui.cli.output import print_json
-from rl_tui.cli.progress import progress
-from rl_tui.cli.run_options import (
+from rl_tui.cli.options.help_sections import SectionedCommand
+from rl_tui.cli.options.numbers import ChangeValue, Whole
+from rl_tui.cli.options.run import (
     allow_module_option,
     json_option,
     run_options,
     scenario_argument,
     seed_option,
 )
+from rl_tui.cli.output import print_json
+from rl_tui.cli.progress import progress
 from rl_tui.common.words import counted
 
 if TYPE_CHECKING:
@@ -149,7 +149,7 @@ def _train_once(
         figures["journal"] = as_json(run.journal, run.world.space.action_names)
 
     def report() -> str:
-        from rl_tui.cli.train_report import one_run
+        from rl_tui.cli.commands.train_report import one_run
 
         return one_run(run, figures)
 
@@ -187,7 +187,7 @@ def _train_many(recipe: Recipe, runs: int, goal: Goal, csv: Path | TextIO | None
         figures: dict[str, Any] = many_runs(recipe, runs, goal, csv, on_progress)
 
     def report() -> str:
-        from rl_tui.cli.train_report import several_runs
+        from rl_tui.cli.commands.train_report import several_runs
 
         return several_runs(recipe, figures)
 

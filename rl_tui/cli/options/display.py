@@ -8,8 +8,8 @@ from typing import Any, Final, get_args
 import click
 
 from rl_tui.agents.hyperparameters import Range
-from rl_tui.cli.number import RealNumber
-from rl_tui.cli.run_options import Command
+from rl_tui.cli.options.numbers import RealNumber
+from rl_tui.cli.options.run import Command
 from rl_tui.tui.app.display import Colours, Display
 
 _DEFAULT: Final = Display()

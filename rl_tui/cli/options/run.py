@@ -11,7 +11,7 @@ import click
 
 from rl_tui.agents.catalogue import BY_ID
 from rl_tui.agents.hyperparameters import PARAMETERS, Parameter
-from rl_tui.cli.number import ParameterValue, Whole
+from rl_tui.cli.options.numbers import ParameterValue, Whole
 
 if TYPE_CHECKING:
     from rl_tui.lab.run.recipe import Recipe

@@ -6,8 +6,8 @@ from typing import Any
 
 import click
 
+from rl_tui.cli.options.run import json_option
 from rl_tui.cli.output import columns, complain, number, print_json
-from rl_tui.cli.run_options import json_option
 
 
 @click.command("list")

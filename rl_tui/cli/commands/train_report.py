@@ -9,8 +9,8 @@ from rl_tui.agents.catalogue import BY_ID, RULE_BY_ID, parameters_of
 from rl_tui.agents.exact.solve import best_expected_return
 from rl_tui.agents.hyperparameters import PARAMETERS, Hyperparameters
 from rl_tui.cli.advice import no_reward
+from rl_tui.cli.commands.policy_map import policy_map
 from rl_tui.cli.output import columns, number
-from rl_tui.cli.policy_map import policy_map
 from rl_tui.common.words import counted
 from rl_tui.lab.live.snapshot import BanditFigures
 from rl_tui.lab.run.figures import exact_world, why_inexact

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Any, Final
 
 import click
 
-from rl_tui.cli.number import Whole
+from rl_tui.cli.options.numbers import Whole
+from rl_tui.cli.options.run import allow_module_option, json_option
 from rl_tui.cli.output import print_json
 from rl_tui.cli.progress import progress
-from rl_tui.cli.run_options import allow_module_option, json_option
 
 if TYPE_CHECKING:
     from rl_tui.lab.run.run import Run
@@ -78,7 +78,7 @@ def _replayed(stored: StoredSession, target: Whereto, csv: str | None) -> tuple[
 
 
 def _report(stored: StoredSession, target: Whereto, run: Run, figures: dict[str, Any]) -> str:
-    from rl_tui.cli.train_report import one_run
+    from rl_tui.cli.commands.train_report import one_run
 
     lanes = len(stored.document.lanes)
     parts = [stored.title]

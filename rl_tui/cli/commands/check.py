@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import click
 
-from rl_tui.cli.run_options import allow_module_option
+from rl_tui.cli.options.run import allow_module_option
 
 
 @click.command("check")

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import click
 
-from rl_tui.cli.help_sections import SectionedCommand
-from rl_tui.cli.number import Whole
+from rl_tui.cli.options.help_sections import SectionedCommand
+from rl_tui.cli.options.numbers import Whole
+from rl_tui.cli.options.run import allow_module_option, json_option, run_options, seed_option
 from rl_tui.cli.output import columns, print_json
-from rl_tui.cli.run_options import allow_module_option, json_option, run_options, seed_option
 
 
 @click.command("bench", cls=SectionedCommand)

@@ -6,10 +6,10 @@ from typing import Any
 
 import click
 
-from rl_tui.cli.display_options import display_of, display_options
-from rl_tui.cli.help_sections import SectionedCommand
 from rl_tui.cli.kiosk import enter_kiosk, kiosk_option
-from rl_tui.cli.run_options import allow_module_option, run_options, seed_option, start_of
+from rl_tui.cli.options.display import display_of, display_options
+from rl_tui.cli.options.help_sections import SectionedCommand
+from rl_tui.cli.options.run import allow_module_option, run_options, seed_option, start_of
 
 
 @click.command("play", cls=SectionedCommand)
