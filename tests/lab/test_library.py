@@ -144,7 +144,8 @@ def test_a_listing_has_sizes_and_complete_defaults() -> None:
 
 def test_what_the_screen_imports_first_loads_neither_numba_nor_gymnasium() -> None:
     program = (
-        "import sys, rl_tui.lab.live.player, rl_tui.lab.live.commands, rl_tui.lab.run.library, rl_tui.lab.live.snapshot\n"
+        "import sys, rl_tui.lab.live.player, rl_tui.lab.live.commands, rl_tui.lab.live.snapshot\n"
+        "import rl_tui.lab.run.library\n"
         "print([name for name in ('numba', 'gymnasium', 'scipy', 'textual') if name in sys.modules])"
     )
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
