@@ -5,9 +5,9 @@ import pytest
 from recipes import recipe
 
 from rl_tui.agents.hyperparameters import Ties
+from rl_tui.lab.run import evaluation
 from rl_tui.lab.run.evaluation import Evaluation, GreedyReturn
 from rl_tui.lab.run.recipe import begin
-from rl_tui.lab.run.run import evaluation
 from rl_tui.worlds.mdp.tabular_mdp import FloatArray
 
 STUDENT = begin(recipe("student")).world.space

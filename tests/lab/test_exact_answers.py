@@ -8,9 +8,9 @@ from recipes import recipe
 
 from rl_tui.agents.exact.solution import NoExactAnswer, Solution
 from rl_tui.agents.exact.solve import solve
+from rl_tui.lab.run import exact_answers as exact
 from rl_tui.lab.run.exact_answers import PENDING, ExactAnswers
 from rl_tui.lab.run.recipe import begin
-from rl_tui.lab.run.run import exact_answers as exact
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
 STUDENT = begin(recipe("student")).world.space
