@@ -11,11 +11,15 @@ from typing import Any, NamedTuple
 
 import numba
 import pytest
+from numba.core import event
+from numba.core.typing.templates import _OverloadFunctionTemplate
 
+from rl_tui.agents.kernels import compiled as decorators
 from rl_tui.agents.kernels.compiled import (
     LONGEST_UNUSED,
     cache_folder,
     compiled,
+    inlined,
     inlined_by_type,
     member_of,
     prune,
@@ -167,3 +171,77 @@ def test_types_that_look_alike_do_not_run_each_others_code() -> None:
     member_of(answer_of, Other.Alike)(lambda _: 2)
     one, other = One.Alike(0.5, True), Other.Alike(0.5, True)
     assert [ask(one), ask(other), ask(one)] == [1, 2, 1]
+
+
+@inlined
+def plus_one(number: float) -> float:
+    return number + 1.0
+
+
+@inlined
+def plus_two(number: float) -> float:
+    return plus_one(plus_one(number))
+
+
+@inlined_by_type
+def grown(asked: Any) -> float:
+    return plus_two(asked.number)
+
+
+def compiled_by(run: Callable[[], object]) -> list[str]:
+    """Return the names of the functions that numba compiles in ``run``."""
+    with event.install_recorder("numba:compile") as recorder:
+        run()
+    return [each.data["dispatcher"].py_func.__name__ for _, each in recorder.buffer if each.is_start]
+
+
+def test_what_is_inlined_is_not_compiled_on_its_own() -> None:
+    def kernel(asked: Any) -> float:
+        return grown(asked) + plus_two(0.5) + plus_one(0.5)
+
+    fresh = numba.njit(kernel)  # never read from a cache
+    assert compiled_by(lambda: fresh(One.Alike(0.5, True))) == ["kernel"]
+    assert fresh(One.Alike(0.5, True)) == kernel(One.Alike(0.5, True)) == 6.5
+
+
+def test_numba_asks_for_what_it_is_given() -> None:
+    # compiled.py sets both; where a numba calls them otherwise, all that is inlined is compiled in full again
+    assert callable(_OverloadFunctionTemplate._get_jit_decorator)
+    dispatcher = numba.njit(lambda number: number)
+    assert dispatcher._can_compile
+    dispatcher._can_compile = False
+    assert compiled_by(lambda: dispatcher.get_call_template((numba.float64,), {})) == []
+
+
+def test_a_numba_that_does_not_ask_compiles_in_its_own_way(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(decorators, "_only_typed", numba.njit)
+
+    @inlined
+    def doubled(number: float) -> float:
+        return 2.0 * number
+
+    def kernel(number: float) -> float:
+        return doubled(number)
+
+    fresh = numba.njit(kernel)
+    assert compiled_by(lambda: fresh(0.5)) == ["kernel", "doubled"]
+    assert fresh(0.5) == 1.0
+
+
+@pytest.mark.parametrize(
+    ("faulty", "said"),
+    [
+        (lambda asked: asked.unheard_of, "Unknown attribute 'unheard_of'"),
+        (lambda asked: asked.number + "word", "No implementation of function"),
+        (lambda asked, missing: missing, "missing a required argument: 'missing'"),
+    ],
+)
+def test_what_cannot_be_typed_where_it_is_inlined_is_told(faulty: Callable[..., Any], said: str) -> None:
+    within = inlined(faulty)
+
+    @numba.njit
+    def kernel(asked: Any) -> Any:
+        return within(asked)
+
+    with pytest.raises(numba.TypingError, match=said):
+        kernel(One.Alike(0.5, True))

@@ -188,9 +188,10 @@ def entry(function: Compiled[Parameters, Result], *example: Any) -> Callable[...
 def _inline(function: Callable[..., Any], implementation: Callable[..., Any]) -> None:
     """Let compiled code inline what ``implementation``, given types of arguments, returns for ``function``.
 
-    It is numba's ``overload(function, inline="always")``, but for the time it takes: that types what is
-    inlined anew, and compiles it on its own for nothing, whenever a call of it is looked at, which happens
-    several times at every level of inlining. Here it is typed once for each types of arguments.
+    It is numba's ``overload(function, inline="always")``, but for the time it takes. That types what is
+    inlined anew whenever a call of it is looked at, which happens several times at every level of inlining;
+    here it is typed once for each types of arguments. And that compiles it on its own, only to see whether it
+    can be, which takes longer than all the rest; here whatever it is inlined into will tell.
     """
     template = make_overload_template(function, implementation, {}, strict=False, inline="always")
     type_anew, known = template.generic, dict[Any, Any]()
@@ -198,15 +199,28 @@ def _inline(function: Callable[..., Any], implementation: Callable[..., Any]) ->
     def type_once(self: Any, args: Any, kws: Any) -> Any:
         key = self.context, tuple(args), tuple(kws.items())
         if key not in known:
-            dispatcher, _ = self._get_impl(args, kws)
-            if dispatcher is not None:
-                dispatcher.disable_compile()
             known[key] = type_anew(self, args, kws)
         return known[key]
 
     template.generic = type_once
+    template._get_jit_decorator = lambda _: _only_typed
     infer(template)
     infer_global(function, types.Function(template))
+
+
+def _only_typed(**options: Any) -> Callable[[Callable[..., Any]], Any]:
+    """Do as ``numba.njit``, for a function that is to be typed but not compiled on its own.
+
+    A numba that looks elsewhere for whether it may compile just does compile it.
+    """
+
+    def decorate(function: Callable[..., Any]) -> Any:
+        dispatcher = numba.njit(**options)(function)
+        # Its own disable_compile wants something compiled first
+        dispatcher._can_compile = False
+        return dispatcher
+
+    return decorate
 
 
 def inlined(function: Callable[Parameters, Result]) -> Callable[Parameters, Result]:
