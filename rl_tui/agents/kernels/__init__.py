@@ -1,1 +1,1 @@
-"""The compiled loops and the arrays they work on."""
+"""Compiled functions that others call: what runs add up of their episodes."""

@@ -4,39 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Any, Final, NamedTuple
+from typing import Any, Final
 
 import numpy as np
 
-from rl_tui.agents.kernels.compiled import compiled
+from rl_tui.agents.kernels.curve_sums import CurveSums, collect
 from rl_tui.worlds.mdp.tabular_mdp import BoolArray, FloatArray, IntArray
 
 MOST_BINS: Final = 200
-
-
-class _Sums(NamedTuple):
-    """Sums over the episodes of each bin, [B] each: returns, lengths, and optimal actions."""
-
-    returns: FloatArray
-    lengths: IntArray
-    optimal: IntArray
-
-
-@compiled
-def _collect(
-    sums: _Sums,
-    width: int,
-    done: int,
-    returns: FloatArray,
-    lengths: IntArray,
-    optimal: BoolArray,
-) -> None:
-    """Add episodes to their bins; the first of them comes after ``done`` others."""
-    for index in range(len(returns)):
-        here = (done + index) // width
-        sums.returns[here] += returns[index]
-        sums.lengths[here] += lengths[index]
-        sums.optimal[here] += optimal[index]
 
 
 class RunCurve:
@@ -50,13 +25,13 @@ class RunCurve:
         self.width = math.ceil(episodes / MOST_BINS)
         bins = math.ceil(episodes / self.width)
         self.last_episode = np.minimum(np.arange(1, bins + 1) * self.width, episodes)
-        self.sums = _Sums(np.zeros(bins), np.zeros(bins, np.int64), np.zeros(bins, np.int64))
+        self.sums = CurveSums(np.zeros(bins), np.zeros(bins, np.int64), np.zeros(bins, np.int64))
         self._done = 0
 
     def __call__(self, returns: FloatArray, lengths: IntArray, optimal: BoolArray) -> None:
         """Add the next episodes, [n] each; those beyond the end of the curve are left out."""
         part = slice(0, self.episodes - self._done)
-        _collect(
+        collect(
             self.sums,
             self.width,
             self._done,

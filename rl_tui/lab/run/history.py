@@ -4,85 +4,16 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Final, NamedTuple
+from typing import Final
 
 import numpy as np
 
-from rl_tui.agents.kernels.compiled import compiled
+from rl_tui.agents.kernels.episode_bins import empty_bins, fold
 from rl_tui.lab.live.snapshot import Curve
 from rl_tui.worlds.mdp.tabular_mdp import FloatArray, IntArray
 
 BINS: Final = 512
 RECENT: Final = 100
-
-
-class _Bins(NamedTuple):
-    """Bins of ``width`` episodes, ``used`` of them in use, all but the last one full."""
-
-    width: IntArray
-    used: IntArray
-    episodes: IntArray
-    return_sum: FloatArray
-    return_low: FloatArray
-    return_high: FloatArray
-    length_sum: IntArray
-    total_return: FloatArray
-
-
-@compiled
-def _fold(bins: _Bins, returns: FloatArray, lengths: IntArray) -> None:
-    """Add finished episodes one after the other, merging bins in pairs whenever all are full."""
-    width, used = bins.width[0], bins.used[0]
-    total = bins.total_return[0]
-    done = 0
-    while done < len(returns):
-        if used == 0 or bins.episodes[used - 1] == width:
-            if used == len(bins.episodes):
-                used //= 2
-                width *= 2
-                for to in range(used):
-                    left, right = 2 * to, 2 * to + 1
-                    bins.episodes[to] = bins.episodes[left] + bins.episodes[right]
-                    bins.return_sum[to] = bins.return_sum[left] + bins.return_sum[right]
-                    bins.return_low[to] = min(bins.return_low[left], bins.return_low[right])
-                    bins.return_high[to] = max(bins.return_high[left], bins.return_high[right])
-                    bins.length_sum[to] = bins.length_sum[left] + bins.length_sum[right]
-            bins.episodes[used] = 0
-            bins.return_sum[used] = 0.0
-            bins.return_low[used] = math.inf
-            bins.return_high[used] = -math.inf
-            bins.length_sum[used] = 0
-            used += 1
-        here = used - 1
-        until = min(len(returns), done + width - bins.episodes[here])
-        return_sum, low, high = bins.return_sum[here], bins.return_low[here], bins.return_high[here]
-        length_sum = bins.length_sum[here]
-        for episode in range(done, until):
-            value = returns[episode]
-            total += value
-            return_sum += value
-            low = min(low, value)
-            high = max(high, value)
-            length_sum += lengths[episode]
-        bins.episodes[here] += until - done
-        bins.return_sum[here], bins.return_low[here], bins.return_high[here] = return_sum, low, high
-        bins.length_sum[here] = length_sum
-        done = until
-    bins.width[0], bins.used[0] = width, used
-    bins.total_return[0] = total
-
-
-def _empty_bins(bins: int) -> _Bins:
-    return _Bins(
-        width=np.ones(1, np.int64),
-        used=np.zeros(1, np.int64),
-        episodes=np.zeros(bins, np.int64),
-        return_sum=np.zeros(bins),
-        return_low=np.zeros(bins),
-        return_high=np.zeros(bins),
-        length_sum=np.zeros(bins, np.int64),
-        total_return=np.zeros(1),
-    )
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -107,13 +38,13 @@ class History:
     """
 
     def __init__(self, bins: int = BINS) -> None:
-        self._bins = _empty_bins(bins)
+        self._bins = empty_bins(bins)
         self._recent_returns: FloatArray = np.empty(0)
         self._recent_lengths: IntArray = np.empty(0, np.int64)
 
     def add(self, returns: FloatArray, lengths: IntArray) -> None:
         """Add finished episodes, [n] each, in order."""
-        _fold(self._bins, returns, lengths)
+        fold(self._bins, returns, lengths)
         self._recent_returns = np.concatenate((self._recent_returns, returns[-RECENT:]))[-RECENT:]
         self._recent_lengths = np.concatenate((self._recent_lengths, lengths[-RECENT:]))[-RECENT:]
 
