@@ -15,15 +15,8 @@ from numba.core import event
 from numba.core.typing.templates import _OverloadFunctionTemplate
 
 from rl_tui.agents.kernels import compiled as decorators
-from rl_tui.agents.kernels.compiled import (
-    LONGEST_UNUSED,
-    cache_folder,
-    compiled,
-    inlined,
-    inlined_by_type,
-    member_of,
-    prune,
-)
+from rl_tui.agents.kernels.cache import LONGEST_UNUSED, cache_folder, prune
+from rl_tui.agents.kernels.compiled import compiled, inlined, inlined_by_type, member_of
 
 SCRIPT = """
 from rl_tui.agents.kernels.compiled import CACHED, compiled
@@ -122,7 +115,7 @@ def test_where_nobody_has_a_home_it_does_without(tmp_path: Path, monkeypatch: py
     def homeless(*_: object, **__: object) -> None:
         raise RuntimeError("could not determine the home directory")
 
-    monkeypatch.setattr("rl_tui.agents.kernels.compiled.platformdirs.user_cache_path", homeless)
+    monkeypatch.setattr("rl_tui.agents.kernels.cache.platformdirs.user_cache_path", homeless)
     monkeypatch.delenv("RL_TUI_CACHE_DIR", raising=False)
     assert cache_folder().is_relative_to(os.devnull)
 

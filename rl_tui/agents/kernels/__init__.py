@@ -1,1 +1,1 @@
-"""Compiled functions that others call: what runs add up of their episodes."""
+"""Compiled functions that others call, and the cache that keeps all machine code."""

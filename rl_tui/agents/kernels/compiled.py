@@ -1,33 +1,20 @@
-"""The only file that knows numba: its decorators and its cache on disk."""
+"""The decorators of what is compiled; with ``kernels/cache.py`` the only file that knows numba."""
 
 from __future__ import annotations
 
-import hashlib
-import os
-import re
-import shutil
-import time
 import warnings
 from collections.abc import Callable
-from contextlib import suppress
-from pathlib import Path
-from typing import Any, ClassVar, Final, ParamSpec, Protocol, TypeVar, cast
+from typing import Any, ParamSpec, Protocol, TypeVar, cast
 
 import numba
-import platformdirs
 from numba import types
 from numba.core import ir
-from numba.core.caching import CompileResultCacheImpl, FunctionCache, UserProvidedCacheLocator
-from numba.core.compiler import CompileResult
 from numba.core.dispatcher import Dispatcher
 from numba.core.errors import NumbaIRAssumptionWarning
 from numba.core.ir_utils import alias_analysis_extensions
 from numba.core.typing.templates import infer, infer_global, make_overload_template
 
-from rl_tui.common.kiosk import in_kiosk
-
-LONGEST_UNUSED: Final = 30 * 24 * 3600.0
-_OURS: Final = re.compile(r"\d[\w.+]*-[0-9a-f]{16}")
+from rl_tui.agents.kernels.cache import CACHED, cache_of
 
 Parameters = ParamSpec("Parameters")
 Result = TypeVar("Result")
@@ -43,111 +30,9 @@ class Compiled(Protocol[Parameters, Result_co]):
         """Run the machine code, compiling or reading it from the cache at the first call."""
 
 
-def cache_folder() -> Path:
-    """Return the folder of compiled code, one for each state of the agents' sources, numba and Python.
-
-    Numba itself only watches the file of the function it compiles, so that an edited helper in another file
-    would leave stale code behind; the hash over all sources makes that impossible.
-    """
-    digest = hashlib.sha256()
-    package = Path(__file__).parents[2]
-    for source in sorted([*package.glob("agents/**/*.py"), *package.glob("lab/**/*.py")]):
-        digest.update(source.relative_to(package).as_posix().encode())
-        digest.update(source.read_bytes())
-    return _base() / "kernels" / f"{numba.__version__}-{digest.hexdigest()[:16]}"
-
-
-def _base() -> Path:
-    chosen = os.environ.get("RL_TUI_CACHE_DIR")
-    if chosen:
-        return Path(chosen)
-    try:
-        return platformdirs.user_cache_path("rl-tui", appauthor=False)
-    except RuntimeError:  # nobody knows a home
-        return Path(os.devnull)
-
-
-def _writable(folder: Path) -> bool:
-    """Tell whether ``folder``, made where it is missing, can be written; its time is then that of now."""
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        probe = folder / f"writable-{os.getpid()}"
-        probe.touch()
-        probe.unlink()
-    except OSError:
-        return False
-    return True
-
-
 # Numba wonders about variables that one branch of an inlined function sets and no other reads. Whether the
 # code is right, the comparison with its interpreted form tells.
 warnings.simplefilter("ignore", NumbaIRAssumptionWarning)
-
-
-def prune(kernels: Path, current: Path, now: float) -> None:
-    """Remove the folders in ``kernels`` that no program has started from for thirty days, but ``current``.
-
-    ``now`` is in seconds, as file systems count. A program that runs on an old one for longer has its code in
-    memory, and compiles what else it needs.
-    """
-    with suppress(OSError):
-        for folder in kernels.iterdir():
-            is_ours = _OURS.fullmatch(folder.name) and folder.is_dir() and not folder.is_symlink()
-            if is_ours and folder != current and now - folder.stat().st_mtime > LONGEST_UNUSED:
-                shutil.rmtree(folder, ignore_errors=True)
-
-
-FOLDER: Final = cache_folder()
-# What a kiosk reads, somebody else has compiled before
-READ_ONLY: Final = in_kiosk() or not _writable(FOLDER)
-CACHED: Final = FOLDER.is_dir()
-if CACHED:
-    numba.config.CACHE_DIR = str(FOLDER)
-    prune(FOLDER.parent, FOLDER, time.time())
-
-
-class _ForgivingCache(FunctionCache):  # type: ignore[misc]
-    """A cache on disk that rebuilds what it cannot read and does without where it cannot write."""
-
-    def load_overload(self, sig: Any, target_context: Any) -> CompileResult | None:
-        try:
-            return super().load_overload(sig, target_context)
-        except Exception:  # a damaged file raises whatever its bytes happen to spell
-            with suppress(OSError):
-                self.flush()  # so that the next save starts a new index
-            return None
-
-    def save_overload(self, sig: Any, data: CompileResult) -> None:
-        try:
-            super().save_overload(sig, data)
-        except Exception:  # unreadable index, full disk, folder gone: the code in memory is all we need
-            return
-
-
-class _FinishedFolder(UserProvidedCacheLocator):  # type: ignore[misc]
-    """Where compiled code is read, and nobody tries whether it could be written."""
-
-    def ensure_cache_path(self) -> None:
-        return
-
-
-class _FinishedImplementation(CompileResultCacheImpl):  # type: ignore[misc]
-    _locator_classes: ClassVar = [_FinishedFolder]
-
-
-class _FinishedCache(FunctionCache):  # type: ignore[misc]
-    """A cache on disk that is only read; what is not in it is compiled, and forgotten at the end."""
-
-    _impl_class = _FinishedImplementation
-
-    def load_overload(self, sig: Any, target_context: Any) -> CompileResult | None:
-        try:
-            return super().load_overload(sig, target_context)
-        except Exception:  # damaged, as above
-            return None
-
-    def save_overload(self, sig: Any, data: CompileResult) -> None:
-        return
 
 
 def _keep_written(
@@ -168,8 +53,7 @@ def compiled(function: Callable[Parameters, Result]) -> Compiled[Parameters, Res
     """Compile ``function`` at its first call: without the GIL, strict IEEE arithmetic, cached on disk."""
     dispatcher = numba.njit(nogil=True, fastmath=False, error_model="numpy", _nrt=False)(function)
     if CACHED and not numba.config.DISABLE_JIT:
-        kind = _FinishedCache if READ_ONLY else _ForgivingCache
-        dispatcher._cache = kind(dispatcher.py_func)
+        dispatcher._cache = cache_of(dispatcher.py_func)
     return cast("Compiled[Parameters, Result]", dispatcher)
 
 

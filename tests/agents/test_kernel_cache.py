@@ -1,0 +1,206 @@
+"""What throws compiled code away, and who shares it."""
+
+from __future__ import annotations
+
+import ast
+import os
+import shutil
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from importlib import import_module
+from pathlib import Path
+
+import pytest
+from numba.core.dispatcher import Dispatcher
+
+from rl_tui.agents.catalogue import BY_ID, RULE_BY_ID
+from rl_tui.agents.kernels.cache import cache_folder
+from rl_tui.agents.kernels.cache_key import DECORATORS, PACKAGE, cache_key, imports, kernel_sources
+
+MODULES = {
+    ".".join(("rl_tui", *file.relative_to(PACKAGE).with_suffix("").parts)).removesuffix(".__init__"): file
+    for file in PACKAGE.rglob("*.py")
+}
+
+# A kernel that compiles quickly
+SCRIPT = """
+from pathlib import Path
+import rl_tui
+from rl_tui.agents.kernels.position import discount_rewards, new_position
+
+position = new_position(0)
+position.rewards[:3] = 8.0, 4.0, 2.0
+discount_rewards(position, 0.5, 3, 3)
+print(Path(rl_tui.__file__).parent, position.discounted, sum(discount_rewards.stats.cache_hits.values()))
+"""
+
+TWO_TYPES = """
+from rl_tui.agents.kernels.compiled import compiled
+
+@compiled
+def half(x):
+    return x / 2
+
+print(half(3.0), half(3), sum(half.stats.cache_hits.values()))
+"""
+
+
+def parsed_imports(tree: ast.AST) -> Iterator[str]:
+    """Yield what ``tree`` imports when it runs, as names of modules and of what they may hold."""
+    for node in ast.iter_child_nodes(tree):
+        if isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING":
+            for otherwise in node.orelse:
+                yield from parsed_imports(otherwise)
+            continue
+        if isinstance(node, ast.Import):
+            yield from (each.name for each in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            assert node.module is not None
+            assert node.level == 0
+            yield node.module
+            yield from (f"{node.module}.{each.name}" for each in node.names)
+        yield from parsed_imports(node)
+
+
+def imported(file: Path) -> set[str]:
+    """Return the modules of this package that ``file`` imports, as Python reads it."""
+    return MODULES.keys() & set(parsed_imports(ast.parse(file.read_bytes())))
+
+
+def test_the_key_covers_what_kernels_import_and_no_more() -> None:
+    reached = set[str]()
+    waiting = [module for module, file in MODULES.items() if DECORATORS in imported(file)]
+    assert waiting
+    while waiting:
+        module = waiting.pop()
+        if module not in reached:
+            reached.add(module)
+            waiting += imported(MODULES[module])
+    assert kernel_sources().keys() == reached
+    assert 0 < len(reached) < len(MODULES) / 4
+    assert {module.split(".")[1] for module in reached - {"rl_tui"}} <= {"agents", "worlds", "common"}
+    assert all(source == MODULES[module].read_bytes() for module, source in kernel_sources().items())
+
+
+def test_every_compiled_function_is_in_the_key() -> None:
+    modules = [import_module(module) for module in MODULES if module.startswith("rl_tui.agents")]
+    compiled = {
+        each.py_func.__module__
+        for module in modules
+        for each in vars(module).values()
+        if isinstance(each, Dispatcher)
+    }
+    assert compiled
+    chosen = {each.module for each in (*BY_ID.values(), *RULE_BY_ID.values())}
+    assert compiled | chosen | {DECORATORS} <= kernel_sources().keys()
+
+
+@pytest.mark.parametrize(
+    ("source", "found"),
+    [
+        ("from rl_tui.a import b, c", {"rl_tui.a", "rl_tui.a.b", "rl_tui.a.c"}),
+        (
+            "def f():\n    from rl_tui.a import (\n        b,\n        c,\n    )",
+            {"rl_tui.a", "rl_tui.a.b", "rl_tui.a.c"},
+        ),
+        ("import rl_tui.a.b as c", {"rl_tui.a.b"}),
+        ("import rl_tui", {"rl_tui"}),
+        ("if TYPE_CHECKING:\n    from rl_tui.a import b\n\nimport rl_tui.c", {"rl_tui.c"}),
+        ("from else_tui.a import b\nx = 'rl_tui.a'", set()),
+    ],
+)
+def test_imports_are_found_wherever_they_stand(source: str, found: set[str]) -> None:
+    assert imports(source.encode()) == found
+
+
+@pytest.fixture(scope="module")
+def clones(tmp_path_factory: pytest.TempPathFactory) -> list[Path]:
+    """Two folders with a copy of the package each."""
+    folders = [tmp_path_factory.mktemp(name) for name in ("one", "other")]
+    for folder in folders:
+        shutil.copytree(PACKAGE, folder / "rl_tui", ignore=shutil.ignore_patterns("__pycache__"))
+    return folders
+
+
+def test_the_key_is_the_same_wherever_the_package_stands(clones: list[Path]) -> None:
+    assert {cache_key(clone / "rl_tui") for clone in clones} == {cache_key()} == {cache_folder().name}
+
+
+@pytest.mark.parametrize(
+    ("module", "old", "new", "counts"),
+    [
+        ("rl_tui.lab.run.run", "def advance", "def advance ", False),
+        ("rl_tui.tui.app.app", "import", "import ", False),
+        ("rl_tui.agents.learner", "def advance", "def advance ", False),
+        ("rl_tui.agents.kernels.stop", "DIVERGED = 2", "DIVERGED = 9", True),
+        ("rl_tui.agents.kernels.settings", "def step_size", "def step_size ", True),
+        ("rl_tui.agents.algorithms.q_learning", "def", "def ", True),
+        ("rl_tui.agents.policies.ucb", "def", "def ", True),
+        ("rl_tui.worlds.mdp.space", "def", "def ", True),
+    ],
+)
+def test_only_an_edit_of_what_kernels_come_from_throws_them_away(
+    clones: list[Path], module: str, old: str, new: str, counts: bool
+) -> None:
+    with edited(clones[0] / "rl_tui", module, old, new) as package:
+        assert (cache_key(package) != cache_key()) == counts
+    assert cache_key(package) == cache_key()
+
+
+def test_schedules_in_another_order_are_other_kernels(clones: list[Path]) -> None:
+    old, new = '"constant", "linear"', '"linear", "constant"'
+    with edited(clones[0] / "rl_tui", "rl_tui.agents.hyperparameters", old, new) as package:
+        assert cache_key(package) != cache_key()
+
+
+@contextmanager
+def edited(package: Path, module: str, old: str, new: str) -> Iterator[Path]:
+    """Let ``new`` stand in place of the first ``old`` in a module of ``package``."""
+    file = package / MODULES[module].relative_to(PACKAGE)
+    text = file.read_text()
+    assert old in text
+    file.write_text(text.replace(old, new, 1))
+    yield package
+    file.write_text(text)
+
+
+def run(clone: Path, script: str, cache: Path, **also: str) -> str:
+    environment = os.environ | {"PYTHONPATH": str(clone), "RL_TUI_CACHE_DIR": str(cache), **also}
+    command = [sys.executable, "-W", "error", script]
+    done = subprocess.run(command, env=environment, capture_output=True, text=True, check=True)
+    return done.stdout.strip()
+
+
+def files(folder: Path) -> dict[Path, int]:
+    return {path: path.stat().st_mtime_ns for path in folder.rglob("*") if path.is_file()}
+
+
+def test_another_clone_reads_what_the_first_compiled(clones: list[Path], tmp_path: Path) -> None:
+    one, other = clones
+    script, cache = tmp_path / "script.py", tmp_path / "cache"
+    script.write_text(SCRIPT)
+    answer = "[10.5    0.125]"
+    assert run(one, str(script), cache) == f"{one / 'rl_tui'} {answer} 0"
+    compiled = files(cache)
+    assert len(compiled) == 2  # an index and the code
+    assert run(other, str(script), cache) == f"{other / 'rl_tui'} {answer} 1"
+    assert run(other, str(script), cache, RL_TUI_KIOSK="1") == f"{other / 'rl_tui'} {answer} 1"
+    assert files(cache) == compiled
+    # Another processor's code stands beside it
+    assert run(other, str(script), cache, NUMBA_CPU_NAME="generic").endswith(" 0")
+    assert len(files(cache)) == 3
+    assert run(one, str(script), cache).endswith(" 1")
+
+
+def test_code_for_other_types_is_not_taken(tmp_path: Path) -> None:
+    script, cache = tmp_path / "script.py", tmp_path / "cache"
+    script.write_text(TWO_TYPES)
+    assert run(PACKAGE.parent, str(script), cache) == "1.5 1.5 0"
+    assert run(PACKAGE.parent, str(script), cache) == "1.5 1.5 2"
+    one, other = sorted(cache.rglob("*.nbc"))
+    one_code, other_code = one.read_bytes(), other.read_bytes()
+    one.write_bytes(other_code)
+    other.write_bytes(one_code)
+    assert run(PACKAGE.parent, str(script), cache) == "1.5 1.5 0"
