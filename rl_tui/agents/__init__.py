@@ -1,1 +1,1 @@
-"""Who learns: action rules, update rules, planners and their compiled kernels."""
+"""The agents: policies, algorithms, planners and their compiled kernels."""

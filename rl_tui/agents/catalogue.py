@@ -1,4 +1,4 @@
-"""The algorithms and action rules, a row each. Free of numba, so that lists and help are quick."""
+"""The algorithms and policies, a row each. Free of numba, so that lists and help are quick."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ class Algorithm:
     """One algorithm as people see it and where its code is.
 
     ``module`` holds its memory and update rule; ``parameters`` names its hyper-parameters in the order of the
-    controls panel, those of the action rule apart; ``source`` is the box in Sutton & Barto (2nd ed.) that it
+    controls panel, those of the policy apart; ``source`` is the box in Sutton & Barto (2nd ed.) that it
     follows. A planner takes no steps in the world: it backs up one state after the other with the model.
-    ``update`` tells how its update is written.
+    ``update`` says how its update is written.
     """
 
     id: str
@@ -161,8 +161,8 @@ BY_ID: Final = {algorithm.id: algorithm for algorithm in ALGORITHMS}
 
 
 @dataclass(frozen=True, slots=True)
-class ActionRule:
-    """One way of choosing actions, and where its code is; ``bandits_only``: it knows one state only."""
+class Policy:
+    """One way of choosing actions, and where its code is; ``bandits_only``: it works in one state only."""
 
     id: str
     name: str
@@ -174,8 +174,8 @@ class ActionRule:
     bandits_only: bool = False
 
 
-ACTION_RULES: Final[tuple[ActionRule, ...]] = (
-    ActionRule(
+POLICIES: Final[tuple[Policy, ...]] = (
+    Policy(
         id="epsilon-greedy",
         name="ε-greedy",
         summary="the best action, but with probability ε any action at random; ε = 0 is greedy",
@@ -184,7 +184,7 @@ ACTION_RULES: Final[tuple[ActionRule, ...]] = (
         module="rl_tui.agents.policies.epsilon_greedy",
         parameters=("epsilon", "epsilon_schedule", "epsilon_min", "epsilon_decay", "ties"),
     ),
-    ActionRule(
+    Policy(
         id="softmax",
         name="softmax",
         summary="the better an action looks, the likelier it is; τ says by how much",
@@ -193,7 +193,7 @@ ACTION_RULES: Final[tuple[ActionRule, ...]] = (
         module="rl_tui.agents.policies.softmax",
         parameters=("temperature",),
     ),
-    ActionRule(
+    Policy(
         id="ucb",
         name="UCB",
         summary="the best of what each action might still turn out to be worth",
@@ -202,7 +202,7 @@ ACTION_RULES: Final[tuple[ActionRule, ...]] = (
         module="rl_tui.agents.policies.ucb",
         parameters=("confidence", "ties"),
     ),
-    ActionRule(
+    Policy(
         id="gradient",
         name="gradient bandit",
         summary="learns preferences in place of values; a reward above the baseline raises one",
@@ -212,7 +212,7 @@ ACTION_RULES: Final[tuple[ActionRule, ...]] = (
         parameters=("baseline",),
         bandits_only=True,
     ),
-    ActionRule(
+    Policy(
         id="thompson",
         name="Thompson sampling",
         summary="draws what each arm may be worth from what is known of it, and takes the best draw",
@@ -224,7 +224,7 @@ ACTION_RULES: Final[tuple[ActionRule, ...]] = (
     ),
 )
 
-RULE_BY_ID: Final = {rule.id: rule for rule in ACTION_RULES}
+POLICY_BY_ID: Final = {policy.id: policy for policy in POLICIES}
 
 
 def algorithm_of(algorithm: str) -> Algorithm:
@@ -240,4 +240,4 @@ def parameters_of(algorithm: str, policy: str) -> tuple[str, ...]:
     if "policy" not in own:
         return own
     place = own.index("policy") + 1
-    return (*own[:place], *RULE_BY_ID[policy].parameters, *own[place:])
+    return (*own[:place], *POLICY_BY_ID[policy].parameters, *own[place:])

@@ -1,10 +1,10 @@
-"""Which algorithm and action rule can work in which world."""
+"""Which algorithm and policy can work in which world."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from rl_tui.agents.catalogue import RULE_BY_ID, algorithm_of
+from rl_tui.agents.catalogue import POLICY_BY_ID, algorithm_of
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.common.errors import UserError
 from rl_tui.worlds.mdp.space import FiniteSpace
@@ -12,13 +12,13 @@ from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
 
 def is_bandit(space: FiniteSpace) -> bool:
-    """Tell whether every step of ``space`` is taken in the same state and ends the episode."""
+    """Return True if every step of ``space`` is taken in the same state and ends the episode."""
     if not isinstance(space, TabularMDP) or not space.terminated.all():
         return False
     return int(np.count_nonzero(np.diff(space.first_pair))) == 1
 
 
-def incompatibility(space: FiniteSpace, algorithm: str, told: Hyperparameters) -> str:
+def incompatibility(space: FiniteSpace, algorithm: str, hyperparameters: Hyperparameters) -> str:
     """Return why ``algorithm`` cannot work in ``space`` and what to take instead; empty where it can.
 
     Raises ValueError if there is no algorithm of that id.
@@ -31,19 +31,19 @@ def incompatibility(space: FiniteSpace, algorithm: str, told: Hyperparameters) -
             f"{chosen.name} plans with the transition table, and this environment has none: take an "
             f"algorithm that learns, such as q-learning"
         )
-    rule = RULE_BY_ID[told.policy]
-    if rule.bandits_only and not is_bandit(space):
-        return f"policy {rule.id} is for bandits: take epsilon-greedy, softmax or ucb here"
-    if rule.id == "gradient" and told.sample_average:
+    policy = POLICY_BY_ID[hyperparameters.policy]
+    if policy.bandits_only and not is_bandit(space):
+        return f"policy {policy.id} is for bandits: take epsilon-greedy, softmax or ucb here"
+    if policy.id == "gradient" and hyperparameters.sample_average:
         return "policy gradient needs a step size: give a number for alpha, such as 0.1"
     return ""
 
 
-def check_compatible(space: FiniteSpace, algorithm: str, told: Hyperparameters) -> None:
+def check_compatible(space: FiniteSpace, algorithm: str, hyperparameters: Hyperparameters) -> None:
     """Raise UserError, saying what to take instead, where ``algorithm`` cannot work in ``space``.
 
     Raises ValueError if there is no algorithm of that id.
     """
-    refused = incompatibility(space, algorithm, told)
+    refused = incompatibility(space, algorithm, hyperparameters)
     if refused:
         raise UserError(refused)

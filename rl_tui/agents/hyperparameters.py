@@ -1,4 +1,4 @@
-"""The numbers that a person may turn: their names, ranges and defaults."""
+"""The hyper-parameters: their names, ranges and defaults."""
 
 from __future__ import annotations
 
@@ -7,11 +7,12 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
 from typing import Any, Final, Literal, cast
 
+from rl_tui.agents.catalogue import POLICY_BY_ID
+
 SAMPLE_AVERAGE: Final = "sample-average"
 StepSize = float | Literal["sample-average"]
 Ties = Literal["random", "first"]
 SCHEDULES: Final = ("constant", "linear", "exponential")
-POLICIES: Final = ("epsilon-greedy", "softmax", "ucb", "gradient", "thompson")
 BASELINES: Final = ("mean", "none")
 TRACES: Final = ("replacing", "accumulating")
 MOST_STEPS: Final = 1_000
@@ -78,7 +79,7 @@ class Parameter:
         return "lambda_" if self.name == "lambda" else self.name
 
     def accepts(self, value: object) -> bool:
-        """Tell whether ``value`` is one of its words or a finite number within its range."""
+        """Return True if ``value`` is one of its words or a finite number within its range."""
         if isinstance(value, str):
             return value in self.words
         if isinstance(value, bool) or not isinstance(value, (int, float)) or self.range is None:
@@ -110,7 +111,7 @@ PARAMETERS: Final[Mapping[str, Parameter]] = {
         Parameter(
             "gamma", "γ", "discount: what a reward is worth one step later", Range(0, 1), slide=Slide()
         ),
-        Parameter("policy", "policy", "how actions are chosen", words=POLICIES),
+        Parameter("policy", "policy", "how actions are chosen", words=tuple(POLICY_BY_ID)),
         Parameter("epsilon", "ε", "exploration: probability of a random action", Range(0, 1), slide=Slide()),
         Parameter(
             "epsilon_schedule",
@@ -163,7 +164,7 @@ PARAMETERS: Final[Mapping[str, Parameter]] = {
 
 @dataclass(frozen=True, slots=True)
 class Hyperparameters:
-    """Everything a learner is told besides the world; :data:`PARAMETERS` gives the ranges.
+    """The hyper-parameters of a learner; :data:`PARAMETERS` gives the ranges.
 
     In episode n (from 0) a schedule that is exponential makes ε_min + (ε − ε_min)·exp(−decay·n) of ε, a
     linear one ε − decay·n down to ε_min; with a decay of 0 it is ε, and so it is where the schedule is

@@ -24,7 +24,7 @@ class LastStep:
     ``step`` and ``episode`` count from 1. ``outcome`` indexes the outcomes of the MDP: the pair's action is
     what was meant, outcome_action[outcome] what happened; it is −1 where the environment was stepped for
     real. ``explored`` says that the action was drawn at random with probability ``epsilon`` (it may be the
-    greedy one all the same), or by rules without an ε that it was not a greedy one.
+    greedy one all the same), or, under policies without an ε, that it was not a greedy one.
 
     ``episode_step`` counts the steps of its episode, this one included. ``by_hand`` says that a person chose
     the action.

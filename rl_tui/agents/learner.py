@@ -1,4 +1,4 @@
-"""A learner: one declared set of arrays, two random streams, and where it stands."""
+"""A learner: one declared set of arrays, two random streams, and its position."""
 
 from __future__ import annotations
 
@@ -9,21 +9,21 @@ from typing import Any, Final
 import numpy as np
 
 from rl_tui.agents.breakdown import breakdown
-from rl_tui.agents.catalogue import BY_ID, RULE_BY_ID
+from rl_tui.agents.catalogue import BY_ID, POLICY_BY_ID
 from rl_tui.agents.compatibility import check_compatible
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.agents.kernels.drift import Drifted, drifted_by, new_drift
 from rl_tui.agents.kernels.loop import advance, start_state
+from rl_tui.agents.kernels.parameters import kernel_parameters, schedules_of
 from rl_tui.agents.kernels.planning_loop import sweep
-from rl_tui.agents.kernels.position import NOBODY
-from rl_tui.agents.kernels.settings import schedules_of, settings_of
+from rl_tui.agents.kernels.position import NOT_FORCED
 from rl_tui.agents.kernels.stepped_loop import SteppedLoop
 from rl_tui.agents.kernels.stop import Stop
 from rl_tui.agents.kernels.tables import Tables, tables_of
 from rl_tui.agents.kernels.watch import forget, new_watch, noticed_by
 from rl_tui.agents.kernels.watching import Noticed, Watching
 from rl_tui.agents.last_step import Author
-from rl_tui.agents.learner_counters import EPISODES_LOGGED, Standing
+from rl_tui.agents.learner_counters import EPISODES_LOGGED, LearnerCounters
 from rl_tui.agents.learner_state import LearnerState, Planned, arrays_of, copies, put_back
 from rl_tui.common.errors import UserError
 from rl_tui.common.streams import Streams
@@ -37,13 +37,13 @@ _WARM: Final = set[tuple[str, str, bool]]()
 _FOR_GOOD: Final = (Stop.DIVERGED, Stop.ENDLESS_EPISODE, Stop.MEMORY_FULL, Stop.WORLD_FAILED)
 
 
-class Learner(Standing):
+class Learner(LearnerCounters):
     """An algorithm at work in a world.
 
     ``q`` (float64) and ``visits`` (int64), both [P], are the live arrays: read them between calls of
     :meth:`advance`, never during one. Equal arguments give equal bits, however the work is cut into calls.
-    ``environment`` is stepped where ``space`` is no table. Raises UserError where the algorithm or the action
-    rule cannot work in ``space``.
+    ``environment`` is stepped where ``space`` is no table. Raises UserError where the algorithm or the
+    policy cannot work in ``space``.
     """
 
     def __init__(
@@ -79,19 +79,19 @@ class Learner(Standing):
     def configure(self, hyperparameters: Hyperparameters) -> None:
         """Take these hyper-parameters from the next step on; ``initial_q`` only counts in the constructor.
 
-        What an action rule has learned is kept while the rule stays the same. Raises UserError where they
-        cannot work here.
+        What a policy has learned is kept while the policy stays the same. Raises UserError where they cannot
+        work here.
         """
         check_compatible(self.space, self.algorithm, hyperparameters)
         other_ties = hyperparameters.ties != self.hyperparameters.ties
         if hyperparameters.policy != self.hyperparameters.policy:
             self._take_rule(hyperparameters)
         else:
-            self._rule = self._rule_module.changed_rule(self._rule, hyperparameters)
-            self._take_settings(hyperparameters)
+            self._rule = self._policy_module.changed_rule(self._rule, hyperparameters)
+            self._take_hyperparameters(hyperparameters)
         if other_ties:
             noticed = self._watch.noticed
-            self.watch(self._watching)  # what was greedy before has to be told by the new rule
+            self.watch(self._watching)  # the new tie rule says what was greedy before
             self._watch.noticed[:] = noticed
         self._go_on_planning()
 
@@ -111,13 +111,13 @@ class Learner(Standing):
         self._go_on_planning()
 
     def _take_rule(self, hyperparameters: Hyperparameters) -> None:
-        self._rule_module = importlib.import_module(RULE_BY_ID[hyperparameters.policy].module)
-        self._rule = self._rule_module.new_rule(self.space, hyperparameters)
-        self._take_settings(hyperparameters)
+        self._policy_module = importlib.import_module(POLICY_BY_ID[hyperparameters.policy].module)
+        self._rule = self._policy_module.new_rule(self.space, hyperparameters)
+        self._take_hyperparameters(hyperparameters)
 
-    def _take_settings(self, hyperparameters: Hyperparameters) -> None:
+    def _take_hyperparameters(self, hyperparameters: Hyperparameters) -> None:
         self.hyperparameters = hyperparameters
-        self._settings = settings_of(hyperparameters)
+        self._params = kernel_parameters(hyperparameters)
         self._schedules = schedules_of(hyperparameters)
 
     def _take_algorithm(self, algorithm: str) -> None:
@@ -195,9 +195,8 @@ class Learner(Standing):
         or a pair is unknown.
         """
         self._watching = watching
-        told = watching or Watching()
         random_ties = self.hyperparameters.ties == "random"
-        self._watch = new_watch(told, self.space, self._tables, self.q, random_ties)
+        self._watch = new_watch(watching or Watching(), self.space, self._tables, self.q, random_ties)
 
     @property
     def noticed(self) -> Noticed:
@@ -224,7 +223,7 @@ class Learner(Standing):
         try:
             return self.advance(1)
         finally:
-            self._position.forced[0] = NOBODY
+            self._position.forced[0] = NOT_FORCED
 
     def advance(self, steps: int, episodes: int = UNLIMITED) -> Stop:
         """Take ``steps`` steps or finish ``episodes`` more episodes, whichever comes first.
@@ -258,10 +257,10 @@ class Learner(Standing):
     def _advance(self, steps: int, episodes: int) -> int:
         if self.plans:
             return self._plan(steps, episodes)
-        told = (self._memory, self._rule, self._settings, self._schedules, self._tables)
+        args = (self._memory, self._rule, self._params, self._schedules, self._tables)
         if self._stepped is not None:
             return self._stepped.advance(
-                *told,
+                *args,
                 self._position,
                 self._log,
                 self._last,
@@ -271,7 +270,7 @@ class Learner(Standing):
                 episodes,
             )
         return advance(
-            *told,
+            *args,
             self._drift,
             self._position,
             self._log,
@@ -287,7 +286,7 @@ class Learner(Standing):
         before, swept = self.step, self.episodes
         stop = sweep(
             self._memory,
-            self._settings,
+            self._params,
             self._tables_now(),
             self._position,
             self._last,
@@ -308,7 +307,7 @@ class Learner(Standing):
 
     @property
     def is_warm(self) -> bool:
-        """Whether the loop of this algorithm and action rule is compiled, or read from the cache, already."""
+        """Whether the loop of this algorithm and policy is compiled, or read from the cache, already."""
         return self._loop in _WARM
 
     def warm_up(self) -> None:
@@ -338,7 +337,7 @@ class Learner(Standing):
         return LearnerState(
             self.algorithm,
             self.hyperparameters,
-            copies(self._worth_keeping()),
+            copies(self._checkpoint_arrays()),
             copies(arrays_of(self._rule)),
             copies(self._drift),
             copies(self._position),
@@ -349,10 +348,10 @@ class Learner(Standing):
             self._stop,
         )
 
-    def _worth_keeping(self) -> tuple[Any, ...]:
+    def _checkpoint_arrays(self) -> tuple[Any, ...]:
         """Return the memory, of its arrays only the beginning where the algorithm reads no further."""
-        if hasattr(self._module, "worth_keeping"):
-            return tuple(self._module.worth_keeping(self._memory))
+        if hasattr(self._module, "checkpoint_arrays"):
+            return tuple(self._module.checkpoint_arrays(self._memory))
         return tuple(self._memory)
 
     def restore(self, state: LearnerState) -> None:

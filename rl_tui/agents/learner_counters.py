@@ -1,4 +1,4 @@
-"""Where a learner stands, as others may read it between two calls that move it."""
+"""The counters of a learner, to be read between two calls that move it."""
 
 from __future__ import annotations
 
@@ -30,8 +30,8 @@ class Episodes(NamedTuple):
     optimal: BoolArray
 
 
-class Standing:
-    """The counts, the last step and the episode under way of a learner with ``algorithm``."""
+class LearnerCounters:
+    """The counters, the last step and the episode under way of a learner with ``algorithm``."""
 
     def __init__(self, algorithm: str) -> None:
         self.algorithm = algorithm

@@ -43,7 +43,7 @@ class LearnerState:
 
 
 def arrays_of(parts: Iterable[Any]) -> Arrays:
-    """Return those of ``parts`` that are arrays: what an action rule has learned."""
+    """Return those of ``parts`` that are arrays: what a policy has learned."""
     return tuple(part for part in parts if isinstance(part, np.ndarray))
 
 
@@ -53,6 +53,6 @@ def copies(arrays: Iterable[Any]) -> Arrays:
 
 
 def put_back(arrays: Iterable[Any], kept: Arrays) -> None:
-    """Make each of ``arrays``, [n], begin with what was ``kept`` of it; what is behind that nobody reads."""
+    """Write the ``kept`` beginning back into each of ``arrays``, [n]; the rest of it is not in use."""
     for array, copy in zip(arrays, kept, strict=True):
         array[: len(copy)] = copy

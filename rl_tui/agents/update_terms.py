@@ -1,4 +1,4 @@
-"""How the update of an algorithm is written, so that the last step can be told in its own symbols."""
+"""The symbols of an algorithm's update, in which the screen writes the last step."""
 
 from __future__ import annotations
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from rl_tui.agents.catalogue import RULE_BY_ID
+from rl_tui.agents.catalogue import POLICY_BY_ID
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.agents.learner import Learner
 from rl_tui.common.streams import streams
@@ -38,7 +38,7 @@ COINS = bernoulli([0.2, 0.9, 0.5, 1.0])
 
 
 def new_rule(told: Hyperparameters, mdp: TabularMDP = TESTBED) -> Any:
-    return importlib.import_module(RULE_BY_ID[told.policy].module).new_rule(mdp, told)
+    return importlib.import_module(POLICY_BY_ID[told.policy].module).new_rule(mdp, told)
 
 
 def learner(mdp: TabularMDP, told: Hyperparameters, seed: int = 0) -> Learner:

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rl_tui.agents.catalogue import RULE_BY_ID
+from rl_tui.agents.catalogue import POLICY_BY_ID
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.agents.policies.chances import action_chances
 from rl_tui.agents.policies.family import expectation
@@ -59,7 +59,7 @@ def test_the_mean_they_make_is_the_one_that_the_rule_itself_expects(
     told = Hyperparameters(policy=policy, ties=ties, epsilon=0.3, temperature=0.7)
     estimates, visits = np.array(q), np.array(counts[: len(q)], dtype=np.int64)
     space = FiniteSpace(("s",), tuple(map(str, q)), np.array([0, len(q)]), np.arange(len(q)), 0)
-    rule = importlib.import_module(RULE_BY_ID[policy].module).new_rule(space, told)
+    rule = importlib.import_module(POLICY_BY_ID[policy].module).new_rule(space, told)
     weights = action_chances(told, 0.3, estimates, visits)
     assert weights is not None
     assert weights.sum() == pytest.approx(1.0)

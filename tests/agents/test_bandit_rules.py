@@ -12,8 +12,8 @@ import pytest
 from arms import COINS, NO_VISITS, TESTBED, bandit_of, certain, gaussian, learner, new_rule, pulls
 from scipy import stats
 
-from rl_tui.agents.exact.policy_arrays import gradient, thompson
 from rl_tui.agents.hyperparameters import Hyperparameters
+from rl_tui.agents.policies import gradient, thompson
 from rl_tui.agents.policies.family import expectation
 from rl_tui.agents.policies.thompson import beta_draw, gamma_draw, normal_draw
 from rl_tui.common.errors import UserError

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from exact_reference import lake, student, world
 
-from rl_tui.agents.exact import backward_induction, linear_solve
+from rl_tui.agents.exact import backward_induction, policy_evaluation
 from rl_tui.agents.exact.solve import (
     best_expected_return,
     evaluate,
@@ -174,7 +174,7 @@ def test_a_random_walk_of_a_thousand_states_is_exact() -> None:
 def test_sparse_and_dense_solves_agree(monkeypatch: pytest.MonkeyPatch, gamma: float) -> None:
     mdp = lake("8x8", True)
     dense = solve(mdp, gamma)
-    monkeypatch.setattr(linear_solve, "MOST_DENSE", 0)
+    monkeypatch.setattr(policy_evaluation, "MOST_DENSE", 0)
     sparse = solve(mdp, gamma)
     assert np.abs(sparse.q - dense.q).max() < 1e-12
     assert np.array_equal(sparse.greedy, dense.greedy)

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from rl_tui.agents.hyperparameters import SCHEDULES, Hyperparameters
 from rl_tui.agents.kernels.compiled import compiled
-from rl_tui.agents.kernels.settings import Schedule, scheduled, schedules_of
+from rl_tui.agents.kernels.parameters import Schedule, scheduled, schedules_of
 from rl_tui.agents.learner import Learner
 from rl_tui.common.streams import streams
 from rl_tui.worlds.mdp.tabular_mdp import Outcome, TabularMDP, Transition, tabular_mdp

@@ -13,7 +13,7 @@ from random_worlds import worlds
 from test_every_algorithm import everything, hyperparameters, learner
 from test_stepped_loop import TOLD, Line, Table, facts, lake, untabled
 
-from rl_tui.agents.exact.policy_arrays import greedy_policy
+from rl_tui.agents.exact.solve import greedy_policy
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.agents.kernels import loop, planning_loop, watch
 from rl_tui.agents.kernels.stop import Stop

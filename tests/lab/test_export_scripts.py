@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 from export_samples import ALLOWED, imported, q_of, ran, recipe_of, script_of, table_of
 
-from rl_tui.agents.catalogue import ACTION_RULES, ALGORITHMS
+from rl_tui.agents.catalogue import ALGORITHMS, POLICIES
 from rl_tui.agents.exact.solve import figures, greedy_policy, solve
 from rl_tui.common.errors import UserError
 from rl_tui.lab.export.script import script
@@ -45,7 +45,7 @@ def all_scripts() -> Iterator[tuple[str, str]]:
         yield name, script(recipe_for(scenario), episodes_of(scenario))
     for name in ("frozenlake", "student", "bandit"):
         for algorithm in ALGORITHMS:
-            for rule in ACTION_RULES:
+            for rule in POLICIES:
                 for place, variant in enumerate(VARIANTS):
                     if rule.bandits_only and name != "bandit":
                         continue

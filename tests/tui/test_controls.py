@@ -8,7 +8,7 @@ from itertools import pairwise
 import pytest
 from samples import lake
 
-from rl_tui.agents.catalogue import ACTION_RULES, ALGORITHMS, parameters_of
+from rl_tui.agents.catalogue import ALGORITHMS, POLICIES, parameters_of
 from rl_tui.agents.hyperparameters import PARAMETERS, SAMPLE_AVERAGE, Hyperparameters
 from rl_tui.lab.live.snapshot import Phase, Snapshot
 from rl_tui.tui.panels.controls.controls import in_force, sliders_of
@@ -19,7 +19,7 @@ LAKE = lake()
 EVERY = [
     (algorithm.id, rule.id)
     for algorithm in ALGORITHMS
-    for rule in (ACTION_RULES[:1] if algorithm.planner else ACTION_RULES)
+    for rule in (POLICIES[:1] if algorithm.planner else POLICIES)
 ]
 
 

@@ -9,7 +9,7 @@ from test_playground import playground, press, slider, snapshot, train
 from textual.pilot import Pilot
 from textual.widgets import Input, OptionList
 
-from rl_tui.agents.catalogue import ACTION_RULES, ALGORITHMS, BY_ID
+from rl_tui.agents.catalogue import ALGORITHMS, BY_ID, POLICIES
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.common.errors import UserError
 from rl_tui.lab.live.snapshot import Phase
@@ -57,7 +57,7 @@ def test_every_choice_has_name_summary_and_equation() -> None:
     recipe = recipe_for(find("student"), {}, 0)
     for choice, rows in (
         (algorithm_choice(lake_world().space, recipe, ASCII), ALGORITHMS),
-        (policy_choice(lake_world().space, recipe, ASCII), ACTION_RULES),
+        (policy_choice(lake_world().space, recipe, ASCII), POLICIES),
     ):
         texts = [choice._describe(each).plain for each in choice._candidates]
         assert len(texts) == len(rows)

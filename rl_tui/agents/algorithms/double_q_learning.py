@@ -6,9 +6,9 @@ from typing import Any, NamedTuple
 
 from numpy.random import Generator
 
-from rl_tui.agents.algorithms.family import Transition, Update, learn
+from rl_tui.agents.algorithms.family import Experience, Update, learn
 from rl_tui.agents.kernels.compiled import member_of
-from rl_tui.agents.kernels.settings import Settings, step_size
+from rl_tui.agents.kernels.parameters import KernelParameters, step_size
 from rl_tui.agents.kernels.tables import Tables, pairs_of
 from rl_tui.agents.policies.family import greedy
 from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray, IntArray
@@ -37,14 +37,14 @@ def new_memory(q: FloatArray, visits: IntArray, space: FiniteSpace) -> Memory:
 def _learn(
     memory: Memory,
     rule: Any,
-    settings: Settings,
+    params: KernelParameters,
     tables: Tables,
-    transition: Transition,
+    experience: Experience,
     generator: Generator,
 ) -> Update:
     # With 0.5 probability: Q₁(S,A) ← Q₁(S,A) + α [R + γ Q₂(S′, argmax_a Q₁(S′,a)) − Q₁(S,A)]
     # else:                 Q₂(S,A) ← Q₂(S,A) + α [R + γ Q₁(S′, argmax_a Q₂(S′,a)) − Q₂(S,A)]
-    pair = transition.pair
+    pair = experience.pair
     memory.visits[pair] += 1
     # One draw serves twice: what is left of it below or above 0.5, doubled, is again uniform on [0, 1)
     draw = generator.random()
@@ -55,14 +55,14 @@ def _learn(
     rest = 2.0 * draw if first_table else 2.0 * draw - 1.0
     # A sample average counts the updates of its own table, being the mean of that table's targets
     updates[pair] += 1
-    alpha = step_size(settings, updates[pair])
+    alpha = step_size(params, updates[pair])
     bootstrap = 0.0
-    if not transition.terminated:
-        first, last = pairs_of(tables, transition.next_state)
-        bootstrap = judging[greedy(learning, first, last, settings.random_ties, rest)]
+    if not experience.terminated:
+        first, last = pairs_of(tables, experience.next_state)
+        bootstrap = judging[greedy(learning, first, last, params.random_ties, rest)]
     before = learning[pair]
-    after = before + alpha * (transition.reward + settings.gamma * bootstrap - before)
+    after = before + alpha * (experience.reward + params.gamma * bootstrap - before)
     learning[pair] = after
     memory.q[pair] = (memory.q1[pair] + memory.q2[pair]) / 2.0
     table = 1 if first_table else 2
-    return Update(pair, before, alpha, transition.reward, settings.gamma, bootstrap, after, 0, after, table)
+    return Update(pair, before, alpha, experience.reward, params.gamma, bootstrap, after, 0, after, table)

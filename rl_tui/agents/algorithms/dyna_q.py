@@ -12,10 +12,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.random import Generator
 
-from rl_tui.agents.algorithms.family import Transition, Update, further, learn
+from rl_tui.agents.algorithms.family import Experience, Update, further, learn
 from rl_tui.agents.algorithms.shared.model import THE_END, UNKNOWN, modelled_value
 from rl_tui.agents.kernels.compiled import compiled, member_of
-from rl_tui.agents.kernels.settings import Settings, step_size
+from rl_tui.agents.kernels.parameters import KernelParameters, step_size
 from rl_tui.agents.kernels.tables import Tables
 from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray, IntArray
 
@@ -57,22 +57,22 @@ def new_memory(q: FloatArray, visits: IntArray, space: FiniteSpace) -> Memory:
 def _learn(
     memory: Memory,
     rule: Any,
-    settings: Settings,
+    params: KernelParameters,
     tables: Tables,
-    transition: Transition,
+    experience: Experience,
     generator: Generator,
 ) -> Update:
-    memory.visits[transition.pair] += 1
-    next_state = THE_END if transition.terminated else transition.next_state
+    memory.visits[experience.pair] += 1
+    next_state = THE_END if experience.terminated else experience.next_state
     return learn_and_practise(
-        memory, settings, tables, transition.state, transition.pair, transition.reward, next_state, generator
+        memory, params, tables, experience.state, experience.pair, experience.reward, next_state, generator
     )
 
 
 @compiled
 def learn_and_practise(
     memory: Memory,
-    settings: Settings,
+    params: KernelParameters,
     tables: Tables,
     state: int,
     pair: int,
@@ -80,17 +80,17 @@ def learn_and_practise(
     next_state: int,
     generator: Generator,
 ) -> Update:
-    """Learn from a step and then from n more in the model; the update told of is that of the real step.
+    """Learn from a step and then from n more in the model; the update returned is that of the real step.
 
     The n draws are the generator's. Each picks a state among those observed, and what is left of it between
     two of them, which is uniform again, an action among those taken there.
     """
     q, visits = memory.q, memory.visits
     # Q(S,A) ← Q(S,A) + α [R + γ max_a Q(S′,a) − Q(S,A)]
-    alpha = step_size(settings, visits[pair])
+    alpha = step_size(params, visits[pair])
     before = q[pair]
     bootstrap = modelled_value(q, tables, next_state)
-    after = before + alpha * (reward + settings.gamma * bootstrap - before)
+    after = before + alpha * (reward + params.gamma * bootstrap - before)
     q[pair] = after
     extreme = after
     # Model(S,A) ← R, S′
@@ -103,7 +103,7 @@ def learn_and_practise(
     memory.model_reward[pair] = reward
     memory.model_next[pair] = next_state
     # Loop repeat n times
-    for _ in range(settings.planning_steps):
+    for _ in range(params.planning_steps):
         # S ← random previously observed state
         place = generator.random() * memory.observed_count[0]
         index = int(place)
@@ -114,18 +114,18 @@ def learn_and_practise(
         each = memory.tried[np.int64(tables.first_pair[imagined]) + choice]
         # R, S′ ← Model(S,A);  Q(S,A) ← Q(S,A) + α [R + γ max_a Q(S′,a) − Q(S,A)]
         value = modelled_value(q, tables, memory.model_next[each])
-        target = memory.model_reward[each] + settings.gamma * value
-        q[each] += step_size(settings, visits[each]) * (target - q[each])
+        target = memory.model_reward[each] + params.gamma * value
+        q[each] += step_size(params, visits[each]) * (target - q[each])
         extreme = further(extreme, q[each])
     return Update(
         pair,
         before,
         alpha,
         reward,
-        settings.gamma,
+        params.gamma,
         bootstrap,
         after,
-        settings.planning_steps,
+        params.planning_steps,
         extreme,
         0,
     )

@@ -6,9 +6,9 @@ from typing import Any, NamedTuple
 
 from numpy.random import Generator
 
-from rl_tui.agents.algorithms.family import Transition, Update, learn, one_update
+from rl_tui.agents.algorithms.family import Experience, Update, learn, one_update
 from rl_tui.agents.kernels.compiled import member_of
-from rl_tui.agents.kernels.settings import Settings, step_size
+from rl_tui.agents.kernels.parameters import KernelParameters, step_size
 from rl_tui.agents.kernels.tables import Tables, pairs_of
 from rl_tui.agents.policies.family import expectation
 from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray, IntArray
@@ -30,20 +30,20 @@ def new_memory(q: FloatArray, visits: IntArray, space: FiniteSpace) -> Memory:
 def _learn(
     memory: Memory,
     rule: Any,
-    settings: Settings,
+    params: KernelParameters,
     tables: Tables,
-    transition: Transition,
+    experience: Experience,
     generator: Generator,
 ) -> Update:
     # Q(S,A) ← Q(S,A) + α [R + γ Σ_a π(a|S′) Q(S′,a) − Q(S,A)]
-    pair = transition.pair
+    pair = experience.pair
     memory.visits[pair] += 1
-    alpha = step_size(settings, memory.visits[pair])
+    alpha = step_size(params, memory.visits[pair])
     bootstrap = 0.0
-    if not transition.terminated:
-        first, last = pairs_of(tables, transition.next_state)
+    if not experience.terminated:
+        first, last = pairs_of(tables, experience.next_state)
         bootstrap = expectation(rule, memory.q, memory.visits, first, last)
     before = memory.q[pair]
-    after = before + alpha * (transition.reward + settings.gamma * bootstrap - before)
+    after = before + alpha * (experience.reward + params.gamma * bootstrap - before)
     memory.q[pair] = after
-    return one_update(pair, before, alpha, transition.reward, settings.gamma, bootstrap, after)
+    return one_update(pair, before, alpha, experience.reward, params.gamma, bootstrap, after)

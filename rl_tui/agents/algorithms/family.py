@@ -7,13 +7,13 @@ from typing import Any, NamedTuple
 from numpy.random import Generator
 
 from rl_tui.agents.kernels.compiled import inlined, inlined_by_type
-from rl_tui.agents.kernels.settings import Settings
+from rl_tui.agents.kernels.parameters import KernelParameters
 from rl_tui.agents.kernels.tables import Tables, pairs_of
 from rl_tui.agents.policies.family import choose
 
 
-class Transition(NamedTuple):
-    """What the environment answered: the pair taken in ``state``, its reward, and where it led."""
+class Experience(NamedTuple):
+    """One step in the environment: the pair taken in ``state``, its reward, and where it led."""
 
     state: int
     pair: int
@@ -28,7 +28,7 @@ class Update(NamedTuple):
 
     The target is ``gathered`` + ``discount``·``bootstrap``, the bootstrap being an estimate as it was before
     the update. One step gathers its reward and discounts by γ; n steps gather a discounted sum and discount
-    by γⁿ; after = before + step_size·(target − before) always. ``others`` tells how many further updates the
+    by γⁿ; after = before + step_size·(target − before) always. ``others`` is how many further updates the
     same step made (traces, planning), ``extreme`` which of all new estimates is furthest from 0, so that none
     runs away unseen. ``table`` is 1 or 2 where there are two tables of estimates, 0 where there is one.
     """
@@ -67,7 +67,7 @@ def no_update() -> Update:
 
 @inlined
 def with_others(update: Update, others: int, extreme: float) -> Update:
-    """Return ``update`` as the one told of a step that made ``others`` besides, the furthest ``extreme``."""
+    """Return ``update`` as that of a step with ``others`` besides it, the largest estimate ``extreme``."""
     return Update(
         update.pair,
         update.before,
@@ -84,13 +84,13 @@ def with_others(update: Update, others: int, extreme: float) -> Update:
 
 @inlined
 def further(extreme: float, estimate: float) -> float:
-    """Return whichever is further from 0; not a number counts as further than all."""
+    """Return the estimate that is further from 0; NaN counts as further than all."""
     return estimate if not abs(estimate) <= abs(extreme) else extreme
 
 
 @inlined_by_type
 def act(memory: Any, rule: Any, tables: Tables, state: int, generator: Generator) -> tuple[int, bool]:
-    """Choose the pair to take in ``state``; tell whether it was drawn to explore.
+    """Choose the pair to take in ``state``; the second value is True if it was drawn to explore.
 
     Most algorithms choose A from S using the policy derived from Q. Those that have chosen already, when they
     arrived, bring a member of their own.
@@ -100,22 +100,27 @@ def act(memory: Any, rule: Any, tables: Tables, state: int, generator: Generator
 
 
 @inlined_by_type
-def overruled(memory: Any, tables: Tables, state: int, pair: int) -> None:
-    """Take note that a person takes ``pair`` in ``state``, whatever was to be taken.
+def on_override(memory: Any, tables: Tables, state: int, pair: int) -> None:
+    """Note that a person takes ``pair`` in ``state`` in place of the agent.
 
-    Called in place of :func:`act`, before the step. Most algorithms need do nothing: they learn from what was
-    taken, and a pair that they chose on arrival gives way to the next one they choose.
+    Called in place of :func:`act`, before the step. Most algorithms need do nothing: they learn from the pair
+    taken, and a pair that they chose on arrival is replaced by the next one they choose.
     """
     return
 
 
 @inlined_by_type
 def learn(
-    memory: Any, rule: Any, settings: Settings, tables: Tables, transition: Transition, generator: Generator
+    memory: Any,
+    rule: Any,
+    params: KernelParameters,
+    tables: Tables,
+    experience: Experience,
+    generator: Generator,
 ) -> Update:
-    """Update the memory with one transition.
+    """Update the memory with the experience of one step.
 
-    After a terminated transition nothing follows: the bootstrap is 0. A truncated one still bootstraps, but
+    After a terminated step nothing follows: the bootstrap is 0. A truncated one still bootstraps, but
     what an algorithm remembers of the episode ends there as well.
     """
     raise NotImplementedError
@@ -123,12 +128,12 @@ def learn(
 
 @inlined_by_type
 def has_room(memory: Any) -> bool:
-    """Tell whether the memory can take another step of this episode."""
+    """Return True if the memory can take another step of this episode."""
     return True
 
 
 @inlined_by_type
-def back_up(memory: Any, settings: Settings, tables: Tables, state: int, sweep: int) -> Update:
+def back_up(memory: Any, params: KernelParameters, tables: Tables, state: int, sweep: int) -> Update:
     """Take a planner's next step: back up ``state`` in ``sweep``, counted from 0.
 
     The update is that of the best pair; ``others`` counts those of the state that moved besides it.
@@ -137,6 +142,6 @@ def back_up(memory: Any, settings: Settings, tables: Tables, state: int, sweep: 
 
 
 @inlined_by_type
-def has_converged(memory: Any, settings: Settings) -> bool:
-    """Tell at the end of a sweep whether a planner is done."""
+def has_converged(memory: Any, params: KernelParameters) -> bool:
+    """Return True, at the end of a sweep, if the planner is done."""
     raise NotImplementedError

@@ -7,9 +7,9 @@ from typing import Any, Final, NamedTuple
 import numpy as np
 from numpy.random import Generator
 
-from rl_tui.agents.algorithms.family import Transition, Update, further, has_room, learn, no_update
+from rl_tui.agents.algorithms.family import Experience, Update, further, has_room, learn, no_update
 from rl_tui.agents.kernels.compiled import member_of
-from rl_tui.agents.kernels.settings import Settings, step_size
+from rl_tui.agents.kernels.parameters import KernelParameters, step_size
 from rl_tui.agents.kernels.tables import Tables, pairs_of
 from rl_tui.agents.policies.family import expectation
 from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray, IntArray
@@ -45,7 +45,7 @@ def new_memory(q: FloatArray, visits: IntArray, space: FiniteSpace) -> Memory:
     )
 
 
-def worth_keeping(memory: Memory) -> Memory:
+def checkpoint_arrays(memory: Memory) -> Memory:
     """Return the memory without the room that the episode under way has not filled."""
     length = int(memory.length[0])
     return memory._replace(pairs=memory.pairs[:length], rewards=memory.rewards[:length])
@@ -60,41 +60,41 @@ def _has_room(memory: Memory) -> bool:
 def _learn(
     memory: Memory,
     rule: Any,
-    settings: Settings,
+    params: KernelParameters,
     tables: Tables,
-    transition: Transition,
+    experience: Experience,
     generator: Generator,
 ) -> Update:
     """Store the step; walk back over the episode at its end.
 
     A terminated episode has its whole return. A truncated one would have gone on: to call what came after
     the cut 0 would teach that the time limit is an end of the world, so it counts as what the policy may
-    expect there. The walk moves that with it, discounted, apart from the rewards it gathers. Told is the last
-    update of the walk, that of the first step of the episode, whose target is the return of all of it.
+    expect there. The walk moves that with it, discounted, apart from the rewards it gathers. The update
+    returned is the last of the walk: that of the first step, whose target is the return of the episode.
     """
-    memory.visits[transition.pair] += 1
-    memory.pairs[memory.length[0]] = transition.pair
-    memory.rewards[memory.length[0]] = transition.reward
+    memory.visits[experience.pair] += 1
+    memory.pairs[memory.length[0]] = experience.pair
+    memory.rewards[memory.length[0]] = experience.reward
     memory.length[0] += 1
-    if not (transition.terminated or transition.truncated):
+    if not (experience.terminated or experience.truncated):
         return no_update()
     bootstrap = 0.0
-    if transition.truncated:
-        first, last = pairs_of(tables, transition.next_state)
+    if experience.truncated:
+        first, last = pairs_of(tables, experience.next_state)
         bootstrap = expectation(rule, memory.q, memory.visits, first, last)
     gathered, discount, extreme = 0.0, 1.0, 0.0
-    pair, before, alpha, after = transition.pair, 0.0, 0.0, 0.0
+    pair, before, alpha, after = experience.pair, 0.0, 0.0, 0.0
     # Loop for each step of episode, t = T−1, T−2, …, 0
     length = memory.length[0]
     for back in range(length):
         # G ← γG + R_{t+1}
         step = length - 1 - back
-        gathered = settings.gamma * gathered + memory.rewards[step]
-        discount *= settings.gamma
+        gathered = params.gamma * gathered + memory.rewards[step]
+        discount *= params.gamma
         # N(S_t,A_t) ← N(S_t,A_t) + 1;  Q(S_t,A_t) ← Q(S_t,A_t) + α [G − Q(S_t,A_t)], α = 1/N for the average
         pair = memory.pairs[step]
         memory.updates[pair] += 1
-        alpha = step_size(settings, memory.updates[pair])
+        alpha = step_size(params, memory.updates[pair])
         before = memory.q[pair]
         after = before + alpha * (gathered + discount * bootstrap - before)
         memory.q[pair] = after

@@ -7,11 +7,11 @@ from typing import Any, Final, NamedTuple
 import numpy as np
 from numpy.random import Generator
 
-from rl_tui.agents.algorithms.family import Transition, Update, act, further, learn, no_update, with_others
+from rl_tui.agents.algorithms.family import Experience, Update, act, further, learn, no_update, with_others
 from rl_tui.agents.algorithms.shared.next_action import choose_next, nothing_chosen, take_chosen
 from rl_tui.agents.hyperparameters import MOST_STEPS
 from rl_tui.agents.kernels.compiled import inlined, member_of
-from rl_tui.agents.kernels.settings import Settings, step_size
+from rl_tui.agents.kernels.parameters import KernelParameters, step_size
 from rl_tui.agents.kernels.tables import Tables
 from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray, IntArray
 
@@ -59,27 +59,27 @@ def _act(memory: Memory, rule: Any, tables: Tables, state: int, generator: Gener
 def _learn(
     memory: Memory,
     rule: Any,
-    settings: Settings,
+    params: KernelParameters,
     tables: Tables,
-    transition: Transition,
+    experience: Experience,
     generator: Generator,
 ) -> Update:
     # Store R_{t+1}; if S_{t+1} is not terminal, select and store A_{t+1} ~ π(·|S_{t+1})
-    time, pair = memory.time[0], transition.pair
+    time, pair = memory.time[0], experience.pair
     memory.visits[pair] += 1
     memory.pairs[time % _ROOM] = pair
-    memory.rewards[time % _ROOM] = transition.reward
+    memory.rewards[time % _ROOM] = experience.reward
     time += 1
     memory.pairs[time % _ROOM] = choose_next(
-        memory.chosen, rule, memory.q, memory.visits, tables, transition, generator
+        memory.chosen, rule, memory.q, memory.visits, tables, experience, generator
     )
     # τ ← t − n + 1: the step whose estimate is updated. Where n was made smaller several are due, where it
     # was made greater none for a while; after the last step of an episode all are, until τ = T − 1
-    ended = transition.terminated or transition.truncated
+    ended = experience.terminated or experience.truncated
     update = no_update()
     extreme, made = 0.0, 0
-    for due in range(memory.time[1], time if ended else time - settings.steps + 1):
-        update = _update(memory, settings, due, min(due + settings.steps, time), time, transition.terminated)
+    for due in range(memory.time[1], time if ended else time - params.steps + 1):
+        update = _update(memory, params, due, min(due + params.steps, time), time, experience.terminated)
         extreme = further(extreme, update.after)
         made += 1
     memory.time[0] = 0 if ended else time
@@ -88,13 +88,15 @@ def _learn(
 
 
 @inlined
-def _update(memory: Memory, settings: Settings, due: int, last: int, time: int, terminated: bool) -> Update:
+def _update(
+    memory: Memory, params: KernelParameters, due: int, last: int, time: int, terminated: bool
+) -> Update:
     """Update the pair of step ``due`` with the rewards up to that of step ``last``."""
     # G ← Σ γ^(i−τ−1) R_i for i from τ+1 to min(τ+n, T)
     gathered, discount = 0.0, 1.0
     for step in range(due, last):
         gathered += discount * memory.rewards[step % _ROOM]
-        discount *= settings.gamma
+        discount *= params.gamma
     # If τ + n < T: G ← G + γⁿ Q(S_{τ+n}, A_{τ+n}); a truncated episode would have gone on
     bootstrap = 0.0
     if last < time or not terminated:
@@ -102,7 +104,7 @@ def _update(memory: Memory, settings: Settings, due: int, last: int, time: int, 
     # Q(S_τ,A_τ) ← Q(S_τ,A_τ) + α [G − Q(S_τ,A_τ)]
     pair = memory.pairs[due % _ROOM]
     memory.updates[pair] += 1
-    alpha = step_size(settings, memory.updates[pair])
+    alpha = step_size(params, memory.updates[pair])
     before = memory.q[pair]
     after = before + alpha * (gathered + discount * bootstrap - before)
     memory.q[pair] = after

@@ -24,7 +24,7 @@ from rl_tui.agents.algorithms.shared.backups import (
     note_change,
 )
 from rl_tui.agents.kernels.compiled import compiled, member_of
-from rl_tui.agents.kernels.settings import Settings
+from rl_tui.agents.kernels.parameters import KernelParameters
 from rl_tui.agents.kernels.tables import Tables, pairs_of
 from rl_tui.common.words import counted
 from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray, IntArray
@@ -85,58 +85,58 @@ def describe(memory: Memory) -> str:
 
 
 @member_of(back_up, Memory)
-def _back_up(memory: Memory, settings: Settings, tables: Tables, state: int, sweep: int) -> Update:
+def _back_up(memory: Memory, params: KernelParameters, tables: Tables, state: int, sweep: int) -> Update:
     progress = Sweep(memory.number, memory.sweeps, memory.change, memory.gamma)
     if sweep != memory.number[0]:
-        take_turns(memory, progress, settings)
-        begin_sweep(progress, settings, sweep)
+        take_turns(memory, progress, params)
+        begin_sweep(progress, params, sweep)
     if memory.phase[0] == EVALUATION:
-        return evaluate(memory, progress, settings, tables, state)
-    return improve(memory, progress, settings, tables, state)
+        return evaluate(memory, progress, params, tables, state)
+    return improve(memory, progress, params, tables, state)
 
 
 @member_of(has_converged, Memory)
-def _has_converged(memory: Memory, settings: Settings) -> bool:
+def _has_converged(memory: Memory, params: KernelParameters) -> bool:
     # If policy-stable, then stop
     progress = Sweep(memory.number, memory.sweeps, memory.change, memory.gamma)
-    return memory.phase[0] == IMPROVEMENT and memory.improved[0] == 0 and at_rest(progress, settings)
+    return memory.phase[0] == IMPROVEMENT and memory.improved[0] == 0 and at_rest(progress, params)
 
 
 @compiled
-def take_turns(memory: Memory, progress: Sweep, settings: Settings) -> None:
+def take_turns(memory: Memory, progress: Sweep, params: KernelParameters) -> None:
     """Go from evaluation to improvement when the values are at rest, and after one sweep back."""
     if memory.phase[0] == IMPROVEMENT:
         memory.phase[0] = EVALUATION
         memory.policies[0] += memory.improved[0] > 0
         memory.sweeps[0] = 0
-    elif memory.sweeps[0] > 0 and at_rest(progress, settings):
+    elif memory.sweeps[0] > 0 and at_rest(progress, params):
         memory.phase[0] = IMPROVEMENT
         memory.improved[0] = 0
 
 
 @compiled
-def evaluate(memory: Memory, progress: Sweep, settings: Settings, tables: Tables, state: int) -> Update:
-    """Give ``state`` the value it has under the policy; the update told of is that of the pair it takes."""
+def evaluate(memory: Memory, progress: Sweep, params: KernelParameters, tables: Tables, state: int) -> Update:
+    """Give ``state`` its value under the policy; the update returned is that of the pair it takes."""
     first, last = pairs_of(tables, state)
     taken = ANY
     for pair in range(first, last):
         if memory.policy[pair] == 1.0:
             taken = pair
     # v ← V(s);  V(s) ← Σ π(a|s) Σ p(s′,r|s,a) [r + γ V(s′)];  Δ ← max(Δ, |v − V(s)|)
-    update = back_up_pairs(memory.q, memory.visits, memory.v, settings, tables, state, taken)
+    update = back_up_pairs(memory.q, memory.visits, memory.v, params, tables, state, taken)
     value = 0.0
     for pair in range(first, last):
         value += memory.policy[pair] * memory.q[pair]
-    note_change(progress, settings, abs(value - memory.v[state]))
+    note_change(progress, params, abs(value - memory.v[state]))
     memory.v[state] = value
     return update
 
 
 @compiled
-def improve(memory: Memory, progress: Sweep, settings: Settings, tables: Tables, state: int) -> Update:
+def improve(memory: Memory, progress: Sweep, params: KernelParameters, tables: Tables, state: int) -> Update:
     """Make the policy of ``state`` greedy if that gains anything; values stay as they are."""
-    update = back_up_pairs(memory.q, memory.visits, memory.v, settings, tables, state, ANY)
-    note_change(progress, settings, 0.0)
+    update = back_up_pairs(memory.q, memory.visits, memory.v, params, tables, state, ANY)
+    note_change(progress, params, 0.0)
     first, last = pairs_of(tables, state)
     best = memory.q[update.pair]
     slack = TIE * max(1.0, abs(best))
@@ -152,8 +152,8 @@ def improve(memory: Memory, progress: Sweep, settings: Settings, tables: Tables,
         memory.improved[0] += 1
         for pair in range(first, last):
             memory.policy[pair] = 0.0
-            if settings.random_ties and memory.q[pair] >= best - slack:
+            if params.random_ties and memory.q[pair] >= best - slack:
                 memory.policy[pair] = 1.0 / ties
-        if not settings.random_ties:
+        if not params.random_ties:
             memory.policy[first_best] = 1.0
     return update

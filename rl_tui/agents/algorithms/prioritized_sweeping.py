@@ -14,7 +14,7 @@ import numpy as np
 from numpy.random import Generator
 
 from rl_tui.agents.algorithms.family import (
-    Transition,
+    Experience,
     Update,
     further,
     learn,
@@ -25,7 +25,7 @@ from rl_tui.agents.algorithms.family import (
 from rl_tui.agents.algorithms.shared.model import THE_END, UNKNOWN, modelled_value
 from rl_tui.agents.algorithms.shared.priority_queue import Queue, dequeue, empty_queue, enqueue
 from rl_tui.agents.kernels.compiled import compiled, inlined, member_of
-from rl_tui.agents.kernels.settings import Settings, step_size
+from rl_tui.agents.kernels.parameters import KernelParameters, step_size
 from rl_tui.agents.kernels.tables import Tables, state_of
 from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray, IntArray
 
@@ -73,59 +73,59 @@ def new_memory(q: FloatArray, visits: IntArray, space: FiniteSpace) -> Memory:
 def _learn(
     memory: Memory,
     rule: Any,
-    settings: Settings,
+    params: KernelParameters,
     tables: Tables,
-    transition: Transition,
+    experience: Experience,
     generator: Generator,
 ) -> Update:
-    memory.visits[transition.pair] += 1
-    next_state = THE_END if transition.terminated else transition.next_state
-    return remember_and_sweep(memory, settings, tables, transition.pair, transition.reward, next_state)
+    memory.visits[experience.pair] += 1
+    next_state = THE_END if experience.terminated else experience.next_state
+    return remember_and_sweep(memory, params, tables, experience.pair, experience.reward, next_state)
 
 
 @compiled
 def remember_and_sweep(
-    memory: Memory, settings: Settings, tables: Tables, pair: int, reward: float, next_state: int
+    memory: Memory, params: KernelParameters, tables: Tables, pair: int, reward: float, next_state: int
 ) -> Update:
-    """Take a step into the model and plan; the update told of is the first, of the most urgent pair."""
+    """Take a step into the model and plan; the update returned is the first, of the most urgent pair."""
     # Model(S,A) ← R, S′
     if memory.model_next[pair] != next_state:
         relink(memory, pair, next_state)
     memory.model_reward[pair] = reward
     # P ← |R + γ max_a Q(S′,a) − Q(S,A)|;  if P > θ insert S,A with priority P
     queue = Queue(memory.heap, memory.place, memory.priority, memory.size)
-    consider(memory, queue, settings, tables, pair)
-    told = no_update()
+    consider(memory, queue, params, tables, pair)
+    first_update = no_update()
     updates, extreme = 0, 0.0
     # Loop repeat n times, while the queue is not empty
-    while updates < settings.planning_steps and queue.size[0] > 0:
+    while updates < params.planning_steps and queue.size[0] > 0:
         # S,A ← first(queue);  R, S′ ← Model(S,A)
         each = dequeue(queue)
         # Q(S,A) ← Q(S,A) + α [R + γ max_a Q(S′,a) − Q(S,A)]
         gathered = memory.model_reward[each]
         bootstrap = modelled_value(memory.q, tables, memory.model_next[each])
-        alpha = step_size(settings, memory.visits[each])
+        alpha = step_size(params, memory.visits[each])
         before = memory.q[each]
-        after = before + alpha * (gathered + settings.gamma * bootstrap - before)
+        after = before + alpha * (gathered + params.gamma * bootstrap - before)
         memory.q[each] = after
         extreme = further(extreme, after)
         if updates == 0:
-            told = one_update(each, before, alpha, gathered, settings.gamma, bootstrap, after)
+            first_update = one_update(each, before, alpha, gathered, params.gamma, bootstrap, after)
         updates += 1
         # Loop for all S̄,Ā predicted to lead to S
         before_that = memory.leading[state_of(tables, each)]
         while before_that != NONE:
-            consider(memory, queue, settings, tables, before_that)
+            consider(memory, queue, params, tables, before_that)
             before_that = memory.link_next[before_that]
-    return with_others(told, max(updates - 1, 0), extreme)
+    return with_others(first_update, max(updates - 1, 0), extreme)
 
 
 @compiled
-def consider(memory: Memory, queue: Queue, settings: Settings, tables: Tables, pair: int) -> None:
+def consider(memory: Memory, queue: Queue, params: KernelParameters, tables: Tables, pair: int) -> None:
     """Queue ``pair`` if its model now asks for a change above θ."""
     value = modelled_value(memory.q, tables, memory.model_next[pair])
-    priority = abs(memory.model_reward[pair] + settings.gamma * value - memory.q[pair])
-    if priority > settings.threshold:
+    priority = abs(memory.model_reward[pair] + params.gamma * value - memory.q[pair])
+    if priority > params.threshold:
         enqueue(queue, pair, priority)
 
 

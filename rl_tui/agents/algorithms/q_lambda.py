@@ -10,11 +10,11 @@ from typing import Any
 
 from numpy.random import Generator
 
-from rl_tui.agents.algorithms.family import Transition, Update, act, learn, overruled
+from rl_tui.agents.algorithms.family import Experience, Update, act, learn, on_override
 from rl_tui.agents.algorithms.shared.next_action import choose_next, take_chosen
 from rl_tui.agents.algorithms.shared.traces import TracedMemory, cut_traces, no_traces, teach
 from rl_tui.agents.kernels.compiled import compiled, member_of
-from rl_tui.agents.kernels.settings import Settings
+from rl_tui.agents.kernels.parameters import KernelParameters
 from rl_tui.agents.kernels.tables import Tables, pairs_of
 from rl_tui.agents.policies.family import best_value
 from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray, IntArray
@@ -35,8 +35,8 @@ def _act(memory: Memory, rule: Any, tables: Tables, state: int, generator: Gener
     return take_chosen(memory.chosen, rule, memory.q, memory.visits, tables, state, generator)
 
 
-@member_of(overruled, Memory)
-def _overruled(memory: Memory, tables: Tables, state: int, pair: int) -> None:
+@member_of(on_override, Memory)
+def _on_override(memory: Memory, tables: Tables, state: int, pair: int) -> None:
     # A trace leads up to A′ or not, as was decided when A′ was chosen. Any other action is looked at now
     first, last = pairs_of(tables, state)
     if pair != memory.chosen[0] and memory.q[pair] != best_value(memory.q, first, last):
@@ -47,33 +47,33 @@ def _overruled(memory: Memory, tables: Tables, state: int, pair: int) -> None:
 def _learn(
     memory: Memory,
     rule: Any,
-    settings: Settings,
+    params: KernelParameters,
     tables: Tables,
-    transition: Transition,
+    experience: Experience,
     generator: Generator,
 ) -> Update:
-    return learn_with_traces(memory, rule, settings, tables, transition, generator)
+    return learn_with_traces(memory, rule, params, tables, experience, generator)
 
 
 @compiled
 def learn_with_traces(
     memory: Memory,
     rule: Any,
-    settings: Settings,
+    params: KernelParameters,
     tables: Tables,
-    transition: Transition,
+    experience: Experience,
     generator: Generator,
 ) -> Update:
     """Choose A′, then move all pairs that have a trace; called and not inlined, to compile in less time."""
     # Choose A′ from S′ using the policy derived from Q
-    memory.visits[transition.pair] += 1
-    next_pair = choose_next(memory.chosen, rule, memory.q, memory.visits, tables, transition, generator)
+    memory.visits[experience.pair] += 1
+    next_pair = choose_next(memory.chosen, rule, memory.q, memory.visits, tables, experience, generator)
     bootstrap, decay = 0.0, 0.0
-    if not transition.terminated:
-        first, last = pairs_of(tables, transition.next_state)
+    if not experience.terminated:
+        first, last = pairs_of(tables, experience.next_state)
         bootstrap = best_value(memory.q, first, last)
         # No trace leads beyond an action that is not greedy, or into another episode
-        if memory.q[next_pair] == bootstrap and not transition.truncated:
-            decay = settings.gamma * settings.trace_decay
+        if memory.q[next_pair] == bootstrap and not experience.truncated:
+            decay = params.gamma * params.trace_decay
     # δ ← R + γ max_a Q(S′,a) − Q(S,A);  Q ← Q + α δ e;  e ← γλ e, or 0
-    return teach(memory, settings, transition.pair, transition.reward, bootstrap, decay)
+    return teach(memory, params, experience.pair, experience.reward, bootstrap, decay)

@@ -6,10 +6,10 @@ from typing import Any, NamedTuple
 
 from numpy.random import Generator
 
-from rl_tui.agents.algorithms.family import Transition, Update, act, learn, one_update
+from rl_tui.agents.algorithms.family import Experience, Update, act, learn, one_update
 from rl_tui.agents.algorithms.shared.next_action import NO_PAIR, nothing_chosen
 from rl_tui.agents.kernels.compiled import member_of
-from rl_tui.agents.kernels.settings import Settings, step_size
+from rl_tui.agents.kernels.parameters import KernelParameters, step_size
 from rl_tui.agents.kernels.tables import Tables, pairs_of
 from rl_tui.agents.policies.family import choose
 from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray, IntArray
@@ -44,26 +44,26 @@ def _act(memory: Memory, rule: Any, tables: Tables, state: int, generator: Gener
 def _learn(
     memory: Memory,
     rule: Any,
-    settings: Settings,
+    params: KernelParameters,
     tables: Tables,
-    transition: Transition,
+    experience: Experience,
     generator: Generator,
 ) -> Update:
     # Choose A′ from S′ using the policy derived from Q
-    pair = transition.pair
+    pair = experience.pair
     memory.visits[pair] += 1
-    alpha = step_size(settings, memory.visits[pair])
+    alpha = step_size(params, memory.visits[pair])
     bootstrap = 0.0
     memory.chosen[0] = NO_PAIR
-    if not transition.terminated:
-        first, last = pairs_of(tables, transition.next_state)
+    if not experience.terminated:
+        first, last = pairs_of(tables, experience.next_state)
         next_pair, explores = choose(rule, memory.q, memory.visits, first, last, generator)
         bootstrap = memory.q[next_pair]
-        if not transition.truncated:
+        if not experience.truncated:
             memory.chosen[0] = next_pair
             memory.chosen[1] = explores
     # Q(S,A) ← Q(S,A) + α [R + γ Q(S′,A′) − Q(S,A)]
     before = memory.q[pair]
-    after = before + alpha * (transition.reward + settings.gamma * bootstrap - before)
+    after = before + alpha * (experience.reward + params.gamma * bootstrap - before)
     memory.q[pair] = after
-    return one_update(pair, before, alpha, transition.reward, settings.gamma, bootstrap, after)
+    return one_update(pair, before, alpha, experience.reward, params.gamma, bootstrap, after)

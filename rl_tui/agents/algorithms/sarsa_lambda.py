@@ -6,11 +6,11 @@ from typing import Any
 
 from numpy.random import Generator
 
-from rl_tui.agents.algorithms.family import Transition, Update, act, learn
+from rl_tui.agents.algorithms.family import Experience, Update, act, learn
 from rl_tui.agents.algorithms.shared.next_action import choose_next, take_chosen
 from rl_tui.agents.algorithms.shared.traces import TracedMemory, no_traces, teach
 from rl_tui.agents.kernels.compiled import compiled, member_of
-from rl_tui.agents.kernels.settings import Settings
+from rl_tui.agents.kernels.parameters import KernelParameters
 from rl_tui.agents.kernels.tables import Tables
 from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray, IntArray
 
@@ -34,29 +34,29 @@ def _act(memory: Memory, rule: Any, tables: Tables, state: int, generator: Gener
 def _learn(
     memory: Memory,
     rule: Any,
-    settings: Settings,
+    params: KernelParameters,
     tables: Tables,
-    transition: Transition,
+    experience: Experience,
     generator: Generator,
 ) -> Update:
-    return learn_with_traces(memory, rule, settings, tables, transition, generator)
+    return learn_with_traces(memory, rule, params, tables, experience, generator)
 
 
 @compiled
 def learn_with_traces(
     memory: Memory,
     rule: Any,
-    settings: Settings,
+    params: KernelParameters,
     tables: Tables,
-    transition: Transition,
+    experience: Experience,
     generator: Generator,
 ) -> Update:
     """Choose A′, then move all pairs that have a trace; called and not inlined, to compile in less time."""
     # Choose A′ from S′ using the policy derived from Q
-    memory.visits[transition.pair] += 1
-    next_pair = choose_next(memory.chosen, rule, memory.q, memory.visits, tables, transition, generator)
+    memory.visits[experience.pair] += 1
+    next_pair = choose_next(memory.chosen, rule, memory.q, memory.visits, tables, experience, generator)
     bootstrap = memory.q[next_pair] if next_pair >= 0 else 0.0
     # δ ← R + γ Q(S′,A′) − Q(S,A);  Q ← Q + α δ e;  e ← γλ e, and no trace leads into another episode
-    ended = transition.terminated or transition.truncated
-    decay = 0.0 if ended else settings.gamma * settings.trace_decay
-    return teach(memory, settings, transition.pair, transition.reward, bootstrap, decay)
+    ended = experience.terminated or experience.truncated
+    decay = 0.0 if ended else params.gamma * params.trace_decay
+    return teach(memory, params, experience.pair, experience.reward, bootstrap, decay)

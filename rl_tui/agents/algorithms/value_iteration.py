@@ -1,6 +1,6 @@
 """Value iteration, in place (Sutton & Barto, 2nd ed., box on page 83, equation 4.10).
 
-At γ = 1 a loop that pays nothing keeps whatever value it began with: begin with estimates of 0.
+At γ = 1 a loop that pays nothing keeps the value it began with: begin with estimates of 0.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from rl_tui.agents.algorithms.shared.backups import (
     note_change,
 )
 from rl_tui.agents.kernels.compiled import member_of
-from rl_tui.agents.kernels.settings import Settings
+from rl_tui.agents.kernels.parameters import KernelParameters
 from rl_tui.agents.kernels.tables import Tables
 from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray, IntArray
 
@@ -59,18 +59,18 @@ def describe(memory: Memory) -> str:
 
 
 @member_of(back_up, Memory)
-def _back_up(memory: Memory, settings: Settings, tables: Tables, state: int, sweep: int) -> Update:
+def _back_up(memory: Memory, params: KernelParameters, tables: Tables, state: int, sweep: int) -> Update:
     progress = Sweep(memory.number, memory.sweeps, memory.change, memory.gamma)
     if sweep != memory.number[0]:
-        begin_sweep(progress, settings, sweep)
+        begin_sweep(progress, params, sweep)
     # v ← V(s);  V(s) ← max_a Σ p(s′,r|s,a) [r + γ V(s′)];  Δ ← max(Δ, |v − V(s)|)
-    update = back_up_pairs(memory.q, memory.visits, memory.v, settings, tables, state, ANY)
-    note_change(progress, settings, abs(update.after - memory.v[state]))
+    update = back_up_pairs(memory.q, memory.visits, memory.v, params, tables, state, ANY)
+    note_change(progress, params, abs(update.after - memory.v[state]))
     memory.v[state] = update.after
     return update
 
 
 @member_of(has_converged, Memory)
-def _has_converged(memory: Memory, settings: Settings) -> bool:
+def _has_converged(memory: Memory, params: KernelParameters) -> bool:
     # until Δ < θ
-    return at_rest(Sweep(memory.number, memory.sweeps, memory.change, memory.gamma), settings)
+    return at_rest(Sweep(memory.number, memory.sweeps, memory.change, memory.gamma), params)

@@ -2,19 +2,27 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
 from rl_tui.agents.exact.exact_model import ExactModel, ExtendedArray, exact_model
-from rl_tui.agents.exact.linear_solve import SingularMatrixError, Solver, solver_of
 from rl_tui.agents.exact.solution import NoExactAnswer
-from rl_tui.worlds.mdp.tabular_mdp import BoolArray, FloatArray, TabularMDP
+from rl_tui.worlds.mdp.tabular_mdp import BoolArray, FloatArray, IntArray, TabularMDP
 
 MOST_ROUNDS: Final = 50
 PRECISION: Final = 1e-10
 RELATIVE_PRECISION: Final = 1e-15
+# Up to so many states the matrix is dense
+MOST_DENSE: Final = 400
+
+Solver = Callable[[FloatArray], FloatArray]
+
+
+class SingularMatrixError(Exception):
+    """The matrix has no inverse in floating-point numbers."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -69,7 +77,7 @@ def _undiscounted(model: ExactModel, policy: FloatArray) -> ExtendedArray:
     usable = policy > 0.0
     paying = model.pair_state[model.outcome_pair[(model.reward != 0.0) & usable[model.outcome_pair]]]
     to_be_paid = model.steps_to(np.unique(paying), usable) >= 0
-    # Whoever can neither end nor come to where nothing is paid any more is paid for ever
+    # A state from which no end and no part without rewards can be reached is paid for ever
     settled = np.flatnonzero(~to_be_paid)
     endless = model.steps_to(settled, usable) < 0
     undefined = model.steps_to(np.flatnonzero(endless), usable) >= 0
@@ -129,7 +137,7 @@ def _chain_solver(model: ExactModel, policy: FloatArray, gamma: float, unknown: 
     # Summed from what leaves, the diagonal keeps the digits that 1 − γ p(s | s) would lose
     left = np.bincount(index[source[leaving]], weights=weight[leaving], minlength=size)
     diagonal = np.arange(size)
-    return solver_of(
+    return _solver_of(
         np.concatenate((rows, diagonal)),
         np.concatenate((columns, diagonal)),
         np.concatenate((-gamma * weight[staying_inside], (1.0 - gamma) + gamma * left)),
@@ -141,3 +149,35 @@ def _too_ill_conditioned(gamma: float) -> NoExactAnswer:
     if gamma < 1.0:
         return NoExactAnswer(f"γ = {gamma!r} is too near to 1 for an exact answer; choose a smaller γ")
     return NoExactAnswer("γ = 1: an end is too unlikely for an exact answer; choose γ below 1")
+
+
+def _solver_of(rows: IntArray, columns: IntArray, entries: FloatArray, size: int) -> Solver:
+    """Return the function b → A⁻¹ b for A, [size, size], with these entries, summed where they meet.
+
+    Raises :class:`SingularMatrixError`.
+    """
+    if size <= MOST_DENSE:
+        return _dense(rows, columns, entries, size)
+    return _sparse(rows, columns, entries, size)
+
+
+def _dense(rows: IntArray, columns: IntArray, entries: FloatArray, size: int) -> Solver:
+    matrix = np.bincount(rows * size + columns, weights=entries, minlength=size * size).reshape(size, size)
+    try:
+        inverse: FloatArray = np.linalg.inv(matrix)
+    except np.linalg.LinAlgError as fault:
+        raise SingularMatrixError from fault
+    return lambda right: inverse @ right
+
+
+def _sparse(rows: IntArray, columns: IntArray, entries: FloatArray, size: int) -> Solver:
+    # scipy takes a quarter of a second to import and most worlds never need it
+    from scipy.sparse import csc_matrix
+    from scipy.sparse.linalg import splu
+
+    try:
+        factors = splu(csc_matrix((entries, (rows, columns)), shape=(size, size)))
+    except RuntimeError as fault:
+        raise SingularMatrixError from fault
+    solve: Solver = factors.solve
+    return solve

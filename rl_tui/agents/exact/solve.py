@@ -10,11 +10,12 @@ import numpy as np
 
 from rl_tui.agents.exact.backward_induction import best_values, policy_values
 from rl_tui.agents.exact.exact_model import ExactModel, exact_model
-from rl_tui.agents.exact.policy_arrays import greedy_policy, uniform_over
 from rl_tui.agents.exact.policy_evaluation import PolicyValue, ending_probability, evaluate, policy_value
 from rl_tui.agents.exact.policy_iteration import Optimum, policy_iteration
 from rl_tui.agents.exact.solution import NoExactAnswer, Solution
-from rl_tui.worlds.mdp.tabular_mdp import FloatArray, TabularMDP
+from rl_tui.agents.hyperparameters import Ties
+from rl_tui.worlds.mdp.space import BoolArray, FiniteSpace, FloatArray, IntArray
+from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
 __all__ = [
     "PolicyFigures",
@@ -104,6 +105,24 @@ def best_expected_return(mdp: TabularMDP) -> float | None:
     return _best_expected_return(exact_model(mdp), None)
 
 
+def greedy_policy(space: FiniteSpace, q: FloatArray, ties: Ties) -> FloatArray:
+    """Return the policy, [P], that is greedy for ``q``, [P].
+
+    Ties are exact equality, as the agent itself compares: ``random`` picks among them uniformly, ``first``
+    takes the first action.
+    """
+    first, count = _live_states(space)
+    tied = q == np.repeat(np.maximum.reduceat(q, first), count)
+    return uniform_over(space, tied) if ties == "random" else _first_of(space, tied)
+
+
+def uniform_over(space: FiniteSpace, chosen: BoolArray) -> FloatArray:
+    """Return the policy, [P], that picks uniformly among ``chosen`` pairs, [P], at least one a live state."""
+    first, count = _live_states(space)
+    share = 1.0 / np.add.reduceat(chosen, first, dtype=np.float64)
+    return np.where(chosen, np.repeat(share, count), 0.0)
+
+
 def _best_expected_return(model: ExactModel, undiscounted: Optimum | None) -> float | None:
     """Return :func:`best_expected_return`; ``undiscounted`` is the optimum at γ = 1 if it is at hand."""
     mdp = model.mdp
@@ -131,3 +150,16 @@ def _ends_in_time(mdp: TabularMDP, policy: FloatArray) -> float:
 
 def _average_at_start(mdp: TabularMDP, v: FloatArray) -> float:
     return float(np.dot(mdp.start_probability, v[mdp.start_state]))
+
+
+def _first_of(space: FiniteSpace, chosen: BoolArray) -> FloatArray:
+    first, count = _live_states(space)
+    before: IntArray = np.cumsum(chosen) - chosen
+    return np.where(chosen & (before == np.repeat(before[first], count)), 1.0, 0.0)
+
+
+def _live_states(space: FiniteSpace) -> tuple[IntArray, IntArray]:
+    """Return the first pair of every state that owns any, and how many it owns."""
+    count = np.diff(space.first_pair)
+    live = count > 0
+    return space.first_pair[:-1][live], count[live]

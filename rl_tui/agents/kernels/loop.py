@@ -7,19 +7,19 @@ from typing import Any, Final
 import numpy as np
 from numpy.random import Generator
 
-from rl_tui.agents.algorithms.family import Transition, act, has_room, learn, overruled
+from rl_tui.agents.algorithms.family import Experience, act, has_room, learn, on_override
 from rl_tui.agents.kernels.compiled import compiled, inlined
 from rl_tui.agents.kernels.drift import Drift, drift_on
+from rl_tui.agents.kernels.parameters import KernelParameters, Schedules, scheduled, with_alpha
 from rl_tui.agents.kernels.position import (
     REWARDS_KEPT,
     EpisodeLog,
     LastRecord,
     Position,
     discount_rewards,
-    record_transition,
+    record_experience,
     record_update,
 )
-from rl_tui.agents.kernels.settings import Schedules, Settings, scheduled, with_alpha
 from rl_tui.agents.kernels.stop import (
     DIVERGED,
     ENDLESS_EPISODE,
@@ -75,7 +75,7 @@ def draw_reward(tables: Tables, drift: Drift, pair: int, outcome: int, generator
 def advance(
     memory: Any,
     rule: Any,
-    settings: Settings,
+    params: KernelParameters,
     schedules: Schedules,
     tables: Tables,
     drift: Drift,
@@ -99,7 +99,7 @@ def advance(
     forced, watching = position.forced[0], watch.active[0]
     last_step, last_episode = step + steps, episode + episodes
     rule = in_force(rule, scheduled(schedules.epsilon, episode))
-    settings = with_alpha(settings, scheduled(schedules.alpha, episode))
+    params = with_alpha(params, scheduled(schedules.alpha, episode))
     stop = 0
     while stop == 0 and step < last_step and episode < last_episode:
         # What is rare is looked for out here: within, every question costs at each of a billion steps
@@ -108,7 +108,7 @@ def advance(
             # Choose A from S using the policy derived from Q
             if forced >= 0:
                 pair, explored = forced, False
-                overruled(memory, tables, state, forced)
+                on_override(memory, tables, state, forced)
             else:
                 pair, explored = act(memory, rule, tables, state, learner)
             # Take action A, observe R, S′
@@ -121,10 +121,10 @@ def advance(
             episode_step += 1
             episode_return += reward
             truncated = episode_step == tables.time_limit and not terminated
-            transition = Transition(state, pair, reward, next_state, terminated, truncated)
-            update = learn(memory, rule, settings, tables, transition, learner)
+            experience = Experience(state, pair, reward, next_state, terminated, truncated)
+            update = learn(memory, rule, params, tables, experience, learner)
             first_pair, last_pair = pairs_of(tables, state)
-            reinforce(rule, settings.alpha, first_pair, last_pair, pair, reward)
+            reinforce(rule, params.alpha, first_pair, last_pair, pair, reward)
             # S ← S′, until S is terminal or the time is up
             acted_episode, acted_epsilon = episode, epsilon_of(rule)
             state = next_state
@@ -143,7 +143,7 @@ def advance(
                 episode_step = 0
                 episode_return = 0.0
                 rule = in_force(rule, scheduled(schedules.epsilon, episode))
-                settings = with_alpha(settings, scheduled(schedules.alpha, episode))
+                params = with_alpha(params, scheduled(schedules.alpha, episode))
                 state = start_state(tables, world)
             elif not has_room(memory):
                 stop = MEMORY_FULL
@@ -151,14 +151,12 @@ def advance(
                 stop = _REWARDS_FULL
             drift_on(drift, tables, pair, world)
         if stop == _REWARDS_FULL:
-            discount_rewards(position, settings.gamma, step - discounted_step, episode_step)
+            discount_rewards(position, params.gamma, step - discounted_step, episode_step)
             discounted_step = step
             stop = 0
         if stop == 0 and episode_step >= LONGEST_EPISODE:
             stop = ENDLESS_EPISODE
-        stop = watched(
-            watching, watch, memory.q, settings.random_ties, tables, transition, update, state, stop
-        )
+        stop = watched(watching, watch, memory.q, params.random_ties, tables, experience, update, state, stop)
     position.step[0] = step
     position.episodes[0] = episode
     position.state[0] = state
@@ -168,9 +166,9 @@ def advance(
     log.finished[0] = logged
     if step > first_step:
         taken = episode_step if episode_step > 0 else log.lengths[logged - 1]
-        discount_rewards(position, settings.gamma, step - discounted_step, taken)
-        record_transition(
-            last, step, acted_episode + 1, taken, forced >= 0, explored, acted_epsilon, outcome, transition
+        discount_rewards(position, params.gamma, step - discounted_step, taken)
+        record_experience(
+            last, step, acted_episode + 1, taken, forced >= 0, explored, acted_epsilon, outcome, experience
         )
-        record_update(last, update, settings.gamma)
+        record_update(last, update, params.gamma)
     return stop

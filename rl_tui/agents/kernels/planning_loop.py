@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
-from rl_tui.agents.algorithms.family import Transition, back_up, has_converged
+from rl_tui.agents.algorithms.family import Experience, back_up, has_converged
 from rl_tui.agents.kernels.compiled import compiled
-from rl_tui.agents.kernels.position import LastRecord, Position, record_transition, record_update
-from rl_tui.agents.kernels.settings import Settings
+from rl_tui.agents.kernels.parameters import KernelParameters
+from rl_tui.agents.kernels.position import LastRecord, Position, record_experience, record_update
 from rl_tui.agents.kernels.stop import CONVERGED, DIVERGED, LARGEST_ESTIMATE
 from rl_tui.agents.kernels.tables import Tables
 from rl_tui.agents.kernels.watch import Watch, watched
@@ -25,7 +25,7 @@ def state_with_pairs(tables: Tables, start: int) -> int:
 @compiled
 def sweep(
     memory: Any,
-    settings: Settings,
+    params: KernelParameters,
     tables: Tables,
     position: Position,
     last: LastRecord,
@@ -44,11 +44,11 @@ def sweep(
     stop = 0
     while stop == 0 and step < last_step and episode < last_episode:
         swept, backed_up = episode, state
-        update = back_up(memory, settings, tables, state, episode)
+        update = back_up(memory, params, tables, state, episode)
         step += 1
         position.episode_step[0] += 1
         swept_step = position.episode_step[0]
-        transition = Transition(backed_up, -1, 0.0, backed_up, False, False)
+        experience = Experience(backed_up, -1, 0.0, backed_up, False, False)
         state = state_with_pairs(tables, state + 1)
         if not abs(update.extreme) <= LARGEST_ESTIMATE:
             stop = DIVERGED
@@ -56,13 +56,13 @@ def sweep(
             episode += 1
             state = state_with_pairs(tables, 0)
             position.episode_step[0] = 0
-            if stop == 0 and has_converged(memory, settings):
+            if stop == 0 and has_converged(memory, params):
                 stop = CONVERGED
         stop = watched(
-            watching, watch, memory.q, settings.random_ties, tables, transition, update, backed_up, stop
+            watching, watch, memory.q, params.random_ties, tables, experience, update, backed_up, stop
         )
     position.step[0], position.episodes[0], position.state[0] = step, episode, state
     if step > first_step:
-        record_transition(last, step, swept + 1, swept_step, False, False, 0.0, -1, transition)
-        record_update(last, update, settings.gamma)
+        record_experience(last, step, swept + 1, swept_step, False, False, 0.0, -1, experience)
+        record_update(last, update, params.gamma)
     return stop

@@ -6,14 +6,14 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from rl_tui.agents.algorithms.family import Transition, Update
+from rl_tui.agents.algorithms.family import Experience, Update
 from rl_tui.agents.kernels.compiled import compiled, inlined
 from rl_tui.agents.last_step import LastStep
 from rl_tui.worlds.mdp.space import BoolArray, FloatArray, IntArray
 
 REWARDS_KEPT: Final = 256
-# In place of the pair that a person takes
-NOBODY: Final = -1
+# In place of the pair that a person takes, where the agent chooses
+NOT_FORCED: Final = -1
 
 
 class Position(NamedTuple):
@@ -42,7 +42,7 @@ class Position(NamedTuple):
 def new_position(state: int) -> Position:
     """Return where a learner stands before its first step, in ``state``."""
     step, episodes, at, episode_step, first_reward_episode, forced = (
-        np.full(1, number, dtype=np.int64) for number in (0, 0, state, 0, 0, NOBODY)
+        np.full(1, number, dtype=np.int64) for number in (0, 0, state, 0, 0, NOT_FORCED)
     )
     return Position(
         step,
@@ -61,7 +61,7 @@ def new_position(state: int) -> Position:
 def discount_rewards(position: Position, gamma: float, new: int, episode_step: int) -> None:
     """Add the last ``new`` rewards to the discounted return of their episode, now of ``episode_step`` steps.
 
-    Those of an earlier episode are left out. To add up many now and then costs less than each when it comes.
+    Those of an earlier episode are left out. Adding up many at once costs less than adding each as it comes.
     """
     total, discount = position.discounted[0], position.discounted[1]
     if new >= episode_step:
@@ -108,7 +108,7 @@ def new_record() -> LastRecord:
 
 
 @inlined
-def record_transition(
+def record_experience(
     last: LastRecord,
     step: int,
     episode: int,
@@ -117,27 +117,27 @@ def record_transition(
     explored: bool,
     epsilon: float,
     outcome: int,
-    transition: Transition,
+    experience: Experience,
 ) -> None:
-    """Note what the agent did and what the environment answered; ``outcome`` is −1 where it is not known."""
+    """Record one step in the environment; ``outcome`` is −1 where it is not known."""
     last.whole[0] = step
     last.whole[1] = episode
-    last.whole[2] = transition.state
-    last.whole[3] = transition.pair
+    last.whole[2] = experience.state
+    last.whole[3] = experience.pair
     last.whole[4] = explored
     last.whole[5] = outcome
-    last.whole[6] = transition.next_state
-    last.whole[7] = transition.terminated
-    last.whole[8] = transition.truncated
+    last.whole[6] = experience.next_state
+    last.whole[7] = experience.terminated
+    last.whole[8] = experience.truncated
     last.whole[12] = episode_step
     last.whole[13] = by_hand
     last.real[0] = epsilon
-    last.real[1] = transition.reward
+    last.real[1] = experience.reward
 
 
 @inlined
 def record_update(last: LastRecord, update: Update, gamma: float) -> None:
-    """Note what was learned from it."""
+    """Record what was learned from it."""
     last.whole[9] = update.pair
     last.whole[10] = update.others
     last.whole[11] = update.table

@@ -10,18 +10,18 @@ from typing import Any, Final, NamedTuple
 import numpy as np
 from numpy.random import Generator
 
-from rl_tui.agents.algorithms.family import Transition, act, has_room, learn, overruled
+from rl_tui.agents.algorithms.family import Experience, act, has_room, learn, on_override
 from rl_tui.agents.kernels.compiled import compiled, entry
+from rl_tui.agents.kernels.parameters import KernelParameters, Schedules, scheduled, with_alpha
 from rl_tui.agents.kernels.position import (
     REWARDS_KEPT,
     EpisodeLog,
     LastRecord,
     Position,
     discount_rewards,
-    record_transition,
+    record_experience,
     record_update,
 )
-from rl_tui.agents.kernels.settings import Schedules, Settings, scheduled, with_alpha
 from rl_tui.agents.kernels.stop import (
     DIVERGED,
     ENDLESS_EPISODE,
@@ -51,7 +51,7 @@ class Chosen(NamedTuple):
 def turn(
     memory: Any,
     rule: Any,
-    settings: Settings,
+    params: KernelParameters,
     schedules: Schedules,
     tables: Tables,
     position: Position,
@@ -60,7 +60,7 @@ def turn(
     watch: Watch,
     chosen: Chosen,
     learner: Generator,
-    answered: bool,
+    has_result: bool,
     next_state: int,
     reward: float,
     terminated: bool,
@@ -69,7 +69,7 @@ def turn(
     last_step: int,
     last_episode: int,
 ) -> int:
-    """Learn from the answer to the chosen action, if there is one, then choose the next.
+    """Learn from the result of the chosen action, if there is one, then choose the next.
 
     ``start`` is where the next episode starts, if this one is over. Returns the state–action pair to take, or
     −1 − :class:`Stop` where nothing more is to be done. One call a step, since every call costs more than
@@ -79,26 +79,26 @@ def turn(
     episode = position.episodes[0]
     state = position.state[0]
     rule = in_force(rule, scheduled(schedules.epsilon, episode))
-    settings = with_alpha(settings, scheduled(schedules.alpha, episode))
+    params = with_alpha(params, scheduled(schedules.alpha, episode))
     stop = 0
-    if answered:
-        # Take action A, observe R, S′: that has just been done
-        transition = Transition(state, chosen.pair[0], reward, next_state, terminated, truncated)
+    if has_result:
+        # Take action A, observe R, S′: the caller has just done that
+        experience = Experience(state, chosen.pair[0], reward, next_state, terminated, truncated)
         step += 1
         position.rewards[position.episode_step[0] % REWARDS_KEPT] = reward
         episode_step = position.episode_step[0] + 1
-        discount_rewards(position, settings.gamma, 1, episode_step)
+        discount_rewards(position, params.gamma, 1, episode_step)
         position.step[0] = step
         position.episode_step[0] = episode_step
         position.episode_return[0] += reward
-        update = learn(memory, rule, settings, tables, transition, learner)
+        update = learn(memory, rule, params, tables, experience, learner)
         first_pair, last_pair = pairs_of(tables, state)
-        reinforce(rule, settings.alpha, first_pair, last_pair, chosen.pair[0], reward)
+        reinforce(rule, params.alpha, first_pair, last_pair, chosen.pair[0], reward)
         by_hand, explored = position.forced[0] >= 0, chosen.explored[0] == 1
-        record_transition(
-            last, step, episode + 1, episode_step, by_hand, explored, epsilon_of(rule), -1, transition
+        record_experience(
+            last, step, episode + 1, episode_step, by_hand, explored, epsilon_of(rule), -1, experience
         )
-        record_update(last, update, settings.gamma)
+        record_update(last, update, params.gamma)
         # S ← S′, until S is terminal or the time is up
         state = next_state
         if position.first_reward_episode[0] == 0 and reward != 0.0:
@@ -118,22 +118,22 @@ def turn(
             position.episode_step[0] = 0
             position.episode_return[0] = 0.0
             rule = in_force(rule, scheduled(schedules.epsilon, episode))
-            settings = with_alpha(settings, scheduled(schedules.alpha, episode))
+            params = with_alpha(params, scheduled(schedules.alpha, episode))
             state = start
         elif episode_step >= LONGEST_EPISODE:
             stop = ENDLESS_EPISODE
         elif not has_room(memory):
             stop = MEMORY_FULL
         position.state[0] = state
-        watching, random_ties = watch.active[0], settings.random_ties
-        stop = watched(watching, watch, memory.q, random_ties, tables, transition, update, state, stop)
+        watching, random_ties = watch.active[0], params.random_ties
+        stop = watched(watching, watch, memory.q, random_ties, tables, experience, update, state, stop)
     if stop != 0 or step >= last_step or episode >= last_episode:
         return np.int64(-1 - stop)  # type: ignore[return-value]
     # Choose A from S using the policy derived from Q
     forced = position.forced[0]
     if forced >= 0:
         pair, explored = forced, False
-        overruled(memory, tables, state, forced)
+        on_override(memory, tables, state, forced)
     else:
         pair, explored = act(memory, rule, tables, state, learner)
     chosen.pair[0] = pair
@@ -164,7 +164,7 @@ class SteppedLoop:
         self,
         memory: Any,
         rule: Any,
-        settings: Settings,
+        params: KernelParameters,
         schedules: Schedules,
         tables: Tables,
         position: Position,
@@ -177,34 +177,34 @@ class SteppedLoop:
     ) -> Stop:
         """Take at most ``steps`` steps, or until ``episodes`` more have ended, or ``patience`` has.
 
-        The bits are those that the compiled loop gives where the environment answers alike. Where it breaks
+        The bits are those of the compiled loop where the environment gives the same results. Where it breaks
         down the loop stops after the last sound step, with all that was learned from it.
         """
-        told = (memory, rule, settings, schedules, tables, position, log, last, watch, self._chosen, learner)
+        args = (memory, rule, params, schedules, tables, position, log, last, watch, self._chosen, learner)
         last_step = int(position.step[0]) + steps
         last_episode = int(position.episodes[0]) + episodes
         nothing = (0, 0.0, False, False, 0)
-        numbers = (*rule, *settings, *schedules.epsilon, *schedules.alpha)
+        numbers = (*rule, *params, *schedules.epsilon, *schedules.alpha)
         types = (type(memory), type(rule), *map(type, numbers))
         if types != self._entry_for:
-            self._take_turn = entry(turn, *told, False, *nothing, last_step, last_episode)
+            self._take_turn = entry(turn, *args, False, *nothing, last_step, last_episode)
             self._entry_for = types
         take_turn = self._take_turn
         until = time.perf_counter() + self.patience
-        pair = take_turn(*told, False, *nothing, last_step, last_episode)
+        pair = take_turn(*args, False, *nothing, last_step, last_episode)
         while pair >= 0:
             step = int(position.step[0]) + 1
             try:
-                answer = self._environment.step(int(self._pair_action[pair]))
+                result = self._environment.step(int(self._pair_action[pair]))
             except EnvironmentFailedError as failure:
                 self.failure = f"at step {step:,} {failure}"
                 return Stop.WORLD_FAILED
-            start = answer.next_state
-            if answer.terminated or answer.truncated:
-                start = self._start(answer.next_state, step)
+            start = result.next_state
+            if result.terminated or result.truncated:
+                start = self._start(result.next_state, step)
             if self.failure or time.perf_counter() >= until:
                 last_step = 0  # the step itself was sound: learn from it, and choose nothing after it
-            pair = take_turn(*told, True, *answer, start, last_step, last_episode)
+            pair = take_turn(*args, True, *result, start, last_step, last_episode)
         stop = Stop(-1 - pair)
         return Stop.WORLD_FAILED if self.failure and stop is not Stop.DIVERGED else stop
 

@@ -37,7 +37,7 @@ class Tables(NamedTuple):
 
 
 def tables_of(space: FiniteSpace) -> Tables:
-    """Return the kernel's view of ``space``: without outcomes where nobody knows what the actions lead to."""
+    """Return the kernel's view of ``space``: without outcomes where it has no transition table."""
     if isinstance(space, TabularMDP):
         return Tables(
             first_pair=_indices(space.first_pair),

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from rl_tui.agents.algorithms.family import Transition, Update
+from rl_tui.agents.algorithms.family import Experience, Update
 from rl_tui.agents.kernels.compiled import compiled, inlined
 from rl_tui.agents.kernels.stop import DONE, EPISODES_FULL, NOTICED
 from rl_tui.agents.kernels.tables import Tables, pairs_of, state_of
@@ -101,7 +101,7 @@ def watched(
     q: FloatArray,
     random_ties: bool,
     tables: Tables,
-    transition: Transition,
+    experience: Experience,
     update: Update,
     start: int,
     stop: int,
@@ -109,17 +109,17 @@ def watched(
     """Return why to stop after a step that would have stopped for ``stop``, 0 for going on.
 
     ``watching`` is ``watch.active[0]``, read once before the loop. ``start`` is where the next step starts:
-    another state than the step led to where an episode has ended; for a planner the state backed up. What
-    stops for good is still told, and so is a planner that is done; a full log is told by the next call.
+    another state than the step led to where an episode has ended; for a planner the state backed up. A stop
+    for good is returned all the same, and so is a planner's end; the next call returns that the log is full.
     """
     if watching and notice(
         watch,
         q,
         random_ties,
         tables,
-        transition.pair,
-        transition.reward,
-        transition.next_state,
+        experience.pair,
+        experience.reward,
+        experience.next_state,
         start,
         update.pair,
         update.others,
@@ -141,7 +141,7 @@ def notice(
     updated: int,
     others: int,
 ) -> bool:
-    """Tell whether a step brought anything that is watched, and note what; called, to compile only once.
+    """Return True if a step brought anything that is watched, and note what; a call, to compile only once.
 
     The step took ``pair``, −1 for a planner's backup of ``landed``; it moved the estimate of ``updated``, −1
     for none, and of ``others`` more.
@@ -179,7 +179,7 @@ def _side(estimate: float, threshold: float) -> int:
 
 @inlined
 def _reached(watch: Watch, estimate: float) -> bool:
-    """Tell whether the cell has come to its threshold or past it since the step before."""
+    """Return True if the cell has reached or passed its threshold since the step before."""
     before, now = watch.side[0], _side(estimate, watch.threshold[0])
     watch.side[0] = now
     return bool(before != now and before != 0)
@@ -208,9 +208,9 @@ def policy_changed(
     first_state: int,
     last_state: int,
 ) -> bool:
-    """Tell whether the states ``first_state`` .. ``last_state`` have other greedy pairs than ``greedy`` says.
+    """Return True if states ``first_state`` .. ``last_state`` have other greedy pairs than ``greedy`` says.
 
-    It says so from then on.
+    Brings ``greedy`` up to date.
     """
     changed = False
     for state in range(first_state, last_state):

@@ -1,4 +1,4 @@
-"""What a learner can be asked to watch for, and what it noticed."""
+"""What a learner watches for, and what it noticed."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 @dataclass(frozen=True, slots=True)
 class Watching:
-    """What to stop after: any of it.
+    """What to stop after: any of these.
 
     * ``reward``: a step whose reward is not 0.
     * ``policy``: a change of the greedy policy in any state: of the actions that share the maximum, or where

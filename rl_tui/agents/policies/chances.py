@@ -1,4 +1,4 @@
-"""How likely each action is under a rule, worked out for people: the rules themselves only draw."""
+"""The probability of each action under a policy, for the screen: the kernels themselves only draw."""
 
 from __future__ import annotations
 
@@ -11,27 +11,29 @@ from rl_tui.worlds.mdp.space import FloatArray, IntArray
 
 
 def action_chances(
-    told: Hyperparameters, epsilon: float, q: FloatArray, visits: IntArray
+    hyperparameters: Hyperparameters, epsilon: float, q: FloatArray, visits: IntArray
 ) -> FloatArray | None:
     """Return π(a|s) of the A actions of one state, [A], from their estimates and visits, [A] each.
 
-    ``epsilon`` is the one in force. None where the rule keeps a memory of its own, as those
-    for bandits do.
+    ``epsilon`` is the one in force. None for policies that keep a memory of their own, as those for bandits
+    do.
     """
     if not len(q):
         return np.empty(0)
-    if told.policy == "epsilon-greedy":
-        return (1.0 - epsilon) * _shared(q, told) + epsilon / len(q)
-    if told.policy == "softmax":
-        weight = np.exp((q - q.max()) / told.temperature)
+    if hyperparameters.policy == "epsilon-greedy":
+        return (1.0 - epsilon) * _shared(q, hyperparameters) + epsilon / len(q)
+    if hyperparameters.policy == "softmax":
+        weight = np.exp((q - q.max()) / hyperparameters.temperature)
         return np.asarray(weight / weight.sum())
-    return _shared(_upper_bounds(q, visits, told.confidence), told) if told.policy == "ucb" else None
+    if hyperparameters.policy == "ucb":
+        return _shared(_upper_bounds(q, visits, hyperparameters.confidence), hyperparameters)
+    return None
 
 
-def _shared(preference: FloatArray, told: Hyperparameters) -> FloatArray:
+def _shared(preference: FloatArray, hyperparameters: Hyperparameters) -> FloatArray:
     """Return the chances where the most preferred is taken: ties share, or the first has all."""
     best = preference == preference.max()
-    if told.ties == "random":
+    if hyperparameters.ties == "random":
         return np.asarray(best / best.sum())
     chances = np.zeros(len(preference))
     chances[int(np.argmax(best))] = 1.0

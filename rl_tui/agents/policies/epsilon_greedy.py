@@ -19,14 +19,14 @@ class Rule(NamedTuple):
     random_ties: bool
 
 
-def new_rule(space: FiniteSpace, told: Hyperparameters) -> Rule:
+def new_rule(space: FiniteSpace, hyperparameters: Hyperparameters) -> Rule:
     """Return the rule of these hyper-parameters."""
-    return Rule(told.epsilon, told.ties == "random")
+    return Rule(hyperparameters.epsilon, hyperparameters.ties == "random")
 
 
-def changed_rule(rule: Rule, told: Hyperparameters) -> Rule:
+def changed_rule(rule: Rule, hyperparameters: Hyperparameters) -> Rule:
     """Return the rule with other hyper-parameters; what it has learned is kept."""
-    return Rule(told.epsilon, told.ties == "random")
+    return Rule(hyperparameters.epsilon, hyperparameters.ties == "random")
 
 
 @member_of(in_force, Rule)

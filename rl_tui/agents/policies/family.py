@@ -1,4 +1,4 @@
-"""What every action rule brings. Its type is a NamedTuple: numbers in force and, where it learns, arrays."""
+"""What every policy brings: its rule, a NamedTuple of the numbers in force and, where it learns, arrays."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ def in_force(rule: Any, epsilon: float) -> Any:
 def choose(
     rule: Any, q: FloatArray, visits: IntArray, first: int, last: int, generator: Generator
 ) -> tuple[int, bool]:
-    """Choose among the pairs ``first`` .. ``last`` of a state, at least one; tell whether it explored.
+    """Choose among the pairs ``first`` .. ``last`` of a state, at least one; the second value: it explored.
 
-    To explore is to be drawn at random by ε-greedy, and to take a pair that is not greedy by other rules.
+    Under ε-greedy a pair explores if it was drawn at random, under other policies if it is not greedy.
     """
     raise NotImplementedError
 
@@ -35,16 +35,16 @@ def expectation(rule: Any, q: FloatArray, visits: IntArray, first: int, last: in
 
 @inlined_by_type
 def reinforce(rule: Any, alpha: float, first: int, last: int, pair: int, reward: float) -> None:
-    """Let the rule itself learn from the reward that ``pair``, one of ``first`` .. ``last``, brought.
+    """Update the rule with the reward of ``pair``, one of ``first`` .. ``last``.
 
-    Most rules learn nothing. ``alpha`` is the step size in force.
+    Most policies learn nothing. ``alpha`` is the step size in force.
     """
     return
 
 
 @inlined_by_type
 def epsilon_of(rule: Any) -> float:
-    """Return the probability to explore at random, for the record: 0 where the rule knows none."""
+    """Return the ε in force, for the record: 0 for policies without one."""
     return 0.0
 
 

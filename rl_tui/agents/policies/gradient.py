@@ -28,20 +28,20 @@ class Rule(NamedTuple):
     with_baseline: bool
 
 
-def new_rule(space: FiniteSpace, told: Hyperparameters) -> Rule:
+def new_rule(space: FiniteSpace, hyperparameters: Hyperparameters) -> Rule:
     """Return the rule before the first pull: all preferences are 0."""
     return Rule(
         np.zeros(space.pairs),
         np.full(space.pairs, 1.0 / space.pairs),
         np.zeros(1),
         np.zeros(1, np.int64),
-        told.baseline == "mean",
+        hyperparameters.baseline == "mean",
     )
 
 
-def changed_rule(rule: Rule, told: Hyperparameters) -> Rule:
+def changed_rule(rule: Rule, hyperparameters: Hyperparameters) -> Rule:
     """Return the rule with other hyper-parameters and the same preferences."""
-    return rule._replace(with_baseline=told.baseline == "mean")
+    return rule._replace(with_baseline=hyperparameters.baseline == "mean")
 
 
 @member_of(choose, Rule)

@@ -21,14 +21,14 @@ class Rule(NamedTuple):
     sums: FloatArray
 
 
-def new_rule(space: FiniteSpace, told: Hyperparameters) -> Rule:
+def new_rule(space: FiniteSpace, hyperparameters: Hyperparameters) -> Rule:
     """Return the rule of these hyper-parameters."""
-    return Rule(told.temperature, np.zeros(len(space.action_names)))
+    return Rule(hyperparameters.temperature, np.zeros(len(space.action_names)))
 
 
-def changed_rule(rule: Rule, told: Hyperparameters) -> Rule:
+def changed_rule(rule: Rule, hyperparameters: Hyperparameters) -> Rule:
     """Return the rule with other hyper-parameters; it learns nothing."""
-    return Rule(told.temperature, rule.sums)
+    return Rule(hyperparameters.temperature, rule.sums)
 
 
 @member_of(choose, Rule)

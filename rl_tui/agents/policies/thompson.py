@@ -32,20 +32,20 @@ class Rule(NamedTuple):
     random_ties: bool
 
 
-def new_rule(space: FiniteSpace, told: Hyperparameters) -> Rule:
+def new_rule(space: FiniteSpace, hyperparameters: Hyperparameters) -> Rule:
     """Return the rule before the first pull; the table tells how its arms pay."""
     return Rule(
         np.zeros(space.pairs, np.int64),
         np.zeros(space.pairs),
         _variances(space) if isinstance(space, TabularMDP) else np.zeros(space.pairs),
         isinstance(space, TabularMDP) and _pays_0_or_1(space),
-        told.ties == "random",
+        hyperparameters.ties == "random",
     )
 
 
-def changed_rule(rule: Rule, told: Hyperparameters) -> Rule:
+def changed_rule(rule: Rule, hyperparameters: Hyperparameters) -> Rule:
     """Return the rule with other hyper-parameters and the same knowledge."""
-    return rule._replace(random_ties=told.ties == "random")
+    return rule._replace(random_ties=hyperparameters.ties == "random")
 
 
 def _pays_0_or_1(mdp: TabularMDP) -> bool:
@@ -127,7 +127,7 @@ def _choose(
 @member_of(expectation, Rule)
 def _expectation(rule: Rule, q: FloatArray, visits: IntArray, first: int, last: int) -> float:
     # How likely an arm is to give the best draw has no closed form. No step of a bandit bootstraps, so
-    # nobody ever asks; a number here would be an estimate that nobody could tell from an exact one.
+    # this is never called; a number here would be an estimate that looks like an exact value.
     return math.nan
 
 

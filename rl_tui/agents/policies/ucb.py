@@ -20,14 +20,14 @@ class Rule(NamedTuple):
     random_ties: bool
 
 
-def new_rule(space: FiniteSpace, told: Hyperparameters) -> Rule:
+def new_rule(space: FiniteSpace, hyperparameters: Hyperparameters) -> Rule:
     """Return the rule of these hyper-parameters."""
-    return Rule(told.confidence, told.ties == "random")
+    return Rule(hyperparameters.confidence, hyperparameters.ties == "random")
 
 
-def changed_rule(rule: Rule, told: Hyperparameters) -> Rule:
+def changed_rule(rule: Rule, hyperparameters: Hyperparameters) -> Rule:
     """Return the rule with other hyper-parameters; the counts are those of the agent."""
-    return Rule(told.confidence, told.ties == "random")
+    return Rule(hyperparameters.confidence, hyperparameters.ties == "random")
 
 
 @inlined
@@ -41,7 +41,7 @@ def log_time(visits: IntArray, first: int, last: int) -> float:
 
 @inlined
 def upper_bound(confidence: float, estimate: float, count: int, log_time: float) -> float:
-    """Return Q + c √(ln t / N); what was never tried is worth trying before all else, whatever c is."""
+    """Return Q + c √(ln t / N); infinite for an action never tried, also at c = 0."""
     if count == 0:
         return math.inf
     return estimate + confidence * math.sqrt(log_time / count)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
-from rl_tui.agents.catalogue import BY_ID, RULE_BY_ID, parameters_of
+from rl_tui.agents.catalogue import BY_ID, POLICY_BY_ID, parameters_of
 from rl_tui.agents.exact.solve import best_expected_return
 from rl_tui.agents.hyperparameters import PARAMETERS, Hyperparameters
 from rl_tui.cli.advice import no_reward
@@ -196,7 +196,7 @@ def _summary_titles(runs: Sequence[Figures]) -> dict[str, str]:
 
 def _head(recipe: Recipe, seeds: str = "") -> str:
     algorithm, told = BY_ID[recipe.algorithm], recipe.hyperparameters
-    rule = RULE_BY_ID[told.policy]
+    rule = POLICY_BY_ID[told.policy]
     name = algorithm.name if algorithm.planner else f"{algorithm.name}, {rule.name}"
     settings = "  ".join(
         f"{PARAMETERS[each].symbol} {number(told.value(each), '.12g')}"

@@ -6,7 +6,7 @@ from typing import Final
 
 import click
 
-from rl_tui.agents.catalogue import ACTION_RULES, ALGORITHMS
+from rl_tui.agents.catalogue import ALGORITHMS, POLICIES
 from rl_tui.agents.hyperparameters import PARAMETERS
 
 OPTIONS: Final = "Options"
@@ -41,7 +41,7 @@ def section_of(option: str) -> str:
         return OPTIONS
     if PARAMETERS[option].schedule:
         return SCHEDULES
-    if option == "policy" or any(option in rule.parameters for rule in ACTION_RULES):
+    if option == "policy" or any(option in rule.parameters for rule in POLICIES):
         return CHOOSING
     learners = [algorithm for algorithm in ALGORITHMS if not algorithm.planner]
     return LEARNING if all(option in each.parameters for each in learners) else SOME

@@ -9,7 +9,7 @@ from __future__ import annotations
 import textwrap
 from typing import TYPE_CHECKING, Final
 
-from rl_tui.agents.catalogue import BY_ID, RULE_BY_ID
+from rl_tui.agents.catalogue import BY_ID, POLICY_BY_ID
 from rl_tui.agents.compatibility import check_compatible
 from rl_tui.common.errors import UserError
 from rl_tui.lab.export.learner_text import learner_text
@@ -99,7 +99,7 @@ def _world_text(recipe: Recipe, world: World) -> WorldText:
 def _head(recipe: Recipe, text: WorldText, told: Told, changed: bool) -> str:
     title = recipe.scenario.title.replace("\\", "/").replace('"', "'")
     algorithm = BY_ID[recipe.algorithm]
-    policy = "" if told.planner else f", policy {RULE_BY_ID[recipe.hyperparameters.policy].name}"
+    policy = "" if told.planner else f", policy {POLICY_BY_ID[recipe.hyperparameters.policy].name}"
     remarks = [*text.remarks, *([_CHANGED] if changed else [])]
     sentences = " ".join([f"{_NEEDS} (this algorithm: {algorithm.source}).", *remarks])
     first = textwrap.wrap(f"{algorithm.name} on “{title}”{policy}.", WIDEST)

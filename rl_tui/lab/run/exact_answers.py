@@ -50,9 +50,9 @@ class ExactAnswers:
         from rl_tui.lab.run.evaluation import DEAREST_LIVE, visits_of
 
         if solve is None:
-            from rl_tui.agents.exact import solve as planning
+            from rl_tui.agents.exact.solve import solve as solve_exactly
 
-            solve = planning.solve
+            solve = solve_exactly
         self.mdp = mdp
         self._on_ready = on_ready
         self._solve = solve

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Final
 
-from rl_tui.agents.catalogue import BY_ID, RULE_BY_ID, parameters_of
+from rl_tui.agents.catalogue import BY_ID, POLICY_BY_ID, parameters_of
 from rl_tui.agents.hyperparameters import PARAMETERS, SAMPLE_AVERAGE
 from rl_tui.lab.run.recipe import Recipe
 
@@ -73,7 +73,7 @@ def _text(name: str, value: float | str) -> str:
     if name == _ALGORITHM:
         return BY_ID[str(value)].name
     if name == "policy":
-        return RULE_BY_ID[str(value)].name
+        return POLICY_BY_ID[str(value)].name
     symbol = name if name == _SEED else PARAMETERS[name].symbol
     if value == SAMPLE_AVERAGE:
         return f"{symbol} 1/n"

@@ -8,7 +8,7 @@ import numpy as np
 
 from rl_tui.agents.algorithms.family import Update, further
 from rl_tui.agents.kernels.compiled import compiled, inlined
-from rl_tui.agents.kernels.settings import Settings
+from rl_tui.agents.kernels.parameters import KernelParameters
 from rl_tui.agents.kernels.tables import Tables, landing, outcomes_of, pairs_of
 from rl_tui.worlds.mdp.space import FloatArray, IntArray
 
@@ -16,7 +16,7 @@ ANY = -1
 
 
 class Sweep(NamedTuple):
-    """How the sweep under way is getting on, each an array of one number.
+    """The progress of the sweep under way, each an array of one number.
 
     ``number`` is the sweep as the loop counts them, −1 before the first, and ``sweeps`` as the planner does.
     ``change`` is the largest change of a state's value in it so far; infinite where the discount was changed
@@ -30,32 +30,32 @@ class Sweep(NamedTuple):
 
 
 def no_sweep() -> Sweep:
-    """Return how it stands before the first sweep."""
+    """Return the sweep before the first one."""
     return Sweep(np.full(1, -1, dtype=np.int64), np.zeros(1, dtype=np.int64), np.zeros(1), np.zeros(1))
 
 
 @inlined
-def begin_sweep(progress: Sweep, settings: Settings, number: int) -> None:
+def begin_sweep(progress: Sweep, params: KernelParameters, number: int) -> None:
     """Begin another sweep, which nothing has changed in yet."""
     progress.number[0] = number
     progress.sweeps[0] += 1
     progress.change[0] = 0.0
-    progress.gamma[0] = settings.gamma
+    progress.gamma[0] = params.gamma
 
 
 @inlined
-def note_change(progress: Sweep, settings: Settings, change: float) -> None:
-    """Take the change of a state's value into account."""
-    if settings.gamma != progress.gamma[0]:
+def note_change(progress: Sweep, params: KernelParameters, change: float) -> None:
+    """Record the change of a state's value."""
+    if params.gamma != progress.gamma[0]:
         progress.change[0] = np.inf
     progress.change[0] = max(progress.change[0], change)
 
 
 @inlined
-def at_rest(progress: Sweep, settings: Settings) -> bool:
-    """Tell whether the sweep that is over moved no value by more than the accuracy, for this discount."""
-    still: bool = progress.change[0] <= settings.accuracy
-    return still and bool(progress.gamma[0] == settings.gamma)
+def at_rest(progress: Sweep, params: KernelParameters) -> bool:
+    """Return True if the sweep just done moved no value by more than the accuracy, for this discount."""
+    still: bool = progress.change[0] <= params.accuracy
+    return still and bool(progress.gamma[0] == params.gamma)
 
 
 def change_in_words(change: FloatArray) -> str:
@@ -67,12 +67,18 @@ def change_in_words(change: FloatArray) -> str:
 
 @compiled
 def back_up_pairs(
-    q: FloatArray, visits: IntArray, v: FloatArray, settings: Settings, tables: Tables, state: int, told: int
+    q: FloatArray,
+    visits: IntArray,
+    v: FloatArray,
+    params: KernelParameters,
+    tables: Tables,
+    state: int,
+    reported: int,
 ) -> Update:
     """Set all estimates of ``state`` to their expected update from ``v``, and count a visit of each.
 
-    The update is that of the pair ``told``, or with −1 of the best one: it gathers the expected reward, and
-    its bootstrap is the expected value of what comes next.
+    The update is that of the pair ``reported``, or with −1 of the best one: it gathers the expected reward,
+    and its bootstrap is the expected value of what comes next.
     """
     first, last = pairs_of(tables, state)
     pair, before, gathered, bootstrap, after = first, 0.0, 0.0, 0.0, -np.inf
@@ -85,14 +91,14 @@ def back_up_pairs(
             reward += tables.probability[outcome] * tables.reward[outcome]
             if not tables.terminated[outcome]:
                 value += tables.probability[outcome] * v[landing(tables, outcome)]
-        estimate = reward + settings.gamma * value
+        estimate = reward + params.gamma * value
         former = q[each]
         q[each] = estimate
         visits[each] += 1
         extreme = further(extreme, estimate)
         if estimate != former:
             moved += 1
-        if each == told or (told == ANY and estimate > after):
+        if each == reported or (reported == ANY and estimate > after):
             pair, before, gathered, bootstrap, after = each, former, reward, value, estimate
     others = moved - 1 if after != before else moved
-    return Update(pair, before, 1.0, gathered, settings.gamma, bootstrap, after, others, extreme, 0)
+    return Update(pair, before, 1.0, gathered, params.gamma, bootstrap, after, others, extreme, 0)

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.random import Generator
 
-from rl_tui.agents.algorithms.family import Transition
+from rl_tui.agents.algorithms.family import Experience
 from rl_tui.agents.kernels.compiled import inlined
 from rl_tui.agents.kernels.tables import Tables, pairs_of
 from rl_tui.agents.policies.family import choose
@@ -48,16 +48,16 @@ def choose_next(
     q: FloatArray,
     visits: IntArray,
     tables: Tables,
-    transition: Transition,
+    experience: Experience,
     generator: Generator,
 ) -> int:
     """Choose A′ from S′ and return its pair, −1 after the end; keep it to be taken, unless time is up."""
     chosen[0] = NO_PAIR
-    if transition.terminated:
+    if experience.terminated:
         return NO_PAIR
-    first, last = pairs_of(tables, transition.next_state)
+    first, last = pairs_of(tables, experience.next_state)
     next_pair, explores = choose(rule, q, visits, first, last, generator)
-    if not transition.truncated:
+    if not experience.truncated:
         chosen[0] = next_pair
         chosen[1] = explores
     return next_pair

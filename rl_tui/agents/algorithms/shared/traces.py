@@ -12,7 +12,7 @@ import numpy as np
 from rl_tui.agents.algorithms.family import Update, further
 from rl_tui.agents.algorithms.shared.next_action import nothing_chosen
 from rl_tui.agents.kernels.compiled import inlined
-from rl_tui.agents.kernels.settings import Settings, step_size
+from rl_tui.agents.kernels.parameters import KernelParameters, step_size
 from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray, IntArray
 
 # Below this a trace is dropped: else every step would go on moving all pairs of a long episode, by amounts
@@ -54,14 +54,14 @@ def cut_traces(memory: TracedMemory) -> None:
 
 @inlined
 def teach(
-    memory: TracedMemory, settings: Settings, pair: int, reward: float, bootstrap: float, decay: float
+    memory: TracedMemory, params: KernelParameters, pair: int, reward: float, bootstrap: float, decay: float
 ) -> Update:
     """Give the pair just taken its trace, move all that have one, and let them fade by ``decay``.
 
     The trace of ``pair`` grows by 1 where traces accumulate, else it becomes 1. With δ = reward + γ·bootstrap
     − Q(pair), every pair moves by α·e·δ, e being its trace (equation 12.7); where the step size is the sample
-    average it is that of each pair. ``decay`` is γλ, or 0 to cut all traces. The update told of is that of
-    ``pair``.
+    average it is that of each pair. ``decay`` is γλ, or 0 to cut all traces. The update returned is
+    that of ``pair``.
     """
     q, visits, trace = memory.q, memory.visits, memory.eligibility
     active, count = memory.active, memory.active_count
@@ -69,14 +69,14 @@ def teach(
     if trace[pair] == 0.0:
         active[count[0]] = pair
         count[0] += 1
-    trace[pair] = trace[pair] + 1.0 if settings.accumulating else 1.0
-    before, own = q[pair], step_size(settings, visits[pair]) * trace[pair]
-    error = reward + settings.gamma * bootstrap - before
+    trace[pair] = trace[pair] + 1.0 if params.accumulating else 1.0
+    before, own = q[pair], step_size(params, visits[pair]) * trace[pair]
+    error = reward + params.gamma * bootstrap - before
     moved, kept, extreme = count[0], 0, 0.0
     for place in range(moved):
         each = active[place]
         # Q ← Q + α δ e
-        estimate = q[each] + step_size(settings, visits[each]) * trace[each] * error
+        estimate = q[each] + step_size(params, visits[each]) * trace[each] * error
         q[each] = estimate
         extreme = further(extreme, estimate)
         # e ← γλ e
@@ -88,4 +88,4 @@ def teach(
             active[kept] = each
             kept += 1
     count[0] = kept
-    return Update(pair, before, own, reward, settings.gamma, bootstrap, q[pair], moved - 1, extreme, 0)
+    return Update(pair, before, own, reward, params.gamma, bootstrap, q[pair], moved - 1, extreme, 0)

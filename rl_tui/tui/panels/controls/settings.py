@@ -12,7 +12,7 @@ from textual import events
 from textual.strip import Strip
 from textual.widget import Widget
 
-from rl_tui.agents.catalogue import BY_ID, RULE_BY_ID, parameters_of
+from rl_tui.agents.catalogue import BY_ID, POLICY_BY_ID, parameters_of
 from rl_tui.agents.hyperparameters import PARAMETERS, Hyperparameters, Parameter
 from rl_tui.lab.live.snapshot import Phase, Snapshot
 from rl_tui.tui.draw.to_ascii import written
@@ -54,7 +54,7 @@ def _settings(snapshot: Snapshot) -> Iterator[Setting]:
     parameters = parameters_of(snapshot.algorithm, values.policy)
     yield Setting("a", "", "algorithm", BY_ID[snapshot.algorithm].name, "algorithm", 0)
     if "policy" in parameters:
-        yield Setting("p", "", "policy", RULE_BY_ID[values.policy].name, "policy", 1)
+        yield Setting("p", "", "policy", POLICY_BY_ID[values.policy].name, "policy", 1)
     if "ties" in parameters:
         yield Setting("t", "ties", "ties", values.ties, "ties", 4)
     if "initial_q" in parameters:

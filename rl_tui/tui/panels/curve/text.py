@@ -8,7 +8,7 @@ from typing import Final
 
 from rich.style import Style
 
-from rl_tui.agents.catalogue import RULE_BY_ID
+from rl_tui.agents.catalogue import POLICY_BY_ID
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.draw import numbers
 from rl_tui.tui.draw.to_ascii import written
@@ -137,7 +137,7 @@ def remark(
         return ()
     gap = data.greedy_now - data.mean_now
     values = snapshot.hyperparameters
-    is_drawn = "epsilon" in RULE_BY_ID[values.policy].parameters
+    is_drawn = "epsilon" in POLICY_BY_ID[values.policy].parameters
     epsilon = values.epsilon_at(snapshot.episodes) if is_drawn else None
     cost = amount(gap, decimals, glyphs)
     if not any(digit in cost for digit in "123456789") or gap < 0.0 or epsilon == 0.0:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from rl_tui.agents.catalogue import RULE_BY_ID
+from rl_tui.agents.catalogue import POLICY_BY_ID
 from rl_tui.agents.hyperparameters import PARAMETERS
 from rl_tui.agents.last_step import LastStep
 from rl_tui.lab.live.snapshot import Snapshot
@@ -17,7 +17,7 @@ def choice_text(snapshot: Snapshot, last: LastStep, glyphs: Glyphs) -> tuple[str
     if last.by_hand:
         return "you chose it", "by you"
     _, told_by = snapshot.learned_by
-    rule = RULE_BY_ID[told_by.policy]
+    rule = POLICY_BY_ID[told_by.policy]
     if "epsilon" in rule.parameters:
         return _epsilon_greedy(snapshot, last, glyphs)
     values = [

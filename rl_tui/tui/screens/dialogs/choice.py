@@ -12,7 +12,7 @@ from textual.content import Content
 from textual.widgets import OptionList
 from textual.widgets.option_list import Option
 
-from rl_tui.agents.catalogue import ACTION_RULES, ALGORITHMS
+from rl_tui.agents.catalogue import ALGORITHMS, POLICIES
 from rl_tui.agents.compatibility import check_compatible
 from rl_tui.agents.hyperparameters import PARAMETERS, SAMPLE_AVERAGE, Hyperparameters
 from rl_tui.common.errors import UserError
@@ -100,7 +100,7 @@ def policy_choice(space: FiniteSpace, recipe: Recipe, glyphs: Glyphs) -> Choice:
             (each.summary, each.equation, f"Sutton & Barto, 2nd ed., {each.source}"),
             _refused(space, recipe.algorithm, values.changed("policy", each.id)),
         )
-        for each in ACTION_RULES
+        for each in POLICIES
     )
     return Choice("Policy: how actions are chosen", candidates, recipe.hyperparameters.policy, glyphs)
 

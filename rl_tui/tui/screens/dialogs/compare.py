@@ -12,7 +12,7 @@ from textual.containers import Vertical
 from textual.widgets import OptionList, Static
 from textual.widgets.option_list import Option
 
-from rl_tui.agents.catalogue import BY_ID, RULE_BY_ID
+from rl_tui.agents.catalogue import BY_ID, POLICY_BY_ID
 from rl_tui.agents.hyperparameters import PARAMETERS
 from rl_tui.lab.live.commands import ChooseLane, DropLane
 from rl_tui.lab.live.snapshot import LaneView
@@ -167,7 +167,7 @@ class Compare(Dialog[Answer]):
         if name == ALGORITHM:
             now = BY_ID[self._recipe.algorithm].name
         elif name == "policy":
-            now = RULE_BY_ID[values.policy].name
+            now = POLICY_BY_ID[values.policy].name
         else:
             now = option_text(values.value(name))
         glyphs = self._look.glyphs

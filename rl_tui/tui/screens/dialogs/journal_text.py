@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import groupby
 
-from rl_tui.agents.catalogue import BY_ID, RULE_BY_ID
+from rl_tui.agents.catalogue import BY_ID, POLICY_BY_ID
 from rl_tui.agents.hyperparameters import PARAMETERS
 from rl_tui.lab.run.recipe import JournalEntry, Recipe, SetParameter, SwitchAlgorithm, TakeAction
 from rl_tui.tui.draw.names import action_name
@@ -89,4 +89,4 @@ class _Before:
 
 
 def _called(name: str, value: float | str) -> str:
-    return RULE_BY_ID[str(value)].name if name == "policy" else option_text(value)
+    return POLICY_BY_ID[str(value)].name if name == "policy" else option_text(value)

@@ -10,7 +10,7 @@ from textual.containers import Vertical
 from textual.widgets import OptionList, Static
 from textual.widgets.option_list import Option
 
-from rl_tui.agents.catalogue import RULE_BY_ID, parameters_of
+from rl_tui.agents.catalogue import POLICY_BY_ID, parameters_of
 from rl_tui.agents.hyperparameters import PARAMETERS
 from rl_tui.lab.run.recipe import Recipe
 from rl_tui.tui.draw.to_ascii import written
@@ -78,7 +78,7 @@ class Options(Dialog[None]):
 
     def _row(self, name: str, columns: int) -> Text:
         parameter, value = PARAMETERS[name], self._recipe().hyperparameters.value(name)
-        shown = RULE_BY_ID[str(value)].name if name == "policy" else option_text(value)
+        shown = POLICY_BY_ID[str(value)].name if name == "policy" else option_text(value)
         glyphs = self._look.glyphs
         text = Text(f"{written(parameter.symbol, glyphs):<{columns}} ")
         text.append(f"{written(shown, glyphs):<{_VALUE}} ", "bold")

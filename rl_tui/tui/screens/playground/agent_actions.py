@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 
-from rl_tui.agents.catalogue import BY_ID, RULE_BY_ID, parameters_of
+from rl_tui.agents.catalogue import BY_ID, POLICY_BY_ID, parameters_of
 from rl_tui.agents.compatibility import check_compatible
 from rl_tui.agents.hyperparameters import PARAMETERS, SAMPLE_AVERAGE, Hyperparameters
 from rl_tui.common.errors import UserError
@@ -112,7 +112,7 @@ class AgentStage(Stage):
         told = told_together(values, name, value, self._fault)
         if name == "policy" and len(told) > 1:
             alpha = Hyperparameters().alpha
-            self.notify(f"{RULE_BY_ID[str(value)].name} needs a step size: α is {alpha:g} from here on")
+            self.notify(f"{POLICY_BY_ID[str(value)].name} needs a step size: α is {alpha:g} from here on")
         if told != [(name, values.value(name))]:
             self._tell(told)
 

@@ -1,0 +1,115 @@
+"""The hyper-parameters as the kernels take them."""
+
+from __future__ import annotations
+
+import math
+from typing import Final, NamedTuple
+
+from rl_tui.agents.hyperparameters import SCHEDULES, Hyperparameters
+from rl_tui.agents.kernels.compiled import inlined
+
+_CONSTANT: Final = SCHEDULES.index("constant")
+_LINEAR: Final = SCHEDULES.index("linear")
+
+
+class Schedule(NamedTuple):
+    """How a number goes from ``start`` towards ``least`` from episode to episode; ``kind`` of SCHEDULES."""
+
+    kind: int
+    start: float
+    least: float
+    decay: float
+
+
+class Schedules(NamedTuple):
+    """The schedules of ε and α, which change from episode to episode."""
+
+    epsilon: Schedule
+    alpha: Schedule
+
+
+class KernelParameters(NamedTuple):
+    """The hyper-parameters that an update rule reads; ``alpha`` is the step size of the episode under way.
+
+    ``alpha`` does not count where ``sample_average`` is true: see :func:`step_size`. ``trace_decay`` is λ and
+    ``steps`` the n of n-step methods.
+    """
+
+    alpha: float
+    sample_average: bool
+    gamma: float
+    trace_decay: float
+    accumulating: bool
+    steps: int
+    planning_steps: int
+    threshold: float
+    accuracy: float
+    random_ties: bool
+
+
+@inlined
+def scheduled(schedule: Schedule, episode: int) -> float:
+    """Return the number in force in ``episode``, counted from 0."""
+    if schedule.kind == _CONSTANT or schedule.decay == 0.0:
+        return schedule.start
+    if schedule.kind == _LINEAR and schedule.start >= schedule.least:
+        return max(schedule.least, schedule.start - schedule.decay * episode)
+    if schedule.kind == _LINEAR:
+        return min(schedule.least, schedule.start + schedule.decay * episode)
+    return schedule.least + (schedule.start - schedule.least) * math.exp(-schedule.decay * episode)
+
+
+@inlined
+def with_alpha(params: KernelParameters, alpha: float) -> KernelParameters:
+    """Return ``params`` with the step size of another episode."""
+    return KernelParameters(
+        alpha,
+        params.sample_average,
+        params.gamma,
+        params.trace_decay,
+        params.accumulating,
+        params.steps,
+        params.planning_steps,
+        params.threshold,
+        params.accuracy,
+        params.random_ties,
+    )
+
+
+@inlined
+def step_size(params: KernelParameters, count: int) -> float:
+    """Return the step size of the ``count``-th update of a pair (from 1)."""
+    return 1.0 / count if params.sample_average else params.alpha
+
+
+def kernel_parameters(hyperparameters: Hyperparameters) -> KernelParameters:
+    """Return the hyper-parameters that the update rules read."""
+    return KernelParameters(
+        alpha=hyperparameters.alpha_at(0) or 0.0,
+        sample_average=hyperparameters.sample_average,
+        gamma=hyperparameters.gamma,
+        trace_decay=hyperparameters.lambda_,
+        accumulating=hyperparameters.traces == "accumulating",
+        steps=hyperparameters.n,
+        planning_steps=hyperparameters.planning_steps,
+        threshold=hyperparameters.threshold,
+        accuracy=hyperparameters.accuracy,
+        random_ties=hyperparameters.ties == "random",
+    )
+
+
+def schedules_of(hyperparameters: Hyperparameters) -> Schedules:
+    """Return the schedules of ε and α."""
+    alpha = 0.0 if isinstance(hyperparameters.alpha, str) else hyperparameters.alpha
+    step_size_kind = "constant" if hyperparameters.sample_average else hyperparameters.step_size_schedule
+    return Schedules(
+        Schedule(
+            SCHEDULES.index(hyperparameters.epsilon_schedule),
+            hyperparameters.epsilon,
+            hyperparameters.epsilon_min,
+            hyperparameters.epsilon_decay,
+        ),
+        Schedule(
+            SCHEDULES.index(step_size_kind), alpha, hyperparameters.alpha_min, hyperparameters.alpha_decay
+        ),
+    )
