@@ -12,10 +12,9 @@ from typing import TYPE_CHECKING, Final
 from rl_tui.agents.catalogue import BY_ID, POLICY_BY_ID
 from rl_tui.agents.compatibility import check_compatible
 from rl_tui.common.errors import UserError
-from rl_tui.lab.export.learner_text import learner_text
+from rl_tui.lab.export.agent_text import learner_text, planner_text
 from rl_tui.lab.export.literals import WIDEST
-from rl_tui.lab.export.planner_text import planner_text
-from rl_tui.lab.export.settings_text import Told
+from rl_tui.lab.export.parameter_text import ParameterText
 from rl_tui.lab.export.worlds.text import WorldText
 from rl_tui.lab.run.recipe import Recipe, begin
 
@@ -36,20 +35,20 @@ def script(recipe: Recipe, episodes: int, world: World | None = None, *, changed
     """Return the script that trains the algorithm of ``recipe`` for ``episodes`` episodes.
 
     ``world`` is that of the recipe, if it is at hand. ``changed`` says that a run came to these settings on
-    the way only, which the script then tells. Raises UserError, in a line, where there can be none: the world
+    the way only, which the script then says. Raises UserError, in a line, where there can be none: the world
     is too large to be read, its observations are no short script's business, or the algorithm cannot work in
     it.
     """
     world = world or begin(recipe).world
     check_compatible(world.space, recipe.algorithm, recipe.hyperparameters)
     text = _world_text(recipe, world)
-    told = Told(recipe.algorithm, recipe.hyperparameters)
-    parts = planner_text(told, text) if told.planner else learner_text(told, text, world.space)
+    params = ParameterText(recipe.algorithm, recipe.hyperparameters)
+    parts = planner_text(params, text) if params.planner else learner_text(params, text, world.space)
     imports = "\n".join([*text.imports, "", "import gymnasium as gym", "import numpy as np"]).lstrip("\n")
     blocks = [
-        _head(recipe, text, told, changed),
+        _head(recipe, text, params, changed),
         imports,
-        told.constants(episodes, recipe.seed),
+        params.constants(episodes, recipe.seed),
         "rng = np.random.default_rng(SEED)  # the randomness of the agent",
         *_separate(parts),
     ]
@@ -96,10 +95,10 @@ def _world_text(recipe: Recipe, world: World) -> WorldText:
     return table_text(world.mdp)
 
 
-def _head(recipe: Recipe, text: WorldText, told: Told, changed: bool) -> str:
+def _head(recipe: Recipe, text: WorldText, params: ParameterText, changed: bool) -> str:
     title = recipe.scenario.title.replace("\\", "/").replace('"', "'")
     algorithm = BY_ID[recipe.algorithm]
-    policy = "" if told.planner else f", policy {POLICY_BY_ID[recipe.hyperparameters.policy].name}"
+    policy = "" if params.planner else f", policy {POLICY_BY_ID[recipe.hyperparameters.policy].name}"
     remarks = [*text.remarks, *([_CHANGED] if changed else [])]
     sentences = " ".join([f"{_NEEDS} (this algorithm: {algorithm.source}).", *remarks])
     first = textwrap.wrap(f"{algorithm.name} on “{title}”{policy}.", WIDEST)

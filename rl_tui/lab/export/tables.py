@@ -59,7 +59,7 @@ def write_returns(
 ) -> None:
     """Write every episode finished by ``step`` as a new CSV file: run, episode, return, length.
 
-    The run is done again for it, headless. Whatever ``on_progress`` raises breaks it off and leaves no file.
+    The run is done again for it, headless. An exception of ``on_progress`` breaks it off and leaves no file.
     Raises UserError where the file cannot be written or the run breaks down.
     """
     with new_file(path) as stream:

@@ -22,7 +22,7 @@ NOTE: Final = """
 # H(A) <- H(A) + α (R - R̄)(1 - π(A)), H(a) <- H(a) - α (R - R̄) π(a)   (equation 2.12)
 taken = np.eye(len(H[state]))[action]
 $baseline
-H[state] += $rule_alpha * (reward - baseline) * (taken - probabilities(state))
+H[state] += $policy_alpha * (reward - baseline) * (taken - probabilities(state))
 $mean
 """
 BASELINE: Final = "baseline = mean_reward if rewards else reward  # the mean of the rewards before this one"

@@ -142,9 +142,9 @@ class _Text:
         )
 
     def _cells(self) -> list[str]:
-        """Return what the letters of the map stand for."""
+        """Return the constants that say what the letters of the map stand for."""
         when = "leaving" if self.section.rewards == "leaving" else "entering"
-        told = [
+        lines = [
             (self.walls, f"WALLS = {literal(self.walls)}"),
             (self.ends, f"ENDS = {literal(self.ends)}  # entering one of these ends the episode"),
             (self.exits, f"EXITS = {literal(self.exits)}  # here the only action is to exit, which ends it"),
@@ -153,12 +153,12 @@ class _Text:
             (self.only, f"ONLY = {literal(self.only)}  # other moves do nothing here"),
             (self.pays, f"REWARD = {literal(self.pays)}  # what {when} a cell pays; others pay nothing"),
         ]
-        return [line for is_there, line in told if is_there]
+        return [line for is_there, line in lines if is_there]
 
     def _rules(self) -> list[str]:
         section = self.section
         turns = [(slip.turn, slip.probability) for slip in self.slips]
-        told = [
+        lines = [
             (section.step_reward, f"STEP_REWARD = {section.step_reward!r}  # of every step"),
             (self.bumps, f"BUMP_REWARD = {section.bump_reward!r}  # of a step that something stops"),
             (len(turns) > 1, f"{pieces.ABOUT_TURNS}\nTURNS = {literal(turns)}"),
@@ -168,7 +168,7 @@ class _Text:
                 f"WIND_ROWS = {literal(section.wind_rows)}  # of each row, to the right",
             ),
         ]
-        return [line for is_there, line in told if is_there]
+        return [line for is_there, line in lines if is_there]
 
     def _land(self) -> str:
         wind, wind_rows = any(self.section.wind), any(self.section.wind_rows)

@@ -48,7 +48,7 @@ for name, values in zip(STATES, Q):
 
 
 def table_text(mdp: TabularMDP) -> WorldText:
-    """Return the text of the world of ``mdp``; raises UserError where nobody could read it."""
+    """Return the text of the world of ``mdp``; raises UserError where it would be too long to read."""
     if len(mdp.next_state) > MOST_OUTCOMES:
         raise UserError(
             f"this world has {len(mdp.next_state):,} outcomes, too many for a script that one can read: at "

@@ -1,4 +1,4 @@
-"""What the text of a world has to say, whatever its kind."""
+"""The parts of the text of a world, of every kind."""
 
 from __future__ import annotations
 
@@ -85,7 +85,7 @@ class WorldText:
 
     ``setup`` makes ``env``. ``outcomes(state, action)``, for those who plan, gives ``fields``; it is there
     already or comes with ``model``. ``starts`` is the expression of the states to start in, empty where
-    nobody knows the model. ``new_table`` makes a table of estimates. ``report`` prints the policy, once
+    there is no model. ``new_table`` makes a table of estimates. ``report`` prints the policy, once
     ``report_pieces`` and ``$equals``, which values are equally good, are filled in.
     ``truncates`` says whether episodes are cut off. ``imports`` are lines, ``remarks`` sentences for the head
     of the script.

@@ -1,4 +1,4 @@
-"""What an agent is told, as the constants of a script and the expressions that use them."""
+"""The hyper-parameters of an agent as the constants of a script, and the expressions that use them."""
 
 from __future__ import annotations
 
@@ -19,24 +19,24 @@ _SCHEDULES: Final = {
 }
 
 
-class Told:
-    """What one algorithm is told, in the words of a script."""
+class ParameterText:
+    """The hyper-parameters of one algorithm, in the words of a script."""
 
-    def __init__(self, algorithm: str, values: Hyperparameters) -> None:
+    def __init__(self, algorithm: str, hyperparameters: Hyperparameters) -> None:
         self.algorithm = algorithm
-        self.values = values
-        self.used = parameters_of(algorithm, values.policy)
+        self.hyperparameters = hyperparameters
+        self.used = parameters_of(algorithm, hyperparameters.policy)
         self.planner = BY_ID[algorithm].planner
-        self.sample_average = values.sample_average and not self.planner
+        self.sample_average = hyperparameters.sample_average and not self.planner
 
     def constants(self, episodes: int, seed: int) -> str:
-        """Return the lines of the constants, what each is beside it."""
-        told = [*self._parameters()]
+        """Return the lines of the constants, each with what it is beside it."""
+        constants = [*self._parameters()]
         if not self.planner:
-            told.append(("EPISODES", f"{episodes:_}", "how many episodes to train"))
-        told.append(("SEED", str(seed), "where all randomness comes from"))
-        width = max(len(f"{name} = {value}") for name, value, _ in told)
-        return "\n".join(f"{f'{name} = {value}':<{width}}  # {text}" for name, value, text in told)
+            constants.append(("EPISODES", f"{episodes:_}", "how many episodes to train"))
+        constants.append(("SEED", str(seed), "where all randomness comes from"))
+        width = max(len(f"{name} = {value}") for name, value, _ in constants)
+        return "\n".join(f"{f'{name} = {value}':<{width}}  # {text}" for name, value, text in constants)
 
     def _parameters(self) -> list[tuple[str, str, str]]:
         skipped = {*_BY_TEXT, "initial_q"}
@@ -53,29 +53,29 @@ class Told:
     def _constant(self, name: str) -> tuple[str, str, str]:
         parameter = PARAMETERS[name]
         symbol = "" if parameter.symbol in (name, "planning", "accuracy") else f"{parameter.symbol}, "
-        return self.name_of(name), repr(self.values.value(name)), f"{symbol}{parameter.help}"
+        return self.name_of(name), repr(self.hyperparameters.value(name)), f"{symbol}{parameter.help}"
 
     def name_of(self, name: str) -> str:
         """Return what the constant of a hyper-parameter is called."""
         return _NAMES.get(name, name.upper())
 
     def is_scheduled(self, name: str) -> bool:
-        """Tell whether ``name``, epsilon or alpha, changes from episode to episode."""
+        """Return True if ``name``, epsilon or alpha, changes from episode to episode."""
         schedule, _, decay = _SCHEDULES[name]
         if name not in self.used or (name == "alpha" and self.sample_average):
             return False
-        return self.values.value(schedule) != "constant" and self.values.value(decay) != 0.0
+        return self.hyperparameters.value(schedule) != "constant" and self.hyperparameters.value(decay) != 0.0
 
     def begin(self) -> str:
-        """Return what is done when an episode begins: the schedules."""
+        """Return the lines at the start of an episode: the schedules."""
         return "\n".join(self._schedule(name) for name in _SCHEDULES if self.is_scheduled(name))
 
     def _schedule(self, name: str) -> str:
         schedule, least, decay = _SCHEDULES[name]
         start, end, fall = (self.name_of(each) for each in (name, least, decay))
-        if self.values.value(schedule) == "exponential":
+        if self.hyperparameters.value(schedule) == "exponential":
             return f"{name} = {end} + ({start} - {end}) * np.exp(-{fall} * episode)"
-        if float(self.values.value(name)) >= float(self.values.value(least)):
+        if float(self.hyperparameters.value(name)) >= float(self.hyperparameters.value(least)):
             return f"{name} = max({end}, {start} - {fall} * episode)"
         return f"{name} = min({end}, {start} + {fall} * episode)"
 
@@ -96,7 +96,7 @@ class Told:
         if self.planner:
             return False
         averages = self.sample_average and self.algorithm not in OWN_COUNTS
-        return averages or self.values.policy == "ucb"
+        return averages or self.hyperparameters.policy == "ucb"
 
     @property
     def counts_updates(self) -> bool:
