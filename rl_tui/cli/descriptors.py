@@ -37,7 +37,7 @@ class _Named(FileIO):
 def keep_stdout() -> None:
     """Keep stdout for what this program says itself, until the process ends.
 
-    ``sys.stdout`` goes on to where it went. Whatever else is written to descriptor 1 goes to stderr. Nothing
+    ``sys.stdout`` goes on to where it went. All else that is written to descriptor 1 goes to stderr. Nothing
     changes on Windows, where a console is no file.
     """
     if sys.platform == "win32":
@@ -117,7 +117,7 @@ def _open_stderr() -> None:
 
 
 def lead_nowhere(descriptor: int) -> None:
-    """Let ``descriptor``, open or closed, take whatever is written to it, and drop it."""
+    """Let ``descriptor``, open or closed, take all that is written to it, and drop it."""
     nowhere = os.open(os.devnull, os.O_WRONLY)
     if nowhere != descriptor:  # the system gives the first number that is free
         _lead(descriptor, nowhere)

@@ -1,4 +1,4 @@
-"""``--kiosk``: which commands a kiosk has, and what it gives up for good before anybody may touch it."""
+"""``--kiosk``: which commands a kiosk has, and what it gives up for good before it takes input."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ MOST_DATA: Final = 2**30
 _NICENESS: Final = 10
 _MOST_OPEN: Final = 256
 _THREADS: Final = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
-# Of the variables by which Textual is told to log, to debug or to take pictures, only these are left
+# Of the variables that make Textual log, debug or take pictures, only these are left
 _HARMLESS: Final = ("TEXTUAL_DRIVER", "TEXTUAL_FPS", "TEXTUAL_COLOR_SYSTEM", "TEXTUAL_ANIMATIONS")
 
 Command = Callable[..., Any]
@@ -57,7 +57,7 @@ def enter_kiosk(command: str | None) -> None:
 
 
 def confine() -> None:
-    """Let the system hold this process to what a kiosk needs, and give way to others; nothing takes it back.
+    """Let the system hold this process to what a kiosk needs, and yield to others; nothing takes it back.
 
     No file can be written, not even by a fault in the program. Nothing happens where the system knows no
     such limits (Windows).

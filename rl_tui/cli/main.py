@@ -65,7 +65,7 @@ def main() -> None:
 
 
 def _calculate_in_one_thread() -> None:
-    """Let numpy's linear algebra do without threads, unless somebody wants them.
+    """Let numpy's linear algebra do without threads, unless the environment asks for them.
 
     Its matrices are small here. Threads cost start-up time, and memory of which there may be little.
     """

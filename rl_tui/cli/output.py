@@ -18,7 +18,7 @@ def print_json(document: Any) -> None:
 
 
 def complain(message: str) -> None:
-    """Print ``message`` on stderr; whatever a terminal might obey in its lines is written out."""
+    """Print ``message`` on stderr; characters that a terminal might obey are written out."""
     click.echo("\n".join(map(printable, message.split("\n"))), err=True)
 
 

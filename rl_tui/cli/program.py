@@ -5,7 +5,7 @@ from __future__ import annotations
 import errno
 import os
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from difflib import get_close_matches
 from importlib import import_module
 from typing import Any, ClassVar, Final, cast
@@ -14,7 +14,6 @@ import click
 
 from rl_tui.cli.descriptors import STDOUT, lead_nowhere
 from rl_tui.cli.output import complain
-from rl_tui.cli.unknown_option import unknown_option
 from rl_tui.common.errors import UserError
 
 DONE: Final = 0
@@ -75,7 +74,7 @@ class Program(click.Group):
             where = fault.ctx.command_path if fault.ctx else "rl-tui"
             problem = fault.format_message()
             if isinstance(fault, click.NoSuchOption):
-                problem = unknown_option(fault, self)
+                problem = _unknown_option(fault, self)
             return _fail(f"{where}: {problem} ({where} --help lists the options)", USAGE)
         except click.Abort:
             return INTERRUPTED
@@ -97,6 +96,35 @@ class Program(click.Group):
                 raise
             return _fail(f"rl-tui: {_described(fault)} ({TRACEBACK}=1 shows where)")
         return status if isinstance(status, int) else DONE
+
+
+def _unknown_option(fault: click.NoSuchOption, program: click.Group) -> str:
+    """Return that there is none, and which commands of ``program`` have it or else which one is near."""
+    option, context = fault.option_name, fault.ctx
+    said = f"there is no option {option}"
+    if context is None:
+        return said
+    owners = [
+        name for name, command in _commands(program, context.find_root()) if option in _options(command)
+    ]
+    if owners:
+        return f"{said} here; it is one of {', '.join(owners)}"
+    # without the dashes, which all of them have in common
+    names = {each.lstrip("-"): each for each in _options(context.command) if each.startswith("--")}
+    near = get_close_matches(option.lstrip("-"), names, n=1)
+    return f"{said}; did you mean {names[near[0]]}?" if near else said
+
+
+def _commands(program: click.Group, context: click.Context) -> Iterator[tuple[str, click.Command]]:
+    yield context.info_name or "", program
+    for name in program.list_commands(context):
+        command = program.get_command(context, name)
+        if command is not None:
+            yield f"{context.info_name} {name}", command
+
+
+def _options(command: click.Command) -> list[str]:
+    return [name for option in command.params for name in (*option.opts, *option.secondary_opts)]
 
 
 def _described(fault: Exception) -> str:

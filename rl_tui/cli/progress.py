@@ -30,7 +30,7 @@ def progress(label: str) -> Iterator[Callable[[int, int], None]]:
         width=0,  # what the rest leaves of the line
         show_eta=False,  # it knows none before the first of so many parts is done
         update_min_steps=0,
-        item_show_func=lambda told: told,
+        item_show_func=lambda text: text,
     ) as bar:
 
         def show(done: int, wanted: int) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import os
 import sys
 from pathlib import Path
@@ -11,7 +12,6 @@ from typing import TYPE_CHECKING, Final
 import click
 
 from rl_tui.cli.descriptors import screen_alone
-from rl_tui.cli.heap import share_heap
 from rl_tui.cli.kiosk import confine
 from rl_tui.cli.program import USAGE
 from rl_tui.common.kiosk import in_kiosk
@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 
 
 IN_BROWSER: Final = "rl_tui.terminal.browser_driver:BrowserDriver"  # TEXTUAL_DRIVER of what the server starts
+_ARENA_MAX: Final = -8  # M_ARENA_MAX in glibc's malloc.h
 
 
 class NoTerminalError(click.ClickException):
@@ -56,7 +57,7 @@ def run_app(display: Display, start: Recipe | StoredSession | None = None) -> No
     """
     require_terminal()
     _stand_somewhere()
-    share_heap()
+    _share_heap()
     from rl_tui.lab.sessions.folder import session_folder
     from rl_tui.tui.app.app import RlTuiApp
 
@@ -84,3 +85,16 @@ def _stand_somewhere() -> None:
         Path.cwd()
     except OSError:
         os.chdir(gettempdir())
+
+
+def _share_heap() -> None:
+    """Have all threads allocate in one heap; to be called before there are any.
+
+    glibc gives each thread one of its own, in which holes stay where others have freed what it allocated.
+    Measured: with runs opened and ended beside one another, 74 MB more in a few minutes against 30. Kernels
+    allocate nothing, so that none of them waits for the heap. Other C libraries have one anyway.
+    """
+    try:
+        ctypes.CDLL(None).mallopt(_ARENA_MAX, 1)
+    except (AttributeError, OSError, TypeError):
+        return

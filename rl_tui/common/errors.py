@@ -46,8 +46,8 @@ class ScenarioError(UserError):
 
 def first_of(faults: Iterable[Fault]) -> tuple[Fault, ...]:
     """Return the first 100 of ``faults``; where there are more, the last one says so."""
-    told = tuple(islice(faults, MOST_FAULTS + 1))
-    if len(told) <= MOST_FAULTS:
-        return told
-    more = Fault(told[0].file, "", f"more than {MOST_FAULTS} faults", "those above mended first")
-    return (*told[:MOST_FAULTS], more)
+    reported = tuple(islice(faults, MOST_FAULTS + 1))
+    if len(reported) <= MOST_FAULTS:
+        return reported
+    more = Fault(reported[0].file, "", f"more than {MOST_FAULTS} faults", "those above mended first")
+    return (*reported[:MOST_FAULTS], more)

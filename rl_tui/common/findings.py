@@ -77,7 +77,7 @@ def one_line(text: str, longest: int) -> str:
 
 
 def printable(text: str) -> str:
-    """Return a text in which whatever a terminal might obey is written out, as its number."""
+    """Return a text in which characters that a terminal might obey are written out as numbers."""
     return "".join(letter if letter.isprintable() else f"\\u{ord(letter):04x}" for letter in text)
 
 

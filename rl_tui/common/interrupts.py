@@ -1,4 +1,4 @@
-"""ctrl+C, told apart from an environment that raises what ctrl+C raises."""
+"""Telling ctrl+C from an environment that raises KeyboardInterrupt itself."""
 
 from __future__ import annotations
 
@@ -23,15 +23,15 @@ _INTERRUPTS = _Interrupts()
 
 
 def note_interrupts() -> None:
-    """Look out for ctrl+C from now on, unless somebody else does or it is ignored. For the main thread."""
+    """Look out for ctrl+C from now on, unless another handler does or it is ignored. For the main thread."""
     if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
         signal.signal(signal.SIGINT, _INTERRUPTS.note)
 
 
 def is_interrupt(error: BaseException) -> bool:
-    """Tell whether ``error`` is ctrl+C, of which only the main thread is told, and no fault of a world.
+    """Return True if ``error`` is ctrl+C, which only the main thread gets, and no fault of a world.
 
-    Where nobody looks out for it, it is taken for one, if there can be any.
+    Where nothing looks out for it, it is taken for one, if there can be any.
     """
     if not isinstance(error, KeyboardInterrupt) or threading.current_thread() is not threading.main_thread():
         return False

@@ -19,9 +19,9 @@ LONGEST_WORD: Final = 10_000
 MOST_KEYS: Final = 1_000
 """Keys of one table, where they are not the names of states."""
 MOST_FAULTS: Final = 100
-"""Faults of a file that are told at once."""
+"""Faults of a file that are reported at once."""
 MOST_FINDINGS: Final = 1_000
-"""Faults of each kind that are looked for before the first of them are told."""
+"""Faults of each kind that are looked for before the first of them are reported."""
 
 # Of any world
 LARGEST_NUMBER: Final = 1e12

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Final
 
 _UNITS: Final = (("s", 1), ("min", 60), ("h", 3_600), ("days", 86_400), ("years", 31_557_600))
-_MOST_OF_A_UNIT: Final = 120  # a larger number of it is told in the next one
+_MOST_OF_A_UNIT: Final = 120  # a larger number of it is said in the next unit
 _SHORT: Final = (("", 1), ("k", 10**3), ("M", 10**6), ("G", 10**9), ("T", 10**12))
 
 

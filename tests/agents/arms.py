@@ -1,4 +1,4 @@
-"""Bandits of a few arms, learners of them under any action rule, and what these pull."""
+"""Bandits of a few arms, learners of them under any policy, and what these pull."""
 
 from __future__ import annotations
 
@@ -37,12 +37,12 @@ TESTBED = gaussian([0.2, -0.8, 1.5, 0.4])
 COINS = bernoulli([0.2, 0.9, 0.5, 1.0])
 
 
-def new_rule(told: Hyperparameters, mdp: TabularMDP = TESTBED) -> Any:
-    return importlib.import_module(POLICY_BY_ID[told.policy].module).new_rule(mdp, told)
+def new_rule(hyperparameters: Hyperparameters, mdp: TabularMDP = TESTBED) -> Any:
+    return importlib.import_module(POLICY_BY_ID[hyperparameters.policy].module).new_rule(mdp, hyperparameters)
 
 
-def learner(mdp: TabularMDP, told: Hyperparameters, seed: int = 0) -> Learner:
-    return Learner(mdp, "q-learning", told, streams(seed))
+def learner(mdp: TabularMDP, hyperparameters: Hyperparameters, seed: int = 0) -> Learner:
+    return Learner(mdp, "q-learning", hyperparameters, streams(seed))
 
 
 def pulls(ours: Learner, steps: int) -> list[tuple[int, float]]:

@@ -24,6 +24,6 @@ def plain_double_q_learning(world: PlainWorld) -> Table:
             count[pair] += 1
             alpha = world.step_size(count[pair])
             following = 0.0 if terminated else judging[world.argmax(next_state, learning, rest)]
-            learning[pair] += alpha * (reward + world.told.gamma * following - learning[pair])
+            learning[pair] += alpha * (reward + world.hyperparameters.gamma * following - learning[pair])
             state, ended = next_state, terminated or truncated
     return shown()

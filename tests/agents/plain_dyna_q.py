@@ -4,7 +4,7 @@ from plain_world import PlainWorld, Table
 
 
 def plain_dyna_q(world: PlainWorld) -> Table:
-    q, gamma = world.table(), world.told.gamma
+    q, gamma = world.table(), world.hyperparameters.gamma
     model: dict[int, dict[int, tuple[float, int | None]]] = {}
 
     def improve(pair: int, reward: float, next_state: int | None) -> None:
@@ -19,7 +19,7 @@ def plain_dyna_q(world: PlainWorld) -> Table:
             answer = (reward, None if terminated else next_state)
             improve(pair, *answer)
             model.setdefault(state, {})[pair] = answer
-            for _ in range(world.told.planning_steps):
+            for _ in range(world.hyperparameters.planning_steps):
                 draw = world.dice.random() * len(model)
                 taken = model[list(model)[int(draw)]]
                 imagined = list(taken)[int((draw - int(draw)) * len(taken))]

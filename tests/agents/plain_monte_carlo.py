@@ -7,7 +7,7 @@ from plain_world import PlainWorld, Table
 
 
 def plain_monte_carlo(world: PlainWorld) -> Table:
-    q, count, gamma = world.table(), world.counts(), world.told.gamma
+    q, count, gamma = world.table(), world.counts(), world.hyperparameters.gamma
     while world.steps_left:
         state, ended = world.start(), False
         episode = []

@@ -7,7 +7,7 @@ from plain_world import PlainWorld, Table
 
 def plain_n_step_sarsa(world: PlainWorld) -> Table:
     q, count = world.table(), world.counts()
-    n, gamma = world.told.n, world.told.gamma
+    n, gamma = world.hyperparameters.n, world.hyperparameters.gamma
     while world.steps_left:
         A = [world.choose(world.start(), q)]
         R = [0.0]

@@ -12,25 +12,25 @@ from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
 
 def plain_policy_iteration(
-    mdp: TabularMDP, told: Hyperparameters, steps: int
+    mdp: TabularMDP, hyperparameters: Hyperparameters, steps: int
 ) -> tuple[dict[int, float], int, bool]:
     """Return Q, the steps taken and whether the policy came to rest."""
-    q = dict.fromkeys(range(mdp.pairs), told.initial_q)
+    q = dict.fromkeys(range(mdp.pairs), hyperparameters.initial_q)
     states = [state for state in range(mdp.states) if mdp.pairs_of(state)]
-    v = dict.fromkeys(states, told.initial_q)
+    v = dict.fromkeys(states, hyperparameters.initial_q)
     policy = {pair: 1 / len(mdp.pairs_of(state)) for state in states for pair in mdp.pairs_of(state)}
     taken = 0
 
     def expected(state: int) -> float:
         total = 0.0
         for pair in mdp.pairs_of(state):
-            q[pair] = look_ahead(mdp, v, told.gamma, pair)
+            q[pair] = look_ahead(mdp, v, hyperparameters.gamma, pair)
             total += policy[pair] * q[pair]
         return total
 
     while True:
         delta = math.inf
-        while delta > told.accuracy:
+        while delta > hyperparameters.accuracy:
             delta = 0.0
             for state in states:
                 if taken == steps:
@@ -49,7 +49,7 @@ def plain_policy_iteration(
             if worth < best - slack:
                 stable = False
                 tied = [pair for pair in mdp.pairs_of(state) if q[pair] >= best - slack]
-                chosen = tied if told.ties == "random" else tied[:1]
+                chosen = tied if hyperparameters.ties == "random" else tied[:1]
                 for pair in mdp.pairs_of(state):
                     policy[pair] = 1 / len(chosen) if pair in chosen else 0.0
         if stable:

@@ -4,17 +4,17 @@ from plain_world import PlainWorld, Table
 
 
 def plain_prioritized_sweeping(world: PlainWorld) -> Table:
-    q, told = world.table(), world.told
+    q, hyperparameters = world.table(), world.hyperparameters
     model: dict[int, tuple[float, int | None]] = {}
     waiting: dict[int, float] = {}
 
     def error(pair: int) -> float:
         reward, next_state = model[pair]
         following = 0.0 if next_state is None else world.best(next_state, q)
-        return reward + told.gamma * following - q[pair]
+        return reward + hyperparameters.gamma * following - q[pair]
 
     def consider(pair: int) -> None:
-        if abs(error(pair)) > told.threshold:
+        if abs(error(pair)) > hyperparameters.threshold:
             waiting[pair] = max(waiting.get(pair, 0.0), abs(error(pair)))
 
     while world.steps_left:
@@ -24,7 +24,7 @@ def plain_prioritized_sweeping(world: PlainWorld) -> Table:
             reward, next_state, terminated, truncated = world.take(pair)
             model[pair] = (reward, None if terminated else next_state)
             consider(pair)
-            for _ in range(told.planning_steps):
+            for _ in range(hyperparameters.planning_steps):
                 if not waiting:
                     break
                 urgent = min(waiting, key=lambda each: (-waiting[each], each))

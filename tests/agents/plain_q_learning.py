@@ -12,6 +12,6 @@ def plain_q_learning(world: PlainWorld) -> Table:
             reward, next_state, terminated, truncated = world.take(pair)
             alpha = world.step_size(world.visits[pair])
             following = 0.0 if terminated else world.best(next_state, q)
-            q[pair] += alpha * (reward + world.told.gamma * following - q[pair])
+            q[pair] += alpha * (reward + world.hyperparameters.gamma * following - q[pair])
             state, ended = next_state, terminated or truncated
     return q

@@ -15,6 +15,6 @@ def plain_sarsa(world: PlainWorld) -> Table:
             if not terminated:
                 next_pair = world.choose(next_state, q)
                 following = q[next_pair]
-            q[pair] += alpha * (reward + world.told.gamma * following - q[pair])
+            q[pair] += alpha * (reward + world.hyperparameters.gamma * following - q[pair])
             state, pair, ended = next_state, next_pair, terminated or truncated
     return q

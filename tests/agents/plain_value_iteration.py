@@ -7,21 +7,21 @@ from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
 
 def plain_value_iteration(
-    mdp: TabularMDP, told: Hyperparameters, steps: int
+    mdp: TabularMDP, hyperparameters: Hyperparameters, steps: int
 ) -> tuple[dict[int, float], int, bool]:
     """Return Q, the steps taken and whether the values came to rest."""
-    q = dict.fromkeys(range(mdp.pairs), told.initial_q)
+    q = dict.fromkeys(range(mdp.pairs), hyperparameters.initial_q)
     states = [state for state in range(mdp.states) if mdp.pairs_of(state)]
-    v = dict.fromkeys(states, told.initial_q)
+    v = dict.fromkeys(states, hyperparameters.initial_q)
     taken, delta = 0, math.inf
-    while delta > told.accuracy:
+    while delta > hyperparameters.accuracy:
         delta = 0.0
         for state in states:
             if taken == steps:
                 return q, taken, False
             taken += 1
             for pair in mdp.pairs_of(state):
-                q[pair] = look_ahead(mdp, v, told.gamma, pair)
+                q[pair] = look_ahead(mdp, v, hyperparameters.gamma, pair)
             before, v[state] = v[state], max(q[pair] for pair in mdp.pairs_of(state))
             delta = max(delta, abs(before - v[state]))
     return q, taken, True

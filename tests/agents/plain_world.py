@@ -30,8 +30,10 @@ class PlainWorld:
     length) of each finished episode, are kept here.
     """
 
-    def __init__(self, mdp: TabularMDP, told: Hyperparameters, streams: Streams, steps: int) -> None:
-        self.mdp, self.told, self.steps_left = mdp, told, steps
+    def __init__(
+        self, mdp: TabularMDP, hyperparameters: Hyperparameters, streams: Streams, steps: int
+    ) -> None:
+        self.mdp, self.hyperparameters, self.steps_left = mdp, hyperparameters, steps
         self.nature, self.dice = streams
         self.visits = dict.fromkeys(range(mdp.pairs), 0)
         self.finished: list[tuple[float, int]] = []
@@ -39,7 +41,7 @@ class PlainWorld:
 
     def table(self) -> Table:
         """Return the estimates that every box starts from."""
-        return dict.fromkeys(range(self.mdp.pairs), self.told.initial_q)
+        return dict.fromkeys(range(self.mdp.pairs), self.hyperparameters.initial_q)
 
     def counts(self) -> dict[int, int]:
         return dict.fromkeys(range(self.mdp.pairs), 0)
@@ -87,7 +89,11 @@ class PlainWorld:
     def argmax(self, state: int, q: Table, draw: float) -> int:
         """Return the best pair; ``draw`` in [0, 1) decides between equals, where ties are random."""
         best = [pair for pair in self.pairs(state) if q[pair] == self.best(state, q)]
-        return best[0] if self.told.ties == "first" else best[min(int(draw * len(best)), len(best) - 1)]
+        return (
+            best[0]
+            if self.hyperparameters.ties == "first"
+            else best[min(int(draw * len(best)), len(best) - 1)]
+        )
 
     def best(self, state: int, q: Table) -> float:
         return max((q[pair] for pair in self.pairs(state)), default=0.0)
@@ -103,15 +109,25 @@ class PlainWorld:
 
     @property
     def epsilon(self) -> float:
-        told = self.told
-        return self._scheduled(told.epsilon_schedule, told.epsilon, told.epsilon_min, told.epsilon_decay)
+        hyperparameters = self.hyperparameters
+        return self._scheduled(
+            hyperparameters.epsilon_schedule,
+            hyperparameters.epsilon,
+            hyperparameters.epsilon_min,
+            hyperparameters.epsilon_decay,
+        )
 
     def step_size(self, count: int) -> float:
         """Return the step size of the ``count``-th update of a pair."""
-        told = self.told
-        if "sample-average" in (told.alpha, told.step_size_schedule):
+        hyperparameters = self.hyperparameters
+        if "sample-average" in (hyperparameters.alpha, hyperparameters.step_size_schedule):
             return 1 / count
-        return self._scheduled(told.step_size_schedule, float(told.alpha), told.alpha_min, told.alpha_decay)
+        return self._scheduled(
+            hyperparameters.step_size_schedule,
+            float(hyperparameters.alpha),
+            hyperparameters.alpha_min,
+            hyperparameters.alpha_decay,
+        )
 
     def _scheduled(self, schedule: str, start: float, least: float, decay: float) -> float:
         if decay == 0 or schedule == "constant":

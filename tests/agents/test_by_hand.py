@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from test_every_algorithm import everything, learner
-from test_stepped_loop import TOLD, Line, Table, facts, lake, untabled
+from test_stepped_loop import HYPERPARAMETERS, Line, Table, facts, lake, untabled
 
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.agents.kernels.stop import Stop
@@ -14,7 +14,7 @@ from rl_tui.agents.last_step import LastStep
 from rl_tui.agents.learner import Learner
 from rl_tui.common.errors import UserError
 from rl_tui.common.streams import streams
-from rl_tui.worlds.gym.stepped.environment import Stepped
+from rl_tui.worlds.gym.stepped.environment import StepResult
 from rl_tui.worlds.mdp.space import all_pairs
 from rl_tui.worlds.mdp.tabular_mdp import Outcome, TabularMDP, Transition, tabular_mdp
 
@@ -45,8 +45,8 @@ def last_of(ours: Learner) -> LastStep:
 @pytest.mark.parametrize("algorithm", ["q-learning"])
 def test_q_learning_learns_from_it_as_from_its_own_and_the_choice_draws_nothing(algorithm: str) -> None:
     mdp, dice = lake(), np.random.default_rng(3)
-    ours = learner(mdp, algorithm, TOLD, 5)
-    q, drawn = np.full(mdp.pairs, TOLD.initial_q), ours.streams.learner.bit_generator.state
+    ours = learner(mdp, algorithm, HYPERPARAMETERS, 5)
+    q, drawn = np.full(mdp.pairs, HYPERPARAMETERS.initial_q), ours.streams.learner.bit_generator.state
     for _ in range(300):
         pair = int(dice.choice(mdp.pairs_of(ours.state)))
         assert ours.take(pair) is Stop.DONE
@@ -54,7 +54,7 @@ def test_q_learning_learns_from_it_as_from_its_own_and_the_choice_draws_nothing(
         assert (last.pair, last.by_hand, last.explored) == (pair, True, False)
         there = [q[each] for each in mdp.pairs_of(last.next_state)]
         bootstrap = 0.0 if last.terminated else max(there)
-        q[pair] += 0.3 * (last.reward + TOLD.gamma * bootstrap - q[pair])
+        q[pair] += 0.3 * (last.reward + HYPERPARAMETERS.gamma * bootstrap - q[pair])
     assert ours.q.tolist() == q.tolist()
     assert ours.streams.learner.bit_generator.state == drawn
     assert ours.visits.sum() == 300
@@ -63,7 +63,7 @@ def test_q_learning_learns_from_it_as_from_its_own_and_the_choice_draws_nothing(
 
 @pytest.mark.parametrize("algorithm", ["q-learning"])
 def test_the_agent_goes_on_by_itself(algorithm: str) -> None:
-    ours = learner(lake(), algorithm, TOLD)
+    ours = learner(lake(), algorithm, HYPERPARAMETERS)
     ours.take(ours.space.pairs_of(ours.state)[1])
     ours.advance(50)
     assert not last_of(ours).by_hand
@@ -83,8 +83,8 @@ def test_the_agent_goes_on_by_itself(algorithm: str) -> None:
     ],
 )
 def test_what_the_agent_would_have_done_teaches_the_same_by_hand(algorithm: str) -> None:
-    told = Hyperparameters(alpha=0.5, epsilon=0.0, ties="first", initial_q=0.5)
-    agent, hand = (learner(lake(), algorithm, told, 2) for _ in range(2))
+    hyperparameters = Hyperparameters(alpha=0.5, epsilon=0.0, ties="first", initial_q=0.5)
+    agent, hand = (learner(lake(), algorithm, hyperparameters, 2) for _ in range(2))
     for _ in range(200):
         agent.advance(1)
         hand.take(last_of(agent).pair)
@@ -144,8 +144,8 @@ def test_a_trace_of_sarsa_lambda_leads_beyond_whatever_is_done(algorithm: str) -
 @pytest.mark.parametrize("algorithm", ["q-learning", "sarsa", "q-lambda"])
 def test_a_stepped_environment_is_acted_in_alike(algorithm: str) -> None:
     mdp = lake()
-    by_table = Learner(mdp, algorithm, TOLD, streams(7))
-    stepped = Learner(untabled(mdp), algorithm, TOLD, streams(7), Table(mdp, 7))
+    by_table = Learner(mdp, algorithm, HYPERPARAMETERS, streams(7))
+    stepped = Learner(untabled(mdp), algorithm, HYPERPARAMETERS, streams(7), Table(mdp, 7))
     dice = np.random.default_rng(1)
     for turn in range(200):
         pair = int(dice.choice(mdp.pairs_of(by_table.state)))
@@ -158,7 +158,9 @@ def test_a_stepped_environment_is_acted_in_alike(algorithm: str) -> None:
 
 def test_a_failure_of_the_environment_leaves_the_choice_to_nobody() -> None:
     space = all_pairs(["here"], ["on"], 0)
-    ours = Learner(space, "q-learning", TOLD, streams(0), Line(Stepped(0, 1.0, False, False), None))
+    ours = Learner(
+        space, "q-learning", HYPERPARAMETERS, streams(0), Line(StepResult(0, 1.0, False, False), None)
+    )
     assert ours.take(0) is Stop.DONE
     assert ours.take(0) is Stop.WORLD_FAILED
     assert (ours.step, ours._position.forced[0]) == (1, -1)

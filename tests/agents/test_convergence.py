@@ -33,9 +33,9 @@ def small_world(seed: int, certain: bool) -> TabularMDP:
     return tabular_mdp(names, ["a", "b", "c"], transitions, dict.fromkeys(range(5), 0.2), 20)
 
 
-def error_after(mdp: TabularMDP, algorithm: str, told: Hyperparameters, episodes: int) -> float:
+def error_after(mdp: TabularMDP, algorithm: str, hyperparameters: Hyperparameters, episodes: int) -> float:
     """Return max |Q − Q*| after so many episodes."""
-    learner = Learner(mdp, algorithm, told, streams(0))
+    learner = Learner(mdp, algorithm, hyperparameters, streams(0))
     while learner.episodes < episodes:
         assert learner.advance(10**9, episodes - learner.episodes) in (Stop.DONE, Stop.EPISODES_FULL)
         learner.drain_episodes()
@@ -53,16 +53,16 @@ def test_off_policy_whatever_is_explored(algorithm: str) -> None:
     # With α nearly 0 in the end, an estimate averages what its pair saw within some 1/decay episodes: several
     # thousand targets that scatter by about 1.5: ±0.02, and handed on from state to state 1/(1 − γ) of that
     mdp = small_world(1, certain=False)
-    told = Hyperparameters(alpha=0.5, alpha_decay=3e-5, gamma=GAMMA, epsilon=0.5, lambda_=0.5)
-    assert error_after(mdp, algorithm, told, 300_000) < 0.1 < exploration_matters(mdp) / 5
+    hyperparameters = Hyperparameters(alpha=0.5, alpha_decay=3e-5, gamma=GAMMA, epsilon=0.5, lambda_=0.5)
+    assert error_after(mdp, algorithm, hyperparameters, 300_000) < 0.1 < exploration_matters(mdp) / 5
 
 
 @pytest.mark.parametrize("algorithm", written("q-learning", "double-q-learning"))
 def test_sample_averages(algorithm: str) -> None:
     # What was believed at first fades as N^(γ − 1) only: from about 5 to 5 · 30,000^−0.3 ≈ 0.2
     mdp = small_world(1, certain=False)
-    told = Hyperparameters(alpha="sample-average", gamma=GAMMA, epsilon=1.0)
-    assert error_after(mdp, algorithm, told, 100_000) < 0.25 < exploration_matters(mdp) / 5
+    hyperparameters = Hyperparameters(alpha="sample-average", gamma=GAMMA, epsilon=1.0)
+    assert error_after(mdp, algorithm, hyperparameters, 100_000) < 0.25 < exploration_matters(mdp) / 5
 
 
 @pytest.mark.parametrize(
@@ -73,15 +73,15 @@ def test_on_policy_as_exploration_fades(algorithm: str) -> None:
     # 0.2 ε / 3 an episode, add up to less than 1: 0.2 ε² / (6 · 2e-5) = 1 at ε = 0.025. Its estimate is then
     # that of a policy which explores so much, at a loss of up to 4 in the states that follow: 0.025 · 4 / 0.3
     mdp = small_world(1, certain=False)
-    told = Hyperparameters(
+    hyperparameters = Hyperparameters(
         alpha=0.2, alpha_decay=2e-5, gamma=GAMMA, epsilon=1.0, epsilon_decay=2e-5, lambda_=0.5
     )
-    assert error_after(mdp, algorithm, told, 300_000) < 0.33 < exploration_matters(mdp) / 5
+    assert error_after(mdp, algorithm, hyperparameters, 300_000) < 0.33 < exploration_matters(mdp) / 5
 
 
 @pytest.mark.parametrize("seed", [1, 2, 3])
 @pytest.mark.parametrize("algorithm", written("q-learning", "q-lambda", "dyna-q", "prioritized-sweeping"))
 def test_where_nothing_is_left_to_chance_the_answer_is_exact(algorithm: str, seed: int) -> None:
     mdp = small_world(seed, certain=True)
-    told = Hyperparameters(alpha=0.5, gamma=GAMMA, epsilon=1.0, lambda_=0.5, threshold=0.0)
-    assert error_after(mdp, algorithm, told, 2_000) < 1e-9 < exploration_matters(mdp) / 5
+    hyperparameters = Hyperparameters(alpha=0.5, gamma=GAMMA, epsilon=1.0, lambda_=0.5, threshold=0.0)
+    assert error_after(mdp, algorithm, hyperparameters, 2_000) < 1e-9 < exploration_matters(mdp) / 5

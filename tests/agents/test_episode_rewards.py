@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from random_worlds import worlds
 from test_every_algorithm import learner
-from test_stepped_loop import TOLD, Table, lake, untabled
+from test_stepped_loop import HYPERPARAMETERS, Table, lake, untabled
 
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.agents.learner import Learner
@@ -56,8 +56,8 @@ def test_before_the_first_step_there_are_none() -> None:
 def test_they_are_those_of_a_plain_list_however_the_work_is_cut(
     mdp: TabularMDP, gamma: float, chunks: list[int]
 ) -> None:
-    told = Hyperparameters(gamma=gamma, epsilon=0.5)
-    single, cut = (learner(mdp, "q-learning", told) for _ in range(2))
+    hyperparameters = Hyperparameters(gamma=gamma, epsilon=0.5)
+    single, cut = (learner(mdp, "q-learning", hyperparameters) for _ in range(2))
     steps = followed(single)
     for chunk in chunks:
         expected = [next(steps) for _ in range(chunk)][-1]
@@ -83,8 +83,8 @@ def test_of_a_long_episode_the_last_256_are_kept_and_all_are_summed(time_limit: 
 
 def test_a_stepped_environment_gives_them_alike() -> None:
     mdp = lake()
-    ours = Learner(untabled(mdp), "q-learning", TOLD, streams(7), Table(mdp, 7))
-    steps = followed(learner(mdp, "q-learning", TOLD, 7))
+    ours = Learner(untabled(mdp), "q-learning", HYPERPARAMETERS, streams(7), Table(mdp, 7))
+    steps = followed(learner(mdp, "q-learning", HYPERPARAMETERS, 7))
     for _ in range(200):
         ours.advance(1)
         assert shown(ours) == next(steps)

@@ -39,7 +39,7 @@ def written(*algorithms: str) -> list[Any]:
 EVERY = written(*BY_ID)
 LEARNING = written(*(algorithm.id for algorithm in BY_ID.values() if not algorithm.planner))
 
-hyperparameters = st.builds(
+any_hyperparameters = st.builds(
     Hyperparameters,
     alpha=st.sampled_from([0.1, 0.5, 1.0, "sample-average"]),
     step_size_schedule=st.sampled_from(["constant", "linear", "exponential", "sample-average"]),
@@ -65,8 +65,8 @@ def examples(count: int) -> Callable[[Any], Any]:
     return settings(max_examples=count, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 
 
-def learner(mdp: TabularMDP, algorithm: str, told: Hyperparameters, seed: int = 0) -> Learner:
-    return Learner(mdp, algorithm, told, streams(seed))
+def learner(mdp: TabularMDP, algorithm: str, hyperparameters: Hyperparameters, seed: int = 0) -> Learner:
+    return Learner(mdp, algorithm, hyperparameters, streams(seed))
 
 
 def everything(ours: Learner) -> list[Any]:
@@ -84,16 +84,16 @@ def everything(ours: Learner) -> list[Any]:
 
 @pytest.mark.parametrize("algorithm", LEARNING)
 @examples(40)
-@given(worlds(), hyperparameters, SEEDS, st.integers(0, 300))
+@given(worlds(), any_hyperparameters, SEEDS, st.integers(0, 300))
 def test_the_kernel_does_what_the_box_says_bit_for_bit(
-    algorithm: str, mdp: TabularMDP, told: Hyperparameters, seed: int, steps: int
+    algorithm: str, mdp: TabularMDP, hyperparameters: Hyperparameters, seed: int, steps: int
 ) -> None:
     name = f"plain_{algorithm.replace('-', '_')}"
     box: Callable[[PlainWorld], Table] = getattr(importlib.import_module(name), name)
-    ours = learner(mdp, algorithm, told, seed)
+    ours = learner(mdp, algorithm, hyperparameters, seed)
     ours.advance(steps)
     episodes = ours.drain_episodes()
-    world = PlainWorld(mdp, told, streams(seed), ours.step)  # fewer where it ran away
+    world = PlainWorld(mdp, hyperparameters, streams(seed), ours.step)  # fewer where it ran away
     q = box(world)
     assert ours.q.tolist() == as_array(q).tolist()
     assert ours.visits.tolist() == as_array(world.visits).tolist()
@@ -102,11 +102,11 @@ def test_the_kernel_does_what_the_box_says_bit_for_bit(
 
 @pytest.mark.parametrize("algorithm", EVERY)
 @examples(15)
-@given(worlds(), hyperparameters, SEEDS, st.integers(0, 150))
+@given(worlds(), any_hyperparameters, SEEDS, st.integers(0, 150))
 def test_interpreted_and_compiled_give_the_same_bits(
-    algorithm: str, mdp: TabularMDP, told: Hyperparameters, seed: int, steps: int
+    algorithm: str, mdp: TabularMDP, hyperparameters: Hyperparameters, seed: int, steps: int
 ) -> None:
-    compiled, interpreted = (learner(mdp, algorithm, told, seed) for _ in range(2))
+    compiled, interpreted = (learner(mdp, algorithm, hyperparameters, seed) for _ in range(2))
     compiled.advance(steps)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("rl_tui.agents.learner.advance", loop.advance.py_func)
@@ -117,11 +117,11 @@ def test_interpreted_and_compiled_give_the_same_bits(
 
 @pytest.mark.parametrize("algorithm", EVERY)
 @examples(20)
-@given(worlds(), hyperparameters, SEEDS, st.lists(st.integers(0, 60), max_size=8))
+@given(worlds(), any_hyperparameters, SEEDS, st.lists(st.integers(0, 60), max_size=8))
 def test_how_the_work_is_cut_does_not_matter(
-    algorithm: str, mdp: TabularMDP, told: Hyperparameters, seed: int, chunks: list[int]
+    algorithm: str, mdp: TabularMDP, hyperparameters: Hyperparameters, seed: int, chunks: list[int]
 ) -> None:
-    whole, cut = (learner(mdp, algorithm, told, seed) for _ in range(2))
+    whole, cut = (learner(mdp, algorithm, hyperparameters, seed) for _ in range(2))
     whole.advance(sum(chunks))
     for chunk in chunks:
         cut.advance(chunk)
@@ -130,11 +130,11 @@ def test_how_the_work_is_cut_does_not_matter(
 
 @pytest.mark.parametrize("algorithm", EVERY)
 @examples(15)
-@given(worlds(), hyperparameters, st.integers(0, 60), st.integers(0, 60))
+@given(worlds(), any_hyperparameters, st.integers(0, 60), st.integers(0, 60))
 def test_a_checkpoint_brings_everything_back_in_any_learner(
-    algorithm: str, mdp: TabularMDP, told: Hyperparameters, before: int, after: int
+    algorithm: str, mdp: TabularMDP, hyperparameters: Hyperparameters, before: int, after: int
 ) -> None:
-    straight, rewound = (learner(mdp, algorithm, told) for _ in range(2))
+    straight, rewound = (learner(mdp, algorithm, hyperparameters) for _ in range(2))
     straight.advance(before + after)
     straight.drain_episodes()
     expected = everything(straight)
@@ -188,11 +188,11 @@ def test_any_algorithm_goes_on_where_another_stopped(time_limit: int) -> None:
 
 @pytest.mark.parametrize("algorithm", LEARNING)
 @examples(10)
-@given(worlds(), hyperparameters, SEEDS)
-def test_the_update_that_is_told_is_the_one_that_was_made(
-    algorithm: str, mdp: TabularMDP, told: Hyperparameters, seed: int
+@given(worlds(), any_hyperparameters, SEEDS)
+def test_the_update_that_is_reported_is_the_one_that_was_made(
+    algorithm: str, mdp: TabularMDP, hyperparameters: Hyperparameters, seed: int
 ) -> None:
-    ours = learner(mdp, algorithm, told, seed)
+    ours = learner(mdp, algorithm, hyperparameters, seed)
     for _ in range(40):
         before = ours.q.copy()
         ours.advance(1)
@@ -219,8 +219,8 @@ def test_a_terminated_step_does_not_bootstrap_a_truncated_one_does(
     mdp = tabular_mdp(["s", "end"], ["a"], [Transition(0, 0, [Outcome(1.0, 0, 1.0, ends)])], {0: 1.0}, 1)
     # Prioritized sweeping learns from its queue only
     planning_steps = 1 if algorithm == "prioritized-sweeping" else 0
-    told = Hyperparameters(alpha=1.0, gamma=0.5, initial_q=10.0, planning_steps=planning_steps)
-    ours = learner(mdp, algorithm, told)
+    hyperparameters = Hyperparameters(alpha=1.0, gamma=0.5, initial_q=10.0, planning_steps=planning_steps)
+    ours = learner(mdp, algorithm, hyperparameters)
     ours.advance(1)
     last = ours.last_step
     assert last is not None

@@ -19,8 +19,8 @@ from rl_tui.common.streams import streams
 from rl_tui.worlds.mdp.tabular_mdp import Outcome, TabularMDP, Transition, tabular_mdp
 
 
-def learner(mdp: TabularMDP, told: Hyperparameters | None = None, seed: int = 0) -> Learner:
-    return Learner(mdp, "q-learning", told or Hyperparameters(), streams(seed))
+def learner(mdp: TabularMDP, hyperparameters: Hyperparameters | None = None, seed: int = 0) -> Learner:
+    return Learner(mdp, "q-learning", hyperparameters or Hyperparameters(), streams(seed))
 
 
 def take(ours: Learner, steps: int) -> Stop:
@@ -93,15 +93,15 @@ def test_the_last_step_holds_the_numbers_of_its_update() -> None:
 
 
 def test_epsilon_decays_by_episode() -> None:
-    told = Hyperparameters(epsilon=1.0, epsilon_min=0.1, epsilon_decay=0.5)
-    ours = learner(one_state([1.0, 1.0]), told)
+    hyperparameters = Hyperparameters(epsilon=1.0, epsilon_min=0.1, epsilon_decay=0.5)
+    ours = learner(one_state([1.0, 1.0]), hyperparameters)
     seen = []
     for _ in range(4):
         ours.advance(1)
         assert ours.last_step is not None
         seen.append(ours.last_step.epsilon)
     assert seen == pytest.approx([0.1 + 0.9 * math.exp(-0.5 * n) for n in range(4)])
-    assert seen == [told.epsilon_at(n) for n in range(4)]
+    assert seen == [hyperparameters.epsilon_at(n) for n in range(4)]
 
 
 def test_a_change_acts_from_the_next_step() -> None:

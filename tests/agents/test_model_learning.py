@@ -31,8 +31,8 @@ def coin(actions: int) -> TabularMDP:
     return tabular_mdp(["here", "end"], [str(each) for each in range(actions)], transitions, {0: 1.0})
 
 
-def learner(mdp: TabularMDP, algorithm: str, **told: object) -> Learner:
-    return Learner(mdp, algorithm, Hyperparameters(**told), streams(0))  # type: ignore[arg-type]
+def learner(mdp: TabularMDP, algorithm: str, **hyperparameters: object) -> Learner:
+    return Learner(mdp, algorithm, Hyperparameters(**hyperparameters), streams(0))  # type: ignore[arg-type]
 
 
 def dyna_memory(ours: Learner) -> dyna_q.Memory:
@@ -81,11 +81,11 @@ def test_dyna_practises_the_states_alike_and_then_the_actions() -> None:
     mdp = tabular_mdp(
         ["a", "b", "c"], list("0123"), [*four, Transition(1, 0, [Outcome(1.0, 2, 1.0, False)])], {0: 1.0}
     )
-    told = Hyperparameters(alpha=1e-4, gamma=0.0, epsilon=1.0, planning_steps=0)
-    ours = Learner(mdp, "dyna-q", told, streams(0))
+    hyperparameters = Hyperparameters(alpha=1e-4, gamma=0.0, epsilon=1.0, planning_steps=0)
+    ours = Learner(mdp, "dyna-q", hyperparameters, streams(0))
     ours.advance(100)
     before = ours.q[4]
-    ours.configure(replace(told, planning_steps=10_000))
+    ours.configure(replace(hyperparameters, planning_steps=10_000))
     ours.advance(1)
     practised = np.log((1.0 - ours.q[4]) / (1.0 - before)) / np.log(1.0 - 1e-4)
     assert practised == pytest.approx(5_000, abs=200)

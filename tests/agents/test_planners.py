@@ -29,7 +29,7 @@ PLAIN: dict[str, Callable[..., tuple[dict[int, float], int, bool]]] = {
 }
 both = pytest.mark.parametrize("algorithm", PLANNERS)
 
-hyperparameters = st.builds(
+any_hyperparameters = st.builds(
     Hyperparameters,
     gamma=st.sampled_from([0.0, 0.5, 0.9]),
     accuracy=st.sampled_from([1e-9, 0.01, 1.0]),
@@ -38,8 +38,8 @@ hyperparameters = st.builds(
 )
 
 
-def learner(mdp: TabularMDP, algorithm: str, told: Hyperparameters | None = None) -> Learner:
-    return Learner(mdp, algorithm, told or Hyperparameters(), streams(0))
+def learner(mdp: TabularMDP, algorithm: str, hyperparameters: Hyperparameters | None = None) -> Learner:
+    return Learner(mdp, algorithm, hyperparameters or Hyperparameters(), streams(0))
 
 
 def shipped(name: str) -> TabularMDP:
@@ -62,14 +62,14 @@ def row(rewards: list[float], time_limit: int = 0) -> TabularMDP:
 
 
 @both
-@given(mdp=worlds(), told=hyperparameters, steps=st.integers(0, 400))
+@given(mdp=worlds(), hyperparameters=any_hyperparameters, steps=st.integers(0, 400))
 @settings(max_examples=40, deadline=None)
 def test_it_does_what_the_box_says(
-    algorithm: str, mdp: TabularMDP, told: Hyperparameters, steps: int
+    algorithm: str, mdp: TabularMDP, hyperparameters: Hyperparameters, steps: int
 ) -> None:
-    ours = learner(mdp, algorithm, told)
+    ours = learner(mdp, algorithm, hyperparameters)
     ours.advance(steps)
-    q, taken, done = PLAIN[algorithm](mdp, told, steps)
+    q, taken, done = PLAIN[algorithm](mdp, hyperparameters, steps)
     assert (ours.q.tolist(), ours.step) == (list(q.values()), taken)
     assert ours.converged or not done
     states = [state for state in range(mdp.states) if mdp.pairs_of(state)]
@@ -81,8 +81,8 @@ def test_it_does_what_the_box_says(
 @given(mdp=worlds(), gamma=st.sampled_from([0.0, 0.5, 0.9]), ties=st.sampled_from(["random", "first"]))
 @settings(max_examples=40, deadline=None)
 def test_it_finds_the_exact_answer(algorithm: str, mdp: TabularMDP, gamma: float, ties: str) -> None:
-    told = replace(Hyperparameters(gamma=gamma, accuracy=1e-12, initial_q=1.0), ties=ties)
-    ours = learner(mdp, algorithm, told)
+    hyperparameters = replace(Hyperparameters(gamma=gamma, accuracy=1e-12, initial_q=1.0), ties=ties)
+    ours = learner(mdp, algorithm, hyperparameters)
     assert ours.advance(10**6) is Stop.CONVERGED
     assert ours.q == pytest.approx(solve(mdp, gamma).q, abs=1e-8)
 
@@ -92,8 +92,8 @@ def test_it_finds_the_exact_answer(algorithm: str, mdp: TabularMDP, gamma: float
 @pytest.mark.parametrize("name", ["frozenlake", "frozenlake-slippery", "frozenlake-8x8-slippery"])
 @pytest.mark.parametrize("ties", ["random", "first"])
 def test_it_solves_the_lakes(algorithm: str, name: str, gamma: float, ties: str) -> None:
-    told = replace(Hyperparameters(gamma=gamma, accuracy=1e-13), ties=ties)
-    ours = learner(shipped(name), algorithm, told)
+    hyperparameters = replace(Hyperparameters(gamma=gamma, accuracy=1e-13), ties=ties)
+    ours = learner(shipped(name), algorithm, hyperparameters)
     assert ours.advance(10**7) is Stop.CONVERGED
     assert ours.q == pytest.approx(solve(shipped(name), gamma).q, abs=1e-8)
 
@@ -203,10 +203,10 @@ def test_a_runaway_stops_and_says_what_helps(algorithm: str) -> None:
 @both
 def test_a_new_discount_lets_it_go_on_whenever_it_comes(algorithm: str) -> None:
     mdp = shipped("frozenlake-slippery")
-    told = Hyperparameters(gamma=0.5, accuracy=1e-12)
-    ours = learner(mdp, algorithm, told)
+    hyperparameters = Hyperparameters(gamma=0.5, accuracy=1e-12)
+    ours = learner(mdp, algorithm, hyperparameters)
     for gamma, steps in ((0.5, 10**6), (0.9, 3), (0.8, 10**6), (0.8, 10**6), (0.7, 40), (0.9, 10**6)):
-        ours.configure(replace(told, gamma=gamma))
+        ours.configure(replace(hyperparameters, gamma=gamma))
         ours.advance(steps)
         if steps == 10**6:
             assert ours.converged
@@ -224,8 +224,8 @@ def test_the_time_limit_plays_no_part(algorithm: str) -> None:
 
 @both
 def test_to_a_planner_and_back_in_mid_episode(algorithm: str) -> None:
-    told = Hyperparameters(epsilon=1.0)
-    ours = learner(row([0.0, 5.0, 1.0]), "q-learning", told)
+    hyperparameters = Hyperparameters(epsilon=1.0)
+    ours = learner(row([0.0, 5.0, 1.0]), "q-learning", hyperparameters)
     while ours.state != 2:
         ours.advance(1)
     ours.drain_episodes()

@@ -37,27 +37,33 @@ def arms() -> TabularMDP:
 
 @settings(deadline=None)
 @given(st.sampled_from(SCHEDULES), probabilities, probabilities, decays, episodes)
-def test_compiled_exploration_is_exactly_what_is_told(
+def test_compiled_exploration_is_exactly_as_scheduled(
     schedule: str, start: float, least: float, decay: float, episode: int
 ) -> None:
-    told = Hyperparameters(epsilon=start, epsilon_schedule=schedule, epsilon_min=least, epsilon_decay=decay)
-    assert now(schedules_of(told).epsilon, episode) == told.epsilon_at(episode)
-    assert now.py_func(schedules_of(told).epsilon, episode) == told.epsilon_at(episode)
+    hyperparameters = Hyperparameters(
+        epsilon=start, epsilon_schedule=schedule, epsilon_min=least, epsilon_decay=decay
+    )
+    assert now(schedules_of(hyperparameters).epsilon, episode) == hyperparameters.epsilon_at(episode)
+    assert now.py_func(schedules_of(hyperparameters).epsilon, episode) == hyperparameters.epsilon_at(episode)
 
 
 @settings(deadline=None)
 @given(st.sampled_from(SCHEDULES), st.floats(1e-9, 1.0), probabilities, decays, episodes)
-def test_compiled_step_sizes_are_exactly_what_is_told(
+def test_compiled_step_sizes_are_exactly_as_scheduled(
     schedule: str, start: float, least: float, decay: float, episode: int
 ) -> None:
-    told = Hyperparameters(alpha=start, step_size_schedule=schedule, alpha_min=least, alpha_decay=decay)
-    assert now(schedules_of(told).alpha, episode) == told.alpha_at(episode)
+    hyperparameters = Hyperparameters(
+        alpha=start, step_size_schedule=schedule, alpha_min=least, alpha_decay=decay
+    )
+    assert now(schedules_of(hyperparameters).alpha, episode) == hyperparameters.alpha_at(episode)
 
 
 def test_the_schedules_at_known_episodes() -> None:
     def epsilons(schedule: str, least: float = 0.1) -> list[float]:
-        told = Hyperparameters(epsilon=0.5, epsilon_schedule=schedule, epsilon_min=least, epsilon_decay=0.125)
-        return [told.epsilon_at(episode) for episode in (0, 1, 2, 100)]
+        hyperparameters = Hyperparameters(
+            epsilon=0.5, epsilon_schedule=schedule, epsilon_min=least, epsilon_decay=0.125
+        )
+        return [hyperparameters.epsilon_at(episode) for episode in (0, 1, 2, 100)]
 
     assert epsilons("constant") == [0.5] * 4
     assert epsilons("linear") == [0.5, 0.375, 0.25, 0.1]
@@ -68,15 +74,15 @@ def test_the_schedules_at_known_episodes() -> None:
 
 
 def test_a_decay_without_a_word_about_its_form_is_exponential() -> None:
-    told = Hyperparameters(epsilon=1.0, epsilon_min=0.1, epsilon_decay=0.5)
-    assert told.epsilon_at(3) == pytest.approx(0.1 + 0.9 * math.exp(-1.5))
+    hyperparameters = Hyperparameters(epsilon=1.0, epsilon_min=0.1, epsilon_decay=0.5)
+    assert hyperparameters.epsilon_at(3) == pytest.approx(0.1 + 0.9 * math.exp(-1.5))
     assert Hyperparameters(alpha=0.4, alpha_decay=0.5).alpha_at(2) == pytest.approx(0.4 * math.exp(-1.0))
     assert Hyperparameters(epsilon=0.3).epsilon_at(10**9) == 0.3
 
 
-@pytest.mark.parametrize("told", [{"alpha": "sample-average"}, {"step_size_schedule": "sample-average"}])
-def test_the_sample_average_can_be_asked_for_in_two_ways(told: dict[str, str]) -> None:
-    hyperparameters = Hyperparameters(**told)  # type: ignore[arg-type]
+@pytest.mark.parametrize("fields", [{"alpha": "sample-average"}, {"step_size_schedule": "sample-average"}])
+def test_the_sample_average_can_be_asked_for_in_two_ways(fields: dict[str, str]) -> None:
+    hyperparameters = Hyperparameters(**fields)  # type: ignore[arg-type]
     assert hyperparameters.sample_average
     assert hyperparameters.alpha_at(5) is None
     ours = Learner(arms(), "q-learning", hyperparameters, streams(0))
@@ -89,7 +95,7 @@ def test_the_sample_average_can_be_asked_for_in_two_ways(told: dict[str, str]) -
 
 @pytest.mark.parametrize("schedule", SCHEDULES)
 def test_a_learner_follows_both_schedules_episode_by_episode(schedule: str) -> None:
-    told = Hyperparameters(
+    hyperparameters = Hyperparameters(
         alpha=0.8,
         step_size_schedule=schedule,
         alpha_min=0.05,
@@ -99,9 +105,12 @@ def test_a_learner_follows_both_schedules_episode_by_episode(schedule: str) -> N
         epsilon_min=0.2,
         epsilon_decay=0.07,
     )
-    ours = Learner(arms(), "q-learning", told, streams(0))
+    ours = Learner(arms(), "q-learning", hyperparameters, streams(0))
     for episode in range(20):
         ours.advance(1)
         last = ours.last_step
         assert last is not None
-        assert (last.step_size, last.epsilon) == (told.alpha_at(episode), told.epsilon_at(episode))
+        assert (last.step_size, last.epsilon) == (
+            hyperparameters.alpha_at(episode),
+            hyperparameters.epsilon_at(episode),
+        )

@@ -16,7 +16,7 @@ from rl_tui.agents.kernels.stop import LONGEST_EPISODE, Stop
 from rl_tui.agents.learner import EPISODES_LOGGED, UNLIMITED, Learner
 from rl_tui.common.errors import UserError
 from rl_tui.common.streams import streams
-from rl_tui.worlds.gym.stepped.environment import EnvironmentFailedError, Stepped
+from rl_tui.worlds.gym.stepped.environment import EnvironmentFailedError, StepResult
 from rl_tui.worlds.gym.tables.toy_text import world_of
 from rl_tui.worlds.mdp.space import FiniteSpace, all_pairs
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
@@ -49,7 +49,7 @@ class Table:
         self._state = int(self._mdp.start_state[index])
         return self._state
 
-    def step(self, action: int) -> Stepped:
+    def step(self, action: int) -> StepResult:
         mdp = self._mdp
         pair = next(p for p in mdp.pairs_of(self._state) if mdp.pair_action[p] == action)
         outcomes = mdp.outcomes_of(pair)
@@ -61,7 +61,7 @@ class Table:
         self._taken += 1
         over = bool(mdp.terminated[outcome])
         truncated = self._taken == mdp.time_limit and not over
-        return Stepped(self._state, float(mdp.reward[outcome]), over, truncated)
+        return StepResult(self._state, float(mdp.reward[outcome]), over, truncated)
 
 
 def untabled(mdp: TabularMDP) -> FiniteSpace:
@@ -96,13 +96,13 @@ def go(learner: Learner, steps: int) -> list[list[float]]:
     return ended
 
 
-TOLD = Hyperparameters(alpha=0.3, epsilon=0.8, epsilon_min=0.1, epsilon_decay=0.05, initial_q=0.5)
+HYPERPARAMETERS = Hyperparameters(alpha=0.3, epsilon=0.8, epsilon_min=0.1, epsilon_decay=0.05, initial_q=0.5)
 
 
 def test_a_stepped_table_gives_the_bits_of_the_compiled_loop() -> None:
     mdp = lake()
-    by_table = Learner(mdp, "q-learning", TOLD, streams(7))
-    stepped = Learner(untabled(mdp), "q-learning", TOLD, streams(7), Table(mdp, 7))
+    by_table = Learner(mdp, "q-learning", HYPERPARAMETERS, streams(7))
+    stepped = Learner(untabled(mdp), "q-learning", HYPERPARAMETERS, streams(7), Table(mdp, 7))
     assert go(stepped, 3_000) == go(by_table, 3_000)
     assert facts(stepped) == facts(by_table)
 
@@ -112,8 +112,8 @@ def test_every_algorithm_learns_alike_interpreted(algorithm: str, monkeypatch: p
     monkeypatch.setattr("rl_tui.agents.learner.advance", loop.advance.py_func)
     monkeypatch.setattr(stepped_loop, "entry", lambda function, *example: function.py_func)
     mdp = lake()
-    by_table = Learner(mdp, algorithm, TOLD, streams(3))
-    stepped = Learner(untabled(mdp), algorithm, TOLD, streams(3), Table(mdp, 3))
+    by_table = Learner(mdp, algorithm, HYPERPARAMETERS, streams(3))
+    stepped = Learner(untabled(mdp), algorithm, HYPERPARAMETERS, streams(3), Table(mdp, 3))
     with np.errstate(all="ignore"):
         assert go(stepped, 300) == go(by_table, 300)
     assert facts(stepped) == facts(by_table)
@@ -121,7 +121,9 @@ def test_every_algorithm_learns_alike_interpreted(algorithm: str, monkeypatch: p
 
 def test_how_the_steps_are_cut_does_not_matter() -> None:
     mdp = lake()
-    whole, pieces = (Learner(untabled(mdp), "q-learning", TOLD, streams(1), Table(mdp, 1)) for _ in range(2))
+    whole, pieces = (
+        Learner(untabled(mdp), "q-learning", HYPERPARAMETERS, streams(1), Table(mdp, 1)) for _ in range(2)
+    )
     ended = go(whole, 600)
     in_pieces = [[0.0, 0.0]]
     for steps in [1] * 100 + [7] * 50 + [150]:
@@ -132,19 +134,19 @@ def test_how_the_steps_are_cut_does_not_matter() -> None:
 
 def test_out_of_patience_it_comes_back_after_a_step() -> None:
     mdp = lake()
-    learner = Learner(untabled(mdp), "q-learning", TOLD, streams(1), Table(mdp, 1))
+    learner = Learner(untabled(mdp), "q-learning", HYPERPARAMETERS, streams(1), Table(mdp, 1))
     learner.be_patient(0.0)
     for step in range(1, 601):
         assert learner.advance(1_000) is Stop.DONE
         assert learner.step == step
-    whole = Learner(untabled(mdp), "q-learning", TOLD, streams(1), Table(mdp, 1))
+    whole = Learner(untabled(mdp), "q-learning", HYPERPARAMETERS, streams(1), Table(mdp, 1))
     go(whole, 600)
     assert facts(learner) == facts(whole)
 
 
 def test_it_stops_after_so_many_episodes() -> None:
     mdp = lake()
-    learner = Learner(untabled(mdp), "q-learning", TOLD, streams(0), Table(mdp, 0))
+    learner = Learner(untabled(mdp), "q-learning", HYPERPARAMETERS, streams(0), Table(mdp, 0))
     assert learner.advance(UNLIMITED, 5) is Stop.DONE
     assert (learner.episodes, learner.episode_step) == (5, 0)
 
@@ -154,7 +156,7 @@ def test_the_seed_is_drawn_once_from_the_stream_of_the_world() -> None:
     seeds = []
     for seed in (0, 0, 1):
         table = Table(mdp, 0)
-        Learner(untabled(mdp), "q-learning", TOLD, streams(seed), table).advance(UNLIMITED, 3)
+        Learner(untabled(mdp), "q-learning", HYPERPARAMETERS, streams(seed), table).advance(UNLIMITED, 3)
         assert table.seeds[1:] == [None] * 3
         seeds.append(table.seeds[0])
     assert seeds[0] == seeds[1] == int(streams(0).world.integers(2**31))
@@ -164,7 +166,7 @@ def test_the_seed_is_drawn_once_from_the_stream_of_the_world() -> None:
 class Line:
     """One state, one action: ``answers`` one after the other, then the last for ever; None fails."""
 
-    def __init__(self, *answers: Stepped | None, starts: int = 10**9) -> None:
+    def __init__(self, *answers: StepResult | None, starts: int = 10**9) -> None:
         self._answers = list(answers)
         self._starts = starts
 
@@ -174,19 +176,23 @@ class Line:
             raise EnvironmentFailedError("the wheel is lost")
         return 0
 
-    def step(self, action: int) -> Stepped:
+    def step(self, action: int) -> StepResult:
         answer = self._answers.pop(0) if len(self._answers) > 1 else self._answers[0]
         if answer is None:
             raise EnvironmentFailedError("the wheel is lost")
         return answer
 
 
-ON, OVER = Stepped(0, 1.0, False, False), Stepped(0, 1.0, True, False)
+ON, OVER = StepResult(0, 1.0, False, False), StepResult(0, 1.0, True, False)
 
 
-def on(environment: Line, **told: float) -> Learner:
+def on(environment: Line, **hyperparameters: float) -> Learner:
     return Learner(
-        all_pairs(["here"], ["on"], 0), "q-learning", Hyperparameters(**told), streams(0), environment
+        all_pairs(["here"], ["on"], 0),
+        "q-learning",
+        Hyperparameters(**hyperparameters),
+        streams(0),
+        environment,
     )
 
 
@@ -223,7 +229,7 @@ def test_an_environment_that_cannot_start_is_an_error_at_once() -> None:
 
 
 def test_a_truncated_step_still_bootstraps_and_a_terminated_one_does_not() -> None:
-    cut, over = on(Line(Stepped(0, 1.0, False, True)), initial_q=2.0), on(Line(OVER), initial_q=2.0)
+    cut, over = on(Line(StepResult(0, 1.0, False, True)), initial_q=2.0), on(Line(OVER), initial_q=2.0)
     for learner in (cut, over):
         learner.advance(1)
         assert learner.episodes == 1
@@ -233,7 +239,7 @@ def test_a_truncated_step_still_bootstraps_and_a_terminated_one_does_not() -> No
 
 
 def test_a_runaway_stops_for_good() -> None:
-    learner = on(Line(Stepped(0, 1e13, False, False)), alpha=1.0)
+    learner = on(Line(StepResult(0, 1e13, False, False)), alpha=1.0)
     assert learner.advance(10) is Stop.DIVERGED
     assert learner.step == 1
     assert "left ±1e12 at step 1" in learner.stop_reason
@@ -256,7 +262,7 @@ def test_a_full_log_waits_to_be_drained() -> None:
 def test_it_cannot_be_wound_back_and_says_so() -> None:
     learner = on(Line(ON))
     assert not learner.rewindable
-    assert Learner(lake(), "q-learning", TOLD, streams(0)).rewindable
+    assert Learner(lake(), "q-learning", HYPERPARAMETERS, streams(0)).rewindable
     with pytest.raises(UserError, match="cannot go back"):
         learner.checkpoint()
 

@@ -30,8 +30,8 @@ def circle(rewards: list[float], time_limit: int) -> TabularMDP:
     return tabular_mdp([str(each) for each in range(len(rewards))], ["go"], transitions, {0: 1.0}, time_limit)
 
 
-def learner(mdp: TabularMDP, algorithm: str, **told: object) -> Learner:
-    return Learner(mdp, algorithm, Hyperparameters(**told), streams(0))  # type: ignore[arg-type]
+def learner(mdp: TabularMDP, algorithm: str, **hyperparameters: object) -> Learner:
+    return Learner(mdp, algorithm, Hyperparameters(**hyperparameters), streams(0))  # type: ignore[arg-type]
 
 
 def traces(ours: Learner) -> list[float]:

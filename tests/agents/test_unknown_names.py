@@ -1,4 +1,4 @@
-"""Names that nothing has are told with those that there are; a checkpoint copies no room that is empty."""
+"""Names that do not exist are refused with those that do; a checkpoint copies no room that is empty."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ from rl_tui.agents.compatibility import incompatibility
 from rl_tui.agents.hyperparameters import Hyperparameters
 
 
-def test_an_unknown_parameter_is_told_with_those_that_there_are() -> None:
+def test_an_unknown_parameter_is_refused_with_those_that_there_are() -> None:
     with pytest.raises(ValueError, match="there is no parameter alhpa; expected one of alpha, "):
         Hyperparameters().changed("alhpa", 0.5)
 
 
-def test_an_unknown_algorithm_is_told_with_those_that_there_are() -> None:
+def test_an_unknown_algorithm_is_refused_with_those_that_there_are() -> None:
     ours = learner(eight_states(0), "q-learning", Hyperparameters())
     with pytest.raises(ValueError, match="there is no algorithm q-lerning; expected one of q-learning, "):
         ours.switch("q-lerning")

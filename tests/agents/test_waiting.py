@@ -28,9 +28,9 @@ def endless(time_limit: int = 0) -> TabularMDP:
     )
 
 
-def learner(mdp: TabularMDP, algorithm: str, **told: object) -> Learner:
+def learner(mdp: TabularMDP, algorithm: str, **hyperparameters: object) -> Learner:
     parameters = CERTAIN
-    for name, value in told.items():
+    for name, value in hyperparameters.items():
         parameters = parameters.changed(name, value)
     return Learner(mdp, algorithm, parameters, streams(0))
 

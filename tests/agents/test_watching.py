@@ -10,8 +10,8 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from random_worlds import worlds
-from test_every_algorithm import everything, hyperparameters, learner
-from test_stepped_loop import TOLD, Line, Table, facts, lake, untabled
+from test_every_algorithm import any_hyperparameters, everything, learner
+from test_stepped_loop import HYPERPARAMETERS, Line, Table, facts, lake, untabled
 
 from rl_tui.agents.exact.solve import greedy_policy
 from rl_tui.agents.hyperparameters import Hyperparameters
@@ -20,7 +20,7 @@ from rl_tui.agents.kernels.stop import Stop
 from rl_tui.agents.kernels.watching import NOTHING_NOTICED, Noticed, Watching
 from rl_tui.agents.learner import EPISODES_LOGGED, UNLIMITED, Learner
 from rl_tui.common.streams import streams
-from rl_tui.worlds.gym.stepped.environment import Stepped
+from rl_tui.worlds.gym.stepped.environment import StepResult
 from rl_tui.worlds.mdp.space import all_pairs
 from rl_tui.worlds.mdp.tabular_mdp import Outcome, TabularMDP, Transition, tabular_mdp
 
@@ -81,7 +81,7 @@ class Look:
         return greedy_policy(self._ours.space, self._ours.q, self._ours.hyperparameters.ties).tolist()
 
     def again(self) -> Noticed:
-        ours, told, last = self._ours, self._watching, self._ours.last_step
+        ours, watching, last = self._ours, self._watching, self._ours.last_step
         assert last is not None
         side, policy = self._sign(), self._greedy()
         reached, changed = self._side not in (0, side), policy != self._policy
@@ -89,11 +89,11 @@ class Look:
         arrived = [last.next_state] if ours.plans else [last.next_state, ours.state]
         taken = list(ours.space.pairs_of(last.state)) if ours.plans else [last.pair]
         return Noticed(
-            reward=told.reward and last.reward != 0.0,
-            policy=told.policy and changed,
-            cell=told.cell is not None and reached,
-            state=next((state for state in arrived if state in told.states), None),
-            pair=next((pair for pair in taken if pair in told.pairs), None),
+            reward=watching.reward and last.reward != 0.0,
+            policy=watching.policy and changed,
+            cell=watching.cell is not None and reached,
+            state=next((state for state in arrived if state in watching.states), None),
+            pair=next((pair for pair in taken if pair in watching.pairs), None),
         )
 
 
@@ -118,11 +118,11 @@ def assert_watched_alike(watched: Learner, single: Learner, watching: Watching, 
 
 @pytest.mark.parametrize("algorithm", ALGORITHMS)
 @examples(20)
-@given(worlds(), hyperparameters, st.integers(0, 1000), watchings)
+@given(worlds(), any_hyperparameters, st.integers(0, 1000), watchings)
 def test_it_stops_where_a_look_at_every_step_finds_something(
-    algorithm: str, mdp: TabularMDP, told: Hyperparameters, seed: int, watching: Watching
+    algorithm: str, mdp: TabularMDP, hyperparameters: Hyperparameters, seed: int, watching: Watching
 ) -> None:
-    watched, single, unwatched = (learner(mdp, algorithm, told, seed) for _ in range(3))
+    watched, single, unwatched = (learner(mdp, algorithm, hyperparameters, seed) for _ in range(3))
     assert_watched_alike(watched, single, known(watching, watched), 120)
     unwatched.advance(120)
     unwatched.drain_episodes()
@@ -135,7 +135,7 @@ def test_it_stops_where_a_look_at_every_step_finds_something(
 def test_a_stepped_environment_is_watched_alike(algorithm: str, seed: int, watching: Watching) -> None:
     mdp = lake()
     watched, single, unwatched = (
-        Learner(untabled(mdp), algorithm, TOLD, streams(seed), Table(mdp, seed)) for _ in range(3)
+        Learner(untabled(mdp), algorithm, HYPERPARAMETERS, streams(seed), Table(mdp, seed)) for _ in range(3)
     )
     assert_watched_alike(watched, single, known(watching, watched), 150)
     unwatched.advance(150)
@@ -144,11 +144,11 @@ def test_a_stepped_environment_is_watched_alike(algorithm: str, seed: int, watch
 
 @pytest.mark.parametrize("algorithm", ["q-lambda", "value-iteration"])
 @examples(10)
-@given(worlds(), hyperparameters, watchings)
+@given(worlds(), any_hyperparameters, watchings)
 def test_interpreted_watches_as_compiled_does(
-    algorithm: str, mdp: TabularMDP, told: Hyperparameters, watching: Watching
+    algorithm: str, mdp: TabularMDP, hyperparameters: Hyperparameters, watching: Watching
 ) -> None:
-    compiled, interpreted = (learner(mdp, algorithm, told) for _ in range(2))
+    compiled, interpreted = (learner(mdp, algorithm, hyperparameters) for _ in range(2))
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("rl_tui.agents.learner.advance", loop.advance.py_func)
         patch.setattr("rl_tui.agents.learner.sweep", planning_loop.sweep.py_func)
@@ -207,7 +207,7 @@ def test_a_cell_is_noticed_whenever_it_comes_to_its_threshold_and_not_while_it_s
     assert ours.advance(100) is Stop.DONE
 
 
-def test_a_full_log_and_something_noticed_are_both_told() -> None:
+def test_a_full_log_and_something_noticed_are_both_reported() -> None:
     ours = learner(corridor(1.0), "q-learning", CERTAIN)
     ours.advance(EPISODES_LOGGED - 1)
     ours.watch(Watching(reward=True))
@@ -218,7 +218,7 @@ def test_a_full_log_and_something_noticed_are_both_told() -> None:
     assert ours.advance(10) is Stop.NOTICED
 
 
-def test_what_stops_for_good_is_told_before_what_is_noticed() -> None:
+def test_what_stops_for_good_is_reported_before_what_is_noticed() -> None:
     ours = learner(corridor(1e13), "q-learning", CERTAIN)
     ours.watch(Watching(reward=True))
     assert ours.advance(10) is Stop.DIVERGED
@@ -231,7 +231,7 @@ def test_a_step_after_which_the_environment_fails_is_noticed_too() -> None:
         "q-learning",
         CERTAIN,
         streams(0),
-        Line(Stepped(0, 1.0, True, False), starts=1),
+        Line(StepResult(0, 1.0, True, False), starts=1),
     )
     ours.watch(Watching(reward=True))
     assert ours.advance(10) is Stop.WORLD_FAILED
@@ -274,7 +274,7 @@ def test_what_is_not_there_cannot_be_watched(watching: Watching, named: str) -> 
         ours.watch(watching)
 
 
-def test_watching_is_over_when_told_so() -> None:
+def test_watching_ends_on_demand() -> None:
     ours = learner(corridor(1.0), "q-learning", CERTAIN)
     ours.watch(Watching(reward=True))
     ours.watch(None)

@@ -21,9 +21,8 @@ from served import DEADLINE, is_running
 
 from rl_tui.cli.serving import app_process
 from rl_tui.cli.serving.addresses import Doorkeeper
-from rl_tui.cli.serving.allowance import OF_A_MESSAGE, Allowance
 from rl_tui.cli.serving.app_process import LARGEST_SIZE
-from rl_tui.cli.serving.site import PAGE, Site
+from rl_tui.cli.serving.site import OF_A_MESSAGE, PAGE, Allowance, Site
 
 Client = TestClient[web.Request, web.Application]
 
@@ -133,8 +132,8 @@ async def test_no_window_is_too_large(query: str, size: tuple[int, int]) -> None
         assert (int(around["COLUMNS"]), int(around["ROWS"])) == size
         await socket.send_json(["resize", {"width": 10**12, "height": 10**12}])
         width, height = LARGEST_SIZE
-        _, told = await said(socket)
-        assert json.loads(str(told)) == {"type": "resize", "width": width, "height": height}
+        _, message = await said(socket)
+        assert json.loads(str(message)) == {"type": "resize", "width": width, "height": height}
 
 
 @pytest.mark.parametrize(

@@ -12,8 +12,8 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 
-from rl_tui.cli.advice import no_reward
 from rl_tui.cli.commands.policy_map import policy_map
+from rl_tui.cli.commands.train_report import no_reward
 from rl_tui.cli.main import program
 from rl_tui.cli.output import columns, number
 from rl_tui.cli.progress import progress

@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from rl_tui.cli import main
-from rl_tui.worlds.gym.env_call import ASKING
+from rl_tui.worlds.gym.env_call import ENVIRONMENT_CALL
 
 SCRIPT = """
 import os, sys, time
@@ -103,6 +103,6 @@ def test_results_reach_stdout_though_an_environment_never_answers(monkeypatch: p
     left: list[int] = []
     monkeypatch.setattr("os._exit", left.append)
     stdout.write("a result")
-    with ASKING:
+    with ENVIRONMENT_CALL:
         main._leave_at_once(130)
     assert (written.getvalue(), left) == (b"a result", [130])

@@ -324,8 +324,8 @@ def test_a_full_disk_under_stdout_is_one_line() -> None:
         done = subprocess.run(
             [sys.executable, "-m", "rl_tui.cli", "list"], stdout=full, stderr=subprocess.PIPE, check=False
         )
-    told = b"rl-tui: stdout: cannot be written (No space left on device)\n"
-    assert (done.returncode, done.stderr) == (1, told)
+    message = b"rl-tui: stdout: cannot be written (No space left on device)\n"
+    assert (done.returncode, done.stderr) == (1, message)
 
 
 @pytest.mark.parametrize("name", ["train", "replay"])
@@ -350,7 +350,7 @@ def test_an_interrupt_is_quiet(tmp_path: Path, name: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("option", "told"),
+    ("option", "message"),
     [
         ("--kiosk", "there is no option --kiosk here; it is one of rl-tui, rl-tui play"),
         ("--runes=3", "there is no option --runes; did you mean --runs?"),
@@ -358,10 +358,10 @@ def test_an_interrupt_is_quiet(tmp_path: Path, name: str) -> None:
         ("-z", "there is no option -z"),
     ],
 )
-def test_an_unknown_option_leads_to_where_it_is_known(option: str, told: str) -> None:
+def test_an_unknown_option_leads_to_where_it_is_known(option: str, message: str) -> None:
     result = CliRunner().invoke(program, ["train", option, "student"], prog_name="rl-tui")
     assert result.exit_code == 2
-    assert one_line(result) == f"rl-tui train: {told} (rl-tui train --help lists the options)\n"
+    assert one_line(result) == f"rl-tui train: {message} (rl-tui train --help lists the options)\n"
 
 
 def test_an_option_that_nobody_uses_is_told() -> None:

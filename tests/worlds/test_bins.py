@@ -18,8 +18,8 @@ from rl_tui.worlds.gym.stepped.states import OutsideError
 PLANE = Box(np.array([-1.0, -np.inf]), np.array([1.0, np.inf]), dtype=np.float64)
 
 
-def states(space: Box = PLANE, **told: Any):
-    return BinsSection.model_validate(told).states("Plane", space)
+def states(space: Box = PLANE, **keys: Any):
+    return BinsSection.model_validate(keys).states("Plane", space)
 
 
 def test_equal_bins_and_what_lies_outside_them():
@@ -59,7 +59,7 @@ def test_not_a_number_is_in_no_bin():
 
 
 @pytest.mark.parametrize(
-    ("told", "location", "found"),
+    ("keys", "location", "found"),
     [
         ({"count": [4]}, ("bins", "count"), "1 entries"),
         ({"edges": [[], [], []]}, ("bins", "edges"), "3 entries"),
@@ -72,9 +72,9 @@ def test_not_a_number_is_in_no_bin():
         ({"count": [4, 1], "low": [2, 0]}, ("bins", "high"), "1"),
     ],
 )
-def test_what_does_not_fit_the_box_is_refused(told, location, found):
+def test_what_does_not_fit_the_box_is_refused(keys, location, found):
     with pytest.raises(WorldRefusedError, match=f"^{found}$") as refusal:
-        states(**told)
+        states(**keys)
     assert refusal.value.finding.location == location
 
 

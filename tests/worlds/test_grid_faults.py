@@ -292,7 +292,7 @@ def test_gives_its_one_line(name, faults):
 
 
 def test_all_faults_are_told_at_once_in_the_order_of_the_file(faults):
-    told = faults("""map = "..?"
+    found = faults("""map = "..?"
 noise = 2
 slippery = true
 wind = [1]
@@ -302,7 +302,7 @@ A = { kind = "floor", jump = "B" }
 "." = { kind = "floor", exit = 3 }
 "C" = { kind = "wall", back = true }
 """)
-    assert [place for place, _, _ in told] == [
+    assert [place for place, _, _ in found] == [
         "map",
         "noise",
         "slippery",

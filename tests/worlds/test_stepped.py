@@ -16,14 +16,14 @@ import pytest
 from gymnasium import spaces
 
 from rl_tui.worlds.files.world_section import WorldRefusedError
-from rl_tui.worlds.gym import env_call as asking
-from rl_tui.worlds.gym.env_call import ASKING, unanswered
+from rl_tui.worlds.gym import env_call
+from rl_tui.worlds.gym.env_call import ENVIRONMENT_CALL, seconds_in_call
 from rl_tui.worlds.gym.section import GymnasiumSection
-from rl_tui.worlds.gym.stepped.environment import EnvironmentFailedError, Stepped
+from rl_tui.worlds.gym.stepped.environment import EnvironmentFailedError, StepResult
 from rl_tui.worlds.gym.stepped.tabular_environment import SteppedEnvironment, stepped_world
 
 
-class Told(gymnasium.Env[Any, Any]):
+class Scripted(gymnasium.Env[Any, Any]):
     """An environment that answers what its arguments tell; an exception among them is raised."""
 
     closed = 0
@@ -38,17 +38,17 @@ class Told(gymnasium.Env[Any, Any]):
 
     def reset(self, *, seed=None, options=None):
         super().reset(seed=seed)
-        answer = self._told(self._start)
+        answer = self._scripted(self._start)
         return answer if isinstance(answer, tuple) else (answer, {})
 
     def step(self, action):
         self.taken.append(action)
-        return self._told(self._answer)
+        return self._scripted(self._answer)
 
     def close(self):
         type(self).closed += 1
 
-    def _told(self, answer):
+    def _scripted(self, answer):
         if isinstance(answer, BaseException):
             raise answer
         return answer
@@ -61,7 +61,7 @@ class UnwritableError(Exception):
         raise RuntimeError("no text")
 
 
-class Printing(Told):
+class Printing(Scripted):
     """Says on stdout whatever happens to it."""
 
     def __init__(self, **kwargs):
@@ -81,14 +81,14 @@ class Printing(Told):
 
 
 @pytest.fixture(autouse=True)
-def told():
-    gymnasium.register("Told-v0", Told)
+def scripted_environment():
+    gymnasium.register("Scripted-v0", Scripted)
     yield
-    del gymnasium.registry["Told-v0"]
+    del gymnasium.registry["Scripted-v0"]
 
 
 def environment(**kwargs: Any) -> SteppedEnvironment:
-    world = stepped_world("Told-v0", kwargs)
+    world = stepped_world("Scripted-v0", kwargs)
     assert world.new_environment is not None
     return world.new_environment()
 
@@ -119,9 +119,9 @@ def test_the_seed_is_that_of_gymnasium():
 def test_actions_count_from_their_own_start():
     ours = environment(action_space=spaces.Discrete(2, start=5), answer=(1, 2.0, False, False, {}))
     ours.reset(0)
-    assert ours.step(1) == Stepped(1, 2.0, False, False)
+    assert ours.step(1) == StepResult(1, 2.0, False, False)
     assert ours._environment.unwrapped.taken == [6]
-    assert stepped_world("Told-v0", {"action_space": spaces.Discrete(2, start=5)}).space.action_names == (
+    assert stepped_world("Scripted-v0", {"action_space": spaces.Discrete(2, start=5)}).space.action_names == (
         "5",
         "6",
     )
@@ -130,11 +130,11 @@ def test_actions_count_from_their_own_start():
 def test_terminated_wins_over_truncated():
     ours = environment(answer=(1, 0.0, True, True, {}))
     ours.reset(0)
-    assert ours.step(0) == Stepped(1, 0.0, True, False)
+    assert ours.step(0) == StepResult(1, 0.0, True, False)
 
 
 def test_the_time_limit_is_the_environments_own():
-    world = stepped_world("Told-v0", {"max_episode_steps": 2, "answer": (0, 0.0, False, False, {})})
+    world = stepped_world("Scripted-v0", {"max_episode_steps": 2, "answer": (0, 0.0, False, False, {})})
     ours = world.new_environment()
     ours.reset(0)
     assert [ours.step(0).truncated for _ in range(2)] == [False, True]
@@ -144,37 +144,43 @@ def test_the_time_limit_is_the_environments_own():
 @pytest.mark.parametrize(
     ("answer", "message"),
     [
-        (RuntimeError("no\x1b[2J\nroom"), "Told-v0 failed in a step: RuntimeError: no\\u001b[2J room"),
-        (ValueError("x" * 5000), "Told-v0 failed in a step: ValueError: xxx"),
-        ((0, math.nan, False, False, {}), "Told-v0 gave a reward of nan"),
-        ((0, math.inf, False, False, {}), "Told-v0 gave a reward of inf"),
-        ((0, None, False, False, {}), "Told-v0 gave a reward of None, which is not a finite number"),
-        ((0, "3.5", False, False, {}), "Told-v0 gave a reward of '3.5', which is not a finite number"),
-        ((0, 10**400, False, False, {}), "Told-v0 gave a reward of "),
-        ((0, 1j, False, False, {}), "Told-v0 gave a reward of 1j"),
-        ((0, np.zeros(2), False, False, {}), "Told-v0 gave a reward of [0. 0.]"),
-        ((0, 0.0, None, False, {}), "Told-v0 answered terminated = None, which is neither true nor false"),
-        ((0, 0.0, False, "False", {}), "Told-v0 answered truncated = 'False', which is neither"),
-        ((0, 0.0, math.nan, False, {}), "Told-v0 answered terminated = nan"),
-        ((-1, 0.0, False, False, {}), "Told-v0 observed -1, which is not in its own space"),
-        ((1.5, 0.0, False, False, {}), "Told-v0 observed 1.5, which is not in its own space"),
-        (("\x1b[2J", 0.0, False, False, {}), "Told-v0 observed '\\x1b[2J', which is not in its own space"),
-        (((0, 0), 0.0, False, False, {}), "Told-v0 observed (0, 0), which is not in its own space"),
-        ((3, 0.0, False, False, {}), "Told-v0 observed 3, which is not in its own space"),
-        ((None, 0.0, False, False, {}), "Told-v0 observed None, which is not in its own space"),
+        (RuntimeError("no\x1b[2J\nroom"), "Scripted-v0 failed in a step: RuntimeError: no\\u001b[2J room"),
+        (ValueError("x" * 5000), "Scripted-v0 failed in a step: ValueError: xxx"),
+        ((0, math.nan, False, False, {}), "Scripted-v0 gave a reward of nan"),
+        ((0, math.inf, False, False, {}), "Scripted-v0 gave a reward of inf"),
+        ((0, None, False, False, {}), "Scripted-v0 gave a reward of None, which is not a finite number"),
+        ((0, "3.5", False, False, {}), "Scripted-v0 gave a reward of '3.5', which is not a finite number"),
+        ((0, 10**400, False, False, {}), "Scripted-v0 gave a reward of "),
+        ((0, 1j, False, False, {}), "Scripted-v0 gave a reward of 1j"),
+        ((0, np.zeros(2), False, False, {}), "Scripted-v0 gave a reward of [0. 0.]"),
+        (
+            (0, 0.0, None, False, {}),
+            "Scripted-v0 answered terminated = None, which is neither true nor false",
+        ),
+        ((0, 0.0, False, "False", {}), "Scripted-v0 answered truncated = 'False', which is neither"),
+        ((0, 0.0, math.nan, False, {}), "Scripted-v0 answered terminated = nan"),
+        ((-1, 0.0, False, False, {}), "Scripted-v0 observed -1, which is not in its own space"),
+        ((1.5, 0.0, False, False, {}), "Scripted-v0 observed 1.5, which is not in its own space"),
+        (
+            ("\x1b[2J", 0.0, False, False, {}),
+            "Scripted-v0 observed '\\x1b[2J', which is not in its own space",
+        ),
+        (((0, 0), 0.0, False, False, {}), "Scripted-v0 observed (0, 0), which is not in its own space"),
+        ((3, 0.0, False, False, {}), "Scripted-v0 observed 3, which is not in its own space"),
+        ((None, 0.0, False, False, {}), "Scripted-v0 observed None, which is not in its own space"),
         (
             (UnwritableError(), 0.0, False, False, {}),
-            "Told-v0 observed a UnwritableError that cannot be written",
+            "Scripted-v0 observed a UnwritableError that cannot be written",
         ),
-        ((0, 0.0, False, {}), "Told-v0 answered 4 values to a step, which is not"),
-        (None, "Told-v0 answered None to a step"),
+        ((0, 0.0, False, {}), "Scripted-v0 answered 4 values to a step, which is not"),
+        (None, "Scripted-v0 answered None to a step"),
         (
             UnwritableError(),
-            "Told-v0 failed in a step: UnwritableError: a UnwritableError that cannot be written",
+            "Scripted-v0 failed in a step: UnwritableError: a UnwritableError that cannot be written",
         ),
-        (SystemExit(3), "Told-v0 failed in a step: SystemExit: 3"),
-        (MemoryError(), "Told-v0 failed in a step: MemoryError"),
-        (GeneratorExit(), "Told-v0 failed in a step: GeneratorExit"),
+        (SystemExit(3), "Scripted-v0 failed in a step: SystemExit: 3"),
+        (MemoryError(), "Scripted-v0 failed in a step: MemoryError"),
+        (GeneratorExit(), "Scripted-v0 failed in a step: GeneratorExit"),
     ],
 )
 def test_a_fault_in_a_step_is_one_clear_line(answer, message):
@@ -189,15 +195,15 @@ def test_a_fault_in_a_step_is_one_clear_line(answer, message):
 
 
 def test_a_fault_at_the_start_is_one_clear_line():
-    with pytest.raises(EnvironmentFailedError, match=r"^Told-v0 failed to start: OSError: gone$"):
+    with pytest.raises(EnvironmentFailedError, match=r"^Scripted-v0 failed to start: OSError: gone$"):
         environment(start=OSError("gone")).reset(0)
-    with pytest.raises(EnvironmentFailedError, match=r"^Told-v0 observed 9, which"):
+    with pytest.raises(EnvironmentFailedError, match=r"^Scripted-v0 observed 9, which"):
         environment(start=9).reset(0)
     with pytest.raises(
-        EnvironmentFailedError, match=r"^Told-v0 answered \(0, 1, 2\) to a reset, which is not"
+        EnvironmentFailedError, match=r"^Scripted-v0 answered \(0, 1, 2\) to a reset, which is not"
     ):
         environment(start=(0, 1, 2)).reset(0)
-    with pytest.raises(EnvironmentFailedError, match=r"^Told-v0 failed to start: SystemExit: 2$"):
+    with pytest.raises(EnvironmentFailedError, match=r"^Scripted-v0 failed to start: SystemExit: 2$"):
         environment(start=SystemExit(2)).reset(0)
 
 
@@ -218,7 +224,7 @@ def test_ctrl_c_is_no_fault_of_the_environment():
 def test_whatever_is_one_number_is_a_reward(reward, number):
     ours = environment(answer=(0, reward, np.bool_(False), 0, {}))
     ours.reset(0)
-    assert ours.step(0) == Stepped(0, number, False, False)
+    assert ours.step(0) == StepResult(0, number, False, False)
 
 
 def test_what_an_environment_prints_is_no_result(capsys):
@@ -240,11 +246,11 @@ def test_what_an_environment_prints_is_no_result(capsys):
 def test_streams_that_were_exchanged_meanwhile_stay(monkeypatch):
     """Whoever drives the terminal may take it back while an environment is still at work."""
     monkeypatch.setattr("sys.stdout", io.StringIO())
-    with ASKING:
+    with ENVIRONMENT_CALL:
         assert sys.stdout is sys.stderr
         taken_back = sys.stdout = io.StringIO()
     assert sys.stdout is taken_back
-    with ASKING:
+    with ENVIRONMENT_CALL:
         pass
     assert sys.stdout is taken_back
 
@@ -253,8 +259,8 @@ def test_an_environment_may_be_closed_while_another_is_asked(monkeypatch):
     """Nobody knows when the one that nobody holds any more is found, and no lock may wait for itself."""
     before = io.StringIO()
     monkeypatch.setattr("sys.stdout", before)
-    for lock in (asking._LOCK, ASKING):
-        with lock, ASKING:
+    for lock in (env_call._LOCK, ENVIRONMENT_CALL):
+        with lock, ENVIRONMENT_CALL:
             assert sys.stdout is sys.stderr
     assert sys.stdout is before
 
@@ -264,14 +270,14 @@ def test_how_long_an_environment_has_not_answered():
     ours = environment(answer=(0, 0.0, False, False, {}), look=lambda: None)
     ours.reset(0)
     unwrapped = ours._environment.unwrapped
-    unwrapped._told = lambda answer: inside.append(unanswered(here)) or answer
+    unwrapped._scripted = lambda answer: inside.append(seconds_in_call(here)) or answer
     ours.step(0)
     assert inside[0] > 0.0
-    assert unanswered(here) == unanswered(None) == 0.0
+    assert seconds_in_call(here) == seconds_in_call(None) == 0.0
 
 
 def test_other_spaces_than_the_time_before_are_refused():
-    class Changing(Told):
+    class Changing(Scripted):
         made = 0
 
         def __init__(self):
@@ -288,7 +294,7 @@ def test_other_spaces_than_the_time_before_are_refused():
 
 
 def test_an_environment_that_cannot_even_be_read_is_refused():
-    class Secret(Told):
+    class Secret(Scripted):
         @property
         def observation_space(self):
             raise RuntimeError("not for you")
@@ -318,34 +324,34 @@ def test_nothing_is_warned_about():
 
 
 def test_it_is_closed_when_nobody_holds_it():
-    ours, before = environment(), Told.closed
+    ours, before = environment(), Scripted.closed
     del ours
-    assert Told.closed == before + 1
+    assert Scripted.closed == before + 1
 
 
 @pytest.mark.parametrize(
     ("kwargs", "key", "found"),
     [
-        ({"observation_space": spaces.Discrete(1_000_001)}, "id", "1,000,001 states of Told-v0"),
-        ({"observation_space": spaces.MultiBinary(20_000)}, "id", "more than 10\\^15 states of Told-v0"),
-        ({"action_space": spaces.Discrete(10_001)}, "id", "10,001 actions of Told-v0"),
+        ({"observation_space": spaces.Discrete(1_000_001)}, "id", "1,000,001 states of Scripted-v0"),
+        ({"observation_space": spaces.MultiBinary(20_000)}, "id", "more than 10\\^15 states of Scripted-v0"),
+        ({"action_space": spaces.Discrete(10_001)}, "id", "10,001 actions of Scripted-v0"),
         (
             {"observation_space": spaces.Discrete(10_001), "action_space": spaces.Discrete(1_000)},
             "id",
-            "10,001,000 pairs of a state and an action of Told-v0",
+            "10,001,000 pairs of a state and an action of Scripted-v0",
         ),
-        ({"action_space": spaces.Box(0.0, 1.0)}, "id", "Told-v0, whose actions are Box"),
-        ({"observation_space": spaces.Text(3)}, "id", "Told-v0, whose states are Text"),
+        ({"action_space": spaces.Box(0.0, 1.0)}, "id", "Scripted-v0, whose actions are Box"),
+        ({"observation_space": spaces.Text(3)}, "id", "Scripted-v0, whose states are Text"),
         (
             {"observation_space": spaces.Box(0.0, 1.0, (2, 2))},
             "id",
-            "Told-v0, whose states are Box: 4 real numbers",
+            "Scripted-v0, whose states are Box: 4 real numbers",
         ),
     ],
 )
 def test_refuses(kwargs, key, found):
     with pytest.raises(WorldRefusedError) as refusal:
-        stepped_world("Told-v0", kwargs)
+        stepped_world("Scripted-v0", kwargs)
     assert refusal.value.finding.location == (key,)
     assert refusal.match(found)
 
@@ -357,9 +363,9 @@ def test_by_its_table_where_it_has_one_and_stepped_where_not():
     sound = {s: {a: [(1.0, 0, 0.0, True)] for a in (0, 1)} for s in range(3)}
     start = np.array([1.0, 0.0, 0.0])
 
-    def tabled(table: object, told: bool | None = None) -> bool:
+    def tabled(table: object, use_table: bool | None = None) -> bool:
         kwargs = {"P": table, "initial_state_distrib": start}
-        return GymnasiumSection(id="Told-v0", kwargs=kwargs, table=told).build(None).mdp is not None
+        return GymnasiumSection(id="Scripted-v0", kwargs=kwargs, table=use_table).build(None).mdp is not None
 
     assert tabled(sound)
     assert not tabled(sound, False)
@@ -370,10 +376,10 @@ def test_by_its_table_where_it_has_one_and_stepped_where_not():
     with pytest.raises(WorldRefusedError, match=r"sum to 0\.5"):
         tabled(UNSOUND)
     assert not tabled(UNSOUND, False)
-    with pytest.raises(WorldRefusedError, match="Told-v0, which has no transition table"):
-        GymnasiumSection(id="Told-v0", table=True).build(None)
+    with pytest.raises(WorldRefusedError, match="Scripted-v0, which has no transition table"):
+        GymnasiumSection(id="Scripted-v0", table=True).build(None)
 
 
 def test_a_failing_start_is_found_when_the_file_is_checked():
-    (finding,) = GymnasiumSection(id="Told-v0", kwargs={"start": OSError("gone")}).environment_findings()
-    assert finding.found == "Told-v0 failed to start: OSError: gone"
+    (finding,) = GymnasiumSection(id="Scripted-v0", kwargs={"start": OSError("gone")}).environment_findings()
+    assert finding.found == "Scripted-v0 failed to start: OSError: gone"

@@ -9,7 +9,7 @@ import pytest
 from gymnasium import spaces
 
 from rl_tui.worlds.drawing import CellKind
-from rl_tui.worlds.gym.stepped.drawing import product_grid
+from rl_tui.worlds.gym.stepped.layout import product_grid
 from rl_tui.worlds.gym.stepped.states import OutsideError, ProductNames, discrete_states
 
 
@@ -75,8 +75,8 @@ def test_a_grid_of_two_parts_has_the_first_down_and_the_second_across():
     assert grid.legend == "part 1 down, part 2 across"
     terms = ("position", "velocity", "angle", "angular velocity")
     assert product_grid([1, 2, 3, 1], 1, terms).legend == "velocity down, angle across"
-    told = product_grid([3, 2, 4, 2], 1, terms).legend
-    assert told == "position down, velocity across, blocks: angle and angular velocity"
+    legend = product_grid([3, 2, 4, 2], 1, terms).legend
+    assert legend == "position down, velocity across, blocks: angle and angular velocity"
     assert (grid.rows, grid.columns, grid.cell_of_state) == (2, 3, tuple(range(6)))
 
 

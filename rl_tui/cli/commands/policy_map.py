@@ -20,7 +20,7 @@ def policy_map(world: World, policy: Sequence[Sequence[str]]) -> str:
     """Return a drawing of ``policy``, the names of the actions that it takes in each state (ties: several).
 
     An arrow is a move, a letter the action that begins with it. A dot says that all legal actions look
-    equally good. Of a world that is stepped nobody knows which states occur: there the rows and columns at
+    equally good. Of a world that is stepped it is unknown which states occur: there the rows and columns at
     the edges in which nothing is known are left out.
     """
     drawing = world.drawing

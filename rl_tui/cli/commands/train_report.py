@@ -1,4 +1,4 @@
-"""What training came to, for people."""
+"""The report of a training, for people."""
 
 from __future__ import annotations
 
@@ -8,7 +8,6 @@ from typing import Any, Final
 from rl_tui.agents.catalogue import BY_ID, POLICY_BY_ID, parameters_of
 from rl_tui.agents.exact.solve import best_expected_return
 from rl_tui.agents.hyperparameters import PARAMETERS, Hyperparameters
-from rl_tui.cli.advice import no_reward
 from rl_tui.cli.commands.policy_map import policy_map
 from rl_tui.cli.output import columns, number
 from rl_tui.common.words import counted
@@ -195,19 +194,35 @@ def _summary_titles(runs: Sequence[Figures]) -> dict[str, str]:
 
 
 def _head(recipe: Recipe, seeds: str = "") -> str:
-    algorithm, told = BY_ID[recipe.algorithm], recipe.hyperparameters
-    rule = POLICY_BY_ID[told.policy]
-    name = algorithm.name if algorithm.planner else f"{algorithm.name}, {rule.name}"
+    algorithm, hyperparameters = BY_ID[recipe.algorithm], recipe.hyperparameters
+    policy = POLICY_BY_ID[hyperparameters.policy]
+    name = algorithm.name if algorithm.planner else f"{algorithm.name}, {policy.name}"
     settings = "  ".join(
-        f"{PARAMETERS[each].symbol} {number(told.value(each), '.12g')}"
-        for each in parameters_of(algorithm.id, rule.id)
-        if _counts(each, told)
+        f"{PARAMETERS[each].symbol} {number(hyperparameters.value(each), '.12g')}"
+        for each in parameters_of(algorithm.id, policy.id)
+        if _counts(each, hyperparameters)
     )
     return f"{recipe.scenario.title}: {name}, {seeds or f'seed {recipe.seed}'}\n{settings}"
 
 
-def _counts(name: str, told: Hyperparameters) -> bool:
-    """Tell whether a parameter is worth a word: the policy has one, a schedule without decay needs none."""
+def _counts(name: str, hyperparameters: Hyperparameters) -> bool:
+    """Return True if the head names the parameter: not the policy, nor a schedule without decay."""
     if name in _OF_SCHEDULES:
-        return told.value(_OF_SCHEDULES[name]) != 0.0
+        return hyperparameters.value(_OF_SCHEDULES[name]) != 0.0
     return name != "policy"
+
+
+def no_reward(recipe: Recipe, blind: int = 1, runs: int = 1) -> str:
+    """Return that ``blind`` of so many runs never saw a reward, why that may be, and what to try."""
+    who = "This run" if runs == 1 else f"{blind:,} of {runs:,} runs"
+    hyperparameters = recipe.hyperparameters
+    if hyperparameters.initial_q != 0.0:
+        # Estimates that start elsewhere move without a reward too: something was learned, and no tie lasts
+        return f"{who} never saw a reward. Try more --episodes or a larger --epsilon."
+    blank = f"{who} never saw a reward and learned nothing"
+    if hyperparameters.ties == "first":
+        return (
+            f"{blank}: all estimates stay equal, and --ties first then\n"
+            "always takes the first action, which here leads nowhere. Try --ties random."
+        )
+    return f"{blank}. Try more --episodes, a larger --epsilon,\nor an --initial-q above what can be earned."

@@ -41,7 +41,7 @@ def section_of(option: str) -> str:
         return OPTIONS
     if PARAMETERS[option].schedule:
         return SCHEDULES
-    if option == "policy" or any(option in rule.parameters for rule in POLICIES):
+    if option == "policy" or any(option in policy.parameters for policy in POLICIES):
         return CHOOSING
     learners = [algorithm for algorithm in ALGORITHMS if not algorithm.planner]
     return LEARNING if all(option in each.parameters for each in learners) else SOME

@@ -64,7 +64,7 @@ class Doorkeeper:
     def knows(self, asked_for: str) -> bool:
         """Tell whether a request whose ``Host`` header is ``asked_for`` meant this server.
 
-        Addresses in digits always do: nobody can make them point elsewhere. A name must be ours.
+        Addresses in digits always do: they cannot be made to point elsewhere. A name must be ours.
         """
         name = _name(asked_for)
         if not name:

@@ -2,7 +2,7 @@
 
 What is written to it and what comes back are packets: a letter (D for what a terminal would carry, M for
 messages in JSON, P for files, which rl-tui does not send), the length in four bytes, the most significant
-first, and that many bytes. Before the first packet the app writes a line of its own, so that whatever was
+first, and that many bytes. Before the first packet the app writes a line of its own, so that all that was
 printed until then is not taken for one (Textual's web driver, ``textual/drivers/web_driver.py``).
 """
 

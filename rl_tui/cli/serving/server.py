@@ -1,4 +1,4 @@
-"""Running the site until it is told to end."""
+"""Running the site until a signal ends it."""
 
 from __future__ import annotations
 
@@ -22,18 +22,18 @@ async def serve(site: Site, listening: socket.socket, started: Callable[[], None
 
     ``started`` is called when a browser may come. No app process is left when this returns.
     """
-    told = asyncio.Event()
+    signalled = asyncio.Event()
     loop = asyncio.get_running_loop()
     for name in _SIGNALS:
         number = getattr(signal, name, None)
         if number is not None and signal.getsignal(number) is not signal.SIG_IGN:
             with suppress(NotImplementedError):
-                loop.add_signal_handler(number, told.set)
+                loop.add_signal_handler(number, signalled.set)
     runner = web.AppRunner(site.application(), access_log=None, shutdown_timeout=_TO_END)
     await runner.setup()
     try:
         await web.SockSite(runner, listening).start()
         started()
-        await told.wait()
+        await signalled.wait()
     finally:
         await runner.cleanup()

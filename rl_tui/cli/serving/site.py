@@ -1,4 +1,4 @@
-"""What the server answers: the page, what the page is made of, and the WebSocket behind it."""
+"""The responses of the server: the page, its files, and the WebSocket behind it."""
 
 from __future__ import annotations
 
@@ -15,10 +15,13 @@ from typing import Any, Final
 from aiohttp import WSCloseCode, WSMsgType, web
 
 from rl_tui.cli.serving.addresses import Doorkeeper
-from rl_tui.cli.serving.allowance import Allowance
 from rl_tui.cli.serving.app_process import AppProcess, bounded_size, environment_of_app
 
 PAGE: Final = Path(str(files("rl_tui.cli.serving"))) / "page"
+# In a second 125 movements of the mouse, 30 repetitions of a key and 60 answers to frames come to less
+PER_SECOND: Final = 6_000.0  # characters
+AT_ONCE: Final = 20_000.0
+OF_A_MESSAGE: Final = 16  # characters that every message counts for beside its own
 _LARGEST_MESSAGE: Final = 1 << 14  # bytes
 _HEARTBEAT: Final = 15.0  # seconds: a browser that vanished without a word is found out
 _CLOSING: Final = 2.0  # seconds for a browser to say goodbye
@@ -37,6 +40,28 @@ _HEADERS: Final = {
     "Server": "rl-tui",
 }
 Handler = Callable[[web.Request], Awaitable[web.StreamResponse]]
+
+
+class Allowance:
+    """How much a browser may send: a person is never slowed down, a program that floods an app is.
+
+    It fills up by ``per_second`` to ``at_once``; what is spent beyond it is waited for.
+    """
+
+    def __init__(self, per_second: float = PER_SECOND, at_once: float = AT_ONCE) -> None:
+        self._per_second = per_second
+        self._at_once = at_once
+        self._left = at_once
+        self._filled = asyncio.get_running_loop().time()
+
+    async def spend(self, characters: int) -> None:
+        """Return when a message of so many characters may be handed on."""
+        now = asyncio.get_running_loop().time()
+        self._left = min(self._left + (now - self._filled) * self._per_second, self._at_once)
+        self._filled = now
+        self._left -= characters + OF_A_MESSAGE
+        if self._left < 0:
+            await asyncio.sleep(-self._left / self._per_second)
 
 
 class Site:
@@ -111,7 +136,7 @@ class Site:
         return websocket
 
     async def _connect(self, app: AppProcess, websocket: web.WebSocketResponse) -> None:
-        """Let app and browser speak until one of them leaves; the browser is told why."""
+        """Let app and browser speak until one of them leaves; the browser gets the reason."""
         try:
             await app.start()
         except OSError as fault:

@@ -23,7 +23,7 @@ from rl_tui.lab.live.commands import Pause, Play, Train
 from rl_tui.lab.live.player import Player
 from rl_tui.lab.run.recipe import Recipe
 from rl_tui.lab.run.run import Run
-from rl_tui.worlds.gym.env_call import ASKING
+from rl_tui.worlds.gym.env_call import ENVIRONMENT_CALL
 from rl_tui.worlds.gym.registered import reason_of
 from rl_tui.worlds.gym.section import GymnasiumSection
 from rl_tui.worlds.mdp.tabular_mdp import FloatArray
@@ -78,7 +78,7 @@ class PlainLoop:
     def _asked(self) -> Iterator[None]:
         """Ask the environment for something: what it prints is no result, and its failure one line."""
         try:
-            with ASKING:
+            with ENVIRONMENT_CALL:
                 yield
         except BaseException as error:  # whatever an environment may raise
             if is_interrupt(error):

@@ -17,7 +17,7 @@ from rl_tui.lab.live.record import Record
 from rl_tui.lab.live.record_sink import Keeper
 from rl_tui.lab.live.snapshot import Phase, Snapshot
 from rl_tui.lab.run.recipe import Recipe
-from rl_tui.worlds.gym.env_call import unanswered
+from rl_tui.worlds.gym.env_call import seconds_in_call
 
 LONGEST_GOODBYE: Final = 0.2
 KEPT_EVERY: Final = 0.25
@@ -108,7 +108,7 @@ class Player:
     def unanswered(self) -> float:
         """For how many seconds an environment has kept the run waiting; 0 where none does."""
         thread = self._thread
-        return 0.0 if thread is None or not self._automatic else unanswered(thread.ident)
+        return 0.0 if thread is None or not self._automatic else seconds_in_call(thread.ident)
 
     def close(self) -> None:
         """End the thread and the snapshots; returns at once, be it in the middle of compiling."""

@@ -14,8 +14,8 @@ from rl_tui.common.words import counted
 from rl_tui.worlds.drawing import Arms
 from rl_tui.worlds.files.schema import (
     Expect,
+    FileSection,
     Number,
-    Section,
     is_number,
     is_table,
     number,
@@ -48,7 +48,7 @@ def _is_pair(value: object) -> TypeGuard[list[float]]:
     return isinstance(value, list) and len(value) == 2 and all(number().test(each) for each in value)
 
 
-class MeanDistribution(Section):
+class MeanDistribution(FileSection):
     """Where the true means of the arms are drawn from, anew for every seed: the one or the other.
 
     ``normal`` has mean and standard deviation, ``uniform`` the lowest and the highest.

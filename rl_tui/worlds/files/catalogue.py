@@ -38,7 +38,7 @@ def user_folder() -> Path:
     """Return the folder of the user's own scenarios; it need not exist."""
     try:
         return platformdirs.user_config_path("rl-tui", appauthor=False) / "scenarios"
-    except RuntimeError:  # nobody knows a home
+    except RuntimeError:  # there is no home folder
         return Path(os.devnull) / "scenarios"
 
 

@@ -1,6 +1,6 @@
 """What can only be seen by holding the entries of an ``[mdp]`` table together.
 
-It reads the raw table, so that these faults are told together with faults of form, not after they are mended.
+It reads the raw table, so that these faults are reported together with faults of form.
 """
 
 from __future__ import annotations
@@ -164,11 +164,11 @@ def _unreachable(start: object, arrows: Sequence[Arrows]) -> Iterator[Finding]:
     if not starts:
         return
     reached = _reached_from(starts, arrows)
-    told = set()
+    reported = set()
     for each in arrows:
         for name, key in [(each.state or "", "state"), *((name, "to") for name in each.to)]:
-            if name not in reached and name not in told:
-                told.add(name)
+            if name not in reached and name not in reported:
+                reported.add(name)
                 yield Finding(
                     ("transition", each.index, key),
                     f"state {shown(name)}, which cannot be reached",

@@ -19,10 +19,10 @@ from rl_tui.worlds.drawing import Graph
 from rl_tui.worlds.files.mdp_connections import connection_findings
 from rl_tui.worlds.files.schema import (
     Expect,
+    FileSection,
     Name,
     Number,
     Probability,
-    Section,
     is_number,
     is_table,
     number,
@@ -43,7 +43,7 @@ _AT_MOST: Final = f", at most {MOST_STATES_WRITTEN:,}"
 Deviation = Annotated[float, number(0, LARGEST_STD)]
 
 
-class Destination(Section):
+class Destination(FileSection):
     """Where a transition may lead: a probability, and a reward and its noise if they differ from the rest."""
 
     p: Probability
@@ -90,7 +90,7 @@ def _is_list_of_tables(value: object) -> bool:
     return isinstance(value, list) and 0 < len(value) <= MOST_TRANSITIONS
 
 
-class TransitionEntry(Section):
+class TransitionEntry(FileSection):
     """What an action does in a state: one ``[[mdp.transition]]``.
 
     ``std`` is the standard deviation of Gaussian noise on the reward.

@@ -17,7 +17,7 @@ from rl_tui.worlds.files.bandit_section import BanditSection
 from rl_tui.worlds.files.mdp_section import MDPSection
 from rl_tui.worlds.files.schema import (
     Expect,
-    Section,
+    FileSection,
     is_plain,
     is_table,
     markdown,
@@ -43,7 +43,7 @@ WORLD_KINDS: Final[Mapping[str, type[WorldSection]]] = {
 }
 
 
-class Head(Section):
+class ScenarioHead(FileSection):
     """What a file says besides its world."""
 
     title: Annotated[str, text(80)] = ""
@@ -147,9 +147,11 @@ def _fault(path: Path, finding: Finding) -> Fault:
     return Fault(str(path), place(finding.location), finding.found, finding.expected)
 
 
-def _read_head(raw: Mapping[str, Any]) -> tuple[Head | None, list[Finding]]:
-    known = [*Head.model_fields, *WORLD_KINDS]
-    head, findings = parsed(Head, {key: value for key, value in raw.items() if key in Head.model_fields})
+def _read_head(raw: Mapping[str, Any]) -> tuple[ScenarioHead | None, list[Finding]]:
+    known = [*ScenarioHead.model_fields, *WORLD_KINDS]
+    head, findings = parsed(
+        ScenarioHead, {key: value for key, value in raw.items() if key in ScenarioHead.model_fields}
+    )
     unknown = (unknown_key((key,), known) for key in raw if key not in known)
     findings += islice(unknown, MOST_FINDINGS)
     return head, findings

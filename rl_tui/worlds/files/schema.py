@@ -21,7 +21,7 @@ _IN_LINES: Final = "\n\t"
 _BIDIRECTIONAL: Final = frozenset("\u061c\u200e\u200f\u202a\u202b\u202c\u202d\u202e\u2066\u2067\u2068\u2069")
 
 
-class Section(BaseModel):
+class FileSection(BaseModel):
     """A table of a scenario file. Keys it does not know are faults."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
@@ -35,7 +35,7 @@ class Section(BaseModel):
         return value
 
 
-AnySection = TypeVar("AnySection", bound=Section)
+AnySection = TypeVar("AnySection", bound=FileSection)
 
 
 @dataclass(frozen=True, slots=True)
@@ -165,7 +165,7 @@ def parsed(section: type[AnySection], raw: object) -> tuple[AnySection | None, l
         return None, [_finding(section, each) for each in error.errors(include_url=False)[:MOST_FINDINGS]]
 
 
-def _finding(section: type[Section], error: ErrorDetails) -> Finding:
+def _finding(section: type[FileSection], error: ErrorDetails) -> Finding:
     location = tuple(step for step in error["loc"] if step != "[key]")
     if error["type"] == "refused":
         return Finding(location, error["ctx"]["found"], error["ctx"]["expected"])
@@ -185,7 +185,7 @@ def unknown_key(location: tuple[str | int, ...], keys: Iterable[str]) -> Finding
     return Finding(location, "an unknown key", f"one of {', '.join(keys)}{near(str(location[-1]), keys)}")
 
 
-def _section_at(section: type[Section], location: tuple[str | int, ...]) -> type[Section]:
+def _section_at(section: type[FileSection], location: tuple[str | int, ...]) -> type[FileSection]:
     """Return the section whose key the last step of ``location`` is."""
     for step in location[:-1]:
         field = section.model_fields.get(str(step))
@@ -193,13 +193,13 @@ def _section_at(section: type[Section], location: tuple[str | int, ...]) -> type
     return section
 
 
-def _sections_in(annotation: object) -> Iterator[type[Section]]:
-    if isinstance(annotation, type) and issubclass(annotation, Section):
+def _sections_in(annotation: object) -> Iterator[type[FileSection]]:
+    if isinstance(annotation, type) and issubclass(annotation, FileSection):
         yield annotation
     for inner in typing.get_args(annotation):
         yield from _sections_in(inner)
 
 
-def _expected_of(section: type[Section], key: str) -> str:
+def _expected_of(section: type[FileSection], key: str) -> str:
     metadata = section.model_fields[key].metadata
     return next(each.expected for each in metadata if isinstance(each, Expect))

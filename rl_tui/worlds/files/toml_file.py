@@ -1,4 +1,4 @@
-"""Reading a TOML file that somebody wrote by hand."""
+"""Reading a TOML file that a person wrote."""
 
 from __future__ import annotations
 

@@ -7,14 +7,14 @@ from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
 from rl_tui.common.findings import Finding
-from rl_tui.worlds.files.schema import Section
+from rl_tui.worlds.files.schema import FileSection
 from rl_tui.worlds.world import World
 
 if TYPE_CHECKING:
     from numpy.random import Generator
 
 
-class WorldSection(Section):
+class WorldSection(FileSection):
     """The table of one kind of world. Findings are located inside it."""
 
     @classmethod

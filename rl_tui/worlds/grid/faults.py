@@ -1,6 +1,6 @@
 """What can only be seen by holding the entries of a ``[grid]`` table together.
 
-It reads the raw table, so that these faults are told together with faults of form, not after they are mended.
+It reads the raw table, so that these faults are reported together with faults of form.
 """
 
 from __future__ import annotations
@@ -102,7 +102,7 @@ def _legend_findings(
 
 def _form_findings(text: object) -> Iterator[Finding]:
     if not isinstance(text, str):
-        # told as a fault of form already; it ends the search here
+        # a fault of form, reported already; it ends the search here
         return
     lines = lines_of(text)
     if not any(lines):
@@ -126,7 +126,7 @@ def _shape(raw: Mapping[str, Any], key: str) -> _Shape | None:
     wanted, _ = parsed(RandomMap, raw["random"])
     if wanted is None:
         return None
-    # nobody knows how many holes and free cells there will be, but not that it is one
+    # the numbers of holes and free cells are unknown, but there are holes and free cells
     counts = {START: 1, GOAL: 1, FLOOR: 2, HOLE: 2}
     return _Shape(wanted.rows, wanted.columns, counts)
 
@@ -184,8 +184,8 @@ def _meeting_findings(
         if entry.back and starts > 1:
             yield Finding((*where, "back"), f"back with {starts} starts", "one start to go back to")
         if leaving and (entry.ends or entry.back) and entry.pays and not entry.is_wall:
-            told = raw.get("legend")
-            place = where if isinstance(told, dict) and character in told else (key,)
+            own = raw.get("legend")
+            place = where if isinstance(own, dict) and character in own else (key,)
             found = f"{shown(character)}, which pays {entry.pays:g} but is never left"
             yield Finding(place, found, 'a cell with exit = true or reward = 0, or rewards = "entering"')
 

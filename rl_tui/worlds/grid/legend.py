@@ -7,7 +7,7 @@ from typing import Annotated, Any, Final
 
 from rl_tui.common.findings import Finding, shown
 from rl_tui.worlds.drawing import CellKind
-from rl_tui.worlds.files.schema import Expect, Number, Section, is_plain, with_control_character
+from rl_tui.worlds.files.schema import Expect, FileSection, Number, is_plain, with_control_character
 from rl_tui.worlds.grid.moves import STEPS
 
 KINDS: Final = tuple(kind.value for kind in CellKind)
@@ -27,7 +27,7 @@ Character = Annotated[str, Expect("one character", is_character, with_control_ch
 TruthValue = Annotated[bool, Expect("true or false", lambda value: isinstance(value, bool))]
 
 
-class LegendEntry(Section):
+class LegendEntry(FileSection):
     """What one character of a map stands for.
 
     ``reward`` is paid on entering or on leaving the cell, as the grid says (a goal pays 1 unless told
@@ -61,7 +61,7 @@ class LegendEntry(Section):
 
     @property
     def is_wall(self) -> bool:
-        """Whether nobody can be here."""
+        """Whether the agent cannot be here."""
         return self.kind is CellKind.WALL
 
 
@@ -97,9 +97,9 @@ def entry_findings(
                     (key,), f"{key} in a terminal cell", f"no {key}, or a cell with terminal = false"
                 )
     else:
-        told = [key for key in ("exit", "jump", "only", "back") if raw.get(key)]
-        if len(told) > 1:
-            yield Finding((told[1],), f"{told[1]} beside {told[0]}", "one of the two")
+        given = [key for key in ("exit", "jump", "only", "back") if raw.get(key)]
+        if len(given) > 1:
+            yield Finding((given[1],), f"{given[1]} beside {given[0]}", "one of the two")
     if entry.back and entry.kind is CellKind.START:
         yield Finding(("back",), "back in a start", "back in another cell")
     for name in entry.only or ():

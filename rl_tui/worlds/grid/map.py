@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Final
 
 from rl_tui.common.findings import Finding
 from rl_tui.common.limits import LONGEST_SIDE
-from rl_tui.worlds.files.schema import Section, number, whole_number
+from rl_tui.worlds.files.schema import FileSection, number, whole_number
 from rl_tui.worlds.files.world_section import WorldRefusedError
 from rl_tui.worlds.grid.legend import LegendEntry
 from rl_tui.worlds.grid.moves import MOVES, STEPS, Terrain
@@ -32,7 +32,7 @@ START, FLOOR, HOLE, GOAL = RANDOM_CHARACTERS = "S.HG"
 WAY_CHARACTERS: Final = (START, FLOOR, GOAL)
 
 
-class RandomMap(Section):
+class RandomMap(FileSection):
     """A map to be drawn: the start at the top left, the goal at the bottom right, holes in between."""
 
     rows: Annotated[int, whole_number(1, LONGEST_SIDE)]

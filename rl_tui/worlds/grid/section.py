@@ -20,7 +20,7 @@ from rl_tui.worlds.world import World
 if TYPE_CHECKING:
     from numpy.random import Generator
 
-    from rl_tui.worlds.grid.table import Rules
+    from rl_tui.worlds.grid.table import GridRules
 
 REWARDS: Final = ("entering", "leaving")
 
@@ -83,8 +83,7 @@ class GridSection(WorldSection):
 
         Raises WorldRefusedError where none with a way to the goal is found.
         """
-        from rl_tui.worlds.grid.drawing import grid_drawing
-        from rl_tui.worlds.grid.states import GridStates
+        from rl_tui.worlds.grid.states import GridStates, grid_drawing
         from rl_tui.worlds.grid.table import action_names, grid_table
 
         legend = {**BUILT_IN, **self.legend}
@@ -95,10 +94,10 @@ class GridSection(WorldSection):
         states, rules = GridStates(cells), self._rules()
         return World(grid_table(states, rules), grid_drawing(states, action_names(states, rules)))
 
-    def _rules(self) -> Rules:
-        from rl_tui.worlds.grid.table import Rules
+    def _rules(self) -> GridRules:
+        from rl_tui.worlds.grid.table import GridRules
 
-        return Rules(
+        return GridRules(
             moves=self.moves,
             step_reward=self.step_reward,
             bump_reward=self.bump_reward,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -10,9 +10,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from rl_tui.worlds.drawing import CellKind
+from rl_tui.worlds.drawing import CellKind, Grid
 from rl_tui.worlds.grid.legend import LegendEntry
 from rl_tui.worlds.grid.map import CellMap, with_border
+from rl_tui.worlds.grid.moves import STEPS
 from rl_tui.worlds.mdp.space import BoolArray, FloatArray, IntArray
 
 if TYPE_CHECKING:
@@ -104,3 +105,18 @@ class GridStates:
 
     def _of(self, quality: Callable[[LegendEntry], Any], kind: type[np.generic]) -> npt.NDArray[Any]:
         return self._lookup(quality, kind)[self._codes]
+
+
+def grid_drawing(states: GridStates, actions: Sequence[str]) -> Grid:
+    """Return the drawing of a map on which ``actions`` are the names of what can be done."""
+    rows, columns = states.map.codes.shape
+    kinds = np.empty(len(states.map.entries), dtype=object)
+    kinds[:] = [entry.kind for entry in states.map.entries]
+    steps = [STEPS.get(name, (0, 0)) for name in actions]
+    return Grid(
+        rows=rows,
+        columns=columns,
+        kinds=tuple(kinds[states.map.codes.ravel()].tolist()),
+        cell_of_state=tuple(states.numbers.tolist()),
+        directions=tuple(step if any(step) else None for step in steps),
+    )

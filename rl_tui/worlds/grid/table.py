@@ -23,7 +23,7 @@ _GUST_SHARE: Final = 1.0 / 3.0
 
 
 @dataclass(frozen=True, slots=True)
-class Rules:
+class GridRules:
     """How one moves on a map and what it pays, as the ``[grid]`` table says it.
 
     ``wind`` has an element for each column, ``wind_rows`` for each row; they are empty where there is none.
@@ -47,20 +47,20 @@ class Variant(NamedTuple):
     gust: Gust
 
 
-def variants_of(rules: Rules) -> list[Variant]:
+def variants_of(rules: GridRules) -> list[Variant]:
     """Return the ways in which moves may turn out, at most 27."""
     down = (0, -1, 1) if rules.gusts and any(rules.wind) else (0,)
     right = (0, -1, 1) if rules.gusts and any(rules.wind_rows) else (0,)
     return [Variant(slip, Gust(*gust)) for slip, *gust in product(rules.slips, down, right)]
 
 
-def action_names(states: GridStates, rules: Rules) -> tuple[str, ...]:
+def action_names(states: GridStates, rules: GridRules) -> tuple[str, ...]:
     """Return the moves, and "exit" where a cell has it."""
     moves = MOVES[rules.moves]
     return (*moves, EXIT) if states.exits.any() else moves
 
 
-def grid_table(states: GridStates, rules: Rules) -> TabularMDP:
+def grid_table(states: GridStates, rules: GridRules) -> TabularMDP:
     """Return the table of a map without faults.
 
     Every move from every cell that is not terminal is worked out, for all cells at once; the pairs of cells
@@ -80,7 +80,7 @@ def grid_table(states: GridStates, rules: Rules) -> TabularMDP:
 class _Block:
     """The outcomes of n acting cells × A actions × V variants; not all of them are possible everywhere."""
 
-    def __init__(self, states: GridStates, rules: Rules) -> None:
+    def __init__(self, states: GridStates, rules: GridRules) -> None:
         self.states, self.rules = states, rules
         self.acting: IntArray = np.flatnonzero(~states.ends)
         self.moves, self.variants = MOVES[rules.moves], variants_of(rules)
@@ -186,7 +186,7 @@ class _Block:
         return reward
 
 
-def _terrain(states: GridStates, rules: Rules) -> Terrain:
+def _terrain(states: GridStates, rules: GridRules) -> Terrain:
     """Return the map with its wind, which blows up where rows are counted down."""
     rows, columns = states.map.codes.shape
     down = (

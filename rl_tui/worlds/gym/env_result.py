@@ -1,4 +1,4 @@
-"""What an environment answers to an action, checked before anybody learns from it."""
+"""The results of an environment's reset and step, checked before an agent learns from them."""
 
 from __future__ import annotations
 
@@ -14,26 +14,26 @@ LONGEST_SHOWN: Final = 80
 _VALUES: Final = 5
 
 
-class UnsoundAnswerError(Exception):
-    """An answer that is none; the message goes on after the environment's name."""
+class UnsoundResultError(Exception):
+    """A result of the wrong form; the message goes on after the environment's name."""
 
 
-def parts_of(answer: Any) -> tuple[Any, Any, Any, Any, Any]:
+def parts_of(result: Any) -> tuple[Any, Any, Any, Any, Any]:
     """Return observation, reward, terminated, truncated and info. Raises UnsoundAnswerError."""
-    if not isinstance(answer, tuple | list) or len(answer) != _VALUES:
-        found = f"{len(answer)} values" if isinstance(answer, tuple | list) else seen(answer)
-        raise UnsoundAnswerError(
+    if not isinstance(result, tuple | list) or len(result) != _VALUES:
+        found = f"{len(result)} values" if isinstance(result, tuple | list) else seen(result)
+        raise UnsoundResultError(
             f"answered {found} to a step, which is not observation, reward, terminated, truncated and info"
         )
-    observation, reward, terminated, truncated, info = answer
+    observation, reward, terminated, truncated, info = result
     return observation, reward, terminated, truncated, info
 
 
-def first_observation(answer: Any) -> Any:
-    """Return the observation of observation and info, with which a reset answers."""
-    if not isinstance(answer, tuple | list) or len(answer) != 2:
-        raise UnsoundAnswerError(f"answered {seen(answer)} to a reset, which is not observation and info")
-    return answer[0]
+def first_observation(result: Any) -> Any:
+    """Return the observation of a reset, which returns observation and info."""
+    if not isinstance(result, tuple | list) or len(result) != 2:
+        raise UnsoundResultError(f"answered {seen(result)} to a reset, which is not observation and info")
+    return result[0]
 
 
 def reward_of(value: Any) -> float:
@@ -42,7 +42,7 @@ def reward_of(value: Any) -> float:
         return value
     number = number_of(value)
     if not math.isfinite(number):
-        raise UnsoundAnswerError(f"gave a reward of {seen(value)}, which is not a finite number")
+        raise UnsoundResultError(f"gave a reward of {seen(value)}, which is not a finite number")
     return number
 
 
@@ -52,7 +52,7 @@ def number_of(value: Any) -> float:
         return math.nan
     try:
         return float(_single(value))
-    except Exception:  # whatever a thing that is no number makes of it
+    except Exception:  # float() of a foreign object may raise anything
         return math.nan
 
 
@@ -63,7 +63,7 @@ def truth_of(value: Any, what: str) -> bool:
     single = _single(value)
     if isinstance(single, bool | int | float | np.bool_ | np.number) and single in (0, 1):
         return bool(single)
-    raise UnsoundAnswerError(f"answered {what} = {seen(value)}, which is neither true nor false")
+    raise UnsoundResultError(f"answered {what} = {seen(value)}, which is neither true nor false")
 
 
 def seen(value: Any) -> str:

@@ -10,7 +10,7 @@ from rl_tui.common.findings import Finding, one_line, shown
 from rl_tui.common.interrupts import is_interrupt
 from rl_tui.common.kiosk import in_kiosk
 from rl_tui.worlds.files.world_section import WorldRefusedError
-from rl_tui.worlds.gym.env_call import ASKING
+from rl_tui.worlds.gym.env_call import ENVIRONMENT_CALL
 
 OPTION: Final = "--allow-module"
 _LONGEST_REASON: Final = 200
@@ -19,7 +19,7 @@ _ALLOWED: Final[set[str]] = set()
 
 
 def allow_module(name: str) -> None:
-    """Let ids begin with ``name:``, whatever importing that module does.
+    """Let ids begin with ``name:``, which imports that module.
 
     Raises UserError where that is no name of a module, and in a kiosk.
     """
@@ -37,7 +37,7 @@ def module_of(id_: str) -> str:
 
 
 def refusal_of(id_: str) -> Finding | None:
-    """Return why the id may not be used: it wants a module imported that nobody allowed."""
+    """Return why the id may not be used: it needs a module that was not allowed."""
     if ":" not in id_ or (module_of(id_) in _ALLOWED and not in_kiosk()):
         return None
     expected = "the id of a registered environment, without a module to import"
@@ -57,9 +57,9 @@ def registered_id(id_: str) -> str:
     module = module_of(id_)
     if module:
         try:
-            with ASKING:
+            with ENVIRONMENT_CALL:
                 import_module(module)
-        except BaseException as error:  # whatever a module does when it is imported
+        except BaseException as error:  # importing a module may raise anything
             if is_interrupt(error):
                 raise
             reason = one_line(f"{type(error).__name__}: {error}", _LONGEST_REASON)

@@ -14,7 +14,7 @@ from rl_tui.common.findings import Finding, near, one_line, shown
 from rl_tui.common.interrupts import is_interrupt
 from rl_tui.common.limits import LARGEST_ARGUMENTS, LONGEST_TIME_LIMIT
 from rl_tui.worlds.files.world_section import WorldRefusedError
-from rl_tui.worlds.gym.env_call import ASKING
+from rl_tui.worlds.gym.env_call import ENVIRONMENT_CALL
 from rl_tui.worlds.gym.modules import registered_id
 
 if TYPE_CHECKING:
@@ -29,7 +29,7 @@ _MAKING: Final = threading.Lock()
 def made(name: str, kwargs: Mapping[str, Any]) -> Env[Any, Any]:
     """Return a new environment of the registered id ``name``, made with ``kwargs``.
 
-    An id ``module:ID`` imports that module first, if somebody allowed it.
+    An id ``module:ID`` imports that module first, if that is allowed.
 
     It has the wrappers that its registration asks for (the time limit), but not the one that checks: what an
     environment answers is checked here. Raises WorldRefusedError where it is not registered or cannot be
@@ -47,14 +47,14 @@ def made(name: str, kwargs: Mapping[str, Any]) -> Env[Any, Any]:
         expected = f"at most {LARGEST_ARGUMENTS:,} characters and values in all"
         raise WorldRefusedError(Finding(("kwargs",), f"{size_of(kwargs):,} characters and values", expected))
     try:
-        with ASKING, _MAKING, warnings.catch_warnings():
+        with ENVIRONMENT_CALL, _MAKING, warnings.catch_warnings():
             warnings.simplefilter("ignore")
             # a map without a start divides by zero; the check of the start distribution tells that plainly
             with np.errstate(invalid="ignore", divide="ignore"):
                 # by its spec: looking an id up warns about newer versions, no concern of a scenario
                 spec = gymnasium.registry[name]
                 return gymnasium.make(spec, **{"disable_env_checker": True, **kwargs})
-    except BaseException as error:  # whatever an environment's constructor may raise
+    except BaseException as error:  # a constructor may raise anything
         if is_interrupt(error):
             raise
         reason = reason_of(error)
@@ -89,9 +89,9 @@ def looked_at(name: str, kwargs: Mapping[str, Any]) -> Iterator[Env[Any, Any]]:
 def close(environment: Env[Any, Any]) -> None:
     """Let ``environment`` give back what it holds."""
     try:
-        with ASKING:
+        with ENVIRONMENT_CALL:
             environment.close()
-    except BaseException as error:  # nobody is left whom a failure would concern
+    except BaseException as error:  # a failure to close concerns no one any more
         if is_interrupt(error):
             raise
 
@@ -138,8 +138,8 @@ def time_limit_of(environment: Env[Any, Any]) -> int:
 
     Raises WorldRefusedError where that is no number of steps.
     """
-    told = environment.spec.max_episode_steps if environment.spec else None
-    limit = 0 if told is None else told
+    most_steps = environment.spec.max_episode_steps if environment.spec else None
+    limit = 0 if most_steps is None else most_steps
     if not isinstance(limit, int) or isinstance(limit, bool) or not 0 <= limit <= LONGEST_TIME_LIMIT:
         expected = f"a whole number from 0 to {LONGEST_TIME_LIMIT:,}"
         raise WorldRefusedError(Finding(("kwargs", "max_episode_steps"), shown(limit), expected))

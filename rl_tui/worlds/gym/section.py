@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Final
 
 from pydantic import Field
 
-from rl_tui.common.findings import Finding
-from rl_tui.worlds.files.schema import Expect, is_table, text
+from rl_tui.common.findings import Finding, Location, shown
+from rl_tui.worlds.files.schema import Expect, is_plain, is_table, text, with_control_character
 from rl_tui.worlds.files.world_section import WorldRefusedError, WorldSection
-from rl_tui.worlds.gym.kwargs import kwargs_findings
 from rl_tui.worlds.gym.modules import refusal_of
 from rl_tui.worlds.gym.stepped.bins import BinsSection
 from rl_tui.worlds.gym.stepped.environment import EnvironmentFailedError
@@ -18,6 +17,31 @@ from rl_tui.worlds.world import World
 
 if TYPE_CHECKING:
     from numpy.random import Generator
+
+_IN_LINES: Final = "\n\t"
+_DRAWN_HERE: Final = "no such argument: the world is drawn here"
+_NOT_ITS_OWN: Final = "arguments of the environment itself"
+# What Gymnasium's make takes for itself, or a registration says; the time limit alone may be chosen
+_REFUSED: Final[Mapping[str, str]] = {
+    "render_mode": _DRAWN_HERE,
+    **dict.fromkeys(
+        (
+            "id",
+            "entry_point",
+            "vector_entry_point",
+            "additional_wrappers",
+            "wrappers",
+            "spec",
+            "disable_env_checker",
+            "order_enforce",
+            "kwargs",
+            "env",
+            "env_id",
+            "make_kwargs",
+        ),
+        _NOT_ITS_OWN,
+    ),
+}
 
 
 class GymnasiumSection(WorldSection):
@@ -46,7 +70,7 @@ class GymnasiumSection(WorldSection):
         if refusal is not None:
             yield refusal
         if isinstance(kwargs, dict):
-            yield from kwargs_findings(kwargs)
+            yield from _kwargs_findings(kwargs)
         if isinstance(bins, dict):
             if raw.get("table") is True:
                 yield Finding(("table",), "true beside bins", "false: what is cut into bins has no table")
@@ -79,3 +103,27 @@ class GymnasiumSection(WorldSection):
                 if self.table:
                     raise
         return stepped_world(self.id, self.kwargs, self.bins)
+
+
+def _kwargs_findings(kwargs: Mapping[str, Any]) -> Iterator[Finding]:
+    """Yield which of the raw ``kwargs`` may not be given, and which texts in them no terminal should see."""
+    for name, value in kwargs.items():
+        if name in _REFUSED:
+            yield Finding(("kwargs", name), shown(value), _REFUSED[name])
+    yield from _unprintable(kwargs)
+
+
+def _unprintable(kwargs: Mapping[str, Any]) -> Iterator[Finding]:
+    left: list[tuple[object, Location]] = [(kwargs, ("kwargs",))]  # tables may lie deep in one another
+    while left:
+        value, location = left.pop()
+        if isinstance(value, Mapping):
+            for key, each in value.items():
+                if not is_plain(key):
+                    yield Finding((*location, key), with_control_character(key), "a key that can be printed")
+                left.append((each, (*location, key)))
+        elif isinstance(value, list):
+            left += [(each, (*location, index)) for index, each in enumerate(value)]
+        elif isinstance(value, str) and not is_plain(value, _IN_LINES):
+            found = with_control_character(value, _IN_LINES)
+            yield Finding(location, found, "a text without control characters")

@@ -1,4 +1,4 @@
-"""The states and actions of a finite MDP, whether or not anybody knows what the actions lead to."""
+"""The states and actions of a finite MDP, with or without its transition table."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ class FiniteSpace:
 
     State s owns the pairs first_pair[s] .. first_pair[s+1], in the order of their actions; ``pair_action``,
     [P], tells which of the A actions a pair is. ``time_limit`` is the number of steps after which an episode
-    is truncated (0: none). Arrays never change: those that somebody else could still write are copied.
+    is truncated (0: none). Arrays never change: those that are writable elsewhere are copied.
     """
 
     state_names: Sequence[str]

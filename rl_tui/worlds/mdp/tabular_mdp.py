@@ -195,7 +195,7 @@ def mdp_of_arrays(
     """Make the MDP of these arrays as :func:`tabular_mdp` does of a list, in no more passes than numpy needs.
 
     ``start_state`` and ``start_probability``, [K], are where an episode begins. The arrays become the MDP's
-    own where they can: nobody may write to them afterwards. Raises ValueError where nothing can be done at
+    own where they can: do not write to them afterwards. Raises ValueError where nothing can be done at
     the start, or the arrays contradict each other.
     """
     states = len(state_names)
@@ -232,8 +232,8 @@ def mdp_of_arrays(
 def cumulative_inside(probability: FloatArray, first_outcome: IntArray) -> FloatArray:
     """Return the running sums of ``probability`` inside each pair, as drawing from it needs them.
 
-    They start afresh in every pair, never exceed 1, and the last of a pair is exactly 1, whatever rounding
-    did.
+    They start afresh in every pair, never exceed 1, and the last of a pair is exactly 1, however it was
+    rounded.
     """
     result = probability.copy()
     length = np.diff(first_outcome)

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Final
 
 from rl_tui.common.findings import Finding, shown
 from rl_tui.common.limits import MOST_BINS, MOST_EDGES, MOST_PARTS
-from rl_tui.worlds.files.schema import Expect, Number, Section, is_number, number, whole_number
+from rl_tui.worlds.files.schema import Expect, FileSection, Number, is_number, number, whole_number
 from rl_tui.worlds.files.world_section import WorldRefusedError
 from rl_tui.worlds.gym.sizes import check_sizes, combinations
 
@@ -32,7 +32,7 @@ def _is_list(value: object) -> bool:
 
 
 def _is_list_of_edges(value: object) -> bool:
-    # of a long list one fault is told, not one for each entry
+    # of a long list one fault is reported, not one for each entry
     short = isinstance(value, list) and len(value) <= _MOST_TOLD
     return short or (
         isinstance(value, list) and len(value) <= MOST_EDGES and all(is_number(each) for each in value)
@@ -44,7 +44,7 @@ Count = Annotated[int, whole_number(1, MOST_BINS)]
 Edges = Annotated[list[Number], Expect(f"a list of at most {MOST_EDGES:,} numbers", _is_list_of_edges)]
 
 
-class BinsSection(Section):
+class BinsSection(FileSection):
     """How each dimension is cut: into ``count`` equal bins from ``low`` to ``high``, or at ``edges``.
 
     Without ``low`` and ``high`` the bounds are those of the Box itself. What lies outside falls into the bin
@@ -81,10 +81,10 @@ class BinsSection(Section):
 
         dimensions = math.prod(space.shape)
         key = "edges" if self.edges is not None else "count"
-        told = len(self.edges or self.count or ())
-        if told != dimensions:
+        given = len(self.edges or self.count or ())
+        if given != dimensions:
             expected = f"{dimensions}, one for each dimension of {name}"
-            raise _refusal((key,), f"{told} entries", expected)
+            raise _refusal((key,), f"{given} entries", expected)
         check_sizes(
             name, combinations(self.count or [len(edges) + 1 for edges in self.edges or ()]), 1, "bins"
         )

@@ -7,8 +7,8 @@ from typing import NamedTuple, Protocol
 from rl_tui.common.errors import UserError
 
 
-class Stepped(NamedTuple):
-    """What an environment answers to an action: where it led, the reward, and whether the episode is over."""
+class StepResult(NamedTuple):
+    """The result of one action: the next state, the reward, and whether the episode is over."""
 
     next_state: int
     reward: float
@@ -19,7 +19,7 @@ class Stepped(NamedTuple):
 class Environment(Protocol):
     """One copy of an environment, for one run. States and actions are numbers from 0, as in its space.
 
-    Both methods raise :class:`EnvironmentFailedError` where the environment raises, or answers what is no
+    Both methods raise :class:`EnvironmentFailedError` where the environment raises, or returns what is no
     state or no finite reward.
     """
 
@@ -27,7 +27,7 @@ class Environment(Protocol):
         """Begin an episode and return its first state; ``seed`` starts the environment's own randomness."""
         ...
 
-    def step(self, action: int) -> Stepped:
+    def step(self, action: int) -> StepResult:
         """Take ``action``."""
         ...
 

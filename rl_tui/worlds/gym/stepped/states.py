@@ -21,7 +21,7 @@ class OutsideError(Exception):
     """An observation is not in its space."""
 
 
-class Part(NamedTuple):
+class ObservationPart(NamedTuple):
     """A discrete part of an observation: its values are first .. first + size − 1."""
 
     first: int
@@ -73,7 +73,7 @@ class States(Protocol):
 class DiscreteStates:
     """Every combination of the discrete parts of a space is a state."""
 
-    def __init__(self, parts: Sequence[Part], read: Reader) -> None:
+    def __init__(self, parts: Sequence[ObservationPart], read: Reader) -> None:
         self.part_names: Sequence[Sequence[str]] = [_Numbers(range(first, first + n)) for first, n in parts]
         self._parts = tuple(parts)
         self._read = read
@@ -134,17 +134,17 @@ def discrete_states(space: Space[Any]) -> DiscreteStates | None:
     return None if found is None else DiscreteStates(*found)
 
 
-def _parts_of(space: Space[Any]) -> tuple[list[Part], Reader] | None:
+def _parts_of(space: Space[Any]) -> tuple[list[ObservationPart], Reader] | None:
     from gymnasium import spaces
 
     if isinstance(space, spaces.Discrete):
-        return [Part(int(space.start), int(space.n))], lambda observation: (observation,)
+        return [ObservationPart(int(space.start), int(space.n))], lambda observation: (observation,)
     if isinstance(space, spaces.MultiDiscrete):
         numbers = zip(np.ravel(space.start).tolist(), np.ravel(space.nvec).tolist(), strict=True)
-        return [Part(first, size) for first, size in numbers], _flat
+        return [ObservationPart(first, size) for first, size in numbers], _flat
     if isinstance(space, spaces.MultiBinary):
         # beyond so many there are too many states, however many there are
-        return [Part(0, 2)] * min(math.prod(space.shape), MOST_PARTS), _flat
+        return [ObservationPart(0, 2)] * min(math.prod(space.shape), MOST_PARTS), _flat
     if isinstance(space, spaces.Tuple):
         return _together([_parts_of(each) for each in space.spaces], lambda observation: observation)
     if isinstance(space, spaces.Dict):
@@ -160,8 +160,8 @@ def _flat(observation: Any) -> list[Any]:
 
 
 def _together(
-    inner: Sequence[tuple[list[Part], Reader] | None], split: Callable[[Any], Sequence[Any]]
-) -> tuple[list[Part], Reader] | None:
+    inner: Sequence[tuple[list[ObservationPart], Reader] | None], split: Callable[[Any], Sequence[Any]]
+) -> tuple[list[ObservationPart], Reader] | None:
     """Join the parts of several spaces; ``split`` takes an observation of all apart."""
     known = [each for each in inner if each is not None]
     if len(known) < len(inner) or not known:

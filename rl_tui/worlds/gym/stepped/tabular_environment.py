@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Any
 from rl_tui.common.findings import Finding
 from rl_tui.common.interrupts import is_interrupt
 from rl_tui.worlds.files.world_section import WorldRefusedError
-from rl_tui.worlds.gym.env_call import ASKING
+from rl_tui.worlds.gym.env_call import ENVIRONMENT_CALL
 from rl_tui.worlds.gym.env_result import (
-    UnsoundAnswerError,
+    UnsoundResultError,
     first_observation,
     parts_of,
     reward_of,
@@ -21,9 +21,8 @@ from rl_tui.worlds.gym.env_result import (
 )
 from rl_tui.worlds.gym.registered import close, looked_at, made, reason_of, time_limit_of
 from rl_tui.worlds.gym.sizes import check_sizes, combinations
-from rl_tui.worlds.gym.stepped.drawing import product_grid
-from rl_tui.worlds.gym.stepped.environment import EnvironmentFailedError, Stepped
-from rl_tui.worlds.gym.stepped.names import action_names, part_terms, told_part_names
+from rl_tui.worlds.gym.stepped.environment import EnvironmentFailedError, StepResult
+from rl_tui.worlds.gym.stepped.layout import action_names, known_part_names, part_terms, product_grid
 from rl_tui.worlds.gym.stepped.states import ProductNames, States, discrete_states
 from rl_tui.worlds.mdp.space import all_pairs
 from rl_tui.worlds.world import World
@@ -35,7 +34,7 @@ if TYPE_CHECKING:
 
 
 class SteppedEnvironment:
-    """One Gymnasium environment, its observations made states; closed when nobody holds it any more."""
+    """One Gymnasium environment, its observations made states; closed when it is no longer referenced."""
 
     def __init__(self, name: str, environment: Env[Any, Any], states: States, first_action: int) -> None:
         self._name = name
@@ -47,37 +46,37 @@ class SteppedEnvironment:
     def reset(self, seed: int | None = None) -> int:
         """Begin an episode and return its first state."""
         try:
-            with ASKING:
-                answer = self._environment.reset(seed=seed)
-            observation = first_observation(answer)
-        except BaseException as error:  # whatever an environment may raise
+            with ENVIRONMENT_CALL:
+                result = self._environment.reset(seed=seed)
+            observation = first_observation(result)
+        except BaseException as error:  # an environment may raise anything
             raise self._failure(error, "failed to start") from error
         return self._state(observation)
 
-    def step(self, action: int) -> Stepped:
+    def step(self, action: int) -> StepResult:
         """Take ``action``; an episode that is both terminated and truncated is terminated."""
         try:
-            with ASKING:
-                answer = self._environment.step(action + self._first_action)
-            observation, reward, terminated, truncated, _ = parts_of(answer)
+            with ENVIRONMENT_CALL:
+                result = self._environment.step(action + self._first_action)
+            observation, reward, terminated, truncated, _ = parts_of(result)
             reward = reward_of(reward)
             terminated = truth_of(terminated, "terminated")
             truncated = truth_of(truncated, "truncated")
-        except BaseException as error:  # whatever an environment may raise
+        except BaseException as error:  # an environment may raise anything
             raise self._failure(error, "failed in a step") from error
-        return Stepped(self._state(observation), reward, terminated, truncated and not terminated)
+        return StepResult(self._state(observation), reward, terminated, truncated and not terminated)
 
     def _state(self, observation: Any) -> int:
         try:
             return self._state_of(observation)
-        except Exception as error:  # whatever a thing makes of it that is no observation
+        except Exception as error:  # a wrong observation may raise anything
             raise EnvironmentFailedError(
                 f"{self._name} observed {seen(observation)}, which is not in its own space of observations"
             ) from error
 
     def _failure(self, error: BaseException, how: str) -> BaseException:
-        """Return ``error`` as a failure of the environment, or as it is where it is none."""
-        if isinstance(error, UnsoundAnswerError):
+        """Return ``error`` as a failure of the environment, or ``error`` itself if it is ctrl+C."""
+        if isinstance(error, UnsoundResultError):
             return EnvironmentFailedError(f"{self._name} {error}")
         if is_interrupt(error):
             return error
@@ -98,10 +97,10 @@ def stepped_world(name: str, kwargs: Mapping[str, Any], bins: BinsSection | None
         count = combinations(len(part) for part in states.part_names)
         check_sizes(name, count, actions, "bins" if bins else "id")
         names = action_names(environment.unwrapped, first_action, actions)
-        told = told_part_names(environment.unwrapped, [len(part) for part in states.part_names])
+        known_names = known_part_names(environment.unwrapped, [len(part) for part in states.part_names])
         terms = part_terms(environment.unwrapped)
         limit = time_limit_of(environment)
-    part_names = [given or part for given, part in zip(told, states.part_names, strict=True)]
+    part_names = [given or part for given, part in zip(known_names, states.part_names, strict=True)]
 
     def new_environment() -> SteppedEnvironment:
         try:

@@ -40,7 +40,7 @@ class Hand(NamedTuple):
         return Hand(total + 10, True) if card == 1 and total + 10 <= BEST else Hand(total, False)
 
 
-class Rules(NamedTuple):
+class BlackjackRules(NamedTuple):
     """The arguments of the environment.
 
     With ``sab`` a natural wins against all but a natural, as in the book. Else it is a 21 like others, which
@@ -58,7 +58,7 @@ def is_blackjack(environment: Any) -> bool:
 
 def blackjack_world(environment: Any, time_limit: int) -> World:
     """Return the exact world of an unwrapped environment."""
-    rules = Rules(bool(environment.sab), bool(environment.natural))
+    rules = BlackjackRules(bool(environment.sab), bool(environment.natural))
     hands = _player_hands()
     states = [(hand, showing) for hand in hands for showing in CARDS]
     number = {state: index for index, state in enumerate(states)}
@@ -119,7 +119,7 @@ def _dealer_showing(showing: int) -> Mapping[Hand, float]:
     return dict(ends)
 
 
-def _reward(rules: Rules, player: Hand, dealer: Hand) -> float:
+def _reward(rules: BlackjackRules, player: Hand, dealer: Hand) -> float:
     """Return what sticking brings against the dealer's final hand."""
     of_dealer = dealer.sum if dealer.sum <= BEST else 0
     reward = float((player.sum > of_dealer) - (player.sum < of_dealer))
@@ -131,7 +131,7 @@ def _reward(rules: Rules, player: Hand, dealer: Hand) -> float:
 
 
 def _transitions(
-    rules: Rules, number: Mapping[tuple[Hand, int], int], end: Mapping[str, int]
+    rules: BlackjackRules, number: Mapping[tuple[Hand, int], int], end: Mapping[str, int]
 ) -> Iterator[Transition]:
     for (hand, showing), state in number.items():
         rewards: defaultdict[float, float] = defaultdict(float)

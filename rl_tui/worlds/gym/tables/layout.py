@@ -10,7 +10,6 @@ from typing import Any, Final
 import numpy as np
 
 from rl_tui.worlds.drawing import CellKind, Grid
-from rl_tui.worlds.gym.tables import taxi_layout
 from rl_tui.worlds.mdp.tabular_mdp import UNKNOWN_ACTION
 
 _LETTERS: Final = {b"S": CellKind.START, b"F": CellKind.FLOOR, b"H": CellKind.HOLE, b"G": CellKind.GOAL}
@@ -25,6 +24,21 @@ _ACTION_NAMES: Final = {
     "FrozenLakeEnv": ("left", "down", "right", "up"),
     _CLIFF: ("up", "right", "down", "left"),
 }
+
+# Taxi: a state is where the taxi is (5×5), where the passenger is (four places or the taxi) and where the
+# passenger wants to go (four places); its number is ((row · 5 + column) · 5 + passenger) · 4 + destination.
+# So the map is twenty maps of the town: a row of them for each place of the passenger, a column for each
+# destination.
+_TAXI_ACTIONS: Final = ("south", "north", "east", "west", "pickup", "dropoff")
+_TAXI_STATES: Final = 500
+_TAXI_DIRECTIONS: Final = ((1, 0), (-1, 0), (0, 1), (0, -1), None, None)
+_TOWN: Final = 5  # rows and columns
+_PITCH: Final = _TOWN + 1  # a line of wall keeps the towns apart
+_DESTINATIONS: Final = ("R", "G", "Y", "B")
+_PASSENGER: Final = (*_DESTINATIONS, "in")
+_STOPS: Final = ((0, 0), (0, 4), (4, 0), (4, 3))
+_TAXI_ROWS: Final = len(_PASSENGER) * _PITCH - 1
+_TAXI_COLUMNS: Final = len(_DESTINATIONS) * _PITCH - 1
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,13 +85,12 @@ def layout_of(environment: Any, states: int, actions: int, start: Mapping[int, f
     """Return the layout of an unwrapped environment.
 
     States lie row by row in the environment's own map if it has one of ``states`` cells. Those of Taxi lie
-    as ``taxi_layout`` says, all others in the squarest grid that holds them, where actions are no directions.
+    on the map of its twenty towns, all others in the squarest grid that holds them, where actions are no
+    directions.
     """
     classes = [each.__name__ for each in type(environment).__mro__]
-    if _TAXI in classes and (states, actions) == (taxi_layout.STATES, len(taxi_layout.ACTION_NAMES)):
-        return Layout(
-            taxi_layout.taxi_grid(), taxi_layout.state_names(), taxi_layout.ACTION_NAMES, compass=False
-        )
+    if _TAXI in classes and (states, actions) == (_TAXI_STATES, len(_TAXI_ACTIONS)):
+        return Layout(_taxi_grid(), _taxi_state_names(), _TAXI_ACTIONS, compass=False)
     numbers = tuple(str(state) for state in range(states))
     letters = getattr(environment, "desc", None)
     shape = getattr(letters if letters is not None else environment, "shape", None)
@@ -102,3 +115,47 @@ def layout_of(environment: Any, states: int, actions: int, start: Mapping[int, f
     return Layout(
         grid, numbers, names or tuple(str(action) for action in range(actions)), compass=bool(names)
     )
+
+
+def _taxi_state_names() -> tuple[str, ...]:
+    """Return the names: ``2,3 R→B`` has the taxi in row 2, column 3, the passenger at R and bound for B.
+
+    ``in`` is a passenger in the taxi.
+    """
+    names = []
+    for state in range(_TAXI_STATES):
+        row, column, passenger, destination = _taxi_decoded(state)
+        names.append(f"{row},{column} {_PASSENGER[passenger]}→{_DESTINATIONS[destination]}")
+    return tuple(names)
+
+
+def _taxi_grid() -> Grid:
+    """Return the map of the twenty towns.
+
+    The goal is drawn where a ride has ended: the passenger is where they wanted to go, and so is the taxi.
+    The walls inside the town lie between cells and are not drawn.
+    """
+    kinds = [CellKind.WALL] * (_TAXI_ROWS * _TAXI_COLUMNS)
+    cells = []
+    for state in range(_TAXI_STATES):
+        row, column, passenger, destination = _taxi_decoded(state)
+        cell = (passenger * _PITCH + row) * _TAXI_COLUMNS + destination * _PITCH + column
+        arrived = passenger == destination and (row, column) == _STOPS[destination]
+        kinds[cell] = CellKind.GOAL if arrived else CellKind.FLOOR
+        cells.append(cell)
+    return Grid(
+        rows=_TAXI_ROWS,
+        columns=_TAXI_COLUMNS,
+        kinds=tuple(kinds),
+        cell_of_state=tuple(cells),
+        directions=_TAXI_DIRECTIONS,
+        legend="towns: passenger down, destination across",
+    )
+
+
+def _taxi_decoded(state: int) -> tuple[int, int, int, int]:
+    """Return row, column, passenger and destination."""
+    rest, destination = divmod(state, len(_DESTINATIONS))
+    rest, passenger = divmod(rest, len(_PASSENGER))
+    row, column = divmod(rest, _TOWN)
+    return row, column, passenger, destination

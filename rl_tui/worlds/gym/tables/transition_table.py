@@ -6,14 +6,14 @@ import math
 from typing import Any, Final, NamedTuple
 
 from rl_tui.common.limits import LARGEST_NUMBER
-from rl_tui.worlds.gym.env_result import UnsoundAnswerError, number_of, seen, truth_of
+from rl_tui.worlds.gym.env_result import UnsoundResultError, number_of, seen, truth_of
 from rl_tui.worlds.gym.registered import reason_of
 from rl_tui.worlds.mdp.tolerance import PROBABILITY_TOLERANCE
 
 _FORM: Final = "(probability, next state, reward, terminated)"
 
 
-class Entry(NamedTuple):
+class TableEntry(NamedTuple):
     """One outcome of a pair (state, action), as Gymnasium lists it."""
 
     probability: float
@@ -23,7 +23,7 @@ class Entry(NamedTuple):
 
 
 class NoEntriesError(Exception):
-    """The table says nothing of a pair that can be read; ``found`` and ``expected`` say where and what."""
+    """The table has no readable entry for a pair; ``found`` and ``expected`` say where and what."""
 
     def __init__(self, found: str, expected: str) -> None:
         super().__init__(found)
@@ -31,14 +31,14 @@ class NoEntriesError(Exception):
 
 
 class UnsoundTableError(NoEntriesError):
-    """What the table says of a pair cannot be, though the environment may still be stepped."""
+    """An entry of the table is out of range, though the environment may still be stepped."""
 
 
 class UnusableRewardError(UnsoundTableError):
-    """A reward of which nothing could be learned by stepping either."""
+    """A reward that is unusable in steps too."""
 
 
-def read_entries(table: Any, state: int, action: int, states: int) -> list[Entry]:
+def read_entries(table: Any, state: int, action: int, states: int) -> list[TableEntry]:
     """Return the entries of ``table[state][action]``, of a world with so many ``states``.
 
     Probabilities are at least 0 and sum to 1 (±1e-9), rewards lie within ±1e12. Raises NoEntriesError where
@@ -60,10 +60,10 @@ def read_entries(table: Any, state: int, action: int, states: int) -> list[Entry
     return entries
 
 
-def _entry(listed: Any, where: str, states: int) -> Entry:
+def _entry(listed: Any, where: str, states: int) -> TableEntry:
     try:
         probability, next_state, reward, terminated = listed
-    except Exception as error:  # whatever a thing that is no entry makes of it
+    except Exception as error:  # unpacking a foreign object may raise anything
         raise NoEntriesError(f"{seen(listed)} for {where}", _FORM) from error
     chance = number_of(probability)
     if not 0.0 <= chance <= 1.0 + PROBABILITY_TOLERANCE:
@@ -81,6 +81,6 @@ def _entry(listed: Any, where: str, states: int) -> Entry:
         raise UnusableRewardError(f"a reward of {seen(reward)} for {where}", expected)
     try:
         ends = truth_of(terminated, "terminated")
-    except UnsoundAnswerError as error:
+    except UnsoundResultError as error:
         raise UnsoundTableError(f"terminated = {seen(terminated)} for {where}", "true or false") from error
-    return Entry(chance, int(place), earned, ends)
+    return TableEntry(chance, int(place), earned, ends)

@@ -1,4 +1,4 @@
-"""Action rules: the same bits interpreted, softmax and upper confidence bounds held against the book."""
+"""Policies: the same bits interpreted, softmax and upper confidence bounds held against the book."""
 
 from __future__ import annotations
 
@@ -22,11 +22,11 @@ from rl_tui.agents.policies.family import choose, expectation
 from rl_tui.common.streams import streams
 from rl_tui.worlds.mdp.tabular_mdp import FloatArray, IntArray, TabularMDP
 
-pytestmark = pytest.mark.xdist_group("action rules")  # each rule's loop is compiled once
+pytestmark = pytest.mark.xdist_group("policies")  # each policy's loop is compiled once
 EVERY_RULE = [
-    (mdp, told)
+    (mdp, hyperparameters)
     for mdp in (TESTBED, COINS)
-    for told in (
+    for hyperparameters in (
         Hyperparameters(policy="softmax", temperature=0.5),
         Hyperparameters(policy="ucb", alpha="sample-average"),
         Hyperparameters(policy="ucb", ties="first", confidence=0.0),
@@ -47,11 +47,11 @@ def assert_same(one: Learner, other: Learner) -> None:
         assert mine.bit_generator.state == yours.bit_generator.state
 
 
-@pytest.mark.parametrize(("mdp", "told"), EVERY_RULE)
+@pytest.mark.parametrize(("mdp", "hyperparameters"), EVERY_RULE)
 def test_interpreted_and_compiled_give_the_same_bits(
-    mdp: TabularMDP, told: Hyperparameters, monkeypatch: pytest.MonkeyPatch
+    mdp: TabularMDP, hyperparameters: Hyperparameters, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    ours, interpreted = learner(mdp, told, 3), learner(mdp, told, 3)
+    ours, interpreted = learner(mdp, hyperparameters, 3), learner(mdp, hyperparameters, 3)
     ours.advance(400)
     monkeypatch.setattr("rl_tui.agents.learner.advance", loop.advance.py_func)
     interpreted.advance(400)
@@ -61,8 +61,8 @@ def test_interpreted_and_compiled_give_the_same_bits(
 @given(worlds(), st.sampled_from(["softmax", "ucb"]), st.integers(0, 100))
 @settings(max_examples=40, deadline=None)
 def test_the_same_bits_in_any_world(mdp: TabularMDP, policy: str, seed: int) -> None:
-    told = Hyperparameters(policy=policy, temperature=0.3)
-    ours, interpreted = learner(mdp, told, seed), learner(mdp, told, seed)
+    hyperparameters = Hyperparameters(policy=policy, temperature=0.3)
+    ours, interpreted = learner(mdp, hyperparameters, seed), learner(mdp, hyperparameters, seed)
     ours.advance(150)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("rl_tui.agents.learner.advance", loop.advance.py_func)
@@ -70,9 +70,11 @@ def test_the_same_bits_in_any_world(mdp: TabularMDP, policy: str, seed: int) -> 
     assert_same(ours, interpreted)
 
 
-@pytest.mark.parametrize(("mdp", "told"), EVERY_RULE)
-def test_a_checkpoint_brings_back_what_a_rule_has_learned(mdp: TabularMDP, told: Hyperparameters) -> None:
-    straight, rewound = learner(mdp, told), learner(mdp, told)
+@pytest.mark.parametrize(("mdp", "hyperparameters"), EVERY_RULE)
+def test_a_checkpoint_brings_back_what_a_rule_has_learned(
+    mdp: TabularMDP, hyperparameters: Hyperparameters
+) -> None:
+    straight, rewound = learner(mdp, hyperparameters), learner(mdp, hyperparameters)
     straight.advance(300)
     rewound.advance(120)
     rewound.drain_episodes()
@@ -87,19 +89,19 @@ def test_a_checkpoint_brings_back_what_a_rule_has_learned(mdp: TabularMDP, told:
 
 
 @pytest.mark.parametrize(
-    ("told", "changes"),
+    ("hyperparameters", "changes"),
     [
         (Hyperparameters(policy="gradient"), {"baseline": "none", "alpha": 0.3}),
         (Hyperparameters(policy="thompson"), {"ties": "first"}),
     ],
 )
 def test_a_change_of_settings_keeps_what_a_rule_has_learned(
-    told: Hyperparameters, changes: dict[str, Any]
+    hyperparameters: Hyperparameters, changes: dict[str, Any]
 ) -> None:
-    ours = learner(TESTBED, told)
+    ours = learner(TESTBED, hyperparameters)
     ours.advance(50)
     learned = [part.tolist() for part in ours._rule if isinstance(part, np.ndarray)]
-    ours.configure(replace(told, **changes))
+    ours.configure(replace(hyperparameters, **changes))
     assert [part.tolist() for part in ours._rule if isinstance(part, np.ndarray)] == learned
     ours.advance(1)
     assert [part.tolist() for part in ours._rule if isinstance(part, np.ndarray)] != learned
@@ -198,9 +200,11 @@ def plain_ucb(
 @pytest.mark.parametrize("ties", ["random", "first"])
 def test_ucb_goes_step_for_step_with_equation_2_10(confidence: float, ties: Any) -> None:
     means = [0.2, -0.8, 1.5, 0.4, 1.0]
-    told = Hyperparameters(policy="ucb", confidence=confidence, alpha="sample-average", gamma=0.0, ties=ties)
+    hyperparameters = Hyperparameters(
+        policy="ucb", confidence=confidence, alpha="sample-average", gamma=0.0, ties=ties
+    )
     for seed in range(5):
-        assert pulls(learner(gaussian(means), told, seed), 200) == plain_ucb(
+        assert pulls(learner(gaussian(means), hyperparameters, seed), 200) == plain_ucb(
             means, confidence, ties, seed, 200
         )
 

@@ -1,13 +1,50 @@
-"""Where the states of an environment without a map lie on a grid."""
+"""How the states of a stepped environment lie on a grid, and what its actions and observations are called."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from typing import Any, Final
 
 import numpy as np
 
 from rl_tui.worlds.drawing import CellKind, Grid
+
+# Gymnasium numbers actions and observations and names them only in its documentation. A class is known by its
+# name, so that nothing of Gymnasium need be imported.
+_ACTIONS: Final[Mapping[str, tuple[str, ...]]] = {
+    "BlackjackEnv": ("stick", "hit"),
+    "CartPoleEnv": ("left", "right"),
+    "MountainCarEnv": ("left", "coast", "right"),
+    "AcrobotEnv": ("-1", "0", "+1"),
+}
+# by part of an observation; empty: the part's own numbers
+_PARTS: Final[Mapping[str, tuple[tuple[str, ...], ...]]] = {"BlackjackEnv": ((), (), ("no", "yes"))}
+_TERMS: Final[Mapping[str, tuple[str, ...]]] = {
+    "BlackjackEnv": ("sum", "dealer", "usable ace"),
+    "CartPoleEnv": ("position", "velocity", "angle", "angular velocity"),
+    "MountainCarEnv": ("position", "velocity"),
+}
+
+
+def action_names(environment: Any, first: int, actions: int) -> tuple[str, ...]:
+    """Return the names of the ``actions`` of an unwrapped environment; their numbers if it is unknown."""
+    names = _ACTIONS.get(type(environment).__name__, ())
+    return names if len(names) == actions else tuple(str(first + action) for action in range(actions))
+
+
+def known_part_names(environment: Any, sizes: Sequence[int]) -> Sequence[Sequence[str]]:
+    """Return names for the parts of an observation, of so many values each; empty where none are known."""
+    names = _PARTS.get(type(environment).__name__, ())
+    fits = len(names) == len(sizes) and all(
+        not part or len(part) == size for part, size in zip(names, sizes, strict=True)
+    )
+    return names if fits else [()] * len(sizes)
+
+
+def part_terms(environment: Any) -> Sequence[str]:
+    """Return what the parts of an observation are; empty where that is not known."""
+    return _TERMS.get(type(environment).__name__, ())
 
 
 def product_grid(sizes: Sequence[int], actions: int, terms: Sequence[str] = ()) -> Grid:
@@ -40,8 +77,8 @@ def product_grid(sizes: Sequence[int], actions: int, terms: Sequence[str] = ()) 
 def _legend(sizes: Sequence[int], terms: Sequence[str]) -> str:
     """Return ``angle down, angular velocity across``; empty for one part, which just fills the rows."""
     count = sum(size > 1 for size in sizes)
-    told = [term for term, size in zip(terms, sizes, strict=False) if size > 1]
-    names = told if len(told) == count else [f"part {place}" for place in range(1, count + 1)]
+    known = [term for term, size in zip(terms, sizes, strict=False) if size > 1]
+    names = known if len(known) == count else [f"part {place}" for place in range(1, count + 1)]
     if count < 2:
         return ""
     blocks = f", blocks: {' and '.join(names[2:])}" if count > 2 else ""

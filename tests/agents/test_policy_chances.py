@@ -18,8 +18,10 @@ NO_VISITS = np.zeros(4, np.int64)
 Q = np.array([1.0, 3.0, 3.0, 0.0])
 
 
-def chances(told: Hyperparameters, epsilon: float = 0.0, visits: Any = NO_VISITS) -> list[float] | None:
-    found = action_chances(told, epsilon, Q, visits)
+def chances(
+    hyperparameters: Hyperparameters, epsilon: float = 0.0, visits: Any = NO_VISITS
+) -> list[float] | None:
+    found = action_chances(hyperparameters, epsilon, Q, visits)
     return None if found is None else found.tolist()
 
 
@@ -36,10 +38,10 @@ def test_softmax_weighs_by_powers() -> None:
 
 
 def test_ucb_takes_what_was_never_tried_first() -> None:
-    told = Hyperparameters(policy="ucb")
-    assert chances(told, visits=np.array([5, 5, 0, 0])) == [0.0, 0.0, 0.5, 0.5]
+    hyperparameters = Hyperparameters(policy="ucb")
+    assert chances(hyperparameters, visits=np.array([5, 5, 0, 0])) == [0.0, 0.0, 0.5, 0.5]
     # t = 23: 1 + 2 √(ln 23 / 1) = 4.54 is more than 3 + 2 √(ln 23 / 10) = 4.12
-    assert chances(told, visits=np.array([1, 10, 10, 1])) == [1.0, 0.0, 0.0, 0.0]
+    assert chances(hyperparameters, visits=np.array([1, 10, 10, 1])) == [1.0, 0.0, 0.0, 0.0]
 
 
 @pytest.mark.parametrize("policy", ["gradient", "thompson"])
@@ -56,11 +58,11 @@ def test_rules_with_a_memory_of_their_own_are_not_known(policy: str) -> None:
 def test_the_mean_they_make_is_the_one_that_the_rule_itself_expects(
     q: list[float], counts: list[int], policy: str, ties: Any
 ) -> None:
-    told = Hyperparameters(policy=policy, ties=ties, epsilon=0.3, temperature=0.7)
+    hyperparameters = Hyperparameters(policy=policy, ties=ties, epsilon=0.3, temperature=0.7)
     estimates, visits = np.array(q), np.array(counts[: len(q)], dtype=np.int64)
     space = FiniteSpace(("s",), tuple(map(str, q)), np.array([0, len(q)]), np.arange(len(q)), 0)
-    rule = importlib.import_module(POLICY_BY_ID[policy].module).new_rule(space, told)
-    weights = action_chances(told, 0.3, estimates, visits)
+    rule = importlib.import_module(POLICY_BY_ID[policy].module).new_rule(space, hyperparameters)
+    weights = action_chances(hyperparameters, 0.3, estimates, visits)
     assert weights is not None
     assert weights.sum() == pytest.approx(1.0)
     assert weights @ estimates == pytest.approx(expectation(rule, estimates, visits, 0, len(q)))

@@ -20,7 +20,7 @@ from rl_tui.common.errors import UserError
 from rl_tui.common.streams import streams
 from rl_tui.worlds.mdp.tabular_mdp import Outcome, TabularMDP, Transition, tabular_mdp
 
-pytestmark = pytest.mark.xdist_group("action rules")  # each rule's loop is compiled once
+pytestmark = pytest.mark.xdist_group("policies")  # each policy's loop is compiled once
 
 
 # The gradient bandit
@@ -55,9 +55,9 @@ def plain_gradient(
 @pytest.mark.parametrize("baseline", [True, False])
 def test_the_gradient_bandit_goes_step_for_step_with_equation_2_12(baseline: bool) -> None:
     means = [4.2, 3.2, 5.5, 4.4]
-    told = Hyperparameters(policy="gradient", alpha=0.1, baseline="mean" if baseline else "none")
+    hyperparameters = Hyperparameters(policy="gradient", alpha=0.1, baseline="mean" if baseline else "none")
     for seed in range(5):
-        ours = learner(gaussian(means), told, seed)
+        ours = learner(gaussian(means), hyperparameters, seed)
         taken, preferences = plain_gradient(means, 0.1, baseline, seed, 200)
         assert pulls(ours, 200) == taken
         assert ours._rule.preference.tolist() == pytest.approx(preferences, rel=1e-9, abs=1e-12)
@@ -65,10 +65,10 @@ def test_the_gradient_bandit_goes_step_for_step_with_equation_2_12(baseline: boo
 
 
 def test_the_gradient_bandit_learns_with_the_step_size_of_the_episode() -> None:
-    told = Hyperparameters(
+    hyperparameters = Hyperparameters(
         policy="gradient", alpha=0.5, step_size_schedule="linear", alpha_decay=0.5, baseline="none"
     )
-    ours = learner(gaussian([1.0, 1.0], std=0.0), told)
+    ours = learner(gaussian([1.0, 1.0], std=0.0), hyperparameters)
     ours.advance(1)
     learned = ours._rule.preference.tolist()
     assert sorted(learned) == [-0.25, 0.25]
@@ -184,7 +184,7 @@ def two_states() -> TabularMDP:
 
 
 @pytest.mark.parametrize(
-    ("mdp", "told", "message"),
+    ("mdp", "hyperparameters", "message"),
     [
         (
             two_states(),
@@ -200,13 +200,15 @@ def two_states() -> TabularMDP:
         (TESTBED, {"policy": "gradient", "step_size_schedule": "sample-average"}, "give a number for alpha"),
     ],
 )
-def test_what_cannot_work_is_refused_in_one_line(mdp: TabularMDP, told: dict[str, Any], message: str) -> None:
+def test_what_cannot_work_is_refused_in_one_line(
+    mdp: TabularMDP, hyperparameters: dict[str, Any], message: str
+) -> None:
     def refused(act: Callable[[], object]) -> None:
         with pytest.raises(UserError, match=message) as error:
             act()
         assert len(str(error.value).splitlines()) == 1
 
-    unfit = Hyperparameters(**told)
+    unfit = Hyperparameters(**hyperparameters)
     refused(lambda: learner(mdp, unfit))
     ours = learner(mdp, Hyperparameters())
     refused(lambda: ours.configure(unfit))
