@@ -77,9 +77,9 @@ def _child(figures: Figures, kind: str, seed: int, first: int, count: int, scree
         number, at_work = first, False
         try:
             while line := lines.get(timeout=HANGS):
-                word, told, *rest = line.split(" ", 2)
+                word, position, *rest = line.split(" ", 2)
                 at_work = word == "begin"
-                number = int(told)
+                number = int(position)
                 if not at_work:
                     figures.add(number, json.loads(rest[0]))
                     number += 1

@@ -153,9 +153,9 @@ def _memory() -> int:
 
 
 def _scenario(path: Path, quick: bool, screen: int | None) -> str:
-    checked = _told(["check", str(path)], path)
+    checked = _run_command(["check", str(path)], path)
     options = QUICK if quick else ()
-    trained = _told(["train", str(path), "--steps", str(MOST_STEPS), "--json", *options], path)
+    trained = _run_command(["train", str(path), "--steps", str(MOST_STEPS), "--json", *options], path)
     if checked.status != trained.status and not re.search(
         r"maps drawn|failed|left ±1e12|is not a number", checked.err + trained.err
     ):
@@ -170,7 +170,7 @@ def _scenario(path: Path, quick: bool, screen: int | None) -> str:
     recipe = recipe_for(find(str(path)))
     world = begin(recipe).world
     if world.mdp is not None and world.space.states <= MOST_STATES:
-        _told(["solve", str(path)], path)
+        _run_command(["solve", str(path)], path)
     if screen is not None:
         _shown(recipe, screen)
     return "accepted"
@@ -186,16 +186,16 @@ def _session(path: Path, quick: bool, screen: int | None) -> str:
         record = stored.record()
         target = whereto(record)
     except UserError as refusal:
-        told = _told(["replay", str(path)], path)
-        if told.status != 1:
+        replayed = _run_command(["replay", str(path)], path)
+        if replayed.status != 1:
             raise FoundError(f"replayed all the same: {refusal}") from refusal
-        return _kind_of(told.err)
+        return _kind_of(replayed.err)
     switches = any(hasattr(entry.change, "algorithm") for entry in target.branch.journal)
     if quick and (switches or target.lane.recipe.algorithm != "q-learning"):
         return "accepted, not replayed"
     if target.branch.here > FARTHEST:
         return "accepted, too far to replay"
-    replayed = _told(["replay", str(path), "--json"], path)
+    replayed = _run_command(["replay", str(path), "--json"], path)
     if replayed.status:
         return _kind_of(replayed.err)
     if screen is not None and all(
@@ -232,7 +232,7 @@ def _quietly(do: Callable[[], Any]) -> tuple[str, str]:
     return written[0], written[1]
 
 
-def _told(arguments: list[str], path: Path) -> Ended:
+def _run_command(arguments: list[str], path: Path) -> Ended:
     """Run a command; raise FoundError where it does not end as a command has to."""
     from rl_tui.cli.main import program
 

@@ -37,7 +37,7 @@ def kept(folder: Path, *offered: Record, **how: Any) -> Autosave:
     return autosave
 
 
-def told(autosave: Autosave) -> list[str]:
+def notices_of(autosave: Autosave) -> list[str]:
     notices: list[str] = []
     autosave.listen(notices.append)
     return notices

@@ -12,18 +12,17 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from autosaving import OPENED, at, kept, only, told
+from autosaving import OPENED, at, kept, notices_of, only
 from recipes import recipe
 from session_samples import after, fresh
 
 from rl_tui.lab.live.record import Record
 from rl_tui.lab.run.recipe import SetParameter
-from rl_tui.lab.sessions import folder as session_folder
 from rl_tui.lab.sessions import held_file
 from rl_tui.lab.sessions.atomic_file import draft_of, write_atomically
 from rl_tui.lab.sessions.autosave import Autosave
 from rl_tui.lab.sessions.file_lock import FileLock
-from rl_tui.lab.sessions.folder import sessions_in
+from rl_tui.lab.sessions.folder import session_folder, sessions_in
 from rl_tui.lab.sessions.session import digest_of, encoded, read_session
 
 
@@ -98,7 +97,7 @@ def test_a_resumed_session_goes_on_in_its_file(tmp_path: Path) -> None:
     autosave.close()
     assert only(tmp_path).path == path
     assert only(tmp_path).step == 9
-    assert told(autosave) == []
+    assert notices_of(autosave) == []
 
 
 def test_a_resumed_session_that_is_only_looked_at_is_not_written(tmp_path: Path) -> None:
@@ -115,7 +114,7 @@ def test_the_second_program_gets_a_copy(tmp_path: Path) -> None:
     first.save_as("evening")
     path = tmp_path / "evening.json"
     second = resumed(path, tmp_path)
-    assert any("evening.json is open in another program" in notice for notice in told(second))
+    assert any("evening.json is open in another program" in notice for notice in notices_of(second))
     second.offer(after(opened_by(second), 77))
     second.close()
     first.offer(at(8))
@@ -154,7 +153,7 @@ def test_a_file_that_somebody_else_wrote_is_left_alone(tmp_path: Path) -> None:
     autosave.offer(at(5))
     autosave.close()
     assert path.read_text(encoding="utf-8") == "mine now"
-    assert any("changed by somebody else" in notice for notice in told(autosave))
+    assert any("changed by somebody else" in notice for notice in notices_of(autosave))
     assert [each.step for each in sessions_in(tmp_path)[0]] == [5]
 
 
@@ -178,7 +177,7 @@ def test_a_session_in_a_folder_that_is_read_only_goes_on_in_a_copy(
     autosave.close()
     assert read_session(elsewhere).step == 3
     assert only(tmp_path / "sessions").step == 4
-    assert len(told(autosave)) == 1
+    assert len(notices_of(autosave)) == 1
 
 
 def test_a_session_from_elsewhere_goes_on_where_it_is(tmp_path: Path) -> None:
@@ -198,7 +197,7 @@ def test_what_cannot_be_saved_is_told_once_and_the_program_goes_on(
     for step in range(1, 4):
         autosave.offer(at(step))
         autosave._write_all()
-    assert told(autosave) == ["this session is not being saved: No space left on device"]
+    assert notices_of(autosave) == ["this session is not being saved: No space left on device"]
     disk.full = False
     autosave.close()
     assert only(tmp_path).step == 3
@@ -231,7 +230,7 @@ def test_it_is_tried_again_though_nothing_more_is_done(
     autosave._write_all()
     assert sessions_in(tmp_path)[0][0].step == 3
     assert not autosave._has_work
-    assert [each.split(":")[0] for each in told(autosave)] == [
+    assert [each.split(":")[0] for each in notices_of(autosave)] == [
         "this session is not being saved",
         "this session is being saved again",
     ]
@@ -256,7 +255,7 @@ def test_a_session_that_was_left_while_the_disk_was_full_is_not_lost(
 def test_without_a_home_it_is_told(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("in the way", encoding="utf-8")
     autosave = kept(tmp_path / "file" / "sessions", at(1))
-    (notice,) = told(autosave)
+    (notice,) = notices_of(autosave)
     assert notice.startswith("this session is not being saved: ")
     assert "Not a directory" in notice or "File exists" in notice
 
@@ -303,8 +302,8 @@ def test_starting_again_with_other_settings_is_an_action(tmp_path: Path) -> None
     autosave.begin_anew(fresh(recipe("student", seed=8)))
     autosave.begin_anew(fresh(recipe("student", seed=9)))
     autosave.close()
-    told = {(each.step, each.document.lanes[0].seed) for each in sessions_in(tmp_path)[0]}
-    assert told == {(4, 0), (0, 9)}, "a session in which nothing was done yet gives way"
+    saved = {(each.step, each.document.lanes[0].seed) for each in sessions_in(tmp_path)[0]}
+    assert saved == {(4, 0), (0, 9)}, "a session in which nothing was done yet gives way"
 
 
 def test_a_named_session_stays_when_it_starts_again(tmp_path: Path) -> None:
@@ -313,8 +312,8 @@ def test_a_named_session_stays_when_it_starts_again(tmp_path: Path) -> None:
     autosave.begin_anew(OPENED)
     autosave.offer(at(2))
     autosave.close()
-    told = {(each.title, each.step) for each in sessions_in(tmp_path)[0]}
-    assert told == {("evening", 0), ("A student's evening", 2)}
+    saved = {(each.title, each.step) for each in sessions_in(tmp_path)[0]}
+    assert saved == {("evening", 0), ("A student's evening", 2)}
 
 
 def test_going_on_in_a_copy_on_purpose(tmp_path: Path) -> None:
@@ -329,7 +328,9 @@ def test_going_on_in_a_copy_on_purpose(tmp_path: Path) -> None:
 def test_a_folder_that_is_a_file_is_named(tmp_path: Path) -> None:
     (tmp_path / "sessions").write_text("")
     autosave = kept(tmp_path / "sessions", OPENED, at(1))
-    assert told(autosave) == [f"this session is not being saved: {tmp_path / 'sessions'}: Not a directory"]
+    assert notices_of(autosave) == [
+        f"this session is not being saved: {tmp_path / 'sessions'}: Not a directory"
+    ]
     assert (tmp_path / "sessions").read_text() == ""
 
 
@@ -340,7 +341,7 @@ def test_a_full_disk_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
     monkeypatch.setattr("rl_tui.lab.sessions.atomic_file.os.fsync", full)
-    (notice,) = told(kept(tmp_path, OPENED, at(1)))
+    (notice,) = notices_of(kept(tmp_path, OPENED, at(1)))
     assert notice.startswith(f"this session is not being saved: {tmp_path}")
     assert notice.endswith(".json: No space left on device")
     assert os.listdir(tmp_path) == []
@@ -353,8 +354,8 @@ def test_the_home_of_nobody_is_not_made(tmp_path: Path, monkeypatch: pytest.Monk
     monkeypatch.chdir(tmp_path)
     monkeypatch.delenv("RL_TUI_SESSIONS_DIR")
     monkeypatch.setattr("rl_tui.lab.sessions.folder.platformdirs.user_state_path", homeless)
-    autosave = kept(session_folder.session_folder(), OPENED, at(1))
-    (notice,) = told(autosave)
+    autosave = kept(session_folder(), OPENED, at(1))
+    (notice,) = notices_of(autosave)
     assert notice == (
         "this session is not being saved: there is no home folder; set HOME or RL_TUI_SESSIONS_DIR"
     )
@@ -367,7 +368,7 @@ def test_a_folder_that_is_gone_is_no_reason_to_fail(tmp_path: Path, monkeypatch:
     monkeypatch.chdir(gone)
     gone.rmdir()
     autosave = kept(Path("sessions"), OPENED, at(1))
-    (notice,) = told(autosave)
+    (notice,) = notices_of(autosave)
     assert notice == "this session is not being saved: sessions: No such file or directory"
 
 
@@ -389,7 +390,7 @@ def test_where_no_thread_can_be_started_it_says_so_once(
         raise RuntimeError("can't start new thread")
 
     autosave = Autosave(OPENED, tmp_path)
-    notices = told(autosave)
+    notices = notices_of(autosave)
     with monkeypatch.context() as patch:
         patch.setattr(threading.Thread, "start", refuse)
         autosave.offer(at(1))

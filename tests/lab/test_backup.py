@@ -22,8 +22,8 @@ Q = np.array([6.37, 5.0, 1.0, 2.0, 10.0])
 
 def study(algorithm: str, *, fails: bool = False, epsilon: float = 0.2, **changes: Any) -> Snapshot:
     """A step of the student who studies: Q(Class, study) goes from 6.3 to 6.37, γ is .9."""
-    told = recipe("student", algorithm=algorithm, epsilon=epsilon)
-    shown = preparing(told, begin(told).world, None, "")
+    started = recipe("student", algorithm=algorithm, epsilon=epsilon)
+    shown = preparing(started, begin(started).world, None, "")
     usual: dict[str, Any] = {
         "step": 1,
         "episode": 1,

@@ -59,8 +59,8 @@ def plain(made_from: Recipe, pulls: int) -> Plain:
 
 
 def test_regret_and_best_arms_are_added_up_pull_by_pull(drifting: Recipe) -> None:
-    told: list[np.ndarray] = []
-    run = Run(drifting, on_episodes=lambda returns, lengths, optimal: told.append(optimal))
+    optimal_pulls: list[np.ndarray] = []
+    run = Run(drifting, on_episodes=lambda returns, lengths, optimal: optimal_pulls.append(optimal))
     run.advance(400)
     wanted = plain(drifting, 400)
     spent = run.bandit
@@ -70,7 +70,7 @@ def test_regret_and_best_arms_are_added_up_pull_by_pull(drifting: Recipe) -> Non
     assert spent.regret == wanted.regret
     assert spent.best_possible == wanted.best_total
     assert spent.best_arm_rate == sum(wanted.optimal) / 400
-    assert np.concatenate(told).tolist() == wanted.optimal
+    assert np.concatenate(optimal_pulls).tolist() == wanted.optimal
     mdp = run.learner.mdp
     assert mdp is not None
     assert mdp.reward.tolist() == pytest.approx(wanted.means, abs=1e-12)

@@ -8,7 +8,7 @@ from recipes import recipe
 
 from rl_tui.agents.exact.solution import NoExactAnswer, Solution
 from rl_tui.agents.exact.solve import solve
-from rl_tui.lab.run import exact_answers as exact
+from rl_tui.lab.run import exact_answers
 from rl_tui.lab.run.exact_answers import PENDING, ExactAnswers
 from rl_tui.lab.run.recipe import begin
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
@@ -110,7 +110,7 @@ def test_an_unexpected_failure_is_raised_when_asked_again() -> None:
 
 
 def test_huge_worlds_are_refused_in_words(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(exact, "LIVE_STATES", 3)
+    monkeypatch.setattr(exact_answers, "LIVE_STATES", 3)
     assert "rl-tui solve" in ExactAnswers(STUDENT, nobody).answer(0.9).refused
 
 
@@ -122,7 +122,7 @@ def test_answers_are_kept_within_bounds() -> None:
         return solve(mdp, 0.5)
 
     answers = ExactAnswers(STUDENT, nobody, counted)
-    for index in range(exact.KEPT + 1):
+    for index in range(exact_answers.KEPT + 1):
         answers.answer(index / 1000)
     answers.answer(0.0)
     assert asked.count(0.0) == 2

@@ -51,8 +51,8 @@ def all_scripts() -> Iterator[tuple[str, str]]:
                         continue
                     if rule.id == "gradient" and variant.get("alpha") == "sample-average":
                         continue
-                    told = {"algorithm": algorithm.id, "policy": rule.id, **variant}
-                    yield f"{name}-{algorithm.id}-{rule.id}-{place}", script_of(name, **told)
+                    changes = {"algorithm": algorithm.id, "policy": rule.id, **variant}
+                    yield f"{name}-{algorithm.id}-{rule.id}-{place}", script_of(name, **changes)
 
 
 def test_every_script_is_python_that_imports_no_more_than_it_says(tmp_path: Path) -> None:
@@ -198,7 +198,7 @@ def test_without_chance_a_script_learns_bit_for_bit_the_same_up_to_rounding(
     algorithm: str, scenario: str
 ) -> None:
     # Optimism explores in place of ε; both worlds are certain, and karpathy cuts its episodes off
-    told = {
+    changes = {
         "algorithm": algorithm,
         "epsilon": 0.0,
         "ties": "first",
@@ -208,19 +208,19 @@ def test_without_chance_a_script_learns_bit_for_bit_the_same_up_to_rounding(
         "alpha_decay": 0.02,
         "traces": "accumulating",
     }
-    check_same(scenario, told, episodes=30 if scenario == "frozenlake" else 8)
+    check_same(scenario, changes, episodes=30 if scenario == "frozenlake" else 8)
 
 
 @pytest.mark.parametrize("algorithm", WITHOUT_DICE)
 def test_so_do_sample_averages_and_linear_schedules(algorithm: str) -> None:
-    told = {"algorithm": algorithm, "epsilon": 0.0, "ties": "first", "initial_q": 1.0}
-    check_same("frozenlake", {**told, "alpha": "sample-average", "lambda": 0.5}, episodes=20)
+    changes = {"algorithm": algorithm, "epsilon": 0.0, "ties": "first", "initial_q": 1.0}
+    check_same("frozenlake", {**changes, "alpha": "sample-average", "lambda": 0.5}, episodes=20)
     linear = {"alpha": 0.5, "alpha_decay": 0.05, "alpha_min": 0.1, "step_size_schedule": "linear"}
-    check_same("frozenlake", {**told, **linear}, episodes=20)
+    check_same("frozenlake", {**changes, **linear}, episodes=20)
 
 
-def check_same(scenario: str, told: dict[str, object], episodes: int) -> None:
-    recipe = recipe_for(find(scenario), told)
+def check_same(scenario: str, changes: dict[str, object], episodes: int) -> None:
+    recipe = recipe_for(find(scenario), changes)
     run = Run(recipe, evaluate=False)
     run.advance(episodes=episodes)
     names = ran(script(recipe, episodes))
@@ -230,7 +230,7 @@ def check_same(scenario: str, told: dict[str, object], episodes: int) -> None:
 
 
 @pytest.mark.parametrize(
-    ("told", "expected"),
+    ("changes", "expected"),
     [
         ({"policy": "epsilon-greedy", "epsilon": 0.2}, [0.05, 0.45, 0.05, 0.45]),
         ({"policy": "epsilon-greedy", "epsilon": 0.2, "ties": "first"}, [0.05, 0.85, 0.05, 0.05]),
@@ -239,8 +239,8 @@ def check_same(scenario: str, told: dict[str, object], episodes: int) -> None:
         ({"policy": "ucb", "confidence": 0.1, "ties": "first"}, [0.0, 1.0, 0.0, 0.0]),
     ],
 )
-def test_action_rules_choose_as_often_as_they_should(told: dict[str, object], expected: list[float]) -> None:
-    names = ran(script_of("frozenlake", algorithm="expected-sarsa", **told), "\nreturns = []")
+def test_policies_choose_as_often_as_they_should(changes: dict[str, object], expected: list[float]) -> None:
+    names = ran(script_of("frozenlake", algorithm="expected-sarsa", **changes), "\nreturns = []")
     values = np.array([0.0, 1.0, 0.04, 1.0])
     names["Q"][0] = values
     if "N" in names:
@@ -268,7 +268,7 @@ TELLS_Q = "\nimport json\nprint(json.dumps([list(map(float, row)) for row in Q])
 
 
 @pytest.mark.parametrize(
-    ("scenario", "told", "episodes", "share"),
+    ("scenario", "changes", "episodes", "share"),
     [
         ("frozenlake", {}, 2000, 1.0),
         ("student", {"algorithm": "double-q-learning"}, 1500, 1.0),
@@ -276,9 +276,9 @@ TELLS_Q = "\nimport json\nprint(json.dumps([list(map(float, row)) for row in Q])
     ],
 )
 def test_it_runs_by_itself_and_learns_the_best_policy(
-    scenario: str, told: dict[str, object], episodes: int, share: float, tmp_path: Path
+    scenario: str, changes: dict[str, object], episodes: int, share: float, tmp_path: Path
 ) -> None:
-    recipe = recipe_of(scenario, **told)
+    recipe = recipe_of(scenario, **changes)
     (tmp_path / "script.py").write_text(
         script(recipe, episodes) + DIES_IF_IT_MEETS_US + TELLS_Q, encoding="utf-8"
     )

@@ -12,7 +12,7 @@ from rl_tui.lab.timeline.lane_names import difference, lane_names
 BASE = recipe_for(find("frozenlake-slippery"), {}, 0)
 
 
-def told(base: Recipe = BASE, algorithm: str | None = None, **values: Any) -> Recipe:
+def changed_recipe(base: Recipe = BASE, algorithm: str | None = None, **values: Any) -> Recipe:
     """The same but for an algorithm and some hyper-parameters."""
     hyperparameters = base.hyperparameters
     for name, value in values.items():
@@ -20,7 +20,7 @@ def told(base: Recipe = BASE, algorithm: str | None = None, **values: Any) -> Re
     return replace(base, algorithm=algorithm or base.algorithm, hyperparameters=hyperparameters)
 
 
-PLAIN = told(alpha=0.1, epsilon=0.1, gamma=0.99, epsilon_decay=0.0, alpha_decay=0.0)
+PLAIN = changed_recipe(alpha=0.1, epsilon=0.1, gamma=0.99, epsilon_decay=0.0, alpha_decay=0.0)
 
 
 @pytest.mark.parametrize(
@@ -41,7 +41,7 @@ PLAIN = told(alpha=0.1, epsilon=0.1, gamma=0.99, epsilon_decay=0.0, alpha_decay=
     ],
 )
 def test_a_lane_is_named_by_what_is_different(changes: dict[str, Any], name: str) -> None:
-    assert difference(PLAIN, told(PLAIN, **changes)) == name
+    assert difference(PLAIN, changed_recipe(PLAIN, **changes)) == name
 
 
 @pytest.mark.parametrize(
@@ -55,39 +55,44 @@ def test_a_lane_is_named_by_what_is_different(changes: dict[str, Any], name: str
     ],
 )
 def test_what_does_not_count_is_no_difference(changes: dict[str, Any]) -> None:
-    assert difference(PLAIN, told(PLAIN, **changes)) == ""
+    assert difference(PLAIN, changed_recipe(PLAIN, **changes)) == ""
 
 
 def test_the_first_lane_is_named_by_what_it_has_in_contrast() -> None:
-    assert lane_names([PLAIN, told(PLAIN, alpha=0.5)]) == ["α 0.1", "α 0.5"]
-    assert lane_names([PLAIN, told(PLAIN, algorithm="sarsa")]) == ["Q-learning", "SARSA"]
-    assert lane_names([PLAIN, told(PLAIN, epsilon_decay=0.5)]) == ["ε decay 0", "ε decay 0.5"]
+    assert lane_names([PLAIN, changed_recipe(PLAIN, alpha=0.5)]) == ["α 0.1", "α 0.5"]
+    assert lane_names([PLAIN, changed_recipe(PLAIN, algorithm="sarsa")]) == ["Q-learning", "SARSA"]
+    assert lane_names([PLAIN, changed_recipe(PLAIN, epsilon_decay=0.5)]) == ["ε decay 0", "ε decay 0.5"]
 
 
 def test_among_many_lanes_the_first_tells_all_that_any_other_has_otherwise() -> None:
-    lanes = [PLAIN, told(PLAIN, alpha=0.5), told(PLAIN, algorithm="sarsa", alpha=0.5), told(PLAIN, gamma=0.9)]
+    lanes = [
+        PLAIN,
+        changed_recipe(PLAIN, alpha=0.5),
+        changed_recipe(PLAIN, algorithm="sarsa", alpha=0.5),
+        changed_recipe(PLAIN, gamma=0.9),
+    ]
     assert lane_names(lanes) == ["Q-learning, α 0.1, γ 0.99", "α 0.5", "SARSA, α 0.5", "γ 0.9"]
 
 
 def test_what_the_first_lane_has_no_use_for_is_not_in_its_name() -> None:
-    traced = told(PLAIN, algorithm="sarsa-lambda", **{"lambda": 0.5})
+    traced = changed_recipe(PLAIN, algorithm="sarsa-lambda", **{"lambda": 0.5})
     assert lane_names([PLAIN, traced]) == ["Q-learning", "SARSA(λ), λ 0.5"]
-    softmax = told(PLAIN, policy="softmax", temperature=2.0)
+    softmax = changed_recipe(PLAIN, policy="softmax", temperature=2.0)
     assert lane_names([PLAIN, softmax]) == ["ε-greedy", "softmax, τ 2"]
 
 
 def test_no_two_names_are_equal() -> None:
     assert lane_names([PLAIN]) == ["Q-learning"]
     assert lane_names([PLAIN, PLAIN, PLAIN]) == ["Q-learning", "Q-learning (2)", "Q-learning (3)"]
-    half = told(PLAIN, alpha=0.5)
+    half = changed_recipe(PLAIN, alpha=0.5)
     assert lane_names([PLAIN, half, half]) == ["α 0.1", "α 0.5", "α 0.5 (2)"]
-    close = [told(PLAIN, alpha=0.1234567), told(PLAIN, alpha=0.1234568)]
+    close = [changed_recipe(PLAIN, alpha=0.1234567), changed_recipe(PLAIN, alpha=0.1234568)]
     assert lane_names(close) == ["α 0.1234567", "α 0.1234568"]
     assert lane_names([]) == []
 
 
 def test_planners_have_no_step_size_to_differ_in() -> None:
-    planner = told(PLAIN, algorithm="value-iteration", alpha=0.7)
+    planner = changed_recipe(PLAIN, algorithm="value-iteration", alpha=0.7)
     assert lane_names([PLAIN, planner]) == ["Q-learning", "Value iteration"]
     assert lane_names([planner, PLAIN]) == ["Value iteration", "Q-learning, α 0.1"]
 

@@ -6,7 +6,7 @@ import os
 import shutil
 from pathlib import Path
 
-from autosaving import OPENED, at, only, told
+from autosaving import OPENED, at, notices_of, only
 
 from rl_tui.lab.sessions.autosave import Autosave
 from rl_tui.lab.sessions.file_lock import FileLock
@@ -33,7 +33,7 @@ def test_it_is_made_again_with_the_session_and_its_lock(tmp_path: Path) -> None:
     assert not FileLock(path).acquire()
     autosave.close()
     assert only(folder).step == 2
-    assert told(autosave) == []
+    assert notices_of(autosave) == []
 
 
 def test_what_somebody_else_began_there_meanwhile_is_left_alone(tmp_path: Path) -> None:
@@ -47,7 +47,7 @@ def test_what_somebody_else_began_there_meanwhile_is_left_alone(tmp_path: Path) 
     autosave.close()
     theirs.release()
     assert sorted(each.step for each in sessions_in(folder)[0]) == [2, 70]
-    assert any("this goes on in a copy" in notice for notice in told(autosave))
+    assert any("this goes on in a copy" in notice for notice in notices_of(autosave))
 
 
 def test_where_it_cannot_be_made_again_that_is_said_and_it_goes_on_later(tmp_path: Path) -> None:
@@ -60,7 +60,7 @@ def test_where_it_cannot_be_made_again_that_is_said_and_it_goes_on_later(tmp_pat
     os.remove(folder)
     autosave._write_all()
     assert only_step(folder) == 3
-    assert told(autosave) == [
+    assert notices_of(autosave) == [
         f"this session is not being saved: {folder}: Not a directory",
         "this session is being saved again",
     ]

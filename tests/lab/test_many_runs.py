@@ -51,10 +51,10 @@ def test_the_number_of_workers_does_not_show(goal: Goal) -> None:
 
 
 def episodes_of_run(seed: int, episodes: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    told: list[tuple[np.ndarray, ...]] = []
-    run = Run(recipe("bandit", seed=seed), evaluate=False, on_episodes=lambda *each: told.append(each))
+    reported: list[tuple[np.ndarray, ...]] = []
+    run = Run(recipe("bandit", seed=seed), evaluate=False, on_episodes=lambda *each: reported.append(each))
     run.advance(episodes=episodes)
-    returns, lengths, optimal = (np.concatenate(each) for each in zip(*told, strict=True))
+    returns, lengths, optimal = (np.concatenate(each) for each in zip(*reported, strict=True))
     best = int(run.world.space.reward.argmax())
     assert optimal.sum() == run.learner.visits[best]
     return returns, lengths, optimal
@@ -114,10 +114,10 @@ def test_rows_come_in_the_order_of_the_runs(tmp_path: Path) -> None:
 
 
 def test_progress_is_that_of_all_runs_together() -> None:
-    told: list[tuple[int, int]] = []
-    many_runs(recipe("student"), 4, Goal(episodes=20), on_progress=lambda *each: told.append(each))
-    assert told[-1] == (80, 80)
-    assert [done for done, _ in told] == sorted(done for done, _ in told)
+    reported: list[tuple[int, int]] = []
+    many_runs(recipe("student"), 4, Goal(episodes=20), on_progress=lambda *each: reported.append(each))
+    assert reported[-1] == (80, 80)
+    assert [done for done, _ in reported] == sorted(done for done, _ in reported)
 
 
 def test_a_run_that_breaks_down_is_named_by_its_seed(tmp_path: Path) -> None:

@@ -93,11 +93,11 @@ def read(text: str, folder) -> Any:
 
 @pytest.mark.parametrize("name", REFUSED)
 def test_is_refused_in_one_short_line(name, tmp_path):
-    text, told = REFUSED[name]
+    text, message = REFUSED[name]
     with pytest.raises(SessionError) as error:
         read(text, tmp_path)
     line = str(error.value)
-    assert told in line
+    assert message in line
     assert len(line.splitlines()) == 1
     assert len(line) < 1_000
 
@@ -109,9 +109,9 @@ UNPLAYABLE = {
 
 @pytest.mark.parametrize("name", UNPLAYABLE)
 def test_what_shows_on_the_way_is_told_in_one_line_too(name, tmp_path):
-    text, told = UNPLAYABLE[name]
+    text, message = UNPLAYABLE[name]
     _, record = read(text, tmp_path)
-    with pytest.raises(UserError, match=told) as error:
+    with pytest.raises(UserError, match=message) as error:
         replayed(whereto(record))
     assert len(str(error.value).splitlines()) == 1
 

@@ -138,18 +138,18 @@ def test_a_value_out_of_range_is_refused_with_the_range_and_not_journalled() -> 
 
 
 def test_every_episode_is_reported_once_and_in_order() -> None:
-    told: list[tuple[float, bool]] = []
+    episodes: list[tuple[float, bool]] = []
     run = Run(
         recipe("bandit"),
-        on_episodes=lambda returns, lengths, optimal: told.extend(
+        on_episodes=lambda returns, lengths, optimal: episodes.extend(
             zip(returns.tolist(), optimal.tolist(), strict=True)
         ),
     )
     run.advance(episodes=20_000)  # more than the learner logs at a time
-    assert run.learner.episodes == run.step == len(told) == 20_000
-    assert sum(total for total, _ in told) == pytest.approx(run.history.total_return)
+    assert run.learner.episodes == run.step == len(episodes) == 20_000
+    assert sum(total for total, _ in episodes) == pytest.approx(run.history.total_return)
     best = int(run.world.space.reward.argmax())
-    assert sum(optimal for _, optimal in told) == run.learner.visits[best]
+    assert sum(optimal for _, optimal in episodes) == run.learner.visits[best]
 
 
 def test_a_run_ends_with_its_budget() -> None:
@@ -213,8 +213,8 @@ def test_the_last_step_is_told_by_whoever_took_it() -> None:
     run.apply(SetParameter("policy", "softmax"))
     shown = run.snapshot(Phase.PAUSED)
     assert shown.algorithm == "value-iteration"
-    algorithm, told = shown.learned_by
-    assert (algorithm, told.policy) == ("q-learning", "epsilon-greedy")
+    algorithm, hyperparameters = shown.learned_by
+    assert (algorithm, hyperparameters.policy) == ("q-learning", "epsilon-greedy")
     kept = run.checkpoint()
     run.advance(steps=1)
     assert run.snapshot(Phase.PAUSED).learned_by[0] == "value-iteration"

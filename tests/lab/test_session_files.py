@@ -164,8 +164,8 @@ def test_every_truncation_is_told(tmp_path: Path) -> None:
     whole, path = encoded(SOUND), tmp_path / "a.json"
     for length in range(1, len(whole), 41):
         path.write_bytes(whole[:length])
-        told = fault(path)
-        assert ("is cut off or damaged" if length > 40 else "is ") in told
+        message = fault(path)
+        assert ("is cut off or damaged" if length > 40 else "is ") in message
 
 
 def test_every_flipped_byte_is_told(tmp_path: Path) -> None:

@@ -6,10 +6,10 @@ import os
 from pathlib import Path
 
 import pytest
-from autosaving import OPENED, at, kept, only, told
+from autosaving import OPENED, at, kept, notices_of, only
 
 from rl_tui.common.errors import UserError
-from rl_tui.lab.sessions import folder as session_folder
+from rl_tui.lab.sessions import folder
 from rl_tui.lab.sessions.autosave import Autosave
 from rl_tui.lab.sessions.file_lock import FileLock
 from rl_tui.lab.sessions.folder import MOST_UNNAMED, file_stem, named_path, prune, remove, sessions_in
@@ -84,7 +84,7 @@ def test_the_longest_name_is_not_too_long_for_a_file(tmp_path: Path, letter: str
 
 
 def test_the_newest_unnamed_sessions_are_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(session_folder, "MOST_UNNAMED", 3)
+    monkeypatch.setattr(folder, "MOST_UNNAMED", 3)
     for number in range(7):
         path = tmp_path / f"student-{number}.json"
         path.write_bytes(encoded(at(number), title="named" * (number == 0), kept=number == 0))
@@ -104,10 +104,10 @@ def test_what_cannot_be_pruned_is_no_reason_to_keep_nothing_new(
     def refuse(path: Path) -> None:
         raise PermissionError(1, "Operation not permitted", str(path))
 
-    monkeypatch.setattr(session_folder, "MOST_UNNAMED", 0)
-    monkeypatch.setattr(session_folder, "_unlink", refuse)
+    monkeypatch.setattr(folder, "MOST_UNNAMED", 0)
+    monkeypatch.setattr(folder, "_unlink", refuse)
     (tmp_path / "old.json").write_bytes(encoded(at(1)))
-    assert told(kept(tmp_path, at(2))) == []
+    assert notices_of(kept(tmp_path, at(2))) == []
     assert sorted(each.step for each in sessions_in(tmp_path)[0]) == [1, 2]
     assert len(os.listdir(tmp_path)) == 2, "every lock is given back"
 
@@ -119,8 +119,8 @@ def test_a_session_that_was_gone_on_with_meanwhile_is_not_pruned(
     path.write_bytes(encoded(at(1)))
     before = sessions_in(tmp_path)
     path.write_bytes(encoded(at(200), title="evening", kept=True))
-    monkeypatch.setattr(session_folder, "MOST_UNNAMED", 0)
-    monkeypatch.setattr(session_folder, "sessions_in", lambda _: before)
+    monkeypatch.setattr(folder, "MOST_UNNAMED", 0)
+    monkeypatch.setattr(folder, "sessions_in", lambda _: before)
     prune(tmp_path)
     assert only(tmp_path).step == 200
 

@@ -103,15 +103,20 @@ def test_what_is_meant_where_nothing_is_said() -> None:
 
 def test_figures_as_json(tmp_path: Path) -> None:
     path = saved(tmp_path / "a.json")
-    told = figures(path)
-    assert (told["session"], told["lane"], told["branch"], told["steps"]) == (str(path), 1, "2", 110)
-    assert told["journal"] == [
+    replayed = figures(path)
+    assert (replayed["session"], replayed["lane"], replayed["branch"], replayed["steps"]) == (
+        str(path),
+        1,
+        "2",
+        110,
+    )
+    assert replayed["journal"] == [
         {"step": 12, "name": "alpha", "value": 0.5},
         {"step": 40, "name": "epsilon", "value": 0.0},
     ]
-    assert told["scenario"] == "student"
+    assert replayed["scenario"] == "student"
     run = followed(TREE.lanes[0], FORKED)
-    assert [q for row in told["q"] for q in row if q is not None] == run.learner.q.tolist()
+    assert [q for row in replayed["q"] for q in row if q is not None] == run.learner.q.tolist()
     assert figures(path, "--branch", "1")["steps"] == 80
     assert figures(path, "--lane", "2")["hyperparameters"]["alpha"] == 0.9
 
@@ -119,12 +124,12 @@ def test_figures_as_json(tmp_path: Path) -> None:
 def test_it_is_the_run_of_train(tmp_path: Path) -> None:
     path = saved(tmp_path / "a.json", after(fresh(recipe("student", seed=5)), 3000))
     trained = CliRunner().invoke(program, ["train", "student", "--seed", "5", "--steps", "3000", "--json"])
-    expected, told = json.loads(trained.stdout), figures(path)
+    expected, replayed = json.loads(trained.stdout), figures(path)
     for name in ("session", "lane", "branch", "journal"):
-        del told[name]
-    for each in (expected, told):
+        del replayed[name]
+    for each in (expected, replayed):
         del each["seconds"], each["steps_per_second"]
-    assert told == expected
+    assert replayed == expected
 
 
 def test_the_report_for_people(tmp_path: Path) -> None:
@@ -143,10 +148,10 @@ def test_without_changes_the_report_has_no_list_of_them(tmp_path: Path) -> None:
 
 def test_episodes_as_csv(tmp_path: Path) -> None:
     path, rows = saved(tmp_path / "a.json"), tmp_path / "rows.csv"
-    told = figures(path, "--csv", rows)
+    replayed = figures(path, "--csv", rows)
     lines = rows.read_text(encoding="utf-8").splitlines()
     assert lines[0] == "run,episode,return,length"
-    assert len(lines) == told["episodes"] + 1
+    assert len(lines) == replayed["episodes"] + 1
     both = replay(path, "--csv", "-", "--json")
     assert both.exit_code == 2
     assert "both want stdout" in both.stderr

@@ -26,13 +26,13 @@ UCB = {"policy": "ucb", "confidence": 2.0}
 THOMPSON = {"policy": "thompson"}
 
 
-def of_runs(runs: int, scenario: str = "bandit", pulls: int = PULLS, **told: Any) -> dict[str, Any]:
-    return _document(runs, scenario, pulls, tuple(sorted(told.items())))
+def of_runs(runs: int, scenario: str = "bandit", pulls: int = PULLS, **values: Any) -> dict[str, Any]:
+    return _document(runs, scenario, pulls, tuple(sorted(values.items())))
 
 
 @cache
-def _document(runs: int, scenario: str, pulls: int, told: tuple[tuple[str, Any], ...]) -> dict[str, Any]:
-    return many_runs(recipe(scenario, **dict(told)), runs, Goal(episodes=pulls))
+def _document(runs: int, scenario: str, pulls: int, values: tuple[tuple[str, Any], ...]) -> dict[str, Any]:
+    return many_runs(recipe(scenario, **dict(values)), runs, Goal(episodes=pulls))
 
 
 def column(document: dict[str, Any], name: str) -> FloatArray:
@@ -57,16 +57,16 @@ def optimal(document: dict[str, Any], first: int, last: int) -> float:
     return float(np.mean(inside))
 
 
-@pytest.mark.parametrize(("told", "book"), [(GREEDY, 1.03), (HARDLY, 1.31), (TENTH, 1.37)])
-def test_figure_2_2_what_the_last_hundred_pulls_pay(told: dict[str, Any], book: float) -> None:
-    paid = of_runs(400, **told)["summary"]["return_last_100"]
+@pytest.mark.parametrize(("values", "book"), [(GREEDY, 1.03), (HARDLY, 1.31), (TENTH, 1.37)])
+def test_figure_2_2_what_the_last_hundred_pulls_pay(values: dict[str, Any], book: float) -> None:
+    paid = of_runs(400, **values)["summary"]["return_last_100"]
     assert paid["stderr"] < 0.035
     assert abs(paid["mean"] - book) < 3 * paid["stderr"]
 
 
 def test_figure_2_2_exploring_pays_in_the_end() -> None:
     greedy, hardly, tenth = (
-        column(of_runs(400, **told), "return_last_100") for told in (GREEDY, HARDLY, TENTH)
+        column(of_runs(400, **values), "return_last_100") for values in (GREEDY, HARDLY, TENTH)
     )
     assert margin(hardly, greedy) > 3
     assert margin(tenth, greedy) > 3
@@ -113,14 +113,14 @@ def test_figure_2_5_the_baseline_makes_the_gradient_bandit(tmp_path: Path) -> No
     for alpha in (0.1, 0.4):
         assert margin(won["mean", alpha], won["none", alpha]) > 3
         assert rates["mean", alpha] > rates["none", alpha] + 0.15
-    assert rates["mean", 0.1] > max(rate for told, rate in rates.items() if told != ("mean", 0.1))
+    assert rates["mean", 0.1] > max(rate for values, rate in rates.items() if values != ("mean", 0.1))
 
 
 def test_thompson_sampling_regrets_less_than_epsilon_greedy() -> None:
-    gaussian = [column(of_runs(400, **told), "regret") for told in (TENTH, THOMPSON)]
+    gaussian = [column(of_runs(400, **values), "regret") for values in (TENTH, THOMPSON)]
     assert margin(gaussian[0], gaussian[1]) > 3
     assert gaussian[1].mean() < gaussian[0].mean() / 2
-    coins = [column(of_runs(200, "bandit-bernoulli", **told), "regret") for told in (TENTH, THOMPSON)]
+    coins = [column(of_runs(200, "bandit-bernoulli", **values), "regret") for values in (TENTH, THOMPSON)]
     assert margin(coins[0], coins[1]) > 3
 
 

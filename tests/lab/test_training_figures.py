@@ -81,11 +81,11 @@ def test_a_runaway_is_an_error_that_names_the_step(tmp_path: Path) -> None:
 
 
 def test_progress_goes_from_nothing_to_all() -> None:
-    told: list[tuple[int, int]] = []
+    reported: list[tuple[int, int]] = []
     run = Run(recipe("student"), evaluate=False)
-    assert train(run, Goal(episodes=100), lambda done, wanted: told.append((done, wanted))) > 0
-    assert told[0] == (0, 100)
-    assert told[-1] == (100, 100)
+    assert train(run, Goal(episodes=100), lambda done, wanted: reported.append((done, wanted))) > 0
+    assert reported[0] == (0, 100)
+    assert reported[-1] == (100, 100)
 
 
 def test_every_episode_is_a_row(tmp_path: Path) -> None:
