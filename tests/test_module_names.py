@@ -1,0 +1,169 @@
+"""Every module named in a string exists, and private names of Textual stay behind the terminal."""
+
+from __future__ import annotations
+
+import ast
+import pkgutil
+import re
+import tomllib
+from collections.abc import Iterator
+from importlib import import_module
+from importlib.util import find_spec
+from pathlib import Path
+from types import ModuleType
+from typing import Any, Final
+
+import pytest
+
+import rl_tui
+from rl_tui.agents.catalogue import ALGORITHMS, POLICIES
+from rl_tui.cli.main import RlTui
+from rl_tui.cli.serving.site import PAGE
+from rl_tui.worlds.files.catalogue import shipped_folder
+
+ROOT: Final = Path(__file__).parents[1]
+PACKAGE: Final = Path(rl_tui.__file__).parent
+DOTTED: Final = re.compile(r"rl_tui(\.\w+)+(:\w+)?")
+CROSS_REFERENCE: Final = re.compile(r":(?:mod|class|func|meth|data):`~?(rl_tui[\w.]+)`")
+GLOB: Final = re.compile(r"[\w/]*\*[\w/*]*\.\w+")
+
+
+def sources(*folders: Path) -> list[Path]:
+    return sorted(path for folder in folders for path in folder.rglob("*.py"))
+
+
+def strings_in(path: Path) -> Iterator[str]:
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Constant) and isinstance(node.value, str):
+            yield node.value
+
+
+def named_in_strings() -> set[str]:
+    """Return all names of modules, and of what is in them, that stand in strings and cross-references."""
+    strings = {each for path in sources(PACKAGE, ROOT / "tests") for each in strings_in(path)}
+    dotted = {each for each in strings if DOTTED.fullmatch(each)}
+    return dotted | {each[1] for string in strings for each in CROSS_REFERENCE.finditer(string)}
+
+
+def patterns_of_names() -> set[str]:
+    """Return the formatted strings of the package that make names of modules, with ``{}`` for each value."""
+    nodes = [
+        node for path in sources(PACKAGE) for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+    ]
+    patterns = {
+        "".join(str(part.value) if isinstance(part, ast.Constant) else "{}" for part in node.values)
+        for node in nodes
+        if isinstance(node, ast.JoinedStr)
+    }
+    return {each for each in patterns if each.startswith("rl_tui.")}
+
+
+def project() -> dict[str, Any]:
+    return tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+
+
+@pytest.mark.parametrize("name", sorted(named_in_strings()))
+def test_what_a_string_names_exists(name: str) -> None:
+    pkgutil.resolve_name(name)
+
+
+def test_there_are_such_strings() -> None:
+    names = named_in_strings()
+    assert {each.module for each in (*ALGORITHMS, *POLICIES)} <= names
+    assert any(":" in name for name in names)
+
+
+def test_names_are_made_of_commands_and_of_rows_of_the_catalogue_only() -> None:
+    # The tests below go through these; a pattern that is new needs one too
+    assert patterns_of_names() == {"rl_tui.cli.commands.{}", "rl_tui.lab.export.{}.{}"}
+
+
+@pytest.mark.parametrize(("name", "module"), sorted(RlTui.modules.items()))
+def test_every_command_is_in_its_module(name: str, module: str) -> None:
+    assert import_module(module).command.name == name
+
+
+@pytest.mark.parametrize("room", ["cli.commands", "lab.export.algorithms", "lab.export.policies"])
+def test_a_folder_of_commands_or_scripts_has_no_module_that_no_row_names(room: str) -> None:
+    rows = {
+        "cli.commands": {*RlTui.modules, "policy_map", "train_report"},
+        "lab.export.algorithms": {each.module.rpartition(".")[2] for each in ALGORITHMS},
+        "lab.export.policies": {each.module.rpartition(".")[2] for each in POLICIES},
+    }
+    package = import_module(f"rl_tui.{room}")
+    assert {module.name for module in pkgutil.iter_modules(package.__path__)} == rows[room]
+
+
+@pytest.mark.parametrize("row", [*ALGORITHMS, *POLICIES], ids=lambda row: row.id)
+def test_every_row_of_the_catalogue_has_the_texts_of_its_script(row: Any) -> None:
+    kind = row.module.split(".")[-2]
+    texts = import_module(f"rl_tui.lab.export.{kind}.{row.id.replace('-', '_')}")
+    assert isinstance(texts, ModuleType)
+
+
+def test_a_walk_through_the_package_meets_every_module() -> None:
+    walked = {module.name for module in pkgutil.walk_packages(rl_tui.__path__, "rl_tui.")}
+    files = {path.relative_to(PACKAGE.parent).with_suffix("") for path in sources(PACKAGE)}
+    names = {".".join(path.parts).removesuffix(".__init__") for path in files}
+    assert walked == names - {"rl_tui"}
+
+
+def test_import_contracts_name_modules_that_exist() -> None:
+    contracts = project()["tool"]["importlinter"]["contracts"]
+    keys = ("source_modules", "forbidden_modules")
+    named = [name for each in contracts for key in keys for name in each.get(key, ())]
+    for each in contracts:
+        for container in each.get("containers", ()):
+            rooms = [room for layer in each["layers"] for room in re.split(r"\s*[|:]\s*", layer)]
+            named += [f"{container}.{room.strip('()')}" for room in rooms]
+    assert len(named) > len(contracts)
+    assert [name for name in named if find_spec(name) is None] == []
+
+
+def test_packaging_names_what_exists() -> None:
+    configuration = project()
+    scripts = configuration["project"]["scripts"]
+    assert scripts
+    for entry in scripts.values():
+        assert callable(pkgutil.resolve_name(entry))
+    hatch = configuration["tool"]["hatch"]
+    targets = hatch["build"]["targets"]
+    paths = [hatch["version"]["path"], *targets["wheel"]["packages"], *targets["wheel"]["force-include"]]
+    assert [path for path in (*paths, *targets["sdist"]["include"]) if not (ROOT / path).exists()] == []
+    assert [name for name in configuration["tool"]["mypy"]["packages"] if find_spec(name) is None] == []
+
+
+def test_no_pattern_of_files_in_the_package_matches_nothing() -> None:
+    patterns = {each for path in sources(PACKAGE) for each in strings_in(path) if GLOB.fullmatch(each)}
+    assert "*.toml" in patterns
+    folders = (PACKAGE, shipped_folder())
+    assert [each for each in sorted(patterns) if not any(any(folder.glob(each)) for folder in folders)] == []
+
+
+@pytest.mark.parametrize(
+    ("folder", "pattern"), [(shipped_folder(), "*.toml"), (PACKAGE, "**/*.tcss"), (PAGE, "*.html")]
+)
+def test_a_folder_that_is_listed_has_such_files(folder: Path, pattern: str) -> None:
+    assert any(folder.glob(pattern))
+
+
+def private_names_of_textual(path: Path) -> list[str]:
+    """Return what ``path`` imports of Textual that begins with one underscore."""
+    names: list[str] = []
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            names += [alias.name for alias in node.names]
+        elif isinstance(node, ast.ImportFrom):
+            names += [f"{node.module}.{alias.name}" for alias in node.names]
+    return [
+        name
+        for name in names
+        if name.split(".")[0] == "textual" and any(re.match("_(?!_)", part) for part in name.split("."))
+    ]
+
+
+def test_private_names_of_textual_are_imported_in_the_terminal_only() -> None:
+    terminal = PACKAGE / "terminal"
+    assert any(private_names_of_textual(path) for path in sources(terminal))
+    others = [path for path in sources(PACKAGE) if not path.is_relative_to(terminal)]
+    assert [name for path in others for name in private_names_of_textual(path)] == []
