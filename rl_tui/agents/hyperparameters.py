@@ -54,7 +54,7 @@ class Parameter:
 
     ``words`` are what it accepts besides numbers in ``range``; without a range it takes words only. ``whole``
     numbers have no fraction. ``slide`` is what its slider spans, None where it has none. ``schedule`` says
-    that it only tells how another one changes from episode to episode.
+    that it only says how another one changes from episode to episode.
     """
 
     name: str

@@ -36,7 +36,7 @@ class LastStep:
     target being gathered + discount·bootstrap: one-step methods gather the ``reward`` and discount by
     ``gamma``. The bootstrap is 0 after a terminated step, not after a truncated one. ``updated_pair`` is −1
     where nothing was learned yet (n-step methods, Monte Carlo). ``others`` counts further updates of the same
-    step (traces, planning); ``table`` tells which of two tables moved, 0 where there is one.
+    step (traces, planning); ``table`` says which of two tables moved, 0 where there is one.
     """
 
     step: int

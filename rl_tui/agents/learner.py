@@ -21,7 +21,7 @@ from rl_tui.agents.kernels.stepped_loop import SteppedLoop
 from rl_tui.agents.kernels.stop import Stop
 from rl_tui.agents.kernels.tables import Tables, tables_of
 from rl_tui.agents.kernels.watch import forget, new_watch, noticed_by
-from rl_tui.agents.kernels.watching import Noticed, Watching
+from rl_tui.agents.kernels.watching import WatchedEvents, Watching
 from rl_tui.agents.last_step import Author
 from rl_tui.agents.learner_counters import EPISODES_LOGGED, LearnerCounters
 from rl_tui.agents.learner_state import LearnerState, Planned, arrays_of, copies, put_back
@@ -199,7 +199,7 @@ class Learner(LearnerCounters):
         self._watch = new_watch(watching or Watching(), self.space, self._tables, self.q, random_ties)
 
     @property
-    def noticed(self) -> Noticed:
+    def noticed(self) -> WatchedEvents:
         """What the last step of the last :meth:`advance` or :meth:`take` brought of what is watched."""
         return noticed_by(self._watch)
 

@@ -24,7 +24,7 @@ class UpdateTerms:
     and ``{other}`` for the table that moved and the one beside it. ``others`` says where further updates of
     the same step came from, behind their number, and ``waiting`` why there was no update yet. With
     ``remembered`` an update may be of another pair than the one taken, and lead to a state of its own.
-    ``lookup`` tells which estimates the bootstrap comes from, and ``one_step`` that they are those of the
+    ``lookup`` says which estimates the bootstrap comes from, and ``one_step`` that they are those of the
     state one step further.
     """
 

@@ -46,7 +46,7 @@ def number(value: float | str | None, form: str = ".5g") -> str:
 
 
 def can_print(text: str) -> bool:
-    """Tell whether stdout has all the characters of ``text``."""
+    """Return whether stdout has all the characters of ``text``."""
     try:
         text.encode(getattr(sys.stdout, "encoding", None) or "ascii")
     except UnicodeEncodeError:

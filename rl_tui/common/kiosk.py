@@ -9,7 +9,7 @@ VARIABLE: Final = "RL_TUI_KIOSK"
 
 
 def in_kiosk() -> bool:
-    """Tell whether this process is a kiosk, by the environment variable or by ``--kiosk``, which sets it.
+    """Return whether this process is a kiosk, by the environment variable or by ``--kiosk``, which sets it.
 
     It holds for the whole process and all that it starts, as the system's limits do: nothing in the program
     turns it off.

@@ -1,6 +1,6 @@
 """How large what a file describes may be.
 
-What is larger is refused in one line that tells the limit, before memory is taken for it.
+What is larger is refused in one line that says the limit, before memory is taken for it.
 """
 
 from __future__ import annotations

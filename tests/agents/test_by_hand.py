@@ -9,7 +9,7 @@ from test_stepped_loop import HYPERPARAMETERS, Line, Table, facts, lake, untable
 
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.agents.kernels.stop import Stop
-from rl_tui.agents.kernels.watching import Noticed, Watching
+from rl_tui.agents.kernels.watching import WatchedEvents, Watching
 from rl_tui.agents.last_step import LastStep
 from rl_tui.agents.learner import Learner
 from rl_tui.common.errors import UserError
@@ -173,7 +173,7 @@ def test_a_step_by_hand_is_watched_and_comes_back_from_a_checkpoint(algorithm: s
     kept = ours.checkpoint()
     ours.watch(Watching(pairs=frozenset({JUMP})))
     assert ours.take(JUMP) is Stop.NOTICED
-    assert ours.noticed == Noticed(pair=JUMP)
+    assert ours.noticed == WatchedEvents(pair=JUMP)
     ours.drain_episodes()
     expected = everything(ours)
     ours.advance(7)

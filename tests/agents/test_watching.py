@@ -17,7 +17,7 @@ from rl_tui.agents.exact.solve import greedy_policy
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.agents.kernels import loop, planning_loop, watch
 from rl_tui.agents.kernels.stop import Stop
-from rl_tui.agents.kernels.watching import NOTHING_NOTICED, Noticed, Watching
+from rl_tui.agents.kernels.watching import NOTHING_NOTICED, WatchedEvents, Watching
 from rl_tui.agents.learner import EPISODES_LOGGED, UNLIMITED, Learner
 from rl_tui.common.streams import streams
 from rl_tui.worlds.gym.stepped.environment import StepResult
@@ -80,7 +80,7 @@ class Look:
     def _greedy(self) -> list[float]:
         return greedy_policy(self._ours.space, self._ours.q, self._ours.hyperparameters.ties).tolist()
 
-    def again(self) -> Noticed:
+    def again(self) -> WatchedEvents:
         ours, watching, last = self._ours, self._watching, self._ours.last_step
         assert last is not None
         side, policy = self._sign(), self._greedy()
@@ -88,7 +88,7 @@ class Look:
         self._side, self._policy = side, policy
         arrived = [last.next_state] if ours.plans else [last.next_state, ours.state]
         taken = list(ours.space.pairs_of(last.state)) if ours.plans else [last.pair]
-        return Noticed(
+        return WatchedEvents(
             reward=watching.reward and last.reward != 0.0,
             policy=watching.policy and changed,
             cell=watching.cell is not None and reached,
@@ -181,7 +181,7 @@ def test_a_reward_is_noticed_also_where_it_ends_the_episode() -> None:
     ours.watch(Watching(reward=True))
     assert ours.advance(100) is Stop.NOTICED
     assert (ours.step, ours.episodes, ours.state, ours.episode_step) == (3, 1, 0, 0)
-    assert ours.noticed == Noticed(reward=True)
+    assert ours.noticed == WatchedEvents(reward=True)
     assert ours.drain_episodes().returns.tolist() == [-1.0]
     assert ours.advance(2) is Stop.DONE
     assert ours.noticed == NOTHING_NOTICED
@@ -201,7 +201,7 @@ def test_a_cell_is_noticed_whenever_it_comes_to_its_threshold_and_not_while_it_s
     ours = learner(corridor(1.0), "q-learning", Hyperparameters(alpha=0.5, epsilon=0.0))
     ours.watch(Watching(cell=0, threshold=0.75))
     assert ours.advance(100) is Stop.NOTICED
-    assert (ours.step, ours.q[0], ours.noticed) == (2, 0.75, Noticed(cell=True))
+    assert (ours.step, ours.q[0], ours.noticed) == (2, 0.75, WatchedEvents(cell=True))
     assert ours.advance(100) is Stop.DONE
     ours.watch(Watching(cell=0, threshold=0.75))
     assert ours.advance(100) is Stop.DONE
@@ -222,7 +222,7 @@ def test_what_stops_for_good_is_reported_before_what_is_noticed() -> None:
     ours = learner(corridor(1e13), "q-learning", CERTAIN)
     ours.watch(Watching(reward=True))
     assert ours.advance(10) is Stop.DIVERGED
-    assert ours.noticed == Noticed(reward=True)
+    assert ours.noticed == WatchedEvents(reward=True)
 
 
 def test_a_step_after_which_the_environment_fails_is_noticed_too() -> None:
@@ -235,7 +235,7 @@ def test_a_step_after_which_the_environment_fails_is_noticed_too() -> None:
     )
     ours.watch(Watching(reward=True))
     assert ours.advance(10) is Stop.WORLD_FAILED
-    assert ours.noticed == Noticed(reward=True)
+    assert ours.noticed == WatchedEvents(reward=True)
 
 
 def test_other_ties_are_no_change_of_the_policy() -> None:

@@ -1,6 +1,6 @@
 """Watkins's Q(λ) (Sutton & Barto, 2nd ed., section 12.10): Q-learning with traces.
 
-A trace tells what a pair has led to while the greedy policy was followed, so all are cut before an action
+A trace says what a pair has led to while the greedy policy was followed, so all are cut before an action
 that is not greedy. An action whose estimate equals the best is greedy, even if it was drawn to explore.
 """
 

@@ -144,7 +144,7 @@ def turn(
 class SteppedLoop:
     """One environment and where it stands; its own randomness starts from a draw of ``world``.
 
-    ``pair_action``, [P], tells which action a pair is. ``state`` is the one in which the first episode
+    ``pair_action``, [P], says which action a pair is. ``state`` is the one in which the first episode
     starts, ``failure`` says, in one line, at which step the environment broke down and why, empty while it
     did not. ``patience`` is for how many seconds :meth:`advance` begins new steps. Raises
     EnvironmentFailedError where it cannot even start.

@@ -11,7 +11,7 @@ from rl_tui.agents.algorithms.family import Experience, Update
 from rl_tui.agents.kernels.compiled import compiled, inlined
 from rl_tui.agents.kernels.stop import DONE, EPISODES_FULL, NOTICED
 from rl_tui.agents.kernels.tables import Tables, pairs_of, state_of
-from rl_tui.agents.kernels.watching import Noticed, Watching
+from rl_tui.agents.kernels.watching import WatchedEvents, Watching
 from rl_tui.worlds.mdp.space import BoolArray, FiniteSpace, FloatArray, IntArray
 
 NONE = -1
@@ -77,10 +77,10 @@ def _marks(what: str, marked: frozenset[int], count: int) -> BoolArray:
     return marks
 
 
-def noticed_by(watch: Watch) -> Noticed:
+def noticed_by(watch: Watch) -> WatchedEvents:
     """Return what the last step brought of what is watched."""
     reward, policy, cell, state, pair = watch.noticed.tolist()
-    return Noticed(
+    return WatchedEvents(
         bool(reward),
         bool(policy),
         bool(cell),

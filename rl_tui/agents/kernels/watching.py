@@ -27,8 +27,8 @@ class Watching:
     pairs: frozenset[int] = frozenset()
 
 
-class Noticed(NamedTuple):
-    """Which of the things watched for came about in one step; ``state`` and ``pair`` tell the marked ones."""
+class WatchedEvents(NamedTuple):
+    """What happened in one step of what is watched for; ``state`` and ``pair`` are the marked ones."""
 
     reward: bool = False
     policy: bool = False
@@ -37,4 +37,4 @@ class Noticed(NamedTuple):
     pair: int | None = None
 
 
-NOTHING_NOTICED = Noticed()
+NOTHING_NOTICED = WatchedEvents()

@@ -33,7 +33,7 @@ class Rule(NamedTuple):
 
 
 def new_rule(space: FiniteSpace, hyperparameters: Hyperparameters) -> Rule:
-    """Return the rule before the first pull; the table tells how its arms pay."""
+    """Return the rule before the first pull; the table says how its arms pay."""
     return Rule(
         np.zeros(space.pairs, np.int64),
         np.zeros(space.pairs),

@@ -40,7 +40,7 @@ def listen(host: str, port: int) -> socket.socket:
 
 
 def is_this_machine(host: str) -> bool:
-    """Tell whether only this machine can reach ``host``: a name, or an address with or without brackets."""
+    """Return whether only this machine can reach ``host``: a name, or an address with or without brackets."""
     try:
         found = socket.getaddrinfo(host.strip("[]"), None, type=socket.SOCK_STREAM)
     except OSError:
@@ -62,7 +62,7 @@ class Doorkeeper:
     url: str | None = None
 
     def knows(self, asked_for: str) -> bool:
-        """Tell whether a request whose ``Host`` header is ``asked_for`` meant this server.
+        """Return whether a request whose ``Host`` header is ``asked_for`` meant this server.
 
         Addresses in digits always do: they cannot be made to point elsewhere. A name must be ours.
         """
@@ -72,7 +72,7 @@ class Doorkeeper:
         return name in self._names() or _is_address(name)
 
     def lets_in(self, origin: str, asked_for: str) -> bool:
-        """Tell whether the page that opens a WebSocket (its ``Origin`` header) came from here."""
+        """Return whether the page that opens a WebSocket (its ``Origin`` header) came from here."""
         if not self.knows(asked_for):
             return False
         if self.url is not None and origin.lower() == _origin(self.url):

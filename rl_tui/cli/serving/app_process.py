@@ -140,13 +140,13 @@ class AppProcess:
                 self._reading_errors.cancel()
 
     def terminate(self) -> None:
-        """Tell it to end."""
+        """Ask the app to end."""
         with suppress(ProcessLookupError):
             if self._process is not None and self._process.returncode is None:
                 self._process.terminate()
 
     def kill(self) -> None:
-        """End it at once."""
+        """End the app at once."""
         with suppress(ProcessLookupError):
             if self._process is not None and self._process.returncode is None:
                 self._process.kill()

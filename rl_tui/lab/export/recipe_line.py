@@ -134,7 +134,7 @@ def _settings(recipe: Recipe, entries: Sequence[JournalEntry]) -> list[str]:
 
 
 def _brings_others(entry: JournalEntry) -> bool:
-    """Tell whether other hyper-parameters may count after ``entry``."""
+    """Return whether other hyper-parameters may count after ``entry``."""
     change = entry.change
     return isinstance(change, SwitchAlgorithm) or (
         isinstance(change, SetParameter) and change.name == "policy"

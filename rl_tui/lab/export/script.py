@@ -66,7 +66,7 @@ def _separate(parts: list[str]) -> list[str]:
 
 
 def _ends_in_body(part: str) -> bool:
-    """Tell whether ``part`` ends inside a function or a class."""
+    """Return whether ``part`` ends inside a function or a class."""
     for line in reversed(part.split("\n")):
         if line and not line.startswith((" ", ")", "]", "}")):
             return line.startswith(("def ", "class "))

@@ -26,7 +26,7 @@ class Arrows:
 
     @property
     def whole(self) -> bool:
-        """Tell whether all of it could be read."""
+        """Return whether all of it could be read."""
         return self.state is not None and self.action is not None and bool(self.possible)
 
 
@@ -117,7 +117,7 @@ def _shared_places(places: Mapping[str, Any]) -> Iterator[Finding]:
 def _unknown_destinations(arrows: Sequence[Arrows], places: Mapping[str, Any]) -> Iterator[Finding]:
     """Yield destinations that nothing else in the file knows.
 
-    With ``[mdp.place]`` a terminal state must stand in it: that is how a slip of the pen is told from a
+    With ``[mdp.place]`` a terminal state must stand in it: that is how a slip of the pen differs from a
     terminal state. Without it only names that differ from another in nothing but case and spaces are refused.
     """
     known = {each.state or "" for each in arrows} | set(places)

@@ -65,7 +65,7 @@ def refused(found: str, expected: str) -> PydanticCustomError:
 
 
 def is_number(value: object) -> bool:
-    """Tell a number from a truth value, a date and NaN."""
+    """Return whether a value is a number: no truth value, date or NaN."""
     return isinstance(value, (int, float)) and not isinstance(value, bool) and value == value
 
 
@@ -85,7 +85,7 @@ def whole_number(low: int, high: int) -> Expect:
 
 
 def is_plain(text: str, also: str = "") -> bool:
-    """Tell whether a text has no control characters besides those in ``also``: none may reach a terminal."""
+    """Return whether a text has no control character but those in ``also``: none may reach a terminal."""
     return not control_character(text, also)
 
 
@@ -136,12 +136,12 @@ def markdown(longest: int) -> Expect:
 
 
 def is_name(value: object) -> bool:
-    """Tell whether a value can name a state or an action."""
+    """Return whether a value can name a state or an action."""
     return isinstance(value, str) and 0 < len(value.strip()) <= len(value) <= LONGEST_NAME and is_plain(value)
 
 
 def is_table(value: object) -> bool:
-    """Tell whether a value is a table."""
+    """Return whether a value is a table."""
     return isinstance(value, dict)
 
 

@@ -15,7 +15,7 @@ _GOAL_REWARD: Final = 1.0
 
 
 def is_character(value: object) -> bool:
-    """Tell whether a value can stand for a cell of a map."""
+    """Return whether a value can stand for a cell of a map."""
     return isinstance(value, str) and len(value) == 1 and is_plain(value)
 
 
@@ -30,7 +30,7 @@ TruthValue = Annotated[bool, Expect("true or false", lambda value: isinstance(va
 class LegendEntry(FileSection):
     """What one character of a map stands for.
 
-    ``reward`` is paid on entering or on leaving the cell, as the grid says (a goal pays 1 unless told
+    ``reward`` is paid on entering or on leaving the cell, as the grid says (a goal pays 1 unless set
     otherwise). ``terminal`` ends the episode when the cell is entered, by default in goals and holes. With
     ``exit`` the cell can be entered, and its only action ends the episode and pays the reward. Every action
     from a cell with ``jump`` leads to the cell of that character. Entering a cell with ``back`` puts the

@@ -108,7 +108,7 @@ class GridStates:
 
 
 def grid_drawing(states: GridStates, actions: Sequence[str]) -> Grid:
-    """Return the drawing of a map on which ``actions`` are the names of what can be done."""
+    """Return the drawing of a map; ``actions`` are the names of its actions."""
     rows, columns = states.map.codes.shape
     kinds = np.empty(len(states.map.entries), dtype=object)
     kinds[:] = [entry.kind for entry in states.map.entries]

@@ -49,7 +49,7 @@ def made(name: str, kwargs: Mapping[str, Any]) -> Env[Any, Any]:
     try:
         with ENVIRONMENT_CALL, _MAKING, warnings.catch_warnings():
             warnings.simplefilter("ignore")
-            # a map without a start divides by zero; the check of the start distribution tells that plainly
+            # a map without a start divides by zero; the check of the start distribution says that plainly
             with np.errstate(invalid="ignore", divide="ignore"):
                 # by its spec: looking an id up warns about newer versions, no concern of a scenario
                 spec = gymnasium.registry[name]
@@ -111,7 +111,7 @@ def size_of(arguments: Mapping[str, Any]) -> int:
 
 
 def _may_serve(entry_point: object) -> bool:
-    """Tell from where an environment comes from, without making it, whether it is worth suggesting.
+    """Return, by where an environment comes from and without making it, whether it is worth suggesting.
 
     Of Gymnasium's own, few have states and actions that are discrete or few real numbers.
     """

@@ -1,4 +1,4 @@
-"""Environments that are too large for tables, told before anything is made of their size."""
+"""Refusing environments that are too large for tables, before anything of their size is made."""
 
 from __future__ import annotations
 

@@ -18,7 +18,7 @@ class FiniteSpace:
     """S states, A named actions and P legal state–action pairs.
 
     State s owns the pairs first_pair[s] .. first_pair[s+1], in the order of their actions; ``pair_action``,
-    [P], tells which of the A actions a pair is. ``time_limit`` is the number of steps after which an episode
+    [P], says which of the A actions a pair is. ``time_limit`` is the number of steps after which an episode
     is truncated (0: none). Arrays never change: those that are writable elsewhere are copied.
     """
 

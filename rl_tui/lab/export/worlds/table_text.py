@@ -89,7 +89,7 @@ def table_text(mdp: TabularMDP) -> WorldText:
 
 
 def _ends_nowhere(mdp: TabularMDP) -> bool:
-    """Tell whether an episode may end in a state in which one could go on."""
+    """Return whether an episode may end in a state in which one could go on."""
     owned = mdp.first_pair[1:] > mdp.first_pair[:-1]
     return bool((mdp.terminated & owned[mdp.next_state]).any())
 

@@ -52,7 +52,7 @@ class BlackjackRules(NamedTuple):
 
 
 def is_blackjack(environment: Any) -> bool:
-    """Tell whether an unwrapped environment is Gymnasium's."""
+    """Return whether an unwrapped environment is Gymnasium's."""
     return type(environment).__name__ == "BlackjackEnv"
 
 
