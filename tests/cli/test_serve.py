@@ -99,7 +99,7 @@ def test_a_person_is_asked(
     status: int,
     servers: int,
 ) -> None:
-    monkeypatch.setattr(serve, "_somebody_is_there", lambda: True)
+    monkeypatch.setattr(serve, "_is_interactive", lambda: True)
     result = CliRunner().invoke(program, ["serve", "--host", "0.0.0.0", "--port", "0"], input=f"{answer}\n")
     assert result.exit_code == status
     assert "Serve it there? [y/N]" in result.stderr

@@ -163,13 +163,13 @@ def _confirm(
     click.echo(f"Warning: {warning}", err=True)
     if yes:
         return
-    if not _somebody_is_there():
+    if not _is_interactive():
         raise click.UsageError("nobody can be asked here whether that is meant: say so with --yes")
     if not click.confirm("Serve it there?", err=True):
         context.exit(FAILED)
 
 
-def _somebody_is_there() -> bool:
+def _is_interactive() -> bool:
     return sys.stdin.isatty() and sys.stderr.isatty()
 
 
