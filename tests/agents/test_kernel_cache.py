@@ -15,7 +15,7 @@ from pathlib import Path
 import pytest
 from numba.core.dispatcher import Dispatcher
 
-from rl_tui.agents.catalogue import BY_ID, RULE_BY_ID
+from rl_tui.agents.catalogue import BY_ID, POLICY_BY_ID
 from rl_tui.agents.kernels.cache import cache_folder
 from rl_tui.agents.kernels.cache_key import DECORATORS, PACKAGE, cache_key, imports, kernel_sources
 
@@ -93,7 +93,7 @@ def test_every_compiled_function_is_in_the_key() -> None:
         if isinstance(each, Dispatcher)
     }
     assert compiled
-    chosen = {each.module for each in (*BY_ID.values(), *RULE_BY_ID.values())}
+    chosen = {each.module for each in (*BY_ID.values(), *POLICY_BY_ID.values())}
     assert compiled | chosen | {DECORATORS} <= kernel_sources().keys()
 
 
@@ -135,7 +135,7 @@ def test_the_key_is_the_same_wherever_the_package_stands(clones: list[Path]) -> 
         ("rl_tui.tui.app.app", "import", "import ", False),
         ("rl_tui.agents.learner", "def advance", "def advance ", False),
         ("rl_tui.agents.kernels.stop", "DIVERGED = 2", "DIVERGED = 9", True),
-        ("rl_tui.agents.kernels.settings", "def step_size", "def step_size ", True),
+        ("rl_tui.agents.kernels.parameters", "def step_size", "def step_size ", True),
         ("rl_tui.agents.algorithms.q_learning", "def", "def ", True),
         ("rl_tui.agents.policies.ucb", "def", "def ", True),
         ("rl_tui.worlds.mdp.space", "def", "def ", True),
