@@ -100,15 +100,18 @@ def test_every_compiled_function_is_in_the_key() -> None:
 @pytest.mark.parametrize(
     ("source", "found"),
     [
-        ("from rl_tui.a import b, c", {"rl_tui.a", "rl_tui.a.b", "rl_tui.a.c"}),
         (
-            "def f():\n    from rl_tui.a import (\n        b,\n        c,\n    )",
-            {"rl_tui.a", "rl_tui.a.b", "rl_tui.a.c"},
+            "from rl_tui.worlds import world, drawing",
+            {"rl_tui.worlds", "rl_tui.worlds.world", "rl_tui.worlds.drawing"},
         ),
-        ("import rl_tui.a.b as c", {"rl_tui.a.b"}),
+        (
+            "def f():\n    from rl_tui.worlds import (\n        world,\n        drawing,\n    )",
+            {"rl_tui.worlds", "rl_tui.worlds.world", "rl_tui.worlds.drawing"},
+        ),
+        ("import rl_tui.worlds.world as here", {"rl_tui.worlds.world"}),
         ("import rl_tui", {"rl_tui"}),
-        ("if TYPE_CHECKING:\n    from rl_tui.a import b\n\nimport rl_tui.c", {"rl_tui.c"}),
-        ("from else_tui.a import b\nx = 'rl_tui.a'", set()),
+        ("if TYPE_CHECKING:\n    from rl_tui.worlds import world\n\nimport rl_tui.common", {"rl_tui.common"}),
+        ("from else_tui.a import world\nx = 'rl_tui.worlds'", set()),
     ],
 )
 def test_imports_are_found_wherever_they_stand(source: str, found: set[str]) -> None:
