@@ -22,8 +22,7 @@ from numba.core.caching import (
 from numba.core.compiler import CompileResult
 from numba.core.sigutils import normalize_signature
 
-import rl_tui
-from rl_tui.agents.kernels.cache_key import cache_key
+from rl_tui.agents.kernels.cache_key import NAME, cache_key
 from rl_tui.common.kiosk import in_kiosk
 
 LONGEST_UNUSED: Final = 30 * 24 * 3600.0
@@ -106,7 +105,7 @@ class _Shared(_CacheLocator):  # type: ignore[misc]
     @classmethod
     def from_function(cls, function: Callable[..., Any], file: str) -> _Shared | None:
         # What is no file was not looked into for the folder's name
-        ours = function.__module__.startswith(f"{rl_tui.__name__}.") and Path(file).exists()
+        ours = function.__module__.startswith(f"{NAME}.") and Path(file).exists()
         return cls(function, file) if ours else None
 
 

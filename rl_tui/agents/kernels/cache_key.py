@@ -17,16 +17,15 @@ from typing import Final
 import numba
 import numpy as np
 
-import rl_tui
-
-PACKAGE: Final = Path(rl_tui.__file__).parent
+PACKAGE: Final = Path(__file__).parents[2]
+NAME: Final = PACKAGE.name
 # Who imports this has kernels, or what they inline
 DECORATORS: Final = "rl_tui.agents.kernels.compiled"
 
 # To parse the sources would take ten times as long; the tests hold this against it. The package's name comes
 # first, since what begins with a fixed text is found quickly
 _IMPORT: Final = re.compile(
-    rb"rl_tui(?:(?<=from rl_tui)|(?<=import rl_tui))([\w.]*)(?: import (\([^)]*\)|.*))?"
+    rb"rl_tui(?:(?<=from\srl_tui)|(?<=import\srl_tui))([\w.]*)(?: import (\([^)]*\)|.*))?"
 )
 _NAME: Final = re.compile(rb"\w+")
 _FOR_TYPES: Final = re.compile(rb"^if TYPE_CHECKING:\n(?:(?:[ \t].*)?\n)*", re.MULTILINE)
@@ -68,7 +67,7 @@ def imports(source: bytes) -> set[str]:
         source = _FOR_TYPES.sub(b"", source)
     found = set[str]()
     for inside, names in _IMPORT.findall(source):
-        origin = rl_tui.__name__ + inside.decode()
+        origin = NAME + inside.decode()
         found.add(origin)
         found.update(f"{origin}.{name.decode()}" for name in _NAME.findall(names))
     return found
@@ -78,7 +77,7 @@ def _modules(package: Path) -> Iterator[tuple[str, str]]:
     """Yield the name and the file of each module in ``package``."""
     for folder, _, names in os.walk(package):
         inside = os.path.relpath(folder, package)
-        parts = [rl_tui.__name__] if inside == os.curdir else [rl_tui.__name__, *inside.split(os.sep)]
+        parts = [NAME] if inside == os.curdir else [NAME, *inside.split(os.sep)]
         for name in names:
             stem, ending = os.path.splitext(name)
             if ending == ".py":
