@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pytest
 from conftest import MakeApp
+from drawn_text import rows_of, words_of
 from textual.pilot import Pilot
 from textual.widgets import OptionList
 
@@ -36,10 +37,7 @@ async def go_to(pilot: Pilot[UserError], scenario: str) -> None:
 
 
 def facts(pilot: Pilot[UserError]) -> str:
-    lines = pilot.app.screen.query_one("#facts").render_lines(
-        pilot.app.screen.query_one("#facts").size.region
-    )
-    return "\n".join(line.text for line in lines)
+    return "\n".join(rows_of(pilot.app.screen.query_one("#facts")))
 
 
 async def test_it_lists_the_shipped_scenarios_in_teaching_order(make_app: MakeApp) -> None:
@@ -107,7 +105,7 @@ async def test_a_file_whose_defaults_are_out_of_range_counts_as_faulty(
         await settle(pilot)
         await pilot.press("end")
         await settle(pilot)
-        assert "defaults.gamma: found 1.9" in facts(pilot)
+        assert "defaults.gamma: found 1.9" in words_of(pilot.app.screen.query_one("#facts"))
 
 
 async def test_help_opens(make_app: MakeApp) -> None:

@@ -9,6 +9,7 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 import pytest
+from drawn_text import letters_of
 from textual.pilot import Pilot
 
 from rl_tui.common.errors import UserError
@@ -156,7 +157,7 @@ async def test_the_name_of_a_session_is_shown_as_it_is(foreign: Scenario, tmp_pa
         text = await press(pilot, "tab")
         assert TITLE[:20] in text
         assert "[red]b.json" in text
-        assert "[bold]a[-].json" in text, "its file"
+        assert "/[bold]a[-].json" in letters_of(app.screen.query_one("#facts")), "its file"
         assert TITLE in await press(pilot, "delete"), "in the question"
 
 
