@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import re
 import shutil
 import subprocess
@@ -10,6 +9,7 @@ import time
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Final
 
 import pytest
@@ -31,7 +31,9 @@ defutf8 on
 term screen-256color
 maptimeout 0
 altscreen on
+autodetach off
 """
+_SHORT: Final = "/tmp"  # a folder for tests may have a longer name than the 107 bytes of the path of a socket
 _LOOK_AGAIN: Final = 0.05  # seconds
 
 
@@ -104,50 +106,35 @@ class Tmux:
 
 @contextmanager
 def in_tmux(
-    folder: Path,
-    command: Sequence[str],
-    size: tuple[int, int],
-    environment: Mapping[str, str | None] | None = None,
+    command: Sequence[str], size: tuple[int, int], environment: Mapping[str, str | None] | None = None
 ) -> Iterator[Tmux]:
-    """Run ``command`` in a tmux of its own, whose files are in ``folder``."""
+    """Run ``command`` in a tmux of its own."""
     if shutil.which("tmux") is None:
         pytest.skip("needs tmux: apt-get install tmux")
-    tmux = Tmux(folder, command, environment or {}, size)
-    try:
-        yield tmux
-    finally:
-        tmux.close()
+    with TemporaryDirectory(prefix="rl-tui-", dir=_SHORT) as folder:
+        tmux = Tmux(Path(folder), command, environment or {}, size)
+        try:
+            yield tmux
+        finally:
+            tmux.close()
 
 
 @contextmanager
 def in_screen(
-    folder: Path,
-    command: Sequence[str],
-    size: tuple[int, int],
-    environment: Mapping[str, str | None] | None = None,
+    command: Sequence[str], size: tuple[int, int], environment: Mapping[str, str | None] | None = None
 ) -> Iterator[PseudoTerminal]:
-    """Run ``command`` in a GNU screen of its own, whose files are in ``folder``, on a pseudo-terminal."""
+    """Run ``command`` in a GNU screen of its own, on a pseudo-terminal; it ends with that at the latest."""
     if shutil.which("screen") is None:
         pytest.skip("needs GNU screen: apt-get install screen")
-    sockets = folder / "screens"
-    sockets.mkdir(mode=0o700)
-    settings = folder / "screenrc"
-    settings.write_text(_SCREEN_SETTINGS, encoding="utf-8")
-    inside = {**(environment or {}), "SCREENDIR": str(sockets)}
-    started = [
-        "setsid",
-        "--ctty",
-        "--wait",
-        "screen",
-        "-c",
-        str(settings),
-        "-S",
-        f"rl-tui-{os.getpid()}",
-        *command,
-    ]
-    with PseudoTerminal(started, inside, size) as terminal:
-        try:
-            yield terminal
-        finally:
-            quit_it = ["screen", "-S", f"rl-tui-{os.getpid()}", "-X", "quit"]
-            subprocess.run(quit_it, check=False, capture_output=True, env=environment_with(inside))
+    with TemporaryDirectory(prefix="rl-tui-", dir=_SHORT) as folder:
+        settings, sockets = Path(folder, "screenrc"), Path(folder, "screens")
+        settings.write_text(_SCREEN_SETTINGS, encoding="utf-8")
+        sockets.mkdir(mode=0o700)
+        inside = {**(environment or {}), "SCREENDIR": str(sockets)}
+        started = ["setsid", "--ctty", "--wait", "screen", "-c", str(settings), *command]
+        with PseudoTerminal(started, inside, size) as terminal:
+            try:
+                yield terminal
+            finally:
+                quit_it = ["screen", "-X", "quit"]
+                subprocess.run(quit_it, check=False, capture_output=True, env=environment_with(inside))

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from contextlib import suppress
-from pathlib import Path
 from typing import Final
 
 import pytest
@@ -158,9 +157,9 @@ def test_a_light_ground_in_truecolor_where_the_terminal_does_not_say_what_it_sho
         leave(terminal)
 
 
-def test_inside_tmux(tmp_path: Path, fresh: dict[tuple[int, int], str]) -> None:
+def test_inside_tmux(fresh: dict[tuple[int, int], str]) -> None:
     in_shell = ["sh", "-c", f"{' '.join(PLAY)}; echo it ended with $?; exec cat"]
-    with in_tmux(tmp_path, in_shell, (80, 24)) as tmux:
+    with in_tmux(in_shell, (80, 24)) as tmux:
         tmux.wait_for("paused")
         tmux.press("s" * STEPS)
         tmux.wait_for(rf"step +{STEPS}\b")
@@ -179,8 +178,8 @@ def test_inside_tmux(tmp_path: Path, fresh: dict[tuple[int, int], str]) -> None:
         assert tmux.modes == "alternate 0, cursor 1, mouse 0"
 
 
-def test_inside_gnu_screen(tmp_path: Path, fresh: dict[tuple[int, int], str]) -> None:
-    with in_screen(tmp_path, PLAY, (80, 24)) as terminal:
+def test_inside_gnu_screen(fresh: dict[tuple[int, int], str]) -> None:
+    with in_screen(PLAY, (80, 24)) as terminal:
         begin(terminal)
         terminal.wait_for(re.escape(fresh[80, 24]))
         terminal.resize(120, 40)
