@@ -1,19 +1,61 @@
-"""Which tests share a process, as the suite runs in several, and where their sessions go."""
+"""Which tests share a process, as the suite runs in several, and what they find around them."""
 
 from __future__ import annotations
 
 import gc
+import locale
+import os
+import re
 import signal
+import time
+from collections.abc import Iterator
+from contextlib import suppress
 from itertools import count
+from typing import Final
 
 import pytest
 
 _TESTS = count()
+_OF_THE_PROGRAM: Final = re.compile("RL_TUI_.*|TEXTUAL.*")
+_KEPT: Final = re.compile("RL_TUI_CACHE_DIR|TEXTUAL_SNAPSHOT_.*")  # compiled code, and what pytest sets
+_OF_A_PERSON: Final = re.compile(  # their terminal, language, shell and login
+    "(LC|SSH|TERM|TMUX|WT)_.*|LANGUAGE|COLUMNS|LINES|COLORTERM|(NO|FORCE)_COLOR|CLICOLOR.*|TERMCAP|TMUX"
+    "|STY|WINDOW|(SYS)?SCREEN(DIR|RC)|ENV|BASH_ENV|PROMPT_COMMAND|TMOUT"
+    "|PYTHON(WARNINGS|DEVMODE|IOENCODING|UTF8|COERCECLOCALE)"
+)
+_UTF_8: Final = "C.UTF-8"
+
+# At once, since the program looks at some of these when it is imported
+for _name in filter(_OF_THE_PROGRAM.fullmatch, list(os.environ)):
+    if not _KEPT.fullmatch(_name):
+        del os.environ[_name]
+
+
+@pytest.fixture(autouse=True, scope="session")
+def _nothing_of_a_person(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
+    """Tests, and the programs that they start, are alike for everybody, in every terminal and everywhere."""
+    folder = tmp_path_factory.getbasetemp()
+    before = locale.setlocale(locale.LC_CTYPE)
+    with pytest.MonkeyPatch.context() as patch:
+        for name in filter(_OF_A_PERSON.fullmatch, list(os.environ)):
+            patch.delenv(name)
+        for name in ("XDG_CONFIG_HOME", "XDG_DATA_HOME", "XDG_STATE_HOME"):
+            patch.setenv(name, str(folder / "nobody"))
+        patch.setenv("RL_TUI_SESSIONS_DIR", str(folder / "sessions" / "shared"))
+        patch.setenv("TERM", "xterm-256color")
+        patch.setenv("LANG", _UTF_8)
+        patch.setenv("TZ", "UTC")
+        time.tzset()
+        with suppress(locale.Error):
+            locale.setlocale(locale.LC_CTYPE, _UTF_8)  # in which files are read and written
+        yield
+    time.tzset()
+    locale.setlocale(locale.LC_CTYPE, before)
 
 
 @pytest.fixture(autouse=True)
 def _sessions_of_its_own(monkeypatch: pytest.MonkeyPatch, tmp_path_factory: pytest.TempPathFactory) -> None:
-    """No test reads or writes the sessions of whoever runs it; programs that tests start do not either."""
+    """No test reads or writes the sessions of another; programs that tests start do not either."""
     folder = tmp_path_factory.getbasetemp() / "sessions" / str(next(_TESTS))
     monkeypatch.setenv("RL_TUI_SESSIONS_DIR", str(folder))
 

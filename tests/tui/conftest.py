@@ -21,9 +21,7 @@ MakeApp = Callable[..., RlTuiApp]
 
 
 @pytest.fixture(autouse=True)
-def _plain_environment(monkeypatch: pytest.MonkeyPatch, tmp_path_factory: pytest.TempPathFactory) -> None:
-    for name in ("NO_COLOR", "COLORTERM", "TEXTUAL_THEME", "TEXTUAL_COLOR_SYSTEM"):
-        monkeypatch.delenv(name, raising=False)
+def _no_scenarios(monkeypatch: pytest.MonkeyPatch, tmp_path_factory: pytest.TempPathFactory) -> None:
     monkeypatch.setattr(
         "rl_tui.worlds.files.catalogue.user_folder", lambda: tmp_path_factory.getbasetemp() / "no-scenarios"
     )
