@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import getpass
+import grp
 import os
 import shutil
 import socket
@@ -27,7 +28,20 @@ def why_not() -> str:
             _PRIVILEGE_SEPARATION.mkdir(mode=0o755)
         except OSError as error:
             return f"needs the folder {_PRIVILEGE_SEPARATION}, which sshd wants of root: {error.strerror}"
+    if os.getuid() != 0 and not _terminals_have_their_group():
+        return "needs root, or terminals of the group tty (devpts with gid=): sshd cannot give them to it"
     return ""
+
+
+def _terminals_have_their_group() -> bool:
+    """Tell whether a new terminal is as sshd wants it, which only root could change."""
+    ours, theirs = os.openpty()
+    try:
+        group = os.fstat(theirs).st_gid
+    finally:
+        os.close(ours)
+        os.close(theirs)
+    return group == next((each.gr_gid for each in grp.getgrall() if each.gr_name == "tty"), os.getgid())
 
 
 def _server() -> str | None:
