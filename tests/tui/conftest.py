@@ -43,6 +43,24 @@ async def _reached(call: Callable[[Callable[[], None]], bool]) -> None:
         await done.wait()
 
 
+async def _arranged(pilot: Pilot[Any]) -> None:
+    """Wait until the screen has arranged its panels, they what is in them, and nothing asks for it again."""
+    arranged = pilot.app.screen.screen_layout_refresh_signal
+    layouts = 0
+
+    def note(_: object) -> None:
+        nonlocal layouts
+        layouts += 1
+
+    arranged.subscribe(pilot.app, note, immediate=True)
+    quiet = 0
+    while quiet < 4:
+        before = layouts
+        await pilot.pause()
+        quiet = quiet + 1 if layouts == before and not pilot.app._batch_count else 0
+    arranged.unsubscribe(pilot.app)
+
+
 @pytest.fixture(autouse=True, scope="session")
 def _keys_are_done_when_they_are() -> Iterator[None]:
     """Let a pilot wait for what its keys do, not until the process has seemed idle for a while.
@@ -55,8 +73,7 @@ def _keys_are_done_when_they_are() -> Iterator[None]:
         await resize(pilot, width, height)
         while pilot.app.screen.size != (width, height):
             await pilot.pause()
-        for _round in range(4):  # the screen arranges its panels anew, and they what is in them
-            await pilot.pause()
+        await _arranged(pilot)
 
     with pytest.MonkeyPatch.context() as patch:
         for module in ("app", "pilot"):

@@ -24,6 +24,7 @@ from rl_tui.tui.screens.playground.playground import Playground
 
 _WAIT: Final = "wait:"
 _SWIFT: Final = 1000.0
+_MOST_LAYOUTS: Final = 10
 _KNOWN: Final = {key.value for key in Keys} | {key for action in ACTIONS for key in action.keys}
 _NAMES: Final = {
     " ": "space",
@@ -65,11 +66,16 @@ async def screenshot(
 
 async def settle(pilot: Pilot[UserError]) -> None:
     """Wait until everything that was asked for is done and drawn."""
-    await pilot.pause()
-    for screen in pilot.app.screen_stack:
-        if isinstance(screen, Playground | Catalogue):
-            await screen.settled()
-    await pilot.pause()
+    for _ in range(_MOST_LAYOUTS):
+        await pilot.pause()
+        for screen in pilot.app.screen_stack:
+            if isinstance(screen, Playground | Catalogue):
+                await screen.settled()
+        await pilot.pause()
+        # a layout that comes late brings cells into view that were not asked for before
+        stages = [screen for screen in pilot.app.screen_stack if isinstance(screen, Playground)]
+        if all(stage.board.is_complete for stage in stages):
+            return
 
 
 def _stop_blinking(app: RlTuiApp) -> None:
