@@ -22,5 +22,4 @@ async def go_to_shell(driver: Driver | None) -> bool:
     suspend = getattr(driver, "suspend", None)
     if driver is None or suspend is None or not driver.can_suspend:
         return False
-    await suspend()
-    return True
+    return bool(await suspend())

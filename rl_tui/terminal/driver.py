@@ -124,12 +124,14 @@ class TerminalDriver(LinuxDriver):
             return self._may_stop and parent > 0 and os.getsid(parent) == os.getsid(0)
         return False
 
-    async def suspend(self) -> None:
+    async def suspend(self) -> bool:
         """Give the terminal back and stop, together with what was started along, until the shell says go on.
 
-        Where no shell looks after the program it goes on at once.
+        Where no shell looks after the program it goes on at once, and this is False.
         """
+        before = self._continued
         await self._leave(_stop_group)
+        return self._continued != before
 
     def _sigtstp_application(self, *_: object) -> None:
         # asked for from outside: whoever does this can also let it go on

@@ -103,6 +103,16 @@ def test_it_can_be_stopped_from_outside_but_by_ctrl_z_only_where_there_is_a_shel
     assert kept_step(tmp_path) == STEPS
 
 
+def test_what_only_started_it_is_no_shell_to_go_to(tmp_path: Path) -> None:
+    command = [*CONTROLLING, "sh", "-c", f"{PLAY}; exit $?"]  # as sshd does where the shell stays
+    with LosableTerminal(command, {"RL_TUI_SESSIONS_DIR": str(tmp_path)}) as terminal:
+        take_steps(terminal)
+        terminal.press(CTRL_Z)
+        terminal.wait_for("no shell")
+        terminal.press("q")
+        assert terminal.wait_for_end() == 0
+
+
 def stop(terminal: LosableTerminal, number: int) -> None:
     """Have the program stopped, and wait until it is."""
     terminal.process.send_signal(number)
