@@ -60,6 +60,15 @@ def _sessions_of_its_own(monkeypatch: pytest.MonkeyPatch, tmp_path_factory: pyte
     monkeypatch.setenv("RL_TUI_SESSIONS_DIR", str(folder))
 
 
+def pytest_configure() -> None:
+    """Let hypothesis forget its examples where it cannot write them down, of which it warns."""
+    if not os.access(os.curdir, os.W_OK):
+        from hypothesis import settings
+
+        settings.register_profile("forgetful", database=None)
+        settings.load_profile("forgetful")
+
+
 def pytest_sessionstart() -> None:
     """Let interrupts count: what a shell runs in its background ignores them, and so would its programs."""
     if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
