@@ -19,7 +19,7 @@ from rl_tui.terminal.input_parser import InputParser
 
 MOST_WAITING: Final = 100  # messages that the app has not come to
 _LOOK_AGAIN: Final = 0.01  # seconds
-_TOLD_TO_END: Final = 128 + signal.SIGTERM
+_ENDED_BY_SIGTERM: Final = 128 + signal.SIGTERM
 
 
 class BrowserDriver(WebDriver):
@@ -41,15 +41,15 @@ class BrowserDriver(WebDriver):
         self._write = self._write_whole  # type: ignore[assignment]
 
     def start_application_mode(self) -> None:
-        """Take the browser's terminal, whose ground shows where the window is no whole number of cells."""
+        """Take the browser's terminal, whose background shows where no whole cell fits into the window."""
         super().start_application_mode()
         self._app.theme_changed_signal.subscribe(self._app, self._tint)
         self._tint(self._app.current_theme)
 
     def _tint(self, _: Theme) -> None:
-        """Give the terminal's ground the colour of the app's."""
-        ground = Color.parse(self._app.theme_variables["background"])
-        self.write(f"\x1b]11;{ground.hex6.lower()}\x07" if ground.ansi is None else "\x1b]111\x07")
+        """Give the terminal's background the colour of the app's."""
+        background = Color.parse(self._app.theme_variables["background"])
+        self.write(f"\x1b]11;{background.hex6.lower()}\x07" if background.ansi is None else "\x1b]111\x07")
 
     def run_input_thread(self) -> None:
         """Read what the browser sends until the app ends or nothing more can come."""
@@ -65,7 +65,7 @@ class BrowserDriver(WebDriver):
                 self._process(parser.tick())
         except _ExitInput:
             pass
-        except Exception as fault:  # nobody would read keys any more: better to end and say why
+        except Exception as fault:  # no key would be read any more: better to end and say why
             self._loop.call_soon_threadsafe(self._app._handle_exception, fault)
         finally:
             self._input_reader.close()
@@ -105,5 +105,5 @@ class BrowserDriver(WebDriver):
         return len(packet)
 
     def _end(self) -> None:
-        end_at_last(_TOLD_TO_END)  # whatever keeps the app from hearing of it
+        end_at_last(_ENDED_BY_SIGTERM)  # whatever keeps the app from hearing of it
         os.kill(os.getpid(), signal.SIGTERM)  # handled as any order to end is: what was done is kept first

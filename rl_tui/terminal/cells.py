@@ -6,7 +6,7 @@ from unicodedata import category
 
 from rich.cells import split_graphemes
 
-UNKNOWN = "\0"  # nobody knows what stands in such a cell
+UNKNOWN = "\0"  # it is not known what stands in such a cell
 
 
 class Cutter:

@@ -6,8 +6,11 @@ import asyncio
 import os
 import signal
 import sys
-from collections.abc import Callable
+from codecs import getincrementaldecoder
+from collections.abc import Callable, Iterator
 from contextlib import suppress
+from selectors import EVENT_READ, SelectSelector
+from threading import Event
 from typing import Any, Final
 
 from textual._ansi_sequences import SYNC_END
@@ -16,17 +19,19 @@ from textual.drivers.linux_driver import LinuxDriver
 from textual.message import Message
 
 from rl_tui.terminal.ending import HUNG_UP, end_at_last
+from rl_tui.terminal.input_parser import InputParser
 from rl_tui.terminal.linked_app import LinkedApp
-from rl_tui.terminal.reader import messages_from
 from rl_tui.terminal.writer import TerminalWriter
 
 LONGEST_FAREWELL: Final = 3.0  # seconds
+_TICK: Final = 0.1  # seconds after which it is seen that nothing followed an escape
+_AT_ONCE: Final = 4096  # bytes read
 
 
 class TerminalDriver(LinuxDriver):
     """Textual's driver for Unix, for terminals that do not read, come and go.
 
-    ``write`` never waits: who draws asks by ``waiting`` whether the terminal keeps up. Where it is gone, the
+    ``write`` never waits; ``waiting`` says whether the terminal keeps up. Where it is gone, the
     app gets the message ``Lost``, and the process ends some seconds later in any case. After it was stopped,
     the screen is drawn anew, and the app's ``app_resume_signal`` says so.
     """
@@ -100,7 +105,7 @@ class TerminalDriver(LinuxDriver):
                 self.process_message(message)
         except (EOFError, OSError):
             self._lose()
-        except Exception as fault:  # nobody would read keys any more: better to end and say why
+        except Exception as fault:  # no key would be read any more: better to end and say why
             self._soon(self._app._handle_exception, fault)
 
     def _lose(self) -> None:
@@ -134,12 +139,12 @@ class TerminalDriver(LinuxDriver):
         return self._continued != before
 
     def _sigtstp_application(self, *_: object) -> None:
-        # asked for from outside: whoever does this can also let it go on
+        # another process asked for it, and can also let the program go on
         asyncio.run_coroutine_threadsafe(self._leave(_stop), self._loop)
 
     def _sigcont_application(self, *_: object) -> None:
         self._continued += 1
-        if not self._is_away:  # stopped without being asked: somebody else may have used the terminal
+        if not self._is_away:  # stopped without being asked: another program may have used the terminal
             self._soon(self._pause, _go_on)
 
     async def _leave(self, stop: Callable[[], None]) -> None:
@@ -156,7 +161,7 @@ class TerminalDriver(LinuxDriver):
         while self._is_in_background():
             before = self._continued
             os.killpg(0, signal.SIGTTIN)
-            if self._continued == before:  # nobody is there who could bring it to the foreground
+            if self._continued == before:  # no shell is there to bring it to the foreground
                 break
         self._is_away = False
         self.resume_application_mode()
@@ -165,7 +170,7 @@ class TerminalDriver(LinuxDriver):
     def _is_in_background(self) -> bool:
         try:
             return os.tcgetpgrp(self.fileno) != os.getpgrp()
-        except OSError:  # gone; whoever reads next will tell
+        except OSError:  # the terminal is gone; the next read will say so
             return False
 
     def _draw_anew(self) -> None:
@@ -182,9 +187,37 @@ def _stop() -> None:
 
 
 def _stop_group() -> None:
-    """Stop as the terminal itself would do it: not where nobody could continue the processes."""
+    """Stop as the terminal itself would do it: not where no shell could continue the processes."""
     ours = signal.signal(signal.SIGTSTP, signal.SIG_DFL)
     try:
         os.killpg(0, signal.SIGTSTP)
     finally:
         signal.signal(signal.SIGTSTP, ours)
+
+
+def messages_from(fileno: int, ended: Event, *, debug: bool = False) -> Iterator[Message]:
+    """Yield what comes from the terminal until ``ended`` is set.
+
+    Bytes that mean nothing, as a bad line or a paste may bring, are passed over. Raises EOFError or OSError
+    where the terminal is gone.
+    """
+    parser = InputParser(debug=debug)
+    decode = getincrementaldecoder("utf-8")("replace").decode
+    with SelectSelector() as selector:
+        selector.register(fileno, EVENT_READ)
+        while not ended.is_set():
+            if selector.select(_TICK):
+                yield from parser.feed(decode(_read(fileno)))
+            yield from parser.tick()
+        if selector.select(_TICK):  # an answer, or a movement of the mouse, that was on its way
+            _read(fileno)
+
+
+def _read(fileno: int) -> bytes:
+    try:
+        data = os.read(fileno, _AT_ONCE)
+    except BlockingIOError:  # another program that shares the terminal has set it so, and was quicker
+        return b""
+    if not data:
+        raise EOFError
+    return data

@@ -1,8 +1,8 @@
 """Changed cells as the shortest text that makes a terminal show them.
 
 Only what every terminal knows is used: to go to a line and column, to go right or to a column, colours and
-attributes, and to erase the rest of a line. That erases with the ground that is set in xterm, tmux and the
-Linux console, and with the terminal's own in screen: it is used for the terminal's own only, where they
+attributes, and to erase the rest of a line. That erases with the background that is set in xterm, tmux and
+the Linux console, and with the terminal's own in screen: it is used for the terminal's own only, where they
 agree. Characters that repeat are written out, for the Linux console and screen do not know how to repeat
 them.
 """

@@ -1,4 +1,4 @@
-"""Being told to end from outside: the terminal is closed, the machine shuts down."""
+"""Ending from outside: the terminal is closed, the machine shuts down."""
 
 from __future__ import annotations
 
@@ -25,14 +25,14 @@ def end_at_last(status: int) -> None:
     last_resort.start()
 
 
-def end_when_told(end: Callable[[int], None]) -> None:
-    """Call ``end`` with the exit status when the program is told to end; it is gone some seconds later.
+def end_on_signal(end: Callable[[int], None]) -> None:
+    """Call ``end`` with the exit status when a signal ends the program; the process ends some seconds later.
 
     What is ignored, as nohup does, stays ignored. Nothing happens where signals cannot be awaited.
     """
     loop = asyncio.get_running_loop()
 
-    def told(number: int) -> None:
+    def on_signal(number: int) -> None:
         status = 128 + number  # as shells say it
         end_at_last(status)
         end(status)
@@ -41,4 +41,4 @@ def end_when_told(end: Callable[[int], None]) -> None:
         number = getattr(signal, name, None)
         if number is not None and signal.getsignal(number) is not signal.SIG_IGN:
             with suppress(NotImplementedError, RuntimeError, ValueError):
-                loop.add_signal_handler(number, told, number)
+                loop.add_signal_handler(number, on_signal, number)

@@ -22,11 +22,11 @@ from textual.events import Event, Key
 from rl_tui.terminal.input_parser import EscapeOrAlt
 
 PATIENCE: Final = 5.0  # seconds: a widget that is stuck must not keep the keyboard for ever
-MOST_HELD: Final = 1_000  # keys: nobody types so far ahead, and who floods us gets no memory for it
+MOST_HELD: Final = 1_000  # keys: no person types so far ahead, and a flood of keys must take no memory
 _LOOK_AGAIN: Final = 0.1  # seconds: what is removed meanwhile does not answer
 
 
-class Typist:
+class KeyQueue:
     """Lets ``handle``, which is Textual's own way, have the keys and pastes of ``app`` one at a time.
 
     Of those that come meanwhile ``most`` are held back; more are lost.
@@ -60,7 +60,7 @@ class Typist:
         aim = self._in_focus()
         self._has_rest.clear()
         await self._handle(event)
-        self._settling = asyncio.create_task(self._settle(aim), name="typist")
+        self._settling = asyncio.create_task(self._settle(aim), name="key-queue")
 
     def _first_of(self, event: EscapeOrAlt) -> Key:
         """Return the key that ``event`` is where that does something, else escape, with the other next."""

@@ -37,7 +37,7 @@ class Link:
     """Tells when the next frame may be sent. ``clock`` tells seconds.
 
     A terminal that answers late is waited for, though not for ever; one that has never answered is soon sent
-    frame after frame, at the pace of whoever draws them, until an answer comes after all.
+    frame after frame, as fast as they are drawn, until an answer comes after all.
     """
 
     def __init__(self, clock: Callable[[], float] = monotonic) -> None:
@@ -89,11 +89,11 @@ class Link:
 
     @property
     def is_slow(self) -> bool:
-        """Whether a screen full of text takes so long that who waits for it notices."""
+        """Whether a screen full of text takes so long that the wait is noticed."""
         return self._seconds_a_byte > 1.0 / _SLOW
 
     def hurry(self) -> None:
-        """Do not wait for long with the next frame: somebody has pressed a key."""
+        """Do not wait for long with the next frame: a key was pressed."""
         self._hurries = True
 
     def send(self, size: int, width: int) -> int | None:

@@ -64,7 +64,7 @@ class LinkedApp(App[ReturnType]):
             self._output.draw_again()
 
     def on_resize(self, event: events.Resize) -> None:
-        """Draw everything again: after a change of size, or a pause, nobody knows what the terminal shows."""
+        """Draw everything again: after a change of size, or a pause, the terminal may show anything."""
         if self._output is not None:
             self._output.resize(*event.size)
             if self._arranging is not None:

@@ -96,7 +96,7 @@ class Output:
                 self._write(self._framed(text))
 
     def answer(self, column: int, line: int) -> None:
-        """Take the place of the cursor, counted from 0, that the terminal has told."""
+        """Take the place of the cursor, counted from 0, that the terminal has answered with."""
         if self.link.answer(column, line):
             self.send()
             self._arrived.set()
@@ -112,7 +112,7 @@ class Output:
     async def rest(self) -> None:
         """Send nothing until :meth:`wake`, and wait until the terminal has answered.
 
-        Whoever reads its input next shall not find the answer there.
+        The next program that reads its input shall not find the answer there.
         """
         self._rests = True
         loop = asyncio.get_running_loop()

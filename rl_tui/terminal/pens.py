@@ -18,22 +18,22 @@ RESET: Final = "\x1b[m"
 
 
 class Pen:
-    """Attributes, ink and ground as the terminal is told them; one object for each that differs.
+    """Attributes, foreground and background as they are sent to the terminal; equal pens are one object.
 
-    ``ink`` and ``ground`` are SGR parameters, empty for the terminal's own. ``blank`` is the pen with which a
-    space looks the same.
+    ``foreground`` and ``background`` are SGR parameters, empty for the terminal's own. ``blank`` is the pen
+    with which a space looks the same.
     """
 
-    __slots__ = ("__weakref__", "attributes", "blank", "ground", "ink")
+    __slots__ = ("__weakref__", "attributes", "background", "blank", "foreground")
 
-    def __init__(self, attributes: int, ink: str, ground: str) -> None:
+    def __init__(self, attributes: int, foreground: str, background: str) -> None:
         self.attributes = attributes
-        self.ink = ink
-        self.ground = ground
+        self.foreground = foreground
+        self.background = background
         self.blank = self
 
     def __repr__(self) -> str:
-        return f"Pen({self.attributes:b}, {self.ink!r}, {self.ground!r})"
+        return f"Pen({self.attributes:b}, {self.foreground!r}, {self.background!r})"
 
 
 class Pens:
@@ -49,7 +49,7 @@ class Pens:
         self.plain = self._pen(0, "", "")
 
     def of(self, style: Style | None) -> Pen:
-        """Return the pen that writes in ``style``; where a link leads is not told to the terminal."""
+        """Return the pen that writes in ``style``; where a link leads is not sent to the terminal."""
         pen = self._of_style.get(style)
         if pen is None:
             if len(self._of_style) > _MOST_KEPT:  # colours that fade make new styles without end
@@ -71,36 +71,37 @@ class Pens:
     def _made(self, style: Style | None) -> Pen:
         if style is None:
             return self.plain
-        ink, ground = style.color, style.bgcolor
+        foreground, background = style.color, style.bgcolor
         return self._pen(
             style._attributes & style._set_attributes,
-            "" if ink is None else ";".join(ink.downgrade(self._system).get_ansi_codes()),
-            "" if ground is None else ";".join(ground.downgrade(self._system).get_ansi_codes(False)),
+            "" if foreground is None else ";".join(foreground.downgrade(self._system).get_ansi_codes()),
+            "" if background is None else ";".join(background.downgrade(self._system).get_ansi_codes(False)),
         )
 
-    def _pen(self, attributes: int, ink: str, ground: str) -> Pen:
-        ink, ground = "" if ink == "39" else ink, "" if ground == "49" else ground
-        pen = self._known.get((attributes, ink, ground))
+    def _pen(self, attributes: int, foreground: str, background: str) -> Pen:
+        foreground = "" if foreground == "39" else foreground
+        background = "" if background == "49" else background
+        pen = self._known.get((attributes, foreground, background))
         if pen is None:
-            pen = self._known[attributes, ink, ground] = Pen(attributes, ink, ground)
-            if not attributes & ~_UNSEEN_ON_BLANKS and (attributes or ink):
-                pen.blank = self._pen(0, "", ground)
+            pen = self._known[attributes, foreground, background] = Pen(attributes, foreground, background)
+            if not attributes & ~_UNSEEN_ON_BLANKS and (attributes or foreground):
+                pen.blank = self._pen(0, "", background)
         return pen
 
 
 def _change(before: Pen, after: Pen) -> str:
-    if not (after.attributes or after.ink or after.ground):
+    if not (after.attributes or after.foreground or after.background):
         return RESET
     # 22 ends bold and dim both, 24 and 25 also two each: what shall stay of them is set again
     ends = {_OFF[bit] for bit in _bits(before.attributes & ~after.attributes)}
     kept = [bit for bit in _bits(after.attributes & before.attributes) if _OFF[bit] in ends]
     begun = _bits(after.attributes & ~before.attributes)
     steps = [*sorted(ends), *(_ON[bit] for bit in (*kept, *begun))]
-    if before.ink != after.ink:
-        steps.append(after.ink or "39")
-    if before.ground != after.ground:
-        steps.append(after.ground or "49")
-    afresh = ["0", *(_ON[bit] for bit in _bits(after.attributes)), after.ink, after.ground]
+    if before.foreground != after.foreground:
+        steps.append(after.foreground or "39")
+    if before.background != after.background:
+        steps.append(after.background or "49")
+    afresh = ["0", *(_ON[bit] for bit in _bits(after.attributes)), after.foreground, after.background]
     return min((f"\x1b[{';'.join(filter(None, way))}m" for way in (steps, afresh)), key=len)
 
 

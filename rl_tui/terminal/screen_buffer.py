@@ -1,4 +1,4 @@
-"""What the screen should show, and what the terminal was told last."""
+"""What the screen should show, and what was sent to the terminal last."""
 
 from __future__ import annotations
 
@@ -28,9 +28,9 @@ class Line:
 
 
 class ScreenBuffer:
-    """Gathers what is drawn, until it is told to the terminal.
+    """Gathers what is drawn, until it is sent to the terminal.
 
-    Cells that nobody has drawn yet are unknown, and nothing is told of them.
+    Cells that were not drawn yet are unknown, and are not sent.
     """
 
     def __init__(self, pens: Pens, cutter: Cutter) -> None:
@@ -40,7 +40,7 @@ class ScreenBuffer:
         self._first = range(0)
         self._next = 0
         self._wanted: list[Line] = []
-        self._told: list[Line] = []
+        self._sent: list[Line] = []
         self.width = 0
 
     @property
@@ -50,7 +50,7 @@ class ScreenBuffer:
 
     @property
     def is_touched(self) -> bool:
-        """Whether something was drawn since it was told last; it may be what stood there before."""
+        """Whether something was drawn since it was sent last; it may be what stood there before."""
         return bool(self._touched)
 
     def resize(self, width: int, height: int) -> None:
@@ -60,8 +60,8 @@ class ScreenBuffer:
         self.forget()
 
     def forget(self) -> None:
-        """Take what the terminal shows for unknown: all that is wanted has to be told again."""
-        self._told = [Line(self.width, self._pens.plain) for _ in self._wanted]
+        """Take what the terminal shows for unknown: all that is wanted has to be sent again."""
+        self._sent = [Line(self.width, self._pens.plain) for _ in self._wanted]
         self._touched = set(range(len(self._wanted)))
 
     def put(self, x: int, y: int, segments: Iterable[Segment]) -> None:
@@ -92,13 +92,13 @@ class ScreenBuffer:
         self._touched.add(y)
 
     def begin_with(self, lines: range) -> None:
-        """Tell ``lines`` before all others, once."""
+        """Send ``lines`` before all others, once."""
         self._first = lines
 
     def changed(self) -> Iterator[tuple[int, Line, list[int]]]:
-        """Yield each line that differs from what was told: its number, itself, and its columns that differ.
+        """Yield each line that differs from what was sent: its number, itself, and its columns that differ.
 
-        With each that has been asked for, the line counts as told. If not all were, the next time begins with
+        With each that has been asked for, the line counts as sent. If not all were, the next time begins with
         those that are left.
         """
         from_here = sorted(self._touched, key=lambda y: (y not in self._first, y < self._next, y))
@@ -107,18 +107,18 @@ class ScreenBuffer:
                 self._first = range(0)
             self._next = y + 1
             self._touched.discard(y)
-            wanted, told = self._wanted[y], self._told[y]
-            if wanted.cells == told.cells and wanted.pens == told.pens:
+            wanted, sent = self._wanted[y], self._sent[y]
+            if wanted.cells == sent.cells and wanted.pens == sent.pens:
                 continue
-            columns = _columns(wanted, told)
-            told.copy_from(wanted)
+            columns = _columns(wanted, sent)
+            sent.copy_from(wanted)
             if columns:
                 yield y, wanted, columns
         self._first, self._next = range(0), 0
 
 
-def _columns(wanted: Line, told: Line) -> list[int]:
-    cells, old, pens, before = wanted.cells, told.cells, wanted.pens, told.pens
+def _columns(wanted: Line, sent: Line) -> list[int]:
+    cells, old, pens, before = wanted.cells, sent.cells, wanted.pens, sent.pens
     # what differs in any way is found without a loop of our own: in most lines that is little
     differ = map(or_, map(ne, cells, old), map(is_not, pens, before))
     columns = [

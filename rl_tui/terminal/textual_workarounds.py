@@ -1,4 +1,4 @@
-"""What Textual keeps of screens that were left."""
+"""Where Textual needs help from outside."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is on its way to the terminal: nobody waits for a terminal that does not read, or is gone."""
+"""What is on its way to the terminal: the program never waits for one that does not read, or is gone."""
 
 from __future__ import annotations
 

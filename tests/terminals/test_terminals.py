@@ -110,7 +110,7 @@ def test_256_colours_at_every_size_look_as_if_started_there(fresh: dict[tuple[in
         leave(terminal)
 
 
-def test_16_colours_on_a_light_ground_in_ascii() -> None:
+def test_16_colours_on_a_light_background_in_ascii() -> None:
     environment = {"TERM": "xterm", "LC_ALL": None, "LC_CTYPE": None, "LANG": "C"}
     with PseudoTerminal([*PLAY, "--theme", "light"], environment, (80, 24), synchronises=False) as terminal:
         begin(terminal)
@@ -142,7 +142,7 @@ def test_no_colours_where_none_are_wanted_but_one_sees_where_one_is() -> None:
         leave(terminal)
 
 
-def test_a_light_ground_in_truecolor_where_the_terminal_does_not_say_what_it_shows() -> None:
+def test_a_light_background_in_truecolor_where_the_terminal_does_not_say_what_it_shows() -> None:
     light = [*PLAY, "--theme", "light"]
     with PseudoTerminal(light, {"COLORTERM": "truecolor"}, (120, 40), tells_position=False) as terminal:
         begin(terminal)
@@ -171,8 +171,8 @@ def test_inside_tmux(fresh: dict[tuple[int, int], str]) -> None:
         tmux.resize(80, 24)
         tmux.wait_for(re.escape(fresh[80, 24]))
         coloured = tmux.coloured
-        grounds = {coloured.cell(x, y).bg for x in range(80) for y in range(24)}
-        assert len(grounds) > 2
+        backgrounds = {coloured.cell(x, y).bg for x in range(80) for y in range(24)}
+        assert len(backgrounds) > 2
         tmux.press("q")
         tmux.wait_for("it ended with 0")
         assert tmux.modes == "alternate 0, cursor 1, mouse 0"

@@ -27,7 +27,7 @@ SYSTEMS = (ColorSystem.STANDARD, ColorSystem.EIGHT_BIT, ColorSystem.TRUECOLOR)
 
 attributes = st.sets(st.sampled_from(["bold", "dim", "italic", "underline", "reverse", "strike", "blink"]))
 styles = st.builds(
-    lambda on, ink, ground: Style(color=ink, bgcolor=ground, **dict.fromkeys(on, True)),
+    lambda on, foreground, background: Style(color=foreground, bgcolor=background, **dict.fromkeys(on, True)),
     attributes,
     st.sampled_from(COLOURS),
     st.sampled_from(COLOURS),
@@ -171,7 +171,7 @@ def test_a_few_cells_between_two_changes_are_written_again() -> None:
     assert screen.send() == "\x1b[2;4H41 0.523"
 
 
-def test_the_rest_of_a_line_is_erased_where_the_ground_is_the_terminals_own() -> None:
+def test_the_rest_of_a_line_is_erased_where_the_background_is_the_terminals_own() -> None:
     screen = drawn(("return" + " " * 34, "red"))
     assert screen.send() == "\x1b[2H\x1b[31mreturn\x1b[m\x1b[K"
     painted = drawn(("return" + " " * 34, "red on blue"))

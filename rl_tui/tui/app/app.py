@@ -20,9 +20,9 @@ from rl_tui.common.errors import UserError
 from rl_tui.common.findings import one_line
 from rl_tui.lab.run.library import recipe_for
 from rl_tui.lab.run.recipe import Recipe
-from rl_tui.terminal.choice import driver_class, go_to_shell
-from rl_tui.terminal.ending import HUNG_UP, end_when_told
-from rl_tui.terminal.key_queue import Typist
+from rl_tui.terminal.driver_choice import driver_class, go_to_shell
+from rl_tui.terminal.ending import HUNG_UP, end_on_signal
+from rl_tui.terminal.key_queue import KeyQueue
 from rl_tui.terminal.linked_app import LinkedApp
 from rl_tui.terminal.textual_workarounds import forget_left_screens
 from rl_tui.tui.app.actions import bindings_everywhere
@@ -56,8 +56,8 @@ class RlTuiApp(LinkedApp[UserError]):
 
     ``make_player`` makes the thread behind a playground. A ``picture`` asks no terminal what it can do.
     ``sessions`` is the folder in which sessions are kept, None to keep none. A ``kiosk`` offers nothing that
-    has to do with files, and pauses when nobody is there. The app's result is the fault that ended it, None
-    if none did. Raises UserError where the theme is not known.
+    has to do with files, and pauses when no key is pressed for a while. The app's result is the fault that
+    ended it, None if none did. Raises UserError where the theme is not known.
     """
 
     TITLE = "rl-tui"
@@ -97,7 +97,7 @@ class RlTuiApp(LinkedApp[UserError]):
         self._kiosk = kiosk
         self._idleness = Idleness()
         self._bug: Exception | None = None
-        self._typist = Typist(self, super().on_event)
+        self._key_queue = KeyQueue(self, super().on_event)
         has_ascii_only = self.look.glyphs is ASCII
         self.set_class(has_ascii_only, "-ascii")
         use_scroll_bars(ascii_only=has_ascii_only)
@@ -114,7 +114,7 @@ class RlTuiApp(LinkedApp[UserError]):
     ) -> Driver:
         driver = super()._build_driver(headless, inline, mouse, size)
         if not driver.is_headless:
-            end_when_told(self._end)  # before the terminal is taken: it has to be given back in any case
+            end_on_signal(self._end)  # before the terminal is taken: it has to be given back in any case
         return driver
 
     async def on_event(self, event: Event) -> None:
@@ -123,20 +123,20 @@ class RlTuiApp(LinkedApp[UserError]):
             self._idleness.stir()
             await asyncio.sleep(0)  # or a flood of it would let nothing else happen, not even an end
         if isinstance(event, (Key, Paste)) and not event.is_forwarded:
-            await self._typist.take(event)
+            await self._key_queue.take(event)
         else:
             await super().on_event(event)
 
     async def typed(self) -> None:
         """Wait until all that was typed is done, and what it opens is there."""
-        await self._typist.rest()
+        await self._key_queue.rest()
 
     def on_mount(self) -> None:
         """Open the first screen."""
         self.theme_changed_signal.subscribe(self, self._follow_theme)
         self.screen_change_signal.subscribe(self, forget_left_screens)
         if not self.is_headless:
-            end_when_told(self._end)  # again: the driver for browsers has put its own way to end in place
+            end_on_signal(self._end)  # again: the driver for browsers has put its own way to end in place
         if self._kiosk:
             self.set_interval(LOOKS, self._pause_when_idle)
         if self._start is None:
@@ -208,7 +208,7 @@ class RlTuiApp(LinkedApp[UserError]):
             self.notify("there is no shell here to go back to; q quits", markup=False)
 
     def on_terminal_driver_lost(self) -> None:
-        """End as if told that the terminal is closed, which is what has happened."""
+        """End as on the signal that the terminal is closed, which is what has happened."""
         self._end(HUNG_UP)
 
     def exit(

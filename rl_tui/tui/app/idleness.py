@@ -1,4 +1,4 @@
-"""A terminal that somebody forgot: the run is paused when nobody has pressed a key for a while."""
+"""A terminal that was left alone: the run is paused when no key is pressed for a while."""
 
 from __future__ import annotations
 
@@ -13,21 +13,21 @@ LOOKS: Final = 10.0
 
 
 class Idleness:
-    """Tells when somebody was last there. ``clock`` gives seconds."""
+    """Tells for how long there was no key and no movement of the mouse. ``clock`` gives seconds."""
 
     def __init__(self, patience: float = PATIENCE, clock: Callable[[], float] = time.monotonic) -> None:
         self._patience = patience
         self._clock = clock
         self._last = clock()
-        self._told = False
+        self._has_begun = False
 
     def stir(self) -> None:
-        """Note that somebody is there."""
+        """Note that a key or the mouse was used."""
         self._last = self._clock()
-        self._told = False
+        self._has_begun = False
 
     def begins(self) -> bool:
-        """Tell, once each time, that nobody has been there for as long as patience lasts."""
-        begins = not self._told and self._clock() - self._last >= self._patience
-        self._told = self._told or begins
+        """Return True once each time that nothing was used for ``patience`` seconds."""
+        begins = not self._has_begun and self._clock() - self._last >= self._patience
+        self._has_begun = self._has_begun or begins
         return begins

@@ -10,7 +10,7 @@ from textual.events import Event, Key, MouseUp
 from textual.widgets import Input
 
 from rl_tui.terminal.input_parser import EscapeOrAlt
-from rl_tui.terminal.key_queue import Typist
+from rl_tui.terminal.key_queue import KeyQueue
 from rl_tui.tui.app.app import RlTuiApp
 
 
@@ -22,14 +22,14 @@ async def test_of_a_flood_of_keys_only_so_many_are_held() -> None:
         handled.append(event)
 
     async with app.run_test() as pilot:
-        typist = Typist(app, handle, most=3)
+        queue = KeyQueue(app, handle, most=3)
         keys = [Key(letter, letter) for letter in "abcdefgh"]
         for key in keys:
-            await typist.take(key)
+            await queue.take(key)
         async with asyncio.timeout(60):
             while len(handled) < 4:
                 await pilot.pause()
-        await typist.take(keys[-1])  # there is room again
+        await queue.take(keys[-1])  # there is room again
         async with asyncio.timeout(60):
             while len(handled) < 5:
                 await pilot.pause()
@@ -66,9 +66,9 @@ async def test_what_may_be_two_keys_is_one_where_that_does_something(has_entry: 
         handled.append(event)
 
     async with app.run_test() as pilot:
-        typist = Typist(app, handle)
-        await typist.take(EscapeOrAlt("ctrl+w", Key("backspace", "\x7f")))
-        await typist.take(Key("s", "s"))
+        queue = KeyQueue(app, handle)
+        await queue.take(EscapeOrAlt("ctrl+w", Key("backspace", "\x7f")))
+        await queue.take(Key("s", "s"))
         async with asyncio.timeout(60):
             while not (handled and isinstance(handled[-1], Key) and handled[-1].key == "s"):
                 await pilot.pause()
