@@ -12,7 +12,7 @@ from rl_tui.lab.live.snapshot import Snapshot, Timeline
 from rl_tui.lab.run.recipe import JournalEntry, SetParameter, SwitchAlgorithm, TakeAction
 from rl_tui.lab.timeline.branches import Branch
 from rl_tui.tui.draw.to_ascii import written
-from rl_tui.tui.screens.dialogs.goto import ask_moment, moment_of
+from rl_tui.tui.screens.dialogs.goto import goto_prompt, parse_goto
 from rl_tui.tui.screens.dialogs.journal import HOW_TO_BRANCH, NO_CHANGE, JournalScreen, Moment
 from rl_tui.tui.screens.dialogs.journal_text import journal_lines
 from rl_tui.tui.theme.glyphs import ASCII, UNICODE, Glyphs
@@ -197,7 +197,7 @@ def here(end: int, now: int | None = None) -> Timeline:
     ],
 )
 def test_a_moment_may_be_written_in_many_ways(text: str, command: GoTo) -> None:
-    assert moment_of(text, lake(timeline=here(10_000))) == command
+    assert parse_goto(text, lake(timeline=here(10_000))) == command
 
 
 @pytest.mark.parametrize(
@@ -219,11 +219,11 @@ def test_a_moment_may_be_written_in_many_ways(text: str, command: GoTo) -> None:
 )
 def test_what_is_wrong_is_told(text: str, fault: str) -> None:
     with pytest.raises(ValueError, match=f"^{fault}$"):
-        moment_of(text, lake(timeline=here(10_000), episodes=12_500, episode_step=5))
+        parse_goto(text, lake(timeline=here(10_000), episodes=12_500, episode_step=5))
 
 
 def test_in_the_past_nobody_knows_how_many_episodes_there_were() -> None:
-    assert moment_of("e12502", lake(timeline=here(10_000, 5_000))) == GoTo(episode=12_502)
+    assert parse_goto("e12502", lake(timeline=here(10_000, 5_000))) == GoTo(episode=12_502)
 
 
 @pytest.mark.parametrize(
@@ -235,11 +235,11 @@ def test_in_the_past_nobody_knows_how_many_episodes_there_were() -> None:
     ],
 )
 def test_the_prompt_names_the_range(snapshot: Snapshot, hint: str) -> None:
-    assert ask_moment(snapshot)._hint == hint
+    assert goto_prompt(snapshot)._hint == hint
 
 
 def test_sweeps_and_pulls() -> None:
-    assert moment_of("sweep 3", planning(timeline=here(132))) == GoTo(episode=3)
-    assert moment_of("pull 3", bandit(400, timeline=here(400))) == GoTo(3)
+    assert parse_goto("sweep 3", planning(timeline=here(132))) == GoTo(episode=3)
+    assert parse_goto("pull 3", bandit(400, timeline=here(400))) == GoTo(3)
     with pytest.raises(ValueError, match="sweeps count from 1"):
-        moment_of("sweep 0", planning(timeline=here(132)))
+        parse_goto("sweep 0", planning(timeline=here(132)))

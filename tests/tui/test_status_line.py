@@ -216,7 +216,7 @@ def test_a_reason_longer_than_the_row_is_shortened() -> None:
 def test_a_short_title_stays_beside_a_long_message() -> None:
     message = "the environment has not answered for 4 s; esc leaves it"
     line = StatusLine(look())
-    line.tell_silence(4)
+    line.show_unanswered(4)
     (row,) = line.picture(student(), 80, 1)
     assert row.text.rstrip().endswith(message)
     assert row.text.startswith(" A student")
@@ -225,12 +225,12 @@ def test_a_short_title_stays_beside_a_long_message() -> None:
 @pytest.mark.parametrize("width", [60, 80, 120])
 def test_an_environment_that_does_not_answer(width: int) -> None:
     line = StatusLine(look())
-    line.tell_silence(1_234)
+    line.show_unanswered(1_234)
     told = "the environment has not answered for 1,234 s; esc leaves it"
     for snapshot in (None, lake(phase=Phase.RUNNING)):
         (row,) = line.picture(snapshot, width, 1)
         assert row.cell_length == width
         assert told[: width - 2] in row.text
-    line.tell_silence(0)
+    line.show_unanswered(0)
     (row,) = line.picture(lake(phase=Phase.RUNNING), width, 1)
     assert "answered" not in row.text

@@ -73,12 +73,12 @@ async def test_the_mode_is_seen_and_y_ends_it(make_app: MakeApp) -> None:
         assert str(world.border_title) == "You are the agent"
         assert str(world.border_subtitle) == "1 study  2 check phone · y: hand back"
         assert bottom_line(pilot) == "1 or 2 act  y hand back  s agent's step  space run  ? help"
-        assert world.has_class("-in-hand")
+        assert world.has_class("-manual")
         assert "◉ you act" in playground(pilot).query_one(StatusLine).render_line(0).text
         assert notices(app) == ["you are the agent: act with 1 or 2; y hands back"]
         await press(pilot, "y")
         assert (str(world.border_title), str(world.border_subtitle), bottom_line(pilot)) == before
-        assert not world.has_class("-in-hand")
+        assert not world.has_class("-manual")
         assert "paused" in playground(pilot).query_one(StatusLine).render_line(0).text
         assert notices(app)[-1] == "the agent acts again"
 
@@ -90,9 +90,9 @@ async def test_escape_hands_back_and_stays_here(make_app: MakeApp) -> None:
         await press(pilot, "y", "question_mark")
         assert isinstance(app.screen, HelpScreen)
         await press(pilot, "escape")
-        assert playground(pilot).in_hand
+        assert playground(pilot).is_manual
         await press(pilot, "escape")
-        assert not playground(pilot).in_hand
+        assert not playground(pilot).is_manual
         assert isinstance(app.screen, Playground)
 
 
@@ -117,15 +117,15 @@ async def test_space_and_e_hand_back_and_s_does_not(
         asked = record(pilot, monkeypatch)
         await press(pilot, "y", "s")
         assert asked == [Step()]
-        assert playground(pilot).in_hand
+        assert playground(pilot).is_manual
         await press(pilot, "e")
         assert asked[1:] == [RunEpisode()]
-        assert not playground(pilot).in_hand
+        assert not playground(pilot).is_manual
         for key in ("space", "r"):
             await press(pilot, "y")
-            assert playground(pilot).in_hand
+            assert playground(pilot).is_manual
             await press(pilot, key)
-            assert not playground(pilot).in_hand
+            assert not playground(pilot).is_manual
 
 
 async def test_keys_without_an_action_say_so(make_app: MakeApp, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -147,7 +147,7 @@ async def test_an_arm_is_pulled_by_its_name(make_app: MakeApp, monkeypatch: pyte
         assert asked == [Take(7), Take(0)]
         playground(pilot).send(Train(1000))
         await settle(pilot)
-        assert not playground(pilot).in_hand
+        assert not playground(pilot).is_manual
         assert notices(app)[-1] == "the budget is spent; r starts again"
 
 
@@ -159,7 +159,7 @@ async def test_a_planner_takes_no_actions(make_app: MakeApp) -> None:
         screen._switch("value-iteration")
         await settle(pilot)
         await press(pilot, "y")
-        assert not screen.in_hand
+        assert not screen.is_manual
         assert notices(app) == [
             "Value iteration takes no actions: it plans with the model; a chooses an agent"
         ]
@@ -199,10 +199,10 @@ async def test_the_agent_and_a_person_take_turns(make_app: MakeApp) -> None:
         theirs = await press(pilot, "s")
         assert theirs.last is not None
         assert not theirs.last.by_hand
-        assert playground(pilot).in_hand
+        assert playground(pilot).is_manual
         assert theirs.step == 2
         done = await press(pilot, "e")
-        assert (done.episodes, playground(pilot).in_hand) == (1, False)
+        assert (done.episodes, playground(pilot).is_manual) == (1, False)
 
 
 async def test_pulls_and_cards_by_hand(make_app: MakeApp) -> None:

@@ -151,7 +151,7 @@ class RlTuiApp(LinkedApp[UserError]):
         self._start = None  # from here on a fault leads back to the catalogue
         self.switch_screen(self._opener.playground(self.look, event.recipe))
 
-    def on_session_shelf_resumed(self, event: Catalogue.Resumed) -> None:
+    def on_saved_sessions_resumed(self, event: Catalogue.Resumed) -> None:
         """Go on with a session."""
         self._start = None
         self.switch_screen(self._opener.resumed(self.look, event.session, event.record))

@@ -47,34 +47,34 @@ class _Field:
 class StatusLine(Panel):
     """Draws phase, speed, episode under way and steps of the newest snapshot; a message takes the whole row.
 
-    ``in_hand`` says that a person takes the steps.
+    ``is_manual`` says that a person takes the steps.
     """
 
-    in_hand = False
-    _silence = 0
+    is_manual = False
+    _unanswered = 0
 
-    def tell_silence(self, seconds: int) -> None:
+    def show_unanswered(self, seconds: int) -> None:
         """Say for how many seconds the environment has not answered; 0 where it does."""
-        if seconds != self._silence:
-            self._silence = seconds
+        if seconds != self._unanswered:
+            self._unanswered = seconds
             self.redraw()
 
     def picture(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
         """Return the row, and blank ones below it."""
-        line = status_line(snapshot, self.look, width, in_hand=self.in_hand, silence=self._silence)
+        line = status_line(snapshot, self.look, width, is_manual=self.is_manual, unanswered=self._unanswered)
         return strips_of([line], width, height, self.look)
 
 
 def status_line(
-    snapshot: Snapshot | None, look: Look, width: int, *, in_hand: bool = False, silence: int = 0
+    snapshot: Snapshot | None, look: Look, width: int, *, is_manual: bool = False, unanswered: int = 0
 ) -> Line:
-    """Return the row for ``width`` cells; ``in_hand`` says that a person takes the steps.
+    """Return the row for ``width`` cells; ``is_manual`` says that a person takes the steps.
 
-    ``silence`` is for how many seconds the environment has not answered, 0 where it does.
+    ``unanswered`` is for how many seconds the environment has not answered, 0 where it does.
     """
     palette, glyphs = look.palette, look.glyphs
-    if silence:
-        text = f"the environment has not answered for {silence:,} s; esc leaves it"
+    if unanswered:
+        text = f"the environment has not answered for {unanswered:,} s; esc leaves it"
         if snapshot is None:
             return [Piece(shortened(f" {text}", width, glyphs.ellipsis), palette.accent)]
         return _waiting(snapshot, text, look, width)
@@ -91,7 +91,7 @@ def status_line(
         return _waiting(snapshot, whole if fits else snapshot.message, look, width)
     if snapshot.phase is Phase.SEEKING and snapshot.message:
         return _waiting(snapshot, snapshot.message, look, width)
-    fields = _fitting(_fields(snapshot, look, width, in_hand=in_hand), width - 1)
+    fields = _fitting(_fields(snapshot, look, width, is_manual=is_manual), width - 1)
     right = [
         Piece(" " * _GAP + set_cell_size(written(field.text, glyphs), field.columns), field.style)
         for field in fields
@@ -148,10 +148,10 @@ def _waiting(snapshot: Snapshot, text: str, look: Look, width: int) -> Line:
     return [*([Piece(f" {title}", palette.strong)] if title else []), Piece(message, palette.accent)]
 
 
-def _fields(snapshot: Snapshot, look: Look, width: int, *, in_hand: bool) -> list[_Field]:
+def _fields(snapshot: Snapshot, look: Look, width: int, *, is_manual: bool) -> list[_Field]:
     """Return state, progress and measured speed."""
     wide = width >= WIDE
-    state = _state(snapshot, look, width - 1 - _GAP, in_hand=in_hand)
+    state = _state(snapshot, look, width - 1 - _GAP, is_manual=is_manual)
     speed = _speed(snapshot, look, wide=wide)
     stands_in_past = snapshot.timeline.in_past and snapshot.phase is not Phase.RUNNING
     plans = BY_ID[snapshot.algorithm].planner
@@ -200,7 +200,7 @@ def _keeps_up(snapshot: Snapshot, speed: float) -> bool:
     return speed >= _KEEPS_UP * snapshot.speed
 
 
-def _state(snapshot: Snapshot, look: Look, most: int, *, in_hand: bool) -> _Field:
+def _state(snapshot: Snapshot, look: Look, most: int, *, is_manual: bool) -> _Field:
     """Return what goes on, in at most so many columns where it is told in words."""
     palette, glyphs = look.palette, look.glyphs
     if snapshot.phase is Phase.SPENT:
@@ -214,7 +214,7 @@ def _state(snapshot: Snapshot, look: Look, most: int, *, in_hand: bool) -> _Fiel
             return _told(f"{glyphs.paused} {snapshot.paused_by}", look, most)
         if snapshot.timeline.in_past:
             return _Field(f"{glyphs.past} the past", _STATE_COLUMNS, palette.accent)
-        if in_hand:
+        if is_manual:
             return _Field(f"{glyphs.agent} you act", _STATE_COLUMNS, palette.accent)
         return _Field(f"{glyphs.paused} paused", _STATE_COLUMNS, palette.dim)
     if snapshot.until:

@@ -32,7 +32,7 @@ class Glyphs:
     track_rest: str
     thumb: str
     change_mark: str  # timeline: a setting was changed, steps were taken by hand, the branch begins
-    hand_mark: str
+    manual_mark: str
     fork_mark: str
     running: str  # status
     paused: str
@@ -101,7 +101,7 @@ UNICODE: Final = Glyphs(
     track_rest="─",
     thumb="●",
     change_mark="◆",
-    hand_mark="╍",
+    manual_mark="╍",
     fork_mark="┻",
     running="▶",
     paused="❚❚",
@@ -159,7 +159,7 @@ ASCII: Final = Glyphs(
     track_rest="-",
     thumb="o",
     change_mark="+",
-    hand_mark=":",
+    manual_mark=":",
     fork_mark="Y",
     running=">",
     paused="||",

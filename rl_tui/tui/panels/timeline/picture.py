@@ -141,7 +141,7 @@ def _marks(timeline: Timeline, track: Track, look: Look) -> dict[int, tuple[str,
     for entry in branch.journal:
         by_hand, cell = isinstance(entry.change, TakeAction), track.cell_of(entry.step)
         if by_hand and cell not in marks:
-            marks[cell] = glyphs.hand_mark, palette.text
+            marks[cell] = glyphs.manual_mark, palette.text
         elif not by_hand:
             marks[cell] = glyphs.change_mark, palette.text
     if branch.parent is not None:

@@ -89,7 +89,7 @@ class TimelineBar(Draggable, Panel, can_focus=True):
         glyphs = look.glyphs
         self.tooltip = written(
             f"what was run; click or drag to go there. {glyphs.change_mark} a setting was changed, "
-            f"{glyphs.hand_mark} steps by hand, {glyphs.fork_mark} here the branch begins",
+            f"{glyphs.manual_mark} steps by hand, {glyphs.fork_mark} here the branch begins",
             glyphs,
         )
         self._sought: int | None = None

@@ -31,9 +31,9 @@ class WorldView(Panel, can_focus=True):
     """A panel with the picture of one world. Before the first snapshot one line says what comes.
 
     In focus it has a cursor, which stands on a place: a cell of a map, a state of a graph, an arm. Until an
-    arrow key or a click moves it, it stays with the agent; escape takes it back there. ``in_hand`` says that
-    a person is the agent: then the cursor is not drawn, and ``title`` and ``prompt``, the longest forms
-    first, stand in the border.
+    arrow key or a click moves it, it stays with the agent; escape takes it back there. ``is_manual``
+    says that a person is the agent: then the cursor is not drawn, and ``title`` and ``prompt``, the longest
+    forms first, stand in the border.
 
     Subclasses implement :meth:`drawing`, which may set ``heading`` and ``footing`` on the way, and say what
     the places are.
@@ -63,7 +63,7 @@ class WorldView(Panel, can_focus=True):
         super().__init__(look, id=id, classes=classes)
         self.title: tuple[str, ...] = ()
         self.prompt: tuple[str, ...] = ()
-        self._in_hand = False
+        self._is_manual = False
         self.enter(world)
 
     def enter(self, world: World) -> None:
@@ -73,14 +73,14 @@ class WorldView(Panel, can_focus=True):
         self._pointed: int | None = None  # where the cursor of another panel stands
 
     @property
-    def in_hand(self) -> bool:
+    def is_manual(self) -> bool:
         """Whether a person takes the actions."""
-        return self._in_hand
+        return self._is_manual
 
-    @in_hand.setter
-    def in_hand(self, in_hand: bool) -> None:
-        self._in_hand = in_hand
-        self.set_class(in_hand, "-in-hand")
+    @is_manual.setter
+    def is_manual(self, is_manual: bool) -> None:
+        self._is_manual = is_manual
+        self.set_class(is_manual, "-manual")
         self.redraw()
 
     def show(self, snapshot: Snapshot) -> None:
@@ -151,7 +151,7 @@ class WorldView(Panel, can_focus=True):
     @property
     def shown_cursor(self) -> int | None:
         """The place at which a cursor is drawn: its own while in focus, else that of another panel."""
-        if self.in_hand:
+        if self.is_manual:
             return None
         return self.cursor_place if self.has_focus else self._pointed
 
@@ -186,7 +186,7 @@ class WorldView(Panel, can_focus=True):
             strips = self.drawing(snapshot, width, height)
             if not self.footing and self.has_focus:
                 self.footing = self.fitting(self._about_cursor(), width)
-            if self.in_hand:
+            if self.is_manual:
                 self.heading, self.footing = self.fitting(self.title, width), self.fitting(self.prompt, width)
             return strips
         palette, glyphs = self.look.palette, self.look.glyphs
@@ -218,7 +218,7 @@ class WorldView(Panel, can_focus=True):
         """Leave escape to the screen while there is nothing to go back from; an unseen cursor stays."""
         if action == "back":
             return self.is_away
-        return not (self.in_hand and action in ("move", "page"))
+        return not (self.is_manual and action in ("move", "page"))
 
     def action_move(self, rows: int, columns: int) -> None:
         """Move the cursor; the first move starts where the agent is."""
@@ -245,7 +245,7 @@ class WorldView(Panel, can_focus=True):
     def on_click(self, event: events.Click) -> None:
         """Put the cursor where the pointer is."""
         offset = event.get_content_offset(self)
-        if offset is None or self.snapshot is None or self.in_hand:
+        if offset is None or self.snapshot is None or self.is_manual:
             return
         place = self.place_at(offset.x, offset.y)
         if place is not None:

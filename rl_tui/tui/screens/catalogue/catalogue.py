@@ -33,7 +33,7 @@ from rl_tui.tui.app.actions import bindings_of
 from rl_tui.tui.draw.to_ascii import separated, written
 from rl_tui.tui.panels.notes import Notes
 from rl_tui.tui.screens.catalogue.facts import facts, faults_text
-from rl_tui.tui.screens.catalogue.saved_sessions import SessionShelf
+from rl_tui.tui.screens.catalogue.saved_sessions import SavedSessions
 from rl_tui.tui.screens.catalogue.session_list import SessionList
 from rl_tui.tui.screens.catalogue.session_text import session_facts, session_fault
 from rl_tui.tui.screens.help import HelpScreen
@@ -52,7 +52,7 @@ _NEEDED_TO_PLAY = ("rl_tui.tui.screens.playground.playground", "rl_tui.agents.le
 Entry = Scenario | ScenarioError | StoredSession | SessionError
 
 
-class Catalogue(SessionShelf):
+class Catalogue(SavedSessions):
     """Left the scenarios and the sessions, right what is known of the one under the cursor.
 
     Worlds are built in a thread after the first paint, those of Gymnasium last: importing it takes a moment.

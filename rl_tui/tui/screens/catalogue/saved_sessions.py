@@ -14,13 +14,13 @@ from rl_tui.common.errors import UserError
 from rl_tui.lab.live.record import Record
 from rl_tui.lab.sessions.folder import files_in, remove, sessions_in
 from rl_tui.lab.sessions.session import SessionError, StoredSession
+from rl_tui.tui.screens.action_screen import ActionScreen
 from rl_tui.tui.screens.catalogue.session_list import SessionList
 from rl_tui.tui.screens.dialogs.confirm import Confirm
-from rl_tui.tui.screens.stage import Stage
 from rl_tui.tui.theme.look import Look
 
 
-class SessionShelf(Stage):
+class SavedSessions(ActionScreen):
     """A screen with a list of sessions, which are read in a thread. Subclasses put the list somewhere.
 
     ``sessions`` is their folder, None where none are kept.
@@ -76,7 +76,7 @@ class SessionShelf(Stage):
         with suppress(RuntimeError):  # the program has ended meanwhile
             self.post_message(self.SessionsRead([*sound, *broken]))
 
-    def on_session_shelf_sessions_read(self, event: SessionsRead) -> None:
+    def on_saved_sessions_sessions_read(self, event: SessionsRead) -> None:
         """List the sessions."""
         sessions = self.query_one(SessionList)
         had_focus = sessions.has_focus

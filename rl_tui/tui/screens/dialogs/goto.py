@@ -19,17 +19,17 @@ _SHARE: Final = re.compile(r"(\d{1,18}(?:\.\d+)?)\s*%", re.ASCII)
 _MOMENT: Final = re.compile(rf"([a-z]*)\s*({_NUMBER})", re.ASCII)
 
 
-def ask_moment(snapshot: Snapshot) -> Prompt:
-    """Return the prompt; it answers the text typed, out of which :func:`moment_of` makes the command."""
+def goto_prompt(snapshot: Snapshot) -> Prompt:
+    """Return the prompt; it answers the text typed, out of which :func:`parse_goto` makes the command."""
 
     def read(text: str) -> str:
-        moment_of(text, snapshot)
+        parse_goto(text, snapshot)
         return text
 
     return Prompt("Go to", _expected(snapshot), str(snapshot.timeline.current.here), read, "go")
 
 
-def moment_of(text: str, snapshot: Snapshot) -> GoTo:
+def parse_goto(text: str, snapshot: Snapshot) -> GoTo:
     """Return where ``text`` points to; raises ValueError saying what was expected."""
     end = snapshot.timeline.current.end
     text = text.strip().lower()

@@ -10,7 +10,7 @@ from rl_tui.agents.hyperparameters import PARAMETERS
 from rl_tui.common.errors import UserError
 from rl_tui.lab.run.recipe import Recipe, SetParameter, SwitchAlgorithm
 from rl_tui.lab.timeline.lane_names import difference
-from rl_tui.tui.screens.playground.agent_actions import Told, told_together, with_values
+from rl_tui.tui.screens.playground.agent_actions import ParameterValue, params_together, with_values
 from rl_tui.worlds.mdp.space import FiniteSpace
 
 ALGORITHM = "algorithm"
@@ -35,20 +35,20 @@ def lane_changes(
         _check_difference(recipe, replace(recipe, algorithm=algorithm))
         return (SwitchAlgorithm(algorithm),)
 
-    def fault(told: list[Told]) -> str:
+    def fault(params: list[ParameterValue]) -> str:
         try:
-            check_compatible(space, recipe.algorithm, with_values(recipe.hyperparameters, told))
+            check_compatible(space, recipe.algorithm, with_values(recipe.hyperparameters, params))
         except (UserError, ValueError) as error:
             return str(error)
         return ""
 
-    told = told_together(recipe.hyperparameters, name, value, fault)
-    reason = fault(told)
+    params = params_together(recipe.hyperparameters, name, value, fault)
+    reason = fault(params)
     if reason:
         raise UserError(reason)
-    other = replace(recipe, hyperparameters=with_values(recipe.hyperparameters, told))
+    other = replace(recipe, hyperparameters=with_values(recipe.hyperparameters, params))
     _check_difference(recipe, other)
-    return tuple(SetParameter(each, setting) for each, setting in told)
+    return tuple(SetParameter(each, setting) for each, setting in params)
 
 
 def _check_difference(recipe: Recipe, other: Recipe) -> None:

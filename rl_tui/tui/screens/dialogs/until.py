@@ -14,14 +14,14 @@ from textual.widgets.option_list import Option
 
 from rl_tui.tui.draw.to_ascii import written
 from rl_tui.tui.screens.dialogs.dialog import Dialog
-from rl_tui.tui.screens.dialogs.until_options import Wait
+from rl_tui.tui.screens.dialogs.until_options import UntilOption
 from rl_tui.tui.theme.glyphs import Glyphs
 
 NO_BREAKPOINTS = "Breakpoints: none; k sets one where the cursor is."
 
 
-class UntilChoice(Dialog[Wait]):
-    """A list of ``waits``, a sentence about the one under the cursor, and the ``breakpoints`` in words.
+class UntilChoice(Dialog[UntilOption]):
+    """A list of ``options``, a sentence about the one under the cursor, and the ``breakpoints`` in words.
 
     The cursor starts on the wait whose id is ``remembered``, if it is there. ``clear`` is asked to take the
     breakpoints away. Answers the chosen wait.
@@ -34,7 +34,7 @@ class UntilChoice(Dialog[Wait]):
 
     def __init__(
         self,
-        waits: tuple[Wait, ...],
+        options: tuple[UntilOption, ...],
         remembered: str,
         breakpoints: str,
         clear: Callable[[], None],
@@ -42,7 +42,7 @@ class UntilChoice(Dialog[Wait]):
     ) -> None:
         super().__init__()
         self._clear = clear
-        self._waits = {each.id: each for each in waits}
+        self._options = {each.id: each for each in options}
         self._remembered = remembered
         self._breakpoints = breakpoints
         self._glyphs = glyphs
@@ -50,7 +50,7 @@ class UntilChoice(Dialog[Wait]):
     def compose(self) -> ComposeResult:
         """Yield the list, the sentence and the breakpoints."""
         with Vertical(id="box") as box:
-            yield OptionList(*(Option(self._row(each), id=each.id) for each in self._waits.values()))
+            yield OptionList(*(Option(self._row(each), id=each.id) for each in self._options.values()))
             yield Static(classes="hint", id="about", markup=False)
             yield Static(self._about_breakpoints(), classes="hint", id="breakpoints", markup=False)
         box.border_title = "Run until"
@@ -59,19 +59,19 @@ class UntilChoice(Dialog[Wait]):
     def on_mount(self) -> None:
         """Start on the one that was chosen last."""
         choices = self.query_one(OptionList)
-        ids = list(self._waits)
+        ids = list(self._options)
         choices.highlighted = ids.index(self._remembered) if self._remembered in ids else 0
         choices.focus()
 
     def on_option_list_option_highlighted(self, event: OptionList.OptionHighlighted) -> None:
         """Say what it is, or why it is not to be had here."""
-        wait = self._waits[str(event.option_id)]
+        wait = self._options[str(event.option_id)]
         text = f"Not here. {wait.refused}" if wait.refused else wait.hint
         self.query_one("#about", Static).update(written(text, self._glyphs))
 
     def on_option_list_option_selected(self, event: OptionList.OptionSelected) -> None:
         """Answer it, unless it is not to be had here."""
-        wait = self._waits[str(event.option_id)]
+        wait = self._options[str(event.option_id)]
         if wait.refused:
             self.app.bell()
         else:
@@ -83,7 +83,7 @@ class UntilChoice(Dialog[Wait]):
         self._breakpoints = ""
         self.query_one("#breakpoints", Static).update(self._about_breakpoints())
 
-    def _row(self, wait: Wait) -> Text:
+    def _row(self, wait: UntilOption) -> Text:
         return Text(written(wait.name, self._glyphs), "dim" if wait.refused else "bold")
 
     def _about_breakpoints(self) -> str:

@@ -1,4 +1,4 @@
-"""What there is to wait for in a run, in words that fit it, and what has to be asked about each."""
+"""What a run can be run until, in words that fit it, and what has to be asked about each."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _VALUE_COLUMNS = 8
 
 
 class Kind(Enum):
-    """What episodes are to whoever looks at the run."""
+    """Whether an agent, a bandit or a planner is on screen: their steps and episodes have other names."""
 
     AGENT = auto()
     BANDIT = auto()
@@ -30,11 +30,11 @@ class Kind(Enum):
 
 
 @dataclass(frozen=True, slots=True)
-class Wait:
+class UntilOption:
     """Something to run until: ``name`` in the list, ``hint`` a sentence about it.
 
-    ``id`` is the same for what is alike in other runs. ``refused`` says why it cannot be waited for here,
-    empty if it can. ``pair`` is that of a value, −1 otherwise.
+    ``id`` is the same for what is alike in other runs. ``refused`` says why it is not possible here, empty
+    if it is. ``pair`` is that of a value, −1 otherwise.
     """
 
     id: str
@@ -50,7 +50,7 @@ class Wait:
         return self.event in (Event.STEP, Event.EPISODE, Event.VALUE)
 
     def until(self, number: float = 0.0) -> Until:
-        """Return what a run is told, with the ``number`` that was asked for."""
+        """Return the stop condition for the player, with the ``number`` that was asked for."""
         if self.event is Event.VALUE:
             return Until(self.event, pair=self.pair, threshold=number)
         return Until(self.event, number=int(number)) if self.asks else Until(self.event)
@@ -63,15 +63,15 @@ def kind_of(snapshot: Snapshot) -> Kind:
     return Kind.BANDIT if isinstance(snapshot.world.drawing, Arms) else Kind.AGENT
 
 
-def waits(snapshot: Snapshot, cursor: int | None, glyphs: Glyphs) -> tuple[Wait, ...]:
-    """Return all there is to wait for; ``cursor`` is the pair under a cursor, None without one."""
+def until_options(snapshot: Snapshot, cursor: int | None, glyphs: Glyphs) -> tuple[UntilOption, ...]:
+    """Return all that a run can be run until; ``cursor`` is the pair under a cursor, None without one."""
     kind = kind_of(snapshot)
     rewards = "A planner takes no steps in the world: nothing pays." if kind is Kind.PLANNER else ""
     step = {Kind.AGENT: "step", Kind.BANDIT: "pull", Kind.PLANNER: "backup"}[kind]
     found = [
-        Wait("reward", Event.REWARD, "the next reward", f"A {step} whose reward is not 0.", rewards),
+        UntilOption("reward", Event.REWARD, "the next reward", f"A {step} whose reward is not 0.", rewards),
         *([] if kind is Kind.BANDIT else [_end(kind)]),
-        Wait(
+        UntilOption(
             "policy",
             Event.POLICY_CHANGE,
             "another greedy arm" if kind is Kind.BANDIT else "the next change of the greedy policy",
@@ -80,26 +80,28 @@ def waits(snapshot: Snapshot, cursor: int | None, glyphs: Glyphs) -> tuple[Wait,
             else "In some state other actions have the highest estimate than before.",
         ),
         _optimal(snapshot, kind),
-        Wait("step", Event.STEP, f"a {step} by its number …", f"Asks for the {step}."),
+        UntilOption("step", Event.STEP, f"a {step} by its number …", f"Asks for the {step}."),
     ]
     if kind is not Kind.BANDIT:
         episode = "sweep" if kind is Kind.PLANNER else "episode"
         article = "a" if kind is Kind.PLANNER else "an"
         name = f"{article} {episode} by its number …"
         found.append(
-            Wait("episode", Event.EPISODE, name, f"Asks for the {episode}, and stops where it begins.")
+            UntilOption("episode", Event.EPISODE, name, f"Asks for the {episode}, and stops where it begins.")
         )
     return (*found, *_values(snapshot, cursor, glyphs))
 
 
-def _end(kind: Kind) -> Wait:
+def _end(kind: Kind) -> UntilOption:
     if kind is Kind.PLANNER:
-        return Wait("end", Event.EPISODE_END, "the end of the sweep", "Every state was backed up once more.")
+        return UntilOption(
+            "end", Event.EPISODE_END, "the end of the sweep", "Every state was backed up once more."
+        )
     hint = "A terminal state, or the time limit."
-    return Wait("end", Event.EPISODE_END, "the end of the episode", hint)
+    return UntilOption("end", Event.EPISODE_END, "the end of the episode", hint)
 
 
-def _optimal(snapshot: Snapshot, kind: Kind) -> Wait:
+def _optimal(snapshot: Snapshot, kind: Kind) -> UntilOption:
     if kind is Kind.BANDIT:
         name = "the greedy arm is the best one"
         hint = "Compares with the true means without showing them."
@@ -107,11 +109,11 @@ def _optimal(snapshot: Snapshot, kind: Kind) -> Wait:
         name = "the greedy policy is optimal"
         hint = "No policy is better from the start of an episode, for the γ in force."
     refused = f"No exact answer: {snapshot.exact_refused}." if snapshot.exact_refused else ""
-    return Wait("optimal", Event.OPTIMAL, name, hint, refused)
+    return UntilOption("optimal", Event.OPTIMAL, name, hint, refused)
 
 
-def _values(snapshot: Snapshot, cursor: int | None, glyphs: Glyphs) -> list[Wait]:
-    """Return the values that may be waited for: that under the cursor, and the one updated last."""
+def _values(snapshot: Snapshot, cursor: int | None, glyphs: Glyphs) -> list[UntilOption]:
+    """Return the options on values: that under the cursor, and the one updated last."""
     last = snapshot.last.updated_pair if snapshot.last is not None and snapshot.last.learned else None
     found = []
     for id, pair, where in (("cursor", cursor, "under the cursor"), ("last", last, "updated last")):  # noqa: A001
@@ -119,19 +121,19 @@ def _values(snapshot: Snapshot, cursor: int | None, glyphs: Glyphs) -> list[Wait
             name = f"{estimate_name(snapshot.world, pair, glyphs)} reaches a value …"
             now = f" It is {_value(snapshot, pair, glyphs)} now." if snapshot.holds(pair) else ""
             hint = f"The estimate {where}; asks for the value.{now}"
-            found.append(Wait(f"value {id}", Event.VALUE, name, hint, pair=pair))
+            found.append(UntilOption(f"value {id}", Event.VALUE, name, hint, pair=pair))
     if found:
         return found
     refused = "No cell is chosen: tab goes to the table, the arrows to a cell."
-    return [Wait("value cursor", Event.VALUE, "an estimate reaches a value …", "", refused)]
+    return [UntilOption("value cursor", Event.VALUE, "an estimate reaches a value …", "", refused)]
 
 
-def ask_number(wait: Wait, snapshot: Snapshot, glyphs: Glyphs) -> Prompt:
-    """Return the prompt for the number of ``wait``, one of the waits that ask."""
-    if wait.event is Event.VALUE:
-        return _ask_value(wait, snapshot, glyphs)
+def ask_number(option: UntilOption, snapshot: Snapshot, glyphs: Glyphs) -> Prompt:
+    """Return the prompt for the number of ``option``, one of the options that ask."""
+    if option.event is Event.VALUE:
+        return _ask_value(option, snapshot, glyphs)
     kind = kind_of(snapshot)
-    if wait.event is Event.STEP:
+    if option.event is Event.STEP:
         noun = {Kind.AGENT: "step", Kind.BANDIT: "pull", Kind.PLANNER: "backup"}[kind]
         now, least = f"after {noun} {snapshot.step:,}", snapshot.step + 1
         example = snapshot.step + 1_000
@@ -155,8 +157,8 @@ def ask_number(wait: Wait, snapshot: Snapshot, glyphs: Glyphs) -> Prompt:
     return Prompt(f"Run until {noun}", hint, str(min(example, most)), read)
 
 
-def _ask_value(wait: Wait, snapshot: Snapshot, glyphs: Glyphs) -> Prompt:
-    pair, now = wait.pair, _value(snapshot, wait.pair, glyphs)
+def _ask_value(option: UntilOption, snapshot: Snapshot, glyphs: Glyphs) -> Prompt:
+    pair, now = option.pair, _value(snapshot, option.pair, glyphs)
 
     def read(text: str) -> float:
         try:

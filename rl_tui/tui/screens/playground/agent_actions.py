@@ -1,4 +1,4 @@
-"""What a person may tell the agent at any step: the questions, and the check that it can work."""
+"""What a person can change about the agent at any step: the dialogs, and the check that it can work."""
 
 from __future__ import annotations
 
@@ -12,19 +12,19 @@ from rl_tui.common.errors import UserError
 from rl_tui.lab.live.commands import Apply, Command
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.run.recipe import Recipe, SetParameter, SwitchAlgorithm
+from rl_tui.tui.screens.action_screen import ActionScreen
 from rl_tui.tui.screens.dialogs.choice import algorithm_choice, policy_choice, word_choice
 from rl_tui.tui.screens.dialogs.options import Options
 from rl_tui.tui.screens.dialogs.prompt import Prompt
 from rl_tui.tui.screens.dialogs.questions import ask_number, ask_seed
 from rl_tui.tui.screens.playground.board import Board
-from rl_tui.tui.screens.stage import Stage
 from rl_tui.tui.theme.look import Look
 
-Told = tuple[str, float | str]
+ParameterValue = tuple[str, float | str]
 """The name of a hyper-parameter and the value it gets."""
 
 
-class AgentStage(Stage):
+class AgentActions(ActionScreen):
     """A screen on which an agent learns. ``recipe`` is what a restart starts from: with every change made."""
 
     def __init__(self, look: Look, recipe: Recipe) -> None:
@@ -89,7 +89,7 @@ class AgentStage(Stage):
         self.app.push_screen(ask_seed(self.recipe.seed), restart)
 
     def action_options(self) -> None:
-        """Show everything the agent is told."""
+        """Show every hyper-parameter."""
         self.app.push_screen(Options(self.look, lambda: self.recipe, self.ask_parameter))
 
     def ask_parameter(self, name: str) -> None:
@@ -104,34 +104,34 @@ class AgentStage(Stage):
             self.app.push_screen(prompt, self._setter(name))
 
     def set_parameter(self, name: str, value: float | str) -> None:
-        """Tell the running learner; say why not where it cannot work. Initial Q starts again."""
+        """Set ``name`` of the running learner; say why not where it cannot work. Initial Q starts again."""
         values = self.recipe.hyperparameters
         if name == "initial_q":
             self.restart(replace(self.recipe, hyperparameters=values.changed(name, value)))
             return
-        told = told_together(values, name, value, self._fault)
-        if name == "policy" and len(told) > 1:
+        params = params_together(values, name, value, self._fault)
+        if name == "policy" and len(params) > 1:
             alpha = Hyperparameters().alpha
-            self.notify(f"{POLICY_BY_ID[str(value)].name} needs a step size: α is {alpha:g} from here on")
-        if told != [(name, values.value(name))]:
-            self._tell(told)
+            self.notify(f"{RULE_BY_ID[str(value)].name} needs a step size: α is {alpha:g} from here on")
+        if params != [(name, values.value(name))]:
+            self._apply(params)
 
-    def _tell(self, told: list[Told]) -> None:
-        fault = self._fault(told)
+    def _apply(self, params: list[ParameterValue]) -> None:
+        fault = self._fault(params)
         if fault:
             self.notify(fault, severity="warning", markup=False)
             self.show_in_force()
             return
-        self.recipe = replace(self.recipe, hyperparameters=with_values(self.recipe.hyperparameters, told))
-        for name, value in told:
+        self.recipe = replace(self.recipe, hyperparameters=with_values(self.recipe.hyperparameters, params))
+        for name, value in params:
             self.send(Apply(SetParameter(name, value)))
 
-    def _fault(self, told: list[Told]) -> str:
+    def _fault(self, params: list[ParameterValue]) -> str:
         """Return why these values cannot work here; empty if they can."""
         if self.snapshot is None:
             return "the world is being built"
         try:
-            values = with_values(self.recipe.hyperparameters, told)
+            values = with_values(self.recipe.hyperparameters, params)
             check_compatible(self.snapshot.world.space, self.recipe.algorithm, values)
         except (UserError, ValueError) as fault:
             return str(fault)
@@ -153,7 +153,7 @@ class AgentStage(Stage):
         return name in parameters_of(self.recipe.algorithm, self.recipe.hyperparameters.policy)
 
 
-def without_average(values: Hyperparameters) -> list[Told]:
+def without_average(values: Hyperparameters) -> list[ParameterValue]:
     """Return what makes the step size a number where it is the sample average."""
     usual = Hyperparameters()
     return [
@@ -163,26 +163,26 @@ def without_average(values: Hyperparameters) -> list[Told]:
     ]
 
 
-def told_together(
-    values: Hyperparameters, name: str, value: float | str, fault: Callable[[list[Told]], str]
-) -> list[Told]:
-    """Return all that is told to make ``name`` be ``value``: with it a step size, where that needs a number.
+def params_together(
+    values: Hyperparameters, name: str, value: float | str, fault: Callable[[list[ParameterValue]], str]
+) -> list[ParameterValue]:
+    """Return what to set for ``name`` to be ``value``: with it a step size, where that needs a number.
 
     ``fault`` says why values cannot work, empty if they can.
     """
-    told: list[Told] = [(name, value)]
+    params: list[ParameterValue] = [(name, value)]
     if not values.sample_average:
-        return told
+        return params
     number = without_average(values)
     if name in ("alpha", "step_size_schedule") and value != SAMPLE_AVERAGE:
-        return [*(each for each in number if each[0] != name), *told]
-    if name == "policy" and fault(told) and not fault([*number, *told]):
-        return [*number, *told]
-    return told
+        return [*(each for each in number if each[0] != name), *params]
+    if name == "policy" and fault(params) and not fault([*number, *params]):
+        return [*number, *params]
+    return params
 
 
-def with_values(values: Hyperparameters, told: list[Told]) -> Hyperparameters:
-    """Return ``values`` with all that is told; raises ValueError naming the range of what does not fit."""
-    for name, value in told:
+def with_values(values: Hyperparameters, params: list[ParameterValue]) -> Hyperparameters:
+    """Return ``values`` with ``params`` set; raises ValueError naming the range of what does not fit."""
+    for name, value in params:
         values = values.changed(name, value)
     return values

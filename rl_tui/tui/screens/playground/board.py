@@ -140,7 +140,7 @@ class Board(Container):
         return self._arrangement.dissected
 
     def dissect(self, *, opened: bool) -> None:
-        """Open or close the microscope; what covers all others gives way."""
+        """Open or close the microscope; a panel that covers all others goes back to its place."""
         self._arrangement.dissected = self.microscope.display = opened
         self.zoom(None)
 

@@ -1,20 +1,20 @@
-"""Telling that an environment does not answer: the run waits for it, the screen does not."""
+"""Showing that an environment does not answer: the run waits for it, the screen does not."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, Final
 
 from rl_tui.tui.panels.status_line import StatusLine
-from rl_tui.tui.screens.playground.agent_actions import AgentStage
+from rl_tui.tui.screens.playground.agent_actions import AgentActions
 
 if TYPE_CHECKING:
     from rl_tui.lab.live.player import Player
 
-LISTENS_EVERY: Final = 0.5
-WORTH_TELLING: Final = 3.0
+CHECK_EVERY: Final = 0.5  # seconds
+WORTH_SHOWING: Final = 3.0  # seconds without an answer
 
 
-class SilenceStage(AgentStage):
+class EnvironmentWatchdog(AgentActions):
     """A screen whose ``player`` may have to wait for an environment."""
 
     player: Player
@@ -25,12 +25,12 @@ class SilenceStage(AgentStage):
         return self.is_attached and self.app.is_running and self in self.app.screen_stack
 
     def on_mount(self) -> None:
-        """Listen whether it answers."""
-        self.set_interval(LISTENS_EVERY, self.listen)
+        """Begin to check whether it answers."""
+        self.set_interval(CHECK_EVERY, self.check_environment)
 
-    def listen(self) -> None:
-        """Say for how long nothing was heard, if that is worth it."""
+    def check_environment(self) -> None:
+        """Show for how long the environment has not answered, if that is long."""
         if not self.is_here:
             return
         seconds = self.player.unanswered
-        self.query_one(StatusLine).tell_silence(int(seconds) if seconds >= WORTH_TELLING else 0)
+        self.query_one(StatusLine).show_unanswered(int(seconds) if seconds >= WORTH_SHOWING else 0)

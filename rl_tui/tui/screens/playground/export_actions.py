@@ -15,7 +15,7 @@ from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.run.library import episodes_of
 from rl_tui.lab.run.recipe import JournalEntry, Recipe
 from rl_tui.tui.screens.dialogs import export as dialogs
-from rl_tui.tui.screens.playground.agent_actions import AgentStage
+from rl_tui.tui.screens.playground.agent_actions import AgentActions
 from rl_tui.worlds.drawing import Arms
 from rl_tui.worlds.mdp.space import FloatArray, IntArray
 
@@ -23,7 +23,7 @@ Write = Callable[[Path], None]
 SlowWrite = Callable[[Path, OnProgress], None]
 
 
-class ExportStage(AgentStage):
+class ExportActions(AgentActions):
     """Exporting: what is written is the moment that was shown when x was pressed."""
 
     def action_export(self) -> None:

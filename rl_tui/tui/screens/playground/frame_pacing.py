@@ -12,7 +12,7 @@ _HURRIED_FRAMES = 2  # the first may have been on its way before the key was pre
 
 
 async def _at_once() -> None:
-    """Where nobody tells whether a frame has arrived."""
+    """Return at once: where it is not known when a frame has arrived."""
 
 
 class Pacer:
@@ -60,7 +60,7 @@ class Pacer:
         return max(0.0, self._began + max(self._interval, _LOAD * self._cost) - self._clock())
 
     async def wait(self) -> None:
-        """Wait until the next frame is due or somebody is in a hurry."""
+        """Wait until the next frame is due, or :meth:`hurry` is called."""
         waits = [asyncio.ensure_future(each) for each in (self._due(), self._hurry.wait())]
         try:
             await asyncio.wait(waits, return_when=asyncio.FIRST_COMPLETED)

@@ -15,11 +15,11 @@ from rl_tui.tui.screens.dialogs.choice import algorithm_choice, policy_choice, w
 from rl_tui.tui.screens.dialogs.compare import Answer, Compare
 from rl_tui.tui.screens.dialogs.lane_changes import ALGORITHM, lane_changes
 from rl_tui.tui.screens.dialogs.questions import ask_number
-from rl_tui.tui.screens.playground.agent_actions import AgentStage
+from rl_tui.tui.screens.playground.agent_actions import AgentActions
 from rl_tui.worlds.drawing import Arms
 
 
-class LaneStage(AgentStage):
+class LaneActions(AgentActions):
     """Opening, showing and ending lanes."""
 
     def action_compare(self) -> None:

@@ -12,24 +12,24 @@ from rl_tui.lab.live.snapshot import Phase, Snapshot
 from rl_tui.tui.draw.to_ascii import written
 from rl_tui.tui.panels.key_line import KeyLine
 from rl_tui.tui.panels.status_line import StatusLine
-from rl_tui.tui.screens.playground.agent_actions import AgentStage
+from rl_tui.tui.screens.playground.agent_actions import AgentActions
 from rl_tui.tui.screens.playground.arrangement import WORLD
 from rl_tui.tui.screens.playground.manual_control import (
     DIGITS,
+    acting_keys,
     action_towards,
     digit_keys,
     has_directions,
     prompts,
     title,
-    told_keys,
 )
 
 _STEPS: Final = {"up": (-1, 0), "down": (1, 0), "left": (0, -1), "right": (0, 1)}
 
 # Before whatever is in focus: a slider or a table has uses of its own for these keys
-HAND_BINDINGS: Final[list[BindingType]] = [
+MANUAL_BINDINGS: Final[list[BindingType]] = [
     *(
-        Binding(key, f"steer{step}", key, show=False, priority=True, id=f"hand.{key}", tooltip="Go there")
+        Binding(key, f"steer{step}", key, show=False, priority=True, id=f"manual.{key}", tooltip="Go there")
         for key, step in _STEPS.items()
     ),
     *(
@@ -39,31 +39,33 @@ HAND_BINDINGS: Final[list[BindingType]] = [
             digit,
             show=False,
             priority=True,
-            id=f"hand.{digit}",
+            id=f"manual.{digit}",
             tooltip="Take this action",
         )
         for digit in DIGITS
     ),
-    Binding("escape", "let_go", "hand back", show=False, priority=True, id="hand.back", tooltip="Hand back"),
+    Binding(
+        "escape", "let_go", "hand back", show=False, priority=True, id="manual.back", tooltip="Hand back"
+    ),
 ]
 
 
-class HandStage(AgentStage):
+class ManualActions(AgentActions):
     """Taking over, and handing back."""
 
-    in_hand = False
+    is_manual = False
 
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
         """Leave arrows and digits to the panels unless a person is the agent."""
         if action == "steer":
-            return self.in_hand and self.snapshot is not None and has_directions(self.snapshot)
+            return self.is_manual and self.snapshot is not None and has_directions(self.snapshot)
         if action in ("act", "let_go"):
-            return self.in_hand
+            return self.is_manual
         return super().check_action(action, parameters)
 
     def action_take_over(self) -> None:
         """Take over, or hand back."""
-        if self.in_hand:
+        if self.is_manual:
             self.hand_back()
             self.tell("the agent acts again")
             return
@@ -79,10 +81,10 @@ class HandStage(AgentStage):
         self.bring_into_view(WORLD)
         self._show_mode(True)
         self.board.table.action_follow()
-        self.show_hand(snapshot)
+        self.show_manual_control(snapshot)
         if self.board.world is not None:
             self.board.world.action_follow()
-        text = f"you are the agent: act with {told_keys(snapshot)}; y hands back"
+        text = f"you are the agent: act with {acting_keys(snapshot)}; y hands back"
         self.tell(written(text, self.look.glyphs))
 
     def action_let_go(self) -> None:
@@ -91,7 +93,7 @@ class HandStage(AgentStage):
 
     def hand_back(self) -> None:
         """Let the agent act again."""
-        if self.in_hand:
+        if self.is_manual:
             self._show_mode(False)
 
     def note_sent(self, command: Command) -> None:
@@ -99,9 +101,9 @@ class HandStage(AgentStage):
         if isinstance(command, Play | RunEpisode | RunUntil | Restart):
             self.hand_back()
 
-    def show_hand(self, snapshot: Snapshot) -> None:
+    def show_manual_control(self, snapshot: Snapshot) -> None:
         """Show what can be done in ``snapshot``; hand back where nothing can be done any more."""
-        if not self.in_hand:
+        if not self.is_manual:
             return
         refused = _refused(snapshot)
         if refused:
@@ -110,7 +112,7 @@ class HandStage(AgentStage):
         elif self.board.world is not None:
             self.board.world.title = title(snapshot, self.look.glyphs)
             self.board.world.prompt = prompts(snapshot, self.look.glyphs)
-            self.query_one(KeyLine).hints = ((told_keys(snapshot), "act"), *_HINTS)
+            self.query_one(KeyLine).hints = ((acting_keys(snapshot), "act"), *_HINTS)
 
     def action_steer(self, rows: int, columns: int) -> None:
         """Take the action that goes so many rows down and columns to the right."""
@@ -129,17 +131,17 @@ class HandStage(AgentStage):
         if action is not None:
             self.send(Take(action))
             return
-        text = f"{key} is no action here: act with {told_keys(self.snapshot)}"
+        text = f"{key} is no action here: act with {acting_keys(self.snapshot)}"
         self.notify(written(text, self.look.glyphs), severity="warning", markup=False)
 
-    def _show_mode(self, in_hand: bool) -> None:
-        self.in_hand = in_hand
+    def _show_mode(self, is_manual: bool) -> None:
+        self.is_manual = is_manual
         if self.board.world is not None:
-            self.board.world.in_hand = in_hand
+            self.board.world.is_manual = is_manual
         status = self.query_one(StatusLine)
-        status.in_hand = in_hand
+        status.is_manual = is_manual
         status.redraw()
-        if not in_hand:
+        if not is_manual:
             self.query_one(KeyLine).hints = ()
 
 
@@ -152,7 +154,7 @@ _HINTS: Final = (
 
 
 def _refused(snapshot: Snapshot) -> str:
-    """Return why nobody can act in place of the agent, empty if one can."""
+    """Return why a person cannot act in place of the agent, empty if that is possible."""
     name = BY_ID[snapshot.algorithm].name
     if BY_ID[snapshot.algorithm].planner:
         return f"{name} takes no actions: it plans with the model; a chooses an agent"

@@ -12,7 +12,7 @@ from rl_tui.tui.theme.glyphs import Glyphs
 from rl_tui.worlds.drawing import Arms, Grid
 
 DIGITS: Final = "1234567890"
-IN_HAND: Final = "You are the agent"
+MANUAL_TITLE: Final = "You are the agent"
 _HAND_BACK: Final = " · y: hand back"
 _SHORTENED: Final = (LONGEST_NAME, 8, 5, 3)  # the cells that the name of an action gets
 _STRAIGHT: Final = ((-1, 0), (1, 0), (0, -1), (0, 1))
@@ -35,9 +35,9 @@ def title(snapshot: Snapshot, glyphs: Glyphs) -> tuple[str, ...]:
     """
     state = _acts_in(snapshot)
     if isinstance(snapshot.world.drawing, Arms) or state == snapshot.state:
-        return (IN_HAND,)
+        return (MANUAL_TITLE,)
     start = f"starts at {state_name(snapshot.world, state, glyphs)}"
-    return f"{IN_HAND} · {start}", f"You act · {start}", IN_HAND
+    return f"{MANUAL_TITLE} · {start}", f"You act · {start}", MANUAL_TITLE
 
 
 def digit_keys(snapshot: Snapshot) -> dict[str, int]:
@@ -62,17 +62,17 @@ def has_directions(snapshot: Snapshot) -> bool:
     return isinstance(drawing, Grid) and any(step in _STRAIGHT for step in drawing.directions)
 
 
-def told_keys(snapshot: Snapshot) -> str:
+def acting_keys(snapshot: Snapshot) -> str:
     """Return which keys act: ``arrows or 1…4``, ``1 or 2``."""
     keys = list(digit_keys(snapshot))
-    told = f"{keys[0]}…{keys[-1]}" if len(keys) > 2 else " or ".join(keys)
-    return f"arrows or {told}" if has_directions(snapshot) else told
+    digits = f"{keys[0]}…{keys[-1]}" if len(keys) > 2 else " or ".join(keys)
+    return f"arrows or {digits}" if has_directions(snapshot) else digits
 
 
 def prompts(snapshot: Snapshot, glyphs: Glyphs) -> tuple[str, ...]:
     """Return the legal actions with their digits, and how to hand back, the longest form first."""
     names = {key: action_name(snapshot.world, each, glyphs) for key, each in digit_keys(snapshot).items()}
-    keys = told_keys(snapshot)
+    keys = acting_keys(snapshot)
     brief = (f"{keys}: act{_HAND_BACK}", f"{keys}: act", "y: hand back")
     if all(key == name for key, name in names.items()):
         return brief

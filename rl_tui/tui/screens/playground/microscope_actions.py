@@ -8,11 +8,11 @@ from textual.widget import Widget
 from rl_tui.lab.live.commands import FollowCell
 from rl_tui.lab.live.snapshot import Phase
 from rl_tui.tui.panels.q_table.q_table import QTable
-from rl_tui.tui.screens.playground.agent_actions import AgentStage
+from rl_tui.tui.screens.playground.agent_actions import AgentActions
 
 
-class MicroscopeStage(AgentStage):
-    """Opening and closing the microscope, and which cell has its history told there."""
+class MicroscopeActions(AgentActions):
+    """Opening and closing the microscope, and which cell has its history shown there."""
 
     _focused_before: Widget | None = None
 
@@ -39,21 +39,21 @@ class MicroscopeStage(AgentStage):
         self._focused_before = None
 
     def bring_into_view(self, panel: str) -> None:
-        """Show ``panel``: what is zoomed gives way, and the microscope where there is no room for both."""
+        """Show ``panel``: end the zoom, and close the microscope where there is no room for both."""
         if self.board.zoomed not in (None, panel):
             self.board.zoom(None)
         if self.board.dissects and not self.board.has_room_for(panel):
             self.close_microscope()
 
     def follow_last_update(self) -> None:
-        """Tell the history of the pair updated last, as long as there is none yet, or while nothing runs."""
+        """Show the history of the pair updated last, as long as there is none yet, or while nothing runs."""
         runs = self.snapshot is not None and self.snapshot.phase is Phase.RUNNING
         if self.board.dissects and (self.board.microscope.pair is None or not runs):
             self._follow_cell()
 
     @on(QTable.CursorMoved)
     def follow_cursor(self) -> None:
-        """Tell the history of the cell that the cursor went to."""
+        """Show the history of the cell that the cursor went to."""
         if self.board.dissects:
             self._follow_cell()
             self.board.microscope.redraw()

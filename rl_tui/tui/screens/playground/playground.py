@@ -36,15 +36,15 @@ from rl_tui.tui.screens.dialogs.model import ModelScreen
 from rl_tui.tui.screens.help import HelpScreen
 from rl_tui.tui.screens.playground.arrangement import CONTROLS
 from rl_tui.tui.screens.playground.board import Board
-from rl_tui.tui.screens.playground.environment_watchdog import SilenceStage
-from rl_tui.tui.screens.playground.export_actions import ExportStage
+from rl_tui.tui.screens.playground.environment_watchdog import EnvironmentWatchdog
+from rl_tui.tui.screens.playground.export_actions import ExportActions
 from rl_tui.tui.screens.playground.frame_pacing import Pacer
-from rl_tui.tui.screens.playground.lane_actions import LaneStage
-from rl_tui.tui.screens.playground.manual_actions import HAND_BINDINGS, HandStage
-from rl_tui.tui.screens.playground.microscope_actions import MicroscopeStage
-from rl_tui.tui.screens.playground.session_actions import SessionStage
-from rl_tui.tui.screens.playground.time_actions import TimeStage
-from rl_tui.tui.screens.playground.until_actions import UntilStage
+from rl_tui.tui.screens.playground.lane_actions import LaneActions
+from rl_tui.tui.screens.playground.manual_actions import MANUAL_BINDINGS, ManualActions
+from rl_tui.tui.screens.playground.microscope_actions import MicroscopeActions
+from rl_tui.tui.screens.playground.session_actions import SessionActions
+from rl_tui.tui.screens.playground.time_actions import TimeActions
+from rl_tui.tui.screens.playground.until_actions import UntilActions
 from rl_tui.tui.theme.look import Look
 from rl_tui.worlds.drawing import Arms
 
@@ -54,12 +54,19 @@ _ASKS_AGAIN: Final = 0.25  # seconds
 
 
 class Playground(
-    TimeStage, UntilStage, HandStage, LaneStage, MicroscopeStage, SessionStage, ExportStage, SilenceStage
+    TimeActions,
+    UntilActions,
+    ManualActions,
+    LaneActions,
+    MicroscopeActions,
+    SessionActions,
+    ExportActions,
+    EnvironmentWatchdog,
 ):
     """One run: what it looks like and what may be done with it."""
 
     CSS_PATH = "playground.tcss"
-    BINDINGS: ClassVar[list[BindingType]] = [*bindings_of(Place.PLAYGROUND), *HAND_BINDINGS]
+    BINDINGS: ClassVar[list[BindingType]] = [*bindings_of(Place.PLAYGROUND), *MANUAL_BINDINGS]
     AUTO_FOCUS = ""
     place = Place.PLAYGROUND
 
@@ -108,7 +115,7 @@ class Playground(
         self.call_after_refresh(self._start_to_follow)
 
     def on_unmount(self) -> None:
-        """Let the player's thread end; nobody waits for it."""
+        """Let the player's thread end, without waiting for it."""
         self.player.close()
         self._end()
 
@@ -152,7 +159,7 @@ class Playground(
         self.compare_with_saved(snapshot)
         with self.app.batch_update():
             self.query_one(StatusLine).show(snapshot)
-            self.show_hand(snapshot)
+            self.show_manual_control(snapshot)
             self.board.show(snapshot, revealed=self._revealed)
             if self._model is not None:
                 self._model.show(snapshot)
@@ -225,7 +232,7 @@ class Playground(
             self.send(Pause() if phase in (Phase.RUNNING, Phase.SEEKING) else Play())
 
     def rest(self) -> None:
-        """Pause a run that goes on while nobody is there."""
+        """Pause a run that goes on while no key is pressed."""
         if self.snapshot is not None and self.snapshot.phase in (Phase.RUNNING, Phase.SEEKING):
             self.send(Pause())
             self.notify("paused: nobody has pressed a key for some minutes", timeout=_UNTIL_SEEN)

@@ -13,17 +13,17 @@ from rl_tui.lab.sessions.folder import named_path
 from rl_tui.lab.sessions.session import OTHER_BITS, SessionError, StoredSession, digest_of
 from rl_tui.tui.draw.to_ascii import written
 from rl_tui.tui.screens.dialogs.prompt import Prompt
-from rl_tui.tui.screens.playground.agent_actions import AgentStage
+from rl_tui.tui.screens.playground.agent_actions import AgentActions
 
 
-class SessionStage(AgentStage):
+class SessionActions(AgentActions):
     """A screen whose session keeps itself by ``autosave``, None where none is kept."""
 
     autosave: Autosave | None = None
     resumed: StoredSession | None = None
     """What it went on with, until it has come out as it was saved."""
 
-    class Noticed(Message):
+    class SessionNotice(Message):
         """There is something to know about the session; sent from any thread."""
 
         def __init__(self, notice: str) -> None:
@@ -31,16 +31,16 @@ class SessionStage(AgentStage):
             self.notice = notice
 
     def on_mount(self) -> None:
-        """Hear what becomes of the session."""
+        """Listen to what becomes of the session."""
 
         def tell(notice: str) -> None:
-            self.post_message(self.Noticed(notice))
+            self.post_message(self.SessionNotice(notice))
 
         if self.autosave is not None:
             self.autosave.listen(tell)
 
-    def on_session_stage_noticed(self, event: Noticed) -> None:
-        """Tell it."""
+    def on_session_actions_session_notice(self, event: SessionNotice) -> None:
+        """Show the notice."""
         text = written(event.notice, self.look.glyphs)
         self.notify(text, severity="warning", timeout=15, markup=False)
 
@@ -49,9 +49,9 @@ class SessionStage(AgentStage):
         return fault if self.resumed is None else SessionError(self.resumed.path, str(fault))
 
     def compare_with_saved(self, snapshot: Snapshot) -> None:
-        """Tell, once it stands where the session was left, if that came out otherwise than it was saved.
+        """Warn, once the run stands where the session was left, if it came out otherwise than it was saved.
 
-        The file is then left alone, since it holds what somebody did who had other versions.
+        The file is then left alone, since it holds what was done with other versions.
         """
         if self.resumed is None or snapshot.phase in (Phase.PREPARING, Phase.SEEKING):
             return

@@ -7,12 +7,12 @@ from dataclasses import replace
 from rl_tui.lab.live.commands import ChooseBranch, EpisodeBack, GoTo, StepBack
 from rl_tui.lab.live.snapshot import Phase, Snapshot
 from rl_tui.tui.panels.timeline.timeline import TimelineBar
-from rl_tui.tui.screens.dialogs.goto import ask_moment, moment_of
+from rl_tui.tui.screens.dialogs.goto import goto_prompt, parse_goto
 from rl_tui.tui.screens.dialogs.journal import JournalScreen, Moment
-from rl_tui.tui.screens.playground.agent_actions import AgentStage
+from rl_tui.tui.screens.playground.agent_actions import AgentActions
 
 
-class TimeStage(AgentStage):
+class TimeActions(AgentActions):
     """What a person may ask of time. ``sent`` counts the commands that the player was sent."""
 
     sent = 0
@@ -30,10 +30,10 @@ class TimeStage(AgentStage):
 
         def go(text: float | str | None) -> None:
             if text is not None and self.snapshot is not None:
-                self.send(moment_of(str(text), self.snapshot))
+                self.send(parse_goto(str(text), self.snapshot))
 
         if self.snapshot is not None:
-            self.app.push_screen(ask_moment(self.snapshot), go)
+            self.app.push_screen(goto_prompt(self.snapshot), go)
 
     def action_branches(self) -> None:
         """Show the branches of the run."""

@@ -11,15 +11,15 @@ from rl_tui.tui.panels.q_table.q_table import QTable
 from rl_tui.tui.panels.world.arms.arms import ArmsView
 from rl_tui.tui.panels.world.view import WorldView
 from rl_tui.tui.screens.dialogs.until import UntilChoice
-from rl_tui.tui.screens.dialogs.until_options import Kind, Wait, ask_number, kind_of, waits
-from rl_tui.tui.screens.playground.agent_actions import AgentStage
+from rl_tui.tui.screens.dialogs.until_options import Kind, UntilOption, ask_number, kind_of, until_options
+from rl_tui.tui.screens.playground.agent_actions import AgentActions
 from rl_tui.worlds.drawing import Arms
 
 
-class UntilStage(AgentStage):
-    """What a person may wait for."""
+class UntilActions(AgentActions):
+    """Running until something happens, and breakpoints."""
 
-    _waited_for = ""  # the id of the wait chosen last
+    _chosen_last = ""  # the id of the option chosen last
 
     def action_until(self) -> None:
         """Choose what to run until."""
@@ -30,10 +30,10 @@ class UntilStage(AgentStage):
             self.tell("the run has come to its end; r starts again")
             return
         glyphs = self.look.glyphs
-        found = waits(snapshot, self._pair_under_cursor(), glyphs)
+        found = until_options(snapshot, self._pair_under_cursor(), glyphs)
         listed = breakpoints_text(snapshot.world, snapshot.breakpoints, glyphs)
-        choice = UntilChoice(found, self._waited_for, listed, self.action_clear_breakpoints, glyphs)
-        self.app.push_screen(choice, self._wait_for)
+        choice = UntilChoice(found, self._chosen_last, listed, self.action_clear_breakpoints, glyphs)
+        self.app.push_screen(choice, self._run_until)
 
     def action_breakpoint(self) -> None:
         """Set a breakpoint where the cursor is, or take it away."""
@@ -60,19 +60,19 @@ class UntilStage(AgentStage):
         self.send(ClearBreakpoints())
         self.tell("all breakpoints are taken away")
 
-    def _wait_for(self, wait: Wait | None) -> None:
-        if wait is None or self.snapshot is None:
+    def _run_until(self, option: UntilOption | None) -> None:
+        if option is None or self.snapshot is None:
             return
-        self._waited_for = wait.id
-        if not wait.asks:
-            self.send(RunUntil(wait.until()))
+        self._chosen_last = option.id
+        if not option.asks:
+            self.send(RunUntil(option.until()))
             return
 
         def run(number: float | str | None) -> None:
             if number is not None:
-                self.send(RunUntil(wait.until(float(number))))
+                self.send(RunUntil(option.until(float(number))))
 
-        self.app.push_screen(ask_number(wait, self.snapshot, self.look.glyphs), run)
+        self.app.push_screen(ask_number(option, self.snapshot, self.look.glyphs), run)
 
     def _pair_under_cursor(self) -> int | None:
         """Return the pair that a cursor was put on, or stands on in focus; None without one."""

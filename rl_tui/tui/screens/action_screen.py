@@ -1,4 +1,4 @@
-"""What catalogue and playground share: their place in the registry, the key line, and the least size."""
+"""What catalogue and playground share: a place in the registry of actions, a key line, a least size."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ class TooSmall(Static):
         self.update(written(text, self.look.glyphs))
 
 
-class Stage(Screen[None]):
+class ActionScreen(Screen[None]):
     """A screen that fills the terminal. Subclasses name their ``place`` and yield their ``content``."""
 
     HORIZONTAL_BREAKPOINTS = _WIDTHS
@@ -71,7 +71,7 @@ class Stage(Screen[None]):
         yield TooSmall(self.look, id="too-small")
 
     def tell(self, message: str) -> None:
-        """Say something in passing, in place of what was said before."""
+        """Show ``message`` as a notification, in place of those shown before."""
         self.app.clear_notifications()
         self.notify(message, markup=False)
 

@@ -9,13 +9,13 @@ from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.panels.last_step.choice_text import choice_text
 from rl_tui.tui.panels.last_step.last_step import inspector_lines
 from rl_tui.tui.screens.playground.manual_control import (
+    acting_keys,
     action_towards,
     digit_keys,
     has_directions,
     legal_actions,
     prompts,
     title,
-    told_keys,
 )
 
 GLYPHS = look().glyphs
@@ -57,10 +57,10 @@ def test_arrows_are_directions_on_a_grid_only() -> None:
 
 
 def test_the_keys_are_told() -> None:
-    assert told_keys(lake()) == "arrows or 1…4"
-    assert told_keys(student(state=0)) == "1 or 2"
-    assert told_keys(student(state=2)) == "1"
-    assert told_keys(bandit(5)) == "0…9"
+    assert acting_keys(lake()) == "arrows or 1…4"
+    assert acting_keys(student(state=0)) == "1 or 2"
+    assert acting_keys(student(state=2)) == "1"
+    assert acting_keys(bandit(5)) == "0…9"
     assert prompts(student(state=0), GLYPHS)[0] == "1 study  2 check phone · y: hand back"
     assert prompts(lake(), GLYPHS)[:3] == (
         "1 ←  2 ↓  3 →  4 ↑ · y: hand back",

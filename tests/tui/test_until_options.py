@@ -7,16 +7,16 @@ from samples import bandit, lake, look, planning, stepped_lake, student
 
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.live.until import Event, Until
-from rl_tui.tui.screens.dialogs.until_options import Wait, ask_number, waits
+from rl_tui.tui.screens.dialogs.until_options import UntilOption, ask_number, until_options
 
 GLYPHS = look().glyphs
 
 
-def found(snapshot: Snapshot, cursor: int | None = None) -> dict[str, Wait]:
-    return {wait.id: wait for wait in waits(snapshot, cursor, GLYPHS)}
+def found(snapshot: Snapshot, cursor: int | None = None) -> dict[str, UntilOption]:
+    return {wait.id: wait for wait in until_options(snapshot, cursor, GLYPHS)}
 
 
-def read(wait: Wait, snapshot: Snapshot, text: str) -> float | str:
+def read(wait: UntilOption, snapshot: Snapshot, text: str) -> float | str:
     return ask_number(wait, snapshot, GLYPHS)._read(text)
 
 
