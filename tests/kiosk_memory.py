@@ -74,11 +74,11 @@ async def abuse(rounds: int) -> None:
 
 
 async def _to_playground(pilot: Pilot[UserError]) -> None:
-    from rl_tui.tui.screens.catalogue.catalogue import Catalogue
+    from rl_tui.tui.screens.catalogue.catalogue import CatalogueScreen
     from rl_tui.tui.screens.playground.playground import Playground
 
     while not isinstance(pilot.app.screen, Playground):
-        await pilot.press("enter" if isinstance(pilot.app.screen, Catalogue) else "escape")
+        await pilot.press("enter" if isinstance(pilot.app.screen, CatalogueScreen) else "escape")
 
 
 def _tell(when: str) -> None:

@@ -14,7 +14,7 @@ from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.panels.world.grid.cells import CellArtist
 from rl_tui.tui.panels.world.grid.form import CellForm
 from rl_tui.tui.panels.world.grid.grid import GridView, draw_grid
-from rl_tui.tui.panels.world.grid.map import GridMap, Part
+from rl_tui.tui.panels.world.grid.map import GridMap, MapPart
 from rl_tui.worlds.drawing import Grid
 from rl_tui.worlds.mdp.tabular_mdp import FloatArray
 
@@ -39,10 +39,10 @@ def picture(snapshot: Snapshot, width: int, height: int, *, ascii: bool = False)
     return [strip.text for strip in view.picture(snapshot, width, height)]
 
 
-def whole(snapshot: Snapshot) -> Part:
+def whole(snapshot: Snapshot) -> MapPart:
     grid = snapshot.world.drawing
     assert isinstance(grid, Grid)
-    return Part(0, 0, grid.rows, grid.columns)
+    return MapPart(0, 0, grid.rows, grid.columns)
 
 
 def small(snapshot: Snapshot, height: int = 4, width: int = 20) -> list[str]:

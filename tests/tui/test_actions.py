@@ -5,7 +5,7 @@ import pytest
 from rl_tui.tui.app.action import Place
 from rl_tui.tui.app.actions import ACTIONS, actions_of, bindings_of
 from rl_tui.tui.panels.key_line import fitting
-from rl_tui.tui.screens.catalogue.catalogue import Catalogue
+from rl_tui.tui.screens.catalogue.catalogue import CatalogueScreen
 from rl_tui.tui.screens.playground.playground import Playground
 
 PLAYGROUND_KEYS = {
@@ -80,7 +80,9 @@ def test_every_action_has_a_name_of_its_own_and_says_what_it_does() -> None:
     assert all(action.help.endswith(".") and action.shown and action.label for action in ACTIONS)
 
 
-@pytest.mark.parametrize(("place", "screen"), [(Place.CATALOGUE, Catalogue), (Place.PLAYGROUND, Playground)])
+@pytest.mark.parametrize(
+    ("place", "screen"), [(Place.CATALOGUE, CatalogueScreen), (Place.PLAYGROUND, Playground)]
+)
 def test_every_action_can_be_done_on_its_screen(place: Place, screen: type) -> None:
     for action in actions_of(place):
         if not action.textual_action.startswith("app."):

@@ -18,7 +18,7 @@ from rl_tui.tui.app.app import RlTuiApp
 from rl_tui.tui.app.display import Display
 from rl_tui.tui.app.palette_entries import ActionProvider, palette_name
 from rl_tui.tui.app.screenshot import settle
-from rl_tui.tui.screens.catalogue.catalogue import Catalogue
+from rl_tui.tui.screens.catalogue.catalogue import CatalogueScreen
 from rl_tui.tui.screens.playground.playground import Playground
 from rl_tui.worlds.files.scenario import read_scenario
 
@@ -136,7 +136,7 @@ async def test_escape_leaves_a_run_only_when_pressed_again(make_app: MakeApp) ->
         assert [note.message for note in app._notifications][-1].startswith("esc again")
         await pilot.press("escape")
         await settle(pilot)
-        assert isinstance(app.screen, Catalogue)
+        assert isinstance(app.screen, CatalogueScreen)
 
 
 async def test_escape_goes_back_to_the_catalogue(make_app: MakeApp) -> None:
@@ -145,7 +145,7 @@ async def test_escape_goes_back_to_the_catalogue(make_app: MakeApp) -> None:
         await settle(pilot)
         await pilot.press("escape")
         await settle(pilot)
-        assert isinstance(app.screen, Catalogue)
+        assert isinstance(app.screen, CatalogueScreen)
 
 
 async def test_in_ascii_no_character_is_left_over(make_app: MakeApp) -> None:

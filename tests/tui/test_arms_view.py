@@ -20,7 +20,7 @@ from rl_tui.tui.panels.world.arms.arms import (
 )
 from rl_tui.tui.panels.world.arms.scale import (
     NO_SCALE,
-    Scale,
+    ArmsScale,
     bound_text,
     grown,
     round_up,
@@ -141,12 +141,12 @@ def test_the_standard_error_follows_how_the_agent_averages() -> None:
 
 def test_the_scale_widens_in_steps_and_never_shrinks_within_a_run() -> None:
     scale = grown(NO_SCALE, [0.3, -0.2])
-    assert scale == Scale(-0.2, 0.3)
+    assert scale == ArmsScale(-0.2, 0.3)
     scale = grown(scale, [0.31])
-    assert scale == Scale(-0.2, 0.4)
+    assert scale == ArmsScale(-0.2, 0.4)
     assert grown(scale, [0.0, 0.1]) == scale
     assert grown(scale, [math.nan, math.inf]) == scale
-    assert shown_scale(NO_SCALE) == Scale(-1.0, 1.0)
+    assert shown_scale(NO_SCALE) == ArmsScale(-1.0, 1.0)
 
 
 def test_a_new_run_starts_with_a_new_scale() -> None:
@@ -170,8 +170,8 @@ def test_round_ends(value: float, rounded: float) -> None:
 
 
 def test_ticks_are_round_and_hold_zero() -> None:
-    assert ticks(Scale(-2.0, 2.0), 5) == [-2.0, -1.0, 0.0, 1.0, 2.0]
-    assert ticks(Scale(-0.6, 3.0), 4) == [0.0, 2.0]
+    assert ticks(ArmsScale(-2.0, 2.0), 5) == [-2.0, -1.0, 0.0, 1.0, 2.0]
+    assert ticks(ArmsScale(-0.6, 3.0), 4) == [0.0, 2.0]
     assert [bound_text(value, UNICODE) for value in (-0.5, 0.0, 20.0)] == ["−0.5", "0", "20"]
     assert bound_text(-0.5, ASCII) == "-0.5"
 

@@ -11,7 +11,7 @@ from textual.widgets import OptionList
 from rl_tui.common.errors import UserError
 from rl_tui.common.streams import streams
 from rl_tui.tui.app.screenshot import settle
-from rl_tui.tui.screens.catalogue.catalogue import Catalogue
+from rl_tui.tui.screens.catalogue.catalogue import CatalogueScreen
 from rl_tui.tui.screens.catalogue.facts import defaults, sizes
 from rl_tui.tui.screens.help import HelpScreen
 from rl_tui.tui.screens.playground.playground import Playground
@@ -72,7 +72,7 @@ async def test_enter_opens_and_escape_comes_back_to_the_same_entry(make_app: Mak
         assert screen.snapshot.recipe.scenario.id == "student"
         await pilot.press("escape")
         await settle(pilot)
-        assert isinstance(app.screen, Catalogue)
+        assert isinstance(app.screen, CatalogueScreen)
         highlighted = scenarios(pilot).highlighted_option
         assert highlighted
         assert highlighted.id == "student"
@@ -91,7 +91,7 @@ async def test_a_faulty_file_is_listed_with_its_faults(
         assert "colour" in facts(pilot)
         await pilot.press("enter")
         await settle(pilot)
-        assert isinstance(app.screen, Catalogue)
+        assert isinstance(app.screen, CatalogueScreen)
         assert "this file has faults; mend them first" in [note.message for note in app._notifications]
 
 
@@ -115,7 +115,7 @@ async def test_help_opens(make_app: MakeApp) -> None:
         await pilot.press("question_mark")
         assert isinstance(app.screen, HelpScreen)
         await pilot.press("question_mark")
-        assert isinstance(app.screen, Catalogue)
+        assert isinstance(app.screen, CatalogueScreen)
 
 
 def test_sizes_are_loading_until_the_world_is_built() -> None:

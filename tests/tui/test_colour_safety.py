@@ -8,12 +8,12 @@ from colour_vision import EYES, contrast, distance, least_distance, lightness
 from rich.color import Color
 from rich.style import Style
 from rich.terminal_theme import TerminalTheme
-from test_palette import LINES, NAMES, RGB_PALETTES, VGA, all_styles, grounds, roles
+from test_palette import LINES, NAMES, RGB_PALETTES, VGA, all_styles, backgrounds, roles
 
 from rl_tui.tui.theme.limited_themes import PICTURE_DARK, PICTURE_LIGHT, themes_for
 from rl_tui.tui.theme.palette import Depth, Palette, palette_for
 
-READABLE = 4.5  # WCAG 2.2, 1.4.3: text against its ground
+READABLE = 4.5  # WCAG 2.2, 1.4.3: text against its background
 VISIBLE = 3.0  # 1.4.11: lines and marks against what is beside them
 PAPER = TerminalTheme((255, 255, 255), (0, 0, 0), [tuple(VGA.ansi_colors[number]) for number in range(16)])
 SIXTEEN = [(True, VGA), (True, PICTURE_DARK), (False, PAPER), (False, PICTURE_LIGHT)]
@@ -45,7 +45,7 @@ def test_the_simulated_eyes_confuse_what_such_eyes_confuse() -> None:
 
 @pytest.mark.parametrize("palette", RGB_PALETTES, ids=NAMES)
 def test_minus_is_as_strong_as_plus(palette: Palette) -> None:
-    light = [lightness(color) for color in grounds(palette.signed)]
+    light = [lightness(color) for color in backgrounds(palette.signed)]
     apart = [abs(one - other) for one, other in zip(light, reversed(light), strict=True)]
     assert max(apart) <= 5.0
 

@@ -12,9 +12,9 @@ from textual.strip import Strip
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.panels.world.graph.graph import GraphView
 from rl_tui.tui.panels.world.graph.layout import GraphLayout, graph_layout
-from rl_tui.tui.panels.world.graph.routing import RIGHT, Box, Port, Sheet, route
+from rl_tui.tui.panels.world.graph.routing import RIGHT, Box, Port, RoutingSheet, route
 from rl_tui.tui.panels.world.graph.shape import GraphShape, graph_shape, probability_text, reward_text
-from rl_tui.tui.panels.world.graph.strokes import BOLD, THIN, Arms, joint
+from rl_tui.tui.panels.world.graph.strokes import BOLD, THIN, StrokeArms, joint
 from rl_tui.tui.theme.glyphs import ASCII, UNICODE
 from rl_tui.worlds.drawing import Graph
 from rl_tui.worlds.mdp.tabular_mdp import Outcome, TabularMDP, Transition, tabular_mdp
@@ -284,16 +284,16 @@ def test_rewards(reward: float, text: str) -> None:
 @pytest.mark.parametrize(
     ("arms", "unicode", "plain"),
     [
-        (Arms(right=THIN, left=THIN), "─", "-"),
-        (Arms(up=BOLD, down=BOLD), "┃", "H"),
-        (Arms(up=THIN, right=THIN), "╰", "+"),
-        (Arms(down=BOLD, left=BOLD), "┓", "+"),
-        (Arms(THIN, BOLD, THIN, 0), "┝", "+"),
-        (Arms(THIN, BOLD, THIN, BOLD), "┿", "+"),
-        (Arms(), " ", " "),
+        (StrokeArms(right=THIN, left=THIN), "─", "-"),
+        (StrokeArms(up=BOLD, down=BOLD), "┃", "H"),
+        (StrokeArms(up=THIN, right=THIN), "╰", "+"),
+        (StrokeArms(down=BOLD, left=BOLD), "┓", "+"),
+        (StrokeArms(THIN, BOLD, THIN, 0), "┝", "+"),
+        (StrokeArms(THIN, BOLD, THIN, BOLD), "┿", "+"),
+        (StrokeArms(), " ", " "),
     ],
 )
-def test_lines_join(arms: Arms, unicode: str, plain: str) -> None:
+def test_lines_join(arms: StrokeArms, unicode: str, plain: str) -> None:
     assert joint(arms, UNICODE) == unicode
     assert joint(arms, ASCII) == plain
 
@@ -301,12 +301,12 @@ def test_lines_join(arms: Arms, unicode: str, plain: str) -> None:
 def test_a_route_goes_around_boxes_and_ends_on_a_straight_cell() -> None:
     wall = Box(5, 0, 3, 4)
     target = Box(12, 0, 4, 3)
-    sheet = Sheet(20, 6, {*wall.cells(), *target.cells()})
+    sheet = RoutingSheet(20, 6, {*wall.cells(), *target.cells()})
     found = route(sheet, {Port((0, 1), RIGHT): 0.0}, {Port((12, 1), RIGHT): 0.0})
     assert found is not None
     assert not set(found.cells) & set(wall.cells())
     assert found.cells[-2:] == ((10, 1), (11, 1))
-    closed = Sheet(20, 6, {*Box(5, 0, 3, 6).cells(), *target.cells()})
+    closed = RoutingSheet(20, 6, {*Box(5, 0, 3, 6).cells(), *target.cells()})
     assert route(closed, {Port((0, 1), RIGHT): 0.0}, {Port((12, 1), RIGHT): 0.0}) is None
 
 

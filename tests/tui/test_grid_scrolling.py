@@ -14,7 +14,7 @@ from textual.geometry import Region
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.draw.scrolling import kept_in_view
 from rl_tui.tui.panels.world.grid.grid import GridView
-from rl_tui.tui.panels.world.grid.map import CellContent, GridMap, Part
+from rl_tui.tui.panels.world.grid.map import CellContent, GridMap, MapPart
 from rl_tui.tui.panels.world.views import world_view
 from rl_tui.worlds.drawing import Grid
 from rl_tui.worlds.world import World
@@ -32,11 +32,11 @@ def test_the_view_moves_only_where_the_agent_nears_its_edge(
 
 def test_only_cells_in_view_are_read(monkeypatch: pytest.MonkeyPatch) -> None:
     snapshot = large_lake()
-    read: list[Part] = []
+    read: list[MapPart] = []
     contents = GridMap.contents
 
     def counted(
-        self: GridMap, part: Part, snapshot: Snapshot, cursor: int | None = None
+        self: GridMap, part: MapPart, snapshot: Snapshot, cursor: int | None = None
     ) -> list[CellContent]:
         read.append(part)
         return contents(self, part, snapshot, cursor)
@@ -44,7 +44,7 @@ def test_only_cells_in_view_are_read(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(GridMap, "contents", counted)
     view = GridView(snapshot.world, look())
     view.picture(replace(snapshot, state=20 * 40 + 30), 40, 10)
-    assert read == [Part(15, 26, 10, 8)]
+    assert read == [MapPart(15, 26, 10, 8)]
 
 
 def test_wheel_and_cursor_scroll_until_the_agent_is_followed_again() -> None:

@@ -78,11 +78,11 @@ def all_styles(palette: Palette) -> list[Style]:
     return [*palette.values, *palette.signed, *roles(palette).values()]
 
 
-def grounds(styles: tuple[Style, ...]) -> list[Color]:
+def backgrounds(styles: tuple[Style, ...]) -> list[Color]:
     return [style.bgcolor for style in styles if style.bgcolor is not None]
 
 
-def ground_of_theme(palette: Palette) -> Color:
+def background_of_theme(palette: Palette) -> Color:
     depth: Depth = "256" if palette.name.startswith("256") else "truecolor"
     dark, light = themes_for(depth)
     background = (dark if palette.name.endswith("dark") else light).background
@@ -106,10 +106,10 @@ def test_no_style_is_empty_and_the_signed_ramp_has_a_middle(depth: Depth, dark: 
 
 @pytest.mark.parametrize("palette", RGB_PALETTES, ids=NAMES)
 def test_ramps_are_monotone_in_luminance(palette: Palette) -> None:
-    values = grounds(palette.values)
+    values = backgrounds(palette.values)
     assert len(values) == len(palette.values)
     assert is_monotone([luminance(color) for color in values])
-    signed = [luminance(color) for color in grounds(palette.signed)]
+    signed = [luminance(color) for color in backgrounds(palette.signed)]
     assert len(signed) == len(palette.signed)
     middle = len(signed) // 2
     assert is_monotone(signed[: middle + 1])
@@ -118,7 +118,7 @@ def test_ramps_are_monotone_in_luminance(palette: Palette) -> None:
 
 
 @pytest.mark.parametrize("palette", RGB_PALETTES, ids=NAMES)
-def test_every_text_is_readable_on_its_ground(palette: Palette) -> None:
+def test_every_text_is_readable_on_its_background(palette: Palette) -> None:
     for style in all_styles(palette):
         if style.bgcolor is not None and style is not palette.wall:
             assert style.color is not None
@@ -126,13 +126,13 @@ def test_every_text_is_readable_on_its_ground(palette: Palette) -> None:
     for name in LINES:
         color = roles(palette)[name].color
         assert color is not None
-        assert contrast(color, ground_of_theme(palette)) >= 4.5, name
+        assert contrast(color, background_of_theme(palette)) >= 4.5, name
 
 
 @pytest.mark.parametrize("palette", RGB_PALETTES, ids=NAMES)
 def test_colour_blind_eyes_tell_apart_what_must_be_told_apart(palette: Palette) -> None:
-    signed = grounds(palette.signed)
-    for ramp in (grounds(palette.values), signed):
+    signed = backgrounds(palette.signed)
+    for ramp in (backgrounds(palette.values), signed):
         assert min(least_distance(*neighbours) for neighbours in pairwise(ramp)) > 3
     for place in range(len(signed) // 2):
         assert least_distance(signed[place], signed[-1 - place]) > 20
@@ -143,7 +143,7 @@ def test_colour_blind_eyes_tell_apart_what_must_be_told_apart(palette: Palette) 
     assert palette.bad.color is not None
     assert least_distance(palette.good.color, palette.bad.color) > 20
     assert palette.updated.bgcolor is not None
-    for color in grounds(palette.values + palette.signed):
+    for color in backgrounds(palette.values + palette.signed):
         assert least_distance(palette.updated.bgcolor, color) > 10
 
 
@@ -164,7 +164,7 @@ def test_lanes_have_colours_of_their_own_wherever_there_are_any(dark: bool) -> N
 
 
 @pytest.mark.parametrize("palette", RGB_PALETTES, ids=NAMES)
-def test_unvisited_has_the_ground_of_the_panel_and_zero_has_not(palette: Palette) -> None:
+def test_unvisited_has_the_background_of_the_panel_and_zero_has_not(palette: Palette) -> None:
     assert palette.unvisited.bgcolor is None
     assert palette.value(0.0).bgcolor is not None
     assert palette.signed_value(0.0).bgcolor is not None
@@ -190,7 +190,8 @@ def test_16_colours_are_names_and_monotone_in_every_terminal(dark: bool) -> None
             assert color is None or color.type in (ColorType.STANDARD, ColorType.DEFAULT)
     for terminal in (VGA, PICTURE_DARK, PICTURE_LIGHT):
         ramp = [
-            luminance(Color.from_triplet(color.get_truecolor(terminal))) for color in grounds(palette.values)
+            luminance(Color.from_triplet(color.get_truecolor(terminal)))
+            for color in backgrounds(palette.values)
         ]
         assert len(ramp) == len(palette.values)
         assert is_monotone(ramp)

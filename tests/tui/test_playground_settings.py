@@ -12,7 +12,7 @@ from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.run.bandit import true_means
 from rl_tui.tui.app.screenshot import settle
-from rl_tui.tui.panels.controls.settings import Settings
+from rl_tui.tui.panels.controls.settings import AgentSettings
 from rl_tui.tui.panels.world.arms.arms import ArmsView
 from rl_tui.tui.panels.world.grid.grid import GridView
 from rl_tui.tui.screens.dialogs.choice import Choice
@@ -150,7 +150,7 @@ async def test_every_setting_is_drawn_once_whatever_the_height(make_app: MakeApp
     app = make_app("student")
     async with app.run_test(size=(120, 40)) as pilot:
         await settle(pilot)
-        settings = app.screen.query_one(Settings)
+        settings = app.screen.query_one(AgentSettings)
         decaying = replace(snapshot(pilot), hyperparameters=Hyperparameters(epsilon_decay=0.1))
         for each, lines in ((snapshot(pilot), 3), (decaying, 3), (decaying, 20)):
             settings.show(each)

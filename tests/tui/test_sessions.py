@@ -26,7 +26,7 @@ from rl_tui.lab.timeline.branches import FIRST
 from rl_tui.tui.app.app import RlTuiApp
 from rl_tui.tui.app.display import Display
 from rl_tui.tui.app.screenshot import settle
-from rl_tui.tui.screens.catalogue.catalogue import Catalogue
+from rl_tui.tui.screens.catalogue.catalogue import CatalogueScreen
 from rl_tui.tui.screens.catalogue.session_list import SessionList
 from rl_tui.tui.screens.catalogue.session_text import SessionRow, long_age, session_facts, short_age
 from rl_tui.tui.screens.dialogs.confirm import Confirm
@@ -167,7 +167,7 @@ async def test_enter_goes_on_where_it_was_left(app_with_sessions: MakeSessionApp
         await settle(pilot)
         await pilot.press("escape", "escape")
         await settle(pilot)
-        assert isinstance(pilot.app.screen, Catalogue)
+        assert isinstance(pilot.app.screen, CatalogueScreen)
         assert read_session(path).step == 41
 
 
@@ -260,7 +260,7 @@ async def test_delete_asks_first(app_with_sessions: MakeSessionApp, tmp_path: Pa
         await pilot.press("delete", "enter")
         await pilot.pause()
         screen = pilot.app.screen
-        assert isinstance(screen, Catalogue)
+        assert isinstance(screen, CatalogueScreen)
         await screen.sessions_read()
         await settle(pilot)
         assert os.listdir(tmp_path) == ["a.json"]

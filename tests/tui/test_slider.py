@@ -11,10 +11,10 @@ from textual.widgets import Button
 from rl_tui.agents.hyperparameters import PARAMETERS, SAMPLE_AVERAGE, Parameter, Range
 from rl_tui.tui.panels.controls.slider import Slider
 from rl_tui.tui.panels.controls.slider_picture import SliderState, slider_form, slider_strip
-from rl_tui.tui.panels.controls.slider_scale import Scale, parsed, scale_of
+from rl_tui.tui.panels.controls.slider_scale import SliderScale, parsed, scale_of
 
 ALPHA, GAMMA, EPSILON = (PARAMETERS[name] for name in ("alpha", "gamma", "epsilon"))
-UNIT, OPEN = Scale(Range(0, 1)), Scale(Range(0, 1, open_low=True))
+UNIT, OPEN = SliderScale(Range(0, 1)), SliderScale(Range(0, 1, open_low=True))
 
 
 class Bench(App[None]):
@@ -102,7 +102,7 @@ def test_every_width_is_filled_exactly(width: int) -> None:
 
 
 @pytest.mark.parametrize("scale", [UNIT, OPEN], ids=["closed", "open"])
-def test_every_cell_of_a_track_sets_a_value_that_is_drawn_there(scale: Scale) -> None:
+def test_every_cell_of_a_track_sets_a_value_that_is_drawn_there(scale: SliderScale) -> None:
     for cells in range(3, 160):
         values = [scale.at_cell(cell, cells) for cell in range(cells)]
         assert [scale.cell_of(value, cells) for value in values] == list(range(cells))
@@ -123,7 +123,7 @@ def test_steps_leave_no_rounding_behind_and_stop_at_the_ends() -> None:
     assert OPEN.moved(0.01, -OPEN.step) == 0.001
     assert OPEN.moved(0.0004, -OPEN.fine) == 0.0004
     with pytest.raises(ValueError, match="finite range"):
-        Scale(Range(0))
+        SliderScale(Range(0))
 
 
 @pytest.mark.parametrize(
@@ -365,7 +365,7 @@ def test_a_value_typed_beyond_an_end_is_not_brought_back() -> None:
     assert TAU.moved(100.0, TAU.step) == 100.0
     assert parsed("1000", PARAMETERS["temperature"]) == 1000.0
     with pytest.raises(ValueError, match="ratios"):
-        Scale(Range(0, 1), logarithmic=True)
+        SliderScale(Range(0, 1), logarithmic=True)
 
 
 def test_a_slider_spans_what_people_try() -> None:

@@ -44,7 +44,7 @@ if TYPE_CHECKING:
     from rich.console import RenderableType
 
     from rl_tui.lab.sessions.session import StoredSession
-    from rl_tui.tui.screens.catalogue.catalogue import Catalogue
+    from rl_tui.tui.screens.catalogue.catalogue import CatalogueScreen
     from rl_tui.tui.screens.playground.playground import Playground
 
 
@@ -146,12 +146,12 @@ class RlTuiApp(LinkedApp[UserError]):
         else:
             self.push_screen(self._opener.resumed(self.look, self._start, self._start.record()))
 
-    def on_catalogue_opened(self, event: Catalogue.Opened) -> None:
+    def on_catalogue_screen_opened(self, event: CatalogueScreen.Opened) -> None:
         """Go to the playground."""
         self._start = None  # from here on a fault leads back to the catalogue
         self.switch_screen(self._opener.playground(self.look, event.recipe))
 
-    def on_saved_sessions_resumed(self, event: Catalogue.Resumed) -> None:
+    def on_saved_sessions_resumed(self, event: CatalogueScreen.Resumed) -> None:
         """Go on with a session."""
         self._start = None
         self.switch_screen(self._opener.resumed(self.look, event.session, event.record))

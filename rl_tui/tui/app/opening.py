@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from rl_tui.lab.live.record_sink import Keeper
     from rl_tui.lab.sessions.autosave import Autosave
     from rl_tui.lab.sessions.session import StoredSession
-    from rl_tui.tui.screens.catalogue.catalogue import Catalogue
+    from rl_tui.tui.screens.catalogue.catalogue import CatalogueScreen
     from rl_tui.tui.screens.playground.playground import Playground
 
 
@@ -54,11 +54,11 @@ class Opener:
         self.autosave: Autosave | None = None
         """What keeps the newest playground's session, if anything does."""
 
-    def catalogue(self, look: Look, start_at: str = "", fault: UserError | None = None) -> Catalogue:
+    def catalogue(self, look: Look, start_at: str = "", fault: UserError | None = None) -> CatalogueScreen:
         """Return the catalogue with its cursor on the scenario ``start_at``; it tells the ``fault``."""
-        from rl_tui.tui.screens.catalogue.catalogue import Catalogue
+        from rl_tui.tui.screens.catalogue.catalogue import CatalogueScreen
 
-        catalogue = Catalogue(look, start_at, fault, self._sessions)
+        catalogue = CatalogueScreen(look, start_at, fault, self._sessions)
         if self._kiosk:
             catalogue.place |= Place.KIOSK
         return catalogue

@@ -19,7 +19,7 @@ from rl_tui.lab.sessions.session import StoredSession
 from rl_tui.tui.app.actions import ACTIONS
 from rl_tui.tui.app.app import RlTuiApp
 from rl_tui.tui.app.display import Display
-from rl_tui.tui.screens.catalogue.catalogue import Catalogue
+from rl_tui.tui.screens.catalogue.catalogue import CatalogueScreen
 from rl_tui.tui.screens.playground.playground import Playground
 
 _WAIT: Final = "wait:"
@@ -66,16 +66,11 @@ async def screenshot(
 
 async def settle(pilot: Pilot[UserError]) -> None:
     """Wait until everything that was asked for is done and drawn."""
-    for _ in range(_MOST_LAYOUTS):
-        await pilot.pause()
-        for screen in pilot.app.screen_stack:
-            if isinstance(screen, Playground | Catalogue):
-                await screen.settled()
-        await pilot.pause()
-        # a layout that comes late brings cells into view that were not asked for before
-        stages = [screen for screen in pilot.app.screen_stack if isinstance(screen, Playground)]
-        if all(stage.board.is_complete for stage in stages):
-            return
+    await pilot.pause()
+    for screen in pilot.app.screen_stack:
+        if isinstance(screen, Playground | CatalogueScreen):
+            await screen.settled()
+    await pilot.pause()
 
 
 def _stop_blinking(app: RlTuiApp) -> None:

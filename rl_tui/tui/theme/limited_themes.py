@@ -155,7 +155,7 @@ def themes_for(depth: Depth, *, picture: bool = False) -> tuple[Theme, Theme]:
 
 
 def _in_rgb(theme: Theme, terminal: TerminalTheme) -> Theme:
-    colours, ground = _rgb_of_names(terminal), terminal.background_color.hex
+    colours, background = _rgb_of_names(terminal), terminal.background_color.hex
 
     def rgb(name: str | None) -> str:
         return colours[name or "ansi_default"]
@@ -170,12 +170,12 @@ def _in_rgb(theme: Theme, terminal: TerminalTheme) -> Theme:
         success=rgb(theme.success),
         warning=rgb(theme.warning),
         error=rgb(theme.error),
-        background=ground,
-        surface=ground,
-        panel=ground,
-        boost=ground,
+        background=background,
+        surface=background,
+        panel=background,
+        boost=background,
         variables={name: colours.get(value, value) for name, value in theme.variables.items()}
-        | {"scrollbar-background": ground},
+        | {"scrollbar-background": background},
     )
 
 

@@ -25,5 +25,5 @@ _PALETTES: Final[Mapping[tuple[Depth, bool], Palette]] = {
 
 
 def palette_for(depth: Depth, dark: bool) -> Palette:
-    """Return the palette for a terminal of ``depth`` with a ``dark`` or a light ground."""
+    """Return the palette for a terminal of ``depth`` with a ``dark`` or a light background."""
     return _PALETTES[depth, dark]

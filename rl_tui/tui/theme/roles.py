@@ -12,14 +12,14 @@ from rich.style import Style
 
 @dataclass(frozen=True, slots=True)
 class Palette:
-    """The styles of one colour depth on a dark or a light ground. None of them is empty.
+    """The styles of one colour depth on a dark or a light background. None of them is empty.
 
     ``values`` goes from low to high, ``signed`` (of odd length) from negative through 0 to positive; both
-    have a ground and a readable foreground where the depth has colours for it. ``unvisited`` is for estimates
-    that were never updated, which must not look like a zero. ``agent``, ``updated``, ``source`` (an estimate
-    that an update looked up) and ``breakpoint`` bring their own ground, so that they may be laid over any
-    cell; the other roles are foregrounds for the ground of the panel. ``lane_1`` to ``lane_4`` are those of
-    the lines of runs side by side.
+    have a background and a readable foreground where the depth has colours for it. ``unvisited`` is for
+    estimates that were never updated, which must not look like a zero. ``agent``, ``updated``, ``source`` (an
+    estimate that an update looked up) and ``breakpoint`` bring their own background, so that they may be laid
+    over any cell; the other roles are foregrounds for the background of the panel. ``lane_1`` to ``lane_4``
+    are those of the lines of runs side by side.
     """
 
     name: str

@@ -8,7 +8,7 @@ from textual.scrollbar import ScrollBar, ScrollBarRender
 
 
 class PlainScrollBar(ScrollBarRender):
-    """A bar of whole cells: its ends are drawn by the ground alone."""
+    """A bar of whole cells: its ends are drawn by the background alone."""
 
     VERTICAL_BARS: ClassVar[list[str]] = [" "] * len(ScrollBarRender.VERTICAL_BARS)
     HORIZONTAL_BARS: ClassVar[list[str]] = [" "] * len(ScrollBarRender.HORIZONTAL_BARS)

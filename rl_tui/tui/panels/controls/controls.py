@@ -11,7 +11,7 @@ from rl_tui.agents.catalogue import parameters_of
 from rl_tui.agents.hyperparameters import PARAMETERS, SAMPLE_AVERAGE, Hyperparameters, Parameter
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.run.recipe import Recipe
-from rl_tui.tui.panels.controls.settings import Settings
+from rl_tui.tui.panels.controls.settings import AgentSettings
 from rl_tui.tui.panels.controls.slider import Slider
 from rl_tui.tui.theme.look import Look
 
@@ -53,11 +53,11 @@ class Controls(Container):
     def compose(self) -> ComposeResult:
         """Yield sliders and settings."""
         yield Container(*self._sliders(), id="sliders")
-        yield Settings(self._look, id="settings")
+        yield AgentSettings(self._look, id="settings")
 
     def show(self, snapshot: Snapshot) -> None:
         """Show what is in force."""
-        self.query_one(Settings).show(snapshot)
+        self.query_one(AgentSettings).show(snapshot)
         self._values = snapshot.hyperparameters
         parameters = sliders_of(snapshot.algorithm, self._values.policy)
         if parameters != self._parameters:

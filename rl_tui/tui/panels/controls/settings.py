@@ -179,7 +179,7 @@ def _cell(start: int, setting: Setting, texts: Texts, glyphs: Glyphs) -> Cell:
     return Cell(start, start + cell_len(key + label + value), setting, key, label, value)
 
 
-class Settings(Widget):
+class AgentSettings(Widget):
     """Draws the settings on one line, or on several where it is taller; a click changes one."""
 
     def __init__(self, look: Look, *, id: str | None = None, classes: str | None = None) -> None:  # noqa: A002

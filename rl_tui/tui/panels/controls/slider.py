@@ -11,7 +11,7 @@ from textual.strip import Strip
 
 from rl_tui.agents.hyperparameters import PARAMETERS, Hyperparameters, Parameter
 from rl_tui.tui.panels.controls.slider_picture import SliderState, slider_form, slider_strip
-from rl_tui.tui.panels.controls.slider_scale import Scale, parsed, scale_of
+from rl_tui.tui.panels.controls.slider_scale import SliderScale, parsed, scale_of
 from rl_tui.tui.panels.draggable import Draggable
 from rl_tui.tui.theme.look import Look
 
@@ -238,7 +238,7 @@ class Slider(Draggable, can_focus=True):
         self.post_message(self.Changed(self.parameter.name, value))
 
 
-def _first_number(parameter: Parameter, scale: Scale, value: float | str) -> float:
+def _first_number(parameter: Parameter, scale: SliderScale, value: float | str) -> float:
     """Return the number that a slider goes to from a word: the value, or the default of the parameter."""
     default = Hyperparameters().value(parameter.name) if parameter.name in PARAMETERS else scale.low
     return next((float(each) for each in (value, default) if not isinstance(each, str)), scale.low)

@@ -12,7 +12,7 @@ from textual.strip import Strip
 from rl_tui.agents.hyperparameters import SAMPLE_AVERAGE, Parameter
 from rl_tui.tui.draw import numbers
 from rl_tui.tui.draw.to_ascii import written
-from rl_tui.tui.panels.controls.slider_scale import Scale
+from rl_tui.tui.panels.controls.slider_scale import SliderScale
 from rl_tui.tui.theme.glyphs import Glyphs
 from rl_tui.tui.theme.look import Look
 
@@ -67,7 +67,9 @@ def slider_form(parameter: Parameter, state: SliderState, glyphs: Glyphs, width:
     return SliderForm(label, gap, 0, text if cell_len(text) <= room + gap + 1 else "")
 
 
-def slider_strip(parameter: Parameter, scale: Scale, state: SliderState, look: Look, width: int) -> Strip:
+def slider_strip(
+    parameter: Parameter, scale: SliderScale, state: SliderState, look: Look, width: int
+) -> Strip:
     """Return the row of a slider."""
     palette, glyphs = look.palette, look.glyphs
     form = slider_form(parameter, state, glyphs, width)

@@ -13,7 +13,7 @@ _NOISE: Final = 12  # decimals; what lies beyond is left over from adding steps
 
 
 @dataclass(frozen=True, slots=True)
-class Scale:
+class SliderScale:
     """A finite range, walked in steps of a hundredth; ``fine`` is a tenth of a step, ``coarse`` ten.
 
     A ``logarithmic`` one is walked in equal ratios: its steps are shares of the way from end to end.
@@ -101,15 +101,15 @@ class Scale:
         return _significant(value * self._ratio**by, 2 if abs(by) >= self.step else 3)
 
 
-def scale_of(parameter: Parameter) -> Scale:
+def scale_of(parameter: Parameter) -> SliderScale:
     """Return the scale of the slider of ``parameter``; raises ValueError where it cannot have one."""
     if parameter.range is None:
         raise ValueError(f"a slider needs a range; {parameter.name} takes words only")
     slide, whole = parameter.slide, parameter.range
     if slide is None:
-        return Scale(whole)
+        return SliderScale(whole)
     is_open = whole.open_low and slide.low == whole.low
-    return Scale(Range(slide.low, slide.high, open_low=is_open), slide.logarithmic)
+    return SliderScale(Range(slide.low, slide.high, open_low=is_open), slide.logarithmic)
 
 
 def _significant(value: float, digits: int) -> float:

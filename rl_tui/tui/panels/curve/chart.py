@@ -20,7 +20,7 @@ from rl_tui.tui.draw.scale import Scale, round_range
 from rl_tui.tui.panels.curve.chart_lanes import lane_cells
 from rl_tui.tui.panels.curve.data import CurveData
 from rl_tui.tui.panels.curve.lane_text import lane_columns, lane_labels
-from rl_tui.tui.panels.curve.text import Label, barren_words, empty_words, label_columns, labels
+from rl_tui.tui.panels.curve.text import LineLabel, barren_words, empty_words, label_columns, labels
 from rl_tui.tui.theme.look import Look
 
 LEAST_WIDTH: Final = 14
@@ -56,7 +56,7 @@ def draw_chart(
     return canvas.strips()
 
 
-def _figures_only(canvas: Canvas, names: Sequence[Label], look: Look) -> list[Strip]:
+def _figures_only(canvas: Canvas, names: Sequence[LineLabel], look: Look) -> list[Strip]:
     for y, label in enumerate(names[: canvas.height]):
         canvas.put(0, y, shortened(label.text, canvas.width, look.glyphs.ellipsis), label.style)
     return canvas.strips()
@@ -188,7 +188,7 @@ def _put_cells(
             start = end
 
 
-def _draw_names(canvas: Canvas, plot: Plot, data: CurveData, names: Sequence[Label], look: Look) -> None:
+def _draw_names(canvas: Canvas, plot: Plot, data: CurveData, names: Sequence[LineLabel], look: Look) -> None:
     """Write the names of the lines beside their ends, and what is to be said where there is no line."""
     if not data.furthest:
         _put_message(canvas, plot, empty_words(data.unit), look, set())

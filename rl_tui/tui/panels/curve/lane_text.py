@@ -13,7 +13,7 @@ from rl_tui.tui.panels.curve.data import CurveData, LaneLine
 from rl_tui.tui.panels.curve.text import (
     NUMBER,
     ROOM_FOR_NAMES,
-    Label,
+    LineLabel,
     amount,
     label_columns,
     labels,
@@ -43,7 +43,7 @@ _FORMS: Final = (
 )
 
 
-def lane_labels(data: CurveData, look: Look, decimals: int, room: int) -> list[Label]:
+def lane_labels(data: CurveData, look: Look, decimals: int, room: int) -> list[LineLabel]:
     """Return the names for a plot of ``room`` columns, the lane shown and then the others before the rest."""
     if room < ROOM_FOR_NAMES:
         return []
@@ -51,7 +51,7 @@ def lane_labels(data: CurveData, look: Look, decimals: int, room: int) -> list[L
     names = _names(data, look, form.name)
     lanes = sorted(zip(data.lanes, names, strict=True), key=lambda each: not each[0].shown)
     found = [
-        Label(_said(lane, name, form, decimals, look.glyphs), lane.value, _style(lane, look))
+        LineLabel(_said(lane, name, form, decimals, look.glyphs), lane.value, _style(lane, look))
         for lane, name in lanes
         if lane.value is not None
     ]

@@ -26,7 +26,7 @@ _TIES: Final = "greedy: ties"
 
 
 @dataclass(frozen=True, slots=True)
-class Label:
+class LineLabel:
     """The name of a line, to stand where the line ends, at ``value``."""
 
     text: str
@@ -50,7 +50,7 @@ def amount(x: float, decimals: int, glyphs: Glyphs) -> str:
 
 def labels(
     data: CurveData, look: Look, decimals: int, room: int, *, greedy: bool = True, mean: bool = True
-) -> list[Label]:
+) -> list[LineLabel]:
     """Return the names for a plot of ``room`` columns, the most important first; none if it is small.
 
     ``greedy`` and ``mean`` tell whether those two lines are named.
@@ -65,7 +65,7 @@ def labels(
         (names[2], data.optimum, palette.optimum),
     )
     return [
-        Label(written(_with_number(name, value, decimals, room, look.glyphs), look.glyphs), value, style)
+        LineLabel(written(_with_number(name, value, decimals, room, look.glyphs), look.glyphs), value, style)
         for name, value, style in lines
         if value is not None
     ]

@@ -14,7 +14,7 @@ from rl_tui.tui.draw import names
 from rl_tui.tui.draw.pieces import Line, Piece
 from rl_tui.tui.panels.last_step.loop_text import LoopText
 from rl_tui.tui.panels.microscope.backup_columns import outcome_rows
-from rl_tui.tui.panels.microscope.section import Section
+from rl_tui.tui.panels.microscope.section import MicroscopeSection
 from rl_tui.tui.panels.microscope.targets import target_lines
 from rl_tui.tui.theme.look import Look
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
@@ -28,13 +28,13 @@ _TRUNK: Final = 5  # the cells of the tree before the first column
 
 def backup_section(
     snapshot: Snapshot, backup: Backup, text: LoopText, look: Look, width: int, *, secret: bool
-) -> Section:
+) -> MicroscopeSection:
     """Return the tree over all outcomes and the targets below it; ``secret`` hides true rewards."""
     leaves = _leaf_rows(snapshot)
     lines = [*_tree(snapshot, backup, look, width, secret=secret)]
     lines += [[Piece("", look.palette.text)]] * (_HEAD_ROWS + leaves - len(lines))
     lines += target_lines(snapshot, backup, text, look, width, secret=secret)
-    return Section(HEADING, lines, rows_of(snapshot), _remarks(snapshot, backup))
+    return MicroscopeSection(HEADING, lines, rows_of(snapshot), _remarks(snapshot, backup))
 
 
 def rows_of(snapshot: Snapshot) -> int:

@@ -10,7 +10,7 @@ from rl_tui.lab.live.snapshot import CellHistory, Snapshot
 from rl_tui.tui.draw import names, numbers
 from rl_tui.tui.draw.pieces import wrapped
 from rl_tui.tui.panels.microscope.cell_curve import draw_history
-from rl_tui.tui.panels.microscope.section import Section, columns_of, stacked
+from rl_tui.tui.panels.microscope.section import MicroscopeSection, columns_of, stacked
 from rl_tui.tui.panels.q_table.layers import exact_q
 from rl_tui.tui.theme.look import Look
 
@@ -42,7 +42,7 @@ def history_strips(
         return _instead(COMING, heading, told, look, width, rows)
     if not _is_kept(cell):
         return _instead(NOT_KEPT, heading, told, look, width, rows)
-    head = stacked([Section(heading, [], 0, told)], look, width)
+    head = stacked([MicroscopeSection(heading, [], 0, told)], look, width)
     return [*head, *draw_history(cell, exact, look, width, rows)]
 
 
@@ -64,4 +64,4 @@ def _instead(
     text: str, heading: str, told: tuple[str, ...], look: Look, width: int, rows: int
 ) -> list[Strip]:
     lines = wrapped(text, width, look.palette.dim, look, " ", " ")
-    return stacked([Section(heading, lines, rows, told)], look, width)
+    return stacked([MicroscopeSection(heading, lines, rows, told)], look, width)

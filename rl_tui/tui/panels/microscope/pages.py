@@ -18,7 +18,7 @@ from rl_tui.tui.panels.microscope import update as microscope_update
 from rl_tui.tui.panels.microscope.backup_tree import backup_section
 from rl_tui.tui.panels.microscope.cell_history import history_strips
 from rl_tui.tui.panels.microscope.return_text import return_section
-from rl_tui.tui.panels.microscope.section import Section, stacked
+from rl_tui.tui.panels.microscope.section import MicroscopeSection, stacked
 from rl_tui.tui.panels.microscope.step import step_section
 from rl_tui.tui.panels.microscope.update import update_section
 from rl_tui.tui.panels.q_table.layers import is_secret
@@ -55,7 +55,7 @@ def page(
     return sides[0] if columns == 1 else _beside(sides[0], sides[1], room, width, look)
 
 
-def _sections(snapshot: Snapshot, look: Look, width: int, *, revealed: bool) -> list[Section]:
+def _sections(snapshot: Snapshot, look: Look, width: int, *, revealed: bool) -> list[MicroscopeSection]:
     """Return the step, the update, the backup and the return."""
     last, backup = snapshot.last, backup_of(snapshot)
     if last is None or passes_too_fast(snapshot):
@@ -65,7 +65,7 @@ def _sections(snapshot: Snapshot, look: Look, width: int, *, revealed: bool) -> 
     tree = (
         backup_section(snapshot, backup, text, look, width, secret=secret)
         if backup is not None
-        else Section(backup_tree.HEADING, [[Piece(f" {text.waiting}", look.palette.dim)]], 1)
+        else MicroscopeSection(backup_tree.HEADING, [[Piece(f" {text.waiting}", look.palette.dim)]], 1)
     )
     return [
         step_section(snapshot, last, text, look, width),
@@ -75,17 +75,17 @@ def _sections(snapshot: Snapshot, look: Look, width: int, *, revealed: bool) -> 
     ]
 
 
-def _calm(snapshot: Snapshot, look: Look, width: int) -> list[Section]:
+def _calm(snapshot: Snapshot, look: Look, width: int) -> list[MicroscopeSection]:
     """Return the headings with nothing below them that changes from frame to frame."""
     return [
-        Section(
+        MicroscopeSection(
             microscope_step.HEADING,
             wrapped(TOO_FAST, width, look.palette.dim, look, " ", " "),
             microscope_step.ROWS,
         ),
-        Section(microscope_update.HEADING, [], microscope_update.rows_of(snapshot)),
-        Section(backup_tree.HEADING, [], backup_tree.rows_of(snapshot)),
-        Section(return_text.HEADING, [], return_text.ROWS),
+        MicroscopeSection(microscope_update.HEADING, [], microscope_update.rows_of(snapshot)),
+        MicroscopeSection(backup_tree.HEADING, [], backup_tree.rows_of(snapshot)),
+        MicroscopeSection(return_text.HEADING, [], return_text.ROWS),
     ]
 
 

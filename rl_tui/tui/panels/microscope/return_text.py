@@ -13,7 +13,7 @@ from rl_tui.tui.draw.pieces import Line, Piece, first_that_fits, length, spelled
 from rl_tui.tui.draw.precision import comes_to
 from rl_tui.tui.panels.last_step.step_lines import in_brackets
 from rl_tui.tui.panels.last_step.update_text import setting
-from rl_tui.tui.panels.microscope.section import Section
+from rl_tui.tui.panels.microscope.section import MicroscopeSection
 from rl_tui.tui.theme.look import Look
 from rl_tui.worlds.drawing import Arms
 
@@ -28,14 +28,14 @@ _MOST: Final = 6
 _TOLERANCE: Final = 1e-6
 
 
-def return_section(snapshot: Snapshot, last: LastStep, look: Look, width: int) -> Section:
+def return_section(snapshot: Snapshot, last: LastStep, look: Look, width: int) -> MicroscopeSection:
     """Return the return from the start of the episode, its first and last terms, and what it means."""
     palette = look.palette
     if last.planned:
-        return Section(HEADING, wrapped(PLANNER, width, palette.dim, look, " ", " "), ROWS)
+        return MicroscopeSection(HEADING, wrapped(PLANNER, width, palette.dim, look, " ", " "), ROWS)
     rewards = snapshot.rewards.tolist()
     if not rewards:
-        return Section(HEADING, [[Piece(" no reward yet in this episode", palette.dim)]], ROWS)
+        return MicroscopeSection(HEADING, [[Piece(" no reward yet in this episode", palette.dim)]], ROWS)
     steps = max(last.episode_step, len(rewards))
     total = numbers.brief(snapshot.discounted_return, look.glyphs, decimals=4)
     start: Line = [Piece(" G₀ = ", palette.dim)]
@@ -52,7 +52,7 @@ def return_section(snapshot: Snapshot, last: LastStep, look: Look, width: int) -
             first_that_fits([[*result, *plain], result], width, look),
         ]
     lines += wrapped(_meaning(snapshot, rewards, steps, last.gamma), width, palette.dim, look, " ", " ")
-    return Section(HEADING, lines, ROWS, (f"t = {steps:,}",))
+    return MicroscopeSection(HEADING, lines, ROWS, (f"t = {steps:,}",))
 
 
 def _meaning(snapshot: Snapshot, rewards: Sequence[float], steps: int, gamma: float) -> str:

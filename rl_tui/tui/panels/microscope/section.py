@@ -12,7 +12,7 @@ from rl_tui.tui.theme.look import Look
 
 
 @dataclass(frozen=True, slots=True)
-class Section:
+class MicroscopeSection:
     """Lines below a heading, which is followed by the first of ``remarks`` (longest first) that has room.
 
     It takes at least ``rows`` lines, so that what stands below stays where it is from step to step.
@@ -70,7 +70,7 @@ def aligned(text: str, width: int, look: Look, *, right: bool = False) -> str:
     return blanks + text if right else text + blanks
 
 
-def stacked(sections: Sequence[Section], look: Look, width: int, height: int = 0) -> list[Strip]:
+def stacked(sections: Sequence[MicroscopeSection], look: Look, width: int, height: int = 0) -> list[Strip]:
     """Return ``sections`` below one another, a blank line between them where ``height`` has room for it."""
     parts = [section.drawn(look, width) for section in sections]
     needed = sum(map(len, parts)) + len(parts) - 1

@@ -10,7 +10,7 @@ from rl_tui.agents.last_step import LastStep
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.draw.pieces import Line, Piece, first_that_fits
 from rl_tui.tui.panels.last_step.loop_text import LoopText
-from rl_tui.tui.panels.microscope.section import Section
+from rl_tui.tui.panels.microscope.section import MicroscopeSection
 from rl_tui.tui.theme.look import Look
 
 HEADING: Final = "The step"
@@ -19,10 +19,12 @@ _LABEL: Final = 8
 _GAP: Final = "   "
 
 
-def step_section(snapshot: Snapshot, last: LastStep, text: LoopText, look: Look, width: int) -> Section:
+def step_section(
+    snapshot: Snapshot, last: LastStep, text: LoopText, look: Look, width: int
+) -> MicroscopeSection:
     """Return state, action and why, reward, next state, and what was updated: a line each."""
     writer = _Writer(snapshot, last, text, look, width)
-    return Section(HEADING, [getattr(writer, part)() for part in _PARTS], ROWS, _which(last, text))
+    return MicroscopeSection(HEADING, [getattr(writer, part)() for part in _PARTS], ROWS, _which(last, text))
 
 
 _PARTS: Final = ("state", "action", "reward", "next_state", "update")

@@ -17,7 +17,7 @@ from rl_tui.tui.draw.precision import column_figure, comes_to, parsed
 from rl_tui.tui.panels.last_step.loop_text import LoopText
 from rl_tui.tui.panels.last_step.step_lines import in_brackets
 from rl_tui.tui.panels.microscope.return_text import gathered_rewards, terms_of
-from rl_tui.tui.panels.microscope.section import Section, columns_of, flowed
+from rl_tui.tui.panels.microscope.section import MicroscopeSection, columns_of, flowed
 from rl_tui.tui.theme.look import Look
 
 HEADING: Final = "The update"
@@ -36,11 +36,11 @@ def update_section(
     sources: Mapping[int, float],
     look: Look,
     width: int,
-) -> Section:
+) -> MicroscopeSection:
     """Return the update in numbers and where each comes from; ``sources`` are the pairs looked up."""
     if not text.estimate:
         waiting = flowed([[Piece(f" {text.waiting}", look.palette.text)]], width, look)
-        return Section(HEADING, waiting, rows_of(snapshot))
+        return MicroscopeSection(HEADING, waiting, rows_of(snapshot))
     writer = _Writer(snapshot, last, text, sources, look)
     groups = ((writer.equation(), 4), (writer.terms(), 1), (writer.mixture(), 4), (writer.gathered(width), 4))
     lines = [line for group, indent in groups for line in flowed(group, width, look, indent)]
@@ -48,7 +48,7 @@ def update_section(
         lines += flowed([[Piece(f" {TABLES}", look.palette.dim)]], width, look)
     if text.others:
         lines += flowed([[Piece(f" {text.others[0]}", look.palette.dim)]], width, look)
-    return Section(HEADING, lines, rows_of(snapshot))
+    return MicroscopeSection(HEADING, lines, rows_of(snapshot))
 
 
 def rows_of(snapshot: Snapshot) -> int:

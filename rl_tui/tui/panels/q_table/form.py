@@ -91,8 +91,8 @@ class Form(Protocol):
 def boxed(scene: Scene, figures: Figures, pair: int, width: int, digits: int, is_greedy: bool) -> Pieces:
     """Return the cell of ``pair``: a number of up to ``digits`` cells amid ``width`` ones, between marks.
 
-    Marks stand on the ground of the panel, so that they are seen beside every tint; a breakpoint takes the
-    place of the left one.
+    Marks stand on the background of the panel, so that they are seen beside every tint; a breakpoint takes
+    the place of the left one.
     """
     palette, glyphs = scene.look.palette, scene.look.glyphs
     if pair == scene.cursor:

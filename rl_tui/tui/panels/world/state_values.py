@@ -25,7 +25,7 @@ class StateValues:
     greedy: frozenset[int]
 
     def style(self, state: int, look: Look) -> Style:
-        """Return the ground of a state, tinted from the least to the greatest value, 0 included."""
+        """Return the background of a state, tinted from the least to the greatest value, 0 included."""
         value = self.value[state]
         if value is None:
             return look.palette.text

@@ -52,7 +52,7 @@ _NEEDED_TO_PLAY = ("rl_tui.tui.screens.playground.playground", "rl_tui.agents.le
 Entry = Scenario | ScenarioError | StoredSession | SessionError
 
 
-class Catalogue(SavedSessions):
+class CatalogueScreen(SavedSessions):
     """Left the scenarios and the sessions, right what is known of the one under the cursor.
 
     Worlds are built in a thread after the first paint, those of Gymnasium last: importing it takes a moment.
@@ -153,7 +153,7 @@ class Catalogue(SavedSessions):
             except ImportError as error:
                 self.post_message(self.NotImported(str(error)))
 
-    def on_catalogue_world_built(self, event: WorldBuilt) -> None:
+    def on_catalogue_screen_world_built(self, event: WorldBuilt) -> None:
         """Fill in what was missing."""
         self._worlds[event.scenario.id] = event.world
         if len(self._worlds) == len(self._scenarios):
@@ -161,7 +161,7 @@ class Catalogue(SavedSessions):
         if event.scenario is self._current:
             self.show_current()
 
-    def on_catalogue_not_imported(self, event: NotImported) -> None:
+    def on_catalogue_screen_not_imported(self, event: NotImported) -> None:
         """Tell why nothing can be played."""
         self.notify(event.reason, title="cannot load", severity="error", timeout=30, markup=False)
 

@@ -1,6 +1,6 @@
 """Palettes in the 16 named colours, whose order of luminance holds in every terminal's version of them.
 
-Ordinary text keeps the colours of the terminal, so that it is readable whatever its ground is.
+Ordinary text keeps the colours of the terminal, so that it is readable whatever its background is.
 """
 
 from __future__ import annotations

@@ -15,7 +15,7 @@ from rl_tui.tui.draw.scrolling import scrolled_to
 from rl_tui.tui.panels.breakpoint_text import pair_in_words
 from rl_tui.tui.panels.same_run import is_another_run
 from rl_tui.tui.panels.world.arms.bars import Arm, draw_arms, names_width, rows_an_arm, true_mean_glyph
-from rl_tui.tui.panels.world.arms.scale import NO_SCALE, Scale, bound_text, grown, shown_scale
+from rl_tui.tui.panels.world.arms.scale import NO_SCALE, ArmsScale, bound_text, grown, shown_scale
 from rl_tui.tui.panels.world.view import WorldView
 from rl_tui.tui.theme.look import Look
 from rl_tui.worlds.drawing import Arms
@@ -128,7 +128,7 @@ class ArmsView(WorldView):
         """Go back to the first arm."""
         self._top = 0
 
-    def _ends(self, scale: Scale) -> str:
+    def _ends(self, scale: ArmsScale) -> str:
         low, high = (bound_text(end, self.look.glyphs) for end in scale)
         return f"{low}…{'+' if scale.high > 0.0 else ''}{high}"
 

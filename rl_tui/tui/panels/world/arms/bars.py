@@ -13,7 +13,7 @@ from textual.strip import Strip
 from rl_tui.tui.draw import numbers
 from rl_tui.tui.draw.canvas import Canvas, shortened
 from rl_tui.tui.draw.to_ascii import written
-from rl_tui.tui.panels.world.arms.scale import Scale, bound_text, ticks
+from rl_tui.tui.panels.world.arms.scale import ArmsScale, bound_text, ticks
 from rl_tui.tui.theme.look import Look
 
 NOT_PULLED: Final = ("not pulled yet", "not pulled")  # the longest first
@@ -54,7 +54,7 @@ class _Plot(NamedTuple):
 
     left: int
     width: int
-    scale: Scale
+    scale: ArmsScale
 
     def column(self, value: float) -> int:
         low, high = self.scale
@@ -78,7 +78,7 @@ def names_width(arms: Sequence[Arm], look: Look) -> int:
 
 
 def draw_arms(
-    arms: Sequence[Arm], scale: Scale, look: Look, width: int, height: int, each: int, names: int
+    arms: Sequence[Arm], scale: ArmsScale, look: Look, width: int, height: int, each: int, names: int
 ) -> list[Strip]:
     """Return the bars of ``arms``, ``each`` rows an arm, and below them the axis where a row is left.
 

@@ -11,29 +11,29 @@ from rl_tui.tui.theme.glyphs import Glyphs
 _STEPS: Final = (1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0)
 
 
-class Scale(NamedTuple):
+class ArmsScale(NamedTuple):
     """The ends of an axis that holds 0: low ≤ 0 ≤ high."""
 
     low: float
     high: float
 
 
-NO_SCALE: Final = Scale(0.0, 0.0)
+NO_SCALE: Final = ArmsScale(0.0, 0.0)
 
 
-def grown(scale: Scale, values: Iterable[float]) -> Scale:
+def grown(scale: ArmsScale, values: Iterable[float]) -> ArmsScale:
     """Return ``scale``, widened to the next round ends that hold all finite ``values``."""
     low, high = scale
     for value in values:
         if math.isfinite(value):
             low = min(low, -round_up(-value)) if value < low else low
             high = max(high, round_up(value)) if value > high else high
-    return Scale(low, high)
+    return ArmsScale(low, high)
 
 
-def shown_scale(scale: Scale) -> Scale:
+def shown_scale(scale: ArmsScale) -> ArmsScale:
     """Return what is drawn: −1 … 1 while there is no value yet."""
-    return scale if scale.low < scale.high else Scale(-1.0, 1.0)
+    return scale if scale.low < scale.high else ArmsScale(-1.0, 1.0)
 
 
 def round_up(value: float) -> float:
@@ -44,7 +44,7 @@ def round_up(value: float) -> float:
     return next((end for end in ends if value <= end), 10.0 * power)
 
 
-def ticks(scale: Scale, most: int) -> list[float]:
+def ticks(scale: ArmsScale, most: int) -> list[float]:
     """Return round values at even distances inside the scale, 0 among them, at most about ``most``."""
     span = scale.high - scale.low
     rough = span / max(1, most - 1)

@@ -9,7 +9,7 @@ from textual.strip import Strip
 
 from rl_tui.tui.draw import numbers
 from rl_tui.tui.draw.canvas import Canvas
-from rl_tui.tui.panels.world.graph.shape import Action, GraphShape, Signs
+from rl_tui.tui.panels.world.graph.shape import GraphAction, GraphShape, Signs
 from rl_tui.tui.panels.world.state_values import StateValues
 from rl_tui.tui.theme.look import Look
 
@@ -64,7 +64,7 @@ def _put_mark(canvas: Canvas, y: int, state: int, signs: Signs, look: Look) -> N
         canvas.put(0, y, look.glyphs.agent, palette.agent)
 
 
-def edge_text(shape: GraphShape, action: Action, greedy: bool, look: Look) -> str:
+def edge_text(shape: GraphShape, action: GraphAction, greedy: bool, look: Look) -> str:
     """Return ``─study −2─▶ Pass .8 / Class .2``, with a bold line where the action is greedy."""
     line = look.glyphs.bold if greedy else look.glyphs.thin
     targets = (f"{shape.nodes[branch.target].name} {branch.label}".strip() for branch in action.branches)

@@ -15,7 +15,7 @@ from rl_tui.tui.panels.world.graph.edge_list import draw_edge_list, edge_list_ro
 from rl_tui.tui.panels.world.graph.layout import GraphLayout, graph_layout
 from rl_tui.tui.panels.world.graph.routing import Box
 from rl_tui.tui.panels.world.graph.shape import GraphShape, Node, Signs, graph_shape
-from rl_tui.tui.panels.world.graph.strokes import BOLD, THIN, Arms, joint
+from rl_tui.tui.panels.world.graph.strokes import BOLD, THIN, StrokeArms, joint
 from rl_tui.tui.panels.world.state_values import StateValues, state_values
 from rl_tui.tui.panels.world.view import WorldView
 from rl_tui.tui.theme.look import Look
@@ -152,20 +152,22 @@ def _draw_box(
     inner, last = box.width - 2, box.y + box.height - 1
     canvas.put(box.x, box.y, corners[0] + horizontal * inner + corners[1], border)
     canvas.put(box.x, last, corners[2] + horizontal * inner + corners[3], border)
-    ground = values.style(state, look)
+    background = values.style(state, look)
     for y in range(box.y + 1, last):
         canvas.put(box.x, y, vertical, border)
-        canvas.put(box.x + 1, y, " " * inner, ground)
+        canvas.put(box.x + 1, y, " " * inner, background)
         canvas.put(box.x + box.width - 1, y, vertical, border)
     first = box.y + 1 + (box.height - 4) // 2
     name = shortened(node.name, inner - 1, glyphs.ellipsis)
     start = max(1, (inner - len(name) + 1) // 2)
-    canvas.put(box.x + 1 + start, first, name, ground + Style(bold=True))
+    canvas.put(box.x + 1 + start, first, name, background + Style(bold=True))
     if agent:
-        canvas.put(box.x + 1 + start - (2 if start > 1 else 1), first, glyphs.agent, ground + palette.agent)
+        canvas.put(
+            box.x + 1 + start - (2 if start > 1 else 1), first, glyphs.agent, background + palette.agent
+        )
     value = values.value[state]
     text = END if value is None else numbers.value(value, VALUE_WIDTH, glyphs, decimals=2)
-    style = palette.focus if state == signs.cursor else ground
+    style = palette.focus if state == signs.cursor else background
     canvas.put(box.x + 1, first + 1, centred(text, inner), style)
 
 
@@ -179,18 +181,18 @@ def _edge_style(greedy: bool, look: Look) -> Style:
 
 def _draw_lines(canvas: Canvas, layout: GraphLayout, values: StateValues, agent: int, look: Look) -> None:
     """Draw all lines; where two meet or cross, their arms are joined, and a bold one gives the style."""
-    arms: dict[tuple[int, int], Arms] = {}
+    arms: dict[tuple[int, int], StrokeArms] = {}
     styles: dict[tuple[int, int], Style] = {}
     for stroke in sorted(layout.strokes, key=lambda each: each.pair in values.greedy):
         cell, greedy = (stroke.x, stroke.y), stroke.pair in values.greedy
-        mine = Arms(*((BOLD if greedy else THIN) * (side in stroke.arms) for side in range(4)))
-        arms[cell] = arms.get(cell, Arms()).joined(mine)
+        mine = StrokeArms(*((BOLD if greedy else THIN) * (side in stroke.arms) for side in range(4)))
+        arms[cell] = arms.get(cell, StrokeArms()).joined(mine)
         styles[cell] = _edge_style(greedy, look)
     for state, box in enumerate(layout.boxes):
         for cell in arms.keys() & set(box.cells()):
             # a line begins in a border: the border runs through, in its own style
             on_side = cell[0] in (box.x, box.x + box.width - 1)
-            border = Arms(up=THIN, down=THIN) if on_side else Arms(right=THIN, left=THIN)
+            border = StrokeArms(up=THIN, down=THIN) if on_side else StrokeArms(right=THIN, left=THIN)
             arms[cell] = arms[cell].joined(border)
             styles[cell] = _border_style(state == agent, look)
     for (x, y), each in arms.items():

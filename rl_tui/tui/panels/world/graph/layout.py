@@ -7,7 +7,15 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import Final, NamedTuple
 
-from rl_tui.tui.panels.world.graph.labels import Ground, Label, LineOf, Run, Wanted, place_labels, runs_of
+from rl_tui.tui.panels.world.graph.labels import (
+    EdgeLabel,
+    LineOf,
+    LineRun,
+    Obstacles,
+    WantedLabel,
+    place_labels,
+    runs_of,
+)
 from rl_tui.tui.panels.world.graph.places import Places, places
 from rl_tui.tui.panels.world.graph.routing import (
     DOWN,
@@ -18,11 +26,11 @@ from rl_tui.tui.panels.world.graph.routing import (
     Cell,
     Port,
     Route,
-    Sheet,
+    RoutingSheet,
     reverse,
     route,
 )
-from rl_tui.tui.panels.world.graph.shape import Action, Branch, GraphShape
+from rl_tui.tui.panels.world.graph.shape import GraphAction, GraphBranch, GraphShape
 
 _GOOD_ENOUGH: Final = 2.4  # cost of a label at which no other arrangement is tried
 _WORK: Final = 60  # actions × arrangements that may be tried to find a better one
@@ -45,7 +53,7 @@ class Stroke(NamedTuple):
     arms: tuple[int, ...]
 
 
-class Head(NamedTuple):
+class ArrowHead(NamedTuple):
     """An arrow's head, pointing in ``direction``."""
 
     pair: int
@@ -68,9 +76,9 @@ class GraphLayout:
 
     boxes: Places
     strokes: tuple[Stroke, ...]
-    heads: tuple[Head, ...]
+    heads: tuple[ArrowHead, ...]
     forks: tuple[Fork, ...]
-    labels: tuple[Label, ...]
+    labels: tuple[EdgeLabel, ...]
 
 
 @lru_cache(maxsize=32)
@@ -97,14 +105,14 @@ class _Drawing:
 
     def __init__(self, shape: GraphShape, boxes: Places, width: int, height: int) -> None:
         self._shape, self._boxes = shape, boxes
-        self._sheet = Sheet(width, height, {cell for box in boxes for cell in box.cells()})
+        self._sheet = RoutingSheet(width, height, {cell for box in boxes for cell in box.cells()})
         self._taken_ports: set[Cell] = set()
         self._strokes: list[Stroke] = []
-        self._heads: list[Head] = []
+        self._heads: list[ArrowHead] = []
         self._forks: list[Fork] = []
         self._lines: dict[Cell, set[LineOf]] = {}
-        self._wanted: list[Wanted] = []
-        self._labels: list[Label] = []
+        self._wanted: list[WantedLabel] = []
+        self._labels: list[EdgeLabel] = []
         self._label_cost = self._route_cost = 0.0
 
     def complete(self) -> bool:
@@ -112,8 +120,8 @@ class _Drawing:
         for action in sorted(self._shape.actions, key=self._length):
             if not self._put_action(action):
                 return False
-        ground = Ground(self._sheet.width, self._sheet.height, self._sheet.solid, self._lines)
-        self._labels, self._label_cost, lost = place_labels(ground, self._wanted)
+        obstacles = Obstacles(self._sheet.width, self._sheet.height, self._sheet.solid, self._lines)
+        self._labels, self._label_cost, lost = place_labels(obstacles, self._wanted)
         return lost == 0
 
     def finished(self) -> tuple[float, GraphLayout]:
@@ -126,18 +134,18 @@ class _Drawing:
         )
         return cost, layout
 
-    def _length(self, action: Action) -> tuple[bool, float]:
+    def _length(self, action: GraphAction) -> tuple[bool, float]:
         """Order: short edges between neighbours first, actions that only lead back to their state last."""
         main = self._branches(action)[0]
         source, target = self._shape.nodes[action.source], self._shape.nodes[main.target]
         distance = abs(source.column - target.column) + abs(source.row - target.row)
         return main.target == action.source, distance
 
-    def _branches(self, action: Action) -> list[Branch]:
+    def _branches(self, action: GraphAction) -> list[GraphBranch]:
         """Return the branches, one that leads to another state first."""
         return sorted(action.branches, key=lambda branch: branch.target == action.source)
 
-    def _put_action(self, action: Action) -> bool:
+    def _put_action(self, action: GraphAction) -> bool:
         main, *others = self._branches(action)
         if main.target == action.source:
             path = self._loop(action.source)
@@ -180,9 +188,9 @@ class _Drawing:
         ]
         return min(straight, key=lambda each: abs(each - wish), default=None)
 
-    def _want(self, line: LineOf, text: str, runs: tuple[Run, ...], inline: bool = False) -> None:
+    def _want(self, line: LineOf, text: str, runs: tuple[LineRun, ...], inline: bool = False) -> None:
         if text:
-            self._wanted.append(Wanted(line, text, runs, inline))
+            self._wanted.append(WantedLabel(line, text, runs, inline))
 
     def _enter(self, line: LineOf, path: Route) -> None:
         """Take the cells of ``path``; its head stands before the side of a box, but in its top or bottom."""
@@ -194,10 +202,10 @@ class _Drawing:
             self._strokes.append(Stroke(pair, *cell, path.arms(index)))
             self._lines.setdefault(cell, set()).add(line)
         head = path.cells[-1] if end.direction in HORIZONTAL else end.cell
-        self._heads.append(Head(pair, *head, end.direction))
+        self._heads.append(ArrowHead(pair, *head, end.direction))
         self._taken_ports |= {start.cell, end.cell}
 
-    def _ports(self, action: Action, target: int) -> tuple[dict[Port, float], dict[Port, float]]:
+    def _ports(self, action: GraphAction, target: int) -> tuple[dict[Port, float], dict[Port, float]]:
         """Return where the line of ``action`` may leave its box and where it may enter that of ``target``."""
         centres = self._centres(action.source, target, action)
         starts = {
@@ -241,7 +249,7 @@ class _Drawing:
                 ends[Port(cell, reverse(side))] = cost
         return ends
 
-    def _centres(self, state: int, other: int | None, action: Action | None = None) -> dict[int, float]:
+    def _centres(self, state: int, other: int | None, action: GraphAction | None = None) -> dict[int, float]:
         """Return the wished columns on top and bottom of a box, shared out among the lines between two."""
         box = self._boxes[state]
         share = 0.5
@@ -250,7 +258,7 @@ class _Drawing:
             share = (between.index(action) + 1) / (len(between) + 1)
         return dict.fromkeys((UP, DOWN), box.x + round(share * (box.width - 1)))
 
-    def _between(self, state: int, other: int) -> Iterator[Action]:
+    def _between(self, state: int, other: int) -> Iterator[GraphAction]:
         """Yield the actions whose main line joins two boxes, those that go up or left first."""
         nodes = self._shape.nodes
         joining = [

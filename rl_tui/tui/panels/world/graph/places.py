@@ -9,7 +9,7 @@ from typing import Final
 from rich.cells import cell_len
 
 from rl_tui.tui.panels.world.graph.routing import Box
-from rl_tui.tui.panels.world.graph.shape import Action, GraphShape
+from rl_tui.tui.panels.world.graph.shape import GraphAction, GraphShape
 
 _BOX_HEIGHTS: Final = (4, 5, 6)  # borders, name, value; more where more lines need a place on the sides
 _LEAST_INNER: Final = 6  # a value, and the mark before a name of five letters
@@ -149,5 +149,5 @@ def _in_two_lines(text: str) -> int:
     return min(max(len(" ".join(words[:place])), len(" ".join(words[place:]))) for place in range(len(words)))
 
 
-def _label(action: Action) -> str:
+def _label(action: GraphAction) -> str:
     return " ".join([action.label, *(branch.label for branch in action.branches)])

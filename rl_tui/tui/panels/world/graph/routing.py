@@ -81,7 +81,7 @@ class Route(NamedTuple):
 
 
 @dataclass
-class Sheet:
+class RoutingSheet:
     """Which cells are taken: by boxes, by lines (cell → directions in which they leave it), or barred."""
 
     width: int
@@ -138,7 +138,7 @@ class Sheet:
         return cost
 
 
-def route(sheet: Sheet, starts: Mapping[Port, float], ends: Mapping[Port, float]) -> Route | None:
+def route(sheet: RoutingSheet, starts: Mapping[Port, float], ends: Mapping[Port, float]) -> Route | None:
     """Return the cheapest line from one of ``starts`` to one of ``ends`` (port → extra cost), None if none.
 
     The direction of a start points away from its box, that of an end into its box. A line enters a box from

@@ -21,7 +21,7 @@ class Node(NamedTuple):
     terminal: bool
 
 
-class Branch(NamedTuple):
+class GraphBranch(NamedTuple):
     """Where an action may lead. ``label`` is empty where the label of the action says it all."""
 
     target: int
@@ -29,14 +29,14 @@ class Branch(NamedTuple):
     label: str
 
 
-class Action(NamedTuple):
+class GraphAction(NamedTuple):
     """One pair, with one branch for each state that it may lead to, the likeliest first."""
 
     pair: int
     source: int
     name: str
     label: str
-    branches: tuple[Branch, ...]
+    branches: tuple[GraphBranch, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,7 +44,7 @@ class GraphShape:
     """The states and pairs of an MDP, labelled for people."""
 
     nodes: tuple[Node, ...]
-    actions: tuple[Action, ...]
+    actions: tuple[GraphAction, ...]
 
 
 NO_BREAKPOINTS: Final = Breakpoints()
@@ -75,7 +75,7 @@ def graph_shape(mdp: TabularMDP, graph: Graph, glyphs: Glyphs) -> GraphShape:
     return GraphShape(nodes, actions)
 
 
-def _action(mdp: TabularMDP, state: int, pair: int, glyphs: Glyphs) -> Action:
+def _action(mdp: TabularMDP, state: int, pair: int, glyphs: Glyphs) -> GraphAction:
     name = written(mdp.action_names[int(mdp.pair_action[pair])], glyphs)
     probabilities: dict[int, float] = {}
     rewards: dict[int, float] = {}
@@ -92,14 +92,14 @@ def _action(mdp: TabularMDP, state: int, pair: int, glyphs: Glyphs) -> Action:
     else:
         label = name
     branches = tuple(
-        Branch(
+        GraphBranch(
             target,
             probabilities[target],
             f"{probability_text(probabilities[target])} {texts[target]}".strip() if len(targets) > 1 else "",
         )
         for target in targets
     )
-    return Action(pair, state, name, label, branches)
+    return GraphAction(pair, state, name, label, branches)
 
 
 def reward_text(reward: float, glyphs: Glyphs) -> str:

@@ -15,7 +15,7 @@ _ROUND: Final = {"╭": "┌", "╮": "┐", "╰": "└", "╯": "┘"}
 _ROUNDED: Final = {square: rounded for rounded, square in _ROUND.items()}
 
 
-class Arms(NamedTuple):
+class StrokeArms(NamedTuple):
     """The weights of the lines that leave a cell towards its neighbours: 0 (none), THIN or BOLD."""
 
     up: int = 0
@@ -23,12 +23,12 @@ class Arms(NamedTuple):
     down: int = 0
     left: int = 0
 
-    def joined(self, other: Arms) -> Arms:
+    def joined(self, other: StrokeArms) -> StrokeArms:
         """Return what two lines that meet or cross in one cell make together."""
-        return Arms(*(max(mine, its) for mine, its in zip(self, other, strict=True)))
+        return StrokeArms(*(max(mine, its) for mine, its in zip(self, other, strict=True)))
 
 
-def joint(arms: Arms, glyphs: Glyphs) -> str:
+def joint(arms: StrokeArms, glyphs: Glyphs) -> str:
     """Return the character for ``arms``; thin corners are rounded."""
     if glyphs.name == "ascii":
         return _ascii(arms, glyphs)
@@ -36,7 +36,7 @@ def joint(arms: Arms, glyphs: Glyphs) -> str:
     return _ROUNDED.get(character, character)
 
 
-def _ascii(arms: Arms, glyphs: Glyphs) -> str:
+def _ascii(arms: StrokeArms, glyphs: Glyphs) -> str:
     if not any(arms):
         return " "
     vertical, horizontal = max(arms.up, arms.down), max(arms.left, arms.right)

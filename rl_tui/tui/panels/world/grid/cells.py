@@ -216,7 +216,7 @@ def _put_mark_or_reward(canvas: Canvas, x: int, face: Face, look: Look) -> None:
 def _put_reward(canvas: Canvas, x: int, y: int, room: int, face: Face, look: Look) -> None:
     """Put what the cell pays; where it does not fit, whether that is more or less than usual.
 
-    It stands on the ground of the panel, so that it is seen on every tint.
+    It stands on the background of the panel, so that it is seen on every tint.
     """
     if face.reward is None or room < 1:
         return

@@ -16,7 +16,7 @@ from rl_tui.tui.draw.scrolling import Scrolled, kept_in_view, scrolled_to
 from rl_tui.tui.panels.same_run import is_another_run
 from rl_tui.tui.panels.world.grid.cells import CellArtist
 from rl_tui.tui.panels.world.grid.form import LEAST_DIGITS, CellForm, cell_form, digits_needed
-from rl_tui.tui.panels.world.grid.map import CellContent, GridMap, Part
+from rl_tui.tui.panels.world.grid.map import CellContent, GridMap, MapPart
 from rl_tui.tui.panels.world.view import WorldView
 from rl_tui.tui.theme.look import Look
 from rl_tui.worlds.drawing import Grid
@@ -44,7 +44,7 @@ class GridView(WorldView):
         classes: str | None = None,
     ) -> None:
         super().__init__(world, look, id=id, classes=classes)
-        self._part: Part | None = None
+        self._part: MapPart | None = None
         self._form: CellForm | None = None
         self._origin = (0, 0)  # column and row of the first cell's first character
         self._told: Cells | None = None
@@ -140,7 +140,7 @@ class GridView(WorldView):
         row, column = divmod(self.agent_place(snapshot), grid.columns)
         self._top = kept_in_view(self._top, row if self._following else None, rows, grid.rows)
         self._left = kept_in_view(self._left, column if self._following else None, columns, grid.columns)
-        self._part = part = Part(self._top, self._left, rows, columns)
+        self._part = part = MapPart(self._top, self._left, rows, columns)
         cells = self._map.contents(part, snapshot, self.shown_cursor)
         needed = digits_needed(each.value for each in cells if each.value is not None)
         if needed > self._digits:  # they stay as wide, lest the map jump to and fro
@@ -215,7 +215,7 @@ def _stretch(first: int, shown: int, total: int) -> str:
     return f"{first}–{first + shown - 1} of {total:,}"
 
 
-def origin(form: CellForm, part: Part, width: int, height: int) -> tuple[int, int]:
+def origin(form: CellForm, part: MapPart, width: int, height: int) -> tuple[int, int]:
     """Return column and row at which ``part`` begins, in the middle of width × height characters."""
     return (
         max(0, (width - part.columns * form.width) // 2),
@@ -224,7 +224,7 @@ def origin(form: CellForm, part: Part, width: int, height: int) -> tuple[int, in
 
 
 def draw_grid(
-    cells: Sequence[CellContent], artist: CellArtist, part: Part, width: int, height: int
+    cells: Sequence[CellContent], artist: CellArtist, part: MapPart, width: int, height: int
 ) -> list[Strip]:
     """Return ``cells``, those of ``part`` row by row, in the middle of width × height characters.
 

@@ -15,7 +15,7 @@ from rl_tui.worlds.mdp.space import FiniteSpace, IntArray
 Sign = tuple[int, int] | str
 
 
-class Part(NamedTuple):
+class MapPart(NamedTuple):
     """The rows × columns cells from (top, left) on."""
 
     top: int
@@ -64,7 +64,7 @@ class GridMap:
         state = int(self._states[divmod(cell, self.grid.columns)])
         return None if state == NO_STATE else state
 
-    def contents(self, part: Part, snapshot: Snapshot, cursor: int | None = None) -> list[CellContent]:
+    def contents(self, part: MapPart, snapshot: Snapshot, cursor: int | None = None) -> list[CellContent]:
         """Return what stands in the cells of ``part``, row by row; the cursor stands in the cell ``cursor``.
 
         Of several states in one cell it is the agent's, else the first.
@@ -101,7 +101,7 @@ class GridMap:
             contents[marked] = contents[marked]._replace(cursor=True)
         return contents
 
-    def holds(self, part: Part, snapshot: Snapshot) -> bool:
+    def holds(self, part: MapPart, snapshot: Snapshot) -> bool:
         """Tell whether ``snapshot`` has all that is to be seen in ``part``."""
         if snapshot.window is None:
             return True
@@ -109,7 +109,7 @@ class GridMap:
         pairs = pairs_of_states(self._space, states[states != NO_STATE])
         return bool(snapshot.window.held[pairs].all())
 
-    def _states_in(self, part: Part, snapshot: Snapshot) -> IntArray:
+    def _states_in(self, part: MapPart, snapshot: Snapshot) -> IntArray:
         top, left, rows, columns = part
         states = self._states[top : top + rows, left : left + columns].flatten()
         agent = self._place(part, int(self.grid.cell_of_state[snapshot.state]))
@@ -117,7 +117,7 @@ class GridMap:
             states[agent] = snapshot.state
         return states
 
-    def _place(self, part: Part, cell: int) -> int | None:
+    def _place(self, part: MapPart, cell: int) -> int | None:
         """Return which cell of ``part``, counted row by row, ``cell`` is, None if it is outside."""
         row, column = divmod(cell, self.grid.columns)
         row, column = row - part.top, column - part.left
