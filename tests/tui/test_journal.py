@@ -11,7 +11,7 @@ from rl_tui.lab.live.commands import GoTo
 from rl_tui.lab.live.snapshot import Snapshot, Timeline
 from rl_tui.lab.run.recipe import JournalEntry, SetParameter, SwitchAlgorithm, TakeAction
 from rl_tui.lab.timeline.branches import Branch
-from rl_tui.tui.draw.to_ascii import written
+from rl_tui.tui.draw.to_ascii import to_ascii
 from rl_tui.tui.screens.dialogs.goto import goto_prompt, parse_goto
 from rl_tui.tui.screens.dialogs.journal import HOW_TO_BRANCH, NO_CHANGE, JournalScreen, Moment
 from rl_tui.tui.screens.dialogs.journal_text import journal_lines
@@ -23,7 +23,7 @@ HANDS = tuple(JournalEntry(step, TakeAction(1)) for step in range(3_400, 3_461))
 def words(*journal: JournalEntry, of: Snapshot | None = None, glyphs: Glyphs = UNICODE) -> list[str]:
     snapshot = of or lake()
     lines = journal_lines(journal, snapshot.recipe, snapshot.world, glyphs)
-    return [written(line.text, glyphs) for line in lines]
+    return [to_ascii(line.text, glyphs) for line in lines]
 
 
 def test_a_change_tells_what_was_before() -> None:

@@ -10,7 +10,7 @@ from textual.command import DiscoveryHit, Hit, Hits, Provider
 
 from rl_tui.tui.app.action import Action, Place
 from rl_tui.tui.app.actions import actions_of
-from rl_tui.tui.draw.to_ascii import written
+from rl_tui.tui.draw.to_ascii import to_ascii
 from rl_tui.tui.theme.look import Look
 
 
@@ -44,7 +44,7 @@ class ActionProvider(Provider):
         if isinstance(screen, HasPlace):
             for action in actions_of(screen.place):
                 name, sentence = (
-                    written(text, screen.look.glyphs) for text in (palette_name(action), action.help)
+                    to_ascii(text, screen.look.glyphs) for text in (palette_name(action), action.help)
                 )
                 yield name, partial(self.screen.run_action, action.textual_action), sentence
         yield "Theme", self.app.action_change_theme, "Choose the colours."

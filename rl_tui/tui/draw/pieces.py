@@ -11,7 +11,7 @@ from rich.style import Style
 from textual.strip import Strip
 
 from rl_tui.tui.draw.canvas import Canvas, shortened
-from rl_tui.tui.draw.to_ascii import written
+from rl_tui.tui.draw.to_ascii import to_ascii
 from rl_tui.tui.theme.look import Look
 
 KEPT_BLANK: Final = "\x1f"  # in texts to be wrapped: a blank at which no line ends
@@ -30,7 +30,7 @@ Line = Sequence[Piece]
 
 def spelled(line: Line, look: Look) -> list[Piece]:
     """Return ``line`` in the characters that the terminal has."""
-    return [Piece(written(piece.text, look.glyphs), piece.style) for piece in line]
+    return [Piece(to_ascii(piece.text, look.glyphs), piece.style) for piece in line]
 
 
 def length(line: Line) -> int:
@@ -82,7 +82,7 @@ def wrapped(
     lines: list[str] = []
     current = first
     is_begun = False
-    for word in written(text, look.glyphs).split(" "):
+    for word in to_ascii(text, look.glyphs).split(" "):
         shown = word.replace(KEPT_BLANK, " ")
         candidate = f"{current} {shown}" if is_begun else current + shown
         if is_begun and cell_len(candidate) > width:

@@ -82,7 +82,7 @@ _SPELLED: Final = {
 }
 
 
-def written(text: str, glyphs: Glyphs) -> str:
+def to_ascii(text: str, glyphs: Glyphs) -> str:
     """Return ``text``, in ASCII where ``glyphs`` is the ASCII set; what has no spelling becomes ``?``."""
     if glyphs.name != "ascii":
         return text
@@ -91,5 +91,5 @@ def written(text: str, glyphs: Glyphs) -> str:
 
 
 def separated(text: str, glyphs: Glyphs) -> str:
-    """Return ``text`` like :func:`written`, where a dot between blanks separates parts: no product."""
-    return written(text.replace(" · ", " – "), glyphs) if glyphs.name == "ascii" else text
+    """Return ``text`` like :func:`to_ascii`, where a dot between blanks separates parts: no product."""
+    return to_ascii(text.replace(" · ", " – "), glyphs) if glyphs.name == "ascii" else text

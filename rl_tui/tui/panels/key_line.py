@@ -12,7 +12,7 @@ from textual.widget import Widget
 
 from rl_tui.tui.app.action import Action, Place
 from rl_tui.tui.app.actions import actions_of
-from rl_tui.tui.draw.to_ascii import written
+from rl_tui.tui.draw.to_ascii import to_ascii
 from rl_tui.tui.theme.glyphs import Glyphs
 from rl_tui.tui.theme.look import Look
 
@@ -49,7 +49,7 @@ def _columns(action: Action) -> int:
 
 
 def _line_columns(hints: Sequence[tuple[str, str]], gap: int, glyphs: Glyphs) -> int:
-    texts = [written(f"{keys} {label}", glyphs) for keys, label in hints]
+    texts = [to_ascii(f"{keys} {label}", glyphs) for keys, label in hints]
     return 1 + sum(map(cell_len, texts)) + gap * (len(texts) - 1)
 
 
@@ -94,7 +94,7 @@ class KeyLine(Widget):
         for number, (keys, label) in enumerate(hints):
             segments += [
                 Segment(" " * gap if number else "", palette.text),
-                Segment(written(keys, glyphs), palette.accent),
+                Segment(to_ascii(keys, glyphs), palette.accent),
                 Segment(f" {label}", palette.text),
             ]
         strip = Strip(segments).adjust_cell_length(self.size.width, palette.text)

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from textual.containers import Vertical
 
-from rl_tui.tui.draw.to_ascii import written
+from rl_tui.tui.draw.to_ascii import to_ascii
 from rl_tui.tui.theme.glyphs import Glyphs
 
 if TYPE_CHECKING:
@@ -36,7 +36,7 @@ def notes_markdown(markdown: str, glyphs: Glyphs) -> Markdown:
     """Return the widget that draws ``markdown`` in the characters of ``glyphs``; the app shows addresses."""
     from textual.widgets import Markdown  # its parser is slow to load and must not delay the first paint
 
-    widget = Markdown(written(markdown, glyphs), open_links=True)
+    widget = Markdown(to_ascii(markdown, glyphs), open_links=True)
     if glyphs.name == "ascii":
         widget.BULLETS = _ASCII_BULLETS
     return widget

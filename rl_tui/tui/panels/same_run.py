@@ -5,7 +5,7 @@ from __future__ import annotations
 from rl_tui.lab.live.snapshot import Snapshot
 
 
-def is_another_run(before: Snapshot | None, now: Snapshot) -> bool:
+def is_new_run(before: Snapshot | None, now: Snapshot) -> bool:
     """Tell whether a run began between ``before`` and ``now``: neither a way back nor a look at a lane.
 
     A way back leaves its first branch as long as it was; a run that starts again has a new one.

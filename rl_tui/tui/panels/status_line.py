@@ -14,7 +14,7 @@ from rl_tui.lab.live.snapshot import Phase, Snapshot
 from rl_tui.tui.draw import numbers
 from rl_tui.tui.draw.canvas import shortened
 from rl_tui.tui.draw.pieces import Line, Piece, strips_of
-from rl_tui.tui.draw.to_ascii import separated, written
+from rl_tui.tui.draw.to_ascii import separated, to_ascii
 from rl_tui.tui.panels.controls.settings import speed_text
 from rl_tui.tui.panels.panel import Panel
 from rl_tui.tui.panels.under_way import episode_under_way
@@ -82,18 +82,18 @@ def status_line(
         return [Piece(f" {WAITING}", palette.dim)]
     if snapshot.phase is Phase.STOPPED:
         message = shortened(
-            written(f" {glyphs.stopped} stopped: {snapshot.message}", glyphs), width, glyphs.ellipsis
+            to_ascii(f" {glyphs.stopped} stopped: {snapshot.message}", glyphs), width, glyphs.ellipsis
         )
         return [Piece(message, palette.bad)]
     if snapshot.phase is Phase.PREPARING:
         whole = f"preparing: {snapshot.message}"
-        fits = cell_len(written(whole, glyphs)) < width
+        fits = cell_len(to_ascii(whole, glyphs)) < width
         return _waiting(snapshot, whole if fits else snapshot.message, look, width)
     if snapshot.phase is Phase.SEEKING and snapshot.message:
         return _waiting(snapshot, snapshot.message, look, width)
     fields = _fitting(_fields(snapshot, look, width, is_manual=is_manual), width - 1)
     right = [
-        Piece(" " * _GAP + set_cell_size(written(field.text, glyphs), field.columns), field.style)
+        Piece(" " * _GAP + set_cell_size(to_ascii(field.text, glyphs), field.columns), field.style)
         for field in fields
     ]
     taken = sum(cell_len(piece.text) for piece in right)
@@ -138,7 +138,7 @@ def _title(snapshot: Snapshot, look: Look, width: int) -> str:
 
 def _waiting(snapshot: Snapshot, text: str, look: Look, width: int) -> Line:
     palette, glyphs = look.palette, look.glyphs
-    message = written(f"  {text}", glyphs)
+    message = to_ascii(f"  {text}", glyphs)
     title = _title(snapshot, look, max(0, width - 1 - cell_len(message)))
     if cell_len(title) < _LEAST_TITLE and title.endswith(glyphs.ellipsis):
         title = ""
@@ -188,8 +188,8 @@ def _speed(snapshot: Snapshot, look: Look, *, wide: bool) -> _Field:
     if wide:
         text, columns = "" if speed is None else numbers.long_rate(speed), len("999.9 M steps/s")
     else:
-        is_told = speed is None or _keeps_up(snapshot, speed)
-        text, columns = "" if speed is None or is_told else numbers.rate(speed), len("999 M/s")
+        is_redundant = speed is None or _keeps_up(snapshot, speed)
+        text, columns = "" if speed is None or is_redundant else numbers.rate(speed), len("999 M/s")
     return _Field(f"{text:>{columns}}", columns, look.palette.dim, _SPEED_RANK)
 
 
@@ -208,22 +208,22 @@ def _state(snapshot: Snapshot, look: Look, most: int, *, is_manual: bool) -> _Fi
         return _Field(text, len(text), palette.accent)
     if snapshot.phase is Phase.DONE:
         text = f"{glyphs.stopped} {snapshot.message.partition(':')[0] or snapshot.phase.value}"
-        return _Field(text, cell_len(written(text, glyphs)), palette.accent)
+        return _Field(text, cell_len(to_ascii(text, glyphs)), palette.accent)
     if snapshot.phase in (Phase.PAUSED, Phase.SEEKING):
         if snapshot.paused_by:
-            return _told(f"{glyphs.paused} {snapshot.paused_by}", look, most)
+            return _long_state(f"{glyphs.paused} {snapshot.paused_by}", look, most)
         if snapshot.timeline.in_past:
             return _Field(f"{glyphs.past} the past", _STATE_COLUMNS, palette.accent)
         if is_manual:
             return _Field(f"{glyphs.agent} you act", _STATE_COLUMNS, palette.accent)
         return _Field(f"{glyphs.paused} paused", _STATE_COLUMNS, palette.dim)
     if snapshot.until:
-        return _told(f"{glyphs.running} until {snapshot.until}", look, most)
+        return _long_state(f"{glyphs.running} until {snapshot.until}", look, most)
     if snapshot.timeline.in_past:
         return _Field(f"{glyphs.running} replaying", _STATE_COLUMNS, palette.accent)
     return _Field(f"{glyphs.running} {speed_text(snapshot.speed)}", _STATE_COLUMNS, palette.good)
 
 
-def _told(text: str, look: Look, most: int) -> _Field:
-    text = shortened(written(text, look.glyphs), max(_STATE_COLUMNS, most), look.glyphs.ellipsis)
+def _long_state(text: str, look: Look, most: int) -> _Field:
+    text = shortened(to_ascii(text, look.glyphs), max(_STATE_COLUMNS, most), look.glyphs.ellipsis)
     return _Field(text, max(_STATE_COLUMNS, cell_len(text)), look.palette.accent)

@@ -11,7 +11,7 @@ from textual.widget import Widget
 from textual.widgets import Static
 
 from rl_tui.tui.app.action import Place
-from rl_tui.tui.draw.to_ascii import written
+from rl_tui.tui.draw.to_ascii import to_ascii
 from rl_tui.tui.panels.key_line import KeyLine
 from rl_tui.tui.screens.playground.arrangement import ROOMY_HEIGHT, ROOMY_WIDTH
 from rl_tui.tui.theme.look import Look
@@ -44,7 +44,7 @@ class TooSmall(Static):
         """Name the size there is and the one that is needed."""
         width, height = self.app.size
         text = f"terminal too small: is {width}×{height}, needs {LEAST_WIDTH}×{LEAST_HEIGHT}"
-        self.update(written(text, self.look.glyphs))
+        self.update(to_ascii(text, self.look.glyphs))
 
 
 class ActionScreen(Screen[None]):

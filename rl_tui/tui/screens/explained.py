@@ -12,7 +12,7 @@ from textual.geometry import Size
 from textual.strip import Strip
 from textual.widget import Widget
 
-from rl_tui.tui.draw.to_ascii import written
+from rl_tui.tui.draw.to_ascii import to_ascii
 from rl_tui.tui.theme.glyphs import Glyphs
 
 _LEFT: Final = 14  # columns
@@ -41,7 +41,7 @@ class Explained(Widget):
 
     def __init__(self, rows: Sequence[Explanation], glyphs: Glyphs) -> None:
         super().__init__()
-        self._rows = [Explanation(written(row.term, glyphs), written(row.meaning, glyphs)) for row in rows]
+        self._rows = [Explanation(to_ascii(row.term, glyphs), to_ascii(row.meaning, glyphs)) for row in rows]
         self._wrapped: tuple[int, list[Explanation]] = (0, [])
 
     def get_content_height(self, container: Size, viewport: Size, width: int) -> int:

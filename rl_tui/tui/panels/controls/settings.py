@@ -15,7 +15,7 @@ from textual.widget import Widget
 from rl_tui.agents.catalogue import BY_ID, POLICY_BY_ID, parameters_of
 from rl_tui.agents.hyperparameters import PARAMETERS, Hyperparameters, Parameter
 from rl_tui.lab.live.snapshot import Phase, Snapshot
-from rl_tui.tui.draw.to_ascii import written
+from rl_tui.tui.draw.to_ascii import to_ascii
 from rl_tui.tui.theme.glyphs import Glyphs
 from rl_tui.tui.theme.look import Look
 
@@ -175,7 +175,7 @@ def _running_on(settings: Sequence[Setting], width: int, gap: int, glyphs: Glyph
 
 
 def _cell(start: int, setting: Setting, texts: Texts, glyphs: Glyphs) -> Cell:
-    key, label, value = (written(text, glyphs) for text in texts)
+    key, label, value = (to_ascii(text, glyphs) for text in texts)
     return Cell(start, start + cell_len(key + label + value), setting, key, label, value)
 
 

@@ -11,7 +11,7 @@ from textual.strip import Strip
 
 from rl_tui.agents.hyperparameters import SAMPLE_AVERAGE, Parameter
 from rl_tui.tui.draw import numbers
-from rl_tui.tui.draw.to_ascii import written
+from rl_tui.tui.draw.to_ascii import to_ascii
 from rl_tui.tui.panels.controls.slider_scale import SliderScale
 from rl_tui.tui.theme.glyphs import Glyphs
 from rl_tui.tui.theme.look import Look
@@ -52,12 +52,12 @@ class SliderForm:
 def slider_form(parameter: Parameter, state: SliderState, glyphs: Glyphs, width: int) -> SliderForm:
     """Return what stands where in ``width`` cells."""
     gap = 2 if width >= ROOMY else 1
-    label = written(parameter.symbol, glyphs)
+    label = to_ascii(parameter.symbol, glyphs)
     if width >= ROOMY and label != parameter.symbol:
         label = label.ljust(_SPELLED)  # sliders one above the other begin in one column
     room = width - 1 - cell_len(label) - 2 * gap - 1
     is_word = isinstance(state.value, str) and state.typed is None and not state.refused
-    forms = [written(form, glyphs) for form in _texts(parameter, state, glyphs)]
+    forms = [to_ascii(form, glyphs) for form in _texts(parameter, state, glyphs)]
     if is_word:
         return SliderForm(label, gap, 0, next((form for form in forms if cell_len(form) <= room + gap), ""))
     text = next((form for form in forms if cell_len(form) + LEAST_TRACK <= room), forms[-1])

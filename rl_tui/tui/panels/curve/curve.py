@@ -14,7 +14,7 @@ from rl_tui.tui.panels.curve.data import CurveData, curve_data
 from rl_tui.tui.panels.curve.lane_text import lane_remark, lane_titles
 from rl_tui.tui.panels.curve.text import decimals_for, remark, titles
 from rl_tui.tui.panels.panel import Panel
-from rl_tui.tui.panels.same_run import is_another_run
+from rl_tui.tui.panels.same_run import is_new_run
 from rl_tui.tui.panels.speeds import passes_too_fast
 from rl_tui.tui.theme.look import Look
 
@@ -47,7 +47,7 @@ class ReturnCurve(Panel):
 
     def show(self, snapshot: Snapshot) -> None:
         """Draw ``snapshot``; the past of a run has the same axis as its present."""
-        if is_another_run(self.snapshot, snapshot):
+        if is_new_run(self.snapshot, snapshot):
             self._scale = None
         super().show(snapshot)
 

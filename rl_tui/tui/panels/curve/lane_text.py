@@ -8,7 +8,7 @@ from rich.cells import cell_len
 from rich.style import Style
 
 from rl_tui.tui.draw.canvas import shortened
-from rl_tui.tui.draw.to_ascii import written
+from rl_tui.tui.draw.to_ascii import to_ascii
 from rl_tui.tui.panels.curve.data import CurveData, LaneLine
 from rl_tui.tui.panels.curve.text import (
     NUMBER,
@@ -108,7 +108,7 @@ def _columns(data: CurveData, look: Look, form: _Form) -> int:
 def _names(data: CurveData, look: Look, width: int) -> list[str]:
     """Return the names in at most ``width`` cells, with their numbers where they would not tell enough."""
     glyphs = look.glyphs
-    names = [written(lane.name, glyphs) for lane in data.lanes]
+    names = [to_ascii(lane.name, glyphs) for lane in data.lanes]
     is_enough = look.palette.tells_lanes_apart and glyphs.braille
     if is_enough and all(cell_len(name) <= width for name in names):
         return names

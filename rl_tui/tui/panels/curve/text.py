@@ -11,7 +11,7 @@ from rich.style import Style
 from rl_tui.agents.catalogue import POLICY_BY_ID
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.draw import numbers
-from rl_tui.tui.draw.to_ascii import written
+from rl_tui.tui.draw.to_ascii import to_ascii
 from rl_tui.tui.panels.curve.data import CurveData
 from rl_tui.tui.panels.last_step.update_text import setting
 from rl_tui.tui.theme.glyphs import Glyphs
@@ -65,7 +65,7 @@ def labels(
         (names[2], data.optimum, palette.optimum),
     )
     return [
-        LineLabel(written(_with_number(name, value, decimals, room, look.glyphs), look.glyphs), value, style)
+        LineLabel(to_ascii(_with_number(name, value, decimals, room, look.glyphs), look.glyphs), value, style)
         for name, value, style in lines
         if value is not None
     ]
@@ -82,7 +82,7 @@ def label_columns(data: CurveData, look: Look, room: int, *, mean: bool = True) 
     number = NUMBER if room >= ROOM_FOR_NUMBERS else 0
     greedy, recent, best = _usual_names(data.is_bandit, room, f"last {_RECENT}:")
     names = (greedy, recent, best) if mean else (greedy, best)
-    return 2 + max(len(written(name, look.glyphs)) for name in names) + number
+    return 2 + max(len(to_ascii(name, look.glyphs)) for name in names) + number
 
 
 def _names(data: CurveData, room: int) -> tuple[str, str, str] | None:

@@ -16,19 +16,19 @@ def choice_text(snapshot: Snapshot, last: LastStep, glyphs: Glyphs) -> tuple[str
     """Return how the action came about, in full and in short."""
     if last.by_hand:
         return "you chose it", "by you"
-    _, told_by = snapshot.learned_by
-    rule = POLICY_BY_ID[told_by.policy]
+    _, params = snapshot.learned_by
+    rule = RULE_BY_ID[params.policy]
     if "epsilon" in rule.parameters:
         return _epsilon_greedy(snapshot, last, glyphs)
     values = [
-        f"{PARAMETERS[name].symbol} = {_value(told_by.value(name), glyphs)}"
+        f"{PARAMETERS[name].symbol} = {_value(params.value(name), glyphs)}"
         for name in rule.parameters
         if PARAMETERS[name].slide is not None
     ]
-    told = f"{rule.name} ({', '.join(values)})" if values else rule.name
+    rule_text = f"{rule.name} ({', '.join(values)})" if values else rule.name
     if last.explored:
-        return f"{told}, not the greedy one", f"{rule.name}, not greedy"
-    return f"{told}, the greedy one", f"{rule.name}, greedy"
+        return f"{rule_text}, not the greedy one", f"{rule.name}, not greedy"
+    return f"{rule_text}, the greedy one", f"{rule.name}, greedy"
 
 
 def _value(value: float | str, glyphs: Glyphs) -> str:

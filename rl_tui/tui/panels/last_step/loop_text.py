@@ -60,11 +60,11 @@ class LoopText:
 
 def loop_text(snapshot: Snapshot, last: LastStep, glyphs: Glyphs) -> LoopText:
     """Return the words of ``last``, the last step of ``snapshot``."""
-    algorithm, told = snapshot.learned_by
+    algorithm, params = snapshot.learned_by
     world, terms = snapshot.world, BY_ID[algorithm].update
     is_bandit = isinstance(world.drawing, Arms)
     bootstrap = _bootstrap(snapshot, last, terms, glyphs)
-    update = update_text(last, _usual_step_size(told, last), glyphs, bootstraps=bool(bootstrap))
+    update = update_text(last, _usual_step_size(params, last), glyphs, bootstraps=bool(bootstrap))
     choice, brief_choice = ("", "") if last.planned else choice_text(snapshot, last, glyphs)
     meant, went, chance = _environment(snapshot, last, glyphs)
     table = _TABLES[last.table]

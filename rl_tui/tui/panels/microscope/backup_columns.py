@@ -73,54 +73,54 @@ class _Columns:
         if all(leaf.action in (UNKNOWN_ACTION, meant) for leaf in self._backup.leaves):
             return []
         glyphs = self._look.glyphs
-        told = [
+        texts = [
             "?" if leaf.action == UNKNOWN_ACTION else names.action_name(self._world, leaf.action, glyphs)
             for leaf in self._leaves
         ]
-        return [self._filled(["went", *told])]
+        return [self._filled(["went", *texts])]
 
     def chance(self) -> _Column:
         """Return the probabilities."""
         known = [leaf.probability for leaf in self._leaves]
-        told = ["?" if each is None else names.chance(each, self._look.glyphs) for each in known]
-        return self._filled(["p", *told], right=True)
+        texts = ["?" if each is None else names.chance(each, self._look.glyphs) for each in known]
+        return self._filled(["p", *texts], right=True)
 
     def reward(self, *, secret: bool) -> _Column:
         """Return the mean rewards and the noise around them."""
         glyphs = self._look.glyphs
-        told = []
+        texts = []
         for leaf in self._leaves:
             mean = HIDDEN if secret else numbers.brief(leaf.reward, glyphs, decimals=4)
             noise = f"±{numbers.brief(leaf.noise, glyphs, decimals=2)}" if leaf.noise and not secret else ""
-            told.append(mean + noise)
-        return self._filled(["r", *told], right=True)
+            texts.append(mean + noise)
+        return self._filled(["r", *texts], right=True)
 
     def landing(self, *, remarks: bool) -> _Column:
         """Return the next states, with what is to be said of them."""
-        told = []
+        texts = []
         for leaf in self._leaves:
             name = names.state_name(self._world, leaf.next_state, self._look.glyphs)
             remark = names.landmark(self._world, leaf.next_state) or ("ends" if leaf.terminated else "")
-            told.append(f"{name}: {remark}" if remark and remarks else name)
-        return self._filled(["s′", *told])
+            texts.append(f"{name}: {remark}" if remark and remarks else name)
+        return self._filled(["s′", *texts])
 
     def value(self, head: str) -> _Column:
         """Return what the next states are taken to be worth."""
         known = [leaf.value for leaf in self._leaves]
-        told = [
+        texts = [
             "?" if each is None else column_figure(each, self._decimals, self._look.glyphs) for each in known
         ]
-        return self._filled([head, *told], right=True)
+        return self._filled([head, *texts], right=True)
 
     def shares(self) -> list[_Column]:
         """Return what each outcome adds to the expected target, where that is known."""
-        told = []
+        texts = []
         for leaf in self._leaves:
             if leaf.probability is None or leaf.value is None:
                 return []
             share = self._share(leaf.probability, leaf.reward, leaf.value)
-            told.append(column_figure(share, self._decimals, self._look.glyphs))
-        return [self._filled([_SHARE, *told], right=True)]
+            texts.append(column_figure(share, self._decimals, self._look.glyphs))
+        return [self._filled([_SHARE, *texts], right=True)]
 
     def _share(self, probability: float, reward: float, value: float) -> float:
         return probability * (reward + self._backup.gamma * value)

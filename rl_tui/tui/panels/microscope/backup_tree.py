@@ -75,12 +75,12 @@ def _tree(snapshot: Snapshot, backup: Backup, look: Look, width: int, *, secret:
         ],
         [Piece(f"  {glyphs.thin_vertical}  ", palette.dim), Piece(heads, palette.dim)],
     ]
-    for number, (leaf, told) in enumerate(zip(shown, rows, strict=True), start=1):
+    for number, (leaf, row_text) in enumerate(zip(shown, rows, strict=True), start=1):
         is_last = number == len(shown) and not left_out
         mark = Piece(f" {glyphs.cursor if leaf.happened else ' '}", palette.accent)
         branch = Piece(glyphs.axis_corner if is_last else glyphs.fork, palette.dim)
         node = Piece(f"{glyphs.state_node} ", palette.strong if leaf.happened else palette.dim)
-        row = Piece(told, palette.strong if leaf.happened else palette.text)
+        row = Piece(row_text, palette.strong if leaf.happened else palette.text)
         lines.append([mark, branch, node, row])
     if left_out:
         chance = names.chance(sum(leaf.probability or 0.0 for leaf in left_out), glyphs)

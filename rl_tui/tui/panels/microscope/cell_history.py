@@ -32,21 +32,21 @@ def history_strips(
         return _instead(NO_CELL, HISTORY, (), look, width, rows)
     known = exact_q(snapshot, revealed)
     exact = None if known is None else float(known[0][pair])
-    told = _told(snapshot, pair, exact, look)
+    values = _values_text(snapshot, pair, exact, look)
     name = f"Q({names.pair_name(snapshot.world, pair, look.glyphs)})"
     heading = f"{HISTORY} of {name}"
-    if columns_of(f" {heading}  {told[0]} ", look) > width:
+    if columns_of(f" {heading}  {values[0]} ", look) > width:
         heading = name
     cell = snapshot.cell
     if cell is None or cell.pair != pair:
-        return _instead(COMING, heading, told, look, width, rows)
+        return _instead(COMING, heading, values, look, width, rows)
     if not _is_kept(cell):
-        return _instead(NOT_KEPT, heading, told, look, width, rows)
-    head = stacked([MicroscopeSection(heading, [], 0, told)], look, width)
+        return _instead(NOT_KEPT, heading, values, look, width, rows)
+    head = stacked([MicroscopeSection(heading, [], 0, values)], look, width)
     return [*head, *draw_history(cell, exact, look, width, rows)]
 
 
-def _told(snapshot: Snapshot, pair: int, exact: float | None, look: Look) -> tuple[str, ...]:
+def _values_text(snapshot: Snapshot, pair: int, exact: float | None, look: Look) -> tuple[str, ...]:
     """Return the value now and the exact one, longest form first."""
     now = look.glyphs.ellipsis
     if snapshot.holds(pair):
@@ -61,7 +61,7 @@ def _is_kept(cell: CellHistory) -> bool:
 
 
 def _instead(
-    text: str, heading: str, told: tuple[str, ...], look: Look, width: int, rows: int
+    text: str, heading: str, values: tuple[str, ...], look: Look, width: int, rows: int
 ) -> list[Strip]:
     lines = wrapped(text, width, look.palette.dim, look, " ", " ")
-    return stacked([MicroscopeSection(heading, lines, rows, told)], look, width)
+    return stacked([MicroscopeSection(heading, lines, rows, values)], look, width)

@@ -71,12 +71,12 @@ def gathered_rewards(snapshot: Snapshot, last: LastStep) -> list[float]:
 
     Nothing for methods of one step, and where they are not known any more.
     """
-    algorithm, told = snapshot.learned_by
+    algorithm, params = snapshot.learned_by
     row = BY_ID[algorithm]
     if row.update.one_step or not last.learned or not len(snapshot.rewards):
         return []
     ended = last.terminated or last.truncated
-    count = last.episode_step if "n" not in row.parameters else 1 if ended else told.n
+    count = last.episode_step if "n" not in row.parameters else 1 if ended else params.n
     rewards: list[float] = snapshot.rewards[-count:].tolist()
     worked = sum(reward * last.gamma**place for place, reward in enumerate(rewards))
     is_whole = len(rewards) == count and abs(worked - last.gathered) <= _TOLERANCE * max(1.0, abs(worked))

@@ -133,11 +133,11 @@ def _decimals(sampled: float, expected: float | None, look: Look) -> int:
         return fewest
     difference = sampled - expected
     for decimals in range(fewest, fewest + _MORE):
-        first, second, told = (
+        first, second, printed = (
             column_figure(each, decimals, look.glyphs) for each in (sampled, expected, difference)
         )
         between = parsed(first, look.glyphs) - parsed(second, look.glyphs)
-        if round(difference, decimals) and agrees(between, told, look.glyphs, decimals, digits=0.5):
+        if round(difference, decimals) and agrees(between, printed, look.glyphs, decimals, digits=0.5):
             return decimals
     return fewest + _MORE
 

@@ -106,11 +106,11 @@ class _Writer:
 
     def _step_size(self) -> str:
         """Return what the step size is: α, the fraction 1/N, or α times the trace of the pair."""
-        algorithm, told = self._snapshot.learned_by
+        algorithm, params = self._snapshot.learned_by
         text = self._text.update.step_size
         if "/" in text:
             return f"α, N = {text[2:]}"
-        has_trace = "traces" in BY_ID[algorithm].parameters and self._last.step_size != told.alpha
+        has_trace = "traces" in BY_ID[algorithm].parameters and self._last.step_size != params.alpha
         return "α e, e its trace" if has_trace else "α"
 
     def mixture(self) -> list[Line]:

@@ -8,7 +8,7 @@ from rich.cells import cell_len
 
 from rl_tui.tui.draw import names, numbers
 from rl_tui.tui.draw.pieces import Line, Piece
-from rl_tui.tui.draw.to_ascii import written
+from rl_tui.tui.draw.to_ascii import to_ascii
 from rl_tui.tui.theme.look import Look
 from rl_tui.worlds.mdp.tabular_mdp import UNKNOWN_ACTION, TabularMDP
 from rl_tui.worlds.world import World
@@ -41,7 +41,7 @@ def outcome_lines(world: World, mdp: TabularMDP, pair: int, look: Look, *, secre
         )
     noise = float(mdp.reward_std[mdp.first_outcome[pair]])
     heads = ("p", "went" if slips else "", "r at the start" if mdp.drift_std else "r", "s′", "")
-    spelled = [tuple(written(cell, glyphs) for cell in row) for row in (heads, *rows)]
+    spelled = [tuple(to_ascii(cell, glyphs) for cell in row) for row in (heads, *rows)]
     widths = [max(cell_len(row[column]) for row in spelled) for column in range(len(heads))]
     lines: list[Line] = []
     for number, row in enumerate(spelled):

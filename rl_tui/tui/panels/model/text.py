@@ -13,7 +13,7 @@ from rl_tui.common.words import counted
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.draw import names, numbers
 from rl_tui.tui.draw.pieces import Line, Piece, wrapped
-from rl_tui.tui.draw.to_ascii import written
+from rl_tui.tui.draw.to_ascii import to_ascii
 from rl_tui.tui.panels.bellman import SECRET, bellman_lines
 from rl_tui.tui.panels.last_step.update_text import setting
 from rl_tui.tui.panels.model.outcomes import outcome_lines
@@ -181,7 +181,7 @@ def _listed(items: Sequence[str], room: int, look: Look) -> str:
     shown: list[str] = []
     taken = 0
     for number, item in enumerate(items):
-        taken += cell_len(written(item, look.glyphs)) + 2
+        taken += cell_len(to_ascii(item, look.glyphs)) + 2
         if taken > 2 * room - 30 and number < len(items) - 1:
             return between.join([*shown, look.glyphs.ellipsis, items[-1]])
         shown.append(item)
@@ -190,7 +190,7 @@ def _listed(items: Sequence[str], room: int, look: Look) -> str:
 
 def _labelled(label: str, text: str, look: Look, width: int) -> list[Line]:
     palette = look.palette
-    spelled = written(label, look.glyphs)
+    spelled = to_ascii(label, look.glyphs)
     lines: list[Line] = []
     for number, line in enumerate(wrapped(text, max(1, width - _LABEL - 1), palette.text, look)):
         lines.append([Piece(f" {spelled if number == 0 else '':<{_LABEL}}", palette.accent), *line])

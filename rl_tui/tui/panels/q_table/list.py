@@ -10,7 +10,7 @@ from rich.cells import cell_len
 from rich.segment import Segment
 
 from rl_tui.tui.draw.canvas import shortened
-from rl_tui.tui.draw.to_ascii import written
+from rl_tui.tui.draw.to_ascii import to_ascii
 from rl_tui.tui.panels.q_table.form import Pieces, Scene, aligned_right, boxed, padded
 from rl_tui.tui.panels.q_table.layers import EXACT_LAYERS, Layer
 from rl_tui.tui.panels.q_table.world import NO_ROW
@@ -67,7 +67,7 @@ class ListForm:
     def heads(self) -> Pieces:
         """Return the heads, aligned as what stands below them."""
         glyphs = self.scene.look.glyphs
-        texts = [column.align(written(column.head, glyphs), column.width) for column in self.columns]
+        texts = [column.align(to_ascii(column.head, glyphs), column.width) for column in self.columns]
         return [Segment("".join(texts), self.scene.look.palette.dim)]
 
     def entry(self, entry: int, is_first: bool) -> Pieces:

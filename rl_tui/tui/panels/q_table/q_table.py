@@ -98,7 +98,7 @@ class QTable(Panel, can_focus=True):
         self._world: TableWorld | None = None
         self._sheet: Sheet | None = None
         self._cache = strip_cache()
-        self._told: Stretch | None = None
+        self._requested: Stretch | None = None
 
     @property
     def shown_layer(self) -> Layer:
@@ -161,8 +161,8 @@ class QTable(Panel, can_focus=True):
         if self.snapshot is None or not self.is_attached or not is_large(self.snapshot.world):
             return
         stretch = self.stretch
-        if stretch != self._told:
-            self._told = stretch
+        if stretch != self._requested:
+            self._requested = stretch
             self.post_message(Scrolled())
 
     def show(self, snapshot: Snapshot) -> None:

@@ -9,7 +9,7 @@ from rich.cells import cell_len
 
 from rl_tui.tui.draw.canvas import shortened
 from rl_tui.tui.draw.names import action_name
-from rl_tui.tui.draw.to_ascii import written
+from rl_tui.tui.draw.to_ascii import to_ascii
 from rl_tui.tui.theme.glyphs import Glyphs
 from rl_tui.worlds.drawing import Arms
 from rl_tui.worlds.mdp.space import IntArray
@@ -31,7 +31,7 @@ class TableWorld:
         self.live: IntArray = np.flatnonzero(np.diff(self.space.first_pair))
         self.state_width = min(LONGEST_STATE, self._longest_name())
         self.action_names = tuple(
-            written(action_name(world, action, glyphs), glyphs)
+            to_ascii(action_name(world, action, glyphs), glyphs)
             for action in range(len(self.space.action_names))
         )
         self.action_width = max(map(cell_len, self.action_names))
@@ -58,7 +58,7 @@ class TableWorld:
 
     def state_name(self, state: int, width: int) -> str:
         """Return the name of ``state``, shortened to ``width`` cells."""
-        return shortened(written(self.space.state_names[state], self.glyphs), width, self.glyphs.ellipsis)
+        return shortened(to_ascii(self.space.state_names[state], self.glyphs), width, self.glyphs.ellipsis)
 
     def state_of(self, pair: int) -> int:
         """Return the state that owns ``pair``."""

@@ -10,7 +10,7 @@ from textual.message import Message
 from textual.strip import Strip
 
 from rl_tui.lab.live.snapshot import Phase, Snapshot, Timeline
-from rl_tui.tui.draw.to_ascii import written
+from rl_tui.tui.draw.to_ascii import to_ascii
 from rl_tui.tui.panels.draggable import Draggable
 from rl_tui.tui.panels.panel import Panel
 from rl_tui.tui.panels.timeline.picture import (
@@ -87,7 +87,7 @@ class TimelineBar(Draggable, Panel, can_focus=True):
     def __init__(self, look: Look, *, id: str | None = None, classes: str | None = None) -> None:  # noqa: A002
         super().__init__(look, id=id, classes=classes)
         glyphs = look.glyphs
-        self.tooltip = written(
+        self.tooltip = to_ascii(
             f"what was run; click or drag to go there. {glyphs.change_mark} a setting was changed, "
             f"{glyphs.manual_mark} steps by hand, {glyphs.fork_mark} here the branch begins",
             glyphs,

@@ -30,7 +30,7 @@ from rl_tui.lab.run.recipe import Recipe
 from rl_tui.lab.sessions.session import SessionError, StoredSession
 from rl_tui.tui.app.action import Place
 from rl_tui.tui.app.actions import bindings_of
-from rl_tui.tui.draw.to_ascii import separated, written
+from rl_tui.tui.draw.to_ascii import separated, to_ascii
 from rl_tui.tui.panels.notes import Notes
 from rl_tui.tui.screens.catalogue.facts import facts, faults_text
 from rl_tui.tui.screens.catalogue.saved_sessions import SavedSessions
@@ -130,10 +130,10 @@ class CatalogueScreen(SavedSessions):
 
     def _options(self) -> Iterable[Option]:
         for scenario in self._scenarios:
-            yield Option(Content(written(scenario.title, self.look.glyphs)), id=scenario.id)
+            yield Option(Content(to_ascii(scenario.title, self.look.glyphs)), id=scenario.id)
         for error in self._broken:
             name = one_line(error.faults[0].file.rsplit("/", 1)[-1], _LONGEST_NAME)
-            yield Option(Content(written(f"{name} (faulty)", self.look.glyphs)))
+            yield Option(Content(to_ascii(f"{name} (faulty)", self.look.glyphs)))
 
     # In the thread: only messages leave it
 
@@ -226,7 +226,7 @@ class CatalogueScreen(SavedSessions):
         await self.query_one(Notes).show("")
 
     async def _show_text(self, title: str, about: RenderableType) -> None:
-        self.query_one("#details").border_title = Content(written(title, self.look.glyphs))
+        self.query_one("#details").border_title = Content(to_ascii(title, self.look.glyphs))
         self.query_one("#facts", Static).update(about)
 
     async def _draw(self, scenario: Scenario, world: World | UserError | None) -> None:

@@ -15,7 +15,7 @@ from rl_tui.agents.hyperparameters import PARAMETERS
 from rl_tui.common.errors import ScenarioError, UserError
 from rl_tui.common.words import counted
 from rl_tui.tui.draw.pieces import KEPT_BLANK, wrapped
-from rl_tui.tui.draw.to_ascii import separated, written
+from rl_tui.tui.draw.to_ascii import separated, to_ascii
 from rl_tui.tui.theme.look import Look
 from rl_tui.worlds.files.scenario import Scenario
 from rl_tui.worlds.world import World
@@ -32,7 +32,7 @@ def facts(scenario: Scenario, world: World | UserError | None, look: Look) -> Re
     table.add_column(style=palette.text)
     for label, line in (("sizes", sizes(world)), ("defaults", defaults(scenario.defaults))):
         table.add_row(label, _Parts(line, look))
-    return Group(Text(written(scenario.summary, glyphs), palette.text), table)
+    return Group(Text(to_ascii(scenario.summary, glyphs), palette.text), table)
 
 
 def sizes(world: World | UserError | None) -> str:
@@ -91,5 +91,5 @@ def faults_text(error: ScenarioError, look: Look) -> Text:
     """Return every fault of a file, a paragraph each."""
     text = Text("This file cannot be played until it is mended.\n", look.palette.text)
     for fault in error.faults:
-        text.append(written(f"\n{fault}\n", look.glyphs), look.palette.bad)
+        text.append(to_ascii(f"\n{fault}\n", look.glyphs), look.palette.bad)
     return text

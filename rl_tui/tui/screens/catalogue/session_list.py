@@ -12,7 +12,7 @@ from textual.widgets.option_list import Option
 
 from rl_tui.common.findings import one_line
 from rl_tui.lab.sessions.session import SessionError, StoredSession
-from rl_tui.tui.draw.to_ascii import written
+from rl_tui.tui.draw.to_ascii import to_ascii
 from rl_tui.tui.screens.catalogue.session_text import SessionRow
 from rl_tui.tui.theme.look import Look
 
@@ -71,5 +71,5 @@ class SessionList(OptionList):
             if isinstance(entry, StoredSession):
                 yield Option(SessionRow(entry, now, self.look))
             else:
-                name = written(one_line(entry.path.name, _LONGEST_NAME), self.look.glyphs)
+                name = to_ascii(one_line(entry.path.name, _LONGEST_NAME), self.look.glyphs)
                 yield Option(Text(f"{name}\n  faulty", no_wrap=True))

@@ -17,7 +17,7 @@ from rl_tui.common.words import counted
 from rl_tui.lab.sessions.session import SessionError, StoredSession
 from rl_tui.tui.draw import numbers
 from rl_tui.tui.draw.canvas import shortened
-from rl_tui.tui.draw.to_ascii import separated, written
+from rl_tui.tui.draw.to_ascii import separated, to_ascii
 from rl_tui.tui.theme.look import Look
 
 _MINUTE: Final = 60
@@ -39,7 +39,7 @@ class SessionRow:
         session, glyphs, width = self._session, self._look.glyphs, options.max_width
         age = short_age(self._now - session.saved, session.saved)
         room = max(1, width - cell_len(age) - 1)
-        title = shortened(written(session.title, glyphs), room, glyphs.ellipsis)
+        title = shortened(to_ascii(session.title, glyphs), room, glyphs.ellipsis)
         gap = " " * max(1, width - cell_len(title) - cell_len(age))
         yield Text(f"{title}{gap}{age}", no_wrap=True)
         line = f"  step {numbers.count(session.step, 12)} · {algorithm_name(session.algorithm)}"
@@ -86,7 +86,7 @@ def session_facts(session: StoredSession, now: datetime, look: Look) -> Renderab
 def session_fault(error: SessionError, look: Look) -> Text:
     """Return what is wrong with a file that gives no session."""
     text = Text("This file cannot be resumed. It is left as it is.\n", look.palette.text)
-    text.append(written(f"\n{error}\n", look.glyphs), look.palette.bad)
+    text.append(to_ascii(f"\n{error}\n", look.glyphs), look.palette.bad)
     return text
 
 

@@ -17,7 +17,7 @@ from rl_tui.agents.compatibility import check_compatible
 from rl_tui.agents.hyperparameters import PARAMETERS, SAMPLE_AVERAGE, Hyperparameters
 from rl_tui.common.errors import UserError
 from rl_tui.lab.run.recipe import Recipe
-from rl_tui.tui.draw.to_ascii import written
+from rl_tui.tui.draw.to_ascii import to_ascii
 from rl_tui.tui.screens.dialogs.dialog import Dialog
 from rl_tui.tui.theme.glyphs import Glyphs
 from rl_tui.worlds.mdp.space import FiniteSpace
@@ -52,7 +52,7 @@ class Choice(Dialog[str]):
                     for each in self._candidates
                 )
             )
-        box.border_title = Content(written(self._title, self._glyphs))
+        box.border_title = Content(to_ascii(self._title, self._glyphs))
         box.border_subtitle = "enter: choose   esc: close"
 
     def on_mount(self) -> None:
@@ -67,10 +67,10 @@ class Choice(Dialog[str]):
 
     def _describe(self, candidate: Candidate) -> Text:
         in_force = "  (in force)" if candidate.id == self._current else ""
-        text = Text(written(f"{candidate.name}{in_force}", self._glyphs), "bold")
+        text = Text(to_ascii(f"{candidate.name}{in_force}", self._glyphs), "bold")
         lines = (*candidate.lines, f"Not here: {candidate.refused}") if candidate.refused else candidate.lines
         for line in lines:
-            text.append(written(f"\n{line}", self._glyphs), "not bold")
+            text.append(to_ascii(f"\n{line}", self._glyphs), "not bold")
         return text
 
 

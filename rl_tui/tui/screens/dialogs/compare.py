@@ -19,7 +19,7 @@ from rl_tui.lab.live.snapshot import LaneView
 from rl_tui.lab.run.recipe import Recipe
 from rl_tui.tui.draw import numbers
 from rl_tui.tui.draw.canvas import shortened
-from rl_tui.tui.draw.to_ascii import written
+from rl_tui.tui.draw.to_ascii import to_ascii
 from rl_tui.tui.panels.controls.settings import option_text
 from rl_tui.tui.panels.curve.text import amount, decimals_for
 from rl_tui.tui.screens.dialogs.dialog import Dialog
@@ -90,7 +90,7 @@ class Compare(Dialog[Answer]):
         entry = str(event.option_id)
         name = entry.removeprefix(_WITH)
         hint = _HINTS["lanes"] if entry.startswith(_LANE) else _HINTS.get(name, "") or PARAMETERS[name].help
-        self.query_one(".hint", Static).update(written(hint, self._look.glyphs))
+        self.query_one(".hint", Static).update(to_ascii(hint, self._look.glyphs))
 
     def on_option_list_option_selected(self, event: OptionList.OptionSelected) -> None:
         """Answer the lane to show, or what is to be different."""
@@ -143,14 +143,14 @@ class Compare(Dialog[Answer]):
 
     def _columns(self, mark: str, name: str, algorithm: str, step: str, mean: str, greedy: str) -> str:
         glyphs = self._look.glyphs
-        algorithms = max(len(written(BY_ID[lane.algorithm].name, glyphs)) for lane in self._lanes)
+        algorithms = max(len(to_ascii(BY_ID[lane.algorithm].name, glyphs)) for lane in self._lanes)
         algorithms = max(algorithms, len("algorithm"))
         right = "".join(f" {each:>{_NUMBER}}" for each in (step, mean, greedy))
         room = self._room - len("> 1 ") - len(right)
         if room - 1 - algorithms >= _LEAST_NAME:  # else the name alone has to tell the lanes apart
             room -= 1 + algorithms
-            right = f" {written(algorithm, glyphs):<{algorithms}}{right}"
-        return f"{mark:<3} {shortened(written(name, glyphs), room, glyphs.ellipsis):<{room}}{right}"
+            right = f" {to_ascii(algorithm, glyphs):<{algorithms}}{right}"
+        return f"{mark:<3} {shortened(to_ascii(name, glyphs), room, glyphs.ellipsis):<{room}}{right}"
 
     def _figure(self, value: float | None) -> str:
         if value is None:
@@ -160,7 +160,7 @@ class Compare(Dialog[Answer]):
         return amount(value, decimals_for(0.0, max(sizes)), self._look.glyphs)
 
     def _symbol(self, name: str) -> str:
-        return name if name == ALGORITHM else written(PARAMETERS[name].symbol, self._look.glyphs)
+        return name if name == ALGORITHM else to_ascii(PARAMETERS[name].symbol, self._look.glyphs)
 
     def _entry(self, name: str, columns: int) -> Text:
         values = self._recipe.hyperparameters
@@ -172,7 +172,7 @@ class Compare(Dialog[Answer]):
             now = option_text(values.value(name))
         glyphs = self._look.glyphs
         text = Text(f"  {self._symbol(name):<{columns}} ")
-        return text.append(written(f"instead of {now}", glyphs))
+        return text.append(to_ascii(f"instead of {now}", glyphs))
 
     @property
     def _room(self) -> int:

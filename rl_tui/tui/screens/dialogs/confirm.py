@@ -10,7 +10,7 @@ from textual.containers import Vertical
 from textual.content import Content
 from textual.widgets import Static
 
-from rl_tui.tui.draw.to_ascii import written
+from rl_tui.tui.draw.to_ascii import to_ascii
 from rl_tui.tui.screens.dialogs.dialog import Dialog
 from rl_tui.tui.theme.glyphs import Glyphs
 
@@ -32,8 +32,8 @@ class Confirm(Dialog[bool]):
     def compose(self) -> ComposeResult:
         """Yield the question."""
         with Vertical(id="box") as box:
-            yield Static(written(self._question, self._glyphs), markup=False)
-        box.border_title = Content(written(self._title, self._glyphs))
+            yield Static(to_ascii(self._question, self._glyphs), markup=False)
+        box.border_title = Content(to_ascii(self._title, self._glyphs))
         box.border_subtitle = f"enter: {self._verb}   esc: close"
 
     def action_confirm(self) -> None:

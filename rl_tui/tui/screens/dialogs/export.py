@@ -17,7 +17,7 @@ from textual.widgets.option_list import Option
 from rl_tui.common.errors import UserError
 from rl_tui.lab.experiments.training import OnProgress
 from rl_tui.lab.export.files import new_path
-from rl_tui.tui.draw.to_ascii import written
+from rl_tui.tui.draw.to_ascii import to_ascii
 from rl_tui.tui.screens.dialogs.dialog import Dialog
 from rl_tui.tui.screens.dialogs.prompt import Prompt
 from rl_tui.tui.theme.glyphs import Glyphs
@@ -74,7 +74,7 @@ class ExportChoice(Dialog[str]):
     def _described(self, name: str, sentences: list[str]) -> Text:
         text = Text(name, "bold")
         for sentence in filter(None, sentences):
-            text.append(written(f"\n{sentence}", self._glyphs), "not bold")
+            text.append(to_ascii(f"\n{sentence}", self._glyphs), "not bold")
         return text
 
 
@@ -96,7 +96,7 @@ def ask_new_file(title: str, name: str, glyphs: Glyphs) -> AskNewFile:
             raise ValueError(str(fault)) from fault
 
     return AskNewFile(
-        written(title, glyphs), "where to write it: a new file, here if no folder is named", name, read
+        to_ascii(title, glyphs), "where to write it: a new file, here if no folder is named", name, read
     )
 
 

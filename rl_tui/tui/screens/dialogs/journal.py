@@ -14,7 +14,7 @@ from textual.widgets.option_list import Option
 
 from rl_tui.common.words import counted
 from rl_tui.lab.live.snapshot import Snapshot
-from rl_tui.tui.draw.to_ascii import written
+from rl_tui.tui.draw.to_ascii import to_ascii
 from rl_tui.tui.screens.dialogs.dialog import Dialog
 from rl_tui.tui.screens.dialogs.journal_text import JournalLine, journal_lines
 from rl_tui.tui.theme.look import Look
@@ -97,7 +97,7 @@ class JournalScreen(Dialog[Moment]):
         lines = self._lines[self._shown]
         name = self._timeline.branches[self._shown].name
         self.query_one("#whose", Static).update(f"Changes in {name}:" if lines else NO_CHANGE)
-        self._entries.set_options(Option(Content(written(line.text, glyphs))) for line in lines)
+        self._entries.set_options(Option(Content(to_ascii(line.text, glyphs))) for line in lines)
         self._entries.display = bool(lines)
 
     def _described(self, number: int) -> Text:
@@ -110,7 +110,7 @@ class JournalScreen(Dialog[Moment]):
             parts.append(f"from {branches[branch.parent].name} at {self._unit} {branch.fork:,}")
         parts += _how_much(self._lines[number])
         text = Text(f"{branch.name}{in_force}", "bold")
-        return text.append(f"\n{written(', '.join(parts), glyphs)}", "not bold")
+        return text.append(f"\n{to_ascii(', '.join(parts), glyphs)}", "not bold")
 
 
 def _how_much(lines: list[JournalLine]) -> list[str]:

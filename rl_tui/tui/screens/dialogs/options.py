@@ -13,7 +13,7 @@ from textual.widgets.option_list import Option
 from rl_tui.agents.catalogue import POLICY_BY_ID, parameters_of
 from rl_tui.agents.hyperparameters import PARAMETERS
 from rl_tui.lab.run.recipe import Recipe
-from rl_tui.tui.draw.to_ascii import written
+from rl_tui.tui.draw.to_ascii import to_ascii
 from rl_tui.tui.panels.controls.settings import option_text
 from rl_tui.tui.screens.dialogs.dialog import Dialog
 from rl_tui.tui.theme.look import Look
@@ -55,7 +55,7 @@ class Options(Dialog[None]):
         choices = self.query_one(OptionList)
         at = choices.highlighted_option.id if choices.highlighted_option else None
         names = self._names
-        symbols = [len(written(PARAMETERS[name].symbol, self._look.glyphs)) for name in names]
+        symbols = [len(to_ascii(PARAMETERS[name].symbol, self._look.glyphs)) for name in names]
         columns = max(_LEAST_SYMBOL, *symbols)
         choices.set_options(Option(self._row(name, columns), id=name) for name in names)
         choices.highlighted = names.index(at) if at in names else 0
@@ -65,7 +65,7 @@ class Options(Dialog[None]):
         parameter = PARAMETERS[str(event.option_id)]
         starts = "; the run starts again" if parameter.name == "initial_q" else ""
         text = f"{parameter.help}\n{parameter.expected}{starts}"
-        self.query_one(".hint", Static).update(written(text, self._look.glyphs))
+        self.query_one(".hint", Static).update(to_ascii(text, self._look.glyphs))
 
     def on_option_list_option_selected(self, event: OptionList.OptionSelected) -> None:
         """Change it."""
@@ -80,6 +80,6 @@ class Options(Dialog[None]):
         parameter, value = PARAMETERS[name], self._recipe().hyperparameters.value(name)
         shown = POLICY_BY_ID[str(value)].name if name == "policy" else option_text(value)
         glyphs = self._look.glyphs
-        text = Text(f"{written(parameter.symbol, glyphs):<{columns}} ")
-        text.append(f"{written(shown, glyphs):<{_VALUE}} ", "bold")
+        text = Text(f"{to_ascii(parameter.symbol, glyphs):<{columns}} ")
+        text.append(f"{to_ascii(shown, glyphs):<{_VALUE}} ", "bold")
         return text.append(name.replace("_", " "))

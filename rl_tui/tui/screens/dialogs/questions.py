@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from rl_tui.agents.hyperparameters import PARAMETERS, SAMPLE_AVERAGE, Parameter
-from rl_tui.tui.draw.to_ascii import written
+from rl_tui.tui.draw.to_ascii import to_ascii
 from rl_tui.tui.panels.controls.settings import option_text
 from rl_tui.tui.panels.controls.slider_scale import parsed
 from rl_tui.tui.screens.dialogs.prompt import Prompt
@@ -25,11 +25,11 @@ def ask_number(name: str, value: float | str, glyphs: Glyphs, *, another_run: bo
         try:
             return parsed(text, parameter)
         except ValueError:
-            raise ValueError(written(_expected(parameter), glyphs)) from None
+            raise ValueError(to_ascii(_expected(parameter), glyphs)) from None
 
     title = "Initial Q" if name == "initial_q" else parameter.symbol
     hint = f"{parameter.help}{word}{starts}"
-    return Prompt(written(title, glyphs), written(hint, glyphs), option_text(value), read)
+    return Prompt(to_ascii(title, glyphs), to_ascii(hint, glyphs), option_text(value), read)
 
 
 def ask_seed(seed: int) -> Prompt:

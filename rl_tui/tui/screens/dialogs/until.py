@@ -12,7 +12,7 @@ from textual.containers import Vertical
 from textual.widgets import OptionList, Static
 from textual.widgets.option_list import Option
 
-from rl_tui.tui.draw.to_ascii import written
+from rl_tui.tui.draw.to_ascii import to_ascii
 from rl_tui.tui.screens.dialogs.dialog import Dialog
 from rl_tui.tui.screens.dialogs.until_options import UntilOption
 from rl_tui.tui.theme.glyphs import Glyphs
@@ -67,7 +67,7 @@ class UntilChoice(Dialog[UntilOption]):
         """Say what it is, or why it is not to be had here."""
         wait = self._options[str(event.option_id)]
         text = f"Not here. {wait.refused}" if wait.refused else wait.hint
-        self.query_one("#about", Static).update(written(text, self._glyphs))
+        self.query_one("#about", Static).update(to_ascii(text, self._glyphs))
 
     def on_option_list_option_selected(self, event: OptionList.OptionSelected) -> None:
         """Answer it, unless it is not to be had here."""
@@ -84,10 +84,10 @@ class UntilChoice(Dialog[UntilOption]):
         self.query_one("#breakpoints", Static).update(self._about_breakpoints())
 
     def _row(self, wait: UntilOption) -> Text:
-        return Text(written(wait.name, self._glyphs), "dim" if wait.refused else "bold")
+        return Text(to_ascii(wait.name, self._glyphs), "dim" if wait.refused else "bold")
 
     def _about_breakpoints(self) -> str:
         text = (
             f"Breakpoints: {self._breakpoints}. K takes them away." if self._breakpoints else NO_BREAKPOINTS
         )
-        return written(text, self._glyphs)
+        return to_ascii(text, self._glyphs)

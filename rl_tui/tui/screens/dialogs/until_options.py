@@ -10,7 +10,7 @@ from rl_tui.agents.catalogue import BY_ID
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.live.until import Event, Until
 from rl_tui.tui.draw import numbers
-from rl_tui.tui.draw.to_ascii import written
+from rl_tui.tui.draw.to_ascii import to_ascii
 from rl_tui.tui.panels.breakpoint_text import estimate_name
 from rl_tui.tui.panels.under_way import episode_under_way
 from rl_tui.tui.screens.dialogs.prompt import Prompt
@@ -173,7 +173,7 @@ def _ask_value(option: UntilOption, snapshot: Snapshot, glyphs: Glyphs) -> Promp
 
     hint = f"it is {now} now; the run pauses when it gets there, or past it"
     title = f"Run until {estimate_name(snapshot.world, pair, glyphs)} reaches"
-    return Prompt(written(title, glyphs), written(hint, glyphs), "", read)
+    return Prompt(to_ascii(title, glyphs), to_ascii(hint, glyphs), "", read)
 
 
 def _value(snapshot: Snapshot, pair: int, glyphs: Glyphs) -> str:

@@ -9,7 +9,7 @@ from textual.binding import Binding, BindingType
 from rl_tui.agents.catalogue import BY_ID
 from rl_tui.lab.live.commands import Command, Pause, Play, Restart, RunEpisode, RunUntil, Take
 from rl_tui.lab.live.snapshot import Phase, Snapshot
-from rl_tui.tui.draw.to_ascii import written
+from rl_tui.tui.draw.to_ascii import to_ascii
 from rl_tui.tui.panels.key_line import KeyLine
 from rl_tui.tui.panels.status_line import StatusLine
 from rl_tui.tui.screens.playground.agent_actions import AgentActions
@@ -85,7 +85,7 @@ class ManualActions(AgentActions):
         if self.board.world is not None:
             self.board.world.action_follow()
         text = f"you are the agent: act with {acting_keys(snapshot)}; y hands back"
-        self.tell(written(text, self.look.glyphs))
+        self.tell(to_ascii(text, self.look.glyphs))
 
     def action_let_go(self) -> None:
         """Hand back."""
@@ -132,7 +132,7 @@ class ManualActions(AgentActions):
             self.send(Take(action))
             return
         text = f"{key} is no action here: act with {acting_keys(self.snapshot)}"
-        self.notify(written(text, self.look.glyphs), severity="warning", markup=False)
+        self.notify(to_ascii(text, self.look.glyphs), severity="warning", markup=False)
 
     def _show_mode(self, is_manual: bool) -> None:
         self.is_manual = is_manual

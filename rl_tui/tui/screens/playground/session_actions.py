@@ -11,7 +11,7 @@ from rl_tui.lab.live.snapshot import Phase, Snapshot
 from rl_tui.lab.sessions.autosave import Autosave
 from rl_tui.lab.sessions.folder import named_path
 from rl_tui.lab.sessions.session import OTHER_BITS, SessionError, StoredSession, digest_of
-from rl_tui.tui.draw.to_ascii import written
+from rl_tui.tui.draw.to_ascii import to_ascii
 from rl_tui.tui.screens.dialogs.prompt import Prompt
 from rl_tui.tui.screens.playground.agent_actions import AgentActions
 
@@ -41,7 +41,7 @@ class SessionActions(AgentActions):
 
     def on_session_actions_session_notice(self, event: SessionNotice) -> None:
         """Show the notice."""
-        text = written(event.notice, self.look.glyphs)
+        text = to_ascii(event.notice, self.look.glyphs)
         self.notify(text, severity="warning", timeout=15, markup=False)
 
     def named(self, fault: UserError) -> UserError:
@@ -95,4 +95,4 @@ class SessionActions(AgentActions):
         except UserError as fault:
             self.notify(str(fault), severity="error", timeout=15, markup=False)
         else:
-            self.notify(written(f"saved: {path}", self.look.glyphs), timeout=8, markup=False)
+            self.notify(to_ascii(f"saved: {path}", self.look.glyphs), timeout=8, markup=False)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from rl_tui.lab.live.commands import ClearBreakpoints, RunUntil, ToggleBreakpoint
 from rl_tui.lab.live.snapshot import Phase, Snapshot
 from rl_tui.tui.draw.names import state_name
-from rl_tui.tui.draw.to_ascii import written
+from rl_tui.tui.draw.to_ascii import to_ascii
 from rl_tui.tui.panels.breakpoint_text import breakpoints_text, pair_in_words
 from rl_tui.tui.panels.q_table.q_table import QTable
 from rl_tui.tui.panels.world.arms.arms import ArmsView
@@ -104,4 +104,4 @@ class UntilActions(AgentActions):
 
     def _tell_breakpoint(self, name: str, when: str, *, is_set: bool) -> None:
         text = f"no breakpoint on {name} any more" if is_set else f"breakpoint on {name}: pauses {when}"
-        self.tell(written(text, self.look.glyphs))
+        self.tell(to_ascii(text, self.look.glyphs))

@@ -13,7 +13,7 @@ from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.run.bandit import true_means
 from rl_tui.tui.draw.scrolling import scrolled_to
 from rl_tui.tui.panels.breakpoint_text import pair_in_words
-from rl_tui.tui.panels.same_run import is_another_run
+from rl_tui.tui.panels.same_run import is_new_run
 from rl_tui.tui.panels.world.arms.bars import Arm, draw_arms, names_width, rows_an_arm, true_mean_glyph
 from rl_tui.tui.panels.world.arms.scale import NO_SCALE, ArmsScale, bound_text, grown, shown_scale
 from rl_tui.tui.panels.world.view import WorldView
@@ -54,7 +54,7 @@ class ArmsView(WorldView):
 
     def show(self, snapshot: Snapshot) -> None:
         """Draw ``snapshot``. The scale only ever widens, until another run starts."""
-        if is_another_run(self.snapshot, snapshot):
+        if is_new_run(self.snapshot, snapshot):
             self._scale = NO_SCALE
         super().show(snapshot)
 

@@ -12,7 +12,7 @@ from textual.strip import Strip
 
 from rl_tui.tui.draw import numbers
 from rl_tui.tui.draw.canvas import Canvas, shortened
-from rl_tui.tui.draw.to_ascii import written
+from rl_tui.tui.draw.to_ascii import to_ascii
 from rl_tui.tui.panels.world.arms.scale import ArmsScale, bound_text, ticks
 from rl_tui.tui.theme.look import Look
 
@@ -74,7 +74,7 @@ def true_mean_glyph(look: Look) -> str:
 
 def names_width(arms: Sequence[Arm], look: Look) -> int:
     """Return the cells that the names of ``arms`` take."""
-    return min(_MOST_NAME, max((cell_len(written(arm.name, look.glyphs)) for arm in arms), default=0))
+    return min(_MOST_NAME, max((cell_len(to_ascii(arm.name, look.glyphs)) for arm in arms), default=0))
 
 
 def draw_arms(
@@ -109,7 +109,7 @@ def _draw_head(canvas: Canvas, y: int, arm: Arm, names: int, look: Look) -> None
         canvas.put(0, y, glyphs.cursor, palette.greedy)
     if arm.last:
         canvas.put(1, y, glyphs.agent, palette.agent)
-    name = shortened(written(arm.name, glyphs), names, glyphs.ellipsis)
+    name = shortened(to_ascii(arm.name, glyphs), names, glyphs.ellipsis)
     style = palette.focus if arm.cursor else palette.greedy if arm.greedy else palette.text
     canvas.put(2 + names - cell_len(name), y, name, style)
     if arm.stops:

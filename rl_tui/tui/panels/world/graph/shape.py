@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Final, NamedTuple
 
 from rl_tui.lab.live.until import Breakpoints
-from rl_tui.tui.draw.to_ascii import written
+from rl_tui.tui.draw.to_ascii import to_ascii
 from rl_tui.tui.theme.glyphs import Glyphs
 from rl_tui.worlds.drawing import Graph
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
@@ -66,7 +66,7 @@ def graph_shape(mdp: TabularMDP, graph: Graph, glyphs: Glyphs) -> GraphShape:
     columns = sorted({column for column, _ in graph.places})
     rows = sorted({row for _, row in graph.places})
     nodes = tuple(
-        Node(written(name, glyphs), columns.index(column), rows.index(row), not mdp.pairs_of(state))
+        Node(to_ascii(name, glyphs), columns.index(column), rows.index(row), not mdp.pairs_of(state))
         for state, (name, (column, row)) in enumerate(zip(mdp.state_names, graph.places, strict=True))
     )
     actions = tuple(
@@ -76,7 +76,7 @@ def graph_shape(mdp: TabularMDP, graph: Graph, glyphs: Glyphs) -> GraphShape:
 
 
 def _action(mdp: TabularMDP, state: int, pair: int, glyphs: Glyphs) -> GraphAction:
-    name = written(mdp.action_names[int(mdp.pair_action[pair])], glyphs)
+    name = to_ascii(mdp.action_names[int(mdp.pair_action[pair])], glyphs)
     probabilities: dict[int, float] = {}
     rewards: dict[int, float] = {}
     for outcome in mdp.outcomes_of(pair):

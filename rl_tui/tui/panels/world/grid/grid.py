@@ -13,7 +13,7 @@ from textual.strip import Strip
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.live.viewport import Cells, is_large
 from rl_tui.tui.draw.scrolling import Scrolled, kept_in_view, scrolled_to
-from rl_tui.tui.panels.same_run import is_another_run
+from rl_tui.tui.panels.same_run import is_new_run
 from rl_tui.tui.panels.world.grid.cells import CellArtist
 from rl_tui.tui.panels.world.grid.form import LEAST_DIGITS, CellForm, cell_form, digits_needed
 from rl_tui.tui.panels.world.grid.map import CellContent, GridMap, MapPart
@@ -47,7 +47,7 @@ class GridView(WorldView):
         self._part: MapPart | None = None
         self._form: CellForm | None = None
         self._origin = (0, 0)  # column and row of the first cell's first character
-        self._told: Cells | None = None
+        self._requested: Cells | None = None
         self._artist: CellArtist | None = None
         self._digits = LEAST_DIGITS
         self.heading = HEADING
@@ -125,7 +125,7 @@ class GridView(WorldView):
 
     def show(self, snapshot: Snapshot) -> None:
         """Draw ``snapshot``. Its numbers only ever get wider, until another run starts."""
-        if is_another_run(self.snapshot, snapshot):
+        if is_new_run(self.snapshot, snapshot):
             self._digits = LEAST_DIGITS
         super().show(snapshot)
 
@@ -154,8 +154,8 @@ class GridView(WorldView):
     def redraw(self) -> None:
         """Draw again; say so where another part of a large map has come into view."""
         super().redraw()
-        if self.cells != self._told and self.is_attached and is_large(self.world):
-            self._told = self.cells
+        if self.cells != self._requested and self.is_attached and is_large(self.world):
+            self._requested = self.cells
             self.post_message(Scrolled())
 
     def pan(self, rows: int, columns: int) -> None:
