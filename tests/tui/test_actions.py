@@ -4,8 +4,8 @@ import pytest
 
 from rl_tui.tui.app.action import Place
 from rl_tui.tui.app.actions import ACTIONS, actions_of, bindings_of
-from rl_tui.tui.panels.key_line import fitting
 from rl_tui.tui.screens.catalogue.catalogue import CatalogueScreen
+from rl_tui.tui.screens.key_line import fitting
 from rl_tui.tui.screens.playground.playground import Playground
 
 PLAYGROUND_KEYS = {

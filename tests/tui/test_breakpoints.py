@@ -14,12 +14,13 @@ from textual.strip import Strip
 
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.live.until import Breakpoints
-from rl_tui.tui.panels.breakpoint_text import breakpoints_text
+from rl_tui.tui.draw.names import breakpoints_text
 from rl_tui.tui.panels.q_table.q_table import QTable
 from rl_tui.tui.panels.world.arms.arms import ArmsView
 from rl_tui.tui.panels.world.graph.graph import GraphView
 from rl_tui.tui.panels.world.grid.grid import GridView
-from rl_tui.tui.panels.world.views import WorldView, world_view
+from rl_tui.tui.panels.world.make_view import make_world_view
+from rl_tui.tui.panels.world.view import WorldView
 from rl_tui.tui.theme.look import Look
 
 LOOK = look()
@@ -241,7 +242,7 @@ def test_a_breakpoint_is_seen_in_every_depth(depth: str, dark: bool, plain: bool
     assert style not in (chosen.palette.focus, chosen.palette.agent, chosen.palette.updated)
     for snapshot in (lake(), student(), bandit(500)):
         stops = stopping(snapshot, states=(0, 2) if snapshot.world.space.states > 1 else (), pairs=(2,))
-        view = world_view(stops.world, chosen)
+        view = make_world_view(stops.world, chosen)
         for strips in (view.picture(stops, 60, 19), table_strips(stops, 56, 17, chosen)):
             assert marks(strips, style)
             assert not plain or "".join(strip.text for strip in strips).isascii()

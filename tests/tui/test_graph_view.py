@@ -10,11 +10,10 @@ from samples import look, student
 from textual.strip import Strip
 
 from rl_tui.lab.live.snapshot import Snapshot
-from rl_tui.tui.panels.world.graph.graph import GraphView
+from rl_tui.tui.panels.world.graph.graph import BOLD, THIN, GraphView, StrokeArms, joint
 from rl_tui.tui.panels.world.graph.layout import GraphLayout, graph_layout
 from rl_tui.tui.panels.world.graph.routing import RIGHT, Box, Port, RoutingSheet, route
 from rl_tui.tui.panels.world.graph.shape import GraphShape, graph_shape, probability_text, reward_text
-from rl_tui.tui.panels.world.graph.strokes import BOLD, THIN, StrokeArms, joint
 from rl_tui.tui.theme.glyphs import ASCII, UNICODE
 from rl_tui.worlds.drawing import Graph
 from rl_tui.worlds.mdp.tabular_mdp import Outcome, TabularMDP, Transition, tabular_mdp

@@ -12,10 +12,10 @@ from textual.app import App, ComposeResult
 from textual.geometry import Region
 
 from rl_tui.lab.live.snapshot import Snapshot
-from rl_tui.tui.draw.scrolling import kept_in_view
+from rl_tui.tui.panels.scrolling import kept_in_view
 from rl_tui.tui.panels.world.grid.grid import GridView
 from rl_tui.tui.panels.world.grid.map import CellContent, GridMap, MapPart
-from rl_tui.tui.panels.world.views import world_view
+from rl_tui.tui.panels.world.make_view import make_world_view
 from rl_tui.worlds.drawing import Grid
 from rl_tui.worlds.world import World
 
@@ -115,7 +115,7 @@ def test_a_whole_map_does_not_scroll() -> None:
 
 async def test_only_rows_that_changed_are_refreshed() -> None:
     snapshot = lake()
-    view = world_view(snapshot.world, look(), id="world")
+    view = make_world_view(snapshot.world, look(), id="world")
     asked: list[Region] = []
 
     class Alone(App[None]):

@@ -13,8 +13,7 @@ from rl_tui.lab.run.recipe import JournalEntry, SetParameter, SwitchAlgorithm, T
 from rl_tui.lab.timeline.branches import Branch
 from rl_tui.tui.draw.to_ascii import to_ascii
 from rl_tui.tui.screens.dialogs.goto import goto_prompt, parse_goto
-from rl_tui.tui.screens.dialogs.journal import HOW_TO_BRANCH, NO_CHANGE, JournalScreen, Moment
-from rl_tui.tui.screens.dialogs.journal_text import journal_lines
+from rl_tui.tui.screens.dialogs.journal import HOW_TO_BRANCH, NO_CHANGE, JournalScreen, Moment, journal_lines
 from rl_tui.tui.theme.glyphs import ASCII, UNICODE, Glyphs
 
 HANDS = tuple(JournalEntry(step, TakeAction(1)) for step in range(3_400, 3_461))

@@ -19,7 +19,7 @@ from rl_tui.tui.app.display import Display
 from rl_tui.tui.app.idleness import Idleness
 from rl_tui.tui.app.palette_entries import ActionProvider, palette_name
 from rl_tui.tui.app.screenshot import settle
-from rl_tui.tui.panels.key_line import fitting
+from rl_tui.tui.screens.key_line import fitting
 from rl_tui.tui.screens.playground.playground import Playground
 from rl_tui.worlds.files.catalogue import find
 

@@ -6,8 +6,8 @@ from sample_worlds import LEFT, RIGHT, UP, bandit_world
 from samples import bandit, lake, look, student
 
 from rl_tui.lab.live.snapshot import Snapshot
-from rl_tui.tui.panels.last_step.choice_text import choice_text
 from rl_tui.tui.panels.last_step.last_step import inspector_lines
+from rl_tui.tui.panels.last_step.loop_text import choice_text
 from rl_tui.tui.screens.playground.manual_control import (
     acting_keys,
     action_towards,

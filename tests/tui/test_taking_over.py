@@ -15,9 +15,9 @@ from rl_tui.lab.live.snapshot import Phase
 from rl_tui.lab.run.recipe import JournalEntry, TakeAction
 from rl_tui.tui.app.screenshot import settle
 from rl_tui.tui.panels.controls.slider import Slider
-from rl_tui.tui.panels.key_line import KeyLine
 from rl_tui.tui.panels.status_line import StatusLine
 from rl_tui.tui.screens.help import HelpScreen
+from rl_tui.tui.screens.key_line import KeyLine
 from rl_tui.tui.screens.playground.arrangement import WORLD
 from rl_tui.tui.screens.playground.playground import Playground
 

@@ -17,7 +17,7 @@ from rl_tui.tui.panels.last_step.last_step import Inspector
 from rl_tui.tui.panels.q_table.q_table import QTable
 from rl_tui.tui.panels.world.arms.arms import ArmsView
 from rl_tui.tui.panels.world.arms.scale import NO_SCALE
-from rl_tui.tui.panels.world.views import world_view
+from rl_tui.tui.panels.world.make_view import make_world_view
 
 Moment = tuple[str, ...]
 """What the panels say, and the bits behind it."""
@@ -32,7 +32,7 @@ def moment(pilot: Pilot[UserError]) -> Moment:
     board, shown = playground(pilot).board, snapshot(pilot)
     assert board.world is not None
     fresh = (
-        (board.world, world_view(shown.world, board.look)),
+        (board.world, make_world_view(shown.world, board.look)),
         (board.table, QTable(board.look)),
         (board.curve, ReturnCurve(board.look)),
         (board.inspector, Inspector(board.look)),

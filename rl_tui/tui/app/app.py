@@ -34,10 +34,10 @@ from rl_tui.tui.app.palette_entries import ActionProvider
 from rl_tui.tui.theme.depth import choose_look, depth_of, environment_for, is_native
 from rl_tui.tui.theme.encoding import encoding_of
 from rl_tui.tui.theme.glyphs import ASCII
-from rl_tui.tui.theme.limited_themes import PICTURE_DARK, PICTURE_LIGHT, themes_for
 from rl_tui.tui.theme.look import Look
 from rl_tui.tui.theme.palette import Depth
 from rl_tui.tui.theme.scroll_bars import use_scroll_bars
+from rl_tui.tui.theme.themes import PICTURE_DARK, PICTURE_LIGHT, themes_for
 from rl_tui.worlds.files.catalogue import scenarios
 
 if TYPE_CHECKING:

@@ -17,7 +17,7 @@ from rl_tui.tui.draw.pieces import Line, Piece, strips_of
 from rl_tui.tui.draw.to_ascii import separated, to_ascii
 from rl_tui.tui.panels.controls.settings import speed_text
 from rl_tui.tui.panels.panel import Panel
-from rl_tui.tui.panels.under_way import episode_under_way
+from rl_tui.tui.panels.snapshot_facts import episode_under_way
 from rl_tui.tui.theme.look import Look
 from rl_tui.worlds.drawing import Arms
 

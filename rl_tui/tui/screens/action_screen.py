@@ -12,7 +12,7 @@ from textual.widgets import Static
 
 from rl_tui.tui.app.action import Place
 from rl_tui.tui.draw.to_ascii import to_ascii
-from rl_tui.tui.panels.key_line import KeyLine
+from rl_tui.tui.screens.key_line import KeyLine
 from rl_tui.tui.screens.playground.arrangement import ROOMY_HEIGHT, ROOMY_WIDTH
 from rl_tui.tui.theme.look import Look
 

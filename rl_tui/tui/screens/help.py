@@ -14,9 +14,9 @@ from textual.widgets import Static
 
 from rl_tui.tui.app.action import Place
 from rl_tui.tui.app.actions import actions_of
-from rl_tui.tui.panels.notes import notes_markdown
 from rl_tui.tui.screens.dialogs.dialog import Dialog
 from rl_tui.tui.screens.explained import Explained, Explanation
+from rl_tui.tui.screens.notes import notes_markdown
 from rl_tui.tui.theme.look import Look
 
 _PANELS: Final = (

@@ -14,8 +14,7 @@ from rl_tui.tui.panels.curve.data import CurveData, curve_data
 from rl_tui.tui.panels.curve.lane_text import lane_remark, lane_titles
 from rl_tui.tui.panels.curve.text import decimals_for, remark, titles
 from rl_tui.tui.panels.panel import Panel
-from rl_tui.tui.panels.same_run import is_new_run
-from rl_tui.tui.panels.speeds import passes_too_fast
+from rl_tui.tui.panels.snapshot_facts import is_new_run, passes_too_fast
 from rl_tui.tui.theme.look import Look
 
 WAITING: Final = "the world is being built"

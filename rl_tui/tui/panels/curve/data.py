@@ -10,7 +10,7 @@ import numpy as np
 from rl_tui.agents.catalogue import BY_ID
 from rl_tui.lab.live.snapshot import LaneView, Snapshot
 from rl_tui.tui.draw.braille import Steps
-from rl_tui.tui.panels.reward_range import reward_range
+from rl_tui.tui.panels.model.reward_range import reward_range
 from rl_tui.worlds.drawing import Arms
 from rl_tui.worlds.mdp.space import FloatArray
 

@@ -11,7 +11,7 @@ from rl_tui.tui.draw.pieces import Line, Piece, strips_of
 from rl_tui.tui.panels.last_step.loop_text import loop_text
 from rl_tui.tui.panels.last_step.step_lines import StepWriter
 from rl_tui.tui.panels.panel import Panel
-from rl_tui.tui.panels.speeds import passes_too_fast
+from rl_tui.tui.panels.snapshot_facts import passes_too_fast
 from rl_tui.tui.theme.look import Look
 from rl_tui.worlds.drawing import Arms
 

@@ -19,7 +19,7 @@ from rl_tui.tui.panels.microscope.targets import target_lines
 from rl_tui.tui.theme.look import Look
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
-HEADING: Final = "The backup"
+BACKUP_HEADING: Final = "The backup"
 MOST_LEAVES: Final = 8
 TARGET_ROWS: Final = 4
 _HEAD_ROWS: Final = 3
@@ -34,10 +34,10 @@ def backup_section(
     lines = [*_tree(snapshot, backup, look, width, secret=secret)]
     lines += [[Piece("", look.palette.text)]] * (_HEAD_ROWS + leaves - len(lines))
     lines += target_lines(snapshot, backup, text, look, width, secret=secret)
-    return MicroscopeSection(HEADING, lines, rows_of(snapshot), _remarks(snapshot, backup))
+    return MicroscopeSection(BACKUP_HEADING, lines, backup_rows(snapshot), _remarks(snapshot, backup))
 
 
-def rows_of(snapshot: Snapshot) -> int:
+def backup_rows(snapshot: Snapshot) -> int:
     """Return how many rows the tree of any pair of this world and the targets take."""
     return _HEAD_ROWS + _leaf_rows(snapshot) + TARGET_ROWS
 

@@ -2,14 +2,21 @@
 
 from __future__ import annotations
 
+from itertools import groupby
 from typing import Final
 
+import numpy as np
+import numpy.typing as npt
 from textual.strip import Strip
 
 from rl_tui.lab.live.snapshot import CellHistory, Snapshot
-from rl_tui.tui.draw import names, numbers
+from rl_tui.tui.draw import braille, names, numbers
+from rl_tui.tui.draw.axes import draw_count_axis, draw_value_axis, value_axis_columns
+from rl_tui.tui.draw.braille import Steps
+from rl_tui.tui.draw.canvas import Canvas
+from rl_tui.tui.draw.chart_plot import Plot
 from rl_tui.tui.draw.pieces import wrapped
-from rl_tui.tui.panels.microscope.cell_curve import draw_history
+from rl_tui.tui.draw.scale import round_range, round_scale
 from rl_tui.tui.panels.microscope.section import MicroscopeSection, columns_of, stacked
 from rl_tui.tui.panels.q_table.layers import exact_q
 from rl_tui.tui.theme.look import Look
@@ -18,6 +25,10 @@ HISTORY: Final = "History"
 COMING: Final = "comes with the next picture"
 NO_CELL: Final = "no cell was updated yet: the table's cursor chooses one"
 NOT_KEPT: Final = "of a table as large as this no history is kept"
+LEAST_HEIGHT: Final = 4
+_LEAST_WIDTH: Final = 16
+_TICK_COLUMNS: Final = 9
+_UNIT: Final = " step"
 
 
 def history_strips(
@@ -65,3 +76,58 @@ def _instead(
 ) -> list[Strip]:
     lines = wrapped(text, width, look.palette.dim, look, " ", " ")
     return stacked([MicroscopeSection(heading, lines, rows, values)], look, width)
+
+
+def draw_history(cell: CellHistory, exact: float | None, look: Look, width: int, height: int) -> list[Strip]:
+    """Return ``height`` strips of ``width`` cells; ``exact`` is None where it is not known, or secret.
+
+    The value holds from the step after which it was reached to the next one that is told.
+    """
+    canvas = Canvas(width, height, look.palette.text)
+    if width < _LEAST_WIDTH or height < LEAST_HEIGHT or not len(cell.step):
+        return canvas.strips()
+    finite = cell.value[np.isfinite(cell.value)]
+    known = [
+        *([] if exact is None else [exact]),
+        *([float(finite.min()), float(finite.max())] if len(finite) else [0.0]),
+    ]
+    scale, last = round_scale(min(known), max(known)), float(cell.step[-1])
+    left = 1 + value_axis_columns(scale, look)
+    plot = Plot(left, width - left, height - 1, round_range(last, 1.0), scale)
+    draw_value_axis(canvas, plot, look)
+    draw_count_axis(canvas, plot, plot.right, plot.columns // _TICK_COLUMNS, _UNIT, look)
+    if exact is not None:
+        dots = look.glyphs.level if look.glyphs.braille else f"{look.glyphs.level} "
+        canvas.put(plot.left, plot.row(exact), (dots * plot.columns)[: plot.columns], look.palette.optimum)
+    _draw_line(canvas, plot, cell, look)
+    return canvas.strips()
+
+
+def _draw_line(canvas: Canvas, plot: Plot, cell: CellHistory, look: Look) -> None:
+    """Draw the estimate over what is there."""
+    codes = _braille(plot, cell) if look.glyphs.braille else _ascii(plot, cell)
+    blank = braille.BLANK if look.glyphs.braille else ord(" ")
+    for row, line in enumerate(codes.tolist()):
+        start = 0
+        for is_blank, cells in groupby(line, blank.__eq__):
+            text = "".join(map(chr, cells))
+            if not is_blank:
+                canvas.put(plot.left + start, row, text, look.palette.episodes)
+            start += len(text)
+
+
+def _dots(plot: Plot, cell: CellHistory, columns: int, rows: int) -> npt.NDArray[np.bool_]:
+    start = cell.step.astype(np.float64)
+    line = Steps(start, np.append(start[1:], start[-1]), cell.value, cell.value)
+    return braille.dots_of(braille.joined(plot.span(line, columns, rows)), rows)
+
+
+def _braille(plot: Plot, cell: CellHistory) -> npt.NDArray[np.int64]:
+    dots = _dots(plot, cell, plot.columns * braille.DOTS_ACROSS, plot.rows * braille.DOTS_DOWN)
+    return braille.braille_codes(dots)
+
+
+def _ascii(plot: Plot, cell: CellHistory) -> npt.NDArray[np.int64]:
+    """Return ``'`` ``.`` ``:`` for the upper and lower half of each cell of the line."""
+    dots = _dots(plot, cell, plot.columns, plot.rows * 2).astype(np.int64)
+    return np.asarray(np.array([ord(" "), ord("'"), ord("."), ord(":")])[dots[::2] + 2 * dots[1::2]])

@@ -17,8 +17,8 @@ from rl_tui.tui.panels.microscope.section import MicroscopeSection
 from rl_tui.tui.theme.look import Look
 from rl_tui.worlds.drawing import Arms
 
-HEADING: Final = "The return so far"
-ROWS: Final = 3
+RETURN_HEADING: Final = "The return so far"
+RETURN_ROWS: Final = 3
 MEANING: Final = "Gₜ = Rₜ₊₁ + γ Rₜ₊₂ + γ² Rₜ₊₃ + …"
 PLANNER: Final = "a planner takes no steps: nothing is earned"
 _LEFT_OUT: Final = "…"
@@ -32,10 +32,14 @@ def return_section(snapshot: Snapshot, last: LastStep, look: Look, width: int) -
     """Return the return from the start of the episode, its first and last terms, and what it means."""
     palette = look.palette
     if last.planned:
-        return MicroscopeSection(HEADING, wrapped(PLANNER, width, palette.dim, look, " ", " "), ROWS)
+        return MicroscopeSection(
+            RETURN_HEADING, wrapped(PLANNER, width, palette.dim, look, " ", " "), RETURN_ROWS
+        )
     rewards = snapshot.rewards.tolist()
     if not rewards:
-        return MicroscopeSection(HEADING, [[Piece(" no reward yet in this episode", palette.dim)]], ROWS)
+        return MicroscopeSection(
+            RETURN_HEADING, [[Piece(" no reward yet in this episode", palette.dim)]], RETURN_ROWS
+        )
     steps = max(last.episode_step, len(rewards))
     total = numbers.brief(snapshot.discounted_return, look.glyphs, decimals=4)
     start: Line = [Piece(" G₀ = ", palette.dim)]
@@ -52,7 +56,7 @@ def return_section(snapshot: Snapshot, last: LastStep, look: Look, width: int) -
             first_that_fits([[*result, *plain], result], width, look),
         ]
     lines += wrapped(_meaning(snapshot, rewards, steps, last.gamma), width, palette.dim, look, " ", " ")
-    return MicroscopeSection(HEADING, lines, ROWS, (f"t = {steps:,}",))
+    return MicroscopeSection(RETURN_HEADING, lines, RETURN_ROWS, (f"t = {steps:,}",))
 
 
 def _meaning(snapshot: Snapshot, rewards: Sequence[float], steps: int, gamma: float) -> str:

@@ -13,8 +13,8 @@ from rl_tui.tui.panels.last_step.loop_text import LoopText
 from rl_tui.tui.panels.microscope.section import MicroscopeSection
 from rl_tui.tui.theme.look import Look
 
-HEADING: Final = "The step"
-ROWS: Final = 5
+STEP_HEADING: Final = "The step"
+STEP_ROWS: Final = 5
 _LABEL: Final = 8
 _GAP: Final = "   "
 
@@ -24,7 +24,9 @@ def step_section(
 ) -> MicroscopeSection:
     """Return state, action and why, reward, next state, and what was updated: a line each."""
     writer = _Writer(snapshot, last, text, look, width)
-    return MicroscopeSection(HEADING, [getattr(writer, part)() for part in _PARTS], ROWS, _which(last, text))
+    return MicroscopeSection(
+        STEP_HEADING, [getattr(writer, part)() for part in _PARTS], STEP_ROWS, _which(last, text)
+    )
 
 
 _PARTS: Final = ("state", "action", "reward", "next_state", "update")

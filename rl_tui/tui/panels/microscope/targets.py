@@ -10,9 +10,9 @@ from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.draw import numbers
 from rl_tui.tui.draw.pieces import Line, Piece, first_that_fits, wrapped
 from rl_tui.tui.draw.precision import agrees, column_figure, leading_zeros, parsed
-from rl_tui.tui.panels.bellman import SECRET
 from rl_tui.tui.panels.last_step.loop_text import LoopText
 from rl_tui.tui.panels.microscope.section import flowed
+from rl_tui.tui.panels.model.bellman import SECRET
 from rl_tui.tui.theme.look import Look
 from rl_tui.worlds.drawing import Arms
 

@@ -20,8 +20,8 @@ from rl_tui.tui.panels.microscope.return_text import gathered_rewards, terms_of
 from rl_tui.tui.panels.microscope.section import MicroscopeSection, columns_of, flowed
 from rl_tui.tui.theme.look import Look
 
-HEADING: Final = "The update"
-_ROWS: Final = 5
+UPDATE_HEADING: Final = "The update"
+_LEAST_ROWS: Final = 5
 TABLES: Final = "the table shows the mean of Q₁ and Q₂"
 _MOST_CELLS: Final = 6
 _FEWEST: Final = 3  # decimals of weights and estimates
@@ -40,7 +40,7 @@ def update_section(
     """Return the update in numbers and where each comes from; ``sources`` are the pairs looked up."""
     if not text.estimate:
         waiting = flowed([[Piece(f" {text.waiting}", look.palette.text)]], width, look)
-        return MicroscopeSection(HEADING, waiting, rows_of(snapshot))
+        return MicroscopeSection(UPDATE_HEADING, waiting, update_rows(snapshot))
     writer = _Writer(snapshot, last, text, sources, look)
     groups = ((writer.equation(), 4), (writer.terms(), 1), (writer.mixture(), 4), (writer.gathered(width), 4))
     lines = [line for group, indent in groups for line in flowed(group, width, look, indent)]
@@ -48,13 +48,13 @@ def update_section(
         lines += flowed([[Piece(f" {TABLES}", look.palette.dim)]], width, look)
     if text.others:
         lines += flowed([[Piece(f" {text.others[0]}", look.palette.dim)]], width, look)
-    return MicroscopeSection(HEADING, lines, rows_of(snapshot))
+    return MicroscopeSection(UPDATE_HEADING, lines, update_rows(snapshot))
 
 
-def rows_of(snapshot: Snapshot) -> int:
+def update_rows(snapshot: Snapshot) -> int:
     """Return how many rows the update of the algorithm mostly takes."""
     terms = BY_ID[snapshot.learned_by[0]].update
-    return _ROWS + (terms.lookup in (Lookup.MEAN, Lookup.OTHER) or not terms.one_step)
+    return _LEAST_ROWS + (terms.lookup in (Lookup.MEAN, Lookup.OTHER) or not terms.one_step)
 
 
 class _Writer:

@@ -10,9 +10,9 @@ from textual.strip import Strip
 
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.draw.pieces import Line, Piece, strips_of
-from rl_tui.tui.draw.scrolling import Scrolled
 from rl_tui.tui.panels.model.text import model_lines, pair_lines
 from rl_tui.tui.panels.panel import Panel
+from rl_tui.tui.panels.scrolling import Scrolled
 from rl_tui.tui.theme.look import Look
 
 WAITING: Final = "the world is being built"

@@ -14,10 +14,10 @@ from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.draw import names, numbers
 from rl_tui.tui.draw.pieces import Line, Piece, wrapped
 from rl_tui.tui.draw.to_ascii import to_ascii
-from rl_tui.tui.panels.bellman import SECRET, bellman_lines
 from rl_tui.tui.panels.last_step.update_text import setting
+from rl_tui.tui.panels.model.bellman import SECRET, bellman_lines
 from rl_tui.tui.panels.model.outcomes import outcome_lines
-from rl_tui.tui.panels.reward_range import reward_range
+from rl_tui.tui.panels.model.reward_range import reward_range
 from rl_tui.tui.theme.look import Look
 from rl_tui.worlds.drawing import Arms
 from rl_tui.worlds.mdp.space import FiniteSpace

@@ -9,7 +9,7 @@ from rich.cells import cell_len
 from rich.segment import Segment
 
 from rl_tui.lab.live.until import Breakpoints
-from rl_tui.tui.draw.pointing import NOWHERE
+from rl_tui.tui.panels.pointing import NOWHERE
 from rl_tui.tui.panels.q_table.layers import Figures, Layer
 from rl_tui.tui.panels.q_table.world import TableWorld
 from rl_tui.tui.theme.look import Look

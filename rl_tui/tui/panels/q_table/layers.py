@@ -13,7 +13,7 @@ from rich.style import Style
 from rl_tui.lab.live.snapshot import LaneView, Snapshot
 from rl_tui.lab.run.bandit import best_arms, true_means
 from rl_tui.tui.draw import numbers
-from rl_tui.tui.panels.speeds import passes_too_fast
+from rl_tui.tui.panels.snapshot_facts import passes_too_fast
 from rl_tui.tui.theme.glyphs import Glyphs
 from rl_tui.tui.theme.look import Look
 from rl_tui.worlds.drawing import Arms

@@ -14,9 +14,8 @@ from rl_tui.common.words import counted
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.live.viewport import Stretch, followed_state, is_large
 from rl_tui.tui.draw.pieces import Piece, strips_of, wrapped
-from rl_tui.tui.draw.pointing import NOWHERE, Pointed
-from rl_tui.tui.draw.scrolling import Scrolled
 from rl_tui.tui.panels.panel import Panel
+from rl_tui.tui.panels.pointing import NOWHERE, Pointed
 from rl_tui.tui.panels.q_table.form import Form, Scene
 from rl_tui.tui.panels.q_table.layers import (
     EXACT_LAYERS,
@@ -31,6 +30,7 @@ from rl_tui.tui.panels.q_table.list import ListForm, list_form
 from rl_tui.tui.panels.q_table.matrix import matrix_form
 from rl_tui.tui.panels.q_table.sheet import Sheet, strip_cache
 from rl_tui.tui.panels.q_table.world import NO_ROW, TableWorld
+from rl_tui.tui.panels.scrolling import Scrolled
 from rl_tui.tui.theme.look import Look
 
 WAITING: Final = "the estimates Q(s, a) come with the first step"

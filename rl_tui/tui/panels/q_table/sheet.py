@@ -8,11 +8,11 @@ from rich.segment import Segment
 from textual.cache import LRUCache
 from textual.strip import Strip
 
-from rl_tui.tui.draw.scrolling import kept_in_view
 from rl_tui.tui.draw.to_ascii import separated
 from rl_tui.tui.panels.q_table.form import Form, Pieces, Scene
 from rl_tui.tui.panels.q_table.list import ListForm, greedy_line
 from rl_tui.tui.panels.q_table.world import NO_ROW
+from rl_tui.tui.panels.scrolling import kept_in_view
 
 _MOST_CACHED: Final = 512
 _STATES_IN_GREEDY_LINE: Final = 12

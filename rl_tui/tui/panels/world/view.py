@@ -12,8 +12,8 @@ from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.live.viewport import Cells
 from rl_tui.tui.draw.canvas import Canvas, shortened
 from rl_tui.tui.draw.names import state_name
-from rl_tui.tui.draw.pointing import NOWHERE, Pointed
 from rl_tui.tui.panels.panel import Panel
+from rl_tui.tui.panels.pointing import NOWHERE, Pointed
 from rl_tui.tui.theme.look import Look
 from rl_tui.worlds.world import World
 

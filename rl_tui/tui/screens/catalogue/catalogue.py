@@ -31,12 +31,12 @@ from rl_tui.lab.sessions.session import SessionError, StoredSession
 from rl_tui.tui.app.action import Place
 from rl_tui.tui.app.actions import bindings_of
 from rl_tui.tui.draw.to_ascii import separated, to_ascii
-from rl_tui.tui.panels.notes import Notes
 from rl_tui.tui.screens.catalogue.facts import facts, faults_text
 from rl_tui.tui.screens.catalogue.saved_sessions import SavedSessions
 from rl_tui.tui.screens.catalogue.session_list import SessionList
 from rl_tui.tui.screens.catalogue.session_text import session_facts, session_fault
 from rl_tui.tui.screens.help import HelpScreen
+from rl_tui.tui.screens.notes import Notes
 from rl_tui.tui.theme.look import Look
 from rl_tui.worlds.drawing import Arms, Grid
 from rl_tui.worlds.files.scenario import Scenario
@@ -235,9 +235,9 @@ class CatalogueScreen(SavedSessions):
         await drawing.remove_children()
         if isinstance(world, World):
             from rl_tui.lab.live.preparing import preparing
-            from rl_tui.tui.panels.world.views import world_view
+            from rl_tui.tui.panels.world.make_view import make_world_view
 
-            view = world_view(world, self.look)
+            view = make_world_view(world, self.look)
             view.can_focus = False
             drawing.styles.height = preview_rows(world, self.size.height)
             await drawing.mount(view)

@@ -8,7 +8,7 @@ from typing import Final
 from rl_tui.agents.catalogue import BY_ID
 from rl_tui.lab.live.commands import GoTo
 from rl_tui.lab.live.snapshot import Snapshot
-from rl_tui.tui.panels.under_way import episode_under_way
+from rl_tui.tui.panels.snapshot_facts import episode_under_way
 from rl_tui.tui.screens.dialogs.prompt import Prompt
 from rl_tui.worlds.drawing import Arms
 

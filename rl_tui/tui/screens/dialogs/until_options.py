@@ -10,9 +10,9 @@ from rl_tui.agents.catalogue import BY_ID
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.live.until import Event, Until
 from rl_tui.tui.draw import numbers
+from rl_tui.tui.draw.names import estimate_name
 from rl_tui.tui.draw.to_ascii import to_ascii
-from rl_tui.tui.panels.breakpoint_text import estimate_name
-from rl_tui.tui.panels.under_way import episode_under_way
+from rl_tui.tui.panels.snapshot_facts import episode_under_way
 from rl_tui.tui.screens.dialogs.prompt import Prompt
 from rl_tui.tui.theme.glyphs import Glyphs
 from rl_tui.worlds.drawing import Arms

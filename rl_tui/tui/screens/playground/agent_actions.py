@@ -112,7 +112,7 @@ class AgentActions(ActionScreen):
         params = params_together(values, name, value, self._fault)
         if name == "policy" and len(params) > 1:
             alpha = Hyperparameters().alpha
-            self.notify(f"{RULE_BY_ID[str(value)].name} needs a step size: α is {alpha:g} from here on")
+            self.notify(f"{POLICY_BY_ID[str(value)].name} needs a step size: α is {alpha:g} from here on")
         if params != [(name, values.value(name))]:
             self._apply(params)
 

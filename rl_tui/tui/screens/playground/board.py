@@ -13,15 +13,16 @@ from textual.widgets import Static
 from rl_tui.lab.live.snapshot import Phase, Snapshot
 from rl_tui.lab.live.viewport import Sight
 from rl_tui.lab.run.recipe import Recipe
-from rl_tui.tui.draw.pointing import Pointed
 from rl_tui.tui.panels.budget import BudgetPanel
 from rl_tui.tui.panels.controls.controls import Controls
 from rl_tui.tui.panels.curve.curve import ReturnCurve
 from rl_tui.tui.panels.last_step.last_step import Inspector
 from rl_tui.tui.panels.microscope.microscope import Microscope, lit_sources
+from rl_tui.tui.panels.pointing import Pointed
 from rl_tui.tui.panels.q_table.q_table import QTable
 from rl_tui.tui.panels.timeline.timeline import HINTS, TimelineBar
-from rl_tui.tui.panels.world.views import WorldView, world_view
+from rl_tui.tui.panels.world.make_view import make_world_view
+from rl_tui.tui.panels.world.view import WorldView
 from rl_tui.tui.screens.playground.arrangement import (
     BUDGET,
     CONTROLS,
@@ -75,7 +76,7 @@ class Board(Container):
     def show(self, snapshot: Snapshot, *, revealed: bool) -> None:
         """Draw ``snapshot``; ``revealed`` shows what a bandit keeps secret."""
         if self.world is None:
-            self.world = world_view(snapshot.world, self.look)
+            self.world = make_world_view(snapshot.world, self.look)
             self.world.id, self.world.can_focus = WORLD, True
             self.world.add_class("panel")
             self.run_worker(self._replace_placeholder(self.world))

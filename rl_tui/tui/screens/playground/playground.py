@@ -30,7 +30,6 @@ from rl_tui.terminal.linked_app import LinkedApp
 from rl_tui.tui.app.action import Place
 from rl_tui.tui.app.actions import ORDINALS, bindings_of
 from rl_tui.tui.panels.controls.slider import Slider
-from rl_tui.tui.panels.speeds import faster, slower
 from rl_tui.tui.panels.status_line import StatusLine
 from rl_tui.tui.screens.dialogs.model import ModelScreen
 from rl_tui.tui.screens.help import HelpScreen
@@ -43,6 +42,7 @@ from rl_tui.tui.screens.playground.lane_actions import LaneActions
 from rl_tui.tui.screens.playground.manual_actions import MANUAL_BINDINGS, ManualActions
 from rl_tui.tui.screens.playground.microscope_actions import MicroscopeActions
 from rl_tui.tui.screens.playground.session_actions import SessionActions
+from rl_tui.tui.screens.playground.speeds import faster, slower
 from rl_tui.tui.screens.playground.time_actions import TimeActions
 from rl_tui.tui.screens.playground.until_actions import UntilActions
 from rl_tui.tui.theme.look import Look

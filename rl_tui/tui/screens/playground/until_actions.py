@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from rl_tui.lab.live.commands import ClearBreakpoints, RunUntil, ToggleBreakpoint
 from rl_tui.lab.live.snapshot import Phase, Snapshot
-from rl_tui.tui.draw.names import state_name
+from rl_tui.tui.draw.names import breakpoints_text, pair_in_words, state_name
 from rl_tui.tui.draw.to_ascii import to_ascii
-from rl_tui.tui.panels.breakpoint_text import breakpoints_text, pair_in_words
 from rl_tui.tui.panels.q_table.q_table import QTable
 from rl_tui.tui.panels.world.arms.arms import ArmsView
 from rl_tui.tui.panels.world.view import WorldView

@@ -11,9 +11,9 @@ from textual.strip import Strip
 from rl_tui.agents.hyperparameters import SAMPLE_AVERAGE, StepSize
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.run.bandit import true_means
-from rl_tui.tui.draw.scrolling import scrolled_to
-from rl_tui.tui.panels.breakpoint_text import pair_in_words
-from rl_tui.tui.panels.same_run import is_new_run
+from rl_tui.tui.draw.names import pair_in_words
+from rl_tui.tui.panels.scrolling import scrolled_to
+from rl_tui.tui.panels.snapshot_facts import is_new_run
 from rl_tui.tui.panels.world.arms.bars import Arm, draw_arms, names_width, rows_an_arm, true_mean_glyph
 from rl_tui.tui.panels.world.arms.scale import NO_SCALE, ArmsScale, bound_text, grown, shown_scale
 from rl_tui.tui.panels.world.view import WorldView

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Final
+from typing import Final, NamedTuple
 
 from rich.style import Style
 from textual.strip import Strip
@@ -10,14 +10,14 @@ from textual.strip import Strip
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.draw import numbers
 from rl_tui.tui.draw.canvas import Canvas, centred, shortened
-from rl_tui.tui.draw.scrolling import scrolled_to
+from rl_tui.tui.panels.scrolling import scrolled_to
 from rl_tui.tui.panels.world.graph.edge_list import draw_edge_list, edge_list_rows
 from rl_tui.tui.panels.world.graph.layout import GraphLayout, graph_layout
 from rl_tui.tui.panels.world.graph.routing import Box
 from rl_tui.tui.panels.world.graph.shape import GraphShape, Node, Signs, graph_shape
-from rl_tui.tui.panels.world.graph.strokes import BOLD, THIN, StrokeArms, joint
 from rl_tui.tui.panels.world.state_values import StateValues, state_values
 from rl_tui.tui.panels.world.view import WorldView
+from rl_tui.tui.theme.glyphs import Glyphs
 from rl_tui.tui.theme.look import Look
 from rl_tui.worlds.drawing import Graph
 from rl_tui.worlds.world import World
@@ -25,6 +25,13 @@ from rl_tui.worlds.world import World
 VALUE_WIDTH: Final = 6
 HEADING: Final = "World · bold = greedy"
 END: Final = "end"  # in place of the value of a terminal state
+THIN: Final = 1
+BOLD: Final = 2
+
+# index: up + 3·right + 9·down + 27·left, each 0 (nothing), 1 (thin) or 2 (bold)
+_JOINTS: Final = " ╵╹╶└┖╺┕┗╷│╿┌├┞┍┝┡╻╽┃┎┟┠┏┢┣╴┘┚─┴┸╼┶┺┐┤┦┬┼╀┮┾╄┒┧┨┰╁╂┲╆╊╸┙┛╾┵┹━┷┻┑┥┩┭┽╃┯┿╇┓┪┫┱╅╉┳╈╋"
+_ROUND: Final = {"╭": "┌", "╮": "┐", "╰": "└", "╯": "┘"}
+_ROUNDED: Final = {square: rounded for rounded, square in _ROUND.items()}
 
 
 class GraphView(WorldView):
@@ -197,3 +204,35 @@ def _draw_lines(canvas: Canvas, layout: GraphLayout, values: StateValues, agent:
             styles[cell] = _border_style(state == agent, look)
     for (x, y), each in arms.items():
         canvas.put(x, y, joint(each, look.glyphs), styles[x, y])
+
+
+class StrokeArms(NamedTuple):
+    """The weights of the lines that leave a cell towards its neighbours: 0 (none), THIN or BOLD."""
+
+    up: int = 0
+    right: int = 0
+    down: int = 0
+    left: int = 0
+
+    def joined(self, other: StrokeArms) -> StrokeArms:
+        """Return what two lines that meet or cross in one cell make together."""
+        return StrokeArms(*(max(mine, its) for mine, its in zip(self, other, strict=True)))
+
+
+def joint(arms: StrokeArms, glyphs: Glyphs) -> str:
+    """Return the character for ``arms``; thin corners are rounded."""
+    if glyphs.name == "ascii":
+        return _ascii(arms, glyphs)
+    character = _JOINTS[arms.up + 3 * arms.right + 9 * arms.down + 27 * arms.left]
+    return _ROUNDED.get(character, character)
+
+
+def _ascii(arms: StrokeArms, glyphs: Glyphs) -> str:
+    if not any(arms):
+        return " "
+    vertical, horizontal = max(arms.up, arms.down), max(arms.left, arms.right)
+    if not horizontal:
+        return glyphs.bold_vertical if vertical == BOLD else glyphs.thin_vertical
+    if not vertical:
+        return glyphs.bold if horizontal == BOLD else glyphs.thin
+    return "+"

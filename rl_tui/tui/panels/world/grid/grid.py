@@ -12,8 +12,8 @@ from textual.strip import Strip
 
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.live.viewport import Cells, is_large
-from rl_tui.tui.draw.scrolling import Scrolled, kept_in_view, scrolled_to
-from rl_tui.tui.panels.same_run import is_new_run
+from rl_tui.tui.panels.scrolling import Scrolled, kept_in_view, scrolled_to
+from rl_tui.tui.panels.snapshot_facts import is_new_run
 from rl_tui.tui.panels.world.grid.cells import CellArtist
 from rl_tui.tui.panels.world.grid.form import LEAST_DIGITS, CellForm, cell_form, digits_needed
 from rl_tui.tui.panels.world.grid.map import CellContent, GridMap, MapPart

@@ -10,10 +10,8 @@ from rl_tui.tui.theme.look import Look
 from rl_tui.worlds.drawing import Arms, Graph, Grid
 from rl_tui.worlds.world import World
 
-__all__ = ["WorldView", "world_view"]
 
-
-def world_view(world: World, look: Look, *, id: str | None = None) -> WorldView:  # noqa: A002
+def make_world_view(world: World, look: Look, *, id: str | None = None) -> WorldView:  # noqa: A002
     """Return the view for how ``world`` is drawn."""
     match world.drawing:
         case Grid():

@@ -1,23 +1,14 @@
-"""The ladder of speeds that + and − climb, and which of them the eye can follow."""
+"""The ladder of speeds that + and − climb."""
 
 from __future__ import annotations
 
 from typing import Final
-
-from rl_tui.lab.live.snapshot import Phase, Snapshot
 
 _LADDER: Final[tuple[float | None, ...]] = (
     *(float(digit * 10**power) for power in range(5) for digit in (1, 3)),
     100_000.0,
     None,
 )
-_FASTEST_FOLLOWED: Final = 30.0  # steps a second; above it single steps would only flicker
-
-
-def passes_too_fast(snapshot: Snapshot) -> bool:
-    """Tell whether steps follow one another too fast to be shown one by one."""
-    too_fast = snapshot.speed is None or snapshot.speed > _FASTEST_FOLLOWED
-    return too_fast and snapshot.phase is Phase.RUNNING
 
 
 def faster(speed: float | None) -> float | None:

@@ -1,0 +1,34 @@
+"""What panels and dialogs ask about a snapshot: a new run, steps too fast to show, the episode under way."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from rl_tui.lab.live.snapshot import Phase, Snapshot
+
+_FASTEST_FOLLOWED: Final = 30.0  # steps a second; above it single steps would only flicker
+
+
+def is_new_run(before: Snapshot | None, now: Snapshot) -> bool:
+    """Tell whether a run began between ``before`` and ``now``: neither a way back nor a look at a lane.
+
+    A way back leaves its first branch as long as it was; a run that starts again has a new one.
+    """
+    if before is None or before.lane != now.lane:
+        return False
+    first, was = now.timeline.branches[0], before.timeline.branches[0]
+    return before.recipe != now.recipe or first.end < was.end
+
+
+def passes_too_fast(snapshot: Snapshot) -> bool:
+    """Tell whether steps follow one another too fast to be shown one by one."""
+    too_fast = snapshot.speed is None or snapshot.speed > _FASTEST_FOLLOWED
+    return too_fast and snapshot.phase is Phase.RUNNING
+
+
+def episode_under_way(snapshot: Snapshot) -> int:
+    """Return the number, from 1, of the episode under way; of a planner that of its sweep.
+
+    Where one has just ended it is the one that comes next, and the last one where none does.
+    """
+    return snapshot.episodes + (snapshot.phase not in (Phase.SPENT, Phase.DONE))
