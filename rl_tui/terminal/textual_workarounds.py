@@ -6,7 +6,7 @@ from textual._styles_cache import StylesCache
 
 
 def forget_left_screens(_: object) -> None:
-    """Let go of the lines of widgets that are gone; to be called whenever another screen is in front.
+    """Forget the lines of widgets that are gone; to be called whenever another screen is in front.
 
     A cache of colours has the lines of whole widgets in its keys, 1,024 of them, so that each dialog that
     was opened took a third of a megabyte with it (Textualize/textual #6665).

@@ -32,7 +32,7 @@ def action_name(world: World, action: int, glyphs: Glyphs) -> str:
 
 
 def is_direction(world: World, action: int) -> bool:
-    """Tell whether ``action`` is a direction on a grid, so that its name is an arrow."""
+    """Return whether ``action`` is a direction on a grid, so that its name is an arrow."""
     return isinstance(world.drawing, Grid) and world.drawing.directions[action] is not None
 
 

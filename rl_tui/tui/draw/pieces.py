@@ -1,4 +1,4 @@
-"""Lines made of pieces in different styles, of which the last ones give way where room is short."""
+"""Lines made of pieces in different styles, of which the last ones are left out where room is short."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Numbers of one equation: rounded alike, so that whoever works it out from what is printed agrees."""
+"""Numbers of one equation: rounded alike, so that working it out from what is printed gives the same."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ def parsed(text: str, glyphs: Glyphs) -> float:
 
 
 def agrees(worked_out: float, shown: str, glyphs: Glyphs, decimals: int, digits: float = 1.0) -> bool:
-    """Tell whether ``shown``, of so many decimals, is ``worked_out`` up to ``digits`` of its last digit."""
+    """Return whether ``shown``, of so many decimals, is ``worked_out`` up to ``digits`` of its last digit."""
     known = parsed(shown, glyphs)
     unit = float(10.0**-decimals)
     if 0.0 < abs(known) <= 0.5 * unit:
@@ -61,7 +61,7 @@ def agrees(worked_out: float, shown: str, glyphs: Glyphs, decimals: int, digits:
 
 
 def comes_to(worked_out: float, shown: str, glyphs: Glyphs) -> bool:
-    """Tell whether ``worked_out`` is ``shown`` up to the last digit that is printed of it."""
+    """Return whether ``worked_out`` is ``shown`` up to the last digit that is printed of it."""
     return abs(worked_out - parsed(shown, glyphs)) <= last_digit(shown)
 
 

@@ -17,7 +17,7 @@ WAITING: Final = "the arms are being drawn"
 NO_BUDGET: Final = "this world has no budget"
 _LABEL: Final = 10
 _FIGURE: Final = 8
-_MANY: Final = 100.0  # from here on the sum of so many rewards is told in whole numbers
+_MANY: Final = 100.0  # from here on the sum of so many rewards is shown in whole numbers
 
 
 class BudgetPanel(Panel):

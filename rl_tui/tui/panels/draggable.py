@@ -7,7 +7,7 @@ from textual.widget import Widget
 
 
 class Draggable(Widget):
-    """A widget that may be dragged along its row. Subclasses call :meth:`take_hold` and say what follows."""
+    """A widget that can be dragged along its row. Subclasses call ``take_hold`` and define ``drag_to``."""
 
     _held = False
 
@@ -33,5 +33,5 @@ class Draggable(Widget):
             self.release_mouse()
 
     def on_mouse_release(self) -> None:
-        """Let the handle go where somebody else took the mouse."""
+        """Let the handle go where another widget took the mouse."""
         self._held = False

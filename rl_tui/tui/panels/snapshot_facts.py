@@ -10,7 +10,7 @@ _FASTEST_FOLLOWED: Final = 30.0  # steps a second; above it single steps would o
 
 
 def is_new_run(before: Snapshot | None, now: Snapshot) -> bool:
-    """Tell whether a run began between ``before`` and ``now``: neither a way back nor a look at a lane.
+    """Return whether a run began between ``before`` and ``now``: neither a way back nor a look at a lane.
 
     A way back leaves its first branch as long as it was; a run that starts again has a new one.
     """
@@ -21,7 +21,7 @@ def is_new_run(before: Snapshot | None, now: Snapshot) -> bool:
 
 
 def passes_too_fast(snapshot: Snapshot) -> bool:
-    """Tell whether steps follow one another too fast to be shown one by one."""
+    """Return whether steps follow one another too fast to be shown one by one."""
     too_fast = snapshot.speed is None or snapshot.speed > _FASTEST_FOLLOWED
     return too_fast and snapshot.phase is Phase.RUNNING
 

@@ -27,7 +27,7 @@ _GAP: Final = 2
 _LEAST_END: Final = 4  # columns of ``100M``
 _LEAST_TITLE: Final = 12
 _STATE_COLUMNS: Final = 11
-_KEEPS_UP: Final = 0.8  # from this share of the wanted speed on, the measured one is not told beside it
+_KEEPS_UP: Final = 0.8  # from this share of the wanted speed on, the measured one is not shown beside it
 _SPEED_RANK: Final = 3  # above all others
 
 
@@ -194,14 +194,14 @@ def _speed(snapshot: Snapshot, look: Look, *, wide: bool) -> _Field:
 
 
 def _keeps_up(snapshot: Snapshot, speed: float) -> bool:
-    """Tell whether the state names a wanted speed that the measured ``speed`` comes up to."""
+    """Return whether the state names a wanted speed that the measured ``speed`` comes up to."""
     if snapshot.speed is None or snapshot.until or snapshot.timeline.in_past:
         return False
     return speed >= _KEEPS_UP * snapshot.speed
 
 
 def _state(snapshot: Snapshot, look: Look, most: int, *, is_manual: bool) -> _Field:
-    """Return what goes on, in at most so many columns where it is told in words."""
+    """Return what the run does now, in at most ``most`` columns where that is a sentence."""
     palette, glyphs = look.palette, look.glyphs
     if snapshot.phase is Phase.SPENT:
         text = f"{glyphs.stopped} budget spent"

@@ -161,11 +161,11 @@ class HelpScreen(Dialog[None]):
 
     async def _fill(self) -> None:
         page = self.query_one(VerticalScroll)
-        if page.is_attached and not page.max_scroll_y:  # nobody can scroll
+        if page.is_attached and not page.max_scroll_y:  # there is nothing to scroll
             await self._add_notes()
 
     async def _add_notes(self) -> None:
-        """Put the notes at the end once somebody scrolls: what reads them is slow to load."""
+        """Put the notes at the end once the page is scrolled: Markdown is slow to load."""
         if not self._notes:
             return
         notes, self._notes = notes_markdown(self._notes, self._look.glyphs), ""

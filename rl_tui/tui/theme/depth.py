@@ -85,7 +85,7 @@ def depth_of(colors: Literal["auto"] | Depth, environ: Mapping[str, str]) -> Dep
 
 
 def can_encode(encoding: str | None) -> bool:
-    """Tell whether every character of the Unicode set can be written in ``encoding`` (None: not known)."""
+    """Return whether every character of the Unicode set can be written in ``encoding`` (None: not known)."""
     try:
         _all_characters(UNICODE).encode(encoding or "ascii")
     except (UnicodeEncodeError, LookupError):
@@ -94,7 +94,7 @@ def can_encode(encoding: str | None) -> bool:
 
 
 def is_native(depth: Depth) -> bool:
-    """Tell whether an app on a terminal of ``depth`` needs ``ansi_color=True``."""
+    """Return whether an app on a terminal of ``depth`` needs ``ansi_color=True``."""
     return depth in ("16", "none")
 
 

@@ -13,7 +13,7 @@ def encoding_of(environ: Mapping[str, str], encoding: str | None, *, utf8_mode: 
     """Return the encoding that the locale names, or ``encoding``, that of Python's output, if it names none.
 
     Python writes UTF-8 in the locales C and POSIX whatever the terminal takes (``utf8_mode``), and sets
-    LC_CTYPE to say so: PEP 538 and 540. Somebody who asks for C asks for ASCII.
+    LC_CTYPE to say so: PEP 538 and 540. A person who asks for C asks for ASCII.
     """
     character_type = environ.get("LC_CTYPE", "")
     if utf8_mode and character_type == _PUT_THERE_BY_PYTHON:

@@ -1,4 +1,4 @@
-"""What the agent is told: a slider for each number that has one, and the settings in words."""
+"""What can be changed about the agent: a slider for each number that has one, and the settings in words."""
 
 from __future__ import annotations
 

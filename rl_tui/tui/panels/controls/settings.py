@@ -1,4 +1,4 @@
-"""What the agent is told besides the sliders: algorithm, action rule, seed, speed …, each with its key."""
+"""The settings of the agent besides the sliders: algorithm, action rule, seed, speed …, each with its key."""
 
 from __future__ import annotations
 
@@ -85,7 +85,7 @@ def _decaying(values: Hyperparameters, parameters: tuple[str, ...], episode: int
 
 
 def is_an_option(parameter: Parameter) -> bool:
-    """Tell whether ``parameter`` has neither slider nor key and is not merely part of a schedule."""
+    """Return whether ``parameter`` has neither slider nor key and is not merely part of a schedule."""
     return parameter.slide is None and not parameter.schedule and parameter.name not in _KEYED
 
 

@@ -119,7 +119,7 @@ def _level_cells(plot: Plot, data: CurveData, value: float, look: Look) -> tuple
 
 
 class _Codes(NamedTuple):
-    """The characters of each line, [rows, columns], and where the greedy one gives way."""
+    """The characters of each line, [rows, columns], and where the greedy one is interrupted."""
 
     band: npt.NDArray[np.int64]
     episodes: npt.NDArray[np.int64]
@@ -141,7 +141,7 @@ def _braille(plot: Plot, data: CurveData) -> _Codes:
 def _ascii(plot: Plot, data: CurveData) -> _Codes:
     """Return ``'`` ``.`` ``:`` for the upper and lower half of the cells of a line, ``*`` for the greedy one.
 
-    The band is left out: without colour it could not be told from a line.
+    The band is left out: without colour it would look like a line.
     """
     rows = plot.rows * 2
     episodes, greedy = (
@@ -157,7 +157,7 @@ def _ascii(plot: Plot, data: CurveData) -> _Codes:
 
 
 def taking_turns(first: npt.NDArray[np.int64], second: npt.NDArray[np.int64]) -> npt.NDArray[np.bool_]:
-    """Return the cells, [rows, columns], in which the first line gives way to the second.
+    """Return the cells, [rows, columns], in which the second line is drawn, not the first.
 
     Both are bits, one a dot. Where the lines run side by side through one row of cells, but not on the same
     dots, every other cell shows the second.

@@ -20,7 +20,7 @@ _Codes = npt.NDArray[np.int64]
 class LaneCells(NamedTuple):
     """What is in each cell, [rows, columns]: the code of its character, 0 where there is none.
 
-    ``line`` tells whose it is: −1 nobody's, 0 the greedy line's, n that of lane n. ``band`` has the
+    ``line`` tells whose it is: −1 no line's, 0 the greedy line's, n that of lane n. ``band`` has the
     characters of the band of the lane shown.
     """
 

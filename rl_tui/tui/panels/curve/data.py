@@ -184,9 +184,9 @@ def _is_decided(snapshot: Snapshot) -> bool:
 
 
 def _barren(snapshot: Snapshot) -> bool:
-    """Tell whether there were many episodes without any reward, not just with rewards that cancel out.
+    """Return whether there were many episodes without any reward, not just with rewards that cancel out.
 
-    Where nobody wrote the rewards down, or a planner sees them anyway, that is not claimed.
+    Where the rewards are not known, or a planner sees them anyway, that is not claimed.
     """
     curve, mdp = snapshot.curve, snapshot.world.mdp
     if mdp is None or not len(curve.episode):

@@ -158,10 +158,10 @@ def remark(
 
 
 def _has_learned(data: CurveData) -> bool:
-    """Tell whether the gap may be laid to exploring rather than to what is not known yet.
+    """Return whether the gap may be laid to exploring rather than to what is not known yet.
 
     That is claimed only of a greedy policy that is more than ties and that, over all the episodes whose mean
-    is told, falls short of the optimum by no more than a third of the optimum's size: .5 and up of .75, −16
+    is shown, falls short of the optimum by no more than a third of the optimum's size: .5 and up of .75, −16
     and up of −12.
     """
     if data.greedy_now is None or data.optimum is None or data.barren or not data.is_decided:

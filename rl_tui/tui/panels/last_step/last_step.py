@@ -16,7 +16,7 @@ from rl_tui.tui.theme.look import Look
 from rl_tui.worlds.drawing import Arms
 
 NOTHING_YET: Final = "no step yet: s takes one"
-_LEAST_ROWS: Final = 4  # below this the loop is not told in lines of its own
+_LEAST_ROWS: Final = 4  # below this the loop has no lines of its own
 
 
 class Inspector(Panel):

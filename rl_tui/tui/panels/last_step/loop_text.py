@@ -25,7 +25,7 @@ class LoopText:
     """The words of one step. Empty texts are left out.
 
     ``meant`` and ``went`` name actions; they are empty where the world does not slip or it is not known what
-    happened. ``chance`` is the probability of the outcome, empty where nobody knows it. ``endings`` says
+    happened. ``chance`` is the probability of the outcome, empty where it is not known. ``endings`` says
     how the episode ended, the longest form first; none if it goes on. ``estimate`` is what the update moved,
     ``Q(6,←)``, empty if nothing did, for which ``waiting`` gives the reason. ``gathered``, ``discount`` and
     ``bootstrap`` are the symbols of the target, the last empty where nothing is estimated. ``others`` tells

@@ -15,7 +15,7 @@ _FEWEST: Final = 2
 _MOST_FOR_CHANGE: Final = 4  # a change that only shows further behind need not be seen in the estimate
 _FINER: Final = 2  # decimals that terms may have beyond those of the results
 _CLOSER: Final = 4  # decimals more that are worth it for results that come out to half a digit
-_DIGITS: Final = 6  # behind the first one of the largest term; results below them are told as 0
+_DIGITS: Final = 6  # behind the first one of the largest term; results below them are shown as 0
 _NOISE: Final = 1e-12  # of the largest term: what rounding errors may leave of a term
 _FACTOR: Final = 4  # decimals of a factor that is no short number
 
@@ -163,7 +163,7 @@ def _comes_out(
     bootstraps: bool,
     digits: float,
 ) -> bool:
-    """Tell whether what a reader works out from ``text`` is what it says, up to so much of the last digit."""
+    """Return whether working out the terms of ``text`` gives what it says, to so much of the last digit."""
     before, gathered, discount, bootstrap = (
         parsed(each, glyphs) for each in (text.before, text.gathered, text.discount, text.bootstrap)
     )

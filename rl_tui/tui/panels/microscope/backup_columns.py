@@ -35,7 +35,7 @@ def outcome_rows(
 ) -> list[str]:
     """Return the heads and a row for each of ``leaves``, in ``room`` cells if they can be made to fit.
 
-    What an outcome adds to the expected target gives way first, then a long head, then what is said of the
+    What an outcome adds to the expected target is left out first, then a long head, then what is said of the
     next state. ``secret`` hides true rewards.
     """
     columns = _Columns(world, backup, leaves, look)

@@ -36,7 +36,7 @@ def history_strips(
 ) -> list[Strip]:
     """Return how the estimate of ``pair`` went, in ``height`` rows, heading included.
 
-    The exact value is told where it is known; ``revealed`` tells that of a bandit as well.
+    The exact value is shown where it is known; ``revealed`` shows that of a bandit as well.
     """
     rows = height - 1
     if pair is None:
@@ -81,7 +81,7 @@ def _instead(
 def draw_history(cell: CellHistory, exact: float | None, look: Look, width: int, height: int) -> list[Strip]:
     """Return ``height`` strips of ``width`` cells; ``exact`` is None where it is not known, or secret.
 
-    The value holds from the step after which it was reached to the next one that is told.
+    The value holds from the step after which it was reached to the next one in the history.
     """
     canvas = Canvas(width, height, look.palette.text)
     if width < _LEAST_WIDTH or height < LEAST_HEIGHT or not len(cell.step):

@@ -146,7 +146,7 @@ def page(
 ) -> list[Strip]:
     """Return all rows of the microscope, at least ``height`` where the history may grow.
 
-    ``pair`` is the one whose history is shown; ``secret`` says that a bandit's means are not told.
+    ``pair`` is the one whose history is shown; ``secret`` says that a bandit's means are not shown.
     """
     columns = 2 if width >= ROOM_FOR_TWO else 1
     room = (width - _GAP * (columns - 1)) // columns

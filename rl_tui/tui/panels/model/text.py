@@ -30,7 +30,7 @@ _LABEL: Final = 8
 
 
 def is_secret(snapshot: Snapshot, *, revealed: bool) -> bool:
-    """Tell whether true rewards must not be told: a bandit's, until ``revealed``."""
+    """Return whether true rewards must not be shown: a bandit's, until ``revealed``."""
     return isinstance(snapshot.world.drawing, Arms) and not revealed
 
 

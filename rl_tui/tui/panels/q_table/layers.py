@@ -36,7 +36,7 @@ EXACT_LAYERS: Final = (Layer.OPTIMAL, Layer.ERROR)
 
 
 def is_secret(snapshot: Snapshot, revealed: bool) -> bool:
-    """Tell whether what is exact must be hidden: the means of a bandit, until they are revealed."""
+    """Return whether what is exact must be hidden: the means of a bandit, until they are revealed."""
     return isinstance(snapshot.world.drawing, Arms) and not revealed
 
 
@@ -119,7 +119,7 @@ class Figures:
         return self._form(width).cells
 
     def holds(self, pair: int) -> bool:
-        """Tell whether the number of ``pair`` is known: of a large world the snapshot has a part only."""
+        """Return whether the number of ``pair`` is known: of a large world the snapshot has a part only."""
         return self._held is None or bool(self._held[pair])
 
     def style(self, pair: int) -> Style:
@@ -151,7 +151,7 @@ class Figures:
         return int(self._visits[pair]) / max(1, self._total_visits)
 
     def is_lit(self, pair: int) -> bool:
-        """Tell whether ``pair`` was just updated."""
+        """Return whether ``pair`` was just updated."""
         return pair == self._lit
 
     def greedy(self, pairs: range) -> tuple[int, ...]:

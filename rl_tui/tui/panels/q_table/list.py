@@ -30,7 +30,7 @@ Draw = Callable[[int, bool], Pieces]
 
 @dataclass(frozen=True, slots=True)
 class Column:
-    """A column of ``width`` cells. Of several, the one of the highest ``rank`` gives way first.
+    """A column of ``width`` cells. Of several, the one of the highest ``rank`` is left out first.
 
     ``draw`` takes the pair and whether its state was not named above.
     """
@@ -126,7 +126,7 @@ def _pair_columns(scene: Scene, width: int) -> list[Column]:
     values = [Layer.Q, *exact] if shows_all else [_only_value(scene.layer)]
     room = width - around - BOX * len(values)
     gap = _STATE_GAP
-    if room < natural:  # names matter more than the column that gives way first
+    if room < natural:  # names matter more than the column that is left out first
         room += BOX if scene.layer is Layer.VISITS else COUNT
     if room < natural:
         gap, room = _LEAST_GAP, room + _STATE_GAP - _LEAST_GAP
@@ -204,7 +204,7 @@ def _only_value(layer: Layer) -> Layer:
 
 
 def _shared(first: int, second: int, room: int) -> tuple[int, int]:
-    """Return the widths of two names in ``room`` cells: the longer one gives way first."""
+    """Return the widths of two names in ``room`` cells: the longer one is shortened first."""
     while first + second > room and max(first, second) > _LEAST_NAME:
         if first > second:
             first -= 1

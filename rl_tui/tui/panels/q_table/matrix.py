@@ -139,7 +139,7 @@ def _form(scene: Scene, blocks: int, width: int, least: int) -> MatrixForm | Non
 
 
 def _fits_narrow(figures: Figures) -> bool:
-    """Tell whether the numbers say enough in three cells: fractions without signs, and nothing above 9."""
+    """Return whether the numbers say enough in three cells: fractions without signs, and nothing above 9."""
     if figures.layer is Layer.VISITS:
         return False
     return figures.low >= 0.0 and len(numbers.fixed(figures.high, 1)) <= LEAST_FIELD

@@ -34,7 +34,7 @@ class Sheet:
 
     @property
     def is_scrolled(self) -> bool:
-        """Tell whether there are more entries than are in view."""
+        """Return whether there are more entries than are in view."""
         return self.shown < self.form.entries
 
     @property

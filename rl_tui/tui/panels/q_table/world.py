@@ -47,7 +47,7 @@ class TableWorld:
         return max(cell_len(names[state]) for state in live.tolist())
 
     def describes(self, world: World, glyphs: Glyphs) -> bool:
-        """Tell whether this is what is known of ``world`` in these characters."""
+        """Return whether this is what is known of ``world`` in these characters."""
         return world is self._world and glyphs is self.glyphs
 
     @property

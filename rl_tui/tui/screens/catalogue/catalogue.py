@@ -162,7 +162,7 @@ class CatalogueScreen(SavedSessions):
             self.show_current()
 
     def on_catalogue_screen_not_imported(self, event: NotImported) -> None:
-        """Tell why nothing can be played."""
+        """Show why the scenario cannot be opened."""
         self.notify(event.reason, title="cannot load", severity="error", timeout=30, markup=False)
 
     async def settled(self) -> None:

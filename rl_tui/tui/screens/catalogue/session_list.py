@@ -57,7 +57,7 @@ class SessionList(OptionList):
         return self._entries[self.highlighted]
 
     def on_blur(self) -> None:
-        """Tell how to come here."""
+        """Show in the border how to come here."""
         self.border_subtitle = _WITHOUT_FOCUS
 
     def on_focus(self) -> None:

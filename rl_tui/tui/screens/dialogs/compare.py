@@ -45,7 +45,7 @@ _LEAST_SYMBOL: Final = 12
 class Compare(Dialog[Answer]):
     """A list of ``lanes``, at least one, of which ``shown`` is on screen; below it what else to compare with.
 
-    ``recipe`` is what is in force in the one shown. Of a bandit that is ``hidden`` no greedy return is told.
+    ``recipe`` is what is in force in the one shown. Of a bandit that is ``hidden`` no greedy return is shown.
     """
 
     BINDINGS: ClassVar[list[BindingType]] = [
@@ -86,7 +86,7 @@ class Compare(Dialog[Answer]):
         choices.highlighted = at
 
     def on_option_list_option_highlighted(self, event: OptionList.OptionHighlighted) -> None:
-        """Say what the entry is."""
+        """Describe the entry under the cursor."""
         entry = str(event.option_id)
         name = entry.removeprefix(_WITH)
         hint = _HINTS["lanes"] if entry.startswith(_LANE) else _HINTS.get(name, "") or PARAMETERS[name].help

@@ -38,8 +38,8 @@ _LOOKS_AT_PROGRESS: Final = 0.1
 class ExportChoice(Dialog[str]):
     """What to write. Answers its id; escape answers None.
 
-    For a ``bandit`` the script tells what is hidden from the agent, which is said before. ``no_returns`` says
-    why there are no returns, empty if there are.
+    For a ``bandit`` the script shows what is hidden from the agent; the dialog warns of that. ``no_returns``
+    says why there are no returns, empty if there are.
     """
 
     def __init__(self, glyphs: Glyphs, *, bandit: bool, no_returns: str) -> None:
@@ -82,7 +82,7 @@ class AskNewFile(Prompt):
     """One line to type the name of a new file into."""
 
     def on_mount(self) -> None:
-        """Say what enter does."""
+        """Write in the border what enter does."""
         self.query_one("#box").border_subtitle = "enter: write   esc: close"
 
 
@@ -146,7 +146,7 @@ class CommandLine(Dialog[str]):
 
 
 class BrokenOffError(Exception):
-    """Nobody wants the result any more."""
+    """The dialog was closed: the result is not wanted any more."""
 
 
 Work = Callable[[OnProgress], None]

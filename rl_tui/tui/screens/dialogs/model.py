@@ -54,7 +54,7 @@ class ModelScreen(Dialog[None]):
         return self._panel.pair
 
     def on_scrolled(self) -> None:
-        """Tell whoever opened it that another pair of a large world is shown."""
+        """Tell the playground that another pair of a large world is shown."""
         self._on_scrolled()
 
     def show(self, snapshot: Snapshot) -> None:

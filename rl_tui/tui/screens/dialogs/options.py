@@ -1,4 +1,4 @@
-"""Everything the agent is told: each hyper-parameter with its value, and what it may be."""
+"""Every hyper-parameter of the agent with its value, and what it may be."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ class Options(Dialog[None]):
         choices.highlighted = names.index(at) if at in names else 0
 
     def on_option_list_option_highlighted(self, event: OptionList.OptionHighlighted) -> None:
-        """Say what the parameter means and what it takes."""
+        """Describe the parameter under the cursor, and say what values it takes."""
         parameter = PARAMETERS[str(event.option_id)]
         starts = "; the run starts again" if parameter.name == "initial_q" else ""
         text = f"{parameter.help}\n{parameter.expected}{starts}"

@@ -15,7 +15,7 @@ Reader = Callable[[str], float | str]
 """Turns the typed text into the value; raises ValueError whose text says what was expected."""
 
 
-_LONGEST = 1_000  # characters: whoever pastes a book types none of it
+_LONGEST = 1_000  # characters: a pasted book is cut off
 
 
 class Prompt(Dialog[float | str]):
@@ -42,7 +42,7 @@ class Prompt(Dialog[float | str]):
         box.border_subtitle = f"enter: {self._does}   esc: close"
 
     def on_input_changed(self, event: Input.Changed) -> None:
-        """Tell what is wrong while it is typed."""
+        """Show what is wrong while it is typed."""
         self.query_one(".error", Static).update(self._fault(event.value))
 
     def on_input_submitted(self, event: Input.Submitted) -> None:

@@ -64,7 +64,7 @@ class UntilChoice(Dialog[UntilOption]):
         choices.focus()
 
     def on_option_list_option_highlighted(self, event: OptionList.OptionHighlighted) -> None:
-        """Say what it is, or why it is not to be had here."""
+        """Describe the option under the cursor, or say why it is not possible here."""
         wait = self._options[str(event.option_id)]
         text = f"Not here. {wait.refused}" if wait.refused else wait.hint
         self.query_one("#about", Static).update(to_ascii(text, self._glyphs))

@@ -41,7 +41,7 @@ class Shape:
 
 
 def is_roomy(size: Size) -> bool:
-    """Tell whether there is room for bordered controls and a last step of several lines."""
+    """Return whether there is room for bordered controls and a last step of several lines."""
     return size.width >= ROOMY_WIDTH and size.height >= ROOMY_HEIGHT
 
 

@@ -100,11 +100,11 @@ class Board(Container):
                 panel.revealed = revealed
 
     def on_descendant_focus(self, event: events.DescendantFocus) -> None:
-        """Write the keys of the timeline, which has no border, on that of the curve above it."""
+        """Write the keys of the timeline, which has no border, on the border of the curve above it."""
         self.curve.hints = HINTS if event.widget is self.timeline else ()
 
     def on_descendant_blur(self) -> None:
-        """Take them away."""
+        """Remove these keys."""
         self.curve.hints = ()
 
     def on_pointed(self, event: Pointed) -> None:
@@ -146,11 +146,11 @@ class Board(Container):
         self.zoom(None)
 
     def has_room_for(self, panel: str) -> bool:
-        """Tell whether ``panel`` has a place while none is zoomed, beside the microscope if that is open."""
+        """Return whether ``panel`` has a place while none is zoomed, beside the microscope if it is open."""
         return panel in arrangement(self.size, self._arrangement.shape, dissected=self.dissects)
 
     def shows(self, panel: str) -> bool:
-        """Tell whether ``panel`` has a place on the screen."""
+        """Return whether ``panel`` has a place on the screen."""
         return panel in self._arrangement.placed
 
     def panel_of(self, widget: Widget | None) -> str:

@@ -14,7 +14,18 @@ from rl_tui.lab.export.recipe_line import entries_until, recipe_line
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.run.library import episodes_of
 from rl_tui.lab.run.recipe import JournalEntry, Recipe
-from rl_tui.tui.screens.dialogs import export as dialogs
+from rl_tui.tui.screens.dialogs.export import (
+    COMMAND,
+    PICTURE,
+    Q_ARRAY,
+    Q_CSV,
+    RETURNS,
+    SCRIPT,
+    CommandLine,
+    ExportChoice,
+    Working,
+    ask_new_file,
+)
 from rl_tui.tui.screens.playground.agent_actions import AgentActions
 from rl_tui.worlds.drawing import Arms
 from rl_tui.worlds.mdp.space import FloatArray, IntArray
@@ -34,7 +45,7 @@ class ExportActions(AgentActions):
             return
         if snapshot is None:
             return
-        choice = dialogs.ExportChoice(
+        choice = ExportChoice(
             self.look.glyphs,
             bandit=isinstance(snapshot.world.drawing, Arms),
             no_returns=_without_returns(snapshot),
@@ -48,12 +59,12 @@ class ExportActions(AgentActions):
 
     def _export(self, what: str, snapshot: Snapshot) -> None:
         export = {
-            dialogs.COMMAND: self._export_command,
-            dialogs.SCRIPT: self._export_script,
-            dialogs.Q_CSV: self._export_q_csv,
-            dialogs.Q_ARRAY: self._export_q_array,
-            dialogs.RETURNS: self._export_returns,
-            dialogs.PICTURE: self._export_picture,
+            COMMAND: self._export_command,
+            SCRIPT: self._export_script,
+            Q_CSV: self._export_q_csv,
+            Q_ARRAY: self._export_q_array,
+            RETURNS: self._export_returns,
+            PICTURE: self._export_picture,
         }[what]
         try:
             export(snapshot)
@@ -67,7 +78,7 @@ class ExportActions(AgentActions):
             if chosen is not None:
                 self._ask_file(snapshot, "Command", ".txt", partial(write_text, text=f"{line}\n"))
 
-        self.app.push_screen(dialogs.CommandLine(line, _about_command(snapshot)), write)
+        self.app.push_screen(CommandLine(line, _about_command(snapshot)), write)
 
     def _export_script(self, snapshot: Snapshot) -> None:
         self._ask_file(snapshot, "Python script", ".py", partial(write_text, text=script_of(snapshot)))
@@ -125,14 +136,14 @@ class ExportActions(AgentActions):
                 return
             path = Path(str(chosen))
             if takes_time:
-                working = dialogs.Working(title, partial(write, path))
+                working = Working(title, partial(write, path))
                 self.app.push_screen(working, partial(self._say_written, path))
             else:
                 # What is asked is closed by then, so that a picture does not show it
                 self.call_after_refresh(self._write_now, path, write)
 
         name = free_name(f"{snapshot.recipe.scenario.id}-{snapshot.algorithm}", ending)
-        self.app.push_screen(dialogs.ask_new_file(title, name, self.look.glyphs), write_to)
+        self.app.push_screen(ask_new_file(title, name, self.look.glyphs), write_to)
 
     def _write_now(self, path: Path, write: Write) -> None:
         try:
@@ -143,7 +154,7 @@ class ExportActions(AgentActions):
             self._say_written(path, "")
 
     def _say_written(self, path: Path, fault: str | None) -> None:
-        """Say where it was written, or what went wrong; None: it was broken off."""
+        """Show where the file was written, or what went wrong; None: it was broken off."""
         if fault is None:
             self.notify("broken off: nothing was written")
         elif fault:

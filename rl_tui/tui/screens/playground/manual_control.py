@@ -57,7 +57,7 @@ def action_towards(snapshot: Snapshot, step: tuple[int, int]) -> int | None:
 
 
 def has_directions(snapshot: Snapshot) -> bool:
-    """Tell whether some action is a step up, down, left or right."""
+    """Return whether some action is a step up, down, left or right."""
     drawing = snapshot.world.drawing
     return isinstance(drawing, Grid) and any(step in _STRAIGHT for step in drawing.directions)
 

@@ -274,7 +274,7 @@ class Playground(
     # The agent
 
     def on_slider_changed(self, event: Slider.Changed) -> None:
-        """Tell the running learner."""
+        """Set the hyper-parameter of the slider in the running learner."""
         self.set_parameter(event.name, event.value)
 
     def action_slider(self, number: int) -> None:
@@ -287,7 +287,7 @@ class Playground(
         sliders[number - 1].focus()
 
     def show_in_force(self) -> None:
-        """Let every slider go back to what is in force."""
+        """Set every slider to the value in force."""
         self.board.controls.forget()
         if self.snapshot is not None:
             self.board.controls.show(self.snapshot)
@@ -353,11 +353,11 @@ class Playground(
             self.post_message(self.Left(self.recipe))
 
     def _was_used(self) -> bool:
-        """Tell whether there is a run to lose; what was asked for last may not be on screen yet."""
+        """Return whether there is a run to lose; what was asked for last may not be on screen yet."""
         drawn = self.snapshot
         return drawn is not None and (drawn.step > 0 or drawn.handled < self._asked)
 
 
 def _lacks_exact(snapshot: Snapshot) -> bool:
-    """Tell whether the exact answer is still being worked out."""
+    """Return whether the exact answer is still being worked out."""
     return snapshot.exact is None and not snapshot.exact_refused

@@ -45,7 +45,7 @@ class TimeActions(AgentActions):
         self.send(GoTo(event.step))
 
     def follow_time(self, before: Snapshot | None, now: Snapshot) -> None:
-        """Take over what is in force once the player has taken in all that was sent, and tell of forks."""
+        """Take over what is in force once the player has taken in all that was sent, and announce forks."""
         if now.handled == self.sent:
             self.recipe = replace(now.recipe, algorithm=now.algorithm, hyperparameters=now.hyperparameters)
             self.board.controls.forget()
@@ -73,7 +73,7 @@ class TimeActions(AgentActions):
 
 
 def _has_forked(before: Snapshot, now: Snapshot) -> bool:
-    """Tell whether ``now`` is on a branch that ``before``, a moment of the same run, did not have."""
+    """Return whether ``now`` is on a branch that ``before``, a moment of the same run, did not have."""
     is_same_run = before.recipe == now.recipe and before.lane == now.lane
     old, new = before.timeline, now.timeline
     return (

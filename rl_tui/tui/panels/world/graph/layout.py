@@ -35,7 +35,7 @@ from rl_tui.tui.panels.world.graph.shape import GraphAction, GraphBranch, GraphS
 _GOOD_ENOUGH: Final = 2.4  # cost of a label at which no other arrangement is tried
 _WORK: Final = 60  # actions × arrangements that may be tried to find a better one
 _MOST_WORK: Final = 120  # and to find one at all
-_MOST_ACTIONS: Final = 20  # more lines than this nobody can follow
+_MOST_ACTIONS: Final = 20  # more lines than this cannot be followed
 _NARROWNESS: Final = 10.0  # over the width of a box: what a wider one may cost in worse labels
 _HEIGHT: Final = 0.3  # what a box of one row less may cost in worse labels
 _SECOND_PORT: Final = 1.0

@@ -107,7 +107,7 @@ class RoutingSheet:
             costs.clear()
 
     def crossable(self, cell: Cell, direction: int) -> bool:
-        """Tell whether a line going in ``direction`` may cross the one that runs through ``cell``."""
+        """Return whether a line going in ``direction`` may cross the one that runs through ``cell``."""
         arms = self.lines[cell]
         across = {UP, DOWN} if direction in HORIZONTAL else {LEFT, RIGHT}
         return cell not in self.barred and arms == across

@@ -102,7 +102,7 @@ class GridMap:
         return contents
 
     def holds(self, part: MapPart, snapshot: Snapshot) -> bool:
-        """Tell whether ``snapshot`` has all that is to be seen in ``part``."""
+        """Return whether ``snapshot`` has all that is to be seen in ``part``."""
         if snapshot.window is None:
             return True
         states = self._states_in(part, snapshot)

@@ -1,4 +1,4 @@
-"""Which cells of a map pay something, so that they can be told from the floor around them."""
+"""Which cells of a map pay something, so that they stand out from the floor around them."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def cell_rewards(space: FiniteSpace, grid: Grid) -> dict[int, CellReward]:
     """Return the cells in which every way to leave them, or else to enter them, pays the same unusual reward.
 
     Usual is the commonest reward of the world. Cells where an episode has ended are left out: they have signs
-    of their own. Empty where nobody knows what the actions lead to, where no action is a direction and for
+    of their own. Empty where it is not known what the actions lead to, where no action is a direction and for
     maps of more than 10,000 cells.
     """
     if not isinstance(space, TabularMDP) or not any(grid.directions) or len(grid.kinds) > MOST_CELLS:
