@@ -38,7 +38,7 @@ def test_panels_cover_the_board_without_overlapping(size: tuple[int, int], shape
 def test_every_panel_keeps_a_line_of_content(size: tuple[int, int]) -> None:
     for shape in SHAPES.values():
         for name, region in arrangement(Size(*size), shape).items():
-            assert region.height >= (1 if name in ("inspector", "timeline") else 2), name
+            assert region.height >= (1 if name in ("last_step", "timeline") else 2), name
 
 
 def test_the_world_of_4x4_at_80x24_has_two_rows_a_cell_as_drawn() -> None:
@@ -48,14 +48,14 @@ def test_the_world_of_4x4_at_80x24_has_two_rows_a_cell_as_drawn() -> None:
     assert regions["timeline"] == Region(0, 18, 42, 1)
     assert regions["table"] == Region(42, 0, 38, 19)
     assert regions["controls"] == Region(0, 19, 80, 2)
-    assert regions["inspector"] == Region(0, 21, 80, 1)
+    assert regions["last_step"] == Region(0, 21, 80, 1)
 
 
 def test_a_long_table_stands_beside_controls_and_last_step_at_120x40() -> None:
     regions = arrangement(Size(120, 38), SHAPES["lake 8x8"])
     assert regions["world"].height == 8 * 2 + 2
     assert regions["table"] == Region(62, 0, 58, 30)
-    assert regions["controls"].y == regions["inspector"].y == 30
+    assert regions["controls"].y == regions["last_step"].y == 30
 
 
 @pytest.mark.parametrize(("drawing", "has_budget"), [(Arms(), True), (lake(4), False), (Graph(()), False)])
@@ -108,4 +108,4 @@ def test_the_microscope_leaves_the_table_in_view(size: tuple[int, int], shape: S
         assert min(regions["microscope"].height, regions["world"].height) >= 12
     else:
         assert regions["table"] == arrangement(board, shape)["table"]
-        assert {"controls", "inspector"} <= set(regions)
+        assert {"controls", "last_step"} <= set(regions)

@@ -11,7 +11,7 @@ from samples import bandit, lake, learned_from, look, planning, student
 
 from rl_tui.agents.last_step import LastStep
 from rl_tui.lab.live.snapshot import Phase, Snapshot
-from rl_tui.tui.panels.last_step.last_step import Inspector
+from rl_tui.tui.panels.last_step.last_step import LastStepPanel
 from rl_tui.tui.panels.last_step.update_text import step_size_text, update_text
 from rl_tui.tui.theme.glyphs import UNICODE
 
@@ -42,7 +42,7 @@ LAST = LastStep(
 
 
 def drawn(snapshot: Snapshot | None, width: int = 80, height: int = 1, *, ascii: bool = False) -> list[str]:  # noqa: A002
-    rows = Inspector(look(ascii)).picture(snapshot, width, height)
+    rows = LastStepPanel(look(ascii)).picture(snapshot, width, height)
     assert [row.cell_length for row in rows] == [width] * height
     return [row.text.rstrip() for row in rows]
 
@@ -292,7 +292,7 @@ def test_before_the_first_step_it_says_what_to_press() -> None:
 
 
 def test_the_border_names_the_step() -> None:
-    widget = Inspector(look())
+    widget = LastStepPanel(look())
     widget.picture(lake_step(), 56, 8)
     assert widget.heading == "Last step"
     assert widget.footing == "step 150,000 · episode 12,500"
@@ -302,7 +302,7 @@ def test_the_border_names_the_step() -> None:
 
 @pytest.mark.parametrize(("speed", "is_named"), [(10.0, True), (30.0, True), (100.0, False), (None, False)])
 def test_a_step_that_passes_too_fast_is_not_named(speed: float | None, is_named: bool) -> None:
-    widget = Inspector(look())
+    widget = LastStepPanel(look())
     widget.picture(replace(lake_step(), phase=Phase.RUNNING, speed=speed), 56, 8)
     assert bool(widget.footing) is is_named
     widget.picture(replace(lake_step(), speed=speed), 56, 8)

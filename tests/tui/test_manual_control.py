@@ -6,7 +6,7 @@ from sample_worlds import LEFT, RIGHT, UP, bandit_world
 from samples import bandit, lake, look, student
 
 from rl_tui.lab.live.snapshot import Snapshot
-from rl_tui.tui.panels.last_step.last_step import inspector_lines
+from rl_tui.tui.panels.last_step.last_step import last_step_lines
 from rl_tui.tui.panels.last_step.loop_text import choice_text
 from rl_tui.tui.screens.playground.manual_control import (
     acting_keys,
@@ -84,7 +84,7 @@ def test_a_step_by_hand_says_who_chose_it() -> None:
     assert choice_text(snapshot, by_hand, GLYPHS) == ("you chose it", "by you")
     shown = replace(snapshot, last=by_hand)
     for height, words in ((10, "you chose it"), (5, "by you"), (1, "by you")):
-        lines = inspector_lines(shown, look(), 100, height)
+        lines = last_step_lines(shown, look(), 100, height)
         text = "\n".join("".join(piece.text for piece in line) for line in lines)
         assert words in text
         assert "greedy" not in text

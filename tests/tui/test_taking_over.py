@@ -179,8 +179,8 @@ async def test_a_walk_to_the_goal_is_learned_from(make_app: MakeApp) -> None:
         assert at_goal.timeline.current.journal == tuple(
             JournalEntry(step, TakeAction(action)) for step, (_, action) in enumerate(walked)
         )
-        inspector = playground(pilot).board.inspector
-        text = "\n".join(inspector.render_line(y).text for y in range(inspector.size.height))
+        last_step = playground(pilot).board.last_step
+        text = "\n".join(last_step.render_line(y).text for y in range(last_step.size.height))
         assert "you chose it" in text
         world = playground(pilot).board.world
         assert world is not None

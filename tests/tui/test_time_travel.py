@@ -13,7 +13,7 @@ from rl_tui.lab.live.snapshot import Phase, Snapshot
 from rl_tui.tui.app.screenshot import settle
 from rl_tui.tui.panels.controls.slider import Slider
 from rl_tui.tui.panels.curve.curve import ReturnCurve
-from rl_tui.tui.panels.last_step.last_step import Inspector
+from rl_tui.tui.panels.last_step.last_step import LastStepPanel
 from rl_tui.tui.panels.q_table.q_table import QTable
 from rl_tui.tui.panels.world.arms.arms import ArmsView
 from rl_tui.tui.panels.world.arms.scale import NO_SCALE
@@ -35,13 +35,13 @@ def moment(pilot: Pilot[UserError]) -> Moment:
         (board.world, make_world_view(shown.world, board.look)),
         (board.table, QTable(board.look)),
         (board.curve, ReturnCurve(board.look)),
-        (board.inspector, Inspector(board.look)),
+        (board.last_step, LastStepPanel(board.look)),
     )
     pictures = []
     for shows, panel in fresh:
         panel.show(shown)
         pictures.append("\n".join(row.text for row in panel.picture(shown, *shows.size)))
-    return (*pictures, text_of(board.inspector), bits(shown))
+    return (*pictures, text_of(board.last_step), bits(shown))
 
 
 def bits(shown: Snapshot) -> str:

@@ -1,4 +1,4 @@
-"""What the inspector says of each algorithm, from last steps made by hand."""
+"""What the last step says of each algorithm, from last steps made by hand."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from rl_tui.agents.catalogue import ALGORITHMS
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.agents.last_step import NOTHING
 from rl_tui.lab.live.snapshot import Snapshot
-from rl_tui.tui.panels.last_step.last_step import Inspector
+from rl_tui.tui.panels.last_step.last_step import LastStepPanel
 
 LAKE = lake(slippery=False)
 
 
 def drawn(snapshot: Snapshot, width: int = 80, height: int = 1, *, ascii: bool = False) -> str:  # noqa: A002
-    rows = Inspector(look(ascii)).picture(snapshot, width, height)
+    rows = LastStepPanel(look(ascii)).picture(snapshot, width, height)
     assert [row.cell_length for row in rows] == [width] * height
     text = "\n".join(row.text.rstrip() for row in rows)
     assert not ascii or text.isascii()
@@ -190,9 +190,9 @@ def test_a_planner_tells_nothing_of_a_world_it_did_not_step_in(algorithm: str) -
         text = drawn(planned(algorithm), 70, height)
         for word in ("agent", "environment", "reward", "greedy", "→", "random"):
             assert word not in text
-    inspector = Inspector(look())
-    inspector.picture(planned(), 60, 8)
-    assert inspector.footing == "step 27 · sweep 3"
+    last_step = LastStepPanel(look())
+    last_step.picture(planned(), 60, 8)
+    assert last_step.footing == "step 27 · sweep 3"
     arms = bandit(400)
     assert arms.last is not None
     on_arms = replace(arms, algorithm=algorithm, last=replace(arms.last, pair=NOTHING, outcome=NOTHING))

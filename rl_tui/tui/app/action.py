@@ -54,7 +54,7 @@ class Action:
 
     @property
     def textual_action(self) -> str:
-        """What Textual runs."""
+        """The name of the action for Textual."""
         return self.command or self.id
 
     @property

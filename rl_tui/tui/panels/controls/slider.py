@@ -118,7 +118,7 @@ class Slider(Draggable, can_focus=True):
 
     @property
     def state(self) -> SliderState:
-        """What is drawn."""
+        """What the slider shows now."""
         return SliderState(self._value, self._typed, self._refused, self.has_focus)
 
     def render_line(self, y: int) -> Strip:
@@ -208,12 +208,12 @@ class Slider(Draggable, can_focus=True):
             self.take_hold(offset.x)
 
     def on_mouse_scroll_up(self, event: events.MouseScrollUp) -> None:
-        """One step more."""
+        """Raise the value by one step."""
         event.stop()
         self._set(self._moved(self.scale.step))
 
     def on_mouse_scroll_down(self, event: events.MouseScrollDown) -> None:
-        """One step less."""
+        """Lower the value by one step."""
         event.stop()
         self._set(self._moved(-self.scale.step))
 

@@ -19,7 +19,7 @@ NOTHING_YET: Final = "no step yet: s takes one"
 _LEAST_ROWS: Final = 4  # below this the loop has no lines of its own
 
 
-class Inspector(Panel):
+class LastStepPanel(Panel):
     """The loop in five parts (state, action, reward, next state, update); in one row the update alone.
 
     It is drawn from the last step of the snapshot only, so that all its numbers belong together.
@@ -29,7 +29,7 @@ class Inspector(Panel):
         """Return the picture of the last step of ``snapshot``."""
         self.heading = "Last step"
         self.footing = _which(snapshot)
-        return strips_of(inspector_lines(snapshot, self.look, width, height), width, height, self.look)
+        return strips_of(last_step_lines(snapshot, self.look, width, height), width, height, self.look)
 
 
 def _which(snapshot: Snapshot | None) -> str:
@@ -43,8 +43,8 @@ def _which(snapshot: Snapshot | None) -> str:
     return f"pull {step:,}" if is_bandit else f"step {step:,} · episode {episode:,}"
 
 
-def inspector_lines(snapshot: Snapshot | None, look: Look, width: int, height: int) -> list[Line]:
-    """Return what the inspector says in ``height`` rows of ``width`` cells, at most so many lines."""
+def last_step_lines(snapshot: Snapshot | None, look: Look, width: int, height: int) -> list[Line]:
+    """Return what the panel says in ``height`` rows of ``width`` cells, at most so many lines."""
     palette = look.palette
     if snapshot is None or snapshot.last is None:
         return [[Piece(" ", palette.text), Piece(NOTHING_YET, palette.dim)]]

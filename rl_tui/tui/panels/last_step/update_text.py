@@ -169,7 +169,7 @@ def _comes_out(
     )
     step_size = last.step_size if "/" in text.step_size else parsed(text.step_size, glyphs)
     target = gathered + (discount * bootstrap if bootstraps else 0.0)
-    # the inspector's chain works on from printed results: δ = target − before, Q ← before + α · δ
+    # the panel's chain works on from printed results: δ = target − before, Q ← before + α · δ
     chained = (
         (target, text.target),
         (target - before, text.error),

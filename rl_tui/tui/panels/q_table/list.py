@@ -51,7 +51,7 @@ class ListForm:
 
     @property
     def blocks(self) -> int:
-        """Never more than one."""
+        """How many blocks stand side by side: always one."""
         return 1
 
     @property
@@ -61,7 +61,7 @@ class ListForm:
 
     @property
     def entries(self) -> int:
-        """One a pair."""
+        """How many entries there are: one for each pair."""
         return self.scene.world.space.pairs
 
     def heads(self) -> Pieces:

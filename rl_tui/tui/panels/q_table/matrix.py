@@ -47,7 +47,7 @@ class MatrixForm:
 
     @property
     def entries(self) -> int:
-        """One a live state."""
+        """How many entries there are: one for each live state."""
         return len(self._world.live)
 
     def heads(self) -> Pieces:

@@ -141,7 +141,7 @@ class CommandLine(Dialog[str]):
         self.notify("copied; if it does not paste, this terminal does not allow it: w writes it to a file")
 
     def action_write(self) -> None:
-        """Answer it."""
+        """Answer the command, to be written to a file."""
         self.dismiss(self._line)
 
 
@@ -174,7 +174,7 @@ class Working(Dialog[str]):
         box.border_subtitle = "esc: break off"
 
     def on_mount(self) -> None:
-        """Begin."""
+        """Begin to work, and to show how far it has come."""
         self.set_interval(_LOOKS_AT_PROGRESS, self._show)
         self.run_worker(self._work(), name="export")
 

@@ -68,7 +68,7 @@ class Options(Dialog[None]):
         self.query_one(".hint", Static).update(to_ascii(text, self._look.glyphs))
 
     def on_option_list_option_selected(self, event: OptionList.OptionSelected) -> None:
-        """Change it."""
+        """Ask for another value of the parameter."""
         self._change(str(event.option_id))
 
     @property

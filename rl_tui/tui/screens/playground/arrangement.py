@@ -15,7 +15,7 @@ TIMELINE: Final = "timeline"
 TABLE: Final = "table"
 BUDGET: Final = "budget"
 CONTROLS: Final = "controls"
-INSPECTOR: Final = "inspector"
+LAST_STEP: Final = "last_step"
 MICROSCOPE: Final = "microscope"
 
 ROOMY_WIDTH: Final = 100
@@ -67,7 +67,7 @@ def _compact(size: Size, shape: Shape) -> dict[str, Region]:
     world = _world_rows(shape, body, least_curve=max(6, body * 7 // 19))
     regions = _left_column(left, world, body) | _right_column(shape, left, width - left, body)
     regions[CONTROLS] = Region(0, body, width, 2)
-    regions[INSPECTOR] = Region(0, body + 2, width, 1)
+    regions[LAST_STEP] = Region(0, body + 2, width, 1)
     return regions
 
 
@@ -80,7 +80,7 @@ def _roomy(size: Size, shape: Shape) -> dict[str, Region]:
         world = _world_rows(shape, body, least_curve=_LEAST_CURVE)
         regions = _left_column(left, world, body) | _right_column(shape, left, width - left, body)
         regions[CONTROLS] = Region(0, body, left, _LOOP_ROWS)
-        regions[INSPECTOR] = Region(left, body, width - left, _LOOP_ROWS)
+        regions[LAST_STEP] = Region(left, body, width - left, _LOOP_ROWS)
         return regions
     world = _world_rows(shape, height, least_curve=_LEAST_CURVE)
     regions = _left_column(left, world, height)
@@ -94,7 +94,7 @@ def _roomy(size: Size, shape: Shape) -> dict[str, Region]:
         if rows:
             regions[panel] = Region(left, y, width - left, rows)
             y += rows
-    regions[INSPECTOR] = Region(left, y, width - left, height - y)
+    regions[LAST_STEP] = Region(left, y, width - left, height - y)
     return regions
 
 

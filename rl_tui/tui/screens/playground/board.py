@@ -16,7 +16,7 @@ from rl_tui.lab.run.recipe import Recipe
 from rl_tui.tui.panels.budget import BudgetPanel
 from rl_tui.tui.panels.controls.controls import Controls
 from rl_tui.tui.panels.curve.curve import ReturnCurve
-from rl_tui.tui.panels.last_step.last_step import Inspector
+from rl_tui.tui.panels.last_step.last_step import LastStepPanel
 from rl_tui.tui.panels.microscope.microscope import Microscope, lit_sources
 from rl_tui.tui.panels.pointing import Pointed
 from rl_tui.tui.panels.q_table.q_table import QTable
@@ -27,7 +27,7 @@ from rl_tui.tui.screens.playground.arrangement import (
     BUDGET,
     CONTROLS,
     CURVE,
-    INSPECTOR,
+    LAST_STEP,
     MICROSCOPE,
     TABLE,
     TIMELINE,
@@ -54,7 +54,7 @@ class Board(Container):
         self.timeline = TimelineBar(look, id=TIMELINE)
         self.budget = BudgetPanel(look, id=BUDGET, classes="panel")
         self.controls = Controls(look, recipe, id=CONTROLS, classes="panel")
-        self.inspector = Inspector(look, id=INSPECTOR, classes="panel")
+        self.last_step = LastStepPanel(look, id=LAST_STEP, classes="panel")
         self.microscope = Microscope(look, id=MICROSCOPE, classes="panel")
         self.microscope.display = False
         self.world: WorldView | None = None
@@ -70,7 +70,7 @@ class Board(Container):
         yield self.timeline
         yield self.budget
         yield self.controls
-        yield self.inspector
+        yield self.last_step
         yield self.microscope
 
     def show(self, snapshot: Snapshot, *, revealed: bool) -> None:
@@ -82,7 +82,7 @@ class Board(Container):
             self.run_worker(self._replace_placeholder(self.world))
         self.reveal(revealed or snapshot.phase is Phase.SPENT)
         self.table.sources = lit_sources(snapshot) if self.dissects else frozenset()
-        for panel in (self.world, self.table, self.curve, self.budget, self.controls, self.inspector):
+        for panel in (self.world, self.table, self.curve, self.budget, self.controls, self.last_step):
             panel.show(snapshot)
         self.timeline.show(snapshot)
         if self.dissects:

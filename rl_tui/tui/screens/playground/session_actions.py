@@ -1,4 +1,4 @@
-"""Keeping what was done."""
+"""The session of a playground: saved by itself and by name, and compared with what was saved."""
 
 from __future__ import annotations
 

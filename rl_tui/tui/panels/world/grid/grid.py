@@ -189,7 +189,7 @@ class GridView(WorldView):
         return self.fitting((f"{heading} · {legend}", f"{WORLD} · {legend}"), width) or heading
 
     def _where(self, width: int) -> str:
-        """Return which part is in view, counted from 0 as the inspector counts, and how to follow again.
+        """Return which part is in view, counted from 0 as in the last step, and how to follow again.
 
         Of a whole map, and where the heading had no room for it: what its rows and columns mean.
         """
