@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import ClassVar, TypeVar
 
 from textual.binding import Binding, BindingType
@@ -15,7 +16,8 @@ Result = TypeVar("Result")
 class Dialog(ModalScreen[Result | None]):
     """A modal screen whose content stands in a bordered box with the id ``box``; escape answers nothing."""
 
-    CSS_PATH = "dialog.tcss"
+    # absolute: Textual looks for it beside the subclass, which may stand in another folder
+    CSS_PATH = Path(__file__).with_name("dialog.tcss")
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("escape", "cancel", "back", id="cancel", tooltip="Close without a change."),
     ]
