@@ -23,8 +23,8 @@ NO_BREAKPOINTS = "Breakpoints: none; k sets one where the cursor is."
 class UntilChoice(Dialog[UntilOption]):
     """A list of ``options``, a sentence about the one under the cursor, and the ``breakpoints`` in words.
 
-    The cursor starts on the wait whose id is ``remembered``, if it is there. ``clear`` is asked to take the
-    breakpoints away. Answers the chosen wait.
+    The cursor starts on the option whose id is ``remembered``, if it is there. ``clear`` is asked to take the
+    breakpoints away. Answers the chosen option.
     """
 
     BINDINGS: ClassVar[list[BindingType]] = [
@@ -65,17 +65,17 @@ class UntilChoice(Dialog[UntilOption]):
 
     def on_option_list_option_highlighted(self, event: OptionList.OptionHighlighted) -> None:
         """Describe the option under the cursor, or say why it is not possible here."""
-        wait = self._options[str(event.option_id)]
-        text = f"Not here. {wait.refused}" if wait.refused else wait.hint
+        option = self._options[str(event.option_id)]
+        text = f"Not here. {option.refused}" if option.refused else option.hint
         self.query_one("#about", Static).update(to_ascii(text, self._glyphs))
 
     def on_option_list_option_selected(self, event: OptionList.OptionSelected) -> None:
-        """Answer it, unless it is not to be had here."""
-        wait = self._options[str(event.option_id)]
-        if wait.refused:
+        """Answer the chosen option, unless it is not possible here."""
+        option = self._options[str(event.option_id)]
+        if option.refused:
             self.app.bell()
         else:
-            self.dismiss(wait)
+            self.dismiss(option)
 
     def action_clear(self) -> None:
         """Take the breakpoints away; the list stays open."""
@@ -83,8 +83,8 @@ class UntilChoice(Dialog[UntilOption]):
         self._breakpoints = ""
         self.query_one("#breakpoints", Static).update(self._about_breakpoints())
 
-    def _row(self, wait: UntilOption) -> Text:
-        return Text(to_ascii(wait.name, self._glyphs), "dim" if wait.refused else "bold")
+    def _row(self, option: UntilOption) -> Text:
+        return Text(to_ascii(option.name, self._glyphs), "dim" if option.refused else "bold")
 
     def _about_breakpoints(self) -> str:
         text = (
