@@ -14,14 +14,15 @@ from typing import Any, Final, NamedTuple
 
 from pseudo_terminal import RL_TUI, PseudoTerminal
 
-from rl_tui.lab.live.record import LaneRecord, Record
+from rl_tui.lab.live.record import Record
 from rl_tui.lab.run.library import find, recipe_for
 from rl_tui.lab.run.recipe import SetParameter, begin
 from rl_tui.lab.sessions.folder import files_in
-from rl_tui.lab.sessions.replay import replayed, whereto
+from rl_tui.lab.sessions.replay import replay_target, replayed
 from rl_tui.lab.sessions.session import StoredSession, digest_of, encoded, read_session
 from rl_tui.lab.timeline.branches import FIRST
-from rl_tui.lab.timeline.lane import Lane
+from rl_tui.lab.timeline.branching_run import BranchingRun
+from rl_tui.lab.timeline.run_record import RunRecord
 
 SCENARIO: Final = "student"
 FASTER: Final = "+" * 9
@@ -75,7 +76,7 @@ def crash(folder: Path, session: Path | None, chance: random.Random) -> Crash:
     return Crash(len(seen), max((killed - each.moment for each in lost), default=0.0), session is not None)
 
 
-def act(terminal: PseudoTerminal, lane: Lane, chance: random.Random) -> Iterator[Seen]:
+def act(terminal: PseudoTerminal, lane: BranchingRun, chance: random.Random) -> Iterator[Seen]:
     """Press keys: a step, a step back, or a change and a step; yield what came of each."""
     for _ in range(chance.randint(1, 25)):
         keys = chance.choice(["s", "s", "ts", "b" if lane.step > 1 else "s"])
@@ -102,7 +103,7 @@ def run(terminal: PseudoTerminal, chance: random.Random) -> Iterator[Seen]:
             yield Seen(moment, int(match[1].replace(",", "")))
 
 
-def stand_of(record: LaneRecord) -> Any:
+def stand_of(record: RunRecord) -> Any:
     """Return where a lane stands and how it came there, without the values that were set."""
     branches = [
         (each.parent, each.fork, each.end, each.here, [entry.step for entry in each.journal])
@@ -111,20 +112,20 @@ def stand_of(record: LaneRecord) -> Any:
     return record.branch, branches
 
 
-def lane_of(session: Path | None) -> Lane:
+def lane_of(session: Path | None) -> BranchingRun:
     """Return what the program should have in its memory when it has begun."""
     if session is None:
         recipe = recipe_for(find(SCENARIO))
-        return Lane(recipe, begin(recipe))
+        return BranchingRun(recipe, begin(recipe))
     record = read_session(session).record().lanes[0]
     beginning = begin(record.recipe)
-    lane = Lane(record.recipe, beginning, branches=record.branches, branch=record.branch)
+    lane = BranchingRun(record.recipe, beginning, branches=record.branches, branch=record.branch)
     lane.go_to(step=record.step)
     arrive(lane)
     return lane
 
 
-def arrive(lane: Lane) -> None:
+def arrive(lane: BranchingRun) -> None:
     """Let ``lane`` come to where it is going."""
     while lane.travels:
         lane.travel(1_000_000)
@@ -135,7 +136,7 @@ def in_the_past(folder: Path, chance: random.Random) -> Path:
     branch = replace(FIRST, end=30, here=chance.randint(5, 25))
     folder.mkdir(parents=True)
     path = folder / "past.json"
-    path.write_bytes(encoded(Record((LaneRecord(recipe_for(find(SCENARIO)), (branch,)),))))
+    path.write_bytes(encoded(Record((RunRecord(recipe_for(find(SCENARIO)), (branch,)),))))
     return path
 
 
@@ -148,7 +149,7 @@ def newest(folder: Path) -> StoredSession | None:
 
 def check_bits(session: StoredSession) -> None:
     """Raise where the replay of ``session`` comes to another table than the one it was saved with."""
-    target = whereto(session.record())
+    target = replay_target(session.record())
     run, _ = replayed(target)
     assert run.step == session.step
     assert session.document.digest in ("", digest_of(run.learner.q))

@@ -178,13 +178,13 @@ def _scenario(path: Path, quick: bool, screen: int | None) -> str:
 
 def _session(path: Path, quick: bool, screen: int | None) -> str:
     from rl_tui.common.errors import UserError
-    from rl_tui.lab.sessions.replay import whereto
+    from rl_tui.lab.sessions.replay import replay_target
     from rl_tui.lab.sessions.session import read_session
 
     try:
         stored = read_session(path)
         record = stored.record()
-        target = whereto(record)
+        target = replay_target(record)
     except UserError as refusal:
         replayed = _run_command(["replay", str(path)], path)
         if replayed.status != 1:

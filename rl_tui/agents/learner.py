@@ -246,7 +246,7 @@ class Learner(LearnerCounters):
             self._author = Author(self.algorithm, self.hyperparameters)
         return stop
 
-    def be_patient(self, seconds: float) -> None:
+    def set_time_budget(self, seconds: float) -> None:
         """Let :meth:`advance` come back once so many are over, where a step may take any time.
 
         It then has taken fewer steps than it was asked for, but at least one.

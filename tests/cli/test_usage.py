@@ -17,10 +17,11 @@ from rl_tui import __version__
 from rl_tui.agents.hyperparameters import PARAMETERS
 from rl_tui.cli import program as program_module
 from rl_tui.cli.main import program
-from rl_tui.lab.live.record import LaneRecord, Record
+from rl_tui.lab.live.record import Record
 from rl_tui.lab.run.library import find, recipe_for
 from rl_tui.lab.sessions.session import encoded
 from rl_tui.lab.timeline.branches import FIRST
+from rl_tui.lab.timeline.run_record import RunRecord
 
 COMMANDS = ("play", "train", "replay", "solve", "list", "check", "bench", "screenshot", "serve")
 
@@ -333,7 +334,7 @@ def test_an_interrupt_is_quiet(tmp_path: Path, name: str) -> None:
     pipe, session = tmp_path / "episodes.csv", tmp_path / "session.json"
     os.mkfifo(pipe)
     branch = replace(FIRST, end=10**15, here=10**15)
-    session.write_bytes(encoded(Record((LaneRecord(recipe_for(find("student")), (branch,)),))))
+    session.write_bytes(encoded(Record((RunRecord(recipe_for(find("student")), (branch,)),))))
     endless = {"train": ["student", "--steps", str(10**15)], "replay": [str(session)]}
     command = [sys.executable, "-m", "rl_tui.cli", name, *endless[name], "--csv", str(pipe)]
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:

@@ -9,17 +9,18 @@ from hypothesis import strategies as st
 from recipes import recipe
 
 from rl_tui.agents.hyperparameters import PARAMETERS
-from rl_tui.lab.live.record import LaneRecord, Record
+from rl_tui.lab.live.record import Record
 from rl_tui.lab.live.until import Breakpoints
 from rl_tui.lab.run.recipe import Change, JournalEntry, Recipe, SetParameter, SwitchAlgorithm, TakeAction
 from rl_tui.lab.timeline.branches import FIRST, Branch
+from rl_tui.lab.timeline.run_record import RunRecord
 
 NAMES = st.text(st.characters(exclude_categories=("C", "Z")), min_size=1, max_size=20)
 
 
 def fresh(made_from: Recipe, speed: float | None = 10.0) -> Record:
     """What a playground starts from."""
-    return Record((LaneRecord(made_from, (FIRST,)),), speed=speed)
+    return Record((RunRecord(made_from, (FIRST,)),), speed=speed)
 
 
 def after(record: Record, step: int, *changes: tuple[int, Change]) -> Record:
@@ -83,7 +84,7 @@ def records(draw: st.DrawFn, scenario: str = "student") -> Record:
             hyperparameters=hyperparameters,
         )
         grown = draw(branches())
-        lanes.append(LaneRecord(made_from, grown, draw(st.integers(0, len(grown) - 1))))
+        lanes.append(RunRecord(made_from, grown, draw(st.integers(0, len(grown) - 1))))
     numbers = st.frozensets(st.integers(0, 10), max_size=3)
     return Record(
         tuple(lanes),

@@ -23,7 +23,7 @@ def opened(folder: Path) -> tuple[Player, Path]:
     path.write_bytes(encoded(after(fresh(recipe("student")), FAR)))
     session = read_session(path)
     record = session.record()
-    return Player(record.lanes[0].recipe, record=record, keeper=Autosave(record, folder, session)), path
+    return Player(record.lanes[0].recipe, record=record, record_sink=Autosave(record, folder, session)), path
 
 
 async def under_way(player: Player) -> Snapshot:

@@ -173,7 +173,7 @@ async def test_a_player_stays_open_while_an_environment_does_not_answer(
     willing.hangs_at = 5
     recipe = made()
     autosave = Autosave(untouched(recipe), tmp_path)
-    player = Player(recipe, keeper=autosave)
+    player = Player(recipe, record_sink=autosave)
     for _ in range(4):
         player.send(Step())
     assert (await player.carried_out()).step == 4

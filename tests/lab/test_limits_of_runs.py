@@ -9,10 +9,10 @@ from recipes import recipe
 
 from rl_tui.common.errors import UserError
 from rl_tui.lab.run.recipe import SetParameter, begin
+from rl_tui.lab.timeline.branching_run import BranchingRun
 from rl_tui.lab.timeline.checkpoints import Checkpoints
-from rl_tui.lab.timeline.lane import Lane
-from rl_tui.lab.timeline.lanes import MOST
 from rl_tui.lab.timeline.memory_limits import KIOSK, USUAL, limits
+from rl_tui.lab.timeline.run_group import MOST
 
 
 def test_four_lanes_of_a_kiosk_keep_64_megabytes() -> None:
@@ -64,6 +64,6 @@ def test_changes_are_so_many(monkeypatch: pytest.MonkeyPatch) -> None:
     assert len(lane.run.journal) == 5
 
 
-def _lane() -> Lane:
+def _lane() -> BranchingRun:
     made_from = recipe("student")
-    return Lane(made_from, begin(made_from))
+    return BranchingRun(made_from, begin(made_from))

@@ -12,7 +12,7 @@ import pytest
 from fuzz_seeds import session_seeds, signed
 
 from rl_tui.common.errors import UserError
-from rl_tui.lab.sessions.replay import replayed, whereto
+from rl_tui.lab.sessions.replay import replay_target, replayed
 from rl_tui.lab.sessions.session import LARGEST_FILE, SessionError, read_session
 
 
@@ -111,8 +111,8 @@ UNPLAYABLE = {
 def test_what_shows_on_the_way_is_told_in_one_line_too(name, tmp_path):
     text, message = UNPLAYABLE[name]
     _, record = read(text, tmp_path)
-    with pytest.raises(UserError, match=message) as error:
-        replayed(whereto(record))
+    with pytest.raises(UserError, match=told) as error:
+        replayed(replay_target(record))
     assert len(str(error.value).splitlines()) == 1
 
 

@@ -71,7 +71,7 @@ async def test_what_happens_on_screen_is_what_a_replay_gives() -> None:
 
 
 class Kept:
-    """A keeper that notes what it is offered."""
+    """A sink that notes what it is offered."""
 
     def __init__(self) -> None:
         self.steps: list[int] = []
@@ -89,8 +89,8 @@ class Kept:
 
 
 async def test_the_last_steps_before_a_restart_are_kept() -> None:
-    keeper = Kept()
-    player = Player(recipe("student"), speed=None, clock=lambda: 0.0, keeper=keeper)
+    sink = Kept()
+    player = Player(recipe("student"), speed=None, clock=lambda: 0.0, record_sink=sink)
     player.send(Play())
     seen = 0
     async for snapshot in player.snapshots():
@@ -100,7 +100,7 @@ async def test_the_last_steps_before_a_restart_are_kept() -> None:
     player.send(Restart(recipe("student")))
     await player.carried_out()
     player.close()
-    assert keeper.left_at[0] >= seen
+    assert sink.left_at[0] >= seen
 
 
 async def test_a_reader_that_sleeps_gets_the_newest_and_not_the_backlog() -> None:

@@ -16,7 +16,7 @@ from recipes import recipe
 from session_samples import after, fresh, records
 
 from rl_tui.common.errors import UserError
-from rl_tui.lab.live.record import LaneRecord, Record
+from rl_tui.lab.live.record import Record
 from rl_tui.lab.run.recipe import JournalEntry, SetParameter, SwitchAlgorithm, TakeAction
 from rl_tui.lab.sessions import atomic_file
 from rl_tui.lab.sessions.atomic_file import write_atomically
@@ -30,6 +30,7 @@ from rl_tui.lab.sessions.session import (
     read_session,
 )
 from rl_tui.lab.timeline.branches import Branch
+from rl_tui.lab.timeline.run_record import RunRecord
 
 SOUND = after(
     fresh(recipe("student", seed=3)),
@@ -112,7 +113,7 @@ def test_facts_of_a_session(tmp_path: Path) -> None:
 def test_what_branches_share_is_written_once(tmp_path: Path) -> None:
     first = SOUND.lanes[0].branches[0]
     other = Branch("2", (*first.journal[:2], JournalEntry(25, SetParameter("epsilon", 0.0))), 0, 25, 90, 20)
-    forked = Record((LaneRecord(SOUND.lanes[0].recipe, (first, other), 1),))
+    forked = Record((RunRecord(SOUND.lanes[0].recipe, (first, other), 1),))
     session = stored(tmp_path / "a.json", forked)
     written = session.document.lanes[0].branches[1]
     assert (written.shared, len(written.journal)) == (2, 1)

@@ -19,12 +19,13 @@ from rl_tui.cli.main import program
 from rl_tui.common.errors import UserError
 from rl_tui.lab.experiments import training
 from rl_tui.lab.experiments.training import Goal, train
-from rl_tui.lab.live.record import LaneRecord, Record
+from rl_tui.lab.live.record import Record
 from rl_tui.lab.run.recipe import JournalEntry, SetParameter, TakeAction
 from rl_tui.lab.run.run import Run
-from rl_tui.lab.sessions.replay import replayed, whereto
+from rl_tui.lab.sessions.replay import replay_target, replayed
 from rl_tui.lab.sessions.session import digest_of, encoded, read_session
 from rl_tui.lab.timeline.branches import Branch
+from rl_tui.lab.timeline.run_record import RunRecord
 
 ALPHA = JournalEntry(12, SetParameter("alpha", 0.5))
 EPSILON = JournalEntry(60, SetParameter("epsilon", 0.0))
@@ -33,13 +34,13 @@ FIRST = Branch("1", (ALPHA, EPSILON), end=90, here=80)
 FORKED = Branch("2", (ALPHA, GREEDY), 0, 40, 120, 110)
 TREE = Record(
     (
-        LaneRecord(recipe("student", seed=3), (FIRST, FORKED), 1),
-        LaneRecord(recipe("student", seed=3, alpha=0.9), (replace(FIRST, journal=()),)),
+        RunRecord(recipe("student", seed=3), (FIRST, FORKED), 1),
+        RunRecord(recipe("student", seed=3, alpha=0.9), (replace(FIRST, journal=()),)),
     )
 )
 
 
-def followed(lane: LaneRecord, branch: Branch) -> Run:
+def followed(lane: RunRecord, branch: Branch) -> Run:
     run = Run(lane.recipe)
     run.follow(branch.journal, branch.here)
     return run
@@ -66,7 +67,7 @@ def figures(*args: object) -> dict[str, Any]:
 @pytest.mark.parametrize(("lane", "branch"), [(0, 0), (0, 1), (1, 0)])
 def test_every_branch_of_every_lane_is_what_follow_makes_of_it(lane: int, branch: int) -> None:
     chosen = TREE.lanes[lane].branches[branch]
-    run, _ = replayed(whereto(TREE, lane + 1, chosen.name))
+    run, _ = replayed(replay_target(TREE, lane + 1, chosen.name))
     straight = followed(TREE.lanes[lane], chosen)
     assert (run.step, run.journal) == (straight.step, straight.journal)
     assert run.learner.q.tobytes() == straight.learner.q.tobytes()
@@ -91,14 +92,14 @@ def test_how_it_is_cut_makes_no_difference(steps: list[int], step: int, chunk: i
 
 
 def test_what_is_meant_where_nothing_is_said() -> None:
-    target = whereto(TREE)
+    target = replay_target(TREE)
     assert (target.number, target.branch.name, target.left) == (0, "2", True)
-    assert not whereto(TREE, branch="1").left
-    assert not whereto(TREE, lane=2).left
+    assert not replay_target(TREE, branch="1").left
+    assert not replay_target(TREE, lane=2).left
     with pytest.raises(UserError, match="there is no lane 3: the session has 2 lanes"):
-        whereto(TREE, lane=3)
+        replay_target(TREE, lane=3)
     with pytest.raises(UserError, match='no branch of lane 1 is called "x": there are 1, 2'):
-        whereto(TREE, branch="x")
+        replay_target(TREE, branch="x")
 
 
 def test_figures_as_json(tmp_path: Path) -> None:

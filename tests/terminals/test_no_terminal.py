@@ -12,10 +12,11 @@ pytest.importorskip("pty", reason="there are no pseudo-terminals here")
 
 from pseudo_terminal import RL_TUI, PseudoTerminal, visible
 
-from rl_tui.lab.live.record import LaneRecord, Record
+from rl_tui.lab.live.record import Record
 from rl_tui.lab.run.library import find, recipe_for
 from rl_tui.lab.sessions.session import encoded
 from rl_tui.lab.timeline.branches import FIRST
+from rl_tui.lab.timeline.run_record import RunRecord
 
 
 @pytest.mark.parametrize(
@@ -36,7 +37,7 @@ def test_a_terminal_that_cannot_be_drawn_on(args: tuple[str, ...], term: str | N
 
 def test_a_session_needs_a_terminal_too(tmp_path: Path) -> None:
     session = tmp_path / "session.json"
-    session.write_bytes(encoded(Record((LaneRecord(recipe_for(find("student")), (FIRST,)),))))
+    session.write_bytes(encoded(Record((RunRecord(recipe_for(find("student")), (FIRST,)),))))
     with PseudoTerminal([*RL_TUI, "play", str(session)], {"TERM": "dumb"}) as terminal:
         assert terminal.wait_for_end() == 2
         assert visible(terminal.written).count("\n") == 1

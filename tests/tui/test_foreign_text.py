@@ -17,12 +17,13 @@ from rl_tui.lab.export.recipe_line import recipe_line
 from rl_tui.lab.export.script import script
 from rl_tui.lab.export.tables import write_q_csv
 from rl_tui.lab.live.player import Player
-from rl_tui.lab.live.record import LaneRecord, Record
+from rl_tui.lab.live.record import Record
 from rl_tui.lab.run.library import recipe_for
 from rl_tui.lab.run.recipe import begin
 from rl_tui.lab.run.run import Run
 from rl_tui.lab.sessions.session import encoded
 from rl_tui.lab.timeline.branches import FIRST
+from rl_tui.lab.timeline.run_record import RunRecord
 from rl_tui.tui.app.app import RlTuiApp
 from rl_tui.tui.app.display import Display
 from rl_tui.tui.app.screenshot import settle
@@ -148,7 +149,7 @@ async def test_a_link_is_shown_not_opened(foreign: Scenario, monkeypatch: pytest
 async def test_the_name_of_a_session_is_shown_as_it_is(foreign: Scenario, tmp_path: Path) -> None:
     sessions = tmp_path / "sessions"
     sessions.mkdir()
-    record = Record((LaneRecord(recipe_for(foreign), (FIRST,)),))
+    record = Record((RunRecord(recipe_for(foreign), (FIRST,)),))
     (sessions / "[bold]a[-].json").write_bytes(encoded(record, title=TITLE, kept=True))
     (sessions / "[red]b.json").write_text("{}")
     app = RlTuiApp(Display(fps=1000.0), picture=True, sessions=sessions)

@@ -16,13 +16,14 @@ from textual.widgets import Input, OptionList, Static
 
 from rl_tui.common.errors import UserError
 from rl_tui.lab.live.player import Player
-from rl_tui.lab.live.record import LaneRecord, Record
+from rl_tui.lab.live.record import Record
 from rl_tui.lab.run.library import find, recipe_for
 from rl_tui.lab.run.recipe import JournalEntry, Recipe, SetParameter
 from rl_tui.lab.sessions.autosave import untouched
 from rl_tui.lab.sessions.folder import sessions_in
 from rl_tui.lab.sessions.session import digest_of, encoded, read_session
 from rl_tui.lab.timeline.branches import FIRST
+from rl_tui.lab.timeline.run_record import RunRecord
 from rl_tui.tui.app.app import RlTuiApp
 from rl_tui.tui.app.display import Display
 from rl_tui.tui.app.screenshot import settle
@@ -64,7 +65,7 @@ def student() -> Recipe:
 
 def record(step: int, *journal: JournalEntry) -> Record:
     branch = FIRST.__class__(FIRST.name, journal, end=step, here=step)
-    return Record((LaneRecord(student(), (branch,)),), speed=30.0)
+    return Record((RunRecord(student(), (branch,)),), speed=30.0)
 
 
 def write(folder: Path, name: str, what: Record | None = None, order: int = 0, title: str = "") -> Path:
@@ -387,7 +388,7 @@ def test_the_details_tell_lanes_branches_and_changes(tmp_path: Path) -> None:
     look = Look(ASCII, palette_for("none", True))
     one, two = record(40, JournalEntry(3, SetParameter("alpha", 0.5))).lanes[0], untouched(student()).lanes[0]
     branch = one.branches[0].__class__("another", one.branches[0].journal, 0, 12, 30, 20)
-    both = Record((two, LaneRecord(one.recipe, (*one.branches, branch), 1)), shown=1)
+    both = Record((two, RunRecord(one.recipe, (*one.branches, branch), 1)), shown=1)
     session = read_session(write(tmp_path, "a.json", both))
     text = drawn(session_facts(session, session.saved, look), 100)
     assert "step 20 of 30 - lane 2 of 2 - branch another of 2" in text

@@ -16,7 +16,7 @@ from rl_tui.cli.progress import progress
 
 if TYPE_CHECKING:
     from rl_tui.lab.run.run import Run
-    from rl_tui.lab.sessions.replay import Whereto
+    from rl_tui.lab.sessions.replay import ReplayTarget
     from rl_tui.lab.sessions.session import StoredSession
 
 STDOUT: Final = "-"
@@ -41,13 +41,13 @@ def command(session: Path, lane: int | None, branch: str | None, csv: str | None
     """
     if csv == STDOUT and as_json:
         raise click.UsageError("--csv - and --json both want stdout", click.get_current_context())
-    from rl_tui.lab.sessions.replay import comes_out_otherwise, replay_figures, whereto
+    from rl_tui.lab.sessions.replay import comes_out_otherwise, replay_figures, replay_target
     from rl_tui.lab.sessions.session import OTHER_BITS, SessionError, read_session
 
     stored = read_session(session)
     if csv is not None and csv != STDOUT and Path(csv).exists() and session.samefile(csv):
         raise click.UsageError("--csv would write over the session", click.get_current_context())
-    target = whereto(stored.record(), lane, branch)
+    target = replay_target(stored.record(), lane, branch)
     run, seconds = _replayed(stored, target, csv)
     if comes_out_otherwise(stored, target, run):
         click.echo(str(SessionError(session, OTHER_BITS)), err=True)
@@ -58,7 +58,7 @@ def command(session: Path, lane: int | None, branch: str | None, csv: str | None
         click.echo(_report(stored, target, run, figures), err=csv == STDOUT)
 
 
-def _replayed(stored: StoredSession, target: Whereto, csv: str | None) -> tuple[Run, float]:
+def _replayed(stored: StoredSession, target: ReplayTarget, csv: str | None) -> tuple[Run, float]:
     from rl_tui.common.errors import UserError
     from rl_tui.lab.experiments.episode_rows import EpisodeRows, csv_file
     from rl_tui.lab.run.run import no_episodes
@@ -77,7 +77,7 @@ def _replayed(stored: StoredSession, target: Whereto, csv: str | None) -> tuple[
             raise SessionError(stored.path, str(fault)) from fault
 
 
-def _report(stored: StoredSession, target: Whereto, run: Run, figures: dict[str, Any]) -> str:
+def _report(stored: StoredSession, target: ReplayTarget, run: Run, figures: dict[str, Any]) -> str:
     from rl_tui.cli.commands.train_report import one_run
 
     lanes = len(stored.document.lanes)

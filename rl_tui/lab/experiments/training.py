@@ -47,7 +47,7 @@ def train(
     """
     run.warm_up()
     start = time.perf_counter()
-    run.learner.be_patient(PATIENCE)
+    run.learner.set_time_budget(PATIENCE)
     waiting = list(journal)
     while True:
         done, wanted = goal.reached_by(run)

@@ -27,18 +27,19 @@ from rl_tui.lab.live.commands import (
     ToggleBreakpoint,
 )
 from rl_tui.lab.live.preparing import preparing
-from rl_tui.lab.live.record import LaneRecord, Record
+from rl_tui.lab.live.record import Record
 from rl_tui.lab.live.snapshot import CellHistory, Phase, Snapshot
 from rl_tui.lab.live.travel import AT_ONCE, Travel
 from rl_tui.lab.live.until import Breakpoints
 from rl_tui.lab.live.viewport import Sight
 from rl_tui.lab.run.exact_answers import AT_ONCE_STATES, Answer, ExactAnswers, exact_now
 from rl_tui.lab.run.recipe import Beginning, Change, Recipe, begin
+from rl_tui.lab.timeline.run_record import RunRecord
 
 if TYPE_CHECKING:
-    from rl_tui.lab.live.motion import Motion
+    from rl_tui.lab.live.transport import Transport
     from rl_tui.lab.run.run import Run
-    from rl_tui.lab.timeline.lanes import Lanes
+    from rl_tui.lab.timeline.run_group import RunGroup
     from rl_tui.worlds.mdp.space import FloatArray
 
 PREPARING: Final = "loading the learner, which on first use takes some seconds"
@@ -74,12 +75,12 @@ class Playback:
         self.touched = False
         """Whether anything was done that is worth keeping."""
         self._recipe = recipe
-        self._record = record or Record((LaneRecord(recipe, ()),), speed=speed)
+        self._record = record or Record((RunRecord(recipe, ()),), speed=speed)
         self._automatic = automatic
         self._clock = clock
         self._on_exact = on_exact
         self._beginning: Beginning | None = None
-        self._motion: Motion | None = None
+        self._motion: Transport | None = None
         self._exact: ExactAnswers | None = None
         self._sight: Sight | None = None  # None: nobody has said what is shown, so everything may be
         self._cell: int | None = None
@@ -240,13 +241,13 @@ class Playback:
         return "" if self._travel is None else self._travel.message
 
     @property
-    def _ready(self) -> Motion:
+    def _ready(self) -> Transport:
         if self._motion is None:
             raise RuntimeError("commands have to wait while playback is busy")
         return self._motion
 
     @property
-    def _lanes(self) -> Lanes:
+    def _lanes(self) -> RunGroup:
         return self._ready.lanes
 
     @property
@@ -274,13 +275,13 @@ class Playback:
         self._news = True
 
     def _start(self, record: Record, beginning: Beginning) -> None:
-        from rl_tui.lab.live.motion import Motion
-        from rl_tui.lab.timeline.lanes import Lanes
+        from rl_tui.lab.live.transport import Transport
+        from rl_tui.lab.timeline.run_group import RunGroup
 
-        lanes = Lanes(record.lanes, beginning.world, clock=self._clock)
+        lanes = RunGroup(record.lanes, beginning.world, clock=self._clock)
         lanes.shown = record.shown
         lanes.current.run.warm_up()
-        self._motion = Motion(
+        self._motion = Transport(
             lanes, speed=record.speed, automatic=self._automatic, clock=self._clock, answer=self._answer
         )
         self._loads = False

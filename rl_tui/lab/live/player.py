@@ -14,7 +14,7 @@ from rl_tui.lab.live.commands import Command, Restart
 from rl_tui.lab.live.interpreter import as_usual, leave_out_of_collections, switch_often
 from rl_tui.lab.live.playback import Playback
 from rl_tui.lab.live.record import Record
-from rl_tui.lab.live.record_sink import Keeper
+from rl_tui.lab.live.record_sink import RecordSink
 from rl_tui.lab.live.snapshot import Phase, Snapshot
 from rl_tui.lab.run.recipe import Recipe
 from rl_tui.worlds.gym.env_call import seconds_in_call
@@ -34,8 +34,8 @@ class Player:
     Everything is asked for by :meth:`send`; what came of it is read from :meth:`snapshots`, by one reader.
     The run never waits for that reader. ``speed`` is the wanted steps a second, None for as fast as it goes.
     With ``automatic`` off only what is asked for takes steps, and no speed is measured, so that what
-    snapshots show depends on the commands alone. With ``record`` it begins where that was written. ``keeper``
-    is offered the record after every command and, while the run goes on, some times a second.
+    snapshots show depends on the commands alone. With ``record`` it begins where that was written.
+    ``record_sink`` is offered the record after every command and, while the run goes on, some times a second.
     """
 
     def __init__(
@@ -46,14 +46,14 @@ class Player:
         automatic: bool = True,
         clock: Callable[[], float] = time.perf_counter,
         record: Record | None = None,
-        keeper: Keeper | None = None,
+        record_sink: RecordSink | None = None,
     ) -> None:
         self._playback = Playback(
             recipe, speed=speed, automatic=automatic, clock=clock, on_exact=self._on_exact, record=record
         )
         self._automatic = automatic
         self._clock = clock
-        self._keeper = keeper
+        self._record_sink = record_sink
         self._kept, self._kept_at = (0, Phase.PREPARING), clock()
         self._changed = threading.Condition()  # guards everything below
         self._commands: deque[Command | _Question] = deque()
@@ -120,8 +120,8 @@ class Player:
         if self._thread is not None:
             self._thread.join(LONGEST_GOODBYE)
             as_usual(self)
-        if self._keeper is not None:
-            self._keeper.close()
+        if self._record_sink is not None:
+            self._record_sink.close()
         self._refuse_questions(PlayerClosedError())
 
     def _post(self, item: Command | _Question) -> None:
@@ -183,13 +183,13 @@ class Player:
         The last one of a run that ``ends`` is offered in any case.
         """
         playback, now = self._playback, self._clock()
-        if self._keeper is None or not playback.touched:
+        if self._record_sink is None or not playback.touched:
             return
         stand = (playback.handled, playback.phase)
         goes_on = playback.phase is Phase.RUNNING and now - self._kept_at >= KEPT_EVERY
         if stand != self._kept or goes_on or ends or self._closing:
             self._kept, self._kept_at = stand, now
-            self._keeper.offer(playback.record, playback.q)
+            self._record_sink.offer(playback.record, playback.q)
 
     def _take_commands(self) -> None:
         """Carry out what was sent until now, so that whoever sends without end does not hold up the run."""
@@ -210,8 +210,8 @@ class Player:
     def _start_again(self, restart: Restart) -> None:
         self._keep(ends=True)
         self._playback.handle(restart)
-        if self._keeper is not None:
-            self._keeper.begin_anew(self._playback.record)
+        if self._record_sink is not None:
+            self._record_sink.begin_anew(self._playback.record)
 
     def _may_take(self) -> bool:
         """Tell whether the first of what was sent, if anything, need not wait."""

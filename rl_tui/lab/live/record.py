@@ -5,32 +5,18 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from rl_tui.lab.live.until import Breakpoints
-from rl_tui.lab.run.recipe import Recipe
-from rl_tui.lab.timeline.branches import Branch
-
-
-@dataclass(frozen=True, slots=True)
-class LaneRecord:
-    """One run: its recipe, every branch of it, and the number of the one in force; none before it begins."""
-
-    recipe: Recipe
-    branches: tuple[Branch, ...]
-    branch: int = 0
-
-    @property
-    def step(self) -> int:
-        """Where it stands."""
-        return self.branches[self.branch].here if self.branches else 0
+from rl_tui.lab.timeline.run_record import RunRecord
 
 
 @dataclass(frozen=True, slots=True)
 class Record:
-    """The runs of a playground, at least one, the number of the one shown, and where they are to stop.
+    """The runs of a playground, and what a person had set there."""
 
-    ``speed`` is the wanted steps a second, None for as fast as it goes.
-    """
-
-    lanes: tuple[LaneRecord, ...]
+    lanes: tuple[RunRecord, ...]
+    """The runs side by side, at least one."""
     shown: int = 0
+    """The number of the run shown."""
     breakpoints: Breakpoints = field(default_factory=Breakpoints)
+    """Where the run shown is to stop."""
     speed: float | None = None
+    """The wanted steps a second, None for as fast as it goes."""

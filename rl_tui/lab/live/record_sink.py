@@ -8,7 +8,7 @@ from rl_tui.lab.live.record import Record
 from rl_tui.worlds.mdp.space import FloatArray
 
 
-class Keeper(Protocol):
+class RecordSink(Protocol):
     """Is offered the newest record again and again, from the player's thread, and must not hold it up."""
 
     def offer(self, record: Record, q: FloatArray | None = None) -> None:

@@ -38,7 +38,7 @@ def watching_for(until: Until | None, breakpoints: Breakpoints) -> Watching | No
     return None if watching == Watching() else watching
 
 
-class Waiting:
+class StopCondition:
     """Waits for ``until`` in ``run``, which stands where the waiting begins.
 
     Raises UserError where it cannot happen: it lies behind, the pair or the exact answer is not there.

@@ -9,7 +9,7 @@ from rl_tui.common.words import lasting
 from rl_tui.lab.live.pacing import ChunkSize
 
 if TYPE_CHECKING:
-    from rl_tui.lab.timeline.lanes import Lanes
+    from rl_tui.lab.timeline.run_group import RunGroup
 
 AT_ONCE: Final = 0.015
 NEWS_EVERY: Final = 0.25
@@ -19,7 +19,7 @@ _WORTH_A_FORECAST: Final = 0.5
 class Travel:
     """One journey of ``lanes``; ``clock`` gives seconds."""
 
-    def __init__(self, lanes: Lanes, clock: Callable[[], float]) -> None:
+    def __init__(self, lanes: RunGroup, clock: Callable[[], float]) -> None:
         self._lanes = lanes
         self._clock = clock
         self._chunk = ChunkSize()

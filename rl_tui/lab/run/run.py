@@ -99,8 +99,8 @@ class Run:
         self.episode_limit = UNLIMITED if episode_limit is None else episode_limit
         self.stop_reason = ""
         """Why the run broke down, naming the step; empty if it did not."""
-        self.came_early = False
-        """Whether the last advance ended because patience did: see :meth:`Learner.be_patient`."""
+        self.timed_out = False
+        """Whether the last advance ended because patience did: see :meth:`Learner.set_time_budget`."""
         self._journal: list[JournalEntry] = []
         self._evaluate = evaluate
         self._greedy_return = GreedyReturn(lambda: self.learner.mdp)
@@ -183,7 +183,7 @@ class Run:
         last_episode = learner.episodes + episodes
         if not learner.plans:
             last_episode = min(last_episode, self._last_episode)
-        self.came_early = False
+        self.timed_out = False
         while not self.stop_reason:
             self._mark_if_due()
             if self.over or learner.step >= last_step or learner.episodes >= last_episode:
@@ -197,8 +197,8 @@ class Run:
                 raise
             self._take_in(stop)
             is_there = learner.step >= until or learner.episodes >= last_episode
-            self.came_early = stop is Stop.DONE and not is_there
-            if self.noticed or self.came_early:
+            self.timed_out = stop is Stop.DONE and not is_there
+            if self.noticed or self.timed_out:
                 return
 
     def apply(self, change: Change) -> None:
@@ -261,7 +261,7 @@ class Run:
                 until = last_step if ahead is None else min(last_step, ahead.step)
                 self.advance(until - self.step, last_episode - self.learner.episodes)
             self._apply_settings(journal)
-            if self.noticed or self.came_early or self.step == before:
+            if self.noticed or self.timed_out or self.step == before:
                 break
         self._mark_if_due()
 

@@ -12,7 +12,7 @@ from rl_tui.agents.catalogue import BY_ID
 from rl_tui.agents.hyperparameters import PARAMETERS, Hyperparameters
 from rl_tui.common.errors import UserError
 from rl_tui.common.findings import near, shown
-from rl_tui.lab.live.record import LaneRecord, Record
+from rl_tui.lab.live.record import Record
 from rl_tui.lab.live.until import Breakpoints
 from rl_tui.lab.run.recipe import Change, JournalEntry, Recipe, SetParameter, SwitchAlgorithm, TakeAction
 from rl_tui.lab.sessions.document import (
@@ -28,6 +28,7 @@ from rl_tui.lab.sessions.document import (
     StoredScenario,
 )
 from rl_tui.lab.timeline.branches import FIRST, Branch
+from rl_tui.lab.timeline.run_record import RunRecord
 from rl_tui.worlds.files.scenario import Scenario, scenario_of
 from rl_tui.worlds.gym.ids import PREFIX, environment_scenario
 
@@ -66,7 +67,7 @@ def _stored_scenario(scenario: Scenario) -> dict[str, str]:
     return {"id": scenario.id, "kind": "file", "title": scenario.title, "text": scenario.text}
 
 
-def _stored_lane(lane: LaneRecord) -> dict[str, Any]:
+def _stored_lane(lane: RunRecord) -> dict[str, Any]:
     if len(lane.branches) > MOST_BRANCHES:
         raise UserError(f"there are more than {MOST_BRANCHES:,} branches")
     return {
@@ -141,14 +142,14 @@ class _Lane:
         self._stored = stored
         self._place = place
 
-    def record(self, scenario: Scenario) -> LaneRecord:
+    def record(self, scenario: Scenario) -> RunRecord:
         stored = self._stored
         self._check_algorithm(stored.algorithm, "algorithm")
         hyperparameters = Hyperparameters()
         for name, value in stored.hyperparameters.items():
             hyperparameters = self._changed(hyperparameters, name, value, "hyperparameters")
         recipe = Recipe(scenario, stored.algorithm, hyperparameters, stored.seed)
-        return LaneRecord(recipe, tuple(self._branches()), stored.branch)
+        return RunRecord(recipe, tuple(self._branches()), stored.branch)
 
     def _branches(self) -> Iterator[Branch]:
         made: list[Branch] = []

@@ -9,26 +9,27 @@ from rl_tui.common.errors import UserError
 from rl_tui.common.findings import shown
 from rl_tui.common.words import counted
 from rl_tui.lab.experiments.training import Goal, OnProgress, no_progress, train
-from rl_tui.lab.live.record import LaneRecord, Record
+from rl_tui.lab.live.record import Record
 from rl_tui.lab.run.changes import as_json
 from rl_tui.lab.run.figures import training_figures
 from rl_tui.lab.run.recipe import begin
 from rl_tui.lab.run.run import OnEpisodes, Run, no_episodes
 from rl_tui.lab.sessions.session import StoredSession, digest_of
 from rl_tui.lab.timeline.branches import Branch
+from rl_tui.lab.timeline.run_record import RunRecord
 
 
 @dataclass(frozen=True, slots=True)
-class Whereto:
+class ReplayTarget:
     """One branch of one lane, counted from 0; ``left`` says that this is where the screen was left."""
 
-    lane: LaneRecord
+    lane: RunRecord
     number: int
     branch: Branch
     left: bool
 
 
-def whereto(record: Record, lane: int | None = None, branch: str | None = None) -> Whereto:
+def replay_target(record: Record, lane: int | None = None, branch: str | None = None) -> ReplayTarget:
     """Return the lane of that number, from 1, and the branch of that name; those in force where not given.
 
     Raises UserError, saying which there are.
@@ -40,16 +41,16 @@ def whereto(record: Record, lane: int | None = None, branch: str | None = None) 
     chosen = record.lanes[number]
     here = chosen.branches[chosen.branch]
     if branch is None:
-        return Whereto(chosen, number, here, left=number == record.shown)
+        return ReplayTarget(chosen, number, here, left=number == record.shown)
     for each in chosen.branches:
         if each.name == branch:
-            return Whereto(chosen, number, each, left=number == record.shown and each is here)
+            return ReplayTarget(chosen, number, each, left=number == record.shown and each is here)
     names = ", ".join(each.name for each in chosen.branches[:20])
     raise UserError(f"no branch of lane {number + 1} is called {shown(branch)}: there are {names}")
 
 
 def replayed(
-    target: Whereto, on_progress: OnProgress = no_progress, on_episodes: OnEpisodes = no_episodes
+    target: ReplayTarget, on_progress: OnProgress = no_progress, on_episodes: OnEpisodes = no_episodes
 ) -> tuple[Run, float]:
     """Return the run at ``target`` and the seconds it took, compiling left out.
 
@@ -65,13 +66,13 @@ def replayed(
     return run, seconds
 
 
-def comes_out_otherwise(session: StoredSession, target: Whereto, run: Run) -> bool:
+def comes_out_otherwise(session: StoredSession, target: ReplayTarget, run: Run) -> bool:
     """Tell whether Q is another one than when ``session`` was saved, where that is known."""
     digest = session.document.digest
     return target.left and digest != "" and digest_of(run.learner.q) != digest
 
 
-def replay_figures(session: StoredSession, target: Whereto, run: Run, seconds: float) -> dict[str, Any]:
+def replay_figures(session: StoredSession, target: ReplayTarget, run: Run, seconds: float) -> dict[str, Any]:
     """Return what the run came to, as JSON: what training tells, and where in the session it stands.
 
     Lanes count from 1.

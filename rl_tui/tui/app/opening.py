@@ -17,7 +17,7 @@ from rl_tui.tui.theme.look import Look
 if TYPE_CHECKING:
     from rl_tui.lab.live.player import Player
     from rl_tui.lab.live.record import Record
-    from rl_tui.lab.live.record_sink import Keeper
+    from rl_tui.lab.live.record_sink import RecordSink
     from rl_tui.lab.sessions.autosave import Autosave
     from rl_tui.lab.sessions.session import StoredSession
     from rl_tui.tui.screens.catalogue.catalogue import CatalogueScreen
@@ -27,15 +27,15 @@ if TYPE_CHECKING:
 class MakePlayer(Protocol):
     """Makes the thread behind a playground; ``record`` is what to go on with."""
 
-    def __call__(self, recipe: Recipe, *, keeper: Keeper | None, record: Record | None) -> Player:
+    def __call__(self, recipe: Recipe, *, record_sink: RecordSink | None, record: Record | None) -> Player:
         """Return the player of ``recipe``."""
 
 
-def live_player(recipe: Recipe, *, keeper: Keeper | None, record: Record | None) -> Player:
+def live_player(recipe: Recipe, *, record_sink: RecordSink | None, record: Record | None) -> Player:
     """Return a player that takes steps as time passes."""
     from rl_tui.lab.live.player import Player
 
-    return Player(recipe, keeper=keeper, record=record)
+    return Player(recipe, record_sink=record_sink, record=record)
 
 
 class Opener:
@@ -96,7 +96,7 @@ class Opener:
     ) -> Playground:
         from rl_tui.tui.screens.playground.playground import Playground
 
-        self._player = self._make_player(recipe, keeper=autosave, record=record)
+        self._player = self._make_player(recipe, record_sink=autosave, record=record)
         playground = Playground(look, recipe, self._player, self._fps, speed)
         playground.autosave = self.autosave = autosave
         if self._kiosk:

@@ -12,7 +12,7 @@ import numpy as np
 
 from rl_tui.agents.compatibility import check_compatible
 from rl_tui.common.errors import UserError
-from rl_tui.lab.live.record import LaneRecord, Record
+from rl_tui.lab.live.record import Record
 from rl_tui.lab.live.snapshot import LaneView
 from rl_tui.lab.live.viewport import is_large
 from rl_tui.lab.run.recipe import (
@@ -27,15 +27,16 @@ from rl_tui.lab.run.recipe import (
 )
 from rl_tui.lab.run.run import UNLIMITED, Run
 from rl_tui.lab.timeline.branches import Branch
-from rl_tui.lab.timeline.lane import Lane
-from rl_tui.lab.timeline.lane_names import lane_names
+from rl_tui.lab.timeline.branching_run import BranchingRun
+from rl_tui.lab.timeline.run_names import run_names
+from rl_tui.lab.timeline.run_record import RunRecord
 from rl_tui.worlds.world import World
 
 MOST: Final = 4
 Difference = SetParameter | SwitchAlgorithm
 
 
-class Lanes:
+class RunGroup:
     """One to four lanes of one scenario and seed; ``shown`` is the number of the one in force.
 
     That one leads: the others follow to ``step``, where it stands, unless they are over before. Each of
@@ -43,7 +44,7 @@ class Lanes:
     """
 
     def __init__(
-        self, records: Sequence[LaneRecord], world: World, *, clock: Callable[[], float] = time.perf_counter
+        self, records: Sequence[RunRecord], world: World, *, clock: Callable[[], float] = time.perf_counter
     ) -> None:
         self.shown = 0
         self.step = 0
@@ -53,12 +54,12 @@ class Lanes:
         self._lanes = [self._new_lane(record) for record in records]
 
     @property
-    def current(self) -> Lane:
+    def current(self) -> BranchingRun:
         """The one in force."""
         return self._lanes[self.shown]
 
     @property
-    def records(self) -> tuple[LaneRecord, ...]:
+    def records(self) -> tuple[RunRecord, ...]:
         """What is needed to come back to here."""
         return tuple(lane.record for lane in self._lanes)
 
@@ -92,7 +93,7 @@ class Lanes:
         self.step = self.current.step
         for lane in self._others:
             if lane.step < self.step:
-                lane.run.learner.be_patient(math.inf)
+                lane.run.learner.set_time_budget(math.inf)
                 lane.advance(self.step - lane.step)
 
     def resume(self, record: Record) -> None:
@@ -104,16 +105,16 @@ class Lanes:
         self.step = max(known.step for known in record.lanes)
         self._arrive_if_there()
 
-    def restarted(self, recipe: Recipe) -> tuple[LaneRecord, ...]:
+    def restarted(self, recipe: Recipe) -> tuple[RunRecord, ...]:
         """Return lanes that begin again: the one in force with ``recipe``, the others as they are now."""
         recipes = [replace(_recipe_now(lane), seed=recipe.seed) for lane in self._lanes]
         recipes[self.shown] = recipe
-        return tuple(LaneRecord(each, ()) for each in recipes)
+        return tuple(RunRecord(each, ()) for each in recipes)
 
     def go_to(
         self, *, step: int | None = None, episode: int | None = None, branch: int | None = None
     ) -> None:
-        """Let the one in force set out for another moment, as :meth:`Lane.go_to` does."""
+        """Let the one in force set out for another moment, as :meth:`BranchingRun.go_to` does."""
         self.current.go_to(step=step, episode=episode, branch=branch)
         for lane in self._others:
             lane.stay()  # where it was going is no longer where it has to be
@@ -171,7 +172,7 @@ class Lanes:
         left_out = {"", *(_subject(change) for change in changes)}
         journal = tuple(entry for entry in model.run.journal if _subject(entry.change) not in left_out)
         _check(self._world, recipe, journal)
-        self._lanes.append(self._new_lane(LaneRecord(recipe, (Branch("branch 1", journal, end=step),))))
+        self._lanes.append(self._new_lane(RunRecord(recipe, (Branch("branch 1", journal, end=step),))))
         self._lanes[-1].go_to(step=step)
 
     def show(self, lane: int) -> None:
@@ -194,20 +195,20 @@ class Lanes:
         """Return how each is getting on; nothing where there is one."""
         if len(self._lanes) == 1:
             return ()
-        names = lane_names([_recipe_now(lane) for lane in self._lanes])
+        names = run_names([_recipe_now(lane) for lane in self._lanes])
         return tuple(_view(lane, name) for lane, name in zip(self._lanes, names, strict=True))
 
     @property
-    def _others(self) -> list[Lane]:
+    def _others(self) -> list[BranchingRun]:
         return [lane for lane in self._lanes if lane is not self.current]
 
-    def _is_elsewhere(self, lane: Lane) -> bool:
+    def _is_elsewhere(self, lane: BranchingRun) -> bool:
         return lane.travels or lane.step > self.step or (lane.step < self.step and not lane.run.over)
 
-    def _new_lane(self, record: LaneRecord) -> Lane:
+    def _new_lane(self, record: RunRecord) -> BranchingRun:
         streams = begin(record.recipe, self._world).streams
         beginning = Beginning(self._world, streams)
-        return Lane(
+        return BranchingRun(
             record.recipe, beginning, branches=record.branches, branch=record.branch, clock=self._clock
         )
 
@@ -237,12 +238,12 @@ def _check(world: World, recipe: Recipe, journal: Sequence[JournalEntry]) -> Non
         check_compatible(world.space, recipe.algorithm, recipe.hyperparameters)
 
 
-def _recipe_now(lane: Lane) -> Recipe:
+def _recipe_now(lane: BranchingRun) -> Recipe:
     learner = lane.run.learner
     return replace(lane.recipe, algorithm=learner.algorithm, hyperparameters=learner.hyperparameters)
 
 
-def _view(lane: Lane, name: str) -> LaneView:
+def _view(lane: BranchingRun, name: str) -> LaneView:
     run, learner = lane.run, lane.run.learner
     return LaneView(
         name=name,

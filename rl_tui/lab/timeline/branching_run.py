@@ -9,14 +9,14 @@ from typing import Final
 
 from rl_tui.agents.kernels.watching import Watching
 from rl_tui.common.errors import UserError
-from rl_tui.lab.live.record import LaneRecord
 from rl_tui.lab.live.snapshot import CellHistory, Timeline
 from rl_tui.lab.run.recipe import Beginning, Change, Recipe, begin
 from rl_tui.lab.run.run import UNLIMITED, Run, RunState
 from rl_tui.lab.timeline.branches import FIRST, Branch
 from rl_tui.lab.timeline.checkpoints import Checkpoints
-from rl_tui.lab.timeline.journey import Goal, Journey
 from rl_tui.lab.timeline.memory_limits import limits
+from rl_tui.lab.timeline.run_record import RunRecord
+from rl_tui.lab.timeline.seek import Goal, Journey
 from rl_tui.lab.timeline.table_samples import TableSamples
 from rl_tui.worlds.world import World
 
@@ -33,7 +33,7 @@ class _Way:
         self.samples = samples
 
 
-class Lane:
+class BranchingRun:
     """One recipe's run, every branch of it, and the way back.
 
     It goes on along the journal of the branch in force; a change where the run has been further begins a new
@@ -81,9 +81,9 @@ class Lane:
         return Timeline(self._branches(), self._wanted_branch)
 
     @property
-    def record(self) -> LaneRecord:
+    def record(self) -> RunRecord:
         """What is needed to come back to here."""
-        return LaneRecord(self.recipe, self._branches(), self._wanted_branch)
+        return RunRecord(self.recipe, self._branches(), self._wanted_branch)
 
     @property
     def travels(self) -> bool:
@@ -274,7 +274,7 @@ class Lane:
                 self._spent = 0.0  # it has been here before: as many as are needed are kept already
             self._arrived_at(run, way)
             ended = run.step >= last_step or run.learner.episodes >= last_episode
-            if ended or run.noticed or run.came_early or run.over or run.step == before:
+            if ended or run.noticed or run.timed_out or run.over or run.step == before:
                 return
 
     def _arrived_at(self, run: Run, way: _Way) -> None:

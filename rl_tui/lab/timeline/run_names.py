@@ -14,7 +14,7 @@ _SEED: Final = "seed"
 _Features = Mapping[str, float | str]
 
 
-def lane_names(recipes: Sequence[Recipe]) -> list[str]:
+def run_names(recipes: Sequence[Recipe]) -> list[str]:
     """Return a name for each of ``recipes``, all of them distinct: what is different from the first one.
 
     The first is named by all that any other has otherwise. Pass the settings in force.

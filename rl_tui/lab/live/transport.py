@@ -8,19 +8,19 @@ from typing import TYPE_CHECKING
 from rl_tui.lab.live.commands import Pause, Play, RunEpisode, RunUntil, Step, Take, Train
 from rl_tui.lab.live.pacing import CHUNK, ChunkSize, Pace, SpeedMeter
 from rl_tui.lab.live.snapshot import Phase
-from rl_tui.lab.live.stop_condition import Waiting, breakpoint_in_words, watching_for
+from rl_tui.lab.live.stop_condition import StopCondition, breakpoint_in_words, watching_for
 from rl_tui.lab.live.until import Breakpoints, Event, Until
 from rl_tui.lab.run.recipe import TakeAction
 
 if TYPE_CHECKING:
     from rl_tui.lab.run.exact_answers import Answer
     from rl_tui.lab.run.run import Run
-    from rl_tui.lab.timeline.lanes import Lanes
+    from rl_tui.lab.timeline.run_group import RunGroup
 
 Move = Play | Pause | Step | RunEpisode | RunUntil | Take | Train
 
 
-class Motion:
+class Transport:
     """Moves ``lanes`` on, in chunks of about 15 ms.
 
     ``speed`` is the wanted steps a second, None for as fast as it goes. ``clock`` gives seconds. With
@@ -30,7 +30,7 @@ class Motion:
 
     def __init__(
         self,
-        lanes: Lanes,
+        lanes: RunGroup,
         *,
         speed: float | None,
         automatic: bool,
@@ -43,7 +43,7 @@ class Motion:
         """Why it paused by itself, or why what was asked for cannot be done."""
         self.changed = True
         self.steps_to_train = 0
-        self.waiting: Waiting | None = None
+        self.waiting: StopCondition | None = None
         self.breakpoints = Breakpoints()
         self._speed = speed
         self._automatic = automatic
@@ -172,11 +172,11 @@ class Motion:
 
     def _wait_for(self, until: Until) -> None:
         self.rest()
-        self.waiting = Waiting(until, self._run, self._answer())
+        self.waiting = StopCondition(until, self._run, self._answer())
         self.watch()
         self.phase = Phase.RUNNING
 
-    def _wait(self, waiting: Waiting) -> None:
+    def _wait(self, waiting: StopCondition) -> None:
         """Go on until what is waited for has happened, or some milliseconds are over."""
         run, until = self._run, self._clock() + CHUNK
         while self.waiting is waiting:
@@ -201,7 +201,7 @@ class Motion:
         """Take at most so many steps, learn how long they take, and return how many they were."""
         run, before, start = self._run, self._run.step, self._clock()
         if self._automatic:
-            run.learner.be_patient(CHUNK)
+            run.learner.set_time_budget(CHUNK)
         if episodes is None:
             self.lanes.advance(steps)
         else:
