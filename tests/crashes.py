@@ -85,7 +85,7 @@ def act(terminal: PseudoTerminal, lane: BranchingRun, chance: random.Random) -> 
             lane.apply(SetParameter("ties", "first"))
             stands.append(stand_of(lane.record))  # it may be kept before the step is done
         if keys == "b":
-            lane.go_to(step=lane.step - 1)
+            lane.seek_to(step=lane.step - 1)
             arrive(lane)
         else:
             lane.advance(1)
@@ -120,15 +120,15 @@ def lane_of(session: Path | None) -> BranchingRun:
     record = read_session(session).record().lanes[0]
     beginning = begin(record.recipe)
     lane = BranchingRun(record.recipe, beginning, branches=record.branches, branch=record.branch)
-    lane.go_to(step=record.step)
+    lane.seek_to(step=record.step)
     arrive(lane)
     return lane
 
 
 def arrive(lane: BranchingRun) -> None:
     """Let ``lane`` come to where it is going."""
-    while lane.travels:
-        lane.travel(1_000_000)
+    while lane.seek:
+        lane.continue_seek(1_000_000)
 
 
 def in_the_past(folder: Path, chance: random.Random) -> Path:

@@ -68,9 +68,9 @@ def assert_true_to_the_record(playback: Playback) -> None:
     for number, lane in enumerate(record.lanes):
         playback.handle(ChooseLane(number))
         branch = lane.branches[lane.branch]
-        straight = Run(lane.recipe, episode_limit=playback._run.world.budget)
+        straight = Run(lane.recipe, episode_limit=playback.group.current.run.world.budget)
         straight.follow(branch.journal, branch.here)
-        assert stand(playback._run) == stand(straight)
+        assert stand(playback.group.current.run) == stand(straight)
     playback.handle(ChooseLane(record.shown))
 
 

@@ -126,11 +126,11 @@ def looks(snapshot: Snapshot) -> Any:
 def test_playing_on_from_the_past_repeats_history_without_a_fork() -> None:
     playback = begin(recipe("frozenlake-slippery"))
     do(playback, Train(500), Apply(SetParameter("alpha", 0.5)), Train(500), Take(2), Train(499))
-    end = stand(playback._run)
+    end = stand(playback.group.current.run)
     shown = do(playback, GoTo(100))
     assert (shown.hyperparameters.alpha, shown.timeline.in_past) == (0.1, True)
     shown = do(playback, Train(1400))
-    assert stand(playback._run) == end
+    assert stand(playback.group.current.run) == end
     assert len(shown.timeline.branches) == 1
     assert not shown.timeline.in_past
 
@@ -138,17 +138,17 @@ def test_playing_on_from_the_past_repeats_history_without_a_fork() -> None:
 def test_a_change_in_the_past_forks_and_one_can_go_back_to_either() -> None:
     playback = begin(recipe("frozenlake-slippery"))
     do(playback, Train(1000))
-    first = stand(playback._run)
+    first = stand(playback.group.current.run)
     shown = do(playback, GoTo(400), Apply(SetParameter("alpha", 0.5)), Train(100))
-    second = stand(playback._run)
+    second = stand(playback.group.current.run)
     branch = shown.timeline.current
     assert (branch.name, branch.parent, branch.fork, branch.end) == ("branch 2", 0, 400, 500)
     shown = do(playback, ChooseBranch(0))
     assert (shown.step, shown.timeline.current.end) == (400, 1000)  # where it was left
     do(playback, GoTo(1000))
-    assert stand(playback._run) == first
+    assert stand(playback.group.current.run) == first
     shown = do(playback, ChooseBranch(1))
-    assert stand(playback._run) == second
+    assert stand(playback.group.current.run) == second
     assert shown.hyperparameters.alpha == 0.5
 
 
@@ -167,7 +167,10 @@ def test_what_was_set_at_a_step_is_in_force_there_however_one_comes_to_it() -> N
     do(playback, Step())
     for number in range(1, 13):
         shown = do(playback, GoTo(number))
-        assert (shown.hyperparameters.alpha, len(playback._run.journal)) == (number / 100, number + 1)
+        assert (shown.hyperparameters.alpha, len(playback.group.current.run.journal)) == (
+            number / 100,
+            number + 1,
+        )
     assert do(playback, GoTo(0)).hyperparameters.alpha == 0.9
     saved = playback.record
     assert begin(saved.lanes[0].recipe, saved).snapshot().hyperparameters.alpha == 0.9
@@ -233,11 +236,11 @@ def test_a_spent_budget_can_be_taken_back() -> None:
 def test_a_stepped_world_is_replayed_from_the_seed(scenario: str) -> None:
     playback = begin(recipe(scenario))
     do(playback, Train(300), Apply(SetParameter("epsilon", 0.9)), Train(300))
-    end = stand(playback._run)
+    end = stand(playback.group.current.run)
     shown = do(playback, StepBack())
     assert shown.step == 599
     do(playback, Step())
-    assert stand(playback._run) == end
+    assert stand(playback.group.current.run) == end
     playback.handle(GoTo(200))
     assert playback.phase is Phase.SEEKING
     assert "from the seed" in playback.snapshot().message
@@ -279,8 +282,8 @@ def test_what_cannot_be_done_is_told_and_ends_nothing() -> None:
 
 def test_an_action_that_is_not_possible_is_refused() -> None:
     playback = begin(recipe("student"))
-    before = stand(playback._run)
+    before = stand(playback.group.current.run)
     shown = do(playback, Take(4))
     assert shown.paused_by == "sleep is not possible in state Class"
-    assert stand(playback._run) == before
+    assert stand(playback.group.current.run) == before
     assert playback.record.lanes[0].branches[0].journal == ()

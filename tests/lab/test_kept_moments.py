@@ -76,7 +76,7 @@ def test_checkpoints_keep_within_their_bounds() -> None:
 def test_passing_by_the_same_moments_again_and_again_keeps_no_more_of_them() -> None:
     playback = begin(recipe("frozenlake-slippery"))
     do(playback, Train(2_000))
-    kept = playback._lanes.current._way.checkpoints
+    kept = playback.group.current.kept.checkpoints
     spacing = kept.spacing
     for _ in range(10):
         do(playback, GoTo(0), Train(500))

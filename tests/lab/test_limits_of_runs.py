@@ -43,9 +43,9 @@ def test_branches_are_so_many(monkeypatch: pytest.MonkeyPatch) -> None:
     lane = _lane()
     for number in range(50):
         lane.advance(steps=10)
-        lane.go_to(step=5)
-        while lane.travels:
-            lane.travel(1000)
+        lane.seek_to(step=5)
+        while lane.seek:
+            lane.continue_seek(1000)
         if number < 49:
             lane.apply(SetParameter("alpha", 0.1 + number / 1000))
     assert len(lane.timeline.branches) == 50

@@ -8,12 +8,12 @@ from dataclasses import dataclass
 from typing import Final
 
 from rl_tui.common.errors import UserError
-from rl_tui.lab.run.recipe import JournalEntry, TakeAction
+from rl_tui.lab.run.recipe import UNLIMITED, JournalEntry
 from rl_tui.lab.run.run import Run
 
 CHUNK: Final = 2_000_000
 # So long an environment that is stepped for real goes on without a word about how far it has come
-PATIENCE: Final = 0.2
+TIME_BUDGET: Final = 0.2
 
 OnProgress = Callable[[int, int], None]
 
@@ -47,29 +47,22 @@ def train(
     """
     run.warm_up()
     start = time.perf_counter()
-    run.learner.set_time_budget(PATIENCE)
-    waiting = list(journal)
+    run.learner.set_time_budget(TIME_BUDGET)
+    until = run.step  # at first no further than to what is set at the very start
     while True:
-        done, wanted = goal.reached_by(run)
-        while waiting and waiting[0].step <= run.step and not (done >= wanted and _is_step(waiting[0])):
-            before = time.perf_counter()
-            run.apply(waiting.pop(0).change)
-            run.warm_up()  # another algorithm has a loop of its own
-            start += time.perf_counter() - before
-            done, wanted = goal.reached_by(run)
-        on_progress(done, wanted)
-        if done >= wanted or run.over:
-            return time.perf_counter() - start
-        left = wanted - done
-        steps = min(CHUNK, waiting[0].step - run.step) if waiting else CHUNK
-        if goal.steps is not None:
-            run.advance(min(steps, left))
-        else:
-            run.advance(steps, left)
+        run.follow(journal, until, UNLIMITED if goal.steps is not None else goal.episodes or 0)
         if run.stop_reason:
             raise UserError(f"{run.recipe.scenario.id}: {run.stop_reason}")
-
-
-def _is_step(entry: JournalEntry) -> bool:
-    """Tell whether ``entry`` is a step taken by hand."""
-    return isinstance(entry.change, TakeAction)
+        before = time.perf_counter()
+        if not run.learner.is_warm:  # another algorithm has a loop of its own
+            run.warm_up()
+        start += time.perf_counter() - before
+        done, wanted = goal.reached_by(run)
+        on_progress(done, wanted)
+        ahead = journal[len(run.journal) :]
+        if done < wanted and run.over and ahead and ahead[0].step <= run.step:
+            run.apply(ahead[0].change)  # an action after the end, which is refused
+        if done >= wanted or run.over:
+            return time.perf_counter() - start
+        end = run.step + CHUNK if goal.steps is None else min(run.step + CHUNK, goal.steps)
+        until = min(end, next((entry.step for entry in ahead if entry.step > run.step), end))

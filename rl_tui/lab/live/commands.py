@@ -7,7 +7,7 @@ from typing import Final
 
 from rl_tui.lab.live.until import Until
 from rl_tui.lab.live.viewport import Sight
-from rl_tui.lab.run.recipe import Change, Recipe, SetParameter, SwitchAlgorithm
+from rl_tui.lab.run.recipe import Change, Recipe, Setting
 
 
 @dataclass(frozen=True, slots=True)
@@ -121,7 +121,7 @@ class Take:
 class AddLane:
     """Begin another run beside the one shown, the same but for ``changes``, and let it catch up."""
 
-    changes: tuple[SetParameter | SwitchAlgorithm, ...]
+    changes: tuple[Setting, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -171,3 +171,6 @@ Command = (
 
 LOOKING: Final = (LookAt, FollowCell, SetSpeed)
 """Commands that leave nothing behind that is worth keeping."""
+
+MOVES: Final = (Play, Pause, Step, RunEpisode, RunUntil, Take, Train)
+"""Commands that mean nothing where a run takes no further step."""

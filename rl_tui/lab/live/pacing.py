@@ -8,6 +8,7 @@ from typing import Final
 TICK: Final = 1 / 60
 MOST_DEBT: Final = 0.25
 CHUNK: Final = 0.015
+AT_ONCE: Final = 0.015
 # A step of Dyna-Q may take as long as 30,000 of Q-learning, and one in an environment any time
 FIRST_CHUNK: Final = 1
 LARGEST_CHUNK: Final = 4_000_000

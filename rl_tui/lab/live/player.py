@@ -16,11 +16,12 @@ from rl_tui.lab.live.playback import Playback
 from rl_tui.lab.live.record import Record
 from rl_tui.lab.live.record_sink import RecordSink
 from rl_tui.lab.live.snapshot import Phase, Snapshot
+from rl_tui.lab.live.state import State
 from rl_tui.lab.run.recipe import Recipe
 from rl_tui.worlds.gym.env_call import seconds_in_call
 
 LONGEST_GOODBYE: Final = 0.2
-KEPT_EVERY: Final = 0.25
+OFFERED_EVERY: Final = 0.25
 START_SPEED: Final = 10.0
 
 
@@ -54,7 +55,7 @@ class Player:
         self._automatic = automatic
         self._clock = clock
         self._record_sink = record_sink
-        self._kept, self._kept_at = (0, Phase.PREPARING), clock()
+        self._offered, self._offered_at = (0, Phase.PREPARING), clock()
         self._changed = threading.Condition()  # guards everything below
         self._commands: deque[Command | _Question] = deque()
         self._reader: _Reader | None = None
@@ -115,8 +116,7 @@ class Player:
         with self._changed:
             self._closing = True
             self._changed.notify_all()
-            if self._reader is not None:
-                self._reader.wake()
+            self._wake_reader()
         if self._thread is not None:
             self._thread.join(LONGEST_GOODBYE)
             as_usual(self)
@@ -158,41 +158,44 @@ class Player:
     # From here on everything runs in the player's thread.
 
     def _live(self) -> None:
+        playback = self._playback
         try:
             while not self._closing:
                 self._take_commands()
-                was_preparing = self._playback.phase is Phase.PREPARING
-                wait = self._playback.work()
-                if self._automatic and was_preparing and self._playback.phase is not Phase.PREPARING:
+                was_preparing = playback.phase is Phase.PREPARING
+                wait = playback.work()
+                if self._automatic and was_preparing and playback.phase is not Phase.PREPARING:
                     leave_out_of_collections()
-                self._keep()
+                if self._record_sink is not None:
+                    self._offer_record(self._record_sink)
                 self._publish()
                 if wait != 0.0:
-                    self._sleep(wait)
-            self._keep()
+                    with self._changed:
+                        self._changed.wait_for(self._has_news, wait)
+            if self._record_sink is not None:
+                self._offer_record(self._record_sink)
         except BaseException as failure:  # it is raised again where the snapshots are read
             with self._changed:
                 self._failure = failure
-                if self._reader is not None:
-                    self._reader.wake()
+                self._wake_reader()
             self._refuse_questions(failure)
 
-    def _keep(self, *, ends: bool = False) -> None:
+    def _offer_record(self, sink: RecordSink, *, ends: bool = False) -> None:
         """Offer the record where something was asked for or has ended, or the run has gone on for a while.
 
         The last one of a run that ``ends`` is offered in any case.
         """
         playback, now = self._playback, self._clock()
-        if self._record_sink is None or not playback.touched:
+        if not playback.touched:
             return
-        stand = (playback.handled, playback.phase)
-        goes_on = playback.phase is Phase.RUNNING and now - self._kept_at >= KEPT_EVERY
-        if stand != self._kept or goes_on or ends or self._closing:
-            self._kept, self._kept_at = stand, now
-            self._record_sink.offer(playback.record, playback.q)
+        last = (playback.handled, playback.phase)
+        goes_on = playback.phase is Phase.RUNNING and now - self._offered_at >= OFFERED_EVERY
+        if last != self._offered or goes_on or ends or self._closing:
+            self._offered, self._offered_at = last, now
+            sink.offer(playback.record, playback.q)
 
     def _take_commands(self) -> None:
-        """Carry out what was sent until now, so that whoever sends without end does not hold up the run."""
+        """Carry out what was sent until now; what is sent meanwhile must not hold up the run."""
         for _ in range(len(self._commands)):
             with self._changed:
                 if self._closing or not self._may_take():
@@ -202,19 +205,15 @@ class Player:
                 snapshot = self._playback.snapshot()
                 item.reply(snapshot)
                 self._hand_over(snapshot)
-            elif isinstance(item, Restart):
-                self._start_again(item)
+            elif isinstance(item, Restart) and self._record_sink is not None:
+                self._offer_record(self._record_sink, ends=True)
+                self._playback.handle(item)
+                self._record_sink.begin_anew(self._playback.record)
             else:
                 self._playback.handle(item)
 
-    def _start_again(self, restart: Restart) -> None:
-        self._keep(ends=True)
-        self._playback.handle(restart)
-        if self._record_sink is not None:
-            self._record_sink.begin_anew(self._playback.record)
-
     def _may_take(self) -> bool:
-        """Tell whether the first of what was sent, if anything, need not wait."""
+        """Return True if the oldest queued command can run now."""
         if not self._commands:
             return False
         first = self._commands[0]
@@ -230,30 +229,24 @@ class Player:
             self._put_off = not self._put_off and self._may_take()
         if self._put_off:
             return
-        preparing = playback.phase is Phase.PREPARING and playback.changed
-        if not preparing and not self._owes_snapshot:
-            return
-        self._hand_over(playback.snapshot())
+        if self._owes_snapshot() or (playback.changed and playback.phase is Phase.PREPARING):
+            self._hand_over(playback.snapshot())
 
     def _hand_over(self, snapshot: Snapshot) -> None:
         """Let the reader have ``snapshot`` next."""
         with self._changed:
             self._latest = snapshot
             self._wanted = self._outdated = False
-            if self._reader is not None:
-                self._reader.wake()
+            self._wake_reader()
 
-    def _sleep(self, seconds: float | None) -> None:
-        with self._changed:
-            self._changed.wait_for(self._has_news, seconds)
-
-    @property
     def _owes_snapshot(self) -> bool:
+        """Return True if the reader waits and there is news; training has none before its end."""
         playback = self._playback
-        return self._wanted and (playback.changed or (self._outdated and not playback.trains_unseen))
+        has_news = playback.changed or self._outdated
+        return self._wanted and has_news and playback.state is not State.TRAINING
 
     def _has_news(self) -> bool:
-        return self._closing or bool(self._commands) or self._owes_snapshot
+        return self._closing or bool(self._commands) or self._owes_snapshot()
 
     def _refuse_questions(self, failure: BaseException) -> None:
         with self._changed:

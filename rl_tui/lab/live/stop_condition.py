@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rl_tui.agents.exact.solve import greedy_policy
+from rl_tui.agents.exact.policy_arrays import greedy_policy
 from rl_tui.agents.kernels.watching import Watching
 from rl_tui.common.errors import UserError
 from rl_tui.lab.live.until import Breakpoints, Event, Until
 from rl_tui.lab.run.exact_answers import exact_now
-from rl_tui.lab.run.run import UNLIMITED
+from rl_tui.lab.run.recipe import UNLIMITED
 from rl_tui.worlds.drawing import Arms
 
 if TYPE_CHECKING:

@@ -12,22 +12,13 @@ import numpy as np
 from rl_tui.agents.exact.solve import expected_return, greedy_policy
 from rl_tui.agents.hyperparameters import Ties
 from rl_tui.lab.live.snapshot import Marks
+from rl_tui.lab.run.exact_answers import visits_of
 from rl_tui.worlds.mdp.tabular_mdp import FloatArray, IntArray, TabularMDP
 
 MOST_MARKS: Final = 256
 FIRST_SPACING: Final = 16
 MOST_STATES: Final = 20_000
-# An evaluation within a time limit visits every outcome once for every step of it, some 10⁹ a second. One
-# that costs more than this is left out of snapshots, which must not wait.
-DEAREST_LIVE: Final = 2_000_000
-# Without a time limit linear equations are solved instead; they are charged as so many visits.
-UNLIMITED: Final = 100
 VISITS_A_STEP: Final = 1_000
-
-
-def visits_of(mdp: TabularMDP) -> int:
-    """Return about how often an exact evaluation visits an outcome: what it costs."""
-    return len(mdp.next_state) * (mdp.time_limit or UNLIMITED)
 
 
 class GreedyReturn:
@@ -88,11 +79,8 @@ class Evaluation:
         self._step: IntArray = np.zeros(most, np.int64)
         self._episode: IntArray = np.zeros(most, np.int64)
         self._value: FloatArray = np.zeros(most)
-
-    @property
-    def next_step(self) -> int | None:
+        self.next_step = 0 if self._active else None
         """The step number of the next mark; None where no marks are taken."""
-        return self._used * self._spacing if self._active else None
 
     def mark(self, episodes: int, q: FloatArray, ties: Ties) -> None:
         """Take the mark that is due, after ``episodes`` finished ones, with the estimates ``q``, [P]."""
@@ -103,6 +91,7 @@ class Evaluation:
         self._used += 1
         if self._used == len(self._step):
             self._thin_out()
+        self.next_step = self._used * self._spacing
 
     def _thin_out(self) -> None:
         kept = (self._used + 1) // 2
@@ -126,3 +115,4 @@ class Evaluation:
         """Go back to what :meth:`checkpoint` returned."""
         self._spacing, self._used = state.spacing, state.used
         self._step[:], self._episode[:], self._value[:] = state.step, state.episode, state.value
+        self.next_step = self._used * self._spacing if self._active else None

@@ -13,6 +13,16 @@ from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 AT_ONCE_STATES: Final = 200
 LIVE_STATES: Final = 20_000
 KEPT: Final = 64
+# An evaluation within a time limit visits every outcome once for every step of it, some 10⁹ a second. One
+# that costs more than this is left out of snapshots, which must not wait.
+DEAREST_LIVE: Final = 2_000_000
+# Without a time limit linear equations are solved instead; they are charged as so many visits.
+UNLIMITED: Final = 100
+
+
+def visits_of(mdp: TabularMDP) -> int:
+    """Return about how often an exact evaluation visits an outcome: what it costs."""
+    return len(mdp.next_state) * (mdp.time_limit or UNLIMITED)
 
 
 class Answer(NamedTuple):
@@ -47,8 +57,6 @@ class ExactAnswers:
         solve: Callable[[TabularMDP, float], Solution] | None = None,
         at_once_states: int = AT_ONCE_STATES,
     ) -> None:
-        from rl_tui.lab.run.evaluation import DEAREST_LIVE, visits_of
-
         if solve is None:
             from rl_tui.agents.exact.solve import solve as solve_exactly
 

@@ -10,7 +10,7 @@ from rl_tui.agents.catalogue import BY_ID, parameters_of
 from rl_tui.agents.hyperparameters import PARAMETERS, SAMPLE_AVERAGE, Hyperparameters
 from rl_tui.common.errors import Fault, ScenarioError, UserError, first_of
 from rl_tui.common.findings import Finding, near, place, shown
-from rl_tui.lab.run.recipe import Recipe, begin
+from rl_tui.lab.run.recipe import Recipe, begin, changed_parameter
 from rl_tui.worlds.files import catalogue
 from rl_tui.worlds.files.scenario import Scenario, read_scenario
 from rl_tui.worlds.files.schema import unknown_key
@@ -99,10 +99,7 @@ def recipe_for(scenario: Scenario, overrides: Mapping[str, object] | None = None
     for name, value in chosen.items():
         if name not in PARAMETERS:
             raise UserError(f"there is no hyper-parameter {shown(name)}{near(name, PARAMETERS)}")
-        try:
-            hyperparameters = hyperparameters.changed(name, value)
-        except ValueError as fault:
-            raise UserError(str(fault)) from fault
+        hyperparameters = changed_parameter(hyperparameters, name, value)
     return Recipe(scenario, algorithm, hyperparameters, seed)
 
 

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from typing import NamedTuple
+from dataclasses import dataclass, field, replace
+from typing import Final, NamedTuple
 
 from rl_tui.agents.hyperparameters import Hyperparameters
+from rl_tui.common.errors import UserError
 from rl_tui.common.streams import Streams, streams
 from rl_tui.worlds.files.scenario import Scenario
 from rl_tui.worlds.world import World
+
+UNLIMITED: Final = 2**62
+"""More steps or episodes than any run comes to."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,7 +70,8 @@ class TakeAction:
     action: int
 
 
-Change = SetParameter | SwitchAlgorithm | TakeAction
+Setting = SetParameter | SwitchAlgorithm
+Change = Setting | TakeAction
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,3 +80,23 @@ class JournalEntry:
 
     step: int
     change: Change
+
+
+def changed_recipe(recipe: Recipe, change: Setting) -> Recipe:
+    """Return ``recipe`` with ``change`` from the start. Raises UserError where the value does not fit."""
+    if isinstance(change, SwitchAlgorithm):
+        return replace(recipe, algorithm=change.algorithm)
+    return replace(
+        recipe, hyperparameters=changed_parameter(recipe.hyperparameters, change.name, change.value)
+    )
+
+
+def changed_parameter(values: Hyperparameters, name: str, value: object) -> Hyperparameters:
+    """Return ``values`` with another ``value`` of ``name``.
+
+    Raises UserError, with the range, if the value does not fit.
+    """
+    try:
+        return values.changed(name, value)
+    except ValueError as fault:
+        raise UserError(str(fault)) from fault

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Final
 
 import numpy as np
 
@@ -16,29 +15,22 @@ from rl_tui.common.errors import UserError
 from rl_tui.lab.live.snapshot import BanditFigures, Marks, Phase, Snapshot
 from rl_tui.lab.live.viewport import Sight, Window, Windows, is_large
 from rl_tui.lab.run.bandit import bandit_figures
-from rl_tui.lab.run.evaluation import (
-    DEAREST_LIVE,
-    MOST_STATES,
-    Evaluation,
-    GreedyReturn,
-    MarksState,
-    visits_of,
-)
-from rl_tui.lab.run.exact_answers import PENDING, Answer
+from rl_tui.lab.run.evaluation import MOST_STATES, Evaluation, GreedyReturn, MarksState
+from rl_tui.lab.run.exact_answers import DEAREST_LIVE, PENDING, Answer, visits_of
 from rl_tui.lab.run.history import History, HistoryState
 from rl_tui.lab.run.recipe import (
+    UNLIMITED,
     Beginning,
     Change,
     JournalEntry,
     Recipe,
     SetParameter,
-    SwitchAlgorithm,
+    Setting,
     TakeAction,
     begin,
+    changed_parameter,
 )
 from rl_tui.worlds.mdp.tabular_mdp import BoolArray, FloatArray, IntArray
-
-UNLIMITED: Final = 2**62
 
 OnEpisodes = Callable[[FloatArray, IntArray, BoolArray], None]
 
@@ -100,11 +92,10 @@ class Run:
         self.stop_reason = ""
         """Why the run broke down, naming the step; empty if it did not."""
         self.timed_out = False
-        """Whether the last advance ended because patience did: see :meth:`Learner.set_time_budget`."""
+        """Whether the last advance ended because its time was over: see :meth:`Learner.set_time_budget`."""
         self._journal: list[JournalEntry] = []
-        self._evaluate = evaluate
         self._greedy_return = GreedyReturn(lambda: self.learner.mdp)
-        self._evaluation = Evaluation(self.world.mdp, self._greedy_return)
+        self._evaluation = Evaluation(self.world.mdp if evaluate else None, self._greedy_return)
         self._on_episodes = on_episodes
         self._windows: Windows | None = None
 
@@ -136,7 +127,7 @@ class Run:
     @property
     def spent(self) -> bool:
         """Whether the episodes it may take are used up; sweeps of a planner are none."""
-        return self.learner.episodes >= self._last_episode
+        return self.learner.episodes >= self.episode_limit + self.learner.planned.sweeps
 
     @property
     def begins_episode(self) -> bool:
@@ -160,7 +151,7 @@ class Run:
     @property
     def message(self) -> str:
         """Why it goes no further, as a sentence; empty while it does."""
-        if not self.converged:
+        if not self.learner.converged:
             return self.stop_reason
         sweeps, accuracy = self.learner.planned.sweeps, self.learner.hyperparameters.accuracy
         return f"converged after {sweeps:,} sweeps: no value moved by more than {accuracy:g} in the last one"
@@ -168,7 +159,7 @@ class Run:
     @property
     def over(self) -> bool:
         """Whether it takes no further step."""
-        return self.spent or self.converged or bool(self.stop_reason)
+        return bool(self.stop_reason) or self.learner.converged or self.spent
 
     def warm_up(self) -> None:
         """Compile all that is compiled, or read it from its cache, without taking a step."""
@@ -182,13 +173,13 @@ class Run:
         last_step = learner.step + steps
         last_episode = learner.episodes + episodes
         if not learner.plans:
-            last_episode = min(last_episode, self._last_episode)
+            last_episode = min(last_episode, self.episode_limit + learner.planned.sweeps)
         self.timed_out = False
         while not self.stop_reason:
             self._mark_if_due()
             if self.over or learner.step >= last_step or learner.episodes >= last_episode:
                 return
-            mark = self._next_mark
+            mark = self._evaluation.next_step
             until = last_step if mark is None else min(last_step, mark)
             try:
                 stop = learner.advance(until - learner.step, last_episode - learner.episodes)
@@ -209,22 +200,22 @@ class Run:
         if isinstance(change, TakeAction):
             self._take(change.action)
         else:
-            self._tell(change)
+            self._set(change)
         self._journal.append(entry)
 
-    def _tell(self, change: SetParameter | SwitchAlgorithm) -> None:
+    def _set(self, change: Setting) -> None:
         learner = self.learner
+        if isinstance(change, SetParameter):
+            learner.configure(changed_parameter(learner.hyperparameters, change.name, change.value))
+            return
         try:
-            if isinstance(change, SwitchAlgorithm):
-                learner.switch(change.algorithm)
-            else:
-                learner.configure(learner.hyperparameters.changed(change.name, change.value))
+            learner.switch(change.algorithm)
         except ValueError as fault:
             raise UserError(str(fault)) from fault
 
     def _take(self, action: int) -> None:
         space, state = self.world.space, self.learner.state
-        pair = next((each for each in space.pairs_of(state) if space.pair_action[each] == action), None)
+        pair = space.pair_of(state, action)
         if pair is None:
             known = 0 <= action < len(space.action_names)
             name = space.action_names[action] if known else f"action {action}"
@@ -234,34 +225,28 @@ class Run:
         self._take_in(self.learner.take(pair))
         self._mark_if_due()
 
-    def follow(self, journal: Sequence[JournalEntry], step: int) -> None:
-        """Advance to ``step`` along ``journal``, of which this run has applied the beginning.
-
-        Each entry is applied at its step; those beyond ``step`` are left out, and so is an action taken by a
-        person at ``step``, since that is a step further.
-        """
-        self.advance_along(journal, step - self.step)
-
-    def advance_along(
-        self, journal: Sequence[JournalEntry], steps: int = UNLIMITED, episodes: int = UNLIMITED
+    def follow(
+        self, journal: Sequence[JournalEntry], last_step: int = UNLIMITED, last_episode: int = UNLIMITED
     ) -> None:
-        """Take ``steps`` steps or finish ``episodes`` episodes, as :meth:`advance` does, along ``journal``.
+        """Advance along ``journal``, of which this run has applied the beginning.
 
-        ``journal`` begins with what has been applied already. All settings of the step that is reached are
-        applied too.
+        It ends at ``last_step`` or when ``last_episode`` episodes are finished, both counted from the start
+        of the run, or earlier, where :meth:`advance` does. Each entry applies at its step, and so do all
+        settings of the step that is reached; what lies beyond is left out, and so is an action taken by a
+        person at that step, since it is a step further.
         """
-        last_step, last_episode = self.step + steps, self.learner.episodes + episodes
+        learner = self.learner
         self._apply_settings(journal)
-        while not self.over and self.step < last_step and self.learner.episodes < last_episode:
-            applied, before = len(self._journal), self.step
+        while not self.over and learner.step < last_step and learner.episodes < last_episode:
+            applied, before = len(self._journal), learner.step
             ahead = journal[applied] if applied < len(journal) else None
-            if ahead is not None and ahead.step == self.step:
+            if ahead is not None and ahead.step <= before:
                 self.apply(ahead.change)
             else:
                 until = last_step if ahead is None else min(last_step, ahead.step)
-                self.advance(until - self.step, last_episode - self.learner.episodes)
+                self.advance(until - before, last_episode - learner.episodes)
             self._apply_settings(journal)
-            if self.noticed or self.timed_out or self.step == before:
+            if self.noticed or self.timed_out or learner.step == before:
                 break
         self._mark_if_due()
 
@@ -269,7 +254,7 @@ class Run:
         """Apply what follows in ``journal`` at this step, up to an action, which is a step further."""
         while len(self._journal) < len(journal):
             entry = journal[len(self._journal)]
-            if entry.step != self.step or isinstance(entry.change, TakeAction):
+            if entry.step > self.step or isinstance(entry.change, TakeAction):
                 return
             self.apply(entry.change)
 
@@ -364,17 +349,8 @@ class Run:
         ended = last.planned if learner.plans else last.terminated or last.truncated
         return last.next_state if ended else learner.state
 
-    @property
-    def _last_episode(self) -> int:
-        """The number of the last episode within the limit."""
-        return self.episode_limit + self.learner.planned.sweeps
-
-    @property
-    def _next_mark(self) -> int | None:
-        return self._evaluation.next_step if self._evaluate else None
-
     def _mark_if_due(self) -> None:
-        if self.learner.step == self._next_mark and not self.stop_reason:
+        if self.learner.step == self._evaluation.next_step and not self.stop_reason:
             ties = self.learner.hyperparameters.ties
             self._evaluation.mark(self.learner.episodes, self.learner.q, ties)
 

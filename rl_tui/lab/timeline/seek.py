@@ -1,65 +1,60 @@
-"""The way of a run to another moment."""
+"""The way of a run to another step or episode."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from rl_tui.lab.run.run import UNLIMITED
+from rl_tui.lab.run.recipe import UNLIMITED
 
 if TYPE_CHECKING:
     from rl_tui.lab.run.run import Run, RunState
     from rl_tui.lab.timeline.checkpoints import Checkpoints
 
 
-@dataclass(frozen=True, slots=True)
-class Goal:
-    """A moment of the branch with number ``branch``: after ``step`` steps, or where ``episode`` begins."""
+class Seek:
+    """The way to a target on a branch: the state after ``step`` steps, or where ``episode`` (from 1) begins.
 
-    branch: int
-    step: int | None = None
-    episode: int | None = None
+    ``branch`` is the number of the branch, and ``end`` how far it has come: no seek goes further.
+    """
 
-    def start_in(self, checkpoints: Checkpoints) -> RunState | None:
-        """Return the best of ``checkpoints`` to set out from, None for the seed."""
+    def __init__(self, branch: int, end: int, *, step: int | None = None, episode: int | None = None) -> None:
+        self.branch = branch
+        """The number of the target's branch."""
+        self.step = None if step is None else max(0, min(step, end))
+        """How many steps were taken at the target; None where the target is the beginning of an episode."""
+        self.last_step = end if self.step is None else self.step
+        """The step at which the seek ends at the latest."""
+        self.last_episode = UNLIMITED if episode is None else episode - 1
+        """How many episodes are finished at the target."""
+        self.run: Run
+        """The run that is brought to the target."""
+        self.origin = 0
+        """The step from which ``run`` started."""
+
+    def best_of(self, checkpoints: Checkpoints) -> RunState | None:
+        """Return the checkpoint that is nearest before the target, None for the seed."""
         if self.step is not None:
             return checkpoints.before_step(self.step)
-        return checkpoints.before_episode(self.episode or 1)
+        return checkpoints.before_episode(self.last_episode + 1)
 
     def is_ahead_of(self, run: Run) -> bool:
-        """Tell whether ``run`` comes there, or stands there, if it goes on."""
+        """Return True if ``run`` stands at the target, or comes there when it advances."""
         if self.step is not None:
             return run.step <= self.step
-        finished = (self.episode or 1) - 1
         episodes = run.learner.episodes
-        return episodes < finished or (episodes == finished and run.begins_episode)
+        return episodes < self.last_episode or (episodes == self.last_episode and run.begins_episode)
 
-
-class Journey:
-    """``run`` on its way to ``goal``, at most to step ``end``."""
-
-    def __init__(self, run: Run, goal: Goal, end: int) -> None:
-        self.run = run
-        self.goal = goal
-        self.origin = run.step
-        self._end = end if goal.step is None else min(goal.step, end)
-
-    @property
-    def last_step(self) -> int:
-        """The step it goes to at most."""
-        return self._end
-
-    @property
-    def last_episode(self) -> int:
-        """How many episodes are finished at the goal."""
-        return UNLIMITED if self.goal.episode is None else self.goal.episode - 1
+    def start_with(self, run: Run) -> None:
+        """Bring ``run`` to the target from where it stands."""
+        run.learner.watch(None)
+        self.run, self.origin = run, run.step
 
     @property
     def done(self) -> bool:
-        """Whether it is there, or can go no further."""
-        return self.run.step >= self._end or self.run.learner.episodes >= self.last_episode
+        """Whether the run has reached the target, or the end of the branch."""
+        return self.run.step >= self.last_step or self.run.learner.episodes >= self.last_episode
 
     @property
     def progress(self) -> tuple[int, int]:
-        """How many steps are done, and of how many."""
-        return self.run.step - self.origin, self._end - self.origin
+        """How many steps are done, and of how many at most."""
+        return self.run.step - self.origin, self.last_step - self.origin

@@ -26,11 +26,8 @@ class TableSamples:
         self._most = min(MOST, room // 2 * 2) if room >= _LEAST else 0
         self._spacing = 1
         self._tables: list[FloatArray] = []
-
-    @property
-    def next_step(self) -> int | None:
+        self.next_step = 0 if self._most else None
         """The step after which the next copy is due; None where none are taken."""
-        return len(self._tables) * self._spacing if self._most else None
 
     def add(self, q: FloatArray) -> None:
         """Take the copy that is due, of the estimates ``q``, [P]."""
@@ -38,12 +35,14 @@ class TableSamples:
         if len(self._tables) == self._most:
             self._tables = self._tables[::2]
             self._spacing *= 2
+        self.next_step = len(self._tables) * self._spacing
 
     def thin_out(self, branches: int) -> None:
         """Keep fewer: their branch is one of ``branches`` that were left."""
         while len(self._tables) > _LEAST and self._nbytes > limits().samples_left // branches:
             self._tables = self._tables[::2]
             self._spacing *= 2
+            self.next_step = len(self._tables) * self._spacing
 
     @property
     def _nbytes(self) -> int:
@@ -54,6 +53,7 @@ class TableSamples:
         shared = TableSamples(1)
         shared._most, shared._spacing = self._most, self._spacing
         shared._tables = self._tables[: step // self._spacing + 1]
+        shared.next_step = len(shared._tables) * shared._spacing if shared._most else None
         return shared
 
     def history(self, pair: int, step: int, q: FloatArray) -> CellHistory:

@@ -59,6 +59,10 @@ class FiniteSpace:
         """Return the pairs that ``state`` owns; empty for a terminal state."""
         return range(int(self.first_pair[state]), int(self.first_pair[state + 1]))
 
+    def pair_of(self, state: int, action: int) -> int | None:
+        """Return the pair of ``state`` and ``action``, None where that action is not legal there."""
+        return next((pair for pair in self.pairs_of(state) if self.pair_action[pair] == action), None)
+
     def pair_name(self, pair: int) -> str:
         """Return the names of state and action of ``pair``, such as ``6, left``."""
         return f"{self.state_names[self.state_of(pair)]}, {self.action_names[int(self.pair_action[pair])]}"

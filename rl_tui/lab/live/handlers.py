@@ -1,0 +1,159 @@
+"""What each command does: one function a command, and the table of them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING, Any, Final
+
+from rl_tui.lab.live import commands
+from rl_tui.lab.live.state import State
+from rl_tui.lab.live.until import Breakpoints, Event, Until
+from rl_tui.lab.run.recipe import TakeAction
+
+if TYPE_CHECKING:
+    from rl_tui.lab.live.playback import Playback
+
+
+def _play(playback: Playback, _: commands.Play) -> None:
+    playback.run()
+
+
+def _pause(playback: Playback, _: commands.Pause) -> None:
+    playback.rest()
+    if playback.state is State.SEEKING:
+        playback.group.stop_seek()
+        playback.seek()  # the others may still have to catch up
+
+
+def _step(playback: Playback, _: commands.Step) -> None:
+    playback.rest()
+    playback.group.advance(steps=1)
+    playback.stop_if_due()
+
+
+def _take(playback: Playback, command: commands.Take) -> None:
+    playback.rest()
+    playback.group.current.apply(TakeAction(command.action))
+    playback.group.follow()
+    playback.stop_if_due()
+
+
+def _run_episode(playback: Playback, _: commands.RunEpisode) -> None:
+    playback.run_until(Until(Event.EPISODE_END))
+
+
+def _run_until(playback: Playback, command: commands.RunUntil) -> None:
+    playback.run_until(command.until)
+
+
+def _train(playback: Playback, command: commands.Train) -> None:
+    playback.train(command.steps)
+
+
+def _set_speed(playback: Playback, command: commands.SetSpeed) -> None:
+    playback.transport.set_speed(command.speed)
+
+
+def _apply(playback: Playback, command: commands.Apply) -> None:
+    group = playback.group
+    group.current.apply(command.change)
+    group.gather()
+    playback.take_in_change()
+    if group.seeking:
+        playback.seek()
+
+
+def _restart(playback: Playback, command: commands.Restart) -> None:
+    playback.restart(command.recipe)
+
+
+def _look_at(playback: Playback, command: commands.LookAt) -> None:
+    playback.sight = command.sight
+
+
+def _follow_cell(playback: Playback, command: commands.FollowCell) -> None:
+    playback.cell = command.pair
+
+
+def _toggle_breakpoint(playback: Playback, command: commands.ToggleBreakpoint) -> None:
+    playback.set_breakpoints(playback.breakpoints.toggled(state=command.state, pair=command.pair))
+
+
+def _clear_breakpoints(playback: Playback, _: commands.ClearBreakpoints) -> None:
+    playback.set_breakpoints(Breakpoints())
+
+
+def _step_back(playback: Playback, _: commands.StepBack) -> None:
+    current = playback.group.current
+    here = current.run.step if current.seek is None or current.seek.step is None else current.seek.step
+    playback.rest()
+    playback.group.seek_to(step=here - 1)
+    playback.seek()
+
+
+def _episode_back(playback: Playback, _: commands.EpisodeBack) -> None:
+    run = playback.group.current.run
+    playback.rest()
+    playback.group.seek_to(episode=max(1, run.learner.episodes + (not run.begins_episode)))
+    playback.seek()
+
+
+def _go_to(playback: Playback, command: commands.GoTo) -> None:
+    playback.rest()
+    playback.group.seek_to(step=command.step, episode=command.episode)
+    playback.seek()
+
+
+def _choose_branch(playback: Playback, command: commands.ChooseBranch) -> None:
+    playback.rest()
+    playback.group.seek_to(branch=command.branch)
+    playback.seek()
+
+
+def _add_lane(playback: Playback, command: commands.AddLane) -> None:
+    playback.group.add(command.changes)
+    playback.take_in_change()
+    playback.seek()
+
+
+def _choose_lane(playback: Playback, command: commands.ChooseLane) -> None:
+    _show_another(playback, playback.group.show, command.lane)
+
+
+def _drop_lane(playback: Playback, command: commands.DropLane) -> None:
+    _show_another(playback, playback.group.drop, command.lane)
+
+
+def _show_another(playback: Playback, show: Callable[[int], None], lane: int) -> None:
+    if playback.condition is not None:
+        playback.rest()  # what was waited for was of the lane shown until now
+    show(lane)
+    playback.watch()
+    playback.take_in_change()
+    playback.seek()
+
+
+HANDLERS: Final[Mapping[type, Callable[[Playback, Any], None]]] = {
+    commands.Play: _play,
+    commands.Pause: _pause,
+    commands.Step: _step,
+    commands.Take: _take,
+    commands.RunEpisode: _run_episode,
+    commands.RunUntil: _run_until,
+    commands.Train: _train,
+    commands.SetSpeed: _set_speed,
+    commands.Apply: _apply,
+    commands.Restart: _restart,
+    commands.LookAt: _look_at,
+    commands.FollowCell: _follow_cell,
+    commands.ToggleBreakpoint: _toggle_breakpoint,
+    commands.ClearBreakpoints: _clear_breakpoints,
+    commands.StepBack: _step_back,
+    commands.EpisodeBack: _episode_back,
+    commands.GoTo: _go_to,
+    commands.ChooseBranch: _choose_branch,
+    commands.AddLane: _add_lane,
+    commands.ChooseLane: _choose_lane,
+    commands.DropLane: _drop_lane,
+}
+"""What a playback does with a command of each type."""

@@ -1,0 +1,59 @@
+"""The states of a playback."""
+
+from __future__ import annotations
+
+from enum import Enum, auto
+from typing import Final
+
+from rl_tui.lab.live.snapshot import Phase
+
+
+class State(Enum):
+    """What a playback is doing."""
+
+    BUILDING = auto()
+    """The world is built, and then the learner."""
+    LOADING = auto()
+    """Another algorithm is compiled or read from its cache; then it seeks, or goes on."""
+    SEEKING = auto()
+    """Runs are brought to another step; then it goes on."""
+    TRAINING = auto()
+    """An exact number of steps is taken, of which no snapshot shows anything; then it goes on."""
+    UNTIL = auto()
+    """It runs as fast as it goes until a condition holds."""
+    RUNNING = auto()
+    """It runs at the wanted speed."""
+    PAUSED = auto()
+    """It waits for commands."""
+    SPENT = auto()
+    """The budget is used up."""
+    DONE = auto()
+    """A planner has converged."""
+    STOPPED = auto()
+    """The run broke down."""
+
+
+PHASES: Final = {
+    State.BUILDING: Phase.PREPARING,
+    State.LOADING: Phase.PREPARING,
+    State.SEEKING: Phase.SEEKING,
+    State.UNTIL: Phase.RUNNING,
+    State.RUNNING: Phase.RUNNING,
+    State.PAUSED: Phase.PAUSED,
+    State.SPENT: Phase.SPENT,
+    State.DONE: Phase.DONE,
+    State.STOPPED: Phase.STOPPED,
+}
+"""What a snapshot tells of each state; while it trains, that of the state in which it goes on."""
+
+ENDED: Final = frozenset({State.SPENT, State.DONE, State.STOPPED})
+"""The run shown takes no further step, unless something is changed."""
+
+PASSING: Final = frozenset({State.LOADING, State.SEEKING, State.TRAINING})
+"""After these a playback goes on with what it did before."""
+
+UNFINISHED: Final = frozenset({State.BUILDING, State.UNTIL, *PASSING})
+"""Something that was asked for and has an end is not done yet."""
+
+BUSY: Final = frozenset({State.BUILDING, State.LOADING, State.TRAINING})
+"""No command at all can be taken."""
