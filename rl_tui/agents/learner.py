@@ -65,8 +65,10 @@ class Learner(LearnerCounters):
         self._stepped = (
             None if environment is None else SteppedLoop(environment, streams.world, space.pair_action)
         )
-        self._planned = Planned(0, 0)
-        self._author = Author(algorithm, hyperparameters)
+        self.planned = Planned(0, 0)
+        """What part of the work was a planner's, and so not in the world."""
+        self.author = Author(algorithm, hyperparameters)
+        """Who took the last step; before the first, who will."""
         self._rule: Any
         self._memory: Any
         self._stop = Stop.DONE
@@ -143,11 +145,6 @@ class Learner(LearnerCounters):
             self._stop = Stop.DONE
 
     @property
-    def planned(self) -> Planned:
-        """What part of the work was a planner's, and so not in the world."""
-        return self._planned
-
-    @property
     def planning(self) -> str:
         """How a planner is getting on, in words; empty before its first step, and for an agent."""
         return str(self._module.describe(self._memory)) if self.plans else ""
@@ -163,11 +160,6 @@ class Learner(LearnerCounters):
     def drifted(self) -> Drifted | None:
         """How the pulls of a bandit were spent whose means drift; None elsewhere."""
         return drifted_by(self._drift)
-
-    @property
-    def author(self) -> Author:
-        """Who took the last step; before the first, who will."""
-        return self._author
 
     @property
     def stop_reason(self) -> str:
@@ -243,7 +235,7 @@ class Learner(LearnerCounters):
         # What is watched must leave no trace in where it stands
         self._stop = Stop.DONE if stop is Stop.NOTICED else stop
         if self.step > before:
-            self._author = Author(self.algorithm, self.hyperparameters)
+            self.author = Author(self.algorithm, self.hyperparameters)
         return stop
 
     def set_time_budget(self, seconds: float) -> None:
@@ -294,8 +286,8 @@ class Learner(LearnerCounters):
             steps,
             sweeps,
         )
-        backups, done = self._planned
-        self._planned = Planned(backups + self.step - before, done + self.episodes - swept)
+        backups, done = self.planned
+        self.planned = Planned(backups + self.step - before, done + self.episodes - swept)
         return stop
 
     def _tables_now(self) -> Tables:
@@ -343,8 +335,8 @@ class Learner(LearnerCounters):
             copies(self._position),
             copies(self._last),
             tuple(generator.bit_generator.state for generator in self.streams),
-            self._planned,
-            self._author,
+            self.planned,
+            self.author,
             self._stop,
         )
 
@@ -356,8 +348,10 @@ class Learner(LearnerCounters):
 
     def restore(self, state: LearnerState) -> None:
         """Go back to ``state``, bit for bit."""
-        self._take_rule(state.hyperparameters)
-        self._take_algorithm(state.algorithm)
+        if state.hyperparameters != self.hyperparameters:
+            self._take_rule(state.hyperparameters)
+        if state.algorithm != self.algorithm:
+            self._take_algorithm(state.algorithm)
         put_back(self._memory, state.memory)
         put_back(arrays_of(self._rule), state.rule)
         put_back(self._drift, state.drift)
@@ -366,7 +360,7 @@ class Learner(LearnerCounters):
         for generator, bits in zip(self.streams, state.streams, strict=True):
             generator.bit_generator.state = bits
         self._log.finished[0] = 0
-        self._planned = state.planned
-        self._author = state.author
+        self.planned = state.planned
+        self.author = state.author
         self._stop = state.stop
         self.watch(self._watching)

@@ -37,6 +37,7 @@ from rl_tui.lab.timeline.run_record import RunRecord
 
 if TYPE_CHECKING:
     from rl_tui.lab.live.transport import Transport
+    from rl_tui.lab.run.run import Run
     from rl_tui.lab.timeline.run_group import RunGroup
     from rl_tui.worlds.mdp.space import FloatArray
 
@@ -241,7 +242,8 @@ class Playback:
         self.state = self._next
         self.phase = PHASES[self.state]
         self.changed = True
-        self._end_if_over()
+        if self.group.current.run.over:
+            self._end(self.group.current.run)
 
     def rest(self) -> None:
         """Stand still, whatever was under way."""
@@ -250,7 +252,8 @@ class Playback:
         if self.condition is not None:
             self.condition = None
             self.watch()
-        self._enter(State.PAUSED)
+        if self._next is not State.PAUSED:
+            self._enter(State.PAUSED)
 
     def run(self) -> None:
         """Run on at the wanted speed, unless it runs already."""
@@ -286,17 +289,16 @@ class Playback:
     def stop_if_due(self) -> None:
         """Rest where the run shown is over or has met a breakpoint."""
         run = self.group.current.run
-        if not self._end_if_over() and run.noticed and (words := breakpoint_in_words(run)):
+        if run.over:
+            self._end(run)
+        elif run.noticed and (words := breakpoint_in_words(run)):
             self.rest()
             self.paused_by = words
 
-    def _end_if_over(self) -> bool:
-        run = self.group.current.run
-        if not run.over:
-            return False
+    def _end(self, run: Run) -> None:
+        """Rest for good, since the run shown is over."""
         self.rest()
         self._enter(State.DONE if run.converged else State.SPENT if run.spent else State.STOPPED)
-        return True
 
     def watch(self) -> None:
         """Let the run shown stop by itself where it should."""
@@ -315,7 +317,8 @@ class Playback:
         self.transport.measure_anew()
         if self._next in ENDED:
             self._enter(State.PAUSED)  # what was changed may give a planner something to do again
-            self._end_if_over()
+            if self.group.current.run.over:
+                self._end(self.group.current.run)
         self._load_what_is_cold()
 
     # What is done in each state
@@ -373,7 +376,6 @@ class Playback:
 
     def _continue_seek(self) -> None:
         if self.transport.continue_seek(AT_ONCE):
-            self.transport.measure_anew()
             self.transport.start(at_once=False)
             self._go_on()
             self._load_what_is_cold()

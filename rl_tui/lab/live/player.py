@@ -237,7 +237,8 @@ class Player:
         with self._changed:
             self._latest = snapshot
             self._wanted = self._outdated = False
-            self._wake_reader()
+            if self._reader is not None:
+                self._reader.wake()
 
     def _owes_snapshot(self) -> bool:
         """Return True if the reader waits and there is news; training has none before its end."""

@@ -82,22 +82,24 @@ class Transport:
 
     def start_seek(self) -> None:
         """Note that the group begins to seek now."""
-        self.measure_anew()
+        self._chunk = ChunkSize()
         self._seek_start = self._last_news = self._clock()
         self._sought = 0
 
     def continue_seek(self, seconds: float) -> bool:
         """Seek for about so many seconds; return whether all are where they have to be."""
-        until = self._clock() + seconds
+        now = self._clock()
+        until = now + seconds
         while self.group.seeking:
+            if now >= until:
+                return False
             before, wanted = self._clock(), self._chunk.steps
             taken = self.group.continue_seek(wanted)
             self._sought += taken
             now = self._clock()
             if taken == wanted:
                 self._chunk.measured(taken, now - before)
-            if now >= until:
-                return not self.group.seeking
+        self._chunk = ChunkSize()  # a step may now take a thousand times as long
         return True
 
     def has_news(self) -> bool:

@@ -50,6 +50,7 @@ class RunState:
     history: HistoryState
     marks: MarksState
     journal: tuple[JournalEntry, ...]
+    stop_reason: str
 
     @property
     def nbytes(self) -> int:
@@ -79,6 +80,7 @@ class Run:
     ) -> None:
         self.recipe = recipe
         self.world, drawn = beginning or begin(recipe)
+        mdp = self.world.mdp
         new_environment = self.world.new_environment
         self.learner = Learner(
             self.world.space,
@@ -95,7 +97,10 @@ class Run:
         """Whether the last advance ended because its time was over: see :meth:`Learner.set_time_budget`."""
         self._journal: list[JournalEntry] = []
         self._greedy_return = GreedyReturn(lambda: self.learner.mdp)
-        self._evaluation = Evaluation(self.world.mdp if evaluate else None, self._greedy_return)
+        self._evaluation = Evaluation(mdp if evaluate else None, self._greedy_return)
+        self._is_evaluated_live = (
+            mdp is not None and mdp.states <= MOST_STATES and visits_of(mdp) <= DEAREST_LIVE
+        )
         self._on_episodes = on_episodes
         self._windows: Windows | None = None
 
@@ -235,28 +240,23 @@ class Run:
         settings of the step that is reached; what lies beyond is left out, and so is an action taken by a
         person at that step, since it is a step further.
         """
-        learner = self.learner
-        self._apply_settings(journal)
-        while not self.over and learner.step < last_step and learner.episodes < last_episode:
-            applied, before = len(self._journal), learner.step
+        learner, stopped = self.learner, False
+        while True:
+            here, applied = learner.step, len(self._journal)
             ahead = journal[applied] if applied < len(journal) else None
-            if ahead is not None and ahead.step <= before:
-                self.apply(ahead.change)
+            due = None if ahead is None or ahead.step > here else ahead.change
+            if due is not None and not isinstance(due, TakeAction):
+                self.apply(due)
+                continue
+            if stopped or self.over or here >= last_step or learner.episodes >= last_episode:
+                break
+            if due is not None:
+                self.apply(due)
             else:
                 until = last_step if ahead is None else min(last_step, ahead.step)
-                self.advance(until - before, last_episode - learner.episodes)
-            self._apply_settings(journal)
-            if self.noticed or self.timed_out or learner.step == before:
-                break
+                self.advance(until - here, last_episode - learner.episodes)
+            stopped = self.noticed or self.timed_out or learner.step == here
         self._mark_if_due()
-
-    def _apply_settings(self, journal: Sequence[JournalEntry]) -> None:
-        """Apply what follows in ``journal`` at this step, up to an action, which is a step further."""
-        while len(self._journal) < len(journal):
-            entry = journal[len(self._journal)]
-            if entry.step > self.step or isinstance(entry.change, TakeAction):
-                return
-            self.apply(entry.change)
 
     def checkpoint(self) -> RunState:
         """Return a copy of where the run stands."""
@@ -268,12 +268,13 @@ class Run:
             self.history.checkpoint(),
             self._evaluation.checkpoint(),
             self.journal,
+            self.stop_reason,
         )
 
     def restore(self, state: RunState) -> None:
         """Go back to what :meth:`checkpoint` returned, be it from another run of the same recipe."""
         self.learner.restore(state.learner)
-        self.stop_reason = self.learner.stop_reason
+        self.stop_reason = state.stop_reason
         self.history.restore(state.history)
         self._evaluation.restore(state.marks)
         self._journal = list(state.journal)
@@ -357,8 +358,7 @@ class Run:
     @property
     def greedy_return(self) -> float | None:
         """The exact expected return of the greedy policy; None where it has none or it is too dear."""
-        mdp = self.world.mdp
-        if mdp is None or self.stop_reason or mdp.states > MOST_STATES or visits_of(mdp) > DEAREST_LIVE:
+        if not self._is_evaluated_live or self.stop_reason:
             return None
         return self._greedy_return(self.learner.q, self.learner.hyperparameters.ties)
 

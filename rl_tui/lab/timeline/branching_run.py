@@ -159,7 +159,9 @@ class BranchingRun:
         self.seek = seek = Seek(number, kept.branch.end, step=step, episode=episode)
         start = seek.best_of(kept.checkpoints)
         stays = number == self._number and (start is None or start.step <= run.step)
-        seek.start_with(run if stays and seek.is_ahead_of(run) else self._run_at(start))
+        seek.run = run if stays and seek.is_ahead_of(run) else self._run_at(start)
+        seek.origin = seek.run.step
+        seek.run.learner.watch(None)
         self._sought = 0.0
         if seek.done:
             self._arrive(seek)

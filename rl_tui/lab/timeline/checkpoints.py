@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from bisect import bisect_right, insort
 from collections import deque
+from operator import attrgetter
 from typing import TYPE_CHECKING, Final
 
 from rl_tui.lab.timeline.memory_limits import limits
@@ -16,6 +17,7 @@ MOST_LEFT: Final = 32  # of a branch that nobody is on
 FIRST_SPACING: Final = 0.05
 _LEAST: Final = 2
 _NEAR: Final = 4
+_step: Final = attrgetter("step")
 _LARGE: Final = 16 * 2**20  # of such states only one is kept that is near
 
 
@@ -89,10 +91,6 @@ class Checkpoints:
     @staticmethod
     def _room(state: RunState) -> int:
         return max(_LEAST, min(MOST, limits().checkpoints // max(1, state.nbytes)))
-
-
-def _step(state: RunState) -> int:
-    return state.step
 
 
 def _is_before(state: RunState, episode: int) -> bool:

@@ -98,7 +98,9 @@ class RunGroup:
     def advance(self, steps: int = UNLIMITED, episodes: int = UNLIMITED) -> None:
         """Let the one shown advance by ``steps`` or ``episodes``, and the others follow."""
         self.current.advance(steps, episodes)
-        self.follow()
+        self.step = self.current.run.step
+        if self._others:
+            self.follow()
 
     def follow(self) -> None:
         """Let the others come to where the one shown stands now."""
@@ -145,7 +147,7 @@ class RunGroup:
             self._resumes = False
             self.gather()
         else:
-            self.step = self.current.step
+            self.step = self.current.run.step
 
     def continue_seek(self, steps: int) -> int:
         """Bring the next run that is elsewhere nearer to where it has to be, by at most ``steps``.

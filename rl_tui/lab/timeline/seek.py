@@ -44,11 +44,6 @@ class Seek:
         episodes = run.learner.episodes
         return episodes < self.last_episode or (episodes == self.last_episode and run.begins_episode)
 
-    def start_with(self, run: Run) -> None:
-        """Bring ``run`` to the target from where it stands."""
-        run.learner.watch(None)
-        self.run, self.origin = run, run.step
-
     @property
     def done(self) -> bool:
         """Whether the run has reached the target, or the end of the branch."""
