@@ -20,9 +20,8 @@ from rl_tui.lab.run.recipe import SetParameter, begin
 from rl_tui.lab.sessions.folder import files_in
 from rl_tui.lab.sessions.replay import replay_target, replayed
 from rl_tui.lab.sessions.session import StoredSession, digest_of, encoded, read_session
-from rl_tui.lab.timeline.branches import FIRST
+from rl_tui.lab.timeline.branches import FIRST, RunRecord
 from rl_tui.lab.timeline.branching_run import BranchingRun
-from rl_tui.lab.timeline.run_record import RunRecord
 
 SCENARIO: Final = "student"
 FASTER: Final = "+" * 9

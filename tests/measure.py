@@ -21,6 +21,7 @@ from typing import Final
 
 from frame_times import frame_times
 from journeys import journeys
+from player_calls import player_calls
 from pseudo_terminal import RL_TUI, PseudoTerminal
 
 SCENARIO: Final = "frozenlake-slippery"
@@ -41,7 +42,7 @@ for steps in ({first}, {last}):
     with open("/proc/self/statm", encoding="ascii") as file:
         print(int(file.read().split()[1]) * page, flush=True)
 """
-
+WANTED_CALLS: Final = {"s": "at most 79", "b": "at most 114"}
 ONE_STEP: Final = {
     "sarsa": "windy",
     "expected-sarsa": "cliff",
@@ -219,6 +220,12 @@ def travel(steps: int) -> Rows:
             yield f"{scenario} {length:,}: {kind}", figures, wanted
 
 
+def player() -> Rows:
+    """How many functions of the program run on the player's thread when a key asks for one step."""
+    for key, calls in player_calls().items():
+        yield f"functions on the player's thread, {key}", f"{len(calls)}", WANTED_CALLS[key]
+
+
 def memory(steps: int) -> Rows:
     """Resident memory of a run after ten million steps and after ``steps``."""
     code = MEMORY.format(scenario=SCENARIO, first=10_000_000, last=steps)
@@ -234,7 +241,8 @@ def main() -> None:
     parser.add_argument(
         "what",
         nargs="*",
-        help="start-up, bench, algorithms, sizes, frames, first-paint, live, travel, memory; default: all",
+        help="start-up, bench, algorithms, sizes, frames, first-paint, live, travel, player, memory; "
+        "default: all",
     )
     parser.add_argument("--rounds", type=int, default=5)
     parser.add_argument("--memory-steps", type=int, default=1_000_000_000)
@@ -248,6 +256,7 @@ def main() -> None:
         "first-paint": lambda: first_paint(options.rounds),
         "live": lambda: live(options.rounds),
         "travel": lambda: travel(100_000_000),
+        "player": player,
         "memory": lambda: memory(options.memory_steps),
     }
     for name in options.what or measures:

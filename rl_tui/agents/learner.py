@@ -65,6 +65,8 @@ class Learner(LearnerCounters):
         self._stepped = (
             None if environment is None else SteppedLoop(environment, streams.world, space.pair_action)
         )
+        self.rewindable = environment is None
+        """Whether it can go back to a checkpoint: an environment that is stepped cannot."""
         self.planned = Planned(0, 0)
         """What part of the work was a planner's, and so not in the world."""
         self.author = Author(algorithm, hyperparameters)
@@ -76,7 +78,8 @@ class Learner(LearnerCounters):
         self._take_rule(hyperparameters)
         self._take_algorithm(algorithm)
         self._begin_anew()
-        self.watch(None)
+        self._watching: Watching | None = None
+        self._watch = new_watch(Watching(), space, self._tables, self.q, random_ties=True)
 
     def configure(self, hyperparameters: Hyperparameters) -> None:
         """Take these hyper-parameters from the next step on; ``initial_q`` only counts in the constructor.
@@ -92,8 +95,8 @@ class Learner(LearnerCounters):
             self._rule = self._policy_module.changed_rule(self._rule, hyperparameters)
             self._take_hyperparameters(hyperparameters)
         if other_ties:
-            noticed = self._watch.noticed
-            self.watch(self._watching)  # the new tie rule says what was greedy before
+            noticed = self._watch.noticed.copy()
+            self.watch(self._watching)  # what was greedy before has to be told by the new rule
             self._watch.noticed[:] = noticed
         self._go_on_planning()
 
@@ -186,6 +189,9 @@ class Learner(LearnerCounters):
         It changes nothing in what is learned, and is no part of a checkpoint. Raises ValueError where a state
         or a pair is unknown.
         """
+        if watching is None and self._watching is None:
+            forget(self._watch)
+            return
         self._watching = watching
         random_ties = self.hyperparameters.ties == "random"
         self._watch = new_watch(watching or Watching(), self.space, self._tables, self.q, random_ties)
@@ -311,11 +317,6 @@ class Learner(LearnerCounters):
     def _loop(self) -> tuple[str, str, bool]:
         policy = "" if self.plans else self.hyperparameters.policy
         return self.algorithm, policy, self._stepped is not None
-
-    @property
-    def rewindable(self) -> bool:
-        """Whether it can go back to a checkpoint: an environment that is stepped cannot."""
-        return self._stepped is None
 
     def checkpoint(self) -> LearnerState:
         """Return all there is to come back to; episodes must have been drained.

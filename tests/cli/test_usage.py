@@ -20,8 +20,7 @@ from rl_tui.cli.main import program
 from rl_tui.lab.live.record import Record
 from rl_tui.lab.run.library import find, recipe_for
 from rl_tui.lab.sessions.session import encoded
-from rl_tui.lab.timeline.branches import FIRST
-from rl_tui.lab.timeline.run_record import RunRecord
+from rl_tui.lab.timeline.branches import FIRST, RunRecord
 
 COMMANDS = ("play", "train", "replay", "solve", "list", "check", "bench", "screenshot", "serve")
 

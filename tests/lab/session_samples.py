@@ -12,8 +12,7 @@ from rl_tui.agents.hyperparameters import PARAMETERS
 from rl_tui.lab.live.record import Record
 from rl_tui.lab.live.until import Breakpoints
 from rl_tui.lab.run.recipe import Change, JournalEntry, Recipe, SetParameter, SwitchAlgorithm, TakeAction
-from rl_tui.lab.timeline.branches import FIRST, Branch
-from rl_tui.lab.timeline.run_record import RunRecord
+from rl_tui.lab.timeline.branches import FIRST, Branch, RunRecord
 
 NAMES = st.text(st.characters(exclude_categories=("C", "Z")), min_size=1, max_size=20)
 

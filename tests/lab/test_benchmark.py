@@ -13,22 +13,22 @@ from rl_tui.lab.experiments.benchmark import PlainLoop
 
 def test_the_plain_loop_learns_what_ours_does() -> None:
     loop = PlainLoop(recipe("frozenlake"), random_ties=True)
-    loop.advance(20_000)
+    loop.take_steps(20_000)
     assert np.max(loop._q[0]) == pytest.approx(0.951, abs=0.01)
 
 
 def test_the_plain_loop_that_takes_the_first_of_equals_walks_into_the_edge() -> None:
     loop = PlainLoop(recipe("frozenlake"), random_ties=False)
-    loop.advance(5_000)
+    loop.take_steps(5_000)
     assert not loop._q.any()
 
 
 def test_the_plain_loop_starts_and_explores_as_ours_does() -> None:
     hopeful = PlainLoop(recipe("frozenlake", initial_q=1.0, epsilon=0.0), random_ties=False)
-    hopeful.advance(2_000)
+    hopeful.take_steps(2_000)
     assert np.max(hopeful._q[0]) == pytest.approx(0.951, abs=0.02)
     tiring = PlainLoop(recipe("frozenlake", epsilon=1.0, epsilon_decay=1e9), random_ties=False)
-    tiring.advance(10_000)
+    tiring.take_steps(10_000)
     assert tiring._episodes < 150  # of 100 steps each, once it no longer explores
 
 
@@ -42,7 +42,7 @@ def test_an_environment_that_fails_in_the_plain_loop_is_one_line(
     loop = PlainLoop(recipe("frozenlake"), random_ties=False)
     monkeypatch.setattr(loop._env.unwrapped, "step", failing)
     with ThreadPoolExecutor(1) as pool, pytest.raises(UserError) as fault:
-        pool.submit(loop.advance, 10).result()
+        pool.submit(loop.take_steps, 10).result()
     assert str(fault.value) == "FrozenLake-v1 failed in the plain loop: KeyboardInterrupt: out of breath"
     assert capsys.readouterr().out == ""
 

@@ -29,8 +29,7 @@ from rl_tui.lab.sessions.session import (
     encoded,
     read_session,
 )
-from rl_tui.lab.timeline.branches import Branch
-from rl_tui.lab.timeline.run_record import RunRecord
+from rl_tui.lab.timeline.branches import Branch, RunRecord
 
 SOUND = after(
     fresh(recipe("student", seed=3)),

@@ -24,8 +24,7 @@ from rl_tui.lab.run.recipe import JournalEntry, SetParameter, TakeAction
 from rl_tui.lab.run.run import Run
 from rl_tui.lab.sessions.replay import replay_target, replayed
 from rl_tui.lab.sessions.session import digest_of, encoded, read_session
-from rl_tui.lab.timeline.branches import Branch
-from rl_tui.lab.timeline.run_record import RunRecord
+from rl_tui.lab.timeline.branches import Branch, RunRecord
 
 ALPHA = JournalEntry(12, SetParameter("alpha", 0.5))
 EPSILON = JournalEntry(60, SetParameter("epsilon", 0.0))

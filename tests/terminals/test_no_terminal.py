@@ -15,8 +15,7 @@ from pseudo_terminal import RL_TUI, PseudoTerminal, visible
 from rl_tui.lab.live.record import Record
 from rl_tui.lab.run.library import find, recipe_for
 from rl_tui.lab.sessions.session import encoded
-from rl_tui.lab.timeline.branches import FIRST
-from rl_tui.lab.timeline.run_record import RunRecord
+from rl_tui.lab.timeline.branches import FIRST, RunRecord
 
 
 @pytest.mark.parametrize(

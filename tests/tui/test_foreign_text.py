@@ -22,8 +22,7 @@ from rl_tui.lab.run.library import recipe_for
 from rl_tui.lab.run.recipe import begin
 from rl_tui.lab.run.run import Run
 from rl_tui.lab.sessions.session import encoded
-from rl_tui.lab.timeline.branches import FIRST
-from rl_tui.lab.timeline.run_record import RunRecord
+from rl_tui.lab.timeline.branches import FIRST, RunRecord
 from rl_tui.tui.app.app import RlTuiApp
 from rl_tui.tui.app.display import Display
 from rl_tui.tui.app.screenshot import settle

@@ -22,8 +22,7 @@ from rl_tui.lab.run.recipe import JournalEntry, Recipe, SetParameter
 from rl_tui.lab.sessions.autosave import untouched
 from rl_tui.lab.sessions.folder import sessions_in
 from rl_tui.lab.sessions.session import digest_of, encoded, read_session
-from rl_tui.lab.timeline.branches import FIRST
-from rl_tui.lab.timeline.run_record import RunRecord
+from rl_tui.lab.timeline.branches import FIRST, RunRecord
 from rl_tui.tui.app.app import RlTuiApp
 from rl_tui.tui.app.display import Display
 from rl_tui.tui.app.screenshot import settle

@@ -61,7 +61,6 @@ def command(session: Path, lane: int | None, branch: str | None, csv: str | None
 def _replayed(stored: StoredSession, target: ReplayTarget, csv: str | None) -> tuple[Run, float]:
     from rl_tui.common.errors import UserError
     from rl_tui.lab.experiments.episode_rows import EpisodeRows, csv_file
-    from rl_tui.lab.run.run import no_episodes
     from rl_tui.lab.sessions.replay import replayed
     from rl_tui.lab.sessions.session import SessionError
 
@@ -70,7 +69,7 @@ def _replayed(stored: StoredSession, target: ReplayTarget, csv: str | None) -> t
         progress(stored.title) as on_progress,
         nullcontext() if file is None else csv_file(file) as stream,
     ):
-        rows = no_episodes if stream is None else EpisodeRows(stream, 1)
+        rows = None if stream is None else EpisodeRows(stream, 1)
         try:
             return replayed(target, on_progress, rows)
         except UserError as fault:

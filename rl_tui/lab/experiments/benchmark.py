@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import replace
@@ -85,7 +85,7 @@ class PlainLoop:
                 raise
             raise UserError(f"{self._name} failed in the plain loop: {reason_of(error)}") from error
 
-    def advance(self, steps: int) -> None:
+    def take_steps(self, steps: int) -> None:
         """Take ``steps`` steps. Raises UserError where the environment fails."""
         with self._asked():
             self._take(steps)
@@ -118,7 +118,7 @@ class Together:
     def __init__(self, recipe: Recipe, runs: int = RUNS) -> None:
         self._runs = [Run(replace(recipe, seed=recipe.seed + n), evaluate=False) for n in range(runs)]
 
-    def advance(self, steps: int) -> None:
+    def take_steps(self, steps: int) -> None:
         """Take ``steps`` steps in all, as many in each run."""
         each = steps // len(self._runs)
         with ThreadPoolExecutor(cores()) as pool:
@@ -138,14 +138,14 @@ def benchmark(recipe: Recipe, rounds: int = ROUNDS) -> dict[str, Any]:
     run, together = Run(recipe, evaluate=False), Together(recipe)
     run.warm_up()
     run.advance(KERNEL_STEPS // 10)
-    together.advance(KERNEL_STEPS)
-    turns: list[tuple[Run | Together | PlainLoop, int]] = [
-        (run, KERNEL_STEPS),
-        (together, 4 * KERNEL_STEPS),
-        (first, PLAIN_STEPS),
-        (random, PLAIN_STEPS),
+    together.take_steps(KERNEL_STEPS)
+    turns: list[tuple[Callable[[int], None], int]] = [
+        (run.advance, KERNEL_STEPS),
+        (together.take_steps, 4 * KERNEL_STEPS),
+        (first.take_steps, PLAIN_STEPS),
+        (random.take_steps, PLAIN_STEPS),
     ]
-    speeds = [[_speed(loop, steps) for loop, steps in turns] for _ in range(rounds)]
+    speeds = [[_speed(take_steps, steps) for take_steps, steps in turns] for _ in range(rounds)]
     kernel, many, plain, plain_random = (median(column) for column in zip(*speeds, strict=True))
     return {
         "scenario": recipe.scenario.id,
@@ -159,9 +159,9 @@ def benchmark(recipe: Recipe, rounds: int = ROUNDS) -> dict[str, Any]:
     }
 
 
-def _speed(loop: Run | Together | PlainLoop, steps: int) -> float:
+def _speed(take_steps: Callable[[int], None], steps: int) -> float:
     start = time.perf_counter()
-    loop.advance(steps)
+    take_steps(steps)
     return steps / (time.perf_counter() - start)
 
 
@@ -178,7 +178,7 @@ async def live_fraction(recipe: Recipe, rounds: int = LIVE_ROUNDS) -> float:
         player.send(Train(KERNEL_STEPS))
         live, headless = [], []
         for _ in range(rounds):
-            headless.append(_speed(run, KERNEL_STEPS))
+            headless.append(_speed(run.advance, KERNEL_STEPS))
             live.append(await _live_speed(player))
         return median(live) / median(headless)
     finally:

@@ -174,3 +174,9 @@ LOOKING: Final = (LookAt, FollowCell, SetSpeed)
 
 MOVES: Final = (Play, Pause, Step, RunEpisode, RunUntil, Take, Train)
 """Commands that mean nothing where a run takes no further step."""
+
+WHILE_SEEKING: Final = (StepBack, GoTo, Pause, SetSpeed, LookAt, FollowCell, DropLane)
+"""Commands that replace a seek under way, or leave it alone."""
+
+FROM_HERE: Final = (StepBack, EpisodeBack, ChooseBranch)
+"""Commands that need to know where the run shown is to stand, but not where the others are."""

@@ -7,33 +7,19 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
 from rl_tui.common.errors import UserError
-from rl_tui.lab.live.commands import (
-    LOOKING,
-    MOVES,
-    ChooseBranch,
-    Command,
-    DropLane,
-    EpisodeBack,
-    FollowCell,
-    GoTo,
-    LookAt,
-    Pause,
-    Restart,
-    SetSpeed,
-    StepBack,
-)
+from rl_tui.lab.live.commands import FROM_HERE, LOOKING, MOVES, WHILE_SEEKING, Command, Restart, StepBack
 from rl_tui.lab.live.handlers import HANDLERS
 from rl_tui.lab.live.pacing import AT_ONCE, CHUNK
 from rl_tui.lab.live.preparing import preparing
 from rl_tui.lab.live.record import Record
 from rl_tui.lab.live.snapshot import CellHistory, Phase, Snapshot
-from rl_tui.lab.live.state import BUSY, ENDED, PASSING, PHASES, UNFINISHED, State
+from rl_tui.lab.live.state import BUSY, ENDED, PASSING, UNFINISHED, State
 from rl_tui.lab.live.stop_condition import StopCondition, breakpoint_in_words, watching_for
 from rl_tui.lab.live.until import Breakpoints, Event, Until
 from rl_tui.lab.live.viewport import Sight
 from rl_tui.lab.run.exact_answers import AT_ONCE_STATES, Answer, ExactAnswers, exact_now
 from rl_tui.lab.run.recipe import Beginning, Recipe, begin
-from rl_tui.lab.timeline.run_record import RunRecord
+from rl_tui.lab.timeline.branches import RunRecord
 
 if TYPE_CHECKING:
     from rl_tui.lab.live.transport import Transport
@@ -41,12 +27,15 @@ if TYPE_CHECKING:
     from rl_tui.lab.timeline.run_group import RunGroup
     from rl_tui.worlds.mdp.space import FloatArray
 
-PREPARING: Final = "loading the learner, which on first use takes some seconds"
+PHASES: Final = {
+    State.BUILDING: Phase.PREPARING,
+    State.LOADING: Phase.PREPARING,
+    State.UNTIL: Phase.RUNNING,
+    **{state: Phase[state.name] for state in (State.SEEKING, State.RUNNING, State.PAUSED, *ENDED)},
+}
+"""What a snapshot tells of each state; while it trains, that of the state in which it goes on."""
 
-# What replaces a seek that is under way, or does not mind it
-_WHILE_SEEKING: Final = frozenset({StepBack, GoTo, Pause, SetSpeed, LookAt, FollowCell, DropLane})
-# What needs to know where the run shown is to stand
-_FROM_HERE: Final = frozenset({StepBack, EpisodeBack, ChooseBranch})
+PREPARING: Final = "loading the learner, which on first use takes some seconds"
 
 
 class Playback:
@@ -116,10 +105,10 @@ class Playback:
         if self.state is not State.SEEKING:
             return True
         seek, kind = self.group.current.seek, type(command)
-        if seek is None and kind in _FROM_HERE:
+        if seek is None and kind in FROM_HERE:
             return True  # the run shown is there; others have to catch up
         knows_where = seek is not None and seek.step is not None
-        return kind in _WHILE_SEEKING and (knows_where or kind is not StepBack)
+        return kind in WHILE_SEEKING and (knows_where or kind is not StepBack)
 
     @property
     def record(self) -> Record:
@@ -241,6 +230,10 @@ class Playback:
         """Leave a state that passes, for what was done before it."""
         self.state = self._next
         self.phase = PHASES[self.state]
+        if self.phase is Phase.RUNNING:
+            self.transport.start(at_once=False)
+        else:
+            self.transport.meter.clear()
         self.changed = True
         if self.group.current.run.over:
             self._end(self.group.current.run)
@@ -369,14 +362,12 @@ class Playback:
             return
         for run in self.group.cold_runs:
             run.warm_up()
-        self.transport.start(at_once=False)
         self._go_on()
         if self.group.seeking:
             self.seek()
 
     def _continue_seek(self) -> None:
         if self.transport.continue_seek(AT_ONCE):
-            self.transport.start(at_once=False)
             self._go_on()
             self._load_what_is_cold()
         elif self._automatic and self.transport.has_news():
@@ -385,8 +376,11 @@ class Playback:
     def _continue_training(self) -> None:
         self._steps_to_train -= self.transport.take_steps(self._steps_to_train)
         if self._steps_to_train == 0 or self.group.current.run.over:
-            self._go_on()
+            self.state = self._next
+            self.phase = PHASES[self.state]
             self.watch()
+            self.stop_if_due()
+            self.changed = True
 
     def _continue_until(self) -> None:
         """Go on until what is waited for has happened, or some milliseconds are over."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from rl_tui.lab.live.until import Breakpoints
-from rl_tui.lab.timeline.run_record import RunRecord
+from rl_tui.lab.timeline.branches import RunRecord
 
 
 @dataclass(frozen=True, slots=True)

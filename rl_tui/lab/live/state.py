@@ -5,8 +5,6 @@ from __future__ import annotations
 from enum import Enum, auto
 from typing import Final
 
-from rl_tui.lab.live.snapshot import Phase
-
 
 class State(Enum):
     """What a playback is doing."""
@@ -32,19 +30,6 @@ class State(Enum):
     STOPPED = auto()
     """The run broke down."""
 
-
-PHASES: Final = {
-    State.BUILDING: Phase.PREPARING,
-    State.LOADING: Phase.PREPARING,
-    State.SEEKING: Phase.SEEKING,
-    State.UNTIL: Phase.RUNNING,
-    State.RUNNING: Phase.RUNNING,
-    State.PAUSED: Phase.PAUSED,
-    State.SPENT: Phase.SPENT,
-    State.DONE: Phase.DONE,
-    State.STOPPED: Phase.STOPPED,
-}
-"""What a snapshot tells of each state; while it trains, that of the state in which it goes on."""
 
 ENDED: Final = frozenset({State.SPENT, State.DONE, State.STOPPED})
 """The run shown takes no further step, unless something is changed."""

@@ -35,10 +35,6 @@ from rl_tui.worlds.mdp.tabular_mdp import BoolArray, FloatArray, IntArray
 OnEpisodes = Callable[[FloatArray, IntArray, BoolArray], None]
 
 
-def no_episodes(returns: FloatArray, lengths: IntArray, optimal: BoolArray) -> None:
-    """Ignore finished episodes."""
-
-
 @dataclass(frozen=True, slots=True, eq=False)
 class RunState:
     """A copy of all that a run knows at one step, for checkpoints."""
@@ -76,7 +72,7 @@ class Run:
         *,
         evaluate: bool = True,
         episode_limit: int | None = None,
-        on_episodes: OnEpisodes = no_episodes,
+        on_episodes: OnEpisodes | None = None,
     ) -> None:
         self.recipe = recipe
         self.world, drawn = beginning or begin(recipe)
@@ -367,7 +363,8 @@ class Run:
         returns, lengths, optimal = self.learner.drain_episodes()
         if len(returns):
             self.history.add(returns, lengths)
-            self._on_episodes(returns, lengths, optimal)
+            if self._on_episodes is not None:
+                self._on_episodes(returns, lengths, optimal)
         if stop is not Stop.DONE:
             self.stop_reason = self.learner.stop_reason
 

@@ -14,8 +14,7 @@ from rl_tui.lab.run.recipe import Recipe
 from rl_tui.lab.sessions.folder import settled
 from rl_tui.lab.sessions.session import MOST_PAIRS_DIGESTED, StoredSession, digest_of
 from rl_tui.lab.sessions.writer import SessionWriter, reason
-from rl_tui.lab.timeline.branches import FIRST
-from rl_tui.lab.timeline.run_record import RunRecord
+from rl_tui.lab.timeline.branches import FIRST, RunRecord
 
 if TYPE_CHECKING:
     from rl_tui.worlds.mdp.space import FloatArray

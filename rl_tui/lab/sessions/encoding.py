@@ -27,8 +27,7 @@ from rl_tui.lab.sessions.document import (
     StoredLane,
     StoredScenario,
 )
-from rl_tui.lab.timeline.branches import FIRST, Branch
-from rl_tui.lab.timeline.run_record import RunRecord
+from rl_tui.lab.timeline.branches import FIRST, Branch, RunRecord
 from rl_tui.worlds.files.scenario import Scenario, scenario_of
 from rl_tui.worlds.gym.ids import PREFIX, environment_scenario
 

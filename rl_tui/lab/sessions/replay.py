@@ -13,10 +13,9 @@ from rl_tui.lab.live.record import Record
 from rl_tui.lab.run.changes import as_json
 from rl_tui.lab.run.figures import training_figures
 from rl_tui.lab.run.recipe import begin
-from rl_tui.lab.run.run import OnEpisodes, Run, no_episodes
+from rl_tui.lab.run.run import OnEpisodes, Run
 from rl_tui.lab.sessions.session import StoredSession, digest_of
-from rl_tui.lab.timeline.branches import Branch
-from rl_tui.lab.timeline.run_record import RunRecord
+from rl_tui.lab.timeline.branches import Branch, RunRecord
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,7 +49,7 @@ def replay_target(record: Record, lane: int | None = None, branch: str | None = 
 
 
 def replayed(
-    target: ReplayTarget, on_progress: OnProgress = no_progress, on_episodes: OnEpisodes = no_episodes
+    target: ReplayTarget, on_progress: OnProgress = no_progress, on_episodes: OnEpisodes | None = None
 ) -> tuple[Run, float]:
     """Return the run at ``target`` and the seconds it took, compiling left out.
 

@@ -1,29 +1,47 @@
-"""The ways a run went on: the first one, and one more for each change that was made in its past."""
+"""The branches of a run: the first one, and one more for each change that was made in its past."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from typing import Final
 
-from rl_tui.lab.run.recipe import JournalEntry
+from rl_tui.lab.run.recipe import JournalEntry, Recipe
 
 
 @dataclass(frozen=True, slots=True)
 class Branch:
-    """One way a run went on, from step 0.
-
-    ``journal`` is complete: what it shares with ``parent``, the number of the branch it was forked from (None
-    for the first), comes first. ``fork`` is the step at which the two part, ``end`` the furthest step it has
-    come to, and ``here`` the one at which it stands or was left.
-    """
+    """One way a run went on, from step 0."""
 
     name: str
+    """What it is called on screen."""
     journal: tuple[JournalEntry, ...] = ()
+    """All that was changed; what it shares with its parent comes first."""
     parent: int | None = None
+    """The number of the branch it was forked from, None for the first."""
     fork: int = 0
+    """The step at which it parts from its parent."""
     end: int = 0
+    """The furthest step it has come to."""
     here: int = 0
+    """The step at which it stands, or was left."""
 
 
 FIRST: Final = Branch("branch 1")
 """What every run begins on."""
+
+
+@dataclass(frozen=True, slots=True)
+class RunRecord:
+    """All that is needed to come back to where a run was: small, and free of arrays."""
+
+    recipe: Recipe
+    """What the run was made from."""
+    branches: tuple[Branch, ...]
+    """Every branch of it; none before it begins."""
+    branch: int = 0
+    """The number of the branch in force."""
+
+    @property
+    def step(self) -> int:
+        """Where the run stands."""
+        return self.branches[self.branch].here if self.branches else 0

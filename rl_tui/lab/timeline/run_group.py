@@ -28,10 +28,9 @@ from rl_tui.lab.run.recipe import (
     changed_recipe,
 )
 from rl_tui.lab.run.run import Run
-from rl_tui.lab.timeline.branches import Branch
+from rl_tui.lab.timeline.branches import Branch, RunRecord
 from rl_tui.lab.timeline.branching_run import BranchingRun
 from rl_tui.lab.timeline.run_names import run_names
-from rl_tui.lab.timeline.run_record import RunRecord
 from rl_tui.worlds.world import World
 
 MOST: Final = 4
