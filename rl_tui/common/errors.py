@@ -35,12 +35,15 @@ class Fault:
 class ScenarioError(UserError):
     """A scenario file with faults: the first 100 of them, in the order of the file.
 
-    ``tables`` is what the file says, as far as it could be read.
+    ``tables`` is what the file says, as far as it could be read, and ``text`` the file as it was read.
     """
 
-    def __init__(self, faults: Iterable[Fault], tables: Mapping[str, Any] | None = None) -> None:
+    def __init__(
+        self, faults: Iterable[Fault], tables: Mapping[str, Any] | None = None, text: str = ""
+    ) -> None:
         self.faults = first_of(faults)
         self.tables: Mapping[str, Any] = tables or {}
+        self.text = text
         super().__init__("\n".join(str(fault) for fault in self.faults))
 
 

@@ -1,13 +1,15 @@
 from __future__ import annotations
 
 import itertools
+from typing import get_args
 
 import pytest
 from playing import busy
 from recipes import bandit, recipe
 
 from rl_tui.agents import learner
-from rl_tui.lab.live.commands import Apply, Pause, Play, Restart, RunEpisode, SetSpeed, Step, Train
+from rl_tui.lab.live.commands import Apply, Command, Pause, Play, Restart, RunEpisode, SetSpeed, Step, Train
+from rl_tui.lab.live.handlers import HANDLERS
 from rl_tui.lab.live.pacing import FIRST_CHUNK
 from rl_tui.lab.live.playback import Playback
 from rl_tui.lab.live.snapshot import Phase
@@ -297,3 +299,19 @@ def test_how_long_a_step_takes_is_found_out_anew_after_a_change(command: Apply |
     playback.handle(Play())
     playback.work()
     assert playback.snapshot().step - before == FIRST_CHUNK
+
+
+def test_there_is_a_handler_for_every_command() -> None:
+    assert set(HANDLERS) == set(get_args(Command))
+
+
+def test_the_speed_of_training_is_forgotten_by_the_next_step() -> None:
+    clock = Clock()
+    playback = ready(recipe("student"), clock, speed=None)
+    playback.handle(Train(10))
+    while playback.on_the_way:
+        playback.work()
+        clock.now += 0.3
+    assert playback.snapshot().steps_per_second is not None
+    playback.handle(Step())
+    assert playback.snapshot().steps_per_second is None

@@ -72,6 +72,22 @@ def test_every_branch_of_every_lane_is_what_follow_makes_of_it(lane: int, branch
     assert run.learner.q.tobytes() == straight.learner.q.tobytes()
 
 
+def test_what_is_set_at_the_step_of_an_action_comes_after_it() -> None:
+    journal = [JournalEntry(5, TakeAction(0)), JournalEntry(5, SetParameter("alpha", 0.5))]
+    trained, straight = Run(recipe("frozenlake")), Run(recipe("frozenlake"))
+    train(trained, Goal(steps=20), journal=journal)
+    straight.follow(journal, 20)
+    assert trained.journal == straight.journal == (journal[0], replace(journal[1], step=6))
+    assert trained.learner.q.tobytes() == straight.learner.q.tobytes()
+
+
+def test_training_refuses_an_action_after_the_end() -> None:
+    journal = [JournalEntry(10, TakeAction(0))]
+    run = Run(recipe("bandit"), episode_limit=10)
+    with pytest.raises(UserError, match="the run is over: no step can be taken"):
+        train(run, Goal(steps=20), journal=journal)
+
+
 @settings(max_examples=25, deadline=None)
 @given(
     st.lists(st.integers(0, 100), max_size=5),

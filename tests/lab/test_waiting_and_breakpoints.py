@@ -10,6 +10,7 @@ from rl_tui.lab.live.commands import (
     Apply,
     ClearBreakpoints,
     GoTo,
+    Pause,
     RunUntil,
     Step,
     StepBack,
@@ -77,3 +78,13 @@ def test_a_breakpoint_is_met_in_the_past_though_something_is_set_there() -> None
     again = do(playback, RunUntil(Until(Event.STEP, 1000)))
     assert again.paused_by == "breakpoint: state 4"
     assert again.hyperparameters.ties == "first"
+
+
+def test_a_breakpoint_that_was_met_is_not_met_again_without_a_step() -> None:
+    playback = begin(recipe("frozenlake-slippery"))
+    do(playback, ToggleBreakpoint(state=4))
+    there = do(playback, RunUntil(Until(Event.STEP, 1000)))
+    assert there.paused_by == "breakpoint: state 4"
+    assert do(playback, Pause()).paused_by == ""
+    assert do(playback, Train(3)).paused_by == ""
+    assert do(playback, StepBack()).step == there.step + 2

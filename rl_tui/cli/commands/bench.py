@@ -26,9 +26,9 @@ def command(scenario: str, rounds: int, overrides: dict[str, object], seed: int,
     values, and with random ties as here.
     """
     from rl_tui.lab.experiments.benchmark import benchmark
-    from rl_tui.lab.run.library import find, recipe_for
+    from rl_tui.lab.run.library import recipe_named
 
-    figures = benchmark(recipe_for(find(scenario), overrides, seed), rounds)
+    figures = benchmark(recipe_named(scenario, overrides, seed), rounds)
     if as_json:
         print_json(figures)
         return

@@ -35,10 +35,10 @@ def command(scenario: str, gamma: float | None, seed: int, as_json: bool) -> Non
     from rl_tui.common.errors import UserError
     from rl_tui.lab.run.exact_answers import NO_TABLE
     from rl_tui.lab.run.figures import MOST_STATES, policy_names, table
-    from rl_tui.lab.run.library import find, recipe_for
+    from rl_tui.lab.run.library import recipe_named
     from rl_tui.lab.run.recipe import begin
 
-    recipe = recipe_for(find(scenario), {} if gamma is None else {"gamma": gamma}, seed)
+    recipe = recipe_named(scenario, {} if gamma is None else {"gamma": gamma}, seed)
     world = begin(recipe).world
     mdp = world.mdp
     if mdp is None:

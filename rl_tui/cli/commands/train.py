@@ -84,11 +84,10 @@ def command(
             click.get_current_context(),
         )
     from rl_tui.lab.experiments.training import Goal
-    from rl_tui.lab.run.library import episodes_of, find, recipe_for
+    from rl_tui.lab.run.library import episodes_of, recipe_named
 
-    chosen = find(scenario)
-    recipe = recipe_for(chosen, overrides, seed)
-    goal = Goal(steps=steps) if steps is not None else Goal(episodes=episodes or episodes_of(chosen))
+    recipe = recipe_named(scenario, overrides, seed)
+    goal = Goal(steps=steps) if steps is not None else Goal(episodes=episodes or episodes_of(recipe.scenario))
     _warn_of_no_effect(recipe, overrides, changes)
     _warn_beyond_budget(recipe, goal)
     target = _target(csv)
@@ -123,14 +122,12 @@ def _warn_of_no_effect(
 
 
 def _warn_beyond_budget(recipe: Recipe, goal: Goal) -> None:
-    from rl_tui.lab.run.recipe import begin
+    from rl_tui.worlds.files.bandit_section import BanditSection
 
-    if recipe.scenario.kind != "bandit":
-        return
-    budget = begin(recipe).world.budget
+    section = recipe.scenario.section
     pulls = goal.episodes if goal.steps is None else goal.steps
-    if budget is not None and pulls is not None and pulls > budget:
-        pulls_in_budget = counted(budget, "pull")
+    if isinstance(section, BanditSection) and pulls is not None and pulls > section.budget:
+        pulls_in_budget = counted(section.budget, "pull")
         click.echo(f"the budget of this bandit is {pulls_in_budget}; on screen the run ends there", err=True)
 
 

@@ -73,11 +73,11 @@ def start_of(name: str, overrides: dict[str, object], seed: int) -> Recipe | Sto
 
     Raises UserError where there is none, UsageError where options of a run are given to a session.
     """
-    from rl_tui.lab.run.library import find, recipe_for
+    from rl_tui.lab.run.library import recipe_named
     from rl_tui.lab.sessions.session import SUFFIX, read_session
 
     if not name.endswith(SUFFIX):
-        return recipe_for(find(name), overrides, seed)
+        return recipe_named(name, overrides, seed)
     if overrides or seed:
         context = click.get_current_context()
         raise click.UsageError("a session brings its own settings: leave the options of a run out", context)

@@ -35,7 +35,7 @@ def leave_out_of_collections() -> None:
 
 
 def as_usual(player: object) -> None:
-    """Undo both once nobody plays any more; ``player`` has ended."""
+    """Undo both when the last player has ended; ``player`` has."""
     _PLAYERS.discard(id(player))
     if not _PLAYERS:
         sys.setswitchinterval(USUAL_SWITCH_INTERVAL)

@@ -1,4 +1,4 @@
-"""How many steps to take now, and the speed that comes of it. Times are in seconds."""
+"""How many steps to take now, and how fast that is. Times are in seconds."""
 
 from __future__ import annotations
 

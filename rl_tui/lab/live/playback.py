@@ -75,7 +75,7 @@ class Playback:
         self.breakpoints = Breakpoints()
         """Where else it pauses."""
         self.sight: Sight | None = None
-        """What the screen shows of a large world; None: nobody has said, so everything may be shown."""
+        """What the screen shows of a large world; None: it has not said, so everything may be shown."""
         self.cell: int | None = None
         """The pair of which snapshots tell how Q went."""
         self.group: RunGroup

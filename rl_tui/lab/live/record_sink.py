@@ -1,4 +1,4 @@
-"""Whoever keeps what is done in a playground: a file, or nothing at all."""
+"""Where a player writes down what is done in a playground: a file, or nowhere."""
 
 from __future__ import annotations
 

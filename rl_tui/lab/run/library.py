@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any, Final
 
@@ -12,7 +12,7 @@ from rl_tui.common.errors import Fault, ScenarioError, UserError, first_of
 from rl_tui.common.findings import Finding, near, place, shown
 from rl_tui.lab.run.recipe import Recipe, begin, changed_parameter
 from rl_tui.worlds.files import catalogue
-from rl_tui.worlds.files.scenario import Scenario, read_scenario
+from rl_tui.worlds.files.scenario import Scenario, read_scenario, scenario_of
 from rl_tui.worlds.files.schema import unknown_key
 
 DEFAULT_ALGORITHM: Final = "q-learning"
@@ -40,12 +40,15 @@ def find(name_or_path: str) -> Scenario:
 
     Raises ScenarioError with all faults of its file, UserError with near names where there is none.
     """
+    text = ""
     try:
         scenario = catalogue.find(name_or_path)
+        text = scenario.text
         _check_defaults(scenario)
     except ScenarioError as error:
         # What was found first is not all there is: the environment has not been asked, nor every table read
-        everything = faults_of(error.faults[0].file)
+        file, text = error.faults[0].file, error.text or text
+        everything = _checked(file, lambda: scenario_of(text, Path(file)))[1] if text else ()
         raise ScenarioError(everything if len(everything) > len(error.faults) else error.faults) from error
     return scenario
 
@@ -60,13 +63,17 @@ def faults_of(path: str | Path) -> list[Fault]:
 
 def checked(path: str | Path) -> tuple[Scenario | None, list[Fault]]:
     """Return the scenario in a file, None where its world has a fault, and all its faults."""
+    return _checked(str(path), lambda: read_scenario(path))
+
+
+def _checked(file: str, read: Callable[[], Scenario]) -> tuple[Scenario | None, list[Fault]]:
     try:
-        scenario = read_scenario(path)
-        return scenario, list(first_of(_default_faults(str(path), scenario.defaults)))
+        scenario = read()
+        return scenario, list(first_of(_default_faults(file, scenario.defaults)))
     except ScenarioError as error:
         world_faults, raw = list(error.faults), error.tables
     defaults = raw.get("defaults")
-    faults = first_of(_default_faults(str(path), defaults)) if isinstance(defaults, dict) else ()
+    faults = first_of(_default_faults(file, defaults)) if isinstance(defaults, dict) else ()
     tables = list(raw)
 
     def table_of(fault: Fault) -> int:
@@ -83,7 +90,17 @@ def recipe_for(scenario: Scenario, overrides: Mapping[str, object] | None = None
     is.
     """
     _check_defaults(scenario)
-    chosen = {**scenario.defaults, **(overrides or {})}
+    return _recipe(scenario, overrides or {}, seed)
+
+
+def recipe_named(name_or_path: str, overrides: Mapping[str, object] | None = None, seed: int = 0) -> Recipe:
+    """Return the recipe that the scenario of this name suggests: :func:`find`, then :func:`recipe_for`."""
+    return _recipe(find(name_or_path), overrides or {}, seed)
+
+
+def _recipe(scenario: Scenario, overrides: Mapping[str, object], seed: int) -> Recipe:
+    """Return the recipe of a scenario whose defaults are checked."""
+    chosen = {**scenario.defaults, **overrides}
     chosen.pop("episodes", None)
     algorithm = chosen.pop("algorithm", DEFAULT_ALGORITHM)
     if algorithm not in BY_ID:
@@ -92,7 +109,7 @@ def recipe_for(scenario: Scenario, overrides: Mapping[str, object] | None = None
         )
     if isinstance(seed, bool) or not isinstance(seed, int) or seed < 0:
         raise UserError(f"seed is {shown(seed)}; expected a whole number, 0 or more")
-    if chosen.get("policy") == "gradient" and "alpha" not in (overrides or {}):
+    if chosen.get("policy") == "gradient" and "alpha" not in overrides:
         # A gradient's step cannot be the sample average that a bandit's file suggests; a number there stays
         chosen = {name: value for name, value in chosen.items() if value != SAMPLE_AVERAGE}
     hyperparameters = Hyperparameters()

@@ -1,4 +1,4 @@
-"""A run: a recipe, a journal, and all that came of them."""
+"""A run: a recipe, a journal, and all that they lead to."""
 
 from __future__ import annotations
 
@@ -75,6 +75,7 @@ class Run:
         on_episodes: OnEpisodes | None = None,
     ) -> None:
         self.recipe = recipe
+        """What the run was made from."""
         self.world, drawn = beginning or begin(recipe)
         mdp = self.world.mdp
         new_environment = self.world.new_environment
@@ -85,8 +86,11 @@ class Run:
             drawn,
             new_environment() if new_environment else None,
         )
+        """The algorithm at work in the world."""
         self.history = History()
+        """The returns and lengths of finished episodes."""
         self.episode_limit = UNLIMITED if episode_limit is None else episode_limit
+        """The number of episodes of an agent after which the run is over."""
         self.stop_reason = ""
         """Why the run broke down, naming the step; empty if it did not."""
         self.timed_out = False

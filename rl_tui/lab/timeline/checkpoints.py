@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from rl_tui.lab.run.run import RunState
 
 MOST: Final = 512
-MOST_LEFT: Final = 32  # of a branch that nobody is on
+MOST_LEFT: Final = 32  # of a branch that is not in force
 FIRST_SPACING: Final = 0.05
 _LEAST: Final = 2
 _NEAR: Final = 4
@@ -25,7 +25,7 @@ class Checkpoints:
     """States along one branch, about evenly apart in the time it takes to compute from one to the next.
 
     Where there are too many, or they take too much memory, every other is dropped, and the ``spacing``, in
-    seconds of computing, doubles. A few more, those left by the last journeys, make the next one short.
+    seconds of computing, doubles. A few more, those left by the last seeks, make the next one short.
     """
 
     def __init__(self) -> None:
@@ -55,7 +55,7 @@ class Checkpoints:
         return place > 0 and self._states[place - 1].step > after
 
     def add_near(self, state: RunState) -> None:
-        """Keep ``state`` for a while: somebody has just been about there."""
+        """Keep ``state`` for a while: the run has just been about there."""
         if state.nbytes > _LARGE:
             self._near.clear()
         self._near.append(state)

@@ -124,7 +124,7 @@ def scenario_of(text: str, path: Path, *, ask_environment: bool = True) -> Scena
             Finding((), found, f"exactly one of {', '.join(f'[{kind}]' for kind in WORLD_KINDS)}")
         )
     if findings or head is None or sections[0] is None:
-        raise ScenarioError((_fault(path, finding) for finding in in_file_order(findings, raw)), raw)
+        raise ScenarioError((_fault(path, finding) for finding in in_file_order(findings, raw)), raw, text)
     return Scenario(
         id=path.stem,
         title=head.title or path.stem,
