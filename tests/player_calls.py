@@ -23,15 +23,16 @@ PACKAGE: Final = str(Path(rl_tui.__file__).parent)
 
 
 class Calls:
-    """The distinct functions of the package that one thread enters while ``counts``, by file and name.
+    """The distinct functions of the package that a thread enters.
 
-    Lambdas, comprehensions and what dataclasses write for themselves have no place in the package's files
-    or no name, and do not count.
+    Lambdas, comprehensions and the methods that dataclasses generate do not count.
     """
 
     def __init__(self) -> None:
         self.counts = False
+        """Whether calls are noted now."""
         self.found: set[tuple[str, str]] = set()
+        """The functions, by file and qualified name."""
 
     def __call__(self, frame: FrameType, event: str, _: object) -> None:
         code = frame.f_code
@@ -79,4 +80,6 @@ async def _answer(snapshots: AsyncIterator[Snapshot], handled: int) -> None:
 def player_calls() -> dict[str, set[tuple[str, str]]]:
     """Return for the keys s and b which functions the third press of it runs, as (file, name)."""
     kinds: dict[str, Command] = {"s": Step(), "b": StepBack()}
+    for command in kinds.values():
+        asyncio.run(_calls_of(command))  # whatever is compiled, or read from the cache, is not counted
     return {key: asyncio.run(_calls_of(command)) for key, command in kinds.items()}

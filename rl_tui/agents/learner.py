@@ -96,7 +96,7 @@ class Learner(LearnerCounters):
             self._take_hyperparameters(hyperparameters)
         if other_ties:
             noticed = self._watch.noticed.copy()
-            self.watch(self._watching)  # what was greedy before has to be told by the new rule
+            self.watch(self._watching)  # the new tie rule says what was greedy before
             self._watch.noticed[:] = noticed
         self._go_on_planning()
 

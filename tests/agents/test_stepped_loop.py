@@ -134,7 +134,7 @@ def test_how_the_steps_are_cut_does_not_matter() -> None:
 
 def test_out_of_patience_it_comes_back_after_a_step() -> None:
     mdp = lake()
-    learner = Learner(untabled(mdp), "q-learning", TOLD, streams(1), Table(mdp, 1))
+    learner = Learner(untabled(mdp), "q-learning", HYPERPARAMETERS, streams(1), Table(mdp, 1))
     learner.set_time_budget(0.0)
     for step in range(1, 601):
         assert learner.advance(1_000) is Stop.DONE

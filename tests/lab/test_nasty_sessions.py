@@ -111,7 +111,7 @@ UNPLAYABLE = {
 def test_what_shows_on_the_way_is_told_in_one_line_too(name, tmp_path):
     text, message = UNPLAYABLE[name]
     _, record = read(text, tmp_path)
-    with pytest.raises(UserError, match=told) as error:
+    with pytest.raises(UserError, match=message) as error:
         replayed(replay_target(record))
     assert len(str(error.value).splitlines()) == 1
 

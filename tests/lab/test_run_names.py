@@ -59,35 +59,40 @@ def test_what_does_not_count_is_no_difference(changes: dict[str, Any]) -> None:
 
 
 def test_the_first_lane_is_named_by_what_it_has_in_contrast() -> None:
-    assert run_names([PLAIN, told(PLAIN, alpha=0.5)]) == ["α 0.1", "α 0.5"]
-    assert run_names([PLAIN, told(PLAIN, algorithm="sarsa")]) == ["Q-learning", "SARSA"]
-    assert run_names([PLAIN, told(PLAIN, epsilon_decay=0.5)]) == ["ε decay 0", "ε decay 0.5"]
+    assert run_names([PLAIN, changed_recipe(PLAIN, alpha=0.5)]) == ["α 0.1", "α 0.5"]
+    assert run_names([PLAIN, changed_recipe(PLAIN, algorithm="sarsa")]) == ["Q-learning", "SARSA"]
+    assert run_names([PLAIN, changed_recipe(PLAIN, epsilon_decay=0.5)]) == ["ε decay 0", "ε decay 0.5"]
 
 
 def test_among_many_lanes_the_first_tells_all_that_any_other_has_otherwise() -> None:
-    lanes = [PLAIN, told(PLAIN, alpha=0.5), told(PLAIN, algorithm="sarsa", alpha=0.5), told(PLAIN, gamma=0.9)]
+    lanes = [
+        PLAIN,
+        changed_recipe(PLAIN, alpha=0.5),
+        changed_recipe(PLAIN, algorithm="sarsa", alpha=0.5),
+        changed_recipe(PLAIN, gamma=0.9),
+    ]
     assert run_names(lanes) == ["Q-learning, α 0.1, γ 0.99", "α 0.5", "SARSA, α 0.5", "γ 0.9"]
 
 
 def test_what_the_first_lane_has_no_use_for_is_not_in_its_name() -> None:
-    traced = told(PLAIN, algorithm="sarsa-lambda", **{"lambda": 0.5})
+    traced = changed_recipe(PLAIN, algorithm="sarsa-lambda", **{"lambda": 0.5})
     assert run_names([PLAIN, traced]) == ["Q-learning", "SARSA(λ), λ 0.5"]
-    softmax = told(PLAIN, policy="softmax", temperature=2.0)
+    softmax = changed_recipe(PLAIN, policy="softmax", temperature=2.0)
     assert run_names([PLAIN, softmax]) == ["ε-greedy", "softmax, τ 2"]
 
 
 def test_no_two_names_are_equal() -> None:
     assert run_names([PLAIN]) == ["Q-learning"]
     assert run_names([PLAIN, PLAIN, PLAIN]) == ["Q-learning", "Q-learning (2)", "Q-learning (3)"]
-    half = told(PLAIN, alpha=0.5)
+    half = changed_recipe(PLAIN, alpha=0.5)
     assert run_names([PLAIN, half, half]) == ["α 0.1", "α 0.5", "α 0.5 (2)"]
-    close = [told(PLAIN, alpha=0.1234567), told(PLAIN, alpha=0.1234568)]
+    close = [changed_recipe(PLAIN, alpha=0.1234567), changed_recipe(PLAIN, alpha=0.1234568)]
     assert run_names(close) == ["α 0.1234567", "α 0.1234568"]
     assert run_names([]) == []
 
 
 def test_planners_have_no_step_size_to_differ_in() -> None:
-    planner = told(PLAIN, algorithm="value-iteration", alpha=0.7)
+    planner = changed_recipe(PLAIN, algorithm="value-iteration", alpha=0.7)
     assert run_names([PLAIN, planner]) == ["Q-learning", "Value iteration"]
     assert run_names([planner, PLAIN]) == ["Value iteration", "Q-learning, α 0.1"]
 

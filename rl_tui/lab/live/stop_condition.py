@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rl_tui.agents.exact.policy_arrays import greedy_policy
 from rl_tui.agents.kernels.watching import Watching
 from rl_tui.common.errors import UserError
 from rl_tui.lab.live.until import Breakpoints, Event, Until
@@ -107,6 +106,8 @@ def is_optimal(mdp: TabularMDP, q: FloatArray, ties: Ties, optimum: Solution) ->
     It is if in every state it can come to it takes, of the pairs that ``optimum`` has for the best, one or
     some, and no other.
     """
+    from rl_tui.agents.exact.solve import greedy_policy
+
     policy = greedy_policy(mdp, q, ties)
     wrong = (policy > 0.0) & ~optimum.greedy
     if not wrong.any():

@@ -10,7 +10,7 @@ from rl_tui.agents.hyperparameters import PARAMETERS
 from rl_tui.common.errors import UserError
 from rl_tui.lab.run.recipe import Recipe, SetParameter, SwitchAlgorithm
 from rl_tui.lab.timeline.run_names import difference
-from rl_tui.tui.screens.playground.agent_actions import Told, told_together, with_values
+from rl_tui.tui.screens.playground.agent_actions import ParameterValue, params_together, with_values
 from rl_tui.worlds.mdp.space import FiniteSpace
 
 ALGORITHM = "algorithm"
