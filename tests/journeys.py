@@ -25,7 +25,7 @@ def journeys(scenario: str, steps: int, count: int = 100) -> Iterator[tuple[str,
     _do(playback, Train(steps // 2))
     _do(playback, Apply(SetParameter("alpha", 0.2)))
     _do(playback, Train(steps - steps // 2))
-    aims, episodes = random.Random(0), playback.snapshot().episodes
+    aims, episodes = random.Random(0), playback.snapshot().counters.episodes
     for _ in range(count):
         yield "anywhere", _do(playback, GoTo(aims.randrange(steps)))
     for _ in range(count):

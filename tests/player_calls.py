@@ -62,7 +62,7 @@ async def _calls_of(command: Command) -> set[tuple[str, str]]:
             player.send(command)
             snapshot = await asked
             sent += 1
-            assert snapshot.handled == sent
+            assert snapshot.playback.handled == sent
             await asyncio.sleep(REST)
             calls.counts = False
     finally:
@@ -73,7 +73,7 @@ async def _calls_of(command: Command) -> set[tuple[str, str]]:
 
 async def _answer(snapshots: AsyncIterator[Snapshot], handled: int) -> None:
     async for snapshot in snapshots:
-        if snapshot.handled == handled and snapshot.phase is not Phase.PREPARING:
+        if snapshot.playback.handled == handled and snapshot.playback.phase is not Phase.PREPARING:
             return
 
 

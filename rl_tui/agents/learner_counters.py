@@ -7,6 +7,7 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from rl_tui.agents.catalogue import BY_ID
+from rl_tui.agents.counters import Counters
 from rl_tui.agents.kernels.position import (
     REWARDS_KEPT,
     new_episode_log,
@@ -90,6 +91,34 @@ class LearnerCounters:
     def discounted_return(self) -> float:
         """Σ γᵏ r of the last step's episode so far, with the γ in force at each step; 0 for a planner."""
         return float(self._position.discounted[0]) if self._rewards_seen else 0.0
+
+    @property
+    def counters(self) -> Counters:
+        """A frozen copy of all these."""
+        return Counters(
+            state=self._shown_state,
+            step_from=self.state,
+            step=self.step,
+            episodes=self.episodes,
+            episode_step=self.episode_step,
+            episode_return=self.episode_return,
+            rewards=self.rewards,
+            discounted_return=self.discounted_return,
+            last_step=self.last_step,
+        )
+
+    @property
+    def _shown_state(self) -> int:
+        """Where the agent is: after an episode's last step still where that step led.
+
+        After a sweep's last step it is the state backed up. Where a planner has taken over from an agent, or
+        the other way round, the last step tells nothing about that.
+        """
+        last = self.last_step
+        if last is None or self.episode_step > 0:
+            return self.state
+        ended = last.planned if self.plans else last.terminated or last.truncated
+        return last.next_state if ended else self.state
 
     @property
     def _rewards_seen(self) -> int:

@@ -8,11 +8,12 @@ from typing import Any
 import numpy as np
 import pytest
 from recipes import recipe
+from snapshots import changed, snapshot_of
 
 from rl_tui.agents.last_step import LastStep
 from rl_tui.lab.live.backup import Leaf, backup_of, expected_target, sources
-from rl_tui.lab.live.preparing import preparing
-from rl_tui.lab.live.snapshot import Phase, Snapshot
+from rl_tui.lab.live.snapshot import PlaybackView, Snapshot
+from rl_tui.lab.live.snapshot_builder import SnapshotBuilder
 from rl_tui.lab.run.recipe import begin
 from rl_tui.lab.run.run import Run
 
@@ -23,7 +24,7 @@ Q = np.array([6.37, 5.0, 1.0, 2.0, 10.0])
 def study(algorithm: str, *, fails: bool = False, epsilon: float = 0.2, **changes: Any) -> Snapshot:
     """A step of the student who studies: Q(Class, study) goes from 6.3 to 6.37, γ is .9."""
     started = recipe("student", algorithm=algorithm, epsilon=epsilon)
-    shown = preparing(started, begin(started).world, None, "")
+    shown = SnapshotBuilder().before(started, begin(started).world, PlaybackView())
     usual: dict[str, Any] = {
         "step": 1,
         "episode": 1,
@@ -47,7 +48,7 @@ def study(algorithm: str, *, fails: bool = False, epsilon: float = 0.2, **change
         "bootstrap": 10.0,
         "after": 6.37,
     }
-    return replace(shown, q=Q, last=LastStep(**(usual | changes)))
+    return changed(shown, q=Q, last_step=LastStep(**(usual | changes)))
 
 
 def test_the_greatest_of_the_next_state_is_what_q_learning_expects() -> None:
@@ -78,13 +79,13 @@ def test_on_policy_methods_expect_the_mean_over_their_policy(algorithm: str) -> 
 
 def test_each_of_two_tables_judges_the_best_of_the_other() -> None:
     own, other = Q.copy(), Q + np.array([0.3, 0.5, 0.0, 0.0, 1.0])
-    shown = replace(study("double-q-learning", table=1, bootstrap=11.0), tables=(own, other))
+    shown = changed(study("double-q-learning", table=1, bootstrap=11.0), tables=(own, other))
     backup = backup_of(shown)
     assert backup is not None
     # the best of table 1 in Class is study, before the update 6.3; table 2 takes it for 6.67
     assert backup.expected == pytest.approx(0.8 * (-2.0 + 0.9 * 11.0) + 0.2 * (-2.0 + 0.9 * 6.67))
     assert sources(shown) == {SLEEP: 1.0}
-    without = backup_of(replace(shown, tables=()))
+    without = backup_of(changed(shown, tables=()))
     assert without is not None
     assert without.expected is None
 
@@ -120,7 +121,7 @@ def test_without_a_number_nothing_is_expected() -> None:
 
 
 def test_before_the_first_step_there_is_none() -> None:
-    shown = replace(study("q-learning"), last=None)
+    shown = changed(study("q-learning"), last_step=None)
     assert backup_of(shown) is None
     assert sources(shown) == {}
 
@@ -140,18 +141,21 @@ def test_without_chance_sample_and_expectation_agree(algorithm: str) -> None:
     run.advance(3_000)
     for _ in range(60):
         run.advance(1)
-        shown = run.snapshot(Phase.PAUSED)
+        shown = snapshot_of(run)
         backup = backup_of(shown)
         assert backup is not None
         assert backup.is_certain
         if algorithm != "sarsa":
             assert backup.expected == pytest.approx(backup.sampled, abs=1e-12)
         looked_up = sources(shown)
-        assert shown.last is not None
-        if looked_up and not shown.last.table:
-            seen = {**dict(enumerate(shown.q)), shown.last.updated_pair: shown.last.before}
+        assert shown.counters.last_step is not None
+        if looked_up and not shown.counters.last_step.table:
+            seen = {
+                **dict(enumerate(shown.agent.q)),
+                shown.counters.last_step.updated_pair: shown.counters.last_step.before,
+            }
             mean = sum(weight * seen[pair] for pair, weight in looked_up.items())
-            assert mean == pytest.approx(shown.last.bootstrap, abs=1e-12)
+            assert mean == pytest.approx(shown.counters.last_step.bootstrap, abs=1e-12)
 
 
 @pytest.mark.parametrize("algorithm", ONE_STEP)
@@ -159,7 +163,7 @@ def test_the_samples_of_a_slippery_step_have_the_expected_target_for_their_mean(
     run = Run(recipe("frozenlake-slippery", algorithm=algorithm), evaluate=False)
     run.advance(20_000)
     run.advance(1)
-    shown = run.snapshot(Phase.PAUSED)
+    shown = snapshot_of(run)
     backup = backup_of(shown)
     assert backup is not None
     assert backup.expected is not None
@@ -176,18 +180,20 @@ def test_a_planner_backs_up_the_expectation_itself(algorithm: str) -> None:
     run.advance(60)
     for _ in range(40):
         run.advance(1)
-        shown = run.snapshot(Phase.PAUSED)
+        shown = snapshot_of(run)
         backup = backup_of(shown)
         assert backup is not None
-        assert shown.last is not None
-        assert backup.sampled == backup.expected == shown.last.target
-        assert expected_target(backup.leaves, backup.gamma) == pytest.approx(shown.last.target, abs=1e-12)
+        assert shown.counters.last_step is not None
+        assert backup.sampled == backup.expected == shown.counters.last_step.target
+        assert expected_target(backup.leaves, backup.gamma) == pytest.approx(
+            shown.counters.last_step.target, abs=1e-12
+        )
 
 
 def test_of_a_world_without_a_table_only_the_sample_is_known() -> None:
     run = Run(recipe("blackjack"), evaluate=False)
     run.advance(50)
-    backup = backup_of(run.snapshot(Phase.PAUSED))
+    backup = backup_of(snapshot_of(run))
     assert backup is not None
     assert len(backup.leaves) == 1
     assert backup.leaves[0].probability is None

@@ -153,18 +153,18 @@ def test_the_screen_is_told_the_means_of_the_moment(drifting: Recipe) -> None:
     while busy(playback):
         playback.work()
     at_first = playback.snapshot()
-    assert at_first.exact is not None
-    assert at_first.exact.q.tolist() == [0.5, 0.5, -1.0]
+    assert at_first.exact_answer.solution is not None
+    assert at_first.exact_answer.solution.q.tolist() == [0.5, 0.5, -1.0]
     playback.handle(Train(40))
     while busy(playback):
         playback.work()
     playback.handle(Step())
     snapshot, wanted = playback.snapshot(), plain(drifting, 41)
-    assert snapshot.exact is not None
-    assert snapshot.exact.q.tolist() == pytest.approx(wanted.means, abs=1e-12)
-    assert snapshot.greedy_return == pytest.approx(wanted.means[int(snapshot.q.argmax())])
-    assert snapshot.bandit is not None
-    assert snapshot.bandit.regret == wanted.regret
+    assert snapshot.exact_answer.solution is not None
+    assert snapshot.exact_answer.solution.q.tolist() == pytest.approx(wanted.means, abs=1e-12)
+    assert snapshot.results.greedy_return == pytest.approx(wanted.means[int(snapshot.agent.q.argmax())])
+    assert snapshot.results.bandit is not None
+    assert snapshot.results.bandit.regret == wanted.regret
 
 
 def test_a_bandit_that_stands_still_has_the_same_figures_from_its_visits() -> None:

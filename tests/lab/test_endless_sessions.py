@@ -28,7 +28,7 @@ def opened(folder: Path) -> tuple[Player, Path]:
 
 async def under_way(player: Player) -> Snapshot:
     async for snapshot in player.snapshots():
-        if snapshot.phase is Phase.SEEKING and "left" in snapshot.message:
+        if snapshot.playback.phase is Phase.SEEKING and "left" in snapshot.playback.message:
             return snapshot
     raise AssertionError("it was closed")
 
@@ -36,8 +36,10 @@ async def under_way(player: Player) -> Snapshot:
 async def test_it_says_how_far_it_is_and_can_be_left_at_once(tmp_path: Path) -> None:
     player, path = opened(tmp_path)
     snapshot = await under_way(player)
-    assert "of 1,000,000,000,000,000 steps, about" in snapshot.message
-    assert snapshot.message.endswith(" years left") or snapshot.message.endswith(" days left")
+    assert "of 1,000,000,000,000,000 steps, about" in snapshot.playback.message
+    assert snapshot.playback.message.endswith(" years left") or snapshot.playback.message.endswith(
+        " days left"
+    )
     player.close()
     assert player._thread is not None
     await asyncio.to_thread(player._thread.join, 60.0)
@@ -51,7 +53,7 @@ async def test_one_can_stay_where_it_is(tmp_path: Path) -> None:
     player.send(Pause())
     player.send(Step())
     snapshot = await player.carried_out()
-    assert snapshot.phase is Phase.PAUSED
-    assert 0 < snapshot.step < FAR
+    assert snapshot.playback.phase is Phase.PAUSED
+    assert 0 < snapshot.counters.step < FAR
     player.close()
-    assert read_session(path).step == snapshot.step
+    assert read_session(path).step == snapshot.counters.step

@@ -106,42 +106,49 @@ def test_a_failure_stops_at_its_step_and_keeps_all_before(willing: type[Willing]
     playback = playback_of(made())
     first = do(playback, Step(), Step(), Apply(SetParameter("alpha", 0.5)), Step())
     stopped = do(playback, Play())
-    assert (stopped.phase, stopped.step) == (Phase.STOPPED, 7)
-    assert stopped.message == r"at step 8 Willing-v0 failed in a step: RuntimeError: out of\u001b[2J breath"
-    assert stopped.visits.sum() == 7
-    assert first.step == 3
+    assert (stopped.playback.phase, stopped.counters.step) == (Phase.STOPPED, 7)
+    assert (
+        stopped.playback.message
+        == r"at step 8 Willing-v0 failed in a step: RuntimeError: out of\u001b[2J breath"
+    )
+    assert stopped.agent.visits.sum() == 7
+    assert first.counters.step == 3
     (lane,) = playback.record.lanes
     assert (lane.branches[0].end, lane.branches[0].here) == (7, 7)
     assert lane.branches[0].journal == (JournalEntry(2, SetParameter("alpha", 0.5)),)
 
     back = do(playback, StepBack(), StepBack())
-    assert (back.phase, back.step) == (Phase.PAUSED, 5)
+    assert (back.playback.phase, back.counters.step) == (Phase.PAUSED, 5)
     again = do(playback, Play())
-    assert (again.phase, again.step, again.message) == (stopped.phase, 7, stopped.message)
-    assert again.q.tolist() == stopped.q.tolist()
+    assert (again.playback.phase, again.counters.step, again.playback.message) == (
+        stopped.playback.phase,
+        7,
+        stopped.playback.message,
+    )
+    assert again.agent.q.tolist() == stopped.agent.q.tolist()
 
     anew = do(playback, Restart(playback.record.lanes[0].recipe))
-    assert (anew.phase, anew.step, anew.message) == (Phase.PAUSED, 0, "")
-    assert do(playback, Play()).step == 7
+    assert (anew.playback.phase, anew.counters.step, anew.playback.message) == (Phase.PAUSED, 0, "")
+    assert do(playback, Play()).counters.step == 7
 
 
 def test_what_fails_only_once_can_be_gone_over(willing: type[Willing]) -> None:
     willing.fails_at = 8
     playback = playback_of(made())
-    assert do(playback, Play()).step == 7
+    assert do(playback, Play()).counters.step == 7
     willing.fails_at = 16
-    assert do(playback, StepBack()).step == 6
-    assert do(playback, Play()).step == 15
+    assert do(playback, StepBack()).counters.step == 6
+    assert do(playback, Play()).counters.step == 15
 
 
 def test_a_replay_that_fails_sooner_ends_where_it_fails(willing: type[Willing]) -> None:
     willing.fails_at = 8
     playback = playback_of(made())
-    assert do(playback, Play()).step == 7
+    assert do(playback, Play()).counters.step == 7
     willing.fails_at = 4
     back = do(playback, StepBack())
-    assert (back.phase, back.step) == (Phase.STOPPED, 3)
-    assert back.message.startswith("at step 4 Willing-v0 failed")
+    assert (back.playback.phase, back.counters.step) == (Phase.STOPPED, 3)
+    assert back.playback.message.startswith("at step 4 Willing-v0 failed")
 
 
 def test_what_cannot_be_made_again_stays_where_it_is(willing: type[Willing]) -> None:
@@ -150,10 +157,10 @@ def test_what_cannot_be_made_again_stays_where_it_is(willing: type[Willing]) -> 
     stopped = do(playback, Play())
     willing.can_be_made = False
     refused = do(playback, StepBack())
-    assert refused.step == stopped.step == 7
-    assert refused.q.tolist() == stopped.q.tolist()
-    assert "Willing-v0 cannot be made: " in refused.message + refused.paused_by
-    assert "OSError: no more of these" in refused.message + refused.paused_by
+    assert refused.counters.step == stopped.counters.step == 7
+    assert refused.agent.q.tolist() == stopped.agent.q.tolist()
+    assert "Willing-v0 cannot be made: " in refused.playback.message + refused.playback.paused_by
+    assert "OSError: no more of these" in refused.playback.message + refused.playback.paused_by
     with pytest.raises(EnvironmentFailedError, match="no more of these"):
         do(playback, Restart(playback.record.lanes[0].recipe))
 
@@ -163,8 +170,8 @@ def test_beside_others_only_what_failed_stands(willing: type[Willing]) -> None:
     playback = playback_of(made())
     do(playback, Step(), AddLane((SetParameter("alpha", 0.9),)))
     stopped = do(playback, Play())
-    assert (stopped.phase, stopped.step) == (Phase.STOPPED, 7)
-    assert [lane.step for lane in stopped.lanes] == [7, 7]
+    assert (stopped.playback.phase, stopped.counters.step) == (Phase.STOPPED, 7)
+    assert [lane.step for lane in stopped.run_group.lanes] == [7, 7]
 
 
 async def test_a_player_stays_open_while_an_environment_does_not_answer(
@@ -176,7 +183,7 @@ async def test_a_player_stays_open_while_an_environment_does_not_answer(
     player = Player(recipe, record_sink=autosave)
     for _ in range(4):
         player.send(Step())
-    assert (await player.carried_out()).step == 4
+    assert (await player.carried_out()).counters.step == 4
     assert player.unanswered == 0.0
     player.send(Step())
     await asyncio.to_thread(willing.hangs.wait)
@@ -197,8 +204,8 @@ async def test_it_goes_on_once_it_is_answered(willing: type[Willing]) -> None:
     player.send(Pause())
     willing.goes_on.set()
     snapshot = await player.carried_out()
-    assert (snapshot.phase, snapshot.message) == (Phase.PAUSED, "")
-    assert snapshot.step >= 5
+    assert (snapshot.playback.phase, snapshot.playback.message) == (Phase.PAUSED, "")
+    assert snapshot.counters.step >= 5
     player.close()
 
 
@@ -207,4 +214,4 @@ def test_a_slow_environment_gives_way_after_each_step(willing: type[Willing]) ->
     playback = playback_of(made())
     playback.handle(Play())
     playback.work()
-    assert playback.snapshot().step == 1
+    assert playback.snapshot().counters.step == 1

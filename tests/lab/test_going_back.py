@@ -12,6 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from playing import Ticking, assert_true_to_the_record, begin, bits, do, stand
 from recipes import bandit, recipe
+from snapshots import changed
 
 from rl_tui.agents.hyperparameters import SAMPLE_AVERAGE
 from rl_tui.lab.live.commands import (
@@ -111,7 +112,7 @@ def test_every_moment_looks_as_it_looked_then(scenario: str) -> None:
             moments[-1] = playback.snapshot()
         moments.append(do(playback, Step()))
     for then in reversed(moments):
-        assert looks(do(playback, GoTo(then.step))) == looks(then)
+        assert looks(do(playback, GoTo(then.counters.step))) == looks(then)
     for then in moments[1:]:
         assert looks(do(playback, Step())) == looks(then)
     assert len(playback.record.lanes[0].branches) == 1
@@ -119,8 +120,9 @@ def test_every_moment_looks_as_it_looked_then(scenario: str) -> None:
 
 def looks(snapshot: Snapshot) -> Any:
     """What a snapshot shows, but for what tells of other times."""
-    about_now = {"timeline", "handled", "world", "exact"}
-    return [bits(getattr(snapshot, each.name)) for each in fields(snapshot) if each.name not in about_now]
+    about_now = {"timeline", "world", "exact_answer"}
+    shown = changed(snapshot, handled=0)
+    return [bits(getattr(shown, each.name)) for each in fields(shown) if each.name not in about_now]
 
 
 def test_playing_on_from_the_past_repeats_history_without_a_fork() -> None:
@@ -128,7 +130,7 @@ def test_playing_on_from_the_past_repeats_history_without_a_fork() -> None:
     do(playback, Train(500), Apply(SetParameter("alpha", 0.5)), Train(500), Take(2), Train(499))
     end = stand(playback.group.current.run)
     shown = do(playback, GoTo(100))
-    assert (shown.hyperparameters.alpha, shown.timeline.in_past) == (0.1, True)
+    assert (shown.agent.hyperparameters.alpha, shown.timeline.in_past) == (0.1, True)
     shown = do(playback, Train(1400))
     assert stand(playback.group.current.run) == end
     assert len(shown.timeline.branches) == 1
@@ -144,19 +146,19 @@ def test_a_change_in_the_past_forks_and_one_can_go_back_to_either() -> None:
     branch = shown.timeline.current
     assert (branch.name, branch.parent, branch.fork, branch.end) == ("branch 2", 0, 400, 500)
     shown = do(playback, ChooseBranch(0))
-    assert (shown.step, shown.timeline.current.end) == (400, 1000)  # where it was left
+    assert (shown.counters.step, shown.timeline.current.end) == (400, 1000)  # where it was left
     do(playback, GoTo(1000))
     assert stand(playback.group.current.run) == first
     shown = do(playback, ChooseBranch(1))
     assert stand(playback.group.current.run) == second
-    assert shown.hyperparameters.alpha == 0.5
+    assert shown.agent.hyperparameters.alpha == 0.5
 
 
 def test_a_change_at_the_very_end_is_no_fork() -> None:
     playback = begin(recipe("student"))
     shown = do(playback, Train(50), Apply(SetParameter("alpha", 0.5)), Train(1), StepBack())
     assert len(shown.timeline.branches) == 1
-    assert shown.hyperparameters.alpha == 0.5  # what was set at step 50 is in force there
+    assert shown.agent.hyperparameters.alpha == 0.5  # what was set at step 50 is in force there
 
 
 def test_what_was_set_at_a_step_is_in_force_there_however_one_comes_to_it() -> None:
@@ -167,69 +169,73 @@ def test_what_was_set_at_a_step_is_in_force_there_however_one_comes_to_it() -> N
     do(playback, Step())
     for number in range(1, 13):
         shown = do(playback, GoTo(number))
-        assert (shown.hyperparameters.alpha, len(playback.group.current.run.journal)) == (
+        assert (shown.agent.hyperparameters.alpha, len(playback.group.current.run.journal)) == (
             number / 100,
             number + 1,
         )
-    assert do(playback, GoTo(0)).hyperparameters.alpha == 0.9
+    assert do(playback, GoTo(0)).agent.hyperparameters.alpha == 0.9
     saved = playback.record
-    assert begin(saved.lanes[0].recipe, saved).snapshot().hyperparameters.alpha == 0.9
+    assert begin(saved.lanes[0].recipe, saved).snapshot().agent.hyperparameters.alpha == 0.9
 
 
 def test_back_by_steps_and_episodes() -> None:
     playback = begin(recipe("frozenlake"))
     shown = do(playback, RunEpisode(), RunEpisode(), Step(), Step())
-    here = shown.step
-    assert do(playback, StepBack()).step == here - 1
-    assert do(playback, StepBack(), StepBack(), StepBack()).step == here - 4
+    here = shown.counters.step
+    assert do(playback, StepBack()).counters.step == here - 1
+    assert do(playback, StepBack(), StepBack(), StepBack()).counters.step == here - 4
     shown = do(playback, GoTo(here), EpisodeBack())
-    assert (shown.step, shown.episodes) == (here - 2, 2)
+    assert (shown.counters.step, shown.counters.episodes) == (here - 2, 2)
     shown = do(playback, EpisodeBack())
-    assert (shown.episodes, shown.episode_step, shown.phase) == (1, 0, Phase.PAUSED)
-    assert do(playback, EpisodeBack(), EpisodeBack(), EpisodeBack(), StepBack()).step == 0
+    assert (shown.counters.episodes, shown.counters.episode_step, shown.playback.phase) == (
+        1,
+        0,
+        Phase.PAUSED,
+    )
+    assert do(playback, EpisodeBack(), EpisodeBack(), EpisodeBack(), StepBack()).counters.step == 0
 
 
 def test_an_episode_is_gone_to_by_its_number() -> None:
     playback = begin(recipe("frozenlake-slippery"))
     do(playback, Train(5_000))
     shown = do(playback, GoTo(episode=7))
-    assert (shown.episodes, shown.episode_step) == (6, 0)
-    assert do(playback, GoTo(episode=10**9)).step == 5_000
-    assert do(playback, GoTo(step=10**12)).step == 5_000
-    assert do(playback, GoTo(step=-3)).step == 0
+    assert (shown.counters.episodes, shown.counters.episode_step) == (6, 0)
+    assert do(playback, GoTo(episode=10**9)).counters.step == 5_000
+    assert do(playback, GoTo(step=10**12)).counters.step == 5_000
+    assert do(playback, GoTo(step=-3)).counters.step == 0
 
 
 def test_an_episode_that_a_planner_cut_short_begins_where_the_one_before_ended() -> None:
     playback = begin(recipe("frozenlake-slippery"))
     shown = do(playback, RunEpisode(), Step(), Step())
-    here = shown.step - 2
+    here = shown.counters.step - 2
     do(playback, Apply(SwitchAlgorithm("value-iteration")), Train(5))
     for _ in range(2):
-        assert do(playback, GoTo(here + 7), EpisodeBack()).step == here
-    assert do(playback, GoTo(here + 2), EpisodeBack()).step == here
-    assert do(playback, GoTo(here + 3), GoTo(episode=2)).step == here
-    assert do(playback, EpisodeBack()).step == 0
+        assert do(playback, GoTo(here + 7), EpisodeBack()).counters.step == here
+    assert do(playback, GoTo(here + 2), EpisodeBack()).counters.step == here
+    assert do(playback, GoTo(here + 3), GoTo(episode=2)).counters.step == here
+    assert do(playback, EpisodeBack()).counters.step == 0
 
 
 def test_time_travel_of_a_planner() -> None:
     playback = begin(recipe("frozenlake-slippery", algorithm="value-iteration"))
     shown = do(playback, Train(100_000))
-    assert shown.phase is Phase.DONE
-    end = shown.step
+    assert shown.playback.phase is Phase.DONE
+    end = shown.counters.step
     shown = do(playback, StepBack())
-    assert (shown.step, shown.phase) == (end - 1, Phase.PAUSED)
+    assert (shown.counters.step, shown.playback.phase) == (end - 1, Phase.PAUSED)
     shown = do(playback, EpisodeBack())
-    assert shown.episode_step == 0
+    assert shown.counters.episode_step == 0
     shown = do(playback, Play(), Pause(), Train(100_000))
-    assert (shown.step, shown.phase) == (end, Phase.DONE)
+    assert (shown.counters.step, shown.playback.phase) == (end, Phase.DONE)
 
 
 def test_a_spent_budget_can_be_taken_back() -> None:
     playback = begin(bandit(50))
-    assert do(playback, Train(1000)).phase is Phase.SPENT
+    assert do(playback, Train(1000)).playback.phase is Phase.SPENT
     shown = do(playback, StepBack())
-    assert (shown.step, shown.phase) == (49, Phase.PAUSED)
-    assert do(playback, Step()).phase is Phase.SPENT
+    assert (shown.counters.step, shown.playback.phase) == (49, Phase.PAUSED)
+    assert do(playback, Step()).playback.phase is Phase.SPENT
 
 
 @pytest.mark.parametrize("scenario", ["blackjack", "cartpole"])
@@ -238,13 +244,13 @@ def test_a_stepped_world_is_replayed_from_the_seed(scenario: str) -> None:
     do(playback, Train(300), Apply(SetParameter("epsilon", 0.9)), Train(300))
     end = stand(playback.group.current.run)
     shown = do(playback, StepBack())
-    assert shown.step == 599
+    assert shown.counters.step == 599
     do(playback, Step())
     assert stand(playback.group.current.run) == end
     playback.handle(GoTo(200))
     assert playback.phase is Phase.SEEKING
-    assert "from the seed" in playback.snapshot().message
-    assert playback.snapshot().step == 600  # the old moment is shown until the new one is there
+    assert "from the seed" in playback.snapshot().playback.message
+    assert playback.snapshot().counters.step == 600  # the old moment is shown until the new one is there
     while playback.on_the_way:
         playback.work()
     assert_true_to_the_record(playback)
@@ -270,20 +276,20 @@ def test_a_journey_is_replaced_by_the_next_and_given_up_by_a_pause() -> None:
     assert playback.record.lanes[0].step == 999  # where a session would come back to
     playback.work()
     playback.handle(Pause())
-    assert (playback.phase, playback.snapshot().step) == (Phase.PAUSED, 3000)
+    assert (playback.phase, playback.snapshot().counters.step) == (Phase.PAUSED, 3000)
 
 
 def test_what_cannot_be_done_is_told_and_ends_nothing() -> None:
     playback = begin(recipe("frozenlake"))
     for command in (ChooseBranch(3), ChooseBranch(-1), Apply(SetParameter("alpha", 7.0)), Take(9)):
-        assert do(playback, command).paused_by
-    assert do(playback, Step()).step == 1
+        assert do(playback, command).playback.paused_by
+    assert do(playback, Step()).counters.step == 1
 
 
 def test_an_action_that_is_not_possible_is_refused() -> None:
     playback = begin(recipe("student"))
     before = stand(playback.group.current.run)
     shown = do(playback, Take(4))
-    assert shown.paused_by == "sleep is not possible in state Class"
+    assert shown.playback.paused_by == "sleep is not possible in state Class"
     assert stand(playback.group.current.run) == before
     assert playback.record.lanes[0].branches[0].journal == ()

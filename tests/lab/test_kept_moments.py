@@ -24,17 +24,17 @@ def test_the_history_of_a_cell_is_what_it_was() -> None:
         assert replay(shown.recipe, (), step).learner.q[3] == value
     shown = do(playback, GoTo(777))
     assert shown.cell is not None
-    assert (shown.cell.step[0], shown.cell.step[-1], shown.cell.value[-1]) == (0, 777, shown.q[3])
+    assert (shown.cell.step[0], shown.cell.step[-1], shown.cell.value[-1]) == (0, 777, shown.agent.q[3])
     shown = do(playback, Apply(SetParameter("alpha", 0.9)), Train(5_000))
     assert shown.cell is not None
-    assert shown.cell.value[-1] == shown.q[3]
+    assert shown.cell.value[-1] == shown.agent.q[3]
     straight = replay(shown.recipe, shown.timeline.current.journal, int(shown.cell.step[-3]))
     assert straight.learner.q[3] == shown.cell.value[-3]
 
 
 def test_a_mark_is_taken_after_a_step_by_hand_as_after_any_other() -> None:
     by_hand = do(begin(recipe("frozenlake")), *(Take(1) for _ in range(16)))
-    assert by_hand.marks.step.tolist() == [0, 16]
+    assert by_hand.results.marks.step.tolist() == [0, 16]
 
 
 def test_steps_by_hand_do_not_stop_the_history_of_cells() -> None:

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import pytest
 from recipes import bandit, one_run, recipe
+from snapshots import snapshot_of
 
 from rl_tui.lab.experiments.many_runs import many_runs
 from rl_tui.lab.experiments.training import Goal
-from rl_tui.lab.live.snapshot import Phase
 from rl_tui.lab.run.recipe import Recipe, SetParameter, SwitchAlgorithm
 from rl_tui.lab.run.run import Run, replay
 
@@ -16,7 +16,7 @@ LEARN = SwitchAlgorithm("q-learning")
 
 
 def seen_state(run: Run) -> int:
-    return run.snapshot(Phase.PAUSED).state
+    return snapshot_of(run).counters.state
 
 
 def test_a_planner_pulls_no_arm() -> None:

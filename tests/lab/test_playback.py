@@ -49,18 +49,18 @@ def test_the_world_is_shown_before_the_learner_is_there() -> None:
     playback = Playback(recipe("student"), speed=10.0, automatic=True, clock=Clock(), on_exact=nobody)
     playback.work()
     first = playback.snapshot()
-    assert first.phase is Phase.PREPARING
-    assert first.message
+    assert first.playback.phase is Phase.PREPARING
+    assert first.playback.message
     assert first.world.space.states == 4
-    assert first.q.tolist() == [0.0] * 5
+    assert first.agent.q.tolist() == [0.0] * 5
     assert busy(playback)
     playback.work()
     second = playback.snapshot()
-    assert second.phase is Phase.PAUSED
+    assert second.playback.phase is Phase.PAUSED
     assert second.world is first.world
-    assert second.exact is not None
-    assert second.exact.value_at_start == pytest.approx(5.2 / 0.82)
-    assert second.speed == 10.0
+    assert second.exact_answer.solution is not None
+    assert second.exact_answer.solution.value_at_start == pytest.approx(5.2 / 0.82)
+    assert second.playback.speed == 10.0
 
 
 def test_nothing_happens_without_being_asked() -> None:
@@ -75,14 +75,14 @@ def test_a_run_keeps_the_wanted_speed() -> None:
     playback = ready(recipe("student"), clock)
     playback.handle(Play())
     wait = playback.work()
-    assert playback.snapshot().step == 1
+    assert playback.snapshot().counters.step == 1
     for step in range(2, 40):
         assert wait is not None
         clock.now += wait
         wait = playback.work()
-        assert playback.snapshot().step == step
-    assert playback.snapshot().steps_per_second == pytest.approx(10.0)
-    assert playback.snapshot().phase is Phase.RUNNING
+        assert playback.snapshot().counters.step == step
+    assert playback.snapshot().playback.steps_per_second == pytest.approx(10.0)
+    assert playback.snapshot().playback.phase is Phase.RUNNING
 
 
 def test_a_new_speed_counts_from_now_on() -> None:
@@ -96,8 +96,8 @@ def test_a_new_speed_counts_from_now_on() -> None:
         assert wait is not None
         clock.now += wait
     playback.work()
-    assert playback.snapshot().step == 31
-    assert playback.snapshot().speed == 30.0
+    assert playback.snapshot().counters.step == 31
+    assert playback.snapshot().playback.speed == 30.0
 
 
 def test_full_speed_never_waits_until_it_is_paused() -> None:
@@ -105,38 +105,42 @@ def test_full_speed_never_waits_until_it_is_paused() -> None:
     playback.handle(Play())
     assert [playback.work() for _ in range(3)] == [0.0, 0.0, 0.0]
     there = playback.snapshot()
-    assert there.step > 3
-    assert there.phase is Phase.RUNNING
+    assert there.counters.step > 3
+    assert there.playback.phase is Phase.RUNNING
     playback.handle(Pause())
     assert playback.work() is None
-    assert playback.snapshot().step == there.step
-    assert playback.snapshot().phase is Phase.PAUSED
+    assert playback.snapshot().counters.step == there.counters.step
+    assert playback.snapshot().playback.phase is Phase.PAUSED
 
 
 def test_step_pauses_and_takes_one_step() -> None:
     playback = ready(recipe("student"), speed=None)
     playback.handle(Play())
     playback.work()
-    before = playback.snapshot().step
+    before = playback.snapshot().counters.step
     playback.handle(Step())
     after = playback.snapshot()
-    assert after.step == before + 1
-    assert after.phase is Phase.PAUSED
-    assert after.last is not None
-    assert after.last.step == after.step
+    assert after.counters.step == before + 1
+    assert after.playback.phase is Phase.PAUSED
+    assert after.counters.last_step is not None
+    assert after.counters.last_step.step == after.counters.step
 
 
 def test_an_episode_runs_to_its_end_and_pauses() -> None:
     playback = ready(recipe("student", seed=2))
     playback.handle(RunEpisode())
-    assert playback.snapshot().phase is Phase.RUNNING
+    assert playback.snapshot().playback.phase is Phase.RUNNING
     settle(playback)
     first = playback.snapshot()
-    assert (first.episodes, first.episode_step, first.phase) == (1, 0, Phase.PAUSED)
+    assert (first.counters.episodes, first.counters.episode_step, first.playback.phase) == (
+        1,
+        0,
+        Phase.PAUSED,
+    )
     playback.handle(Step())
     playback.handle(RunEpisode())
     settle(playback)
-    assert playback.snapshot().episodes == 2
+    assert playback.snapshot().counters.episodes == 2
 
 
 def test_pause_breaks_off_an_episode() -> None:
@@ -144,7 +148,7 @@ def test_pause_breaks_off_an_episode() -> None:
     playback.handle(RunEpisode())
     playback.handle(Pause())
     assert not playback.on_the_way
-    assert playback.snapshot().episodes == 0
+    assert playback.snapshot().counters.episodes == 0
 
 
 @pytest.mark.parametrize("automatic", [True, False])
@@ -157,10 +161,10 @@ def test_training_takes_exactly_its_steps_before_anything_else(automatic: bool) 
     settle(playback)
     assert playback.changed
     snapshot = playback.snapshot()
-    assert snapshot.step == 12_345
-    assert snapshot.phase is Phase.PAUSED
+    assert snapshot.counters.step == 12_345
+    assert snapshot.playback.phase is Phase.PAUSED
     straight = replay(snapshot.recipe, (), 12_345)
-    assert snapshot.q.tolist() == straight.learner.q.tolist()
+    assert snapshot.agent.q.tolist() == straight.learner.q.tolist()
 
 
 def test_by_hand_play_takes_no_step_and_speed_stays_unknown() -> None:
@@ -174,13 +178,13 @@ def test_by_hand_play_takes_no_step_and_speed_stays_unknown() -> None:
     playback.handle(Train(500))
     settle(playback)
     snapshot = playback.snapshot()
-    assert snapshot.phase is Phase.RUNNING
-    assert snapshot.step == 1000
-    assert snapshot.steps_per_second is None
+    assert snapshot.playback.phase is Phase.RUNNING
+    assert snapshot.counters.step == 1000
+    assert snapshot.playback.steps_per_second is None
     playback.handle(RunEpisode())
     assert busy(playback)
     settle(playback)
-    assert playback.snapshot().phase is Phase.PAUSED
+    assert playback.snapshot().playback.phase is Phase.PAUSED
 
 
 def test_changes_are_journalled_at_the_step_they_came() -> None:
@@ -190,19 +194,19 @@ def test_changes_are_journalled_at_the_step_they_came() -> None:
     playback.handle(Apply(SetParameter("alpha", 1.0)))
     playback.handle(Step())
     snapshot = playback.snapshot()
-    assert snapshot.hyperparameters.gamma == 0.5
-    assert snapshot.exact is not None
-    assert snapshot.exact.gamma == 0.5
+    assert snapshot.agent.hyperparameters.gamma == 0.5
+    assert snapshot.exact_answer.solution is not None
+    assert snapshot.exact_answer.solution.gamma == 0.5
     journal = (JournalEntry(1, SetParameter("gamma", 0.5)), JournalEntry(1, SetParameter("alpha", 1.0)))
-    assert snapshot.q.tolist() == replay(snapshot.recipe, journal, 2).learner.q.tolist()
+    assert snapshot.agent.q.tolist() == replay(snapshot.recipe, journal, 2).learner.q.tolist()
 
 
 def test_a_change_that_does_not_fit_is_refused() -> None:
     playback = ready(recipe("student"))
     playback.handle(Apply(SetParameter("gamma", 2)))
     snapshot = playback.snapshot()
-    assert snapshot.paused_by.startswith("gamma is 2; expected a number in [0, 1]")
-    assert (snapshot.hyperparameters.gamma, snapshot.timeline.current.journal) == (0.9, ())
+    assert snapshot.playback.paused_by.startswith("gamma is 2; expected a number in [0, 1]")
+    assert (snapshot.agent.hyperparameters.gamma, snapshot.timeline.current.journal) == (0.9, ())
 
 
 def test_a_spent_budget_ends_the_run() -> None:
@@ -211,14 +215,14 @@ def test_a_spent_budget_ends_the_run() -> None:
     while playback.work() is not None:
         pass
     spent = playback.snapshot()
-    assert spent.phase is Phase.SPENT
-    assert spent.bandit is not None
-    assert spent.bandit.pulls == spent.episodes == 100
+    assert spent.playback.phase is Phase.SPENT
+    assert spent.results.bandit is not None
+    assert spent.results.bandit.pulls == spent.counters.episodes == 100
     for command in (Play(), Step(), RunEpisode(), Train(5), Pause()):
         playback.handle(command)
         assert playback.work() is None
-    assert playback.snapshot().episodes == 100
-    assert playback.snapshot().phase is Phase.SPENT
+    assert playback.snapshot().counters.episodes == 100
+    assert playback.snapshot().playback.phase is Phase.SPENT
 
 
 def test_restarting_begins_anew_and_paused() -> None:
@@ -228,9 +232,9 @@ def test_restarting_begins_anew_and_paused() -> None:
     before = playback.snapshot()
     playback.handle(Restart(recipe("student", seed=7)))
     again = playback.snapshot()
-    assert (again.step, again.phase, again.recipe.seed) == (0, Phase.PAUSED, 7)
-    assert again.visits.sum() == 0
-    assert again.speed is before.speed
+    assert (again.counters.step, again.playback.phase, again.recipe.seed) == (0, Phase.PAUSED, 7)
+    assert again.agent.visits.sum() == 0
+    assert again.playback.speed is before.playback.speed
 
 
 def test_restarting_keeps_a_world_that_no_seed_shapes_and_draws_one_that_it_does() -> None:
@@ -254,8 +258,12 @@ def test_loading_another_algorithm_is_announced_and_then_goes_on(monkeypatch: py
     playback.handle(Apply(SwitchAlgorithm("value-iteration")))
     assert playback.work() == 0.0
     shown = playback.snapshot()
-    assert (shown.phase, shown.algorithm, shown.step) == (Phase.PREPARING, "value-iteration", 0)
-    assert "first use" in shown.message
+    assert (shown.playback.phase, shown.agent.algorithm, shown.counters.step) == (
+        Phase.PREPARING,
+        "value-iteration",
+        0,
+    )
+    assert "first use" in shown.playback.message
     assert busy(playback)
     playback.work()
     assert (playback.phase, busy(playback)) == (Phase.RUNNING, False)
@@ -269,9 +277,9 @@ def test_a_planner_that_is_done_goes_on_with_another_discount() -> None:
     while playback.phase is Phase.RUNNING:
         playback.work()
     done = playback.snapshot()
-    assert done.phase is Phase.DONE
-    assert done.message.startswith(f"converged after {done.episodes} sweeps")
-    assert done.return_last_100 is None
+    assert done.playback.phase is Phase.DONE
+    assert done.playback.message.startswith(f"converged after {done.counters.episodes} sweeps")
+    assert done.results.return_last_100 is None
     playback.handle(Play())
     assert playback.phase is Phase.DONE
     playback.handle(Apply(SetParameter("gamma", 0.5)))
@@ -280,9 +288,9 @@ def test_a_planner_that_is_done_goes_on_with_another_discount() -> None:
     while playback.phase is Phase.RUNNING:
         playback.work()
     again = playback.snapshot()
-    assert again.phase is Phase.DONE
-    assert again.exact is not None
-    assert abs(again.q - again.exact.q).max() < 1e-8
+    assert again.playback.phase is Phase.DONE
+    assert again.exact_answer.solution is not None
+    assert abs(again.agent.q - again.exact_answer.solution.q).max() < 1e-8
 
 
 @pytest.mark.parametrize(
@@ -293,12 +301,12 @@ def test_how_long_a_step_takes_is_found_out_anew_after_a_change(command: Apply |
     playback.handle(Play())
     for _ in range(8):
         playback.work()
-    assert playback.snapshot().step > 1_000
+    assert playback.snapshot().counters.step > 1_000
     playback.handle(command)
-    before = playback.snapshot().step
+    before = playback.snapshot().counters.step
     playback.handle(Play())
     playback.work()
-    assert playback.snapshot().step - before == FIRST_CHUNK
+    assert playback.snapshot().counters.step - before == FIRST_CHUNK
 
 
 def test_there_is_a_handler_for_every_command() -> None:
@@ -312,6 +320,6 @@ def test_the_speed_of_training_is_forgotten_by_the_next_step() -> None:
     while playback.on_the_way:
         playback.work()
         clock.now += 0.3
-    assert playback.snapshot().steps_per_second is not None
+    assert playback.snapshot().playback.steps_per_second is not None
     playback.handle(Step())
-    assert playback.snapshot().steps_per_second is None
+    assert playback.snapshot().playback.steps_per_second is None

@@ -23,7 +23,7 @@ from rl_tui.lab.run.run import replay
 
 async def until(player: Player, phase: Phase) -> Snapshot:
     async for snapshot in player.snapshots():
-        if snapshot.phase is phase:
+        if snapshot.playback.phase is phase:
             return snapshot
     raise AssertionError("the player was closed")
 
@@ -32,8 +32,8 @@ async def test_the_first_snapshot_shows_the_world_and_then_the_run_stands_ready(
     player = Player(recipe("student"))
     phases = []
     async for snapshot in player.snapshots():
-        phases.append(snapshot.phase)
-        if snapshot.phase is Phase.PAUSED:
+        phases.append(snapshot.playback.phase)
+        if snapshot.playback.phase is Phase.PAUSED:
             player.close()
     assert phases == [Phase.PREPARING, Phase.PAUSED]
 
@@ -44,12 +44,12 @@ async def test_commands_are_carried_out_in_order() -> None:
         player.send(command)
     snapshot = await player.carried_out()
     player.close()
-    assert snapshot.hyperparameters.alpha == 0.5
-    assert snapshot.phase is Phase.PAUSED
-    assert snapshot.episode_step == 0
-    assert snapshot.last is not None
-    assert snapshot.last.terminated or snapshot.last.truncated
-    assert snapshot.steps_per_second is None
+    assert snapshot.agent.hyperparameters.alpha == 0.5
+    assert snapshot.playback.phase is Phase.PAUSED
+    assert snapshot.counters.episode_step == 0
+    assert snapshot.counters.last_step is not None
+    assert snapshot.counters.last_step.terminated or snapshot.counters.last_step.truncated
+    assert snapshot.playback.steps_per_second is None
 
 
 async def test_what_happens_on_screen_is_what_a_replay_gives() -> None:
@@ -57,17 +57,17 @@ async def test_what_happens_on_screen_is_what_a_replay_gives() -> None:
     player.send(Play())
     seen = 0
     async for snapshot in player.snapshots():
-        assert snapshot.step >= seen
-        seen = snapshot.step
+        assert snapshot.counters.step >= seen
+        seen = snapshot.counters.step
         if seen > 300_000:
             break
     player.send(Pause())
     snapshot = await player.carried_out()
     player.close()
-    straight = replay(snapshot.recipe, (), snapshot.step)
-    assert snapshot.q.tobytes() == straight.learner.q.tobytes()
-    assert snapshot.curve.return_mean.tobytes() == straight.history.curve().return_mean.tobytes()
-    assert snapshot.marks.expected_return.tobytes() == straight.marks.expected_return.tobytes()
+    straight = replay(snapshot.recipe, (), snapshot.counters.step)
+    assert snapshot.agent.q.tobytes() == straight.learner.q.tobytes()
+    assert snapshot.results.curve.return_mean.tobytes() == straight.history.curve().return_mean.tobytes()
+    assert snapshot.results.marks.expected_return.tobytes() == straight.marks.expected_return.tobytes()
 
 
 class Kept:
@@ -94,7 +94,7 @@ async def test_the_last_steps_before_a_restart_are_kept() -> None:
     player.send(Play())
     seen = 0
     async for snapshot in player.snapshots():
-        seen = snapshot.step
+        seen = snapshot.counters.step
         if seen > 1_000:
             break
     player.send(Restart(recipe("student")))
@@ -112,8 +112,8 @@ async def test_a_reader_that_sleeps_gets_the_newest_and_not_the_backlog() -> Non
     last = await player.carried_out()
     steps = []
     async for snapshot in reader:
-        steps.append(snapshot.step)
-        if snapshot.step == last.step == 20:
+        steps.append(snapshot.counters.step)
+        if snapshot.counters.step == last.counters.step == 20:
             break
     player.close()
     assert len(steps) <= 2
@@ -124,8 +124,8 @@ async def test_a_spent_budget_is_published() -> None:
     player.send(Play())
     snapshot = await until(player, Phase.SPENT)
     player.close()
-    assert snapshot.bandit is not None
-    assert snapshot.bandit.pulls == 5000
+    assert snapshot.results.bandit is not None
+    assert snapshot.results.bandit.pulls == 5000
 
 
 async def test_a_world_that_cannot_be_built_reaches_the_reader(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -164,7 +164,7 @@ async def test_whoever_asks_for_the_end_of_an_episode_does_not_blind_the_reader(
     waiting = asyncio.create_task(player.carried_out())
     await asyncio.sleep(0)
     async for snapshot in player.snapshots():
-        if snapshot.step > 0:
+        if snapshot.counters.step > 0:
             player.close()
     with pytest.raises(PlayerClosedError):
         await waiting
@@ -184,7 +184,7 @@ async def test_whoever_sends_without_end_does_not_blind_the_reader() -> None:
     player.send(SetSpeed(None))
     pictures = 0
     async for snapshot in player.snapshots():
-        pictures += snapshot.hyperparameters.gamma < 0.9
+        pictures += snapshot.agent.hyperparameters.gamma < 0.9
         if pictures == 3:
             player.close()
     assert pictures == 3
@@ -194,7 +194,7 @@ async def test_closing_in_the_middle_of_full_speed_ends_the_thread_and_the_reade
     player = Player(recipe("frozenlake-slippery"), speed=None)
     player.send(Play())
     async for snapshot in player.snapshots():
-        if snapshot.step > 0:
+        if snapshot.counters.step > 0:
             player.close()
     assert not any(thread.name == "player" for thread in threading.enumerate())
     with pytest.raises(PlayerClosedError):
@@ -206,7 +206,7 @@ async def test_closing_wakes_a_reader_that_waits() -> None:
     await player.carried_out()
 
     async def read() -> list[Phase]:
-        return [snapshot.phase async for snapshot in player.snapshots()]
+        return [snapshot.playback.phase async for snapshot in player.snapshots()]
 
     reading = asyncio.create_task(read())
     await player.carried_out()
@@ -237,10 +237,10 @@ async def test_an_exact_answer_that_comes_later_is_published(monkeypatch: pytest
     monkeypatch.setattr("rl_tui.lab.live.playback.AT_ONCE_STATES", 0)
     player = Player(recipe("student"))
     async for snapshot in player.snapshots():
-        if snapshot.exact is not None:
+        if snapshot.exact_answer.solution is not None:
             break
     player.close()
-    assert snapshot.exact.v[0] == pytest.approx(5.2 / 0.82)
+    assert snapshot.exact_answer.solution.v[0] == pytest.approx(5.2 / 0.82)
 
 
 async def test_speed_is_measured_while_it_runs() -> None:
@@ -248,11 +248,11 @@ async def test_speed_is_measured_while_it_runs() -> None:
     player.send(SetSpeed(None))
     player.send(Play())
     async for snapshot in player.snapshots():
-        if snapshot.steps_per_second is not None:
+        if snapshot.playback.steps_per_second is not None:
             break
     player.close()
-    assert snapshot.steps_per_second > 0
-    assert snapshot.speed is None
+    assert snapshot.playback.steps_per_second > 0
+    assert snapshot.playback.speed is None
 
 
 async def test_while_it_plays_the_collector_is_spared_what_is_loaded() -> None:

@@ -32,47 +32,47 @@ def test_lanes_follow_to_the_same_step_and_are_runs_of_their_own() -> None:
     playback = begin(recipe("frozenlake-slippery"))
     do(playback, Train(1000), Apply(SetParameter("gamma", 0.9)), Take(1))
     shown = do(playback, AddLane((SetParameter("alpha", 0.5),)))
-    assert [lane.step for lane in shown.lanes] == [1001, 1001]
-    assert shown.lane == 0
+    assert [lane.step for lane in shown.run_group.lanes] == [1001, 1001]
+    assert shown.run_group.shown == 0
     shown = do(playback, Train(500), ChooseLane(1))
-    assert [lane.step for lane in shown.lanes] == [1501, 1501]
-    assert (shown.hyperparameters.alpha, shown.hyperparameters.gamma) == (0.5, 0.9)
+    assert [lane.step for lane in shown.run_group.lanes] == [1501, 1501]
+    assert (shown.agent.hyperparameters.alpha, shown.agent.hyperparameters.gamma) == (0.5, 0.9)
     assert shown.timeline.current.journal == playback.record.lanes[1].branches[0].journal
     assert all(not isinstance(each.change, TakeAction) for each in shown.timeline.current.journal)
     shown = do(playback, GoTo(200), Apply(SetParameter("epsilon", 0.0)), Train(100))
-    assert [lane.step for lane in shown.lanes] == [300, 300]
+    assert [lane.step for lane in shown.run_group.lanes] == [300, 300]
     assert [len(each.branches) for each in playback.record.lanes] == [1, 2]
     assert_true_to_the_record(playback)
     shown = do(playback, DropLane(0))
-    assert shown.lanes == ()
-    assert shown.hyperparameters.alpha == 0.5
+    assert shown.run_group.lanes == ()
+    assert shown.agent.hyperparameters.alpha == 0.5
 
 
 def test_a_lane_that_is_over_waits_while_others_go_on() -> None:
     playback = begin(recipe("frozenlake-slippery"))
     do(playback, Train(100), AddLane((SwitchAlgorithm("value-iteration"),)))
     shown = do(playback, Train(5_000))
-    steps = [lane.step for lane in shown.lanes]
+    steps = [lane.step for lane in shown.run_group.lanes]
     assert steps[0] == 5_100 > steps[1]
     shown = do(playback, ChooseLane(1))
-    assert shown.phase is Phase.DONE
-    assert [lane.step for lane in shown.lanes] == steps
+    assert shown.playback.phase is Phase.DONE
+    assert [lane.step for lane in shown.run_group.lanes] == steps
     shown = do(playback, ChooseLane(0), GoTo(50))
-    assert [lane.step for lane in shown.lanes] == [50, 50]
+    assert [lane.step for lane in shown.run_group.lanes] == [50, 50]
 
 
 def test_lanes_come_back_where_they_stood_though_the_one_shown_is_over() -> None:
     playback = begin(recipe("frozenlake-slippery", algorithm="value-iteration"))
     do(playback, AddLane((SwitchAlgorithm("q-learning"),)), Train(5_000), ChooseLane(1), Train(5_000))
     shown = do(playback, ChooseLane(0))
-    assert shown.phase is Phase.DONE
-    assert shown.lanes[0].step < shown.lanes[1].step
+    assert shown.playback.phase is Phase.DONE
+    assert shown.run_group.lanes[0].step < shown.run_group.lanes[1].step
     saved = playback.record
     assert begin(saved.lanes[0].recipe, saved).record == saved
     # with another discount it goes on, and leads again
     shown = do(playback, Apply(SetParameter("gamma", 0.5)))
-    assert shown.phase is Phase.PAUSED
-    assert shown.lanes[0].step == shown.lanes[1].step
+    assert shown.playback.phase is Phase.PAUSED
+    assert shown.run_group.lanes[0].step == shown.run_group.lanes[1].step
     assert_true_to_the_record(playback)
 
 
@@ -97,10 +97,10 @@ def test_a_lane_that_takes_long_to_catch_up_can_be_dropped_or_left_behind() -> N
     assert playback.takes(DropLane(1))
     playback.handle(DropLane(1))
     shown = playback.snapshot()
-    assert (shown.phase, shown.step, shown.lanes) == (Phase.PAUSED, 3000, ())
+    assert (shown.playback.phase, shown.counters.step, shown.run_group.lanes) == (Phase.PAUSED, 3000, ())
     playback.handle(AddLane((SetParameter("alpha", 0.5),)))
     playback.handle(GoTo(40))
-    assert [lane.step for lane in settle().lanes] == [40, 40]
+    assert [lane.step for lane in settle().run_group.lanes] == [40, 40]
     assert_true_to_the_record(playback)
 
 
@@ -108,17 +108,17 @@ def test_there_are_four_lanes_at_most_and_they_must_be_able_to_work() -> None:
     playback = begin(recipe("frozenlake"))
     for alpha in (0.2, 0.3, 0.4):
         do(playback, AddLane((SetParameter("alpha", alpha),)))
-    assert "4 lanes" in do(playback, AddLane((SetParameter("alpha", 0.5),))).paused_by
+    assert "4 lanes" in do(playback, AddLane((SetParameter("alpha", 0.5),))).playback.paused_by
     playback = begin(recipe("frozenlake"))
     shown = do(playback, AddLane((SetParameter("policy", "thompson"),)))
-    assert shown.paused_by
-    assert shown.lanes == ()
+    assert shown.playback.paused_by
+    assert shown.run_group.lanes == ()
 
 
 def test_restarting_begins_every_lane_anew() -> None:
     playback = begin(recipe("frozenlake"))
     shown = do(playback, Train(300), AddLane((SetParameter("alpha", 0.5),)), ToggleBreakpoint(state=6))
     shown = do(playback, Restart(replace(shown.recipe, seed=3)))
-    assert [(lane.step, lane.hyperparameters.alpha) for lane in shown.lanes] == [(0, 0.1), (0, 0.5)]
+    assert [(lane.step, lane.hyperparameters.alpha) for lane in shown.run_group.lanes] == [(0, 0.1), (0, 0.5)]
     assert {each.recipe.seed for each in playback.record.lanes} == {3}
-    assert shown.breakpoints == Breakpoints(frozenset({6}))
+    assert shown.playback.breakpoints == Breakpoints(frozenset({6}))

@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from recipes import bandit, recipe
+from snapshots import snapshot_of
 
 from rl_tui.agents.exact.solve import expected_return, greedy_policy
 from rl_tui.agents.hyperparameters import SAMPLE_AVERAGE
@@ -164,17 +165,17 @@ def test_a_run_ends_with_its_budget() -> None:
 def test_a_bandit_settles_its_accounts() -> None:
     run = Run(recipe("bandit", seed=3), episode_limit=1000)
     run.advance(steps=1000)
-    snapshot = run.snapshot(Phase.SPENT)
+    snapshot = snapshot_of(run, Phase.SPENT)
     means = run.world.space.reward
     visits = run.learner.visits
-    figures = snapshot.bandit
+    figures = snapshot.results.bandit
     assert figures is not None
     assert figures.pulls == figures.budget == 1000
     assert figures.regret == pytest.approx(sum(visits * (means.max() - means)))
     assert figures.best_arm_rate == visits[means.argmax()] / 1000
     assert figures.best_possible == pytest.approx(1000 * means.max())
     assert figures.winnings == run.history.total_return
-    assert Run(recipe("student")).snapshot(Phase.PAUSED).bandit is None
+    assert snapshot_of(Run(recipe("student"))).results.bandit is None
 
 
 def test_a_runaway_stops_the_run_and_names_the_step(tmp_path: Any) -> None:
@@ -190,20 +191,20 @@ def test_a_runaway_stops_the_run_and_names_the_step(tmp_path: Any) -> None:
     assert "at step 2" in run.stop_reason
     run.advance(steps=1000)
     assert run.step == 2
-    assert run.snapshot(Phase.STOPPED, message=run.stop_reason).greedy_return is None
+    assert snapshot_of(run, Phase.STOPPED, message=run.stop_reason).results.greedy_return is None
     assert_same(run, replay(run.recipe, (), 2))
 
 
 def test_the_agent_is_seen_where_an_episode_ended_until_the_next_begins() -> None:
     run = Run(recipe("student"))
     run.advance(episodes=1)
-    ended = run.snapshot(Phase.PAUSED)
-    assert ended.last is not None
-    assert ended.state == ended.last.next_state != run.learner.state
+    ended = snapshot_of(run)
+    assert ended.counters.last_step is not None
+    assert ended.counters.state == ended.counters.last_step.next_state != run.learner.state
     run.advance(steps=1)
-    begun = run.snapshot(Phase.PAUSED)
-    assert begun.last is not None
-    assert begun.last.state == int(run.world.space.start_state[0])
+    begun = snapshot_of(run)
+    assert begun.counters.last_step is not None
+    assert begun.counters.last_step.state == int(run.world.space.start_state[0])
 
 
 def test_the_last_step_is_told_by_whoever_took_it() -> None:
@@ -211,12 +212,12 @@ def test_the_last_step_is_told_by_whoever_took_it() -> None:
     run.advance(steps=5)
     run.apply(SwitchAlgorithm("value-iteration"))
     run.apply(SetParameter("policy", "softmax"))
-    shown = run.snapshot(Phase.PAUSED)
-    assert shown.algorithm == "value-iteration"
-    algorithm, hyperparameters = shown.learned_by
+    shown = snapshot_of(run)
+    assert shown.agent.algorithm == "value-iteration"
+    algorithm, hyperparameters = shown.agent.learned_by
     assert (algorithm, hyperparameters.policy) == ("q-learning", "epsilon-greedy")
     kept = run.checkpoint()
     run.advance(steps=1)
-    assert run.snapshot(Phase.PAUSED).learned_by[0] == "value-iteration"
+    assert snapshot_of(run).agent.learned_by[0] == "value-iteration"
     run.restore(kept)
-    assert run.snapshot(Phase.PAUSED).learned_by[0] == "q-learning"
+    assert snapshot_of(run).agent.learned_by[0] == "q-learning"

@@ -9,12 +9,13 @@ from typing import Any
 import gymnasium
 import pytest
 from recipes import recipe
+from snapshots import snapshot_of
 
 from rl_tui.common.errors import UserError
 from rl_tui.lab.experiments.many_runs import many_runs
 from rl_tui.lab.experiments.training import Goal, train
-from rl_tui.lab.live.preparing import preparing
-from rl_tui.lab.live.snapshot import Phase
+from rl_tui.lab.live.snapshot import Phase, PlaybackView
+from rl_tui.lab.live.snapshot_builder import SnapshotBuilder
 from rl_tui.lab.run.exact_answers import NO_TABLE, exact_now
 from rl_tui.lab.run.figures import training_figures
 from rl_tui.lab.run.library import find, listing, recipe_for
@@ -64,13 +65,13 @@ def test_a_snapshot_says_why_there_is_no_exact_answer():
     run = Run(blackjack())
     run.advance(50)
     answer = exact_now(run.learner.mdp, 1.0)
-    snapshot = run.snapshot(Phase.PAUSED, answer=answer)
-    assert (snapshot.exact, snapshot.exact_refused) == (None, NO_TABLE)
-    assert (snapshot.step, snapshot.greedy_return) == (50, None)
-    assert len(snapshot.marks.step) == 0
-    assert snapshot.last is not None
-    assert snapshot.last.outcome == -1
-    assert preparing(run.recipe, run.world, None, "").exact_refused == NO_TABLE
+    snapshot = snapshot_of(run, exact_answer=answer)
+    assert (snapshot.exact_answer.solution, snapshot.exact_answer.refused) == (None, NO_TABLE)
+    assert (snapshot.counters.step, snapshot.results.greedy_return) == (50, None)
+    assert len(snapshot.results.marks.step) == 0
+    assert snapshot.counters.last_step is not None
+    assert snapshot.counters.last_step.outcome == -1
+    assert SnapshotBuilder().before(run.recipe, run.world, PlaybackView()).exact_answer.refused == NO_TABLE
 
 
 def test_a_journal_is_followed_bit_for_bit():
@@ -81,7 +82,7 @@ def test_a_journal_is_followed_bit_for_bit():
     again = Run(blackjack(1))
     again.follow(run.journal, run.step)
     assert again.learner.q.tolist() == run.learner.q.tolist()
-    assert again.snapshot(Phase.PAUSED).last == run.snapshot(Phase.PAUSED).last
+    assert snapshot_of(again).counters.last_step == snapshot_of(run).counters.last_step
 
 
 def test_it_cannot_be_wound_back():
@@ -122,8 +123,8 @@ def test_a_failure_ends_the_run_and_keeps_it(breaking):
     run.advance(100)
     assert run.over
     assert run.stop_reason == "at step 7 Breaking-v0 failed in a step: OSError: the wheel is lost"
-    snapshot = run.snapshot(Phase.STOPPED, message=run.stop_reason)
-    assert (snapshot.step, snapshot.episodes, int(snapshot.visits.sum())) == (6, 2, 6)
+    snapshot = snapshot_of(run, Phase.STOPPED, message=run.stop_reason)
+    assert (snapshot.counters.step, snapshot.counters.episodes, int(snapshot.agent.visits.sum())) == (6, 2, 6)
     run.advance(100)
     assert run.step == 6
     with pytest.raises(UserError, match=r"^seed 0: gym:Breaking-v0: at step 7 Breaking-v0 failed"):

@@ -26,65 +26,65 @@ from rl_tui.lab.run.run import replay
 def test_a_run_pauses_at_breakpoints_and_at_what_was_waited_for() -> None:
     playback = begin(recipe("frozenlake-slippery"))
     shown = do(playback, RunUntil(Until(Event.REWARD)))
-    assert shown.last is not None
-    assert (shown.last.reward, shown.paused_by) == (1.0, "the next reward")
-    straight = replay(shown.recipe, (), shown.step - 1)
-    assert straight.learner.visits.sum() == shown.step - 1
+    assert shown.counters.last_step is not None
+    assert (shown.counters.last_step.reward, shown.playback.paused_by) == (1.0, "the next reward")
+    straight = replay(shown.recipe, (), shown.counters.step - 1)
+    assert straight.learner.visits.sum() == shown.counters.step - 1
     assert straight.history.total_return == 0.0
     shown = do(playback, GoTo(0), ToggleBreakpoint(state=9), RunUntil(Until(Event.STEP, 2_000)))
-    assert shown.paused_by == "breakpoint: state 9"
-    assert shown.state == 9
+    assert shown.playback.paused_by == "breakpoint: state 9"
+    assert shown.counters.state == 9
     shown = do(playback, ClearBreakpoints(), RunUntil(Until(Event.STEP, 2_000)))
-    assert (shown.step, shown.paused_by) == (2_000, "step 2,000")
-    assert "lies behind" in do(playback, RunUntil(Until(Event.STEP, 10))).paused_by
+    assert (shown.counters.step, shown.playback.paused_by) == (2_000, "step 2,000")
+    assert "lies behind" in do(playback, RunUntil(Until(Event.STEP, 10))).playback.paused_by
     shown = do(playback, RunUntil(Until(Event.EPISODE, 300)))
-    assert (shown.episodes, shown.episode_step) == (299, 0)
+    assert (shown.counters.episodes, shown.counters.episode_step) == (299, 0)
     shown = do(playback, GoTo(0), RunUntil(Until(Event.VALUE, pair=0, threshold=0.1)))
-    assert shown.q[0] >= 0.1
-    assert replay(shown.recipe, (), shown.step - 1).learner.q[0] < 0.1
+    assert shown.agent.q[0] >= 0.1
+    assert replay(shown.recipe, (), shown.counters.step - 1).learner.q[0] < 0.1
 
 
 def test_the_first_moment_the_policy_is_optimal() -> None:
     playback = begin(recipe("student"))
     shown = do(playback, RunUntil(Until(Event.OPTIMAL)))
-    assert shown.paused_by
-    assert shown.exact is not None
-    assert shown.greedy_return == pytest.approx(shown.exact.expected_return)
+    assert shown.playback.paused_by
+    assert shown.exact_answer.solution is not None
+    assert shown.results.greedy_return == pytest.approx(shown.exact_answer.solution.expected_return)
     before = do(playback, StepBack())
-    assert before.greedy_return != pytest.approx(shown.exact.expected_return)
-    assert "already" in do(playback, Step(), RunUntil(Until(Event.OPTIMAL))).paused_by
-    assert "optimal" in do(begin(recipe("cartpole")), RunUntil(Until(Event.OPTIMAL))).paused_by
+    assert before.results.greedy_return != pytest.approx(shown.exact_answer.solution.expected_return)
+    assert "already" in do(playback, Step(), RunUntil(Until(Event.OPTIMAL))).playback.paused_by
+    assert "optimal" in do(begin(recipe("cartpole")), RunUntil(Until(Event.OPTIMAL))).playback.paused_by
 
 
 def test_the_best_arm_is_looked_for_where_it_drifts_to() -> None:
     playback = begin(recipe("bandit-drifting", seed=1))
 
     def is_best(shown: Snapshot) -> bool:
-        assert shown.exact is not None
-        return bool(shown.exact.greedy[int(shown.q.argmax())])
+        assert shown.exact_answer.solution is not None
+        return bool(shown.exact_answer.solution.greedy[int(shown.agent.q.argmax())])
 
     assert not is_best(do(playback, Train(20)))
     shown = do(playback, RunUntil(Until(Event.OPTIMAL)))
     assert is_best(shown)
-    assert not any(is_best(do(playback, GoTo(step))) for step in range(20, shown.step))
+    assert not any(is_best(do(playback, GoTo(step))) for step in range(20, shown.counters.step))
 
 
 def test_a_breakpoint_is_met_in_the_past_though_something_is_set_there() -> None:
     playback = begin(recipe("frozenlake-slippery"))
     do(playback, ToggleBreakpoint(state=4))
     shown = do(playback, RunUntil(Until(Event.STEP, 1000)))
-    assert shown.paused_by == "breakpoint: state 4"
+    assert shown.playback.paused_by == "breakpoint: state 4"
     shown = do(playback, Apply(SetParameter("ties", "first")), Train(10), GoTo(0))
     again = do(playback, RunUntil(Until(Event.STEP, 1000)))
-    assert again.paused_by == "breakpoint: state 4"
-    assert again.hyperparameters.ties == "first"
+    assert again.playback.paused_by == "breakpoint: state 4"
+    assert again.agent.hyperparameters.ties == "first"
 
 
 def test_a_breakpoint_that_was_met_is_not_met_again_without_a_step() -> None:
     playback = begin(recipe("frozenlake-slippery"))
     do(playback, ToggleBreakpoint(state=4))
     there = do(playback, RunUntil(Until(Event.STEP, 1000)))
-    assert there.paused_by == "breakpoint: state 4"
-    assert do(playback, Pause()).paused_by == ""
-    assert do(playback, Train(3)).paused_by == ""
-    assert do(playback, StepBack()).step == there.step + 2
+    assert there.playback.paused_by == "breakpoint: state 4"
+    assert do(playback, Pause()).playback.paused_by == ""
+    assert do(playback, Train(3)).playback.paused_by == ""
+    assert do(playback, StepBack()).counters.step == there.counters.step + 2

@@ -6,7 +6,8 @@ import numpy as np
 from rich.style import Style
 from samples import look
 
-from rl_tui.lab.live.snapshot import Curve, Marks, Snapshot
+from rl_tui.lab.live.snapshot import Snapshot
+from rl_tui.lab.run.results import Curve, Marks
 from rl_tui.tui.draw.braille import Steps
 from rl_tui.tui.panels.curve.curve import ReturnCurve
 

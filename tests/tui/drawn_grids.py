@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 from rich.style import Style
 from sample_worlds import lake_world
 from samples import lake, look
+from snapshots import changed
 from textual.strip import Strip
 
 from rl_tui.lab.live.snapshot import Snapshot
@@ -28,10 +27,10 @@ def q_of(snapshot: Snapshot, values: dict[tuple[int, int], float]) -> FloatArray
 
 
 def visited(snapshot: Snapshot, *states: int) -> Snapshot:
-    visits = snapshot.visits.copy()
+    visits = snapshot.agent.visits.copy()
     for state in states:
         visits[snapshot.world.space.pairs_of(state).start] = 1
-    return replace(snapshot, visits=visits)
+    return changed(snapshot, visits=visits)
 
 
 def picture(snapshot: Snapshot, width: int, height: int, *, ascii: bool = False) -> list[str]:  # noqa: A002
@@ -64,6 +63,6 @@ def large_lake(side: int = 40) -> Snapshot:
     rows = ("S" + "F" * (side - 1), *("F" * side for _ in range(side - 2)), "F" * (side - 1) + "G")
     world = lake_world(slippery=False, rows=rows)
     mdp = world.space
-    return replace(
+    return changed(
         lake(step=0), world=world, q=np.zeros(mdp.pairs), visits=np.zeros(mdp.pairs, dtype=np.int64)
     )

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
 from rich.style import Style
 from samples import lake, look
+from snapshots import changed
 from textual.geometry import Size
 
 from rl_tui.lab.live.snapshot import Snapshot
@@ -58,7 +58,7 @@ class Drawn:
 
 
 def fresh(state: Snapshot, q: list[float], visits: list[int]) -> Snapshot:
-    return replace(state, q=np.array(q), visits=np.array(visits, dtype=np.int64), last=None)
+    return changed(state, q=np.array(q), visits=np.array(visits, dtype=np.int64), last_step=None)
 
 
 def lake_of(values: dict[int, float], **changes: Any) -> Snapshot:
@@ -67,4 +67,4 @@ def lake_of(values: dict[int, float], **changes: Any) -> Snapshot:
     q, visits = np.zeros(44), np.zeros(44, dtype=np.int64)
     for pair, value in values.items():
         q[pair], visits[pair] = value, 1
-    return replace(start, q=q, visits=visits, **changes)
+    return changed(start, q=q, visits=visits, **changes)

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from functools import cache
 from typing import Any
 
-import numpy as np
 from samples import curve, lake, marks
+from snapshots import changed
 
 from rl_tui.agents.hyperparameters import Hyperparameters
-from rl_tui.lab.live.snapshot import Curve, LaneView, Snapshot
+from rl_tui.lab.live.snapshot import Snapshot
+from rl_tui.lab.run.results import Curve, RunResults
+from rl_tui.lab.timeline.lane_view import LaneView
 
 # name, algorithm, changed settings, highest mean return, greedy return, episodes
 LANES: tuple[tuple[str, str, dict[str, Any], float, float, int], ...] = (
@@ -23,7 +24,7 @@ LANES: tuple[tuple[str, str, dict[str, Any], float, float, int], ...] = (
 
 def lane_views(count: int) -> tuple[LaneView, ...]:
     """So many runs of the slippery lake, which end apart from one another."""
-    q, base = _lake().q, _lake().hyperparameters
+    q, base = _lake().agent.q, _lake().agent.hyperparameters
     return tuple(
         LaneView(
             name=name,
@@ -32,10 +33,12 @@ def lane_views(count: int) -> tuple[LaneView, ...]:
             step=150_000,
             episodes=episodes,
             q=q * (1.0 - 0.1 * number),
-            curve=curve(40, 0.0, high, episodes // 40),
-            marks=marks(30, 0.0, greedy, episodes),
-            return_last_100=high,
-            greedy_return=greedy,
+            results=RunResults(
+                curve=curve(40, 0.0, high, episodes // 40),
+                marks=marks(30, 0.0, greedy, episodes),
+                return_last_100=high,
+                greedy_return=greedy,
+            ),
         )
         for number, (name, algorithm, changes, high, greedy, episodes) in enumerate(LANES[:count])
     )
@@ -44,33 +47,32 @@ def lane_views(count: int) -> tuple[LaneView, ...]:
 def side_by_side(count: int, shown: int = 0, **changes: Any) -> Snapshot:
     """So many runs of the slippery lake; ``shown`` is the number, from 0, of the one on screen."""
     lanes = lane_views(count)
-    return replace(showing(_lake(), lanes[shown]), lanes=lanes, lane=shown, **changes)
+    return changed(showing(_lake(), lanes[shown]), lanes=lanes, shown=shown, **changes)
 
 
 def showing(snapshot: Snapshot, lane: LaneView) -> Snapshot:
     """``snapshot`` with what is known of ``lane``."""
-    return replace(
+    return changed(
         snapshot,
         algorithm=lane.algorithm,
         hyperparameters=lane.hyperparameters,
         step=lane.step,
         episodes=lane.episodes,
         q=lane.q,
-        curve=lane.curve,
-        marks=lane.marks,
-        return_last_100=lane.return_last_100,
-        greedy_return=lane.greedy_return,
+        curve=lane.results.curve,
+        marks=lane.results.marks,
+        return_last_100=lane.results.return_last_100,
+        greedy_return=lane.results.greedy_return,
     )
 
 
 def without_episodes(lane: LaneView) -> LaneView:
     """``lane`` as it was before its first episode ended."""
-    nothing, empty = np.array([], dtype=np.int64), np.array([])
-    return replace(
+    return changed(
         lane,
         step=0,
         episodes=0,
-        curve=Curve(nothing, empty, empty, empty, empty),
+        curve=Curve(),
         marks=marks(0, 0.0, 0.0, 0),
         return_last_100=None,
     )

@@ -17,11 +17,15 @@ from sample_worlds import (
     learned_q,
     student_world,
 )
+from snapshots import changed
 
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.agents.last_step import LastStep
-from rl_tui.lab.live.snapshot import BanditFigures, Curve, Marks, Phase, Snapshot
+from rl_tui.lab.live.snapshot import Phase, PlaybackView, Snapshot
+from rl_tui.lab.live.snapshot_builder import SnapshotBuilder
+from rl_tui.lab.run.bandit import BanditFigures
 from rl_tui.lab.run.recipe import Recipe
+from rl_tui.lab.run.results import Curve, Marks
 from rl_tui.tui.theme.glyphs import ASCII, UNICODE
 from rl_tui.tui.theme.look import Look
 from rl_tui.tui.theme.palette import palette_for
@@ -36,8 +40,8 @@ def look(ascii: bool = False, depth: str = "truecolor", dark: bool = True) -> Lo
 
 def learned_from(last: LastStep, **terms: Any) -> LastStep:
     """``last`` with other terms of its update, and the estimate that they lead to."""
-    changed = replace(last, **terms)
-    return replace(changed, after=changed.before + changed.step_size * changed.td_error)
+    other = replace(last, **terms)
+    return replace(other, after=other.before + other.step_size * other.td_error)
 
 
 def scenario(id: str, title: str, kind: str) -> Scenario:  # noqa: A002
@@ -57,38 +61,11 @@ def scenario(id: str, title: str, kind: str) -> Scenario:  # noqa: A002
 
 def snapshot(world: World, name: Scenario, hyperparameters: Hyperparameters, **changes: Any) -> Snapshot:
     """A paused run of ``world`` before its first step, with ``changes`` to its fields."""
-    mdp = world.space
-    empty = np.array([], dtype=np.float64)
-    nothing = np.array([], dtype=np.int64)
-    fields: dict[str, Any] = {
-        "world": world,
-        "recipe": Recipe(name, "q-learning", hyperparameters, seed=0),
-        "algorithm": "q-learning",
-        "hyperparameters": hyperparameters,
-        "phase": Phase.PAUSED,
-        "message": "",
-        "speed": 10.0,
-        "steps_per_second": None,
-        "step": 0,
-        "episodes": 0,
-        "state": int(mdp.start_state[0]),
-        "episode_step": 0,
-        "episode_return": 0.0,
-        "q": np.zeros(mdp.pairs),
-        "visits": np.zeros(mdp.pairs, dtype=np.int64),
-        "last": None,
-        "curve": Curve(nothing, empty, empty, empty, empty),
-        "marks": Marks(nothing, nothing, empty),
-        "return_last_100": None,
-        "length_last_100": None,
-        "greedy_return": None,
-        "exact": None,
-        "exact_refused": "",
-        "bandit": None,
-    }
-    unknown = set(changes) - set(fields)
-    assert not unknown, f"a snapshot has no {unknown}"
-    return Snapshot(**(fields | changes))
+    space = world.space
+    recipe = Recipe(name, "q-learning", hyperparameters, seed=0)
+    start = SnapshotBuilder().before(recipe, world, PlaybackView(Phase.PAUSED, speed=10.0))
+    usual = {"q": np.zeros(space.pairs), "state": int(space.start_state[0]), "bandit": None}
+    return changed(start, **(usual | changes))
 
 
 def curve(bins: int, low: float, high: float, width: int = 50) -> Curve:
@@ -113,7 +90,7 @@ def _lake(world: World, id: str, title: str, step: int, changes: dict[str, Any])
     hyperparameters = Hyperparameters(alpha=0.1, gamma=0.99, epsilon=0.1)
     start = snapshot(world, scenario(id, title, "gymnasium"), hyperparameters)
     if step == 0:
-        return replace(start, **changes)
+        return changed(start, **changes)
     exact = exact_solution(mdp, 0.99)
     q = learned_q(exact)
     visits = (np.arange(mdp.pairs) * 37 % 101 * step // (50 * mdp.pairs)).astype(np.int64)
@@ -157,15 +134,15 @@ def _lake(world: World, id: str, title: str, step: int, changes: dict[str, Any])
         "episode_step": 5,
         "q": q,
         "visits": visits,
-        "last": last,
+        "last_step": last,
         "curve": curve(40, 0.0, 0.4, max(1, step // 480)),
         "marks": marks(30, 0.0, 0.73, step // 12),
         "return_last_100": 0.41,
         "length_last_100": 37.5,
         "greedy_return": 0.73,
-        "exact": exact,
+        "solution": exact,
     }
-    return replace(start, **(shown | changes))
+    return changed(start, **(shown | changes))
 
 
 def lake(step: int = 150_000, *, slippery: bool = True, **changes: Any) -> Snapshot:
@@ -195,7 +172,7 @@ def student(step: int = 2_433, **changes: Any) -> Snapshot:
         Hyperparameters(alpha=0.1, gamma=0.9, epsilon=0.1),
     )
     if step == 0:
-        return replace(start, **changes)
+        return changed(start, **changes)
     exact = exact_solution(world.space, 0.9)
     q = exact.q.copy()
     q[0] = 6.37
@@ -230,15 +207,15 @@ def student(step: int = 2_433, **changes: Any) -> Snapshot:
         "episode_return": -2.0,
         "q": q,
         "visits": np.array([1204, 133, 12, 121, 963], dtype=np.int64),
-        "last": last,
+        "last_step": last,
         "curve": curve(30, -4.0, 5.9, 33),
         "marks": marks(20, -4.0, 7.5, 963),
         "return_last_100": 5.9,
         "length_last_100": 2.6,
         "greedy_return": 7.5,
-        "exact": exact,
+        "solution": exact,
     }
-    return replace(start, **(shown | changes))
+    return changed(start, **(shown | changes))
 
 
 PULLS = (12, 18, 9, 31, 14, 842, 15, 16, 8, 35)
@@ -257,7 +234,7 @@ def bandit(pulls: int = 1_000, **changes: Any) -> Snapshot:
         bandit=BanditFigures(0, 1_000, 0.0, 0.0, None, 0.0),
     )
     if pulls == 0:
-        return replace(start, **changes)
+        return changed(start, **changes)
     visits = np.array(PULLS, dtype=np.int64) * pulls // 1_000
     visits[5] += pulls - visits.sum()
     last = LastStep(
@@ -298,16 +275,16 @@ def bandit(pulls: int = 1_000, **changes: Any) -> Snapshot:
         "episodes": pulls,
         "q": np.array(ESTIMATES),
         "visits": visits,
-        "last": last,
+        "last_step": last,
         "curve": curve(40, 0.0, 1.21, max(1, pulls // 40)),
         "marks": marks(20, 0.0, 1.4, pulls),
         "return_last_100": 1.31,
         "length_last_100": 1.0,
         "greedy_return": 1.5,
-        "exact": exact_solution(world.space, 0.0),
+        "solution": exact_solution(world.space, 0.0),
         "bandit": figures,
     }
-    return replace(start, **(shown | changes))
+    return changed(start, **(shown | changes))
 
 
 def spent() -> Snapshot:
@@ -320,29 +297,28 @@ def stepped_lake() -> Snapshot:
     known = lake()
     mdp = known.world.space
     space = FiniteSpace(mdp.state_names, mdp.action_names, mdp.first_pair, mdp.pair_action, mdp.time_limit)
-    nothing = np.array([], dtype=np.int64)
-    return replace(
+    last = known.counters.last_step
+    return changed(
         known,
         world=World(space, known.world.drawing),
-        last=None if known.last is None else replace(known.last, outcome=-1),
-        marks=Marks(nothing, nothing, np.array([])),
+        last_step=None if last is None else replace(last, outcome=-1),
+        marks=Marks(),
         greedy_return=None,
-        exact=None,
-        exact_refused="this environment has no transition table to work it out from",
+        solution=None,
+        refused="this environment has no transition table to work it out from",
     )
 
 
 def planning(sweeps: int = 12, **changes: Any) -> Snapshot:
     """Value iteration on the slippery lake, so many sweeps in."""
     known = lake()
-    nothing, empty = np.array([], dtype=np.int64), np.array([])
     shown: dict[str, Any] = {
         "algorithm": "value-iteration",
         "step": sweeps * 11,
         "episodes": sweeps,
-        "curve": Curve(nothing, empty, empty, empty, empty),
+        "curve": Curve(),
         "marks": marks(5, 0.0, 0.73, sweeps),
         "return_last_100": None,
         "length_last_100": None,
     }
-    return replace(known, **(shown | changes))
+    return changed(known, **(shown | changes))

@@ -88,7 +88,7 @@ async def test_the_palette_finds_and_does_the_actions_of_the_screen(make_app: Ma
         await best.command()
         await settle(pilot)
         assert screen.snapshot
-        assert screen.snapshot.step == 1
+        assert screen.snapshot.counters.step == 1
         await pilot.press("ctrl+p")
         assert isinstance(app.screen, CommandPalette)
 

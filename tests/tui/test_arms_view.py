@@ -8,6 +8,7 @@ import pytest
 from rich.style import Style
 from sample_worlds import bandit_world
 from samples import bandit, look
+from snapshots import changed
 from textual.strip import Strip
 
 from rl_tui.lab.live.snapshot import Snapshot
@@ -109,7 +110,7 @@ def test_the_truth_is_drawn_only_when_revealed() -> None:
 
 def test_the_hidden_picture_does_not_depend_on_the_truth() -> None:
     snapshot = bandit()
-    other = replace(snapshot, world=bandit_world(means=tuple(range(10))))
+    other = changed(snapshot, world=bandit_world(means=tuple(range(10))))
     assert picture(other, 60, 21) == picture(snapshot, 60, 21)
 
 
@@ -117,14 +118,16 @@ def test_unpulled_arms_say_so_and_before_the_first_pull_none_is_greedy() -> None
     rows = picture(bandit(pulls=0), 40, 10)
     assert all("not pulled yet" in row for row in rows)
     assert "▸" not in "".join(rows)
-    one = replace(bandit(), visits=np.array([3, 0, 0, 0, 0, 0, 0, 0, 0, 0]), q=np.array([0.5, *[0.0] * 9]))
+    one = changed(bandit(), visits=np.array([3, 0, 0, 0, 0, 0, 0, 0, 0, 0]), q=np.array([0.5, *[0.0] * 9]))
     rows = picture(one, 40, 10)
     assert rows[0].startswith("▸")
     assert sum("not pulled yet" in row for row in rows) == 9
 
 
 def test_optimistic_ties_are_all_greedy() -> None:
-    snapshot = replace(bandit(), visits=np.array([1, *[0] * 9]), q=np.array([0.5, *[5.0] * 9]), last=None)
+    snapshot = changed(
+        bandit(), visits=np.array([1, *[0] * 9]), q=np.array([0.5, *[5.0] * 9]), last_step=None
+    )
     rows = picture(snapshot, 40, 10)
     assert [row[0] for row in rows] == [" ", *["▸"] * 9]
 
@@ -153,7 +156,7 @@ def test_a_new_run_starts_with_a_new_scale() -> None:
     view = ArmsView(bandit_world(), look())
     view.show(bandit(1_000))
     view.picture(bandit(1_000), 40, 10)
-    tame = replace(bandit(500), q=np.full(10, 0.01), visits=np.full(10, 10**6))
+    tame = changed(bandit(500), q=np.full(10, 0.01), visits=np.full(10, 10**6))
     view.picture(tame, 40, 10)
     assert view.heading.endswith("−2…+2")
     view.show(tame)
@@ -178,7 +181,7 @@ def test_ticks_are_round_and_hold_zero() -> None:
 
 def test_more_arms_than_rows_scroll() -> None:
     world = bandit_world(means=tuple(0.1 * arm for arm in range(50)))
-    snapshot = replace(bandit(pulls=0), world=world, q=np.zeros(50), visits=np.zeros(50, dtype=np.int64))
+    snapshot = changed(bandit(pulls=0), world=world, q=np.zeros(50), visits=np.zeros(50, dtype=np.int64))
     view = ArmsView(world, look())
     assert view.picture(snapshot, 40, 10)[0].text.startswith("   0")
     assert view.footing == "↑↓ 1–10 of 50"
@@ -219,7 +222,7 @@ def test_the_greedy_arm_is_drawn_in_its_own_style() -> None:
 @pytest.mark.parametrize("plain", [False, True])
 def test_every_size_is_filled_exactly(size: tuple[int, int], plain: bool) -> None:
     width, height = size
-    odd = replace(bandit(), q=np.array([np.nan, np.inf, -np.inf, 1e15, *[0.0] * 6]))
+    odd = changed(bandit(), q=np.array([np.nan, np.inf, -np.inf, 1e15, *[0.0] * 6]))
     for snapshot in (bandit(), bandit(pulls=0), odd):
         view = ArmsView(snapshot.world, look(plain, "none" if plain else "truecolor"))
         view.revealed = not plain
@@ -246,14 +249,14 @@ def two_valued(q: tuple[float, ...]) -> Snapshot:
     )
     known = bandit(400)
     visits = np.array([100, 200, 100], dtype=np.int64)
-    return replace(known, world=World(mdp, Arms(), 1_000), q=np.array(q), visits=visits, exact=None)
+    return changed(known, world=World(mdp, Arms(), 1_000), q=np.array(q), visits=visits, solution=None)
 
 
 def test_the_noise_of_bernoulli_arms_is_that_of_the_estimate_and_gives_nothing_away() -> None:
     snapshot = two_valued((0.5, 0.0, 1.0))
     mdp = snapshot.world.mdp
     assert mdp is not None
-    assert noise_of_rewards(mdp, snapshot.q).tolist() == [0.5, 0.0, 0.0]
+    assert noise_of_rewards(mdp, snapshot.agent.q).tolist() == [0.5, 0.0, 0.0]
     assert noise_of_rewards(mdp, np.array([5.0, -5.0, 0.5])).tolist() == [0.0, 0.0, 0.5]
     errors = [arm.error for arm in arms_of(mdp, snapshot, None)]
     assert errors == [0.05, 0.0, 0.0]
@@ -265,9 +268,11 @@ def test_means_that_drift_are_the_current_ones() -> None:
     mdp = known.world.mdp
     assert mdp is not None
     drifts = replace(mdp, drift_std=0.1)
-    assert known.exact is not None
-    moved = replace(known.exact, q=known.exact.q + 1.0)
-    assert true_means_now(drifts, replace(known, exact=moved)) == pytest.approx(known.exact.q + 1.0)
-    assert true_means_now(drifts, replace(known, exact=None)) is None
-    assert true_means_now(drifts, bandit(0)) == pytest.approx(known.exact.q)
-    assert true_means_now(mdp, known) == pytest.approx(known.exact.q)
+    assert known.exact_answer.solution is not None
+    moved = replace(known.exact_answer.solution, q=known.exact_answer.solution.q + 1.0)
+    assert true_means_now(drifts, changed(known, solution=moved)) == pytest.approx(
+        known.exact_answer.solution.q + 1.0
+    )
+    assert true_means_now(drifts, changed(known, solution=None)) is None
+    assert true_means_now(drifts, bandit(0)) == pytest.approx(known.exact_answer.solution.q)
+    assert true_means_now(mdp, known) == pytest.approx(known.exact_answer.solution.q)

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from rich.style import Style
 from sample_worlds import bandit_world
 from samples import bandit, lake, look, student
+from snapshots import changed
 from textual.geometry import Size
 from textual.strip import Strip
 
@@ -28,7 +27,7 @@ PALETTE = LOOK.palette
 
 
 def stopping(snapshot: Snapshot, states: tuple[int, ...] = (), pairs: tuple[int, ...] = ()) -> Snapshot:
-    return replace(snapshot, breakpoints=Breakpoints(frozenset(states), frozenset(pairs)))
+    return changed(snapshot, breakpoints=Breakpoints(frozenset(states), frozenset(pairs)))
 
 
 def pointing(view: WorldView, place: int, snapshot: Snapshot) -> WorldView:
@@ -186,7 +185,7 @@ def test_arms_have_cursor_and_breakpoints() -> None:
 
 def test_the_cursor_scrolls_the_arms() -> None:
     world = bandit_world(means=tuple(0.1 * arm for arm in range(50)))
-    snapshot = replace(bandit(pulls=0), world=world, q=np.zeros(50), visits=np.zeros(50, dtype=np.int64))
+    snapshot = changed(bandit(pulls=0), world=world, q=np.zeros(50), visits=np.zeros(50, dtype=np.int64))
     view = ArmsView(world, LOOK)
     view.snapshot = snapshot
     view.picture(snapshot, 40, 10)

@@ -3,7 +3,8 @@ from __future__ import annotations
 import pytest
 from samples import bandit, lake, look
 
-from rl_tui.lab.live.snapshot import BanditFigures, Snapshot
+from rl_tui.lab.live.snapshot import Snapshot
+from rl_tui.lab.run.bandit import BanditFigures
 from rl_tui.tui.panels.budget import BudgetPanel, sum_text
 
 

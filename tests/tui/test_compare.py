@@ -8,6 +8,7 @@ import pytest
 from conftest import MakeApp
 from lane_samples import lane_views, showing
 from sample_worlds import bandit_world, lake_world
+from snapshots import changed
 from test_options import choose, messages
 from test_playground import playground
 from textual.pilot import Pilot
@@ -84,9 +85,9 @@ async def beside(pilot: Pilot[UserError], count: int, monkeypatch: pytest.Monkey
     monkeypatch.setattr(screen, "send", sent.append)
     before = screen.snapshot
     assert before is not None
-    lanes = tuple(replace(lane, q=before.q) for lane in lane_views(count))
+    lanes = tuple(replace(lane, q=before.agent.q) for lane in lane_views(count))
     shown = 1 if count > 1 else 0
-    screen._draw(replace(showing(before, lanes[shown]), lanes=lanes if count > 1 else (), lane=shown))
+    screen._draw(changed(showing(before, lanes[shown]), lanes=lanes if count > 1 else (), shown=shown))
     await pilot.pause()
     return sent
 

@@ -7,6 +7,7 @@ from itertools import pairwise
 
 import pytest
 from samples import lake
+from snapshots import changed
 
 from rl_tui.agents.catalogue import ALGORITHMS, POLICIES, parameters_of
 from rl_tui.agents.hyperparameters import PARAMETERS, SAMPLE_AVERAGE, Hyperparameters
@@ -25,7 +26,7 @@ EVERY = [
 
 def told(algorithm: str, policy: str, **changes: float | str) -> Snapshot:
     values = replace(Hyperparameters(policy=policy), **changes)  # type: ignore[arg-type]
-    return replace(LAKE, algorithm=algorithm, hyperparameters=values)
+    return changed(LAKE, algorithm=algorithm, hyperparameters=values)
 
 
 def test_sliders_come_in_the_order_of_the_registry() -> None:
@@ -78,7 +79,7 @@ def test_settings_follow_algorithm_and_rule() -> None:
 def test_what_schedules_have_come_to_is_told() -> None:
     decaying = told("sarsa", "epsilon-greedy", epsilon_decay=0.1, alpha=0.5, alpha_decay=0.1)
     assert values_of(decaying)["ε now"] == "0.000"
-    assert values_of(replace(decaying, episodes=0))["α now"] == "0.500"
+    assert values_of(changed(decaying, episodes=0))["α now"] == "0.500"
     assert "ε now" not in values_of(told("sarsa", "softmax", epsilon_decay=0.1))
     assert "ε now" not in values_of(
         told("sarsa", "epsilon-greedy", epsilon_decay=0.1, epsilon_schedule="constant")
@@ -87,7 +88,7 @@ def test_what_schedules_have_come_to_is_told() -> None:
 
 def test_where_a_run_is_over_it_can_start_again() -> None:
     for phase in (Phase.SPENT, Phase.DONE):
-        over = replace(told("value-iteration", "epsilon-greedy"), phase=phase)
+        over = changed(told("value-iteration", "epsilon-greedy"), phase=phase)
         assert "start again" in values_of(over).values()
 
 

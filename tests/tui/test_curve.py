@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from drawn_curves import NARROW, NO_MARKS, drawn, flat
 from samples import bandit, lake, look, planning, stepped_lake, student
+from snapshots import changed
 
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.lab.live.snapshot import Phase, Snapshot
@@ -60,7 +61,7 @@ def test_the_cost_of_exploring_is_said_below_or_in_the_border() -> None:
         {"episodes": 99},
         {"greedy_return": 0.4101},
         {"greedy_return": 0.35, "return_last_100": 0.1},  # too far below .54: not learned yet
-        {"exact": None},
+        {"solution": None},
         {"q": np.zeros(44)},
     ],
 )
@@ -71,7 +72,7 @@ def test_no_cost_is_claimed_that_is_not_seen(changes: dict[str, Any]) -> None:
 
 def test_without_exploring_no_gap_is_blamed_on_it() -> None:
     snapshot = lake()
-    still = replace(snapshot, hyperparameters=snapshot.hyperparameters.changed("epsilon", 0.0))
+    still = changed(snapshot, hyperparameters=snapshot.agent.hyperparameters.changed("epsilon", 0.0))
     assert "gap" not in drawn(still)[0]
 
 
@@ -87,7 +88,7 @@ def test_before_the_first_episode_it_says_what_to_do() -> None:
 def test_one_action_is_no_tie() -> None:
     space = all_pairs(("A", "B"), ("go",), 0)
     snapshot = lake(q=np.zeros(2), greedy_return=0.5)
-    alone = replace(snapshot, world=World(space, snapshot.world.drawing))
+    alone = changed(snapshot, world=World(space, snapshot.world.drawing))
     assert curve_data(alone, revealed=False).is_decided
     assert not curve_data(lake(q=np.zeros(44)), revealed=False).is_decided
 
@@ -103,18 +104,18 @@ def test_a_greedy_policy_of_mere_ties_has_no_figure() -> None:
 
 
 def test_before_the_first_episode_there_is_no_line() -> None:
-    start = student(0, greedy_return=6.2, exact=student().exact)
+    start = student(0, greedy_return=6.2, solution=student().exact_answer.solution)
     text, widget = drawn(start, NARROW)
     assert not any(0x2800 < ord(character) <= 0x28FF for character in text)
     assert widget.heading == "Return per episode"
 
 
 def test_a_small_return_far_from_a_negative_optimum_is_not_learned() -> None:
-    exact = student().exact
+    exact = student().exact_answer.solution
     assert exact is not None
     cliff = replace(exact, expected_return=-12.0)
-    far = student(exact=cliff, greedy_return=-17.0, return_last_100=-40.0)
-    near = student(exact=cliff, greedy_return=-15.0, return_last_100=-40.0)
+    far = student(solution=cliff, greedy_return=-17.0, return_last_100=-40.0)
+    near = student(solution=cliff, greedy_return=-15.0, return_last_100=-40.0)
     assert "gap" not in drawn(far)[0]
     assert "gap 25" in drawn(near)[0]
 
@@ -143,7 +144,7 @@ def test_returns_of_zero_where_rewards_may_cancel_out_are_not_called_no_reward()
 
 
 def test_a_constant_return_is_a_line_on_the_axis() -> None:
-    barren = lake(curve=flat(0.0), marks=NO_MARKS, episodes=1_234, greedy_return=None, exact=None)
+    barren = lake(curve=flat(0.0), marks=NO_MARKS, episodes=1_234, greedy_return=None, solution=None)
     bottom = drawn(barren)[0].splitlines()[-2]
     assert bottom.startswith("  0┤⣀⣀⣀⣀")
 
@@ -221,7 +222,7 @@ def test_they_fit_any_size(make: Callable[[], Snapshot], ascii: bool) -> None:  
 
 
 def test_what_exploring_costs_names_no_rate_that_is_not_in_force() -> None:
-    softmax = replace(lake(), hyperparameters=Hyperparameters(policy="softmax"))
+    softmax = changed(lake(), hyperparameters=Hyperparameters(policy="softmax"))
     assert "(ε .10)" in drawn(lake())[0]
     text = drawn(softmax)[0]
     assert "mostly what exploring costs" in text

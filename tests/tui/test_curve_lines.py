@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from drawn_curves import NARROW, WIDE, drawn, flat, steps, styles_of
 from samples import bandit, curve, lake, look, marks, planning, student
+from snapshots import changed
 
-from rl_tui.lab.live.snapshot import Timeline
-from rl_tui.lab.timeline.branches import Branch
+from rl_tui.lab.timeline.branches import Branch, Timeline
 from rl_tui.tui.draw import braille
 from rl_tui.tui.draw.axes import draw_value_axis
 from rl_tui.tui.draw.braille import Steps
@@ -112,7 +110,7 @@ def test_names_never_share_a_row() -> None:
 
 
 def test_of_equal_lines_the_optimum_is_named_above() -> None:
-    lines = drawn(lake(greedy_return=lake().exact.expected_return))[0].splitlines()  # type: ignore[union-attr]
+    lines = drawn(lake(greedy_return=lake().exact_answer.solution.expected_return))[0].splitlines()  # type: ignore[union-attr]
     optimum = next(y for y, line in enumerate(lines) if "best for this γ" in line)
     greedy = next(y for y, line in enumerate(lines) if "greedy" in line)
     assert optimum < greedy
@@ -167,7 +165,7 @@ def test_smoothing_keeps_a_constant_and_few_values() -> None:
 
 def test_the_greedy_line_wins_a_shared_cell() -> None:
     same = lake(
-        curve=flat(0.5), marks=marks(30, 0.5, 0.5, 1_234), episodes=1_234, greedy_return=0.5, exact=None
+        curve=flat(0.5), marks=marks(30, 0.5, 0.5, 1_234), episodes=1_234, greedy_return=0.5, solution=None
     )
     _, widget = drawn(same)
     palette = widget.look.palette
@@ -183,7 +181,7 @@ def test_the_greedy_line_wins_a_shared_cell() -> None:
 
 def test_a_mean_somewhat_below_the_greedy_line_has_its_own_row() -> None:
     snapshot = lake(
-        curve=flat(0.89), marks=marks(30, 1.0, 1.0, 1_234), episodes=1_234, greedy_return=1.0, exact=None
+        curve=flat(0.89), marks=marks(30, 1.0, 1.0, 1_234), episodes=1_234, greedy_return=1.0, solution=None
     )
     top, below = drawn(snapshot, NARROW)[0].splitlines()[:2]
     assert "⣀⣀⣀⣀" in top
@@ -220,7 +218,7 @@ def test_a_new_run_has_a_new_axis() -> None:
 
 def test_the_past_of_a_run_keeps_the_axis_of_its_present() -> None:
     present = student(curve=flat(-90.0), timeline=Timeline((Branch("branch 1", end=2_433, here=2_433),)))
-    then = replace(
+    then = changed(
         present,
         step=40,
         curve=flat(-1.0),
@@ -234,7 +232,7 @@ def test_the_past_of_a_run_keeps_the_axis_of_its_present() -> None:
     widget.show(then)
     widget.picture(then, *WIDE)
     assert widget._scale == axis
-    fork = replace(
+    fork = changed(
         then,
         timeline=Timeline((Branch("branch 1", end=2_433, here=40), Branch("branch 2", (), 0, 40, 40, 40)), 1),
     )
@@ -250,5 +248,5 @@ def test_a_greedy_policy_that_walks_into_walls_does_not_blow_up_the_axis() -> No
     early.expected_return[3:6] = -100_000.0
     assert curve_data(lake(marks=early), revealed=True).range[0] >= -1.0
     assert curve_data(planning(marks=early), revealed=True).range[0] >= -1.0
-    alone = planning(marks=early, exact=None, greedy_return=None)
+    alone = planning(marks=early, solution=None, greedy_return=None)
     assert curve_data(alone, revealed=True).range[0] == -100_000.0

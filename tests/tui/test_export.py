@@ -103,11 +103,11 @@ async def test_the_tables_are_those_that_are_shown(make_app: MakeApp, folder: Pa
             await press(pilot, "enter")
         snapshot = shown(pilot)
         q = np.load(folder / "student-q-learning-q.npy")
-        np.testing.assert_array_equal(np.sort(q[~np.isnan(q)]), np.sort(snapshot.q))
+        np.testing.assert_array_equal(np.sort(q[~np.isnan(q)]), np.sort(snapshot.agent.q))
         with (folder / "student-q-learning-q.csv").open(encoding="utf-8") as stream:
             assert [row["state"] for row in csv.DictReader(stream)] == ["Class", "Phone", "Pass"]
         with (folder / "student-q-learning-returns.csv").open(encoding="utf-8") as stream:
-            assert len(list(csv.DictReader(stream))) == snapshot.episodes
+            assert len(list(csv.DictReader(stream))) == snapshot.counters.episodes
         assert len(said(pilot)) == 3
 
 
@@ -121,7 +121,7 @@ async def test_of_a_map_that_is_shown_in_parts_all_of_q_is_written(folder: Path)
     async with app.run_test(size=(80, 24), notifications=True) as pilot:
         await train(pilot, 2000)
         snapshot = shown(pilot)
-        assert snapshot.window is not None
+        assert snapshot.agent.part is not None
         await choose(pilot, "q-csv")
         await press(pilot, "enter")
         (path,) = folder.iterdir()

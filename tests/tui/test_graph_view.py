@@ -1,12 +1,11 @@
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from rich.style import Style
 from sample_worlds import student_world
 from samples import look, student
+from snapshots import changed
 from textual.strip import Strip
 
 from rl_tui.lab.live.snapshot import Snapshot
@@ -74,7 +73,7 @@ def as_view(
 ) -> tuple[GraphView, Snapshot]:
     world = World(mdp, Graph(places))
     nothing = np.zeros(mdp.pairs, dtype=np.int64)
-    snapshot = replace(
+    snapshot = changed(
         student(step=0),
         world=world,
         q=np.zeros(mdp.pairs),
@@ -115,7 +114,7 @@ def test_the_student_evening_at_120_by_40_has_every_label_in_whole() -> None:
 
 def test_only_what_changes_with_values_is_drawn_again() -> None:
     snapshot = student()
-    phone_first = replace(snapshot, q=np.array([4.0, 6.0, 4.14, 5.71, 10.0]), state=PHONE)
+    phone_first = changed(snapshot, q=np.array([4.0, 6.0, 4.14, 5.71, 10.0]), state=PHONE)
     rows = picture(phone_first, 40, 10)
     assert rows[1].startswith("      │◉Phone├─╮ scroll −1")
     assert rows[4].startswith("  check ┃  ┃ quit 0")
@@ -129,7 +128,7 @@ def test_before_anything_is_learned_no_action_is_bold() -> None:
 
 
 def test_greedy_ties_are_all_bold() -> None:
-    snapshot = replace(student(), q=np.array([5.0, 5.0, 1.0, 2.0, 3.0]))
+    snapshot = changed(student(), q=np.array([5.0, 5.0, 1.0, 2.0, 3.0]))
     rows = picture(snapshot, 40, 10)
     assert "┝━●━━▶" in rows[7]
     assert "check ┃" in rows[4]
@@ -313,7 +312,7 @@ def test_a_route_goes_around_boxes_and_ends_on_a_straight_cell() -> None:
 @pytest.mark.parametrize("plain", [False, True])
 def test_every_size_is_filled_exactly(size: tuple[int, int], plain: bool) -> None:
     width, height = size
-    odd = replace(student(), q=np.array([np.nan, np.inf, -1e15, 0.0, 123456.0]))
+    odd = changed(student(), q=np.array([np.nan, np.inf, -1e15, 0.0, 123456.0]))
     for snapshot in (student(), student(step=0), odd):
         view = GraphView(snapshot.world, look(plain, "none" if plain else "truecolor"))
         strips = view.picture(snapshot, width, height)

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from drawn_grids import large_lake, q_of
 from samples import lake, look
+from snapshots import changed
 from textual.app import App, ComposeResult
 from textual.geometry import Region
 
@@ -43,7 +44,7 @@ def test_only_cells_in_view_are_read(monkeypatch: pytest.MonkeyPatch) -> None:
 
     monkeypatch.setattr(GridMap, "contents", counted)
     view = GridView(snapshot.world, look())
-    view.picture(replace(snapshot, state=20 * 40 + 30), 40, 10)
+    view.picture(changed(snapshot, state=20 * 40 + 30), 40, 10)
     assert read == [MapPart(15, 26, 10, 8)]
 
 
@@ -139,9 +140,9 @@ async def test_only_rows_that_changed_are_refreshed() -> None:
         view.refresh = recorded  # type: ignore[method-assign,assignment]
         view.show(snapshot)
         assert asked == []
-        view.show(replace(snapshot, q=snapshot.q + q_of(snapshot, {(8, 1): -0.02})))
+        view.show(changed(snapshot, q=snapshot.agent.q + q_of(snapshot, {(8, 1): -0.02})))
         assert asked == []
-        best = int(np.argmax(snapshot.q[:4]))
-        view.show(replace(snapshot, q=snapshot.q + q_of(snapshot, {(0, best): 0.05})))
+        best = int(np.argmax(snapshot.agent.q[:4]))
+        view.show(changed(snapshot, q=snapshot.agent.q + q_of(snapshot, {(0, best): 0.05})))
         assert asked == [Region(0, 0, 40, 1), Region(0, 1, 40, 1)]  # both rows of its cell
         assert view.render_line(1).text != before

@@ -8,6 +8,7 @@ from drawn_grids import large_lake, picture, q_of, small, style_at, visited
 from rich.style import Style
 from sample_worlds import LEFT, RIGHT, UP, lake_world
 from samples import big_lake, lake, look
+from snapshots import changed
 
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.panels.world.grid.form import CellForm, cell_form
@@ -44,7 +45,7 @@ def test_an_8x8_map_fits_into_40_by_8() -> None:
 def test_medium_cells_have_arrows_above_values_and_the_agent_beside_the_arrows() -> None:
     start = lake(step=0)
     q = q_of(start, {(0, LEFT): 0.54, (6, LEFT): 0.36, (10, UP): 0.62, (14, RIGHT): 0.864})
-    rows = picture(replace(start, q=q, state=6), 40, 8)
+    rows = picture(changed(start, q=q, state=6), 40, 8)
     assert rows[0] == "  S ←                                   "
     assert rows[1] == "   .54       .00       .00       .00    "
     assert rows[2] == "              ●       ◉ ←         ●     "
@@ -56,7 +57,7 @@ def test_medium_cells_have_arrows_above_values_and_the_agent_beside_the_arrows()
 def test_small_cells_have_mark_arrow_and_value_in_one_row() -> None:
     start = lake(step=0)
     q = q_of(start, {(0, LEFT): 0.54, (6, LEFT): 0.36, (10, UP): 0.62})
-    rows = small(replace(start, q=q, state=6))
+    rows = small(changed(start, q=q, state=6))
     assert rows == [
         "S←.54  .00  .00  .00",
         "  .00  ●  ◉←.36  ●  ",
@@ -67,7 +68,7 @@ def test_small_cells_have_mark_arrow_and_value_in_one_row() -> None:
 
 def test_the_agent_hides_neither_arrow_nor_value_in_any_form() -> None:
     start = lake(step=0)
-    snapshot = replace(start, q=q_of(start, {(1, RIGHT): 0.47}), state=1)
+    snapshot = changed(start, q=q_of(start, {(1, RIGHT): 0.47}), state=1)
     for size in ((20, 4), (40, 8), (60, 12), (118, 36)):
         text = "\n".join(picture(snapshot, *size))
         assert "◉" in text
@@ -76,13 +77,13 @@ def test_the_agent_hides_neither_arrow_nor_value_in_any_form() -> None:
 
 
 def test_an_agent_in_a_hole_stands_beside_it() -> None:
-    rows = small(replace(lake(step=0), state=5))
+    rows = small(changed(lake(step=0), state=5))
     assert rows[1] == "  .00 ◉●    .00  ●  "
 
 
 def test_ties_are_several_arrows_or_a_cross_where_they_do_not_fit() -> None:
     start = lake(step=0)
-    two = replace(start, q=q_of(start, {(1, LEFT): 0.5, (1, UP): 0.5}))
+    two = changed(start, q=q_of(start, {(1, LEFT): 0.5, (1, UP): 0.5}))
     assert "←↑" in picture(two, 40, 8)[0]
     assert small(two)[0] == "◉ .00 +.50  .00  .00"
     four = visited(start, 1)
@@ -97,7 +98,7 @@ def test_neighbours_in_one_row_keep_apart() -> None:
 
 def test_a_value_too_small_for_a_narrow_cell_is_a_bound() -> None:
     start = lake(step=0)
-    tiny = replace(start, q=q_of(start, {(1, LEFT): 2e-3, (2, LEFT): 0.13}))
+    tiny = changed(start, q=q_of(start, {(1, LEFT): 2e-3, (2, LEFT): 0.13}))
     row = picture(tiny, 40, 8)[1]
     assert "<.01" in row
     assert ".13" in row
@@ -121,7 +122,7 @@ def test_without_a_table_the_zero_of_a_state_never_visited_is_a_dot() -> None:
     start = lake(step=0)
     mdp = start.world.space
     space = FiniteSpace(mdp.state_names, mdp.action_names, mdp.first_pair, mdp.pair_action, mdp.time_limit)
-    snapshot = visited(replace(start, world=World(space, start.world.drawing)), 1)
+    snapshot = visited(changed(start, world=World(space, start.world.drawing)), 1)
     assert picture(snapshot, 40, 8)[1] == "    ·        .00        ·         ·     "
     assert small(snapshot)[0] == "◉ .00 +.00  .00  .00"
     assert picture(snapshot, 20, 4)[0] == "◉   · +.00    ·    ·"
@@ -129,7 +130,7 @@ def test_without_a_table_the_zero_of_a_state_never_visited_is_a_dot() -> None:
 
 def test_optimistic_estimates_alone_are_not_knowledge() -> None:
     start = lake(step=0)
-    rows = picture(replace(start, q=np.ones(start.world.space.pairs)), 40, 8)
+    rows = picture(changed(start, q=np.ones(start.world.space.pairs)), 40, 8)
     assert rows[1] == "   1.00      1.00      1.00      1.00   "
     assert not set("←↓→↑") & set("".join(rows))
 
@@ -138,7 +139,7 @@ def test_tints_run_from_the_least_to_the_greatest_value_with_zero_inside() -> No
     start = lake(step=0)
     palette = look().palette
     q = q_of(start, {(0, place): -1.0 - place for place in range(4)} | {(1, 0): -0.5, (2, 0): 3.0})
-    strip = GridView(start.world, look()).picture(replace(start, q=q), 40, 8)[1]
+    strip = GridView(start.world, look()).picture(changed(start, q=q), 40, 8)[1]
     assert strip.text == "   −1.0      .00       3.00      .00    "
     assert style_at(strip, 3) == palette.value(0.0)
     assert style_at(strip, 14) == palette.value(0.25)
@@ -156,16 +157,16 @@ def test_walls_fill_their_cell_and_other_actions_show_their_first_letter() -> No
     world = lake_world()
     kinds = (CellKind.WALL, *world.drawing.kinds[1:])  # type: ignore[union-attr]
     drawing = replace(world.drawing, kinds=kinds, directions=(None, (1, 0), (0, 1), (-1, 0)))  # type: ignore[arg-type]
-    changed = World(world.space, drawing)  # type: ignore[arg-type]
-    start = replace(lake(step=0), world=changed, state=2)
-    rows = small(replace(start, q=q_of(start, {(1, LEFT): 0.5})))
+    other = World(world.space, drawing)  # type: ignore[arg-type]
+    start = changed(lake(step=0), world=other, state=2)
+    rows = small(changed(start, q=q_of(start, {(1, LEFT): 0.5})))
     assert rows[0].startswith("█████ l.50")
 
 
 def test_ascii() -> None:
     start = lake(step=0)
     rows = picture(
-        replace(start, q=q_of(start, {(6, LEFT): -0.36, (6, UP): -0.1}), state=6), 20, 4, ascii=True
+        changed(start, q=q_of(start, {(6, LEFT): -0.36, (6, UP): -0.1}), state=6), 20, 4, ascii=True
     )
     assert "".join(rows).isascii()
     assert rows[1] == "  .00  O  @+.00  O  "
@@ -173,22 +174,22 @@ def test_ascii() -> None:
 
 def test_values_of_three_digits_are_never_number_signs() -> None:
     snapshot = large_lake()
-    q = np.full_like(snapshot.q, -100.0)
+    q = np.full_like(snapshot.agent.q, -100.0)
     view = GridView(snapshot.world, look())
-    assert view.picture(replace(snapshot, q=q), 60, 10)[1].text.startswith("     −100   −100   −100")
-    assert "−12k" in view.picture(replace(snapshot, q=120 * q), 60, 10)[1].text
+    assert view.picture(changed(snapshot, q=q), 60, 10)[1].text.startswith("     −100   −100   −100")
+    assert "−12k" in view.picture(changed(snapshot, q=120 * q), 60, 10)[1].text
     assert view.picture(snapshot, 60, 10)[1].text.startswith("      .00")  # as wide as they have been
     medium = large_lake(10)
     view = GridView(medium.world, look())
     assert view.picture(medium, 50, 10)[1].text.startswith("  .00")
-    below = replace(medium, q=np.full_like(medium.q, -100.0), step=1)
+    below = changed(medium, q=np.full_like(medium.agent.q, -100.0), step=1)
     assert not set("#1") & set(view.picture(below, 50, 10)[1].text)
     assert view.heading == "World · greedy, V as tint"
     view.show(below)
     view.show(medium)  # the past of the same run
     view.picture(medium, 50, 10)
     assert view.heading == "World · greedy, V as tint"
-    another = replace(medium, recipe=replace(medium.recipe, seed=1))
+    another = changed(medium, recipe=replace(medium.recipe, seed=1))
     view.show(another)
     view.picture(another, 50, 10)
     assert view.heading == "World · V and greedy"
@@ -199,7 +200,7 @@ def test_arrows_stand_alone_where_a_map_fits_only_without_its_values() -> None:
     q = q_of(snapshot, {(0, RIGHT): 0.5, (21, LEFT): 0.2, (22, UP): 0.1})
     q[snapshot.world.space.pairs_of(22).start] = 0.1
     view = GridView(snapshot.world, look())
-    rows = [strip.text for strip in view.picture(replace(snapshot, q=q, state=21), 60, 20)]
+    rows = [strip.text for strip in view.picture(changed(snapshot, q=q, state=21), 60, 20)]
     assert rows[0].startswith("S→ ")
     assert rows[1].startswith("   ◉←  + ")
     assert rows[19].endswith(" ★ ")
@@ -211,7 +212,7 @@ def test_arrows_stand_alone_where_a_map_fits_only_without_its_values() -> None:
 @pytest.mark.parametrize("plain", [False, True])
 def test_every_size_is_filled_exactly(size: tuple[int, int], plain: bool) -> None:
     width, height = size
-    for snapshot in (lake(), lake(step=0), big_lake(), replace(lake(), q=np.full(44, np.inf))):
+    for snapshot in (lake(), lake(step=0), big_lake(), changed(lake(), q=np.full(44, np.inf))):
         view = GridView(snapshot.world, look(plain, "none" if plain else "truecolor"))
         strips = view.picture(snapshot, width, height)
         assert [strip.cell_length for strip in strips] == [width] * height
@@ -222,7 +223,7 @@ def test_a_cliff_has_a_sign_and_a_colour_of_its_own() -> None:
     world = lake_world()
     assert isinstance(world.drawing, Grid)
     kinds = tuple(CellKind.CLIFF if kind is CellKind.HOLE else kind for kind in world.drawing.kinds)
-    snapshot = replace(lake(step=0), world=World(world.space, replace(world.drawing, kinds=kinds)))
+    snapshot = changed(lake(step=0), world=World(world.space, replace(world.drawing, kinds=kinds)))
     strip = GridView(snapshot.world, look()).picture(snapshot, 20, 4)[1]
     assert strip.text == "  .00  ▓    .00  ▓  "
     assert style_at(strip, 7) == look().palette.cliff
@@ -237,7 +238,7 @@ def paying() -> Snapshot:
     table = {"map": "S-..g\n.....\n", "moves": "four", "rewards": "leaving", "legend": legend}
     world = GridSection.model_validate({**table, "time_limit": 9}).build(np.random.default_rng(0))
     space = world.space
-    return replace(
+    return changed(
         lake(step=0), world=world, state=0, q=np.zeros(space.pairs), visits=np.zeros(space.pairs, np.int64)
     )
 

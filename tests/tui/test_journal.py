@@ -8,9 +8,9 @@ from textual.app import App
 from textual.widgets import OptionList, Static
 
 from rl_tui.lab.live.commands import GoTo
-from rl_tui.lab.live.snapshot import Snapshot, Timeline
+from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.run.recipe import JournalEntry, SetParameter, SwitchAlgorithm, TakeAction
-from rl_tui.lab.timeline.branches import Branch
+from rl_tui.lab.timeline.branches import Branch, Timeline
 from rl_tui.tui.draw.to_ascii import to_ascii
 from rl_tui.tui.screens.dialogs.goto import goto_prompt, parse_goto
 from rl_tui.tui.screens.dialogs.journal import HOW_TO_BRANCH, NO_CHANGE, JournalScreen, Moment, journal_lines

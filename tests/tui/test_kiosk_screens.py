@@ -104,12 +104,12 @@ async def test_a_run_that_was_forgotten_is_paused() -> None:
         playground = app.screen
         assert isinstance(playground, Playground)
         assert playground.snapshot is not None
-        assert playground.snapshot.phase is Phase.RUNNING
+        assert playground.snapshot.playback.phase is Phase.RUNNING
         app._pause_when_idle()
         await settle(pilot)
-        assert playground.snapshot.phase is Phase.RUNNING, "somebody was there just now"
+        assert playground.snapshot.playback.phase is Phase.RUNNING, "somebody was there just now"
         app._idleness = Idleness(0.0)
         app._pause_when_idle()
         await settle(pilot)
-        assert playground.snapshot.phase is Phase.PAUSED
+        assert playground.snapshot.playback.phase is Phase.PAUSED
         assert told(pilot) == ["paused: nobody has pressed a key for some minutes"]

@@ -8,9 +8,11 @@ from lane_samples import lane_views, side_by_side, without_episodes
 from rich.cells import cell_len
 from rich.style import Style
 from samples import bandit, curve, lake, look, marks, planning
+from snapshots import changed
 
-from rl_tui.lab.live.snapshot import Curve, Snapshot, Timeline
-from rl_tui.lab.timeline.branches import Branch
+from rl_tui.lab.live.snapshot import Snapshot
+from rl_tui.lab.run.results import Curve
+from rl_tui.lab.timeline.branches import Branch, Timeline
 from rl_tui.tui.panels.curve.curve import ReturnCurve
 from rl_tui.tui.panels.curve.data import curve_data
 from rl_tui.tui.theme.look import Look
@@ -117,8 +119,8 @@ def test_ascii_lines_are_drawn_with_their_numbers() -> None:
 
 def test_the_axis_reaches_as_far_as_the_longest_lane() -> None:
     short, long = lane_views(2)
-    many = replace(long, episodes=100_000, curve=curve(40, 0.0, 0.3, 2_500))
-    snapshot = replace(side_by_side(2), lanes=(short, many))
+    many = changed(long, episodes=100_000, curve=curve(40, 0.0, 0.3, 2_500))
+    snapshot = changed(side_by_side(2), lanes=(short, many))
     data = curve_data(snapshot, revealed=True)
     assert (data.finished, data.furthest) == (12_500, 100_000)
     assert "100k" in "\n".join(drawn(snapshot, BROAD)[0])
@@ -126,15 +128,15 @@ def test_the_axis_reaches_as_far_as_the_longest_lane() -> None:
 
 def test_the_vertical_axis_holds_every_lane() -> None:
     first, second = lane_views(2)
-    low = replace(second, curve=curve(40, -8.0, -5.0, 300), return_last_100=-5.0)
-    data = curve_data(replace(side_by_side(2), lanes=(first, low)), revealed=True)
+    low = changed(second, curve=curve(40, -8.0, -5.0, 300), return_last_100=-5.0)
+    data = curve_data(changed(side_by_side(2), lanes=(first, low)), revealed=True)
     assert data.range[0] == pytest.approx(-8.0)
     assert data.range[1] == pytest.approx(0.73)
 
 
 def test_lanes_that_run_alike_are_both_seen() -> None:
     first, second = lane_views(2)
-    same = replace(side_by_side(2), lanes=(first, replace(first, name=second.name)))
+    same = changed(side_by_side(2), lanes=(first, replace(first, name=second.name)))
     palette = look().palette
     assert {palette.lane_1, palette.lane_2} <= dotted(same)
 
@@ -142,16 +144,16 @@ def test_lanes_that_run_alike_are_both_seen() -> None:
 def test_a_greedy_line_that_goes_up_and_down_covers_no_lane() -> None:
     wild = marks(400, 0.0, 0.7, 12_500)
     wild.expected_return[::2] = 0.0
-    lines, _ = drawn(replace(side_by_side(2), marks=wild), WIDE, look(ascii=True))
+    lines, _ = drawn(changed(side_by_side(2), marks=wild), WIDE, look(ascii=True))
     calm, _ = drawn(side_by_side(2), WIDE, look(ascii=True))
     assert sum(line.count("1") for line in lines[:-2]) >= sum(line.count("1") for line in calm[:-2])
     assert sum(line.count("*") for line in lines) > sum(line.count("*") for line in calm)
 
 
 def test_no_two_names_share_a_row() -> None:
-    level = [replace(lane, return_last_100=0.5) for lane in lane_views(4)]
+    level = [changed(lane, return_last_100=0.5) for lane in lane_views(4)]
     snapshot = side_by_side(4, greedy_return=0.5)
-    lines, _ = drawn(replace(snapshot, lanes=tuple(level)))
+    lines, _ = drawn(changed(snapshot, lanes=tuple(level)))
     for name in ("α 0.1:", "α 0.5:", "SARSA:", "softmax, τ 0.3:"):
         assert sum(name in line for line in lines) == 1
     assert all(sum(line.count(sign) for sign in (": .50",)) <= 1 for line in lines)
@@ -159,12 +161,12 @@ def test_no_two_names_share_a_row() -> None:
 
 def test_a_lane_that_has_only_begun_has_no_line_and_no_name_at_its_end() -> None:
     first, second = lane_views(2)
-    lines, widget = drawn(replace(side_by_side(2), lanes=(first, without_episodes(second))))
+    lines, widget = drawn(changed(side_by_side(2), lanes=(first, without_episodes(second))))
     assert "α 0.5" not in "\n".join(lines)
     assert widget.heading.endswith("lane 1 of 2: α 0.1")
     nothing = tuple(without_episodes(lane) for lane in (first, second))
-    empty = Curve(nothing[0].curve.episode, *(np.array([]),) * 4)
-    start = replace(side_by_side(2), lanes=nothing, episodes=0, curve=empty, return_last_100=None)
+    empty = Curve(nothing[0].results.curve.episode, *(np.array([]),) * 4)
+    start = changed(side_by_side(2), lanes=nothing, episodes=0, curve=empty, return_last_100=None)
     assert "no episode has ended yet" in "\n".join(drawn(start)[0])
 
 
@@ -173,12 +175,12 @@ def test_the_lane_of_a_planner_is_what_its_greedy_policy_is_worth() -> None:
     planner = replace(
         without_episodes(second), name="Value iteration", algorithm="value-iteration", episodes=12
     )
-    planner = replace(planner, marks=marks(5, 0.0, 0.74, 12), greedy_return=0.74)
-    beside = replace(side_by_side(2), lanes=(first, planner))
+    planner = changed(planner, marks=marks(5, 0.0, 0.74, 12), greedy_return=0.74)
+    beside = changed(side_by_side(2), lanes=(first, planner))
     assert "Value iteration: .74" in "\n".join(drawn(beside)[0])
     assert "mean of the last 100; planners: exact" in "\n".join(drawn(beside)[0])
     assert drawn(beside)[0][-2].endswith(" ep, sweep")
-    shown = replace(planning(), lanes=(first, planner), lane=1)
+    shown = changed(planning(), lanes=(first, planner), shown=1)
     text = "\n".join(drawn(shown)[0])
     assert "Value iteration: .73" in text or "Value iteration: .74" in text
     assert "greedy, exact" not in text  # the lane's own line
@@ -186,14 +188,14 @@ def test_the_lane_of_a_planner_is_what_its_greedy_policy_is_worth() -> None:
 
 def test_a_hidden_bandit_gives_nothing_away_in_other_lanes() -> None:
     secret = bandit(400)
-    lanes = tuple(replace(lane, greedy_return=1.5, return_last_100=1.2) for lane in lane_views(2))
-    hidden = curve_data(replace(secret, lanes=lanes), revealed=False)
+    lanes = tuple(changed(lane, greedy_return=1.5, return_last_100=1.2) for lane in lane_views(2))
+    hidden = curve_data(changed(secret, lanes=lanes), revealed=False)
     assert all(lane.greedy_now is None for lane in hidden.lanes)
-    planner = replace(without_episodes(lanes[1]), algorithm="value-iteration", greedy_return=1.5)
-    also = curve_data(replace(secret, lanes=(lanes[0], planner)), revealed=False)
+    planner = changed(without_episodes(lanes[1]), algorithm="value-iteration", greedy_return=1.5)
+    also = curve_data(changed(secret, lanes=(lanes[0], planner)), revealed=False)
     assert also.lanes[1].value is None
     assert not len(also.lanes[1].line.low)
-    assert "h adds the best arm" in "\n".join(drawn(replace(secret, lanes=lanes))[0])
+    assert "h adds the best arm" in "\n".join(drawn(changed(secret, lanes=lanes))[0])
 
 
 def test_the_axis_stays_while_one_goes_back_in_time() -> None:
@@ -202,12 +204,14 @@ def test_the_axis_stays_while_one_goes_back_in_time() -> None:
     widget.snapshot = now
     widget.picture(now, *WIDE)
     scale = widget._scale
-    past = replace(
-        now, step=now.step - 10, timeline=Timeline((Branch("1", end=now.step, here=now.step - 10),))
+    past = changed(
+        now,
+        step=now.counters.step - 10,
+        timeline=Timeline((Branch("1", end=now.counters.step, here=now.counters.step - 10),)),
     )
     widget.show(past)
     assert widget._scale is scale
-    widget.show(replace(now, recipe=replace(now.recipe, seed=now.recipe.seed + 1)))  # another run
+    widget.show(changed(now, recipe=replace(now.recipe, seed=now.recipe.seed + 1)))  # another run
     assert widget._scale is None
 
 

@@ -6,9 +6,11 @@ import numpy as np
 import pytest
 from lane_samples import lane_views, side_by_side
 from samples import bandit, lake, look, student
+from snapshots import changed
 from textual.geometry import Size
 
-from rl_tui.lab.live.snapshot import LaneView, Snapshot
+from rl_tui.lab.live.snapshot import Snapshot
+from rl_tui.lab.timeline.lane_view import LaneView
 from rl_tui.tui.panels.q_table.layers import Figures, Layer
 from rl_tui.tui.panels.q_table.q_table import QTable
 from rl_tui.worlds.mdp.space import FloatArray
@@ -30,7 +32,7 @@ def with_tables(snapshot: Snapshot, own: FloatArray, other: FloatArray) -> Snaps
     """Two lanes with these tables, the second one shown."""
     first, second = lane_views(2)
     lanes: tuple[LaneView, ...] = (replace(first, q=other), replace(second, q=own))
-    return replace(snapshot, q=own, lanes=lanes, lane=1)
+    return changed(snapshot, q=own, lanes=lanes, shown=1)
 
 
 def test_the_layer_is_there_only_beside_another_run() -> None:
@@ -44,7 +46,7 @@ def test_the_layer_is_there_only_beside_another_run() -> None:
 
 def test_of_a_large_world_there_is_no_other_table() -> None:
     lanes = tuple(replace(lane, q=np.empty(0)) for lane in lane_views(2))
-    assert Layer.LANES not in table_of(replace(side_by_side(2), lanes=lanes))[1].layer_choices
+    assert Layer.LANES not in table_of(changed(side_by_side(2), lanes=lanes))[1].layer_choices
 
 
 def test_it_shows_the_difference_with_colours_for_both_directions() -> None:
@@ -71,7 +73,7 @@ def test_the_title_says_whose_tables_they_are() -> None:
 
 def test_in_a_list_the_difference_has_a_column() -> None:
     snapshot = student()
-    beside = with_tables(snapshot, snapshot.q, snapshot.q - 1.0)
+    beside = with_tables(snapshot, snapshot.agent.q, snapshot.agent.q - 1.0)
     text, _ = table_of(beside, 70)
     assert "Q−other" in text
     assert text.count("1.000") == 5
@@ -85,6 +87,6 @@ def test_in_a_list_the_difference_has_a_column() -> None:
 @pytest.mark.parametrize("width", [24, 34, 44, 60, 90])
 def test_arms_have_the_column_too_and_keep_their_secrets(width: int) -> None:
     snapshot = bandit(400)
-    text, _ = table_of(with_tables(snapshot, snapshot.q, snapshot.q - 1.0), width)
+    text, _ = table_of(with_tables(snapshot, snapshot.agent.q, snapshot.agent.q - 1.0), width)
     assert "Q−other" in text
     assert "1.50" not in text

@@ -39,15 +39,15 @@ async def test_two_lanes_from_the_first_key_to_the_last(make_app: MakeApp) -> No
         await settle(pilot)
         await train(pilot, 500)
         await open_lane(pilot, "alpha", "0.5")
-        first, second = snapshot(pilot).lanes
+        first, second = snapshot(pilot).run_group.lanes
         assert (first.name, second.name) == ("α 0.1", "α 0.5")
         assert (first.step, second.step) == (500, 500)  # it has caught up
-        assert snapshot(pilot).lane == 0
+        assert snapshot(pilot).run_group.shown == 0
 
         shown = await press(pilot, "s")
-        assert [lane.step for lane in shown.lanes] == [501, 501]
+        assert [lane.step for lane in shown.run_group.lanes] == [501, 501]
         shown = await train(pilot, 4_000)
-        assert [lane.step for lane in shown.lanes] == [4_501, 4_501]
+        assert [lane.step for lane in shown.run_group.lanes] == [4_501, 4_501]
         assert "α 0.1: " in curve_text(pilot)
         assert "α 0.5: " in curve_text(pilot)
         board = playground(pilot).board
@@ -57,23 +57,23 @@ async def test_two_lanes_from_the_first_key_to_the_last(make_app: MakeApp) -> No
         assert board.table.heading == "Q − Q of α 0.5 · 11 states × 4"
 
         shown = await press(pilot, "l")
-        assert shown.lane == 1
-        assert shown.hyperparameters.alpha == 0.5
-        assert np.array_equal(shown.q, shown.lanes[1].q)
+        assert shown.run_group.shown == 1
+        assert shown.agent.hyperparameters.alpha == 0.5
+        assert np.array_equal(shown.agent.q, shown.run_group.lanes[1].q)
         assert board.curve.heading == "Return · lane 2 of 2: α 0.5"
         assert board.table.heading == "Q − Q of α 0.1 · 11 states × 4"
         assert app.screen.query_one("#alpha", Slider).value == 0.5
 
         await press(pilot, "1", "left")
         shown = snapshot(pilot)
-        assert shown.lanes[0].hyperparameters.alpha == 0.1
-        assert shown.lanes[1].hyperparameters.alpha == shown.hyperparameters.alpha != 0.5
+        assert shown.run_group.lanes[0].hyperparameters.alpha == 0.1
+        assert shown.run_group.lanes[1].hyperparameters.alpha == shown.agent.hyperparameters.alpha != 0.5
         app.set_focus(None)
 
         await press(pilot, "c", "delete")  # the cursor starts on the one shown
         shown = snapshot(pilot)
-        assert shown.lanes == ()
-        assert shown.hyperparameters.alpha == 0.1
+        assert shown.run_group.lanes == ()
+        assert shown.agent.hyperparameters.alpha == 0.1
         assert playground(pilot).recipe.hyperparameters.alpha == 0.1
         assert "lane" not in board.curve.heading
         assert board.table.heading == "Q · 11 states × 4"
@@ -86,18 +86,22 @@ async def test_what_is_told_goes_to_the_lane_shown_only(make_app: MakeApp) -> No
         await settle(pilot)
         await open_lane(pilot, "alpha", "0.5")
         await open_lane(pilot, "ties", "first")
-        assert [lane.name for lane in snapshot(pilot).lanes] == ["α 0.1, ties random", "α 0.5", "ties first"]
+        assert [lane.name for lane in snapshot(pilot).run_group.lanes] == [
+            "α 0.1, ties random",
+            "α 0.5",
+            "ties first",
+        ]
         await press(pilot, "l")
         playground(pilot).set_parameter("alpha", 0.1)
         await settle(pilot)
-        assert [lane.hyperparameters.alpha for lane in snapshot(pilot).lanes] == [0.1, 0.1, 0.1]
+        assert [lane.hyperparameters.alpha for lane in snapshot(pilot).run_group.lanes] == [0.1, 0.1, 0.1]
         await press(pilot, "l", "t")
-        assert [lane.hyperparameters.ties for lane in snapshot(pilot).lanes] == ["random"] * 3
+        assert [lane.hyperparameters.ties for lane in snapshot(pilot).run_group.lanes] == ["random"] * 3
         await press(pilot, "c", "up", "delete")  # the one before the one shown
         shown = snapshot(pilot)
-        assert (len(shown.lanes), shown.lane) == (2, 1)
+        assert (len(shown.run_group.lanes), shown.run_group.shown) == (2, 1)
         await press(pilot, "l")
-        assert snapshot(pilot).lane == 0
+        assert snapshot(pilot).run_group.shown == 0
 
 
 @pytest.mark.parametrize("size", [(60, 18), (80, 24), (120, 40)])

@@ -13,7 +13,7 @@ from rl_tui.lab.live.backup import backup_of
 from rl_tui.lab.live.commands import Train
 from rl_tui.lab.live.player import Player
 from rl_tui.lab.live.snapshot import Snapshot
-from rl_tui.lab.live.viewport import Stretch
+from rl_tui.lab.live.viewport import RowRange
 from rl_tui.tui.app.app import RlTuiApp
 from rl_tui.tui.app.display import Display
 from rl_tui.tui.app.screenshot import settle
@@ -59,8 +59,8 @@ def check_complete(screen: Playground) -> None:
     """What is in view is what the newest snapshot has, and it has no more than some screens of it."""
     snapshot = newest(screen)
     assert screen.board.is_complete
-    assert snapshot.window is not None
-    assert snapshot.window.held.sum() < 30_000
+    assert snapshot.agent.part is not None
+    assert snapshot.agent.part.held.sum() < 30_000
 
 
 @pytest.mark.parametrize("size", [(80, 24), (120, 40)])
@@ -91,7 +91,7 @@ async def test_what_was_scrolled_to_while_the_run_stands_still_is_filled_in() ->
             await pilot.press("pagedown")
             await settle(pilot)
             check_complete(screen)
-        assert newest(screen).step == before.step
+        assert newest(screen).counters.step == before.counters.step
         assert newest(screen) is not before
         assert "◉" not in text_of(view)
         assert ".00" in text_of(view)
@@ -109,20 +109,20 @@ async def test_the_table_may_look_elsewhere_while_the_agent_walks_on() -> None:
         table.focus()
         await pilot.press("home")
         await settle(pilot)
-        assert table.stretch is not None
-        assert table.stretch.first == 0
+        assert table.row_range is not None
+        assert table.row_range.first == 0
         await train(pilot, 3_000)
         check_complete(screen)
-        assert newest(screen).holds(0)
+        assert newest(screen).agent.holds(0)
         await pilot.press("end")
         await settle(pilot)
         check_complete(screen)
-        assert newest(screen).holds(newest(screen).world.space.pairs - 1)
+        assert newest(screen).agent.holds(newest(screen).world.space.pairs - 1)
         await pilot.press("escape")
         await settle(pilot)
         check_complete(screen)
-        assert isinstance(table.stretch, Stretch)
-        assert table.stretch.first is None
+        assert isinstance(table.row_range, RowRange)
+        assert table.row_range.first is None
 
 
 async def test_a_panel_that_covers_all_others_and_a_new_size_have_their_cells() -> None:
@@ -151,7 +151,7 @@ async def test_the_model_of_a_far_pair_tells_what_was_learned_of_it() -> None:
         panel = pilot.app.screen.query_one(ModelPanel)
         panel.show_pair(4)
         await settle(pilot)
-        assert newest(screen).holds(4)
+        assert newest(screen).agent.holds(4)
         assert "not yet visited" in "\n".join(panel.render_line(y).text for y in range(panel.size.height))
 
 
@@ -160,8 +160,8 @@ async def test_a_small_map_is_never_asked_for_in_parts() -> None:
         await settle(pilot)
         await train(pilot, 100)
         snapshot = newest(playground(pilot))
-        assert snapshot.window is None
-        assert np.array_equal(snapshot.visits > 0, snapshot.q != 0.0)
+        assert snapshot.agent.part is None
+        assert np.array_equal(snapshot.agent.visits > 0, snapshot.agent.q != 0.0)
 
 
 async def test_a_step_on_a_large_map_is_taken_apart() -> None:
@@ -179,4 +179,4 @@ async def test_a_step_on_a_large_map_is_taken_apart() -> None:
             assert backup is not None
             assert backup.expected == pytest.approx(backup.sampled)
             assert snapshot.cell is not None
-            assert snapshot.cell.value[-1] == snapshot.q[snapshot.cell.pair]
+            assert snapshot.cell.value[-1] == snapshot.agent.q[snapshot.cell.pair]

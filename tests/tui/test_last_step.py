@@ -8,6 +8,7 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 from samples import bandit, lake, learned_from, look, planning, student
+from snapshots import changed
 
 from rl_tui.agents.last_step import LastStep
 from rl_tui.lab.live.snapshot import Phase, Snapshot
@@ -49,12 +50,12 @@ def drawn(snapshot: Snapshot | None, width: int = 80, height: int = 1, *, ascii:
 
 def stepped(snapshot: Snapshot, **changes: Any) -> Snapshot:
     """``snapshot`` with changes to its last step, the estimate after it worked out."""
-    assert snapshot.last is not None
+    assert snapshot.counters.last_step is not None
     gathered = {"gathered": changes["reward"]} if "reward" in changes else {}
-    last = learned_from(snapshot.last, **(gathered | changes))
-    q = snapshot.q.copy()
+    last = learned_from(snapshot.counters.last_step, **(gathered | changes))
+    q = snapshot.agent.q.copy()
     q[last.updated_pair] = last.after
-    return replace(snapshot, last=last, q=q)
+    return changed(snapshot, last_step=last, q=q)
 
 
 def lake_step(**changes: Any) -> Snapshot:
@@ -231,8 +232,8 @@ def test_the_environment_of_a_graph_is_told_in_words() -> None:
 def test_a_certain_outcome_has_probability_1() -> None:
     certain = lake(slippery=False)
     text = "\n".join(drawn(certain, 56, 8))
-    assert certain.last
-    assert f"environment  → {certain.last.next_state} (p 1)" in text
+    assert certain.counters.last_step
+    assert f"environment  → {certain.counters.last_step.next_state} (p 1)" in text
     assert "meant" not in text
 
 
@@ -259,12 +260,12 @@ def choice(q_before: list[float], pair: int, *, explored: bool) -> str:
     snapshot = lake_step(before=q_before[pair], explored=explored)
     mdp = snapshot.world.space
     first = int(mdp.first_pair[6])
-    q = snapshot.q.copy()
+    q = snapshot.agent.q.copy()
     q[first : first + 4] = q_before
     q[first + pair] = 9.9  # the update has moved it: what counts is what it was before
-    assert snapshot.last is not None
-    last = replace(snapshot.last, pair=first + pair, updated_pair=first + pair)
-    return drawn(replace(snapshot, q=q, last=last), 60, 8)[1].strip()
+    assert snapshot.counters.last_step is not None
+    last = replace(snapshot.counters.last_step, pair=first + pair, updated_pair=first + pair)
+    return drawn(changed(snapshot, q=q, last_step=last), 60, 8)[1].strip()
 
 
 def test_a_greedy_choice() -> None:
@@ -303,9 +304,9 @@ def test_the_border_names_the_step() -> None:
 @pytest.mark.parametrize(("speed", "is_named"), [(10.0, True), (30.0, True), (100.0, False), (None, False)])
 def test_a_step_that_passes_too_fast_is_not_named(speed: float | None, is_named: bool) -> None:
     widget = LastStepPanel(look())
-    widget.picture(replace(lake_step(), phase=Phase.RUNNING, speed=speed), 56, 8)
+    widget.picture(changed(lake_step(), phase=Phase.RUNNING, speed=speed), 56, 8)
     assert bool(widget.footing) is is_named
-    widget.picture(replace(lake_step(), speed=speed), 56, 8)
+    widget.picture(changed(lake_step(), speed=speed), 56, 8)
     assert widget.footing
 
 
@@ -327,7 +328,7 @@ def test_estimates_that_run_away_are_shown() -> None:
 def test_a_planner_tells_how_its_sweep_gets_on_where_there_is_room() -> None:
     last = replace(LAST, pair=-1, episode=7, outcome=-1)
     progress = "policy 2, evaluation sweep 7: largest change 0.0123"
-    known = planning(last=last, planning=progress)
+    known = planning(last_step=last, planning=progress)
     assert any(progress in row for row in drawn(known, 80, 8))
     narrow = drawn(known, 44, 8)
     assert any(row.endswith("policy 2, evaluation sweep 7") for row in narrow)

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 from sample_worlds import LEFT, RIGHT, UP, bandit_world
 from samples import bandit, lake, look, student
+from snapshots import changed
 
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.panels.last_step.last_step import last_step_lines
@@ -24,7 +25,7 @@ STUDY, PHONE, SCROLL, QUIT, SLEEP = range(5)
 
 def ended(snapshot: Snapshot, state: int, start: int = 0) -> Snapshot:
     """``snapshot`` after an episode that ended in ``state``; the next one starts in ``start``."""
-    return replace(snapshot, state=state, episode_step=0, step_from=start)
+    return changed(snapshot, state=state, episode_step=0, step_from=start)
 
 
 def test_digits_take_the_legal_actions_in_their_order() -> None:
@@ -36,9 +37,9 @@ def test_digits_take_the_legal_actions_in_their_order() -> None:
 
 def test_arms_that_are_called_by_digits_have_those_keys() -> None:
     assert digit_keys(bandit(5)) == {str(arm): arm for arm in range(10)}
-    few = replace(bandit(5), world=bandit_world(means=(0.0, 1.0, 2.0)), state=0)
+    few = changed(bandit(5), world=bandit_world(means=(0.0, 1.0, 2.0)), state=0)
     assert digit_keys(few) == {"0": 0, "1": 1, "2": 2}
-    many = replace(bandit(5), world=bandit_world(means=tuple(map(float, range(12)))))
+    many = changed(bandit(5), world=bandit_world(means=tuple(map(float, range(12)))))
     assert digit_keys(many) == {**{str(arm + 1): arm for arm in range(9)}, "0": 9}
 
 
@@ -79,10 +80,10 @@ def test_after_an_episode_the_title_says_where_the_next_one_starts() -> None:
 
 def test_a_step_by_hand_says_who_chose_it() -> None:
     snapshot = lake()
-    assert snapshot.last is not None
-    by_hand = replace(snapshot.last, by_hand=True)
+    assert snapshot.counters.last_step is not None
+    by_hand = replace(snapshot.counters.last_step, by_hand=True)
     assert choice_text(snapshot, by_hand, GLYPHS) == ("you chose it", "by you")
-    shown = replace(snapshot, last=by_hand)
+    shown = changed(snapshot, last_step=by_hand)
     for height, words in ((10, "you chose it"), (5, "by you"), (1, "by you")):
         lines = last_step_lines(shown, look(), 100, height)
         text = "\n".join("".join(piece.text for piece in line) for line in lines)

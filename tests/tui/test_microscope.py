@@ -8,10 +8,12 @@ from typing import Any
 import numpy as np
 import pytest
 from samples import bandit, big_lake, lake, look, planning, stepped_lake, student
+from snapshots import changed
 
 from rl_tui.agents.catalogue import ALGORITHMS
 from rl_tui.agents.last_step import NOTHING
-from rl_tui.lab.live.snapshot import CellHistory, Phase, Snapshot
+from rl_tui.lab.live.snapshot import Phase, Snapshot
+from rl_tui.lab.timeline.table_samples import CellHistory
 from rl_tui.tui.panels.microscope.microscope import Microscope, lit_sources
 from rl_tui.tui.panels.q_table.q_table import QTable
 from rl_tui.worlds.drawing import Arms, Graph
@@ -23,17 +25,19 @@ NARROW, WIDE = 40, 118
 
 def with_episode(snapshot: Snapshot, rewards: list[float], **changes: Any) -> Snapshot:
     """``snapshot`` at the end of an episode with these rewards, and with the history of the updated pair."""
-    assert snapshot.last is not None
-    gamma = snapshot.last.gamma
+    assert snapshot.counters.last_step is not None
+    gamma = snapshot.counters.last_step.gamma
     told: dict[str, Any] = {
         "rewards": np.array(rewards),
         "discounted_return": sum(reward * gamma**place for place, reward in enumerate(rewards)),
-        "last": replace(snapshot.last, episode_step=len(rewards)),
+        "last_step": replace(snapshot.counters.last_step, episode_step=len(rewards)),
         "cell": CellHistory(
-            snapshot.last.updated_pair, np.array([0, 60, 120, 240]), np.array([0.0, 0.1, 0.2, 0.25])
+            snapshot.counters.last_step.updated_pair,
+            np.array([0, 60, 120, 240]),
+            np.array([0.0, 0.1, 0.2, 0.25]),
         ),
     }
-    return replace(snapshot, **(told | changes))
+    return changed(snapshot, **(told | changes))
 
 
 def shown(
@@ -47,7 +51,11 @@ def shown(
 ) -> list[str]:
     widget = Microscope(look(ascii))
     widget.revealed = revealed
-    widget.pair = snapshot.last.updated_pair if snapshot is not None and snapshot.last is not None else None
+    widget.pair = (
+        snapshot.counters.last_step.updated_pair
+        if snapshot is not None and snapshot.counters.last_step is not None
+        else None
+    )
     widget.snapshot = snapshot
     widget._first = scrolled
     rows = widget.picture(snapshot, width, height)
@@ -81,8 +89,8 @@ def test_the_loop_in_five_parts() -> None:
 
 
 def test_an_action_of_a_person_is_told_as_such() -> None:
-    assert LAKE.last is not None
-    by_hand = replace(LAKE, last=replace(LAKE.last, by_hand=True))
+    assert LAKE.counters.last_step is not None
+    by_hand = changed(LAKE, last_step=replace(LAKE.counters.last_step, by_hand=True))
     assert " action  a = ←   you chose it" in shown(by_hand)
 
 
@@ -94,22 +102,26 @@ def test_every_number_of_the_update_says_where_it_comes_from() -> None:
 
 
 def test_a_mean_over_the_policy_lists_its_cells() -> None:
-    assert LAKE.last is not None
-    q = LAKE.q.copy()
+    assert LAKE.counters.last_step is not None
+    q = LAKE.agent.q.copy()
     q[8:12] = 0.4, -0.2, 0.0, 0.1  # .925·.4 + .025·(−.2 + 0 + .1)
     mean = replace(
-        LAKE.last, bootstrap=0.3675, after=LAKE.last.before + 0.1 * (0.99 * 0.3675 - LAKE.last.before)
+        LAKE.counters.last_step,
+        bootstrap=0.3675,
+        after=LAKE.counters.last_step.before + 0.1 * (0.99 * 0.3675 - LAKE.counters.last_step.before),
     )
-    text = " ".join(shown(replace(LAKE, algorithm="expected-sarsa", last=mean, q=q), 90))
+    text = " ".join(shown(changed(LAKE, algorithm="expected-sarsa", last_step=mean, q=q), 90))
     text = " ".join(text.split())
     assert "= .925·.400 + .025·(−.200) + .025·0 + .025·.100" in text
 
 
 def test_several_rewards_of_one_target_are_listed() -> None:
     ended = with_episode(lake(), [0.0, -1.0, 1.0])
-    assert ended.last is not None
-    last = replace(ended.last, terminated=True, gathered=-0.99 + 0.9801, discount=0.99**3, bootstrap=0.0)
-    lines = shown(replace(ended, algorithm="monte-carlo", last=last), 60)
+    assert ended.counters.last_step is not None
+    last = replace(
+        ended.counters.last_step, terminated=True, gathered=-0.99 + 0.9801, discount=0.99**3, bootstrap=0.0
+    )
+    lines = shown(changed(ended, algorithm="monte-carlo", last_step=last), 60)
     assert any(line.endswith("= 0 + .99·(−1) + .99²·1") and "G₀" not in line for line in lines)
 
 
@@ -127,15 +139,15 @@ def test_numbers_of_cells_look_as_their_cells_do() -> None:
 def test_the_table_lights_up_what_was_looked_up() -> None:
     table, palette = QTable(look()), look().palette
     table.sources = lit_sources(LAKE)
-    assert LAKE.last is not None
+    assert LAKE.counters.last_step is not None
     best = LAKE.world.space.pairs_of(2)
     (source,) = table.sources
     assert source in best
-    assert LAKE.q[source] == LAKE.last.bootstrap
+    assert LAKE.agent.q[source] == LAKE.counters.last_step.bootstrap
     rows = table.picture(LAKE, 50, 14)
     lit = [segment.text.strip() for row in rows for segment in row if segment.style == palette.source]
-    assert lit == [f"{LAKE.q[source]:.3f}"]
-    assert not lit_sources(replace(LAKE, phase=Phase.RUNNING, speed=None))
+    assert lit == [f"{LAKE.agent.q[source]:.3f}"]
+    assert not lit_sources(changed(LAKE, phase=Phase.RUNNING, speed=None))
 
 
 def test_the_backup_is_a_tree_over_all_outcomes() -> None:
@@ -172,17 +184,27 @@ def test_many_outcomes_are_cut_down_to_the_likely_ones_and_what_happened() -> No
     weights = [1 / 55 * weight for weight in range(1, 11)]
     outcomes = [Outcome(p, state, float(state), True) for state, p in enumerate(weights, start=1)]
     mdp = tabular_mdp([f"s{n}" for n in range(11)], ("go",), [Transition(0, 0, outcomes)], {0: 1.0})
-    assert LAKE.last is not None
-    last = replace(LAKE.last, state=0, pair=0, updated_pair=0, outcome=0, next_state=1, terminated=True,
-                   reward=1.0, gathered=1.0, bootstrap=0.0)  # fmt: skip
-    many = replace(
+    assert LAKE.counters.last_step is not None
+    last = replace(
+        LAKE.counters.last_step,
+        state=0,
+        pair=0,
+        updated_pair=0,
+        outcome=0,
+        next_state=1,
+        terminated=True,
+        reward=1.0,
+        gathered=1.0,
+        bootstrap=0.0,
+    )
+    many = changed(
         LAKE,
         world=World(mdp, Graph(((0, 0),) * 11)),
         q=np.zeros(1),
         visits=np.ones(1, dtype=np.int64),
-        last=last,
+        last_step=last,
         cell=None,
-        exact=None,
+        solution=None,
     )
     lines = part(shown(many), "The backup", "The return")
     assert len([line for line in lines if "○" in line]) == 8
@@ -213,13 +235,15 @@ def test_a_bandit_keeps_its_means_until_they_are_revealed() -> None:
 
 def test_a_planner_takes_the_expectation_itself() -> None:
     known = planning()
-    assert known.last is not None
-    pair, mdp = known.last.pair, known.world.mdp
+    assert known.counters.last_step is not None
+    pair, mdp = known.counters.last_step.pair, known.world.mdp
     assert mdp is not None
     values = np.zeros(16)
     values[[2, 10]] = 0.3, 0.42
-    last = replace(known.last, pair=NOTHING, updated_pair=pair, outcome=-1, gathered=0.0, bootstrap=0.24)
-    lines = shown(replace(known, last=last, values=values), WIDE, 30)
+    last = replace(
+        known.counters.last_step, pair=NOTHING, updated_pair=pair, outcome=-1, gathered=0.0, bootstrap=0.24
+    )
+    lines = shown(changed(known, last_step=last, values=values), WIDE, 30)
     text = " ".join(" ".join(lines).split())
     assert "none: every action is tried" in text
     assert "target Σ p r + γ·Σ p max Q(s′,·) = .238" in text
@@ -245,9 +269,12 @@ def test_the_terms_of_the_return() -> None:
 
 
 def test_of_a_long_episode_the_last_rewards_are_known() -> None:
-    assert LAKE.last is not None
-    long = replace(
-        LAKE, rewards=np.zeros(256), discounted_return=0.5, last=replace(LAKE.last, episode_step=300)
+    assert LAKE.counters.last_step is not None
+    long = changed(
+        LAKE,
+        rewards=np.zeros(256),
+        discounted_return=0.5,
+        last_step=replace(LAKE.counters.last_step, episode_step=300),
     )
     lines = part(shown(long, 60), "The return", "History")
     assert lines[0] == " G₀ = … + .99²⁹⁶·0 + .99²⁹⁷·0 + .99²⁹⁸·0 + .99²⁹⁹·0"
@@ -255,14 +282,16 @@ def test_of_a_long_episode_the_last_rewards_are_known() -> None:
 
 
 def test_a_discount_changed_on_the_way_is_told() -> None:
-    changed = replace(LAKE, discounted_return=0.5)
-    assert "γ was changed on the way" in "\n".join(shown(changed, 60))
+    other = changed(LAKE, discounted_return=0.5)
+    assert "γ was changed on the way" in "\n".join(shown(other, 60))
 
 
 def test_without_a_discount_rewards_are_added_up() -> None:
-    assert LAKE.last is not None
-    plain = replace(
-        LAKE, last=replace(LAKE.last, gamma=1.0, episode_step=3), rewards=np.array([-1.0, -1.0, 2.0])
+    assert LAKE.counters.last_step is not None
+    plain = changed(
+        LAKE,
+        last_step=replace(LAKE.counters.last_step, gamma=1.0, episode_step=3),
+        rewards=np.array([-1.0, -1.0, 2.0]),
     )
     assert " G₀ = −1 + (−1) + 2" in shown(plain, 60) or " G₀ = (−1) + (−1) + 2" in shown(plain, 60)
 
@@ -278,7 +307,7 @@ def test_the_history_of_the_cell_has_its_value_and_the_exact_one() -> None:
 
 
 def test_a_history_that_is_not_there_yet_comes_with_the_next_picture() -> None:
-    assert " comes with the next picture" in shown(replace(LAKE, cell=None))
+    assert " comes with the next picture" in shown(changed(LAKE, cell=None))
 
 
 def test_before_the_first_step_it_says_what_to_press() -> None:
@@ -287,7 +316,7 @@ def test_before_the_first_step_it_says_what_to_press() -> None:
 
 
 def test_steps_that_pass_too_fast_leave_the_history_only() -> None:
-    fast = replace(LAKE, phase=Phase.RUNNING, speed=None)
+    fast = changed(LAKE, phase=Phase.RUNNING, speed=None)
     lines = shown(fast, 80)
     assert " steps pass too fast to take one apart: space pauses, − slows down" in lines
     still = shown(LAKE, 80)
@@ -313,10 +342,12 @@ def test_what_does_not_fit_is_scrolled_with_a_bar_and_a_hint() -> None:
 
 @pytest.mark.parametrize("algorithm", [each.id for each in ALGORITHMS if not each.planner])
 def test_every_algorithm_is_told_at_any_size(algorithm: str) -> None:
-    assert LAKE.last is not None
-    others = replace(LAKE, algorithm=algorithm, last=replace(LAKE.last, others=7))
-    waiting = replace(
-        LAKE, algorithm=algorithm, last=replace(LAKE.last, updated_pair=NOTHING, before=0.0, bootstrap=0.0)
+    assert LAKE.counters.last_step is not None
+    others = changed(LAKE, algorithm=algorithm, last_step=replace(LAKE.counters.last_step, others=7))
+    waiting = changed(
+        LAKE,
+        algorithm=algorithm,
+        last_step=replace(LAKE.counters.last_step, updated_pair=NOTHING, before=0.0, bootstrap=0.0),
     )
     for snapshot in (others, waiting):
         for width in (1, 8, 20, 39, 58, 96, 140):
@@ -328,7 +359,11 @@ def test_every_algorithm_is_told_at_any_size(algorithm: str) -> None:
     "snapshot", [None, lake(0), student(), bandit(400), bandit(), big_lake(), planning()]
 )
 def test_it_fits_any_size(snapshot: Snapshot | None) -> None:
-    if snapshot is not None and snapshot.last is not None and not isinstance(snapshot.world.drawing, Arms):
+    if (
+        snapshot is not None
+        and snapshot.counters.last_step is not None
+        and not isinstance(snapshot.world.drawing, Arms)
+    ):
         snapshot = with_episode(snapshot, [0.0, 1e-9, -3.25])
     for width in (1, 3, 10, 20, 40, 54, 80, 140):
         for height in (1, 2, 5, 20):

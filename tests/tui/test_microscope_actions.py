@@ -139,14 +139,14 @@ async def test_the_cursor_of_the_table_chooses_the_cell(make_app: MakeApp) -> No
         await train(pilot, 50)
         await press(pilot, "d")
         shown = snapshot(pilot)
-        assert shown.last is not None
-        assert board(pilot).microscope.pair == shown.last.updated_pair
+        assert shown.counters.last_step is not None
+        assert board(pilot).microscope.pair == shown.counters.last_step.updated_pair
         board(pilot).table.focus()
         await press(pilot, "home", "end")
         assert board(pilot).microscope.pair == 4
         assert "History of Q(Pass,sleep)" in lines(pilot)
         await press(pilot, "full_stop")
-        assert board(pilot).microscope.pair == shown.last.updated_pair
+        assert board(pilot).microscope.pair == shown.counters.last_step.updated_pair
 
 
 async def test_the_history_is_that_of_the_run(make_app: MakeApp) -> None:
@@ -155,11 +155,14 @@ async def test_the_history_is_that_of_the_run(make_app: MakeApp) -> None:
         await press(pilot, "s", "d")
         for _ in range(5):
             shown = await press(pilot, "s")
-            assert shown.last is not None
+            assert shown.counters.last_step is not None
             assert shown.cell is not None
-            assert shown.cell.pair == shown.last.updated_pair == board(pilot).microscope.pair
-            assert shown.cell.step.tolist() == list(range(shown.step + 1))
-            assert shown.cell.value[-2:].tolist() == [shown.last.before, shown.last.after]
+            assert shown.cell.pair == shown.counters.last_step.updated_pair == board(pilot).microscope.pair
+            assert shown.cell.step.tolist() == list(range(shown.counters.step + 1))
+            assert shown.cell.value[-2:].tolist() == [
+                shown.counters.last_step.before,
+                shown.counters.last_step.after,
+            ]
         assert (await press(pilot, "r")).cell is None
         assert board(pilot).microscope.pair is None
         await press(pilot, "d")
@@ -186,10 +189,10 @@ async def test_the_return_counts_the_steps_of_the_episode(make_app: MakeApp) -> 
         await press(pilot, "d", "s", "s")
         shown = await press(pilot, "s")
         assert " The return so far  t = 3 " in lines(pilot)
-        worked = sum(reward * 0.9**place for place, reward in enumerate(shown.rewards.tolist()))
-        assert shown.discounted_return == pytest.approx(worked)
+        worked = sum(reward * 0.9**place for place, reward in enumerate(shown.counters.rewards.tolist()))
+        assert shown.counters.discounted_return == pytest.approx(worked)
         await press(pilot, "e")
-        assert f" The return so far  t = {len(snapshot(pilot).rewards):,} " in lines(pilot)
+        assert f" The return so far  t = {len(snapshot(pilot).counters.rewards):,} " in lines(pilot)
 
 
 @pytest.mark.parametrize("scenario", ["frozenlake-random"])

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from samples import bandit, big_lake, lake, look, stepped_lake, student
+from snapshots import changed
 from textual.app import App, ComposeResult
 
 from rl_tui.lab.live.snapshot import Snapshot
@@ -62,7 +63,7 @@ def test_the_bellman_equation_of_the_student_is_the_one_worked_out_by_hand() -> 
     assert "= .8·[−2 + .90·10.0000] + .2·[−2 + .90·6.3415]" in text
     assert f"= {5.2 / 0.82:.4f}" in text
     assert "learned Q(Class,study) = 6.370, taken 1,204 times" in text
-    once = replace(student(), visits=np.ones(5, dtype=np.int64))
+    once = changed(student(), visits=np.ones(5, dtype=np.int64))
     assert drawn(panel(once, 0)).count(", taken 1 time\n") == 1
 
 
@@ -101,7 +102,7 @@ def test_an_unvisited_pair_has_learned_nothing() -> None:
 
 def test_without_an_exact_answer_it_says_why() -> None:
     assert "the exact answer is being computed" in drawn(panel(lake(0), 0))
-    refused = replace(lake(0), exact_refused="state 3 cannot reach an end")
+    refused = changed(lake(0), refused="state 3 cannot reach an end")
     assert "state 3 cannot reach an end" in drawn(panel(refused, 0))
 
 
@@ -126,7 +127,7 @@ def test_several_starts_are_told_with_their_chances() -> None:
         start_state=snapshot.world.space.next_state[[2, 1]],
         start_cumulative=snapshot.world.space.cumulative[[1, 1]] * [0.25, 1.0],
     )
-    many = replace(snapshot, world=replace(snapshot.world, space=mdp))
+    many = changed(snapshot, world=replace(snapshot.world, space=mdp))
     assert "with .25" in drawn(panel(many))
 
 
@@ -208,7 +209,7 @@ def test_means_that_drift_are_those_of_the_start_and_said_to_drift() -> None:
     known = bandit()
     mdp = known.world.mdp
     assert mdp is not None
-    drifting = replace(known, world=replace(known.world, space=replace(mdp, drift_std=0.01)))
+    drifting = changed(known, world=replace(known.world, space=replace(mdp, drift_std=0.01)))
     text = drawn(panel(drifting, 3), 100)
     assert "drifts by a normal step of standard deviation 0.01" in text
     assert "r at the start" in text
@@ -219,4 +220,4 @@ def test_names_with_commas_are_kept_apart() -> None:
     snapshot = lake()
     names = [f"{state}, no" for state in range(16)]
     world = replace(snapshot.world, space=replace(snapshot.world.space, state_names=names))
-    assert "0, no; 1, no; " in drawn(panel(replace(snapshot, world=world)))
+    assert "0, no; 1, no; " in drawn(panel(changed(snapshot, world=world)))

@@ -72,12 +72,12 @@ async def test_a_planner_is_chosen_stepped_and_done(make_app: MakeApp) -> None:
         await press(pilot, "a")
         assert isinstance(app.screen, Choice)
         await choose(pilot, "value-iteration")
-        assert snapshot(pilot).algorithm == "value-iteration"
+        assert snapshot(pilot).agent.algorithm == "value-iteration"
         assert [each.parameter.name for each in playground(pilot).query(Slider)] == ["gamma"]
         first = await press(pilot, "s")
-        assert first.last is not None
-        assert first.last.planned
-        assert (await press(pilot, "e")).episodes == 1
+        assert first.counters.last_step is not None
+        assert first.counters.last_step.planned
+        assert (await press(pilot, "e")).counters.episodes == 1
         await press(pilot, "m")
         assert isinstance(app.screen, ModelScreen)
         assert app.screen._panel.pair in range(5)
@@ -85,15 +85,15 @@ async def test_a_planner_is_chosen_stepped_and_done(make_app: MakeApp) -> None:
         await press(pilot, "p")
         assert messages(pilot)[-1] == "Value iteration tries every action: it follows no policy"
         done = await train(pilot, 100_000)
-        assert done.phase is Phase.DONE
+        assert done.playback.phase is Phase.DONE
         assert "converged after" in app.screen.query_one(StatusLine).render_line(0).text
         await press(pilot, "space")
         assert messages(pilot)[-1].startswith("converged after")
         await press(pilot, "1", "pagedown")
-        assert snapshot(pilot).phase is Phase.PAUSED
+        assert snapshot(pilot).playback.phase is Phase.PAUSED
         app.set_focus(None)
         again = await press(pilot, "e")
-        assert again.step > done.step
+        assert again.counters.step > done.counters.step
         await press(pilot, "a")
         await choose(pilot, "q-learning")
         assert [each.parameter.name for each in playground(pilot).query(Slider)] == [
@@ -111,10 +111,10 @@ async def test_a_policy_is_chosen_and_brings_its_slider(
     monkeypatch.setattr(app, "NOTIFICATION_TIMEOUT", 600.0)
     async with app.run_test(size=(120, 40), notifications=True) as pilot:
         await settle(pilot)
-        assert snapshot(pilot).hyperparameters.sample_average
+        assert snapshot(pilot).agent.hyperparameters.sample_average
         await press(pilot, "p")
         await choose(pilot, "gradient")
-        gradient = snapshot(pilot).hyperparameters
+        gradient = snapshot(pilot).agent.hyperparameters
         assert gradient.policy == "gradient"
         assert gradient.alpha == Hyperparameters().alpha
         assert messages(pilot)[-1] == "gradient bandit needs a step size: α is 0.1 from here on"
@@ -123,8 +123,8 @@ async def test_a_policy_is_chosen_and_brings_its_slider(
         app.screen.query_one(Input).value = "1/n"
         await press(pilot, "enter", "escape")
         assert messages(pilot)[-1].startswith("policy gradient needs a step size")
-        assert snapshot(pilot).hyperparameters.alpha == Hyperparameters().alpha
-        assert playground(pilot).recipe.hyperparameters == snapshot(pilot).hyperparameters
+        assert snapshot(pilot).agent.hyperparameters.alpha == Hyperparameters().alpha
+        assert playground(pilot).recipe.hyperparameters == snapshot(pilot).agent.hyperparameters
 
 
 async def test_sliders_are_counted_on_screen(make_app: MakeApp) -> None:
@@ -135,9 +135,9 @@ async def test_sliders_are_counted_on_screen(make_app: MakeApp) -> None:
         await settle(pilot)
         await press(pilot, "3")
         assert app.focused is slider(app, "temperature")
-        before = snapshot(pilot).hyperparameters.temperature
+        before = snapshot(pilot).agent.hyperparameters.temperature
         await press(pilot, "right")
-        assert snapshot(pilot).hyperparameters.temperature > before
+        assert snapshot(pilot).agent.hyperparameters.temperature > before
         app.set_focus(None)
         await press(pilot, "4")
         assert app.focused is None
@@ -158,7 +158,7 @@ async def test_options_list_all_that_counts_and_change_it(make_app: MakeApp) -> 
         app.screen.query_one(Input).value = "0.25"
         await press(pilot, "enter")
         assert isinstance(app.screen, Options)
-        assert snapshot(pilot).hyperparameters.epsilon_decay == 0.25
+        assert snapshot(pilot).agent.hyperparameters.epsilon_decay == 0.25
         listed = app.screen.query_one(OptionList)
         assert listed.highlighted_option
         assert listed.highlighted_option.id == "epsilon_decay"
@@ -166,9 +166,9 @@ async def test_options_list_all_that_counts_and_change_it(make_app: MakeApp) -> 
         await choose(pilot, "epsilon_schedule")
         assert isinstance(app.screen, Choice)
         await choose(pilot, "linear")
-        assert snapshot(pilot).hyperparameters.epsilon_schedule == "linear"
+        assert snapshot(pilot).agent.hyperparameters.epsilon_schedule == "linear"
         await press(pilot, "escape")
-        assert snapshot(pilot).step == 0
+        assert snapshot(pilot).counters.step == 0
 
 
 async def test_the_sample_average_can_be_chosen_and_left(make_app: MakeApp) -> None:
@@ -179,10 +179,10 @@ async def test_the_sample_average_can_be_chosen_and_left(make_app: MakeApp) -> N
         await choose(pilot, "step_size_schedule")
         await choose(pilot, "sample-average")
         await press(pilot, "escape")
-        assert snapshot(pilot).hyperparameters.sample_average
+        assert snapshot(pilot).agent.hyperparameters.sample_average
         assert slider(app, "alpha").value == "sample-average"
         await press(pilot, "1", "right")
-        values = snapshot(pilot).hyperparameters
+        values = snapshot(pilot).agent.hyperparameters
         assert not values.sample_average
         assert slider(app, "alpha").value == values.alpha
 
@@ -196,8 +196,8 @@ async def test_initial_q_among_the_options_starts_again(make_app: MakeApp) -> No
         await choose(pilot, "initial_q")
         app.screen.query_one(Input).value = "3"
         await press(pilot, "enter", "escape")
-        assert snapshot(pilot).step == 0
-        assert set(snapshot(pilot).q.tolist()) == {3.0}
+        assert snapshot(pilot).counters.step == 0
+        assert set(snapshot(pilot).agent.q.tolist()) == {3.0}
 
 
 async def test_values_out_of_range_are_refused_with_the_range(make_app: MakeApp) -> None:

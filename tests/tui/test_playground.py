@@ -48,9 +48,9 @@ def slider(app: RlTuiApp, name: str) -> Slider:
 async def test_it_starts_paused_at_step_0_with_ten_steps_a_second(make_app: MakeApp) -> None:
     async with make_app("student").run_test(size=(80, 24)) as pilot:
         await settle(pilot)
-        assert snapshot(pilot).step == 0
-        assert snapshot(pilot).phase is Phase.PAUSED
-        assert snapshot(pilot).speed == 10.0
+        assert snapshot(pilot).counters.step == 0
+        assert snapshot(pilot).playback.phase is Phase.PAUSED
+        assert snapshot(pilot).playback.speed == 10.0
 
 
 async def test_it_goes_on_where_a_screen_that_closed_forgot_to_tell_that_it_was_painted(
@@ -61,37 +61,37 @@ async def test_it_goes_on_where_a_screen_that_closed_forgot_to_tell_that_it_was_
         screen = playground(pilot)
         ask, forgotten = screen.call_after_refresh, iter([True])
         monkeypatch.setattr(screen, "call_after_refresh", lambda what: next(forgotten, False) or ask(what))
-        assert (await press(pilot, "s")).step == 1
-        assert (await press(pilot, "s")).step == 2
+        assert (await press(pilot, "s")).counters.step == 1
+        assert (await press(pilot, "s")).counters.step == 2
 
 
 async def test_s_takes_one_step_and_e_ends_the_episode(make_app: MakeApp) -> None:
     async with make_app("student").run_test(size=(80, 24)) as pilot:
         await settle(pilot)
-        assert (await press(pilot, "s")).step == 1
-        assert (await press(pilot, "s", "s")).step == 3
+        assert (await press(pilot, "s")).counters.step == 1
+        assert (await press(pilot, "s", "s")).counters.step == 3
         done = await press(pilot, "e")
-        assert done.episodes == 1
-        assert done.episode_step == 0
-        assert done.phase is Phase.PAUSED
+        assert done.counters.episodes == 1
+        assert done.counters.episode_step == 0
+        assert done.playback.phase is Phase.PAUSED
 
 
 async def test_space_runs_and_pauses(make_app: MakeApp) -> None:
     async with make_app("student").run_test(size=(80, 24)) as pilot:
         await settle(pilot)
-        assert (await press(pilot, "space")).phase is Phase.RUNNING
-        assert (await train(pilot, 100)).step == 100
-        assert (await press(pilot, "space")).phase is Phase.PAUSED
-        assert snapshot(pilot).step == 100
+        assert (await press(pilot, "space")).playback.phase is Phase.RUNNING
+        assert (await train(pilot, 100)).counters.step == 100
+        assert (await press(pilot, "space")).playback.phase is Phase.PAUSED
+        assert snapshot(pilot).counters.step == 100
 
 
 async def test_plus_and_minus_climb_the_speeds(make_app: MakeApp) -> None:
     async with make_app("student").run_test(size=(80, 24)) as pilot:
         await settle(pilot)
-        assert (await press(pilot, "plus")).speed == 30.0
-        assert (await press(pilot, "equals_sign")).speed == 100.0
-        assert (await press(pilot, "minus", "underscore", "minus")).speed == 3.0
-        assert (await press(pilot, *["plus"] * 12)).speed is None
+        assert (await press(pilot, "plus")).playback.speed == 30.0
+        assert (await press(pilot, "equals_sign")).playback.speed == 100.0
+        assert (await press(pilot, "minus", "underscore", "minus")).playback.speed == 3.0
+        assert (await press(pilot, *["plus"] * 12)).playback.speed is None
 
 
 async def test_r_starts_again_with_what_is_in_force(make_app: MakeApp) -> None:
@@ -99,11 +99,11 @@ async def test_r_starts_again_with_what_is_in_force(make_app: MakeApp) -> None:
         await settle(pilot)
         await train(pilot, 50)
         ties = await press(pilot, "t")
-        assert ties.hyperparameters.ties == "first"
-        assert ties.step == 50
+        assert ties.agent.hyperparameters.ties == "first"
+        assert ties.counters.step == 50
         again = await press(pilot, "r")
-        assert again.step == 0
-        assert again.phase is Phase.PAUSED
+        assert again.counters.step == 0
+        assert again.playback.phase is Phase.PAUSED
         assert again.recipe.hyperparameters.ties == "first"
         assert again.recipe.seed == 0
 
@@ -114,7 +114,7 @@ async def test_the_same_keys_give_the_same_run(make_app: MakeApp) -> None:
         async with make_app("student", seed=3).run_test(size=(80, 24)) as pilot:
             await settle(pilot)
             await press(pilot, "s", "t", "e", "e")
-            runs.append((await train(pilot, 321)).q.tobytes())
+            runs.append((await train(pilot, 321)).agent.q.tobytes())
     assert runs[0] == runs[1]
 
 
@@ -210,11 +210,11 @@ async def test_a_spent_budget_stops_the_run_and_reveals(make_app: MakeApp) -> No
     async with app.run_test(size=(80, 24), notifications=True) as pilot:
         await settle(pilot)
         spent = await train(pilot, 5000)
-        assert spent.phase is Phase.SPENT
-        assert spent.episodes == 1000
+        assert spent.playback.phase is Phase.SPENT
+        assert spent.counters.episodes == 1000
         assert playground(pilot).board.table.revealed
-        assert (await press(pilot, "space", "s")).step == spent.step
-        assert (await press(pilot, "r")).phase is Phase.PAUSED
+        assert (await press(pilot, "space", "s")).counters.step == spent.counters.step
+        assert (await press(pilot, "r")).playback.phase is Phase.PAUSED
 
 
 async def test_brackets_go_to_the_neighbouring_scenario(make_app: MakeApp) -> None:

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 from conftest import MakeApp
+from snapshots import changed
 from test_playground import playground, press, slider, snapshot, train
 from textual.widgets import Input
 
@@ -32,12 +31,12 @@ async def test_a_slider_moves_by_keys_and_acts_at_once(make_app: MakeApp) -> Non
     async with app.run_test(size=(80, 24)) as pilot:
         await settle(pilot)
         slider(app, "epsilon").focus()
-        before = snapshot(pilot).hyperparameters.epsilon
-        now = (await press(pilot, "right")).hyperparameters.epsilon
+        before = snapshot(pilot).agent.hyperparameters.epsilon
+        now = (await press(pilot, "right")).agent.hyperparameters.epsilon
         assert now > before
         assert slider(app, "epsilon").value == now
-        assert (await press(pilot, "left")).hyperparameters.epsilon == before
-        assert snapshot(pilot).step == 0
+        assert (await press(pilot, "left")).agent.hyperparameters.epsilon == before
+        assert snapshot(pilot).counters.step == 0
 
 
 async def test_a_slider_follows_click_and_drag(make_app: MakeApp) -> None:
@@ -49,12 +48,12 @@ async def test_a_slider_follows_click_and_drag(make_app: MakeApp) -> None:
         await pilot.hover(gamma, offset=(gamma.size.width // 2, 0))
         await pilot.mouse_up(gamma, offset=(gamma.size.width // 2, 0))
         await settle(pilot)
-        dragged = snapshot(pilot).hyperparameters.gamma
+        dragged = snapshot(pilot).agent.hyperparameters.gamma
         assert 0.2 < dragged < 0.8
         assert gamma.value == dragged
         await pilot.click(gamma, offset=(8, 0))
         await settle(pilot)
-        assert snapshot(pilot).hyperparameters.gamma < 0.2
+        assert snapshot(pilot).agent.hyperparameters.gamma < 0.2
 
 
 async def test_every_slider_keeps_its_value_through_a_restart(make_app: MakeApp) -> None:
@@ -62,7 +61,7 @@ async def test_every_slider_keeps_its_value_through_a_restart(make_app: MakeApp)
     async with app.run_test(size=(80, 24)) as pilot:
         await settle(pilot)
         slider(app, "alpha").focus()
-        changed = (await press(pilot, "right", "right")).hyperparameters.alpha
+        changed = (await press(pilot, "right", "right")).agent.hyperparameters.alpha
         again = await press(pilot, "r")
         assert again.recipe.hyperparameters.alpha == changed
         assert slider(app, "alpha").value == changed
@@ -78,7 +77,7 @@ async def test_1_2_3_go_to_the_sliders_even_out_of_a_zoom(make_app: MakeApp) -> 
             assert app.focused is slider(app, name)
             assert playground(pilot).board.zoomed is None
         typed = await press(pilot, "1", "enter")
-        assert typed.hyperparameters.epsilon == 1.0
+        assert typed.agent.hyperparameters.epsilon == 1.0
 
 
 async def test_initial_q_is_asked_for_and_starts_again(make_app: MakeApp) -> None:
@@ -91,8 +90,8 @@ async def test_initial_q_is_asked_for_and_starts_again(make_app: MakeApp) -> Non
         app.screen.query_one(Input).value = "5"
         again = await press(pilot, "enter")
         assert not isinstance(app.screen, Prompt)
-        assert again.step == 0
-        assert again.q.tolist() == [5.0] * 5
+        assert again.counters.step == 0
+        assert again.agent.q.tolist() == [5.0] * 5
 
 
 async def test_a_prompt_names_the_range_and_stays(make_app: MakeApp) -> None:
@@ -130,7 +129,7 @@ async def test_the_algorithm_is_chosen_from_a_list(make_app: MakeApp) -> None:
         await settle(pilot)
         await press(pilot, "a")
         assert isinstance(app.screen, Choice)
-        assert (await press(pilot, "enter")).algorithm == "q-learning"
+        assert (await press(pilot, "enter")).agent.algorithm == "q-learning"
         assert isinstance(app.screen, Playground)
 
 
@@ -140,10 +139,10 @@ async def test_hints_and_settings_can_be_clicked(make_app: MakeApp) -> None:
         await settle(pilot)
         await pilot.click("#keys", offset=(14, 0))
         await settle(pilot)
-        assert snapshot(pilot).step == 1
+        assert snapshot(pilot).counters.step == 1
         await pilot.click("#settings", offset=(31, 0))
         await settle(pilot)
-        assert snapshot(pilot).hyperparameters.ties == "first"
+        assert snapshot(pilot).agent.hyperparameters.ties == "first"
 
 
 async def test_every_setting_is_drawn_once_whatever_the_height(make_app: MakeApp) -> None:
@@ -151,7 +150,7 @@ async def test_every_setting_is_drawn_once_whatever_the_height(make_app: MakeApp
     async with app.run_test(size=(120, 40)) as pilot:
         await settle(pilot)
         settings = app.screen.query_one(AgentSettings)
-        decaying = replace(snapshot(pilot), hyperparameters=Hyperparameters(epsilon_decay=0.1))
+        decaying = changed(snapshot(pilot), hyperparameters=Hyperparameters(epsilon_decay=0.1))
         for each, lines in ((snapshot(pilot), 3), (decaying, 3), (decaying, 20)):
             settings.show(each)
             settings.styles.height = lines
@@ -181,7 +180,7 @@ async def test_another_seed_shows_its_own_map(make_app: MakeApp) -> None:
         view = playground(pilot).query_one(GridView)
         text = "".join(view.render_line(y).text for y in range(view.size.height))
         assert text.count(UNICODE.hole) == len(holes)
-        assert (await press(pilot, "e")).episodes == 1
+        assert (await press(pilot, "e")).counters.episodes == 1
 
 
 async def test_another_seed_reveals_its_own_means(make_app: MakeApp) -> None:

@@ -21,7 +21,7 @@ from rl_tui.tui.panels.microscope.targets import target_lines
 from rl_tui.tui.theme.glyphs import ASCII, UNICODE
 
 LAKE = lake()
-LAST = LAKE.last
+LAST = LAKE.counters.last_step
 assert LAST is not None
 
 # digits and a power of ten: sizes as learners meet them, and far beyond both ways

@@ -8,6 +8,7 @@ import pytest
 from drawn_tables import PALETTE, Drawn, fresh, lake_of
 from rich.segment import Segment
 from samples import bandit, big_lake, lake, snapshot, student
+from snapshots import changed
 
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.lab.live.snapshot import Phase, Snapshot
@@ -33,13 +34,13 @@ def test_rows_are_live_states_and_columns_actions() -> None:
 def test_every_number_is_printed_where_its_pair_stands() -> None:
     state = lake()
     rows = Drawn(state, 56, 12, Layer.OPTIMAL).rows
-    assert state.exact is not None
+    assert state.exact_answer.solution is not None
     for row, live in zip(rows[1:], (0, 1, 2, 3, 4, 6, 8, 9, 10, 13, 14), strict=True):
         numbers = [
             float(word) for word in row.replace("▌", " ").replace("▐", " ").replace("◉", " ").split()[1:]
         ]
         first = int(state.world.space.first_pair[live])
-        assert numbers == [round(value, 3) for value in state.exact.q[first : first + 4]]
+        assert numbers == [round(value, 3) for value in state.exact_answer.solution.q[first : first + 4]]
 
 
 def test_all_exact_ties_are_framed_and_none_where_nothing_is_known() -> None:
@@ -67,17 +68,17 @@ def test_unvisited_differs_from_zero() -> None:
     assert drawn.style_of(1, "·") == PALETTE.unvisited
     assert drawn.style_of(1, "0.000") == PALETTE.value(0.0)
     assert drawn.style_of(1, "0.700") == PALETTE.value(1.0)
-    hopeful = Drawn(replace(lake(0), q=np.full(44, 2.0)))
+    hopeful = Drawn(changed(lake(0), q=np.full(44, 2.0)))
     assert hopeful.row("1").split() == ["1", "2.000", "2.000", "2.000", "2.000"]
     assert hopeful.style_of(1, "2.000") == PALETTE.unvisited
 
 
 def test_the_signed_layer_is_tinted_around_zero() -> None:
     state = lake_of({0: 0.2, 1: 0.9})
-    exact = lake().exact
+    exact = lake().exact_answer.solution
     assert exact is not None
     target = replace(exact, q=np.full(44, 0.5))
-    drawn = Drawn(replace(state, exact=target), layer=Layer.ERROR)
+    drawn = Drawn(changed(state, solution=target), layer=Layer.ERROR)
     assert drawn.table.heading.startswith("Q − Q* · ")
     assert drawn.style_of(1, "−0.30") == PALETTE.signed_value(-0.3 / 0.5)
     assert drawn.style_of(1, "0.40") == PALETTE.signed_value(0.4 / 0.5)
@@ -94,16 +95,16 @@ def test_visits_are_tinted_by_their_logarithm() -> None:
 
 @pytest.mark.parametrize("layer", [Layer.OPTIMAL, Layer.ERROR])
 def test_without_an_exact_answer_the_panel_says_why(layer: Layer) -> None:
-    assert COMPUTING in Drawn(lake(exact=None), layer=layer).text
+    assert COMPUTING in Drawn(lake(solution=None), layer=layer).text
     reason = "state 5 cannot reach an end"
-    refused = Drawn(lake(exact=None, exact_refused=reason), 60, 5, layer)
+    refused = Drawn(lake(solution=None, refused=reason), 60, 5, layer)
     assert f"No exact answer: {reason}" in refused.text
-    assert "0." in Drawn(lake(exact=None, exact_refused=reason)).text
+    assert "0." in Drawn(lake(solution=None, refused=reason)).text
 
 
 def test_the_cell_just_updated_is_lit_while_steps_can_be_followed() -> None:
     state = big_lake()
-    assert state.last is not None
+    assert state.counters.last_step is not None
     assert "▐.21▌" in Drawn(state, 56, 28).text
     drawn = Drawn(lake())
     assert drawn.style_of(6, "0.246") == PALETTE.updated
@@ -123,7 +124,7 @@ def test_a_long_table_scrolls_and_follows_the_agent() -> None:
     assert drawn.table.footing.startswith(FOLLOWS)
     assert any(row.endswith("█") for row in drawn.rows)
     for state in (0, 62, 33):
-        rows = [strip.text for strip in drawn.table.picture(replace(big_lake(), state=state), 36, 17)]
+        rows = [strip.text for strip in drawn.table.picture(changed(big_lake(), state=state), 36, 17)]
         assert any(row.startswith(f"◉{state:>2}") for row in rows)
 
 

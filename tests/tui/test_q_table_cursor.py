@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import pytest
 from samples import big_lake, lake, look
+from snapshots import changed
 from textual import events
 from textual.app import App, ComposeResult
 from textual.geometry import Region, Size
@@ -81,7 +80,7 @@ async def test_a_moved_cursor_stops_the_following_until_escape() -> None:
         assert app.table.cursor_pair == pair_of(state, 62, 0)
         assert " 62 " in app.text
         assert FOLLOW_HINT in app.table.footing
-        app.table.show(replace(state, state=0))
+        app.table.show(changed(state, state=0))
         assert " 62 " in app.text
         await pilot.press("full_stop")
         assert "◉ 0" in app.text
@@ -139,12 +138,12 @@ async def test_only_rows_that_changed_are_refreshed(monkeypatch: pytest.MonkeyPa
         await pilot.pause()
         regions: list[Region] = []
         monkeypatch.setattr(app.table, "refresh", lambda *changed: regions.extend(changed))
-        q = state.q.copy()
+        q = state.agent.q.copy()
         q[pair_of(state, 9, 1)] -= 0.1
-        app.table.show(replace(state, q=q))
+        app.table.show(changed(state, q=q))
         assert regions == [Region(0, 8, 36, 1)]
         regions.clear()
-        app.table.show(replace(state, q=q.copy(), step=state.step + 1))
+        app.table.show(changed(state, q=q.copy(), step=state.counters.step + 1))
         assert regions == []
 
 

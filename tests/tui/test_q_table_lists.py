@@ -24,7 +24,7 @@ def test_a_wide_list_shows_all_layers_at_once() -> None:
     drawn = Drawn(student(), 56, 10)
     assert drawn.rows[0].split() == ["state", "action", "Q", "Q*", "Q−Q*", "N"]
     assert drawn.rows[1].split() == ["Class", "study", "▐", "6.370▌", "6.341", "0.029", "1,204"]
-    assert Drawn(student(exact=None), 56, 10).rows[0].split() == ["state", "action", "Q", "N"]
+    assert Drawn(student(solution=None), 56, 10).rows[0].split() == ["state", "action", "Q", "N"]
 
 
 def test_a_very_narrow_list_keeps_the_number_of_the_layer_in_force() -> None:

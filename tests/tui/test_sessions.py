@@ -98,7 +98,7 @@ def step(pilot: Pilot[UserError]) -> int:
     screen = pilot.app.screen
     assert isinstance(screen, Playground)
     assert screen.snapshot
-    return screen.snapshot.step
+    return screen.snapshot.counters.step
 
 
 async def test_without_sessions_there_is_no_section(app_with_sessions: MakeSessionApp) -> None:
@@ -160,7 +160,7 @@ async def test_enter_goes_on_where_it_was_left(app_with_sessions: MakeSessionApp
         screen = pilot.app.screen
         assert isinstance(screen, Playground)
         assert screen.snapshot
-        assert (step(pilot), screen.snapshot.speed) == (40, 30.0)
+        assert (step(pilot), screen.snapshot.playback.speed) == (40, 30.0)
         told = screen.recipe.hyperparameters
         assert (told.alpha, told.ties) == (0.5, "first")
         await pilot.press("s")
@@ -315,7 +315,7 @@ async def test_the_right_bits_are_no_news(app_with_sessions: MakeSessionApp, tmp
         screen = pilot.app.screen
         assert isinstance(screen, Playground)
         assert screen.snapshot
-        q = screen.snapshot.q
+        q = screen.snapshot.agent.q
     (session,), _ = sessions_in(tmp_path)
     assert session.document.digest == digest_of(q)
     app = app_with_sessions(session)

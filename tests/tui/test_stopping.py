@@ -242,30 +242,30 @@ async def test_a_run_stops_right_after_the_next_reward(make_app: MakeApp) -> Non
     async with make_app("frozenlake").run_test(size=(80, 24)) as pilot:
         await settle(pilot)
         stopped = await press(pilot, "u", "enter")
-        assert stopped.phase is Phase.PAUSED
-        assert stopped.last is not None
-        assert stopped.last.reward == 1.0
-        assert stopped.visits.sum() == stopped.step
-        assert (stopped.q != 0.0).sum() == 1
-        assert stopped.paused_by == "the next reward"
+        assert stopped.playback.phase is Phase.PAUSED
+        assert stopped.counters.last_step is not None
+        assert stopped.counters.last_step.reward == 1.0
+        assert stopped.agent.visits.sum() == stopped.counters.step
+        assert (stopped.agent.q != 0.0).sum() == 1
+        assert stopped.playback.paused_by == "the next reward"
         again = await press(pilot, "u", "enter")
-        assert again.step > stopped.step
-        assert again.last is not None
-        assert again.last.reward == 1.0
+        assert again.counters.step > stopped.counters.step
+        assert again.counters.last_step is not None
+        assert again.counters.last_step.reward == 1.0
 
 
 async def test_a_breakpoint_set_in_the_world_stops_the_run_and_is_taken_away(make_app: MakeApp) -> None:
     async with make_app("frozenlake").run_test(size=(80, 24)) as pilot:
         await settle(pilot)
         marked = await press(pilot, "tab", "down", "down", "right", "k")
-        assert marked.breakpoints.states == {9}
+        assert marked.playback.breakpoints.states == {9}
         stopped = await press(pilot, "u", *["down"] * 4, "enter", *"99999", "enter")
-        assert stopped.state == 9
-        assert stopped.step < 99_999
-        assert stopped.paused_by == "breakpoint: state 9"
-        assert stopped.breakpoints.states == {9}
-        assert not (await press(pilot, "k")).breakpoints
-        assert (await press(pilot, "u", "enter", *"5000", "enter")).step == 5000
+        assert stopped.counters.state == 9
+        assert stopped.counters.step < 99_999
+        assert stopped.playback.paused_by == "breakpoint: state 9"
+        assert stopped.playback.breakpoints.states == {9}
+        assert not (await press(pilot, "k")).playback.breakpoints
+        assert (await press(pilot, "u", "enter", *"5000", "enter")).counters.step == 5000
 
 
 async def test_a_breakpoint_set_in_the_table_stops_the_run_after_its_pair(make_app: MakeApp) -> None:
@@ -273,14 +273,14 @@ async def test_a_breakpoint_set_in_the_table_stops_the_run_after_its_pair(make_a
     async with app.run_test(size=(80, 24), notifications=True) as pilot:
         await settle(pilot)
         marked = await press(pilot, "tab", "tab", "down", "down", "k", "up", "k")
-        assert marked.breakpoints.pairs == {1, 2}
+        assert marked.playback.breakpoints.pairs == {1, 2}
         for _ in range(3):
             stopped = await press(pilot, "e")
-            while not stopped.paused_by.startswith("breakpoint"):
+            while not stopped.playback.paused_by.startswith("breakpoint"):
                 stopped = await press(pilot, "e")
-            assert stopped.last is not None
-            assert stopped.last.pair in (1, 2)
-        assert not (await press(pilot, "K")).breakpoints
+            assert stopped.counters.last_step is not None
+            assert stopped.counters.last_step.pair in (1, 2)
+        assert not (await press(pilot, "K")).playback.breakpoints
         assert notices(app)[-1] == "all breakpoints are taken away"
 
 
@@ -293,16 +293,16 @@ async def test_a_bandit_runs_until_an_arm_is_pulled_or_the_best_is_greedy(make_a
         assert str(world.border_subtitle) == "arm 7 · k: breakpoint · esc: back"
         stopped = await press(pilot, "k", "u", "down", "down", "down", "enter")
         stopped = await press(pilot, "enter")
-        assert stopped.last is not None
-        assert stopped.last.pair == 7
-        assert stopped.visits[7] == 1
-        assert stopped.paused_by == "breakpoint: arm 7"
+        assert stopped.counters.last_step is not None
+        assert stopped.counters.last_step.pair == 7
+        assert stopped.agent.visits[7] == 1
+        assert stopped.playback.paused_by == "breakpoint: arm 7"
         cleared = await press(pilot, "K", "u", "up", "enter")
         assert cleared.world.mdp is not None
         best = int(cleared.world.mdp.reward.argmax())
-        assert int(cleared.q.argmax()) == best
-        assert cleared.paused_by == "the greedy arm is the best"
-        assert cleared.step < 1000
+        assert int(cleared.agent.q.argmax()) == best
+        assert cleared.playback.paused_by == "the greedy arm is the best"
+        assert cleared.counters.step < 1000
 
 
 async def test_a_stepped_world_stops_at_states_and_values(make_app: MakeApp) -> None:
@@ -314,9 +314,9 @@ async def test_a_stepped_world_stops_at_states_and_values(make_app: MakeApp) -> 
         pair = table.shown_cursor
         assert pair is not None
         marked = await press(pilot, "k", "u", "down", "down", "down", "down", "enter", *"9999", "enter")
-        assert marked.last is not None
-        assert marked.last.pair == pair
-        assert marked.step < 9_999
+        assert marked.counters.last_step is not None
+        assert marked.counters.last_step.pair == pair
+        assert marked.counters.step < 9_999
 
 
 async def test_a_planner_stops_after_a_sweep_and_at_a_state(make_app: MakeApp) -> None:
@@ -325,15 +325,15 @@ async def test_a_planner_stops_after_a_sweep_and_at_a_state(make_app: MakeApp) -
         playground(pilot)._switch("value-iteration")
         await settle(pilot)
         swept = await press(pilot, "u", "down", "enter")
-        assert swept.episodes == 1
+        assert swept.counters.episodes == 1
         world = playground(pilot).board.world
         assert world is not None
         world.focus()
         world.put_cursor(9)
         stopped = await press(pilot, "k", "e")
-        assert stopped.last is not None
-        assert stopped.last.state == 9
-        assert stopped.episodes == 1
+        assert stopped.counters.last_step is not None
+        assert stopped.counters.last_step.state == 9
+        assert stopped.counters.episodes == 1
 
 
 async def test_breakpoints_are_listed_and_taken_away_in_the_dialog(make_app: MakeApp) -> None:
@@ -344,7 +344,7 @@ async def test_breakpoints_are_listed_and_taken_away_in_the_dialog(make_app: Mak
         listed = app.screen.query_one("#breakpoints", Static)
         assert str(listed.render()) == "Breakpoints: state 0. K takes them away."
         cleared = await press(pilot, "K")
-        assert not cleared.breakpoints
+        assert not cleared.playback.breakpoints
         assert str(listed.render()) == "Breakpoints: none; k sets one where the cursor is."
         await press(pilot, "u")
         assert isinstance(app.screen, Playground)

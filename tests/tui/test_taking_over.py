@@ -171,11 +171,16 @@ async def test_a_walk_to_the_goal_is_learned_from(make_app: MakeApp) -> None:
         await settle(pilot)
         at_goal = await press(pilot, "y", "down", "down", "right", "down", "right", "right")
         space = at_goal.world.space
-        assert (at_goal.state, at_goal.step, at_goal.episodes, at_goal.phase) == (15, 6, 1, Phase.PAUSED)
+        assert (
+            at_goal.counters.state,
+            at_goal.counters.step,
+            at_goal.counters.episodes,
+            at_goal.playback.phase,
+        ) == (15, 6, 1, Phase.PAUSED)
         walked = [(0, DOWN), (4, DOWN), (8, RIGHT), (9, DOWN), (13, RIGHT), (14, RIGHT)]
         pairs = [space.pairs_of(state).start + action for state, action in walked]
-        assert sorted(at_goal.visits.nonzero()[0].tolist()) == sorted(pairs)
-        assert at_goal.q[pairs[-1]] == pytest.approx(0.1)
+        assert sorted(at_goal.agent.visits.nonzero()[0].tolist()) == sorted(pairs)
+        assert at_goal.agent.q[pairs[-1]] == pytest.approx(0.1)
         assert at_goal.timeline.current.journal == tuple(
             JournalEntry(step, TakeAction(action)) for step, (_, action) in enumerate(walked)
         )
@@ -186,7 +191,7 @@ async def test_a_walk_to_the_goal_is_learned_from(make_app: MakeApp) -> None:
         assert world is not None
         assert str(world.border_title) == "You are the agent · starts at 0"
         again = await press(pilot, "right")
-        assert (again.state, again.episode_step) == (1, 1)
+        assert (again.counters.state, again.counters.episode_step) == (1, 1)
         assert str(world.border_title) == "You are the agent"
 
 
@@ -194,36 +199,43 @@ async def test_the_agent_and_a_person_take_turns(make_app: MakeApp) -> None:
     async with make_app("student").run_test(size=(80, 24)) as pilot:
         await settle(pilot)
         mine = await press(pilot, "y", "2")
-        assert mine.last is not None
-        assert (mine.last.pair, mine.last.by_hand, mine.state) == (1, True, 1)
+        assert mine.counters.last_step is not None
+        assert (mine.counters.last_step.pair, mine.counters.last_step.by_hand, mine.counters.state) == (
+            1,
+            True,
+            1,
+        )
         theirs = await press(pilot, "s")
-        assert theirs.last is not None
-        assert not theirs.last.by_hand
+        assert theirs.counters.last_step is not None
+        assert not theirs.counters.last_step.by_hand
         assert playground(pilot).is_manual
-        assert theirs.step == 2
+        assert theirs.counters.step == 2
         done = await press(pilot, "e")
-        assert (done.episodes, playground(pilot).is_manual) == (1, False)
+        assert (done.counters.episodes, playground(pilot).is_manual) == (1, False)
 
 
 async def test_pulls_and_cards_by_hand(make_app: MakeApp) -> None:
     async with make_app("bandit").run_test(size=(80, 24)) as pilot:
         await settle(pilot)
         pulled = await press(pilot, "y", "7", "7", "0")
-        assert pulled.visits.tolist() == [1, 0, 0, 0, 0, 0, 0, 2, 0, 0]
+        assert pulled.agent.visits.tolist() == [1, 0, 0, 0, 0, 0, 0, 2, 0, 0]
     async with make_app("blackjack").run_test(size=(80, 24)) as pilot:
         await settle(pilot)
         dealt = await press(pilot, "y", "1")
-        assert dealt.last is not None
-        assert (dealt.last.by_hand, dealt.last.terminated) == (True, True)  # stick
-        assert dealt.step_from not in (None, dealt.state)
+        assert dealt.counters.last_step is not None
+        assert (dealt.counters.last_step.by_hand, dealt.counters.last_step.terminated) == (
+            True,
+            True,
+        )  # stick
+        assert dealt.counters.step_from not in (None, dealt.counters.state)
         world = playground(pilot).board.world
         assert world is not None
-        hand = dealt.world.space.state_names[dealt.step_from or 0]
+        hand = dealt.world.space.state_names[dealt.counters.step_from or 0]
         assert str(world.border_title) == f"You act · starts at {hand}"
         played = await press(pilot, "1")
-        assert played.episodes == 2
-        assert played.last is not None
-        assert played.last.state == dealt.step_from
+        assert played.counters.episodes == 2
+        assert played.counters.last_step is not None
+        assert played.counters.last_step.state == dealt.counters.step_from
 
 
 async def test_a_step_by_hand_in_the_past_begins_a_branch(make_app: MakeApp) -> None:
@@ -233,10 +245,10 @@ async def test_a_step_by_hand_in_the_past_begins_a_branch(make_app: MakeApp) -> 
         playground(pilot).send(GoTo(step=20))
         await settle(pilot)
         forked = await press(pilot, "y", "left")
-        assert forked.step == 21
+        assert forked.counters.step == 21
         assert len(forked.timeline.branches) == 2
-        assert forked.last is not None
-        assert forked.last.by_hand
+        assert forked.counters.last_step is not None
+        assert forked.counters.last_step.by_hand
 
 
 @pytest.mark.parametrize("plain", [False, True])
@@ -259,7 +271,7 @@ async def test_the_world_is_in_view_beside_the_microscope_or_in_its_place(
         assert board.zoomed is None
         assert board.shows(WORLD)
         assert board.dissects is beside
-        assert (await press(pilot, "down")).step == 2
+        assert (await press(pilot, "down")).counters.step == 2
 
 
 async def test_the_key_line_is_drawn_again_only_where_its_keys_change(

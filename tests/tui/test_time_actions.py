@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import pytest
 from conftest import MakeApp
+from snapshots import changed
 from test_playground import playground, snapshot
 from textual.pilot import Pilot
 from textual.widgets import Input
@@ -21,9 +22,9 @@ from rl_tui.lab.live.commands import (
     Restart,
     StepBack,
 )
-from rl_tui.lab.live.snapshot import Phase, Snapshot, Timeline
+from rl_tui.lab.live.snapshot import Phase, Snapshot
 from rl_tui.lab.run.recipe import JournalEntry, SetParameter
-from rl_tui.lab.timeline.branches import Branch
+from rl_tui.lab.timeline.branches import Branch, Timeline
 from rl_tui.tui.app.screenshot import settle
 from rl_tui.tui.panels.controls.slider import Slider
 from rl_tui.tui.screens.dialogs.prompt import Prompt
@@ -45,9 +46,9 @@ def recorded(pilot: Pilot[UserError], monkeypatch: pytest.MonkeyPatch) -> list[C
 
 def shows(pilot: Pilot[UserError], timeline: Timeline, **changes: object) -> Snapshot:
     """Draw a moment made by hand that the player could have published just now."""
-    made = replace(snapshot(pilot), timeline=timeline, step=timeline.current.here, **changes)
+    made = changed(snapshot(pilot), timeline=timeline, step=timeline.current.here, **changes)
     screen = playground(pilot)
-    screen._draw(replace(made, handled=screen.sent))
+    screen._draw(changed(made, handled=screen.sent))
     return made
 
 
@@ -167,7 +168,7 @@ async def test_branches_that_were_there_before_are_no_news(make_app: MakeApp) ->
         shows(pilot, one(0, 0), phase=Phase.PREPARING)
         shows(pilot, two(1))
         shows(pilot, one(200, 200))
-        shows(pilot, two(1), lane=1)
+        shows(pilot, two(1), shown=1)
         await pilot.pause()
         assert messages(pilot) == []
 
@@ -178,7 +179,7 @@ async def test_controls_and_recipe_follow_what_is_in_force(
     async with make_app("student").run_test(size=(80, 24)) as pilot:
         await settle(pilot)
         screen = playground(pilot)
-        values = snapshot(pilot).hyperparameters
+        values = snapshot(pilot).agent.hyperparameters
         later = values.changed("alpha", 0.5).changed("epsilon", 0.3)
         shows(pilot, one(200, 200), hyperparameters=later)
         assert screen.recipe.hyperparameters == later
@@ -206,7 +207,7 @@ async def test_what_is_still_under_way_is_not_taken_back(
         assert len(sent) == 1
         assert isinstance(sent[0], Apply)
         asked = screen.recipe.hyperparameters.alpha
-        assert asked != before.hyperparameters.alpha
-        screen._draw(replace(before, handled=screen.sent - 1))
+        assert asked != before.agent.hyperparameters.alpha
+        screen._draw(changed(before, handled=screen.sent - 1))
         assert screen.recipe.hyperparameters.alpha == asked
         assert screen.query_one("#alpha", Slider).value == asked

@@ -46,13 +46,19 @@ def moment(pilot: Pilot[UserError]) -> Moment:
 
 def bits(shown: Snapshot) -> str:
     parts = (
-        shown.q.tobytes(),
-        shown.visits.tobytes(),
-        shown.rewards.tobytes(),
-        shown.curve.return_mean.tobytes(),
+        shown.agent.q.tobytes(),
+        shown.agent.visits.tobytes(),
+        shown.counters.rewards.tobytes(),
+        shown.results.curve.return_mean.tobytes(),
     )
-    figures = (shown.state, shown.episodes, shown.episode_step, shown.episode_return, shown.discounted_return)
-    return f"{[part.hex() for part in parts]} {figures} {shown.last}"
+    figures = (
+        shown.counters.state,
+        shown.counters.episodes,
+        shown.counters.episode_step,
+        shown.counters.episode_return,
+        shown.counters.discounted_return,
+    )
+    return f"{[part.hex() for part in parts]} {figures} {shown.counters.last_step}"
 
 
 async def go(pilot: Pilot[UserError], text: str) -> Snapshot:
@@ -88,20 +94,24 @@ async def test_every_panel_shows_what_it_showed_then(scenario: str, planner: boo
         then, begins = {0: moment(pilot)}, [0]
         for key in ("s", "s", "s", "s", "s", "e", "s", "s", "e"):
             shown = await press(pilot, key)
-            then[shown.step] = moment(pilot)
-            if shown.episode_step == 0:
-                begins.append(shown.step)
-        end = here = snapshot(pilot).step
+            then[shown.counters.step] = moment(pilot)
+            if shown.counters.episode_step == 0:
+                begins.append(shown.counters.step)
+        end = here = snapshot(pilot).counters.step
         for key in "bbBbB":
             shown = await press(pilot, key)
             here = here - 1 if key == "b" else max(step for step in begins if step < here)
-            assert (shown.step, shown.phase, shown.timeline.current.end) == (here, Phase.PAUSED, end)
+            assert (shown.counters.step, shown.playback.phase, shown.timeline.current.end) == (
+                here,
+                Phase.PAUSED,
+                end,
+            )
             assert here not in then or moment(pilot) == then[here], (key, here)
         assert "◀ the past" in text_of(playground(pilot).query_one("#status"))
         await go(pilot, "3")
         assert moment(pilot) == then[3]
         for step in (4, 5):
-            assert (await press(pilot, "s")).step == step
+            assert (await press(pilot, "s")).counters.step == step
             assert moment(pilot) == then[step]
         await go(pilot, "end")
         assert moment(pilot) == then[end]
@@ -116,10 +126,10 @@ async def test_fast_presses_all_count(scenario: str, make_app: MakeApp) -> None:
         await pilot.press(*"ssssssss")
         await settle(pilot)
         now = snapshot(pilot)
-        assert now.step == 8
+        assert now.counters.step == 8
         await pilot.press(*"bbbbb")
         await settle(pilot)
-        assert snapshot(pilot).step == 3
+        assert snapshot(pilot).counters.step == 3
         await pilot.press(*"sssss")
         await settle(pilot)
         assert bits(snapshot(pilot)) == bits(now)
@@ -141,7 +151,7 @@ async def test_a_change_in_the_past_forks_and_j_goes_back(make_app: MakeApp) -> 
             "branch 2 begins here; j goes back to branch 1"
         ]
         assert "branch 2  step 300" in text_of(playground(pilot).board.timeline)
-        second, changed = moment(pilot), forked.hyperparameters.alpha
+        second, changed = moment(pilot), forked.agent.hyperparameters.alpha
         assert second != first
         await press(pilot, "j", "up", "enter")
         await go(pilot, "end")
@@ -153,7 +163,7 @@ async def test_a_change_in_the_past_forks_and_j_goes_back(make_app: MakeApp) -> 
         assert app.screen.query_one("#alpha", Slider).value == changed
         assert playground(pilot).recipe.hyperparameters.alpha == changed
         await press(pilot, "j", "tab", "enter")
-        assert snapshot(pilot).step == 200
+        assert snapshot(pilot).counters.step == 200
         assert len(app._notifications) == 1
 
 
@@ -174,11 +184,15 @@ async def test_settings_of_then_are_in_force_then(make_app: MakeApp) -> None:
             (10, "random", "q-learning"),
         ):
             shown = await go(pilot, str(step))
-            assert (shown.hyperparameters.ties, shown.algorithm) == (ties, algorithm)
+            assert (shown.agent.hyperparameters.ties, shown.agent.algorithm) == (ties, algorithm)
             recipe = playground(pilot).recipe
             assert (recipe.hyperparameters.ties, recipe.algorithm) == (ties, algorithm)
         again = await press(pilot, "r")
-        assert (again.step, again.hyperparameters.ties, again.algorithm) == (0, "random", "q-learning")
+        assert (again.counters.step, again.agent.hyperparameters.ties, again.agent.algorithm) == (
+            0,
+            "random",
+            "q-learning",
+        )
 
 
 async def test_the_timeline_is_dragged_through_time(make_app: MakeApp) -> None:
@@ -192,8 +206,8 @@ async def test_the_timeline_is_dragged_through_time(make_app: MakeApp) -> None:
         await pilot.mouse_up(bar, offset=(track.start + 5, 0))
         await settle(pilot)
         shown = snapshot(pilot)
-        assert shown.step == track.step_at(5)
-        assert bar.at == shown.step
+        assert shown.counters.step == track.step_at(5)
+        assert bar.at == shown.counters.step
         await pilot.press("end")
         await settle(pilot)
         assert bits(snapshot(pilot)) == bits(now)

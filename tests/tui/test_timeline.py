@@ -1,17 +1,16 @@
 from __future__ import annotations
 
-from dataclasses import replace
-
 import pytest
 from samples import bandit, lake, look
+from snapshots import changed
 from textual import events
 from textual.app import App, ComposeResult
 from textual.pilot import Pilot
 from textual.widgets import Button
 
-from rl_tui.lab.live.snapshot import Phase, Snapshot, Timeline
+from rl_tui.lab.live.snapshot import Phase, Snapshot
 from rl_tui.lab.run.recipe import JournalEntry, SetParameter, SwitchAlgorithm, TakeAction
-from rl_tui.lab.timeline.branches import Branch
+from rl_tui.lab.timeline.branches import Branch, Timeline
 from rl_tui.tui.panels.timeline.picture import (
     TimelineState,
     Track,
@@ -276,7 +275,7 @@ async def test_at_full_speed_only_the_row_is_drawn_again(monkeypatch: pytest.Mon
         await unfocus(pilot)
         drawn_again: list[object] = []
         monkeypatch.setattr(app.bar, "refresh", lambda *regions, **_: drawn_again.append(regions))
-        app.bar.show(replace(at(10_000), episodes=3))
+        app.bar.show(changed(at(10_000), episodes=3))
         assert not drawn_again
         app.bar.show(at(10_500, 10_500, phase=Phase.RUNNING))
         assert len(drawn_again) == 1

@@ -1,9 +1,8 @@
 from __future__ import annotations
 
-from dataclasses import replace
-
 import pytest
 from samples import bandit, lake, look, planning, stepped_lake, student
+from snapshots import changed
 
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.live.until import Event, Until
@@ -39,7 +38,7 @@ def test_an_agent_waits_for_all_of_it() -> None:
 
 
 def test_the_pair_under_the_cursor_is_not_listed_twice() -> None:
-    last = lake().last
+    last = lake().counters.last_step
     assert last is not None
     listed = found(lake(), cursor=last.updated_pair)
     assert "value last" not in listed
@@ -87,8 +86,8 @@ def test_without_an_exact_answer_nobody_knows_when_a_policy_is_optimal() -> None
 
 def test_numbers_are_read_and_those_in_the_past_are_not() -> None:
     snapshot = lake(step=0)
-    listed = found(replace(snapshot, step=120, episodes=9))
-    now = replace(snapshot, step=120, episodes=9)
+    listed = found(changed(snapshot, step=120, episodes=9))
+    now = changed(snapshot, step=120, episodes=9)
     assert read(listed["step"], now, "121") == 121
     assert read(listed["step"], now, " 1,000 ") == 1000
     assert read(listed["episode"], now, "11") == 11
@@ -118,4 +117,4 @@ def test_a_value_is_any_finite_number_but_the_one_it_is() -> None:
         with pytest.raises(ValueError, match=r"type a number, such as 0\.5"):
             read(wait, snapshot, text)
     with pytest.raises(ValueError, match="that is what it is now"):
-        read(wait, snapshot, repr(float(snapshot.q[17])))
+        read(wait, snapshot, repr(float(snapshot.agent.q[17])))

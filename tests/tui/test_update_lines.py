@@ -7,6 +7,7 @@ from typing import Any
 
 import pytest
 from samples import bandit, lake, look
+from snapshots import changed
 
 from rl_tui.agents.catalogue import ALGORITHMS
 from rl_tui.agents.hyperparameters import Hyperparameters
@@ -27,7 +28,7 @@ def drawn(snapshot: Snapshot, width: int = 80, height: int = 1, *, ascii: bool =
 
 def step(algorithm: str, **changes: Any) -> Snapshot:
     """A step of ``algorithm`` in state 6 of the lake, down to 10."""
-    assert LAKE.last is not None
+    assert LAKE.counters.last_step is not None
     pair = int(LAKE.world.space.first_pair[6]) + 1
     usual = {
         "state": 6,
@@ -42,10 +43,10 @@ def step(algorithm: str, **changes: Any) -> Snapshot:
         "bootstrap": 0.56,
         "step_size": 0.1,
     }
-    last = replace(LAKE.last, **(usual | changes))
+    last = replace(LAKE.counters.last_step, **(usual | changes))
     if last.learned:
         last = replace(last, after=last.before + last.step_size * last.td_error)
-    return replace(LAKE, algorithm=algorithm, last=last)
+    return changed(LAKE, algorithm=algorithm, last_step=last)
 
 
 @pytest.mark.parametrize(
@@ -129,7 +130,9 @@ def test_monte_carlo_learns_from_the_whole_return() -> None:
     assert "target = G = .95 (terminal)" in text
     assert "Q(0,←) ← .36 + .10 · (+.59) = .42   and 5 more, back to its start" in text
     assert drawn(ended).startswith(" Q(0,←) ← .36 + .10·(.95 − .36) = .42")
-    cut = replace(ended, last=replace(ended.last, terminated=False, truncated=True, bootstrap=0.2))  # type: ignore[type-var]
+    cut = changed(
+        ended, last_step=replace(ended.counters.last_step, terminated=False, truncated=True, bootstrap=0.2)
+    )  # type: ignore[type-var]
     assert "Σ π Q(15,·)" in drawn(cut, 80, 9)
 
 
@@ -194,8 +197,10 @@ def test_a_planner_tells_nothing_of_a_world_it_did_not_step_in(algorithm: str) -
     last_step.picture(planned(), 60, 8)
     assert last_step.footing == "step 27 · sweep 3"
     arms = bandit(400)
-    assert arms.last is not None
-    on_arms = replace(arms, algorithm=algorithm, last=replace(arms.last, pair=NOTHING, outcome=NOTHING))
+    assert arms.counters.last_step is not None
+    on_arms = changed(
+        arms, algorithm=algorithm, last_step=replace(arms.counters.last_step, pair=NOTHING, outcome=NOTHING)
+    )
     assert "pulled" not in drawn(on_arms, 60, 8)
 
 
@@ -211,16 +216,16 @@ def test_a_planner_tells_nothing_of_a_world_it_did_not_step_in(algorithm: str) -
 )
 def test_every_action_rule_says_how_it_chose(policy: str, explored: bool, words: str) -> None:
     snapshot = step("q-learning", explored=explored)
-    snapshot = replace(snapshot, hyperparameters=Hyperparameters(policy=policy))
+    snapshot = changed(snapshot, hyperparameters=Hyperparameters(policy=policy))
     assert words in drawn(snapshot, 100, 9)
 
 
 def test_a_schedule_is_no_fraction() -> None:
     values = Hyperparameters(alpha=0.5, step_size_schedule="linear", alpha_decay=0.1)
-    snapshot = replace(step("q-learning", step_size=0.2), hyperparameters=values)
+    snapshot = changed(step("q-learning", step_size=0.2), hyperparameters=values)
     assert "+ .20·(" in drawn(snapshot)
     average = replace(values, step_size_schedule="sample-average")
-    assert "+ 1/5·(" in drawn(replace(snapshot, hyperparameters=average))
+    assert "+ 1/5·(" in drawn(changed(snapshot, hyperparameters=average))
     assert "+ 0·(" in drawn(step("q-learning", step_size=0.0))
 
 

@@ -11,7 +11,7 @@ from rl_tui.agents.hyperparameters import PARAMETERS, Hyperparameters
 from rl_tui.cli.commands.policy_map import policy_map
 from rl_tui.cli.output import columns, number
 from rl_tui.common.words import counted
-from rl_tui.lab.live.snapshot import BanditFigures
+from rl_tui.lab.run.bandit import BanditFigures
 from rl_tui.lab.run.figures import exact_world, why_inexact
 from rl_tui.lab.run.recipe import Recipe
 from rl_tui.lab.run.run import Run

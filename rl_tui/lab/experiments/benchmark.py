@@ -195,4 +195,4 @@ async def _live_speed(player: Player) -> float:
         await asyncio.sleep(1 / FRAMES_A_SECOND)
     player.send(Pause())
     after = await player.carried_out()
-    return (after.step - before.step) / (time.perf_counter() - start)
+    return (after.counters.step - before.counters.step) / (time.perf_counter() - start)

@@ -73,10 +73,10 @@ def expected_target(leaves: tuple[Leaf, ...], gamma: float) -> float | None:
 
 def backup_of(snapshot: Snapshot) -> Backup | None:
     """Return the backup of the last step, None where there is none: before the first, or without its pair."""
-    last = snapshot.last
+    last = snapshot.counters.last_step
     if last is None or (last.planned and not last.learned):
         return None
-    algorithm, _ = snapshot.learned_by
+    algorithm, _ = snapshot.agent.learned_by
     terms = BY_ID[algorithm].update
     is_elsewhere = last.planned or (terms.remembered and last.learned)
     pair = last.updated_pair if is_elsewhere else last.pair
@@ -86,8 +86,10 @@ def backup_of(snapshot: Snapshot) -> Backup | None:
     mdp = snapshot.world.mdp
     if last.planned:
         leaves, expected = _solved(leaves, last), last.target
-    elif mdp is not None and mdp.drift_std and snapshot.exact is not None:
-        expected = float(snapshot.exact.q[pair])  # the mean as it is now; the model has where it began
+    elif mdp is not None and mdp.drift_std and snapshot.exact_answer.solution is not None:
+        expected = float(
+            snapshot.exact_answer.solution.q[pair]
+        )  # the mean as it is now; the model has where it began
         leaves = tuple(replace(leaf, reward=expected) for leaf in leaves)
     else:
         expected = expected_target(leaves, last.gamma) if one_step else None
@@ -109,10 +111,10 @@ def sources(snapshot: Snapshot) -> dict[int, float]:
     Of several equal ones that may have been it each has an equal share. Nothing where the update looked up
     nothing, or where nobody knows any more what it saw.
     """
-    last = snapshot.last
+    last = snapshot.counters.last_step
     if last is None or not last.learned:
         return {}
-    terms = BY_ID[snapshot.learned_by[0]].update
+    terms = BY_ID[snapshot.agent.learned_by[0]].update
     if last.planned:
         return _planned_sources(snapshot, last, terms.lookup)
     if terms.remembered and last.updated_pair != last.pair:
@@ -167,11 +169,11 @@ def _leaf(snapshot: Snapshot, last: LastStep, mdp: TabularMDP, outcome: int, hap
 
 def _value(snapshot: Snapshot, last: LastStep, state: int) -> float | None:
     """Return what the update took ``state`` to be worth, as far as that is known."""
-    terms = BY_ID[snapshot.learned_by[0]].update
-    if last.planned and (state == last.state or not len(snapshot.values)):
+    terms = BY_ID[snapshot.agent.learned_by[0]].update
+    if last.planned and (state == last.state or not len(snapshot.agent.values)):
         return None  # that of the state itself has just changed
     if last.planned:
-        return float(snapshot.values[state])
+        return float(snapshot.agent.values[state])
     own_step = terms.one_step and last.updated_pair == last.pair and state == last.next_state
     if own_step and terms.lookup is not Lookup.NEXT and not last.terminated:
         return last.bootstrap
@@ -192,9 +194,9 @@ def _value(snapshot: Snapshot, last: LastStep, state: int) -> float | None:
 
 def _seen(snapshot: Snapshot, last: LastStep, pairs: range) -> FloatArray | None:
     """Return the estimates of ``pairs``, those of one state, before the update that is told of."""
-    if not len(pairs) or not snapshot.holds(pairs.start):
+    if not len(pairs) or not snapshot.agent.holds(pairs.start):
         return None
-    seen = snapshot.q[pairs.start : pairs.stop].copy()
+    seen = snapshot.agent.q[pairs.start : pairs.stop].copy()
     if last.updated_pair in pairs and not last.table:
         seen[last.updated_pair - pairs.start] = last.before
     return seen
@@ -202,21 +204,22 @@ def _seen(snapshot: Snapshot, last: LastStep, pairs: range) -> FloatArray | None
 
 def _chances(snapshot: Snapshot, last: LastStep, pairs: range, seen: FloatArray) -> FloatArray | None:
     """Return π of the pairs of one state."""
-    visits = snapshot.visits[pairs.start : pairs.stop]
-    return action_chances(snapshot.learned_by[1], last.epsilon, seen, visits)
+    visits = snapshot.agent.visits[pairs.start : pairs.stop]
+    return action_chances(snapshot.agent.learned_by[1], last.epsilon, seen, visits)
 
 
 def _judged(snapshot: Snapshot, last: LastStep, pairs: range) -> tuple[FloatArray, FloatArray] | None:
     """Return which pairs are best in the table that learns, as weights, and all estimates of the other."""
-    if len(snapshot.tables) != 2 or not last.table:
+    if len(snapshot.agent.tables) != 2 or not last.table:
         return None
     own, other = (
-        snapshot.tables[each][pairs.start : pairs.stop].copy() for each in (last.table - 1, 2 - last.table)
+        snapshot.agent.tables[each][pairs.start : pairs.stop].copy()
+        for each in (last.table - 1, 2 - last.table)
     )
     if last.updated_pair in pairs:
         own[last.updated_pair - pairs.start] = last.before
     best = own == own.max()
-    if snapshot.learned_by[1].ties == "first":
+    if snapshot.agent.learned_by[1].ties == "first":
         best = np.arange(len(own)) == int(np.argmax(best))
     return best / best.sum(), other
 
@@ -241,9 +244,9 @@ def _planned_sources(snapshot: Snapshot, last: LastStep, lookup: Lookup) -> dict
     for outcome in mdp.outcomes_of(last.updated_pair):
         state = int(mdp.next_state[outcome])
         pairs = mdp.pairs_of(state)
-        if mdp.terminated[outcome] or state == last.state or not snapshot.holds(pairs.start):
+        if mdp.terminated[outcome] or state == last.state or not snapshot.agent.holds(pairs.start):
             continue
-        best = snapshot.q[pairs.start : pairs.stop]
+        best = snapshot.agent.q[pairs.start : pairs.stop]
         probability = float(mdp.probability[outcome])
         for pair, weight in _positive(pairs, (best == best.max()) / (best == best.max()).sum()).items():
             found[pair] = found.get(pair, 0.0) + probability * weight

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Final
 
 from rl_tui.lab.live.until import Until
-from rl_tui.lab.live.viewport import Sight
+from rl_tui.lab.live.viewport import Viewport
 from rl_tui.lab.run.recipe import Change, Recipe, Setting
 
 
@@ -60,9 +60,9 @@ class Restart:
 
 @dataclass(frozen=True, slots=True)
 class LookAt:
-    """Copy no more than ``sight`` shows of a world that is too large to be copied whole."""
+    """Copy no more than ``viewport`` shows of a world that is too large to be copied whole."""
 
-    sight: Sight
+    viewport: Viewport
 
 
 @dataclass(frozen=True, slots=True)

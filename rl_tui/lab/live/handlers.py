@@ -68,7 +68,7 @@ def _restart(playback: Playback, command: commands.Restart) -> None:
 
 
 def _look_at(playback: Playback, command: commands.LookAt) -> None:
-    playback.sight = command.sight
+    playback.viewport = command.viewport
 
 
 def _follow_cell(playback: Playback, command: commands.FollowCell) -> None:

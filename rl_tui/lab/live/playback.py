@@ -3,23 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
 from rl_tui.common.errors import UserError
 from rl_tui.lab.live.commands import FROM_HERE, LOOKING, MOVES, WHILE_SEEKING, Command, Restart, StepBack
 from rl_tui.lab.live.handlers import HANDLERS
 from rl_tui.lab.live.pacing import AT_ONCE, CHUNK
-from rl_tui.lab.live.preparing import preparing
 from rl_tui.lab.live.record import Record
-from rl_tui.lab.live.snapshot import CellHistory, Phase, Snapshot
+from rl_tui.lab.live.snapshot import Phase, PlaybackView, Snapshot
+from rl_tui.lab.live.snapshot_builder import SnapshotBuilder
 from rl_tui.lab.live.state import BUSY, ENDED, PASSING, UNFINISHED, State
 from rl_tui.lab.live.stop_condition import StopCondition, breakpoint_in_words, watching_for
 from rl_tui.lab.live.until import Breakpoints, Event, Until
-from rl_tui.lab.live.viewport import Sight
+from rl_tui.lab.live.viewport import Viewport
 from rl_tui.lab.run.exact_answers import AT_ONCE_STATES, Answer, ExactAnswers, exact_now
 from rl_tui.lab.run.recipe import Beginning, Recipe, begin
 from rl_tui.lab.timeline.branches import RunRecord
+from rl_tui.lab.timeline.table_samples import CellHistory
 
 if TYPE_CHECKING:
     from rl_tui.lab.live.transport import Transport
@@ -74,7 +74,7 @@ class Playback:
         """What it runs until, if it does."""
         self.breakpoints = Breakpoints()
         """Where else it pauses."""
-        self.sight: Sight | None = None
+        self.viewport: Viewport | None = None
         """What the screen shows of a large world; None: it has not said, so everything may be shown."""
         self.cell: int | None = None
         """The pair of which snapshots tell how Q went."""
@@ -92,6 +92,7 @@ class Playback:
         self._on_exact = on_exact
         self._beginning: Beginning | None = None
         self._exact: ExactAnswers | None = None
+        self._builder = SnapshotBuilder()
 
     @property
     def on_the_way(self) -> bool:
@@ -169,25 +170,28 @@ class Playback:
         if self.state is State.BUILDING:
             if self._beginning is None:
                 raise RuntimeError("there is no world yet")
-            return preparing(self._recipe, self._beginning.world, self._record.speed, PREPARING)
+            preparing = PlaybackView(message=PREPARING, speed=self._record.speed)
+            return self._builder.before(self._recipe, self._beginning.world, preparing)
         current = self.group.current
-        picture = current.run.snapshot(
-            self.phase,
-            message=self._message or current.run.message,
+        return self._builder.build(
+            current.run,
+            self._view(current.run),
+            viewport=self.viewport,
+            exact_answer=self._answer(),
+            timeline=current.timeline,
+            run_group=self.group.view,
+            cell=self._cell_history(),
+        )
+
+    def _view(self, run: Run) -> PlaybackView:
+        return PlaybackView(
+            phase=self.phase,
+            message=self._message or run.message,
             speed=self.transport.speed,
             steps_per_second=self.transport.meter.steps_per_second,
-            answer=self._answer(),
-            sight=self.sight,
-        )
-        return replace(
-            picture,
-            timeline=current.timeline,
-            breakpoints=self.breakpoints,
-            until="" if self.condition is None else self.condition.describe(current.world),
+            until="" if self.condition is None else self.condition.describe(run.world),
             paused_by=self.paused_by,
-            lanes=self.group.views(),
-            lane=self.group.shown,
-            cell=self._cell_history(),
+            breakpoints=self.breakpoints,
             handled=self.handled,
         )
 

@@ -16,53 +16,54 @@ from rl_tui.worlds.world import World
 if TYPE_CHECKING:
     from rl_tui.agents.last_step import LastStep
 
-MOST_COPIED: Final = 100_000
 NO_STATE: Final = -1
 
 
 class Cells(NamedTuple):
-    """``rows`` × ``columns`` cells of a map, from (top, left) on; both None: wherever the agent is."""
+    """A rectangle of cells of a map."""
 
     rows: int
+    """How many rows of cells it is high."""
     columns: int
+    """How many columns of cells it is wide."""
     top: int | None = None
+    """Its first row, from 0; None: it follows the agent."""
     left: int | None = None
+    """Its first column, from 0; None: it follows the agent."""
 
 
-class Stretch(NamedTuple):
-    """So many ``pairs`` in a row, from ``first`` on; None: wherever the agent is."""
+class RowRange(NamedTuple):
+    """Neighbouring rows of a table that has one row for each pair."""
 
     pairs: int
+    """How many pairs."""
     first: int | None = None
+    """The first pair; None: they follow the agent."""
 
 
-class Sight(NamedTuple):
-    """What a screen shows: a part of the map, a part of the table, and one ``pair`` by itself."""
+class Viewport(NamedTuple):
+    """What a screen shows of a world."""
 
     cells: Cells | None = None
-    stretch: Stretch | None = None
+    """The part of the map; None: no map is shown."""
+    rows: RowRange | None = None
+    """The part of the table; None: no table is shown."""
     pair: int | None = None
+    """One more pair that is shown by itself."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Window:
-    """The parts of Q and visits that were copied; everywhere else both are 0 and mean nothing.
-
-    ``pairs``, [K], are the pairs that were copied, some more than once; ``held``, [P], marks them.
-    """
+class CopiedPart:
+    """The part of Q and visits that was copied; everywhere else both are 0 and mean nothing."""
 
     q: FloatArray
+    """[P], the estimates of the pairs copied, elsewhere 0."""
     visits: IntArray
+    """[P], the visits of the pairs copied, elsewhere 0."""
     pairs: IntArray
+    """[K], the pairs copied, some more than once."""
     held: BoolArray
-
-
-def is_large(world: World) -> bool:
-    """Tell whether to copy all of Q and visits for each frame would be felt.
-
-    Only maps are shown in parts: other drawings show every state.
-    """
-    return world.space.pairs > MOST_COPIED and isinstance(world.drawing, Grid)
+    """[P], true for the pairs copied."""
 
 
 def first_state_of_cells(grid: Grid) -> IntArray:
@@ -74,7 +75,7 @@ def first_state_of_cells(grid: Grid) -> IntArray:
     return states.reshape(grid.rows, grid.columns)
 
 
-class Windows:
+class PartCopier:
     """Copies what a screen shows of one world, and what it will show when it follows the agent.
 
     A view that follows has the agent somewhere in it, so that all it may show lies less than its own size
@@ -83,6 +84,7 @@ class Windows:
     """
 
     def __init__(self, world: World) -> None:
+        self.world = world
         self._space = world.space
         self._cells: IntArray | None = None
         if isinstance(world.drawing, Grid):
@@ -90,41 +92,43 @@ class Windows:
             self._cell_of_state = world.drawing.cell_of_state
 
     def copy(
-        self, sight: Sight, state: int, last: LastStep | None, q: FloatArray, visits: IntArray
-    ) -> Window:
-        """Return what ``sight`` shows of ``q`` and ``visits``, [P] each, with the agent in ``state``."""
-        pairs = self._pairs_in(sight, state, last)
-        window = Window(_blank(len(q), np.float64), _blank(len(q), np.int64), pairs, _blank(len(q), np.bool_))
-        window.q[pairs] = q[pairs]
-        window.visits[pairs] = visits[pairs]
-        window.held[pairs] = True
-        for array in (window.q, window.visits, window.held):
+        self, viewport: Viewport, state: int, last: LastStep | None, q: FloatArray, visits: IntArray
+    ) -> CopiedPart:
+        """Return what ``viewport`` shows of ``q`` and ``visits``, [P] each, with the agent in ``state``."""
+        pairs = self._pairs_in(viewport, state, last)
+        part = CopiedPart(
+            _blank(len(q), np.float64), _blank(len(q), np.int64), pairs, _blank(len(q), np.bool_)
+        )
+        part.q[pairs] = q[pairs]
+        part.visits[pairs] = visits[pairs]
+        part.held[pairs] = True
+        for array in (part.q, part.visits, part.held):
             array.flags.writeable = False
-        return window
+        return part
 
-    def _pairs_in(self, sight: Sight, state: int, last: LastStep | None) -> IntArray:
-        states = [np.array(self._met(sight, state, last), dtype=np.int64)]
-        if sight.cells is not None and self._cells is not None:
-            states += self._states_in(sight.cells, state)
+    def _pairs_in(self, viewport: Viewport, state: int, last: LastStep | None) -> IntArray:
+        states = [np.array(self._met(viewport, state, last), dtype=np.int64)]
+        if viewport.cells is not None and self._cells is not None:
+            states += self._states_in(viewport.cells, state)
         parts = [pairs_of_states(self._space, np.concatenate(states))]
-        if sight.stretch is not None:
-            length, first = sight.stretch
+        if viewport.rows is not None:
+            length, first = viewport.rows
             here = int(self._space.first_pair[followed_state(self._space, state, last)])
-            parts.append(self._run(here - length, here + length + len(self._space.action_names)))
+            parts.append(self._clipped(here - length, here + length + len(self._space.action_names)))
             if first is not None:
-                parts.append(self._run(first, first + length))
+                parts.append(self._clipped(first, first + length))
         return np.concatenate(parts)
 
-    def _met(self, sight: Sight, state: int, last: LastStep | None) -> list[int]:
-        """Return the states of which something is told outside of map and table."""
+    def _met(self, viewport: Viewport, state: int, last: LastStep | None) -> list[int]:
+        """Return the states that are shown outside of map and table."""
         states = [state]
         if last is not None:
             states += [each for each in (last.state, last.next_state) if each != NO_STATE]
             if last.learned:
                 states.append(self._space.state_of(last.updated_pair))
         # what a screen last asked for may be of the world before this one
-        if sight.pair is not None and sight.pair < self._space.pairs:
-            states.append(self._space.state_of(sight.pair))
+        if viewport.pair is not None and viewport.pair < self._space.pairs:
+            states.append(self._space.state_of(viewport.pair))
         return states
 
     def _states_in(self, cells: Cells, state: int) -> list[IntArray]:
@@ -142,12 +146,12 @@ class Windows:
             blocks.append(self._cells[top : top + cells.rows, left : left + cells.columns])
         return [block[block != NO_STATE] for block in blocks]
 
-    def _run(self, first: int, last: int) -> IntArray:
+    def _clipped(self, first: int, last: int) -> IntArray:
         return np.arange(max(0, first), min(last, self._space.pairs), dtype=np.int64)
 
 
 def followed_state(space: FiniteSpace, state: int, last: LastStep | None) -> int:
-    """Return whose row a table follows: the agent's state, or the one it came from where that has no row."""
+    """Return the state whose row a table follows: the agent's, or the last one with a row."""
     return last.state if last is not None and not space.pairs_of(state) else state
 
 

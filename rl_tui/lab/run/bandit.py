@@ -2,17 +2,35 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rl_tui.lab.live.snapshot import BanditFigures
 from rl_tui.worlds.drawing import Arms
 from rl_tui.worlds.mdp.tabular_mdp import BoolArray, FloatArray, IntArray, TabularMDP
 from rl_tui.worlds.world import World
 
 if TYPE_CHECKING:
     from rl_tui.agents.kernels.drift import Drifted
+
+
+@dataclass(frozen=True, slots=True)
+class BanditFigures:
+    """How a bandit's budget was spent."""
+
+    pulls: int
+    """Pulls so far."""
+    budget: int
+    """Pulls there are in all."""
+    winnings: float
+    """The sum of all rewards."""
+    regret: float
+    """The sum over all pulls of max q* − q*(pulled arm), exact."""
+    best_arm_rate: float | None
+    """The share of pulls on the truly best arm, 0 to 1; None before the first pull."""
+    best_possible: float
+    """What as many pulls of the best arm bring on average: pulls · max q*."""
 
 
 def true_means(mdp: TabularMDP) -> FloatArray:

@@ -11,8 +11,8 @@ import numpy as np
 
 from rl_tui.agents.exact.solve import expected_return, greedy_policy
 from rl_tui.agents.hyperparameters import Ties
-from rl_tui.lab.live.snapshot import Marks
 from rl_tui.lab.run.exact_answers import visits_of
+from rl_tui.lab.run.results import Marks
 from rl_tui.worlds.mdp.tabular_mdp import FloatArray, IntArray, TabularMDP
 
 MOST_MARKS: Final = 256

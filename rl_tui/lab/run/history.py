@@ -9,7 +9,7 @@ from typing import Final
 import numpy as np
 
 from rl_tui.agents.kernels.episode_bins import empty_bins, fold
-from rl_tui.lab.live.snapshot import Curve
+from rl_tui.lab.run.results import Curve
 from rl_tui.worlds.mdp.tabular_mdp import FloatArray, IntArray
 
 BINS: Final = 512

@@ -5,18 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-import numpy as np
-
 from rl_tui.agents.kernels.stop import Stop
 from rl_tui.agents.kernels.watching import NOTHING_NOTICED
 from rl_tui.agents.learner import Learner
 from rl_tui.agents.learner_state import LearnerState
 from rl_tui.common.errors import UserError
-from rl_tui.lab.live.snapshot import BanditFigures, Marks, Phase, Snapshot
-from rl_tui.lab.live.viewport import Sight, Window, Windows, is_large
-from rl_tui.lab.run.bandit import bandit_figures
+from rl_tui.lab.run.bandit import BanditFigures, bandit_figures
 from rl_tui.lab.run.evaluation import MOST_STATES, Evaluation, GreedyReturn, MarksState
-from rl_tui.lab.run.exact_answers import DEAREST_LIVE, PENDING, Answer, visits_of
+from rl_tui.lab.run.exact_answers import DEAREST_LIVE, visits_of
 from rl_tui.lab.run.history import History, HistoryState
 from rl_tui.lab.run.recipe import (
     UNLIMITED,
@@ -30,6 +26,7 @@ from rl_tui.lab.run.recipe import (
     begin,
     changed_parameter,
 )
+from rl_tui.lab.run.results import Marks, RunResults
 from rl_tui.worlds.mdp.tabular_mdp import BoolArray, FloatArray, IntArray
 
 OnEpisodes = Callable[[FloatArray, IntArray, BoolArray], None]
@@ -102,7 +99,6 @@ class Run:
             mdp is not None and mdp.states <= MOST_STATES and visits_of(mdp) <= DEAREST_LIVE
         )
         self._on_episodes = on_episodes
-        self._windows: Windows | None = None
 
     @property
     def step(self) -> int:
@@ -128,6 +124,18 @@ class Run:
         # A planner's backup counts as a visit of every arm, but it pulls none
         pulled = learner.visits - learner.planned.steps
         return bandit_figures(self.world, pulled, self.history.total_return, learner.drifted)
+
+    @property
+    def results(self) -> RunResults:
+        """What it has achieved so far."""
+        return RunResults(
+            curve=self.history.curve(),
+            marks=self.marks,
+            return_last_100=self.history.return_last_100,
+            length_last_100=self.history.length_last_100,
+            greedy_return=self.greedy_return,
+            bandit=self.bandit,
+        )
 
     @property
     def spent(self) -> bool:
@@ -278,77 +286,6 @@ class Run:
         self.history.restore(state.history)
         self._evaluation.restore(state.marks)
         self._journal = list(state.journal)
-
-    def snapshot(
-        self,
-        phase: Phase,
-        *,
-        message: str = "",
-        speed: float | None = None,
-        steps_per_second: float | None = None,
-        answer: Answer = PENDING,
-        sight: Sight | None = None,
-    ) -> Snapshot:
-        """Return a frozen picture of the run; what the run itself does not know is passed in.
-
-        Of a large world it has what ``sight`` shows; None: everything.
-        """
-        learner, window = self.learner, self._window(sight)
-        return Snapshot(
-            world=self.world,
-            recipe=self.recipe,
-            algorithm=learner.algorithm,
-            hyperparameters=learner.hyperparameters,
-            phase=phase,
-            message=message,
-            speed=speed,
-            steps_per_second=steps_per_second,
-            step=learner.step,
-            episodes=learner.episodes,
-            state=self._seen_state(),
-            step_from=learner.state,
-            episode_step=learner.episode_step,
-            episode_return=learner.episode_return,
-            q=learner.q.copy() if window is None else window.q,
-            visits=learner.visits.copy() if window is None else window.visits,
-            last=learner.last_step,
-            curve=self.history.curve(),
-            marks=self.marks,
-            return_last_100=self.history.return_last_100,
-            length_last_100=self.history.length_last_100,
-            greedy_return=self.greedy_return,
-            exact=answer.solution,
-            exact_refused=answer.refused,
-            bandit=self.bandit,
-            window=window,
-            tables=() if window is not None else learner.remembered("q1", "q2"),
-            values=np.empty(0) if window is not None or not learner.plans else learner.remembered("v")[0],
-            planning=learner.planning,
-            author=learner.author,
-            rewards=learner.rewards,
-            discounted_return=learner.discounted_return,
-        )
-
-    def _window(self, sight: Sight | None) -> Window | None:
-        """Return what ``sight`` shows of a large world, None where all is copied."""
-        if sight is None or not is_large(self.world):
-            return None
-        if self._windows is None:
-            self._windows = Windows(self.world)
-        learner = self.learner
-        return self._windows.copy(sight, self._seen_state(), learner.last_step, learner.q, learner.visits)
-
-    def _seen_state(self) -> int:
-        """Return where the agent is: after an episode's last step still where that step led.
-
-        After a sweep's last step it is the state backed up. Where a planner has taken over from an agent, or
-        the other way round, the last step tells nothing about that.
-        """
-        learner, last = self.learner, self.learner.last_step
-        if last is None or learner.episode_step > 0:
-            return learner.state
-        ended = last.planned if learner.plans else last.terminated or last.truncated
-        return last.next_state if ended else learner.state
 
     def _mark_if_due(self) -> None:
         if self.learner.step == self._evaluation.next_step and not self.stop_reason:

@@ -45,3 +45,23 @@ class RunRecord:
     def step(self) -> int:
         """Where the run stands."""
         return self.branches[self.branch].here if self.branches else 0
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Timeline:
+    """Where a moment stands in time."""
+
+    branches: tuple[Branch, ...] = (Branch("1"),)
+    """All branches, in the order in which they began; at least one."""
+    branch: int = 0
+    """The place of the one in force, from 0."""
+
+    @property
+    def current(self) -> Branch:
+        """The branch in force."""
+        return self.branches[self.branch]
+
+    @property
+    def in_past(self) -> bool:
+        """Whether the run has been further than here: to change something now forks it."""
+        return self.current.here < self.current.end

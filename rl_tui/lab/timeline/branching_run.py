@@ -9,14 +9,13 @@ from typing import Final
 
 from rl_tui.agents.kernels.watching import Watching
 from rl_tui.common.errors import UserError
-from rl_tui.lab.live.snapshot import CellHistory, Timeline
 from rl_tui.lab.run.recipe import UNLIMITED, Beginning, Change, Recipe, begin
 from rl_tui.lab.run.run import Run, RunState
-from rl_tui.lab.timeline.branches import FIRST, Branch, RunRecord
+from rl_tui.lab.timeline.branches import FIRST, Branch, RunRecord, Timeline
 from rl_tui.lab.timeline.checkpoints import Checkpoints
 from rl_tui.lab.timeline.memory_limits import limits
 from rl_tui.lab.timeline.seek import Seek
-from rl_tui.lab.timeline.table_samples import TableSamples
+from rl_tui.lab.timeline.table_samples import CellHistory, TableSamples
 from rl_tui.worlds.world import World
 
 # Between two states that are kept in a seek it goes on for so many times as long as to keep one takes

@@ -12,8 +12,7 @@ import numpy as np
 
 from rl_tui.agents.compatibility import check_compatible
 from rl_tui.common.errors import UserError
-from rl_tui.lab.live.snapshot import LaneView
-from rl_tui.lab.live.viewport import is_large
+from rl_tui.lab.run.large_worlds import is_large
 from rl_tui.lab.run.recipe import (
     UNLIMITED,
     Beginning,
@@ -30,6 +29,7 @@ from rl_tui.lab.run.recipe import (
 from rl_tui.lab.run.run import Run
 from rl_tui.lab.timeline.branches import Branch, RunRecord
 from rl_tui.lab.timeline.branching_run import BranchingRun
+from rl_tui.lab.timeline.lane_view import LaneView, RunGroupView
 from rl_tui.lab.timeline.run_names import run_names
 from rl_tui.worlds.world import World
 
@@ -209,12 +209,14 @@ class RunGroup:
                 self.step = max(each.step for each in self._runs)
                 self.gather()
 
-    def views(self) -> tuple[LaneView, ...]:
-        """Return how each is getting on; nothing where there is one."""
+    @property
+    def view(self) -> RunGroupView:
+        """How each is getting on; nothing where there is one."""
         if len(self._runs) == 1:
-            return ()
+            return RunGroupView()
         names = run_names([_recipe_now(each) for each in self._runs])
-        return tuple(_view(each, name) for each, name in zip(self._runs, names, strict=True))
+        views = tuple(_view(each, name) for each, name in zip(self._runs, names, strict=True))
+        return RunGroupView(views, self.shown)
 
     def _is_elsewhere(self, run: BranchingRun) -> bool:
         return run.seek is not None or run.step > self.step or (run.step < self.step and not run.run.over)
@@ -256,8 +258,5 @@ def _view(lane: BranchingRun, name: str) -> LaneView:
         step=run.step,
         episodes=learner.episodes,
         q=np.empty(0) if is_large(run.world) else learner.q.copy(),
-        curve=run.history.curve(),
-        marks=run.marks,
-        return_last_100=run.history.return_last_100,
-        greedy_return=run.greedy_return,
+        results=run.results,
     )

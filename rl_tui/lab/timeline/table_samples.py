@@ -2,16 +2,28 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
-from rl_tui.lab.live.snapshot import CellHistory
 from rl_tui.lab.timeline.memory_limits import limits
-from rl_tui.worlds.mdp.space import FloatArray
+from rl_tui.worlds.mdp.space import FloatArray, IntArray
 
 MOST: Final = 256
 _LEAST: Final = 16
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CellHistory:
+    """How Q of one pair went up to the moment shown, at N steps."""
+
+    pair: int
+    """The pair, 0 to P − 1."""
+    step: IntArray
+    """[N], after how many steps, ascending from 0; the last is the moment shown."""
+    value: FloatArray
+    """[N], what Q of the pair was then."""
 
 
 class TableSamples:

@@ -6,7 +6,8 @@ from typing import Final
 
 from textual.strip import Strip
 
-from rl_tui.lab.live.snapshot import BanditFigures, Phase, Snapshot
+from rl_tui.lab.live.snapshot import Phase, Snapshot
+from rl_tui.lab.run.bandit import BanditFigures
 from rl_tui.tui.draw import numbers
 from rl_tui.tui.draw.pieces import Line, Piece, first_that_fits, strips_of
 from rl_tui.tui.draw.to_ascii import separated
@@ -33,9 +34,9 @@ class BudgetPanel(Panel):
 def budget_lines(snapshot: Snapshot | None, look: Look, width: int, *, revealed: bool) -> list[Line]:
     """Return the lines; what the agent cannot know only if ``revealed``."""
     palette = look.palette
-    if snapshot is None or snapshot.bandit is None:
+    if snapshot is None or snapshot.results.bandit is None:
         return [[Piece(f" {WAITING if snapshot is None else NO_BUDGET}", palette.dim)]]
-    figures, spent = snapshot.bandit, snapshot.phase is Phase.SPENT
+    figures, spent = snapshot.results.bandit, snapshot.playback.phase is Phase.SPENT
     drifts = snapshot.world.mdp is not None and snapshot.world.mdp.drift_std > 0.0
     lines = [_pulls(figures, look, spent, drifts), *_winnings(figures, look, width, revealed)]
     if not revealed:

@@ -60,7 +60,7 @@ class Panel(Widget):
     @property
     def tells_all(self) -> bool:
         """Whether secrets are out: by :attr:`revealed`, or because the budget is spent."""
-        return self._revealed or (self.snapshot is not None and self.snapshot.phase is Phase.SPENT)
+        return self._revealed or (self.snapshot is not None and self.snapshot.playback.phase is Phase.SPENT)
 
     def show(self, snapshot: Snapshot) -> None:
         """Draw ``snapshot``."""

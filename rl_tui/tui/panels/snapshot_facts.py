@@ -14,7 +14,7 @@ def is_new_run(before: Snapshot | None, now: Snapshot) -> bool:
 
     A way back leaves its first branch as long as it was; a run that starts again has a new one.
     """
-    if before is None or before.lane != now.lane:
+    if before is None or before.run_group.shown != now.run_group.shown:
         return False
     first, was = now.timeline.branches[0], before.timeline.branches[0]
     return before.recipe != now.recipe or first.end < was.end
@@ -22,8 +22,8 @@ def is_new_run(before: Snapshot | None, now: Snapshot) -> bool:
 
 def passes_too_fast(snapshot: Snapshot) -> bool:
     """Return whether steps follow one another too fast to be shown one by one."""
-    too_fast = snapshot.speed is None or snapshot.speed > _FASTEST_FOLLOWED
-    return too_fast and snapshot.phase is Phase.RUNNING
+    too_fast = snapshot.playback.speed is None or snapshot.playback.speed > _FASTEST_FOLLOWED
+    return too_fast and snapshot.playback.phase is Phase.RUNNING
 
 
 def episode_under_way(snapshot: Snapshot) -> int:
@@ -31,4 +31,4 @@ def episode_under_way(snapshot: Snapshot) -> int:
 
     Where one has just ended it is the one that comes next, and the last one where none does.
     """
-    return snapshot.episodes + (snapshot.phase not in (Phase.SPENT, Phase.DONE))
+    return snapshot.counters.episodes + (snapshot.playback.phase not in (Phase.SPENT, Phase.DONE))

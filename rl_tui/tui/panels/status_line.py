@@ -80,17 +80,19 @@ def status_line(
         return _waiting(snapshot, text, look, width)
     if snapshot is None:
         return [Piece(f" {WAITING}", palette.dim)]
-    if snapshot.phase is Phase.STOPPED:
+    if snapshot.playback.phase is Phase.STOPPED:
         message = shortened(
-            to_ascii(f" {glyphs.stopped} stopped: {snapshot.message}", glyphs), width, glyphs.ellipsis
+            to_ascii(f" {glyphs.stopped} stopped: {snapshot.playback.message}", glyphs),
+            width,
+            glyphs.ellipsis,
         )
         return [Piece(message, palette.bad)]
-    if snapshot.phase is Phase.PREPARING:
-        whole = f"preparing: {snapshot.message}"
+    if snapshot.playback.phase is Phase.PREPARING:
+        whole = f"preparing: {snapshot.playback.message}"
         fits = cell_len(to_ascii(whole, glyphs)) < width
-        return _waiting(snapshot, whole if fits else snapshot.message, look, width)
-    if snapshot.phase is Phase.SEEKING and snapshot.message:
-        return _waiting(snapshot, snapshot.message, look, width)
+        return _waiting(snapshot, whole if fits else snapshot.playback.message, look, width)
+    if snapshot.playback.phase is Phase.SEEKING and snapshot.playback.message:
+        return _waiting(snapshot, snapshot.playback.message, look, width)
     fields = _fitting(_fields(snapshot, look, width, is_manual=is_manual), width - 1)
     right = [
         Piece(" " * _GAP + set_cell_size(to_ascii(field.text, glyphs), field.columns), field.style)
@@ -128,7 +130,7 @@ def _title(snapshot: Snapshot, look: Look, width: int) -> str:
     title, seed = recipe.scenario.title, f"seed {recipe.seed}"
     branch = timeline.current.name if len(timeline.branches) > 1 else ""
     forms = (
-        (title, BY_ID[snapshot.algorithm].name, seed, branch),
+        (title, BY_ID[snapshot.agent.algorithm].name, seed, branch),
         *([(title, seed, branch), (title, branch)] if branch else []),
     )
     texts = (separated(" · ".join(filter(None, form)), look.glyphs) for form in forms)
@@ -153,17 +155,17 @@ def _fields(snapshot: Snapshot, look: Look, width: int, *, is_manual: bool) -> l
     wide = width >= WIDE
     state = _state(snapshot, look, width - 1 - _GAP, is_manual=is_manual)
     speed = _speed(snapshot, look, wide=wide)
-    stands_in_past = snapshot.timeline.in_past and snapshot.phase is not Phase.RUNNING
-    plans = BY_ID[snapshot.algorithm].planner
-    if isinstance(snapshot.world.drawing, Arms) and snapshot.bandit is not None and not plans:
-        pulls, budget = snapshot.bandit.pulls, f"{snapshot.bandit.budget:,}"
+    stands_in_past = snapshot.timeline.in_past and snapshot.playback.phase is not Phase.RUNNING
+    plans = BY_ID[snapshot.agent.algorithm].planner
+    if isinstance(snapshot.world.drawing, Arms) and snapshot.results.bandit is not None and not plans:
+        pulls, budget = snapshot.results.bandit.pulls, f"{snapshot.results.bandit.budget:,}"
         text, style = f"pull {numbers.count(pulls)} of {budget}", look.palette.text
         if stands_in_past:
             style = look.palette.accent
         return [state, _Field(text, len(f"pull {budget} of {budget}"), style), speed]
     label = "sweep" if plans else "episode" if wide else "ep"
     episode = _counted(label, episode_under_way(snapshot), 9, look, rank=2)
-    step = _counted("step", snapshot.step, 11 if wide else 9, look, rank=1)
+    step = _counted("step", snapshot.counters.step, 11 if wide else 9, look, rank=1)
     if stands_in_past:
         return [state, episode, _step_in_past(snapshot, step.columns + _GAP + speed.columns, look)]
     return [state, episode, step, speed]
@@ -177,14 +179,14 @@ def _counted(label: str, count: int, columns: int, look: Look, *, rank: int) -> 
 def _step_in_past(snapshot: Snapshot, columns: int, look: Look) -> _Field:
     """Return the step and how far the branch has come; ``columns`` are those of step and speed otherwise."""
     room = columns - len("step  of ")
-    here = numbers.count(snapshot.step, room - _LEAST_END)
+    here = numbers.count(snapshot.counters.step, room - _LEAST_END)
     end = numbers.count(snapshot.timeline.current.end, room - len(here))
     return _Field(f"step {here} of {end}", columns, look.palette.accent, rank=1)
 
 
 def _speed(snapshot: Snapshot, look: Look, *, wide: bool) -> _Field:
     """Return the measured speed; without room for its unit only where the wanted one does not tell it."""
-    speed = snapshot.steps_per_second
+    speed = snapshot.playback.steps_per_second
     if wide:
         text, columns = "" if speed is None else numbers.long_rate(speed), len("999.9 M steps/s")
     else:
@@ -195,33 +197,35 @@ def _speed(snapshot: Snapshot, look: Look, *, wide: bool) -> _Field:
 
 def _keeps_up(snapshot: Snapshot, speed: float) -> bool:
     """Return whether the state names a wanted speed that the measured ``speed`` comes up to."""
-    if snapshot.speed is None or snapshot.until or snapshot.timeline.in_past:
+    if snapshot.playback.speed is None or snapshot.playback.until or snapshot.timeline.in_past:
         return False
-    return speed >= _KEEPS_UP * snapshot.speed
+    return speed >= _KEEPS_UP * snapshot.playback.speed
 
 
 def _state(snapshot: Snapshot, look: Look, most: int, *, is_manual: bool) -> _Field:
     """Return what the run does now, in at most ``most`` columns where that is a sentence."""
     palette, glyphs = look.palette, look.glyphs
-    if snapshot.phase is Phase.SPENT:
+    if snapshot.playback.phase is Phase.SPENT:
         text = f"{glyphs.stopped} budget spent"
         return _Field(text, len(text), palette.accent)
-    if snapshot.phase is Phase.DONE:
-        text = f"{glyphs.stopped} {snapshot.message.partition(':')[0] or snapshot.phase.value}"
+    if snapshot.playback.phase is Phase.DONE:
+        text = (
+            f"{glyphs.stopped} {snapshot.playback.message.partition(':')[0] or snapshot.playback.phase.value}"
+        )
         return _Field(text, cell_len(to_ascii(text, glyphs)), palette.accent)
-    if snapshot.phase in (Phase.PAUSED, Phase.SEEKING):
-        if snapshot.paused_by:
-            return _long_state(f"{glyphs.paused} {snapshot.paused_by}", look, most)
+    if snapshot.playback.phase in (Phase.PAUSED, Phase.SEEKING):
+        if snapshot.playback.paused_by:
+            return _long_state(f"{glyphs.paused} {snapshot.playback.paused_by}", look, most)
         if snapshot.timeline.in_past:
             return _Field(f"{glyphs.past} the past", _STATE_COLUMNS, palette.accent)
         if is_manual:
             return _Field(f"{glyphs.agent} you act", _STATE_COLUMNS, palette.accent)
         return _Field(f"{glyphs.paused} paused", _STATE_COLUMNS, palette.dim)
-    if snapshot.until:
-        return _long_state(f"{glyphs.running} until {snapshot.until}", look, most)
+    if snapshot.playback.until:
+        return _long_state(f"{glyphs.running} until {snapshot.playback.until}", look, most)
     if snapshot.timeline.in_past:
         return _Field(f"{glyphs.running} replaying", _STATE_COLUMNS, palette.accent)
-    return _Field(f"{glyphs.running} {speed_text(snapshot.speed)}", _STATE_COLUMNS, palette.good)
+    return _Field(f"{glyphs.running} {speed_text(snapshot.playback.speed)}", _STATE_COLUMNS, palette.good)
 
 
 def _long_state(text: str, look: Look, most: int) -> _Field:

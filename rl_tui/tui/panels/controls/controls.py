@@ -58,8 +58,8 @@ class Controls(Container):
     def show(self, snapshot: Snapshot) -> None:
         """Show what is in force."""
         self.query_one(AgentSettings).show(snapshot)
-        self._values = snapshot.hyperparameters
-        parameters = sliders_of(snapshot.algorithm, self._values.policy)
+        self._values = snapshot.agent.hyperparameters
+        parameters = sliders_of(snapshot.agent.algorithm, self._values.policy)
         if parameters != self._parameters:
             self._parameters = parameters
             self._under_way.clear()

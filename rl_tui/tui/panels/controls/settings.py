@@ -50,9 +50,9 @@ def settings_of(snapshot: Snapshot) -> tuple[Setting, ...]:
 
 
 def _settings(snapshot: Snapshot) -> Iterator[Setting]:
-    values = snapshot.hyperparameters
-    parameters = parameters_of(snapshot.algorithm, values.policy)
-    yield Setting("a", "", "algorithm", BY_ID[snapshot.algorithm].name, "algorithm", 0)
+    values = snapshot.agent.hyperparameters
+    parameters = parameters_of(snapshot.agent.algorithm, values.policy)
+    yield Setting("a", "", "algorithm", BY_ID[snapshot.agent.algorithm].name, "algorithm", 0)
     if "policy" in parameters:
         yield Setting("p", "", "policy", POLICY_BY_ID[values.policy].name, "policy", 1)
     if "ties" in parameters:
@@ -60,17 +60,17 @@ def _settings(snapshot: Snapshot) -> Iterator[Setting]:
     if "initial_q" in parameters:
         yield Setting("i", "Q₀", "initial Q", f"{values.initial_q:g}", "initial_q", 5)
     yield Setting("n", "seed", "seed", str(snapshot.recipe.seed), "seed", 6)
-    if snapshot.phase in (Phase.SPENT, Phase.DONE):
+    if snapshot.playback.phase in (Phase.SPENT, Phase.DONE):
         yield Setting("r", "", "", "start again", "reset", 2)
     else:
-        yield Setting("+ −", "", "speed", speed_text(snapshot.speed), "faster", 2)
+        yield Setting("+ −", "", "speed", speed_text(snapshot.playback.speed), "faster", 2)
     yield Setting("o", "options", "options", "", "options", 3)
     for name in parameters:
         parameter = PARAMETERS[name]
         if is_an_option(parameter):
             value = option_text(values.value(name))
             yield Setting("", parameter.symbol, parameter.symbol, value, "options", 7)
-    yield from _decaying(values, parameters, snapshot.episodes)
+    yield from _decaying(values, parameters, snapshot.counters.episodes)
 
 
 def _decaying(values: Hyperparameters, parameters: tuple[str, ...], episode: int) -> Iterator[Setting]:

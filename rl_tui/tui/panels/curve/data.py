@@ -8,7 +8,9 @@ from typing import Final
 import numpy as np
 
 from rl_tui.agents.catalogue import BY_ID
-from rl_tui.lab.live.snapshot import LaneView, Snapshot
+from rl_tui.lab.live.snapshot import Snapshot
+from rl_tui.lab.run.results import RunResults
+from rl_tui.lab.timeline.lane_view import LaneView
 from rl_tui.tui.draw.braille import Steps
 from rl_tui.tui.panels.model.reward_range import reward_range
 from rl_tui.worlds.drawing import Arms
@@ -105,50 +107,52 @@ def _numbers(*arrays: FloatArray) -> FloatArray:
 def curve_data(snapshot: Snapshot, *, revealed: bool) -> CurveData:
     """Return what there is to draw; of a bandit's greedy arm and optimum only if ``revealed``."""
     is_bandit = isinstance(snapshot.world.drawing, Arms)
-    plans = BY_ID[snapshot.algorithm].planner
+    plans = BY_ID[snapshot.agent.algorithm].planner
     hidden = is_bandit and not revealed
-    episodes, curve = _episodes(snapshot), snapshot.curve
+    episodes, curve = _episodes(snapshot.results), snapshot.results.curve
     nothing = Steps(np.empty(0), np.empty(0), np.empty(0), np.empty(0))
     return CurveData(
-        finished=snapshot.episodes,
+        finished=snapshot.counters.episodes,
         limit=None if plans else snapshot.world.budget,
         episodes=episodes,
         band=Steps(episodes.start, episodes.end, curve.return_low, curve.return_high),
-        greedy=nothing if hidden else _greedy(snapshot),
-        greedy_now=None if hidden else snapshot.greedy_return,
-        mean_now=snapshot.return_last_100,
-        optimum=None if hidden or snapshot.exact is None else snapshot.exact.expected_return,
+        greedy=nothing if hidden else _greedy(snapshot.results, snapshot.counters.episodes),
+        greedy_now=None if hidden else snapshot.results.greedy_return,
+        mean_now=snapshot.results.return_last_100,
+        optimum=None
+        if hidden or snapshot.exact_answer.solution is None
+        else snapshot.exact_answer.solution.expected_return,
         is_bandit=is_bandit,
         unit="sweep" if plans else "pull" if is_bandit else "episode",
         hidden=hidden,
         barren=_barren(snapshot),
         is_decided=_is_decided(snapshot),
         lanes=tuple(
-            _lane(number, lane, shown=number - 1 == snapshot.lane, hidden=hidden)
-            for number, lane in enumerate(snapshot.lanes, 1)
+            _lane(number, lane, shown=number - 1 == snapshot.run_group.shown, hidden=hidden)
+            for number, lane in enumerate(snapshot.run_group.lanes, 1)
         ),
     )
 
 
 def _lane(number: int, lane: LaneView, *, shown: bool, hidden: bool) -> LaneLine:
-    is_exact = BY_ID[lane.algorithm].planner and not len(lane.curve.episode)
-    greedy_now = None if hidden else lane.greedy_return
+    is_exact = BY_ID[lane.algorithm].planner and not len(lane.results.curve.episode)
+    greedy_now = None if hidden else lane.results.greedy_return
     return LaneLine(
         number=number,
         name=lane.name,
         shown=shown,
         finished=lane.episodes,
-        line=_greedy(lane) if is_exact and not hidden else _episodes(lane),
+        line=_greedy(lane.results, lane.episodes) if is_exact and not hidden else _episodes(lane.results),
         is_exact=is_exact,
-        value=greedy_now if is_exact else lane.return_last_100,
+        value=greedy_now if is_exact else lane.results.return_last_100,
         greedy_now=None if is_exact else greedy_now,
     )
 
 
-def _episodes(run: Snapshot | LaneView) -> Steps:
-    end = run.curve.episode.astype(np.float64)
+def _episodes(results: RunResults) -> Steps:
+    end = results.curve.episode.astype(np.float64)
     start = np.concatenate(([0.0], end[:-1])) if len(end) else end
-    mean = smoothed(run.curve.return_mean)
+    mean = smoothed(results.curve.return_mean)
     return Steps(start, end, mean, mean)
 
 
@@ -163,20 +167,20 @@ def smoothed(values: FloatArray) -> FloatArray:
     return np.asarray((sums[behind] - sums[first]) / (behind - first))
 
 
-def _greedy(run: Snapshot | LaneView) -> Steps:
+def _greedy(results: RunResults, episodes: int) -> Steps:
     """Return the marks, each held until the next, and the value of this very moment at the end."""
-    marks = run.marks
-    now = np.nan if run.greedy_return is None else run.greedy_return
-    episode = np.concatenate((marks.episode.astype(np.float64), [float(run.episodes)]))
+    marks = results.marks
+    now = np.nan if results.greedy_return is None else results.greedy_return
+    episode = np.concatenate((marks.episode.astype(np.float64), [float(episodes)]))
     value = np.concatenate((marks.expected_return, [now]))
     end = np.concatenate((episode[1:], episode[-1:]))
     return Steps(episode, end, value, value)
 
 
 def _is_decided(snapshot: Snapshot) -> bool:
-    if snapshot.greedy_return is None:  # then nothing is said of the greedy policy
+    if snapshot.results.greedy_return is None:  # then nothing is said of the greedy policy
         return False
-    space, q = snapshot.world.space, snapshot.q
+    space, q = snapshot.world.space, snapshot.agent.q
     counts = np.diff(space.first_pair)
     if not (counts > 1).any():  # one action is no tie
         return True
@@ -188,8 +192,8 @@ def _barren(snapshot: Snapshot) -> bool:
 
     Where the rewards are not known, or a planner sees them anyway, that is not claimed.
     """
-    curve, mdp = snapshot.curve, snapshot.world.mdp
+    curve, mdp = snapshot.results.curve, snapshot.world.mdp
     if mdp is None or not len(curve.episode):
         return False
     all_zero = not curve.return_low.any() and not curve.return_high.any()
-    return snapshot.episodes >= _MANY_WITHOUT_REWARD and all_zero and reward_range(mdp).has_one_sign
+    return snapshot.counters.episodes >= _MANY_WITHOUT_REWARD and all_zero and reward_range(mdp).has_one_sign

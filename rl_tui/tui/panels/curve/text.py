@@ -136,9 +136,9 @@ def remark(
     if data.greedy_now is None or data.mean_now is None or data.finished < _RECENT:
         return ()
     gap = data.greedy_now - data.mean_now
-    values = snapshot.hyperparameters
+    values = snapshot.agent.hyperparameters
     is_drawn = "epsilon" in POLICY_BY_ID[values.policy].parameters
-    epsilon = values.epsilon_at(snapshot.episodes) if is_drawn else None
+    epsilon = values.epsilon_at(snapshot.counters.episodes) if is_drawn else None
     cost = amount(gap, decimals, glyphs)
     if not any(digit in cost for digit in "123456789") or gap < 0.0 or epsilon == 0.0:
         return ()

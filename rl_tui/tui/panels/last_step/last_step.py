@@ -34,10 +34,10 @@ class LastStepPanel(Panel):
 
 def _which(snapshot: Snapshot | None) -> str:
     """Return which step it was; nothing while they pass too fast to tell, since a title redraws the panel."""
-    if snapshot is None or snapshot.last is None or passes_too_fast(snapshot):
+    if snapshot is None or snapshot.counters.last_step is None or passes_too_fast(snapshot):
         return ""
-    step, episode = snapshot.last.step, snapshot.last.episode
-    if snapshot.last.planned:
+    step, episode = snapshot.counters.last_step.step, snapshot.counters.last_step.episode
+    if snapshot.counters.last_step.planned:
         return f"step {step:,} · sweep {episode:,}"
     is_bandit = isinstance(snapshot.world.drawing, Arms)
     return f"pull {step:,}" if is_bandit else f"step {step:,} · episode {episode:,}"
@@ -46,7 +46,7 @@ def _which(snapshot: Snapshot | None) -> str:
 def last_step_lines(snapshot: Snapshot | None, look: Look, width: int, height: int) -> list[Line]:
     """Return what the panel says in ``height`` rows of ``width`` cells, at most so many lines."""
     palette = look.palette
-    if snapshot is None or snapshot.last is None:
+    if snapshot is None or snapshot.counters.last_step is None:
         return [[Piece(" ", palette.text), Piece(NOTHING_YET, palette.dim)]]
-    writer = StepWriter(loop_text(snapshot, snapshot.last, look.glyphs), look, width)
+    writer = StepWriter(loop_text(snapshot, snapshot.counters.last_step, look.glyphs), look, width)
     return (writer.tall(height) if height >= _LEAST_ROWS else writer.short(height))[:height]

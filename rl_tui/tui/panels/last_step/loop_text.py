@@ -61,7 +61,7 @@ class LoopText:
 
 def loop_text(snapshot: Snapshot, last: LastStep, glyphs: Glyphs) -> LoopText:
     """Return the words of ``last``, the last step of ``snapshot``."""
-    algorithm, params = snapshot.learned_by
+    algorithm, params = snapshot.agent.learned_by
     world, terms = snapshot.world, BY_ID[algorithm].update
     is_bandit = isinstance(world.drawing, Arms)
     bootstrap = _bootstrap(snapshot, last, terms, glyphs)
@@ -93,9 +93,9 @@ def loop_text(snapshot: Snapshot, last: LastStep, glyphs: Glyphs) -> LoopText:
         update=update,
         terminated=last.terminated,
         is_bandit=is_bandit,
-        visits=0 if last.planned else int(snapshot.visits[last.pair]),
+        visits=0 if last.planned else int(snapshot.agent.visits[last.pair]),
         sweep=last.episode if last.planned else 0,
-        planning=snapshot.planning if last.planned and algorithm == snapshot.algorithm else "",
+        planning=snapshot.agent.planning if last.planned and algorithm == snapshot.agent.algorithm else "",
     )
 
 
@@ -167,7 +167,7 @@ def choice_text(snapshot: Snapshot, last: LastStep, glyphs: Glyphs) -> tuple[str
     """Return how the action came about, in full and in short."""
     if last.by_hand:
         return "you chose it", "by you"
-    _, params = snapshot.learned_by
+    _, params = snapshot.agent.learned_by
     rule = POLICY_BY_ID[params.policy]
     if "epsilon" in rule.parameters:
         return _epsilon_greedy(snapshot, last, glyphs)
@@ -205,7 +205,7 @@ def _greedy_before(snapshot: Snapshot, last: LastStep) -> list[int]:
     if last.others or last.table:
         return []
     pairs = snapshot.world.space.pairs_of(last.state)
-    estimates = snapshot.q[pairs.start : pairs.stop].copy()
+    estimates = snapshot.agent.q[pairs.start : pairs.stop].copy()
     if last.updated_pair in pairs:
         estimates[last.updated_pair - pairs.start] = last.before
     best = [pairs.start + int(each) for each in np.flatnonzero(estimates == estimates.max())]

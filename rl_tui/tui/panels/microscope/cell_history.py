@@ -9,7 +9,8 @@ import numpy as np
 import numpy.typing as npt
 from textual.strip import Strip
 
-from rl_tui.lab.live.snapshot import CellHistory, Snapshot
+from rl_tui.lab.live.snapshot import Snapshot
+from rl_tui.lab.timeline.table_samples import CellHistory
 from rl_tui.tui.draw import braille, names, numbers
 from rl_tui.tui.draw.axes import draw_count_axis, draw_value_axis, value_axis_columns
 from rl_tui.tui.draw.braille import Steps
@@ -60,8 +61,8 @@ def history_strips(
 def _values_text(snapshot: Snapshot, pair: int, exact: float | None, look: Look) -> tuple[str, ...]:
     """Return the value now and the exact one, longest form first."""
     now = look.glyphs.ellipsis
-    if snapshot.holds(pair):
-        now = numbers.value(float(snapshot.q[pair]), 7, look.glyphs)
+    if snapshot.agent.holds(pair):
+        now = numbers.value(float(snapshot.agent.q[pair]), 7, look.glyphs)
     if exact is None:
         return (f"now {now}",)
     return f"now {now}, exact {numbers.value(exact, 7, look.glyphs)}", f"now {now}"

@@ -150,7 +150,7 @@ def page(
     """
     columns = 2 if width >= ROOM_FOR_TWO else 1
     room = (width - _GAP * (columns - 1)) // columns
-    if snapshot is None or snapshot.last is None:
+    if snapshot is None or snapshot.counters.last_step is None:
         nothing: list[Line] = [[Piece(f" {NOTHING_YET}", look.palette.dim)]]
         return strips_of(nothing, width, 1, look)
     sections = _sections(snapshot, look, room, revealed=not secret)
@@ -167,7 +167,7 @@ def page(
 
 def _sections(snapshot: Snapshot, look: Look, width: int, *, revealed: bool) -> list[MicroscopeSection]:
     """Return the step, the update, the backup and the return."""
-    last, backup = snapshot.last, backup_of(snapshot)
+    last, backup = snapshot.counters.last_step, backup_of(snapshot)
     if last is None or passes_too_fast(snapshot):
         return _calm(snapshot, look, width)
     text = loop_text(snapshot, last, look.glyphs)

@@ -35,13 +35,13 @@ def return_section(snapshot: Snapshot, last: LastStep, look: Look, width: int) -
         return MicroscopeSection(
             RETURN_HEADING, wrapped(PLANNER, width, palette.dim, look, " ", " "), RETURN_ROWS
         )
-    rewards = snapshot.rewards.tolist()
+    rewards = snapshot.counters.rewards.tolist()
     if not rewards:
         return MicroscopeSection(
             RETURN_HEADING, [[Piece(" no reward yet in this episode", palette.dim)]], RETURN_ROWS
         )
     steps = max(last.episode_step, len(rewards))
-    total = numbers.brief(snapshot.discounted_return, look.glyphs, decimals=4)
+    total = numbers.brief(snapshot.counters.discounted_return, look.glyphs, decimals=4)
     start: Line = [Piece(" G₀ = ", palette.dim)]
     terms = terms_of(rewards, steps, last.gamma, look, width - length(spelled(start, look)), total)
     result: Line = [Piece("    = ", palette.dim), Piece(total, palette.strong)]
@@ -63,7 +63,7 @@ def _meaning(snapshot: Snapshot, rewards: Sequence[float], steps: int, gamma: fl
     if isinstance(snapshot.world.drawing, Arms):
         return "every pull is an episode: its return is its reward"
     worked = sum(reward * gamma**place for place, reward in enumerate(rewards))
-    if len(rewards) == steps and abs(worked - snapshot.discounted_return) > _TOLERANCE * max(
+    if len(rewards) == steps and abs(worked - snapshot.counters.discounted_return) > _TOLERANCE * max(
         1.0, abs(worked)
     ):
         return "γ was changed on the way: each step counts with its own"
@@ -75,13 +75,13 @@ def gathered_rewards(snapshot: Snapshot, last: LastStep) -> list[float]:
 
     Nothing for methods of one step, and where they are not known any more.
     """
-    algorithm, params = snapshot.learned_by
+    algorithm, params = snapshot.agent.learned_by
     row = BY_ID[algorithm]
-    if row.update.one_step or not last.learned or not len(snapshot.rewards):
+    if row.update.one_step or not last.learned or not len(snapshot.counters.rewards):
         return []
     ended = last.terminated or last.truncated
     count = last.episode_step if "n" not in row.parameters else 1 if ended else params.n
-    rewards: list[float] = snapshot.rewards[-count:].tolist()
+    rewards: list[float] = snapshot.counters.rewards[-count:].tolist()
     worked = sum(reward * last.gamma**place for place, reward in enumerate(rewards))
     is_whole = len(rewards) == count and abs(worked - last.gathered) <= _TOLERANCE * max(1.0, abs(worked))
     return rewards if is_whole and count > 1 else []

@@ -34,7 +34,7 @@ _PARTS: Final = ("state", "action", "reward", "next_state", "update")
 
 class _Writer:
     def __init__(self, snapshot: Snapshot, last: LastStep, text: LoopText, look: Look, width: int) -> None:
-        self._algorithm = BY_ID[snapshot.learned_by[0]]
+        self._algorithm = BY_ID[snapshot.agent.learned_by[0]]
         self._last = last
         self._text = text
         self._look = look

@@ -53,7 +53,7 @@ def update_section(
 
 def update_rows(snapshot: Snapshot) -> int:
     """Return how many rows the update of the algorithm mostly takes."""
-    terms = BY_ID[snapshot.learned_by[0]].update
+    terms = BY_ID[snapshot.agent.learned_by[0]].update
     return _LEAST_ROWS + (terms.lookup in (Lookup.MEAN, Lookup.OTHER) or not terms.one_step)
 
 
@@ -106,7 +106,7 @@ class _Writer:
 
     def _step_size(self) -> str:
         """Return what the step size is: α, the fraction 1/N, or α times the trace of the pair."""
-        algorithm, params = self._snapshot.learned_by
+        algorithm, params = self._snapshot.agent.learned_by
         text = self._text.update.step_size
         if "/" in text:
             return f"α, N = {text[2:]}"
@@ -115,7 +115,7 @@ class _Writer:
 
     def mixture(self) -> list[Line]:
         """Return the cells of a weighted mean in their order, ``.58 = .925·.62 + .025·.31``; else none."""
-        lookup = BY_ID[self._snapshot.learned_by[0]].update.lookup
+        lookup = BY_ID[self._snapshot.agent.learned_by[0]].update.lookup
         if not self._text.bootstrap or lookup is not Lookup.MEAN or not 1 < len(self._sources) <= _MOST_CELLS:
             return []
         groups: list[Line] = [
@@ -131,7 +131,7 @@ class _Writer:
         """Return weights and estimates with the fewest decimals that give the bootstrap as it is printed."""
         glyphs, bootstrap, last = self._look.glyphs, self._text.update.bootstrap, self._last
         cells = [
-            (weight, last.before if pair == last.updated_pair else float(self._snapshot.q[pair]))
+            (weight, last.before if pair == last.updated_pair else float(self._snapshot.agent.q[pair]))
             for pair, weight in self._sources.items()
         ]
         shown: list[tuple[str, str]] = []
@@ -162,7 +162,7 @@ class _Writer:
         actions = [
             names.action_name(world, int(world.space.pair_action[pair]), glyphs) for pair in self._sources
         ]
-        lookup = BY_ID[self._snapshot.learned_by[0]].update.lookup
+        lookup = BY_ID[self._snapshot.agent.learned_by[0]].update.lookup
         if self._last.planned or lookup is Lookup.MEAN or not actions:
             return text.bootstrap
         if len(actions) == 1:

@@ -30,13 +30,13 @@ def bellman_lines(snapshot: Snapshot, pair: int, look: Look, width: int, *, secr
     if secret:
         return [*lines, *wrapped(SECRET, width, palette.dim, look, f"{_EQUALS}··· ", _CONTINUED)]
     mdp = snapshot.world.mdp
-    if snapshot.exact is None or mdp is None:
-        why = snapshot.exact_refused or "the exact answer is being computed"
+    if snapshot.exact_answer.solution is None or mdp is None:
+        why = snapshot.exact_answer.refused or "the exact answer is being computed"
         return [*lines, *wrapped(why, width, palette.dim, look, _CONTINUED, _CONTINUED)]
-    decimals = _decimals(mdp, snapshot.exact, pair)
-    terms = _terms(mdp, snapshot.exact, pair, look, decimals)
+    decimals = _decimals(mdp, snapshot.exact_answer.solution, pair)
+    terms = _terms(mdp, snapshot.exact_answer.solution, pair, look, decimals)
     text = "means as they are now" if mdp.drift_std else " + ".join(terms)
-    result = column_figure(float(snapshot.exact.q[pair]), decimals, look.glyphs)
+    result = column_figure(float(snapshot.exact_answer.solution.q[pair]), decimals, look.glyphs)
     return [
         *lines,
         *wrapped(text, width, palette.text, look, _EQUALS, _CONTINUED),

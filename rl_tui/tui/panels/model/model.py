@@ -54,7 +54,7 @@ class ModelPanel(Panel, can_focus=True):
         """The pair whose outcomes are shown, None before the first snapshot."""
         if self._pair is None and self.snapshot is not None:
             space, mdp = self.snapshot.world.space, self.snapshot.world.mdp
-            start = self.snapshot.state if mdp is None else int(mdp.start_state[0])
+            start = self.snapshot.counters.state if mdp is None else int(mdp.start_state[0])
             return min(int(space.first_pair[start]), space.pairs - 1)
         return self._pair
 
@@ -62,7 +62,7 @@ class ModelPanel(Panel, can_focus=True):
         """Show the outcomes of ``pair``."""
         self._pair = pair
         self.redraw()
-        if self.snapshot is not None and self.is_attached and not self.snapshot.holds(pair):
+        if self.snapshot is not None and self.is_attached and not self.snapshot.agent.holds(pair):
             self.post_message(Scrolled())
 
     def picture(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:

@@ -54,7 +54,7 @@ def model_lines(snapshot: Snapshot, look: Look, width: int, *, revealed: bool) -
         ("A", f"{counted(len(actions), 'action')}: {_listed(actions, room, look)}"),
         ("P", chances),
         ("R", rewards),
-        ("γ", setting(snapshot.hyperparameters.gamma, look.glyphs)),
+        ("γ", setting(snapshot.agent.hyperparameters.gamma, look.glyphs)),
         ("start", start),
         ("end", end),
     ]
@@ -88,9 +88,9 @@ def pair_lines(snapshot: Snapshot, pair: int, look: Look, width: int, *, reveale
         Piece(_action(snapshot, action, look), palette.strong),
         Piece(f"   pair {pair + 1:,} of {space.pairs:,}", palette.dim),
     ]
-    taken = int(snapshot.visits[pair])
-    learned = numbers.value(float(snapshot.q[pair]), 7, glyphs) if taken else "not yet visited"
-    if not snapshot.holds(pair):  # the next snapshot of a large world will have it
+    taken = int(snapshot.agent.visits[pair])
+    learned = numbers.value(float(snapshot.agent.q[pair]), 7, glyphs) if taken else "not yet visited"
+    if not snapshot.agent.holds(pair):  # the next snapshot of a large world will have it
         learned = glyphs.ellipsis
     estimate: Line = [
         Piece(f" learned Q({names.pair_name(world, pair, glyphs)}) = ", palette.dim),

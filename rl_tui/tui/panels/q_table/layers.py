@@ -10,8 +10,9 @@ import numpy as np
 import numpy.typing as npt
 from rich.style import Style
 
-from rl_tui.lab.live.snapshot import LaneView, Snapshot
+from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.run.bandit import best_arms, true_means
+from rl_tui.lab.timeline.lane_view import LaneView
 from rl_tui.tui.draw import numbers
 from rl_tui.tui.panels.snapshot_facts import passes_too_fast
 from rl_tui.tui.theme.glyphs import Glyphs
@@ -50,21 +51,27 @@ def exact_q(snapshot: Snapshot, revealed: bool) -> tuple[FloatArray, BoolArray] 
         mdp = snapshot.world.mdp
         if mdp is None or not revealed:
             return None
-        if mdp.drift_std == 0.0 or snapshot.step == 0:
+        if mdp.drift_std == 0.0 or snapshot.counters.step == 0:
             return true_means(mdp), best_arms(mdp)
-    return None if snapshot.exact is None else (snapshot.exact.q, snapshot.exact.greedy)
+    return (
+        None
+        if snapshot.exact_answer.solution is None
+        else (snapshot.exact_answer.solution.q, snapshot.exact_answer.solution.greedy)
+    )
 
 
 def other_lane(snapshot: Snapshot) -> LaneView | None:
     """Return the first of the other runs side by side, None where there is none or its table is too large."""
-    others = (lane for number, lane in enumerate(snapshot.lanes) if number != snapshot.lane)
+    others = (
+        lane for number, lane in enumerate(snapshot.run_group.lanes) if number != snapshot.run_group.shown
+    )
     other = next(others, None)
     return other if other is not None and len(other.q) else None
 
 
 def lit_pair(snapshot: Snapshot) -> int | None:
     """Return the pair that was just updated, None where steps pass too fast to follow."""
-    last = None if passes_too_fast(snapshot) else snapshot.last
+    last = None if passes_too_fast(snapshot) else snapshot.counters.last_step
     return None if last is None else last.updated_pair
 
 
@@ -88,13 +95,13 @@ class Figures:
     ) -> None:
         self.layer = layer
         self._look = look
-        self._q = snapshot.q
-        self._visits = snapshot.visits
+        self._q = snapshot.agent.q
+        self._visits = snapshot.agent.visits
         self._exact_greedy = exact[1] if exact is not None and layer is Layer.OPTIMAL else None
         self._lit = lit if layer is not Layer.OPTIMAL else None
         self._sources = sources if layer is not Layer.OPTIMAL else frozenset()
         self._values: npt.NDArray[np.float64] | npt.NDArray[np.int64] = _values(snapshot, layer, exact)
-        window = None if layer is Layer.OPTIMAL else snapshot.window
+        window = None if layer is Layer.OPTIMAL else snapshot.agent.part
         self._held = None if window is None else window.held
         self.low, self.high = _ends(self._values if window is None else self._values[window.pairs])
         self._total_visits: int | None = None
@@ -213,15 +220,15 @@ def _values(
     snapshot: Snapshot, layer: Layer, exact: tuple[FloatArray, BoolArray] | None
 ) -> npt.NDArray[np.float64] | npt.NDArray[np.int64]:
     if layer is Layer.VISITS:
-        return snapshot.visits
+        return snapshot.agent.visits
     if layer is Layer.Q:
-        return snapshot.q
+        return snapshot.agent.q
     if layer is Layer.LANES:
         other = other_lane(snapshot)
-        return np.zeros(len(snapshot.q)) if other is None else np.asarray(snapshot.q - other.q)
+        return np.zeros(len(snapshot.agent.q)) if other is None else np.asarray(snapshot.agent.q - other.q)
     if exact is None:
         raise ValueError(f"the layer {layer} needs the exact answer")
-    return exact[0] if layer is Layer.OPTIMAL else np.asarray(snapshot.q - exact[0])
+    return exact[0] if layer is Layer.OPTIMAL else np.asarray(snapshot.agent.q - exact[0])
 
 
 def _ends(values: npt.NDArray[np.float64] | npt.NDArray[np.int64]) -> tuple[float, float]:

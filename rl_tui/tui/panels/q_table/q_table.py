@@ -12,7 +12,8 @@ from textual.strip import Strip
 
 from rl_tui.common.words import counted
 from rl_tui.lab.live.snapshot import Snapshot
-from rl_tui.lab.live.viewport import Stretch, followed_state, is_large
+from rl_tui.lab.live.viewport import RowRange, followed_state
+from rl_tui.lab.run.large_worlds import is_large
 from rl_tui.tui.draw.pieces import Piece, strips_of, wrapped
 from rl_tui.tui.panels.panel import Panel
 from rl_tui.tui.panels.pointing import NOWHERE, Pointed
@@ -98,7 +99,7 @@ class QTable(Panel, can_focus=True):
         self._world: TableWorld | None = None
         self._sheet: Sheet | None = None
         self._cache = strip_cache()
-        self._requested: Stretch | None = None
+        self._requested: RowRange | None = None
 
     @property
     def shown_layer(self) -> Layer:
@@ -138,18 +139,18 @@ class QTable(Panel, can_focus=True):
         return world.space.pairs + 2 if world.is_sparse else len(world.live)
 
     @property
-    def stretch(self) -> Stretch | None:
+    def row_range(self) -> RowRange | None:
         """The pairs in view: where it was scrolled to by hand, or around the agent."""
         sheet = self._sheet
         if sheet is None or self.snapshot is None:
             return None
         most = sheet.shown * len(self.snapshot.world.space.action_names)
-        return Stretch(most, sheet.pairs.start if self._pointed or not self._following else None)
+        return RowRange(most, sheet.pairs.start if self._pointed or not self._following else None)
 
     @property
     def is_complete(self) -> bool:
         """Whether the newest snapshot has all that is in view."""
-        window = None if self.snapshot is None else self.snapshot.window
+        window = None if self.snapshot is None else self.snapshot.agent.part
         if window is None or self._sheet is None:
             return True
         pairs = self._sheet.pairs
@@ -160,9 +161,9 @@ class QTable(Panel, can_focus=True):
         super().redraw()
         if self.snapshot is None or not self.is_attached or not is_large(self.snapshot.world):
             return
-        stretch = self.stretch
-        if stretch != self._requested:
-            self._requested = stretch
+        row_range = self.row_range
+        if row_range != self._requested:
+            self._requested = row_range
             self.post_message(Scrolled())
 
     def show(self, snapshot: Snapshot) -> None:
@@ -186,8 +187,8 @@ class QTable(Panel, can_focus=True):
             sheet.scroll_to(self._first, self._pointed.start)
         else:
             sheet.scroll(self._first, _followed(snapshot) if self._following else None)
-            if self._following and self.sources and snapshot.last is not None:
-                sheet.reach(snapshot.last.updated_pair, _followed(snapshot))
+            if self._following and self.sources and snapshot.counters.last_step is not None:
+                sheet.reach(snapshot.counters.last_step.updated_pair, _followed(snapshot))
         self._first = sheet.first
         self.heading = self._heading(snapshot, _size_in_words(scene, form), width)
         self.footing = self._footing(width, sheet.is_scrolled and not self._pointed)
@@ -311,20 +312,24 @@ class QTable(Panel, can_focus=True):
                 if exact is not None or layer not in EXACT_LAYERS
             },
             layer=self.shown_layer,
-            state=snapshot.state,
-            last_pair=None if snapshot.last is None else snapshot.last.pair,
+            state=snapshot.counters.state,
+            last_pair=None if snapshot.counters.last_step is None else snapshot.counters.last_step.pair,
             cursor=self.shown_cursor if self.has_focus else None,
             is_secret=is_secret(snapshot, self.revealed),
             look=self.look,
-            breakpoints=snapshot.breakpoints,
+            breakpoints=snapshot.playback.breakpoints,
             pointed=self._pointed,
         )
 
     def _message(self, snapshot: Snapshot, width: int, height: int) -> list[Strip]:
         palette = self.look.palette
-        text = f"No exact answer: {snapshot.exact_refused}" if snapshot.exact_refused else COMPUTING
+        text = (
+            f"No exact answer: {snapshot.exact_answer.refused}"
+            if snapshot.exact_answer.refused
+            else COMPUTING
+        )
         lines = wrapped(
-            text, max(1, width - 2), palette.text if snapshot.exact_refused else palette.dim, self.look
+            text, max(1, width - 2), palette.text if snapshot.exact_answer.refused else palette.dim, self.look
         )
         return strips_of([[Piece(" ", palette.text), *line] for line in lines], width, height, self.look)
 
@@ -332,8 +337,8 @@ class QTable(Panel, can_focus=True):
         other = other_lane(snapshot) if self.shown_layer is Layer.LANES else None
         if other is None:
             return f"{_TITLES[self.shown_layer]} · {size}"
-        title, own = f"Q − Q of {other.name}", snapshot.lanes[snapshot.lane].name
-        number = 1 + next(place for place, lane in enumerate(snapshot.lanes) if lane is other)
+        title, own = f"Q − Q of {other.name}", snapshot.run_group.lanes[snapshot.run_group.shown].name
+        number = 1 + next(place for place, lane in enumerate(snapshot.run_group.lanes) if lane is other)
         forms = (f"Q of {own} − Q of {other.name} · {size}", f"{title} · {size}", title)
         return self.fitting((*forms, f"Q − Q of lane {number}"), width)
 
@@ -352,7 +357,7 @@ class QTable(Panel, can_focus=True):
 
 
 def _followed(snapshot: Snapshot) -> int:
-    return followed_state(snapshot.world.space, snapshot.state, snapshot.last)
+    return followed_state(snapshot.world.space, snapshot.counters.state, snapshot.counters.last_step)
 
 
 def _size_in_words(scene: Scene, form: Form) -> str:

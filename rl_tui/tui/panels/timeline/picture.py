@@ -9,8 +9,8 @@ from rich.cells import cell_len
 from rich.style import Style
 from textual.strip import Strip
 
-from rl_tui.lab.live.snapshot import Timeline
 from rl_tui.lab.run.recipe import TakeAction
+from rl_tui.lab.timeline.branches import Timeline
 from rl_tui.tui.draw import numbers
 from rl_tui.tui.draw.canvas import Canvas, shortened
 from rl_tui.tui.theme.look import Look

@@ -9,7 +9,8 @@ from textual.binding import Binding, BindingType
 from textual.message import Message
 from textual.strip import Strip
 
-from rl_tui.lab.live.snapshot import Phase, Snapshot, Timeline
+from rl_tui.lab.live.snapshot import Phase, Snapshot
+from rl_tui.lab.timeline.branches import Timeline
 from rl_tui.tui.draw.to_ascii import to_ascii
 from rl_tui.tui.panels.draggable import Draggable
 from rl_tui.tui.panels.panel import Panel
@@ -101,7 +102,7 @@ class TimelineBar(Draggable, Panel, can_focus=True):
 
     def show(self, snapshot: Snapshot) -> None:
         """Draw where ``snapshot`` stands, or where the run is still on its way to."""
-        if snapshot.phase is not Phase.SEEKING and snapshot.timeline.current.here == self._sought:
+        if snapshot.playback.phase is not Phase.SEEKING and snapshot.timeline.current.here == self._sought:
             self._sought = None
         super().show(snapshot)
 
@@ -115,7 +116,9 @@ class TimelineBar(Draggable, Panel, can_focus=True):
         """Return the row, and blank ones below it."""
         blank = Strip.blank(width, self.look.palette.text)
         rows = [blank] * height
-        if snapshot is not None and not (snapshot.phase is Phase.PREPARING and not snapshot.step):
+        if snapshot is not None and not (
+            snapshot.playback.phase is Phase.PREPARING and not snapshot.counters.step
+        ):
             is_bandit = isinstance(snapshot.world.drawing, Arms)
             unit = "pull" if is_bandit else "step"
             state = TimelineState(snapshot.timeline, self._at(snapshot.timeline), self.has_focus, unit)

@@ -46,7 +46,7 @@ def state_values(space: FiniteSpace, snapshot: Snapshot) -> StateValues:
     """Return the values of ``snapshot``."""
     values: list[float | None] = []
     known, greedy = set(), set()
-    q, visits = snapshot.q.tolist(), snapshot.visits.tolist()
+    q, visits = snapshot.agent.q.tolist(), snapshot.agent.visits.tolist()
     for state in range(space.states):
         pairs = space.pairs_of(state)
         if not pairs:

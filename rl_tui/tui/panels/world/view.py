@@ -108,7 +108,7 @@ class WorldView(Panel, can_focus=True):
 
     def agent_place(self, snapshot: Snapshot) -> int:
         """Return where the agent is."""
-        return snapshot.state
+        return snapshot.counters.state
 
     def moved(self, place: int, rows: int, columns: int) -> int:
         """Return the place so many rows below and columns to the right, or as far as there is one."""

@@ -234,14 +234,16 @@ class CatalogueScreen(SavedSessions):
         drawing.display = not isinstance(world, UserError)
         await drawing.remove_children()
         if isinstance(world, World):
-            from rl_tui.lab.live.preparing import preparing
+            from rl_tui.lab.live.snapshot import PlaybackView
+            from rl_tui.lab.live.snapshot_builder import SnapshotBuilder
             from rl_tui.tui.panels.world.make_view import make_world_view
 
             view = make_world_view(world, self.look)
             view.can_focus = False
             drawing.styles.height = preview_rows(world, self.size.height)
             await drawing.mount(view)
-            view.show(preparing(recipe_for(scenario, {}, _SEED), world, None, ""))
+            recipe = recipe_for(scenario, {}, _SEED)
+            view.show(SnapshotBuilder().before(recipe, world, PlaybackView()))
         elif world is None:
             await drawing.mount(Static(f"preparing {self.look.glyphs.ellipsis}", classes="hint"))
 

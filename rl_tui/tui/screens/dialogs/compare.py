@@ -15,8 +15,8 @@ from textual.widgets.option_list import Option
 from rl_tui.agents.catalogue import BY_ID, POLICY_BY_ID
 from rl_tui.agents.hyperparameters import PARAMETERS
 from rl_tui.lab.live.commands import ChooseLane, DropLane
-from rl_tui.lab.live.snapshot import LaneView
 from rl_tui.lab.run.recipe import Recipe
+from rl_tui.lab.timeline.lane_view import LaneView
 from rl_tui.tui.draw import numbers
 from rl_tui.tui.draw.canvas import shortened
 from rl_tui.tui.draw.to_ascii import to_ascii
@@ -130,13 +130,13 @@ class Compare(Dialog[Answer]):
 
     def _lane_row(self, number: int, lane: LaneView) -> Text:
         mark = self._look.glyphs.cursor if number == self._shown else ""
-        greedy = None if self._hidden else lane.greedy_return
+        greedy = None if self._hidden else lane.results.greedy_return
         text = self._columns(
             f"{mark:<1} {number + 1}",
             lane.name,
             BY_ID[lane.algorithm].name,
             numbers.count(lane.step, _NUMBER),
-            self._figure(lane.return_last_100),
+            self._figure(lane.results.return_last_100),
             self._figure(greedy),
         )
         return Text(text, "bold" if number == self._shown else "not bold")
@@ -155,7 +155,11 @@ class Compare(Dialog[Answer]):
     def _figure(self, value: float | None) -> str:
         if value is None:
             return "-" if self._look.glyphs.name == "ascii" else "–"
-        known = [each for lane in self._lanes for each in (lane.return_last_100, lane.greedy_return)]
+        known = [
+            each
+            for lane in self._lanes
+            for each in (lane.results.return_last_100, lane.results.greedy_return)
+        ]
         sizes = [abs(each) for each in known if each is not None]
         return amount(value, decimals_for(0.0, max(sizes)), self._look.glyphs)
 

@@ -53,7 +53,7 @@ def parse_goto(text: str, snapshot: Snapshot) -> GoTo:
 
 def _episode(number: int, snapshot: Snapshot) -> GoTo:
     """Return where an episode begins. How many there are is only known in the present, not in the past."""
-    unit = "sweep" if BY_ID[snapshot.algorithm].planner else "episode"
+    unit = "sweep" if BY_ID[snapshot.agent.algorithm].planner else "episode"
     begun = episode_under_way(snapshot)
     if number < 1:
         raise ValueError(f"{unit}s count from 1")
@@ -65,7 +65,7 @@ def _episode(number: int, snapshot: Snapshot) -> GoTo:
 def _expected(snapshot: Snapshot) -> str:
     """Return what may be typed, naming the range."""
     end = snapshot.timeline.current.end
-    if BY_ID[snapshot.algorithm].planner:
+    if BY_ID[snapshot.agent.algorithm].planner:
         first = f"a step from 0 to {end:,}, sweep 12"
     elif isinstance(snapshot.world.drawing, Arms):
         first = f"a pull from 0 to {end:,}"

@@ -58,7 +58,7 @@ class UntilOption:
 
 def kind_of(snapshot: Snapshot) -> Kind:
     """Return what is learning, or planning, in ``snapshot``."""
-    if BY_ID[snapshot.algorithm].planner:
+    if BY_ID[snapshot.agent.algorithm].planner:
         return Kind.PLANNER
     return Kind.BANDIT if isinstance(snapshot.world.drawing, Arms) else Kind.AGENT
 
@@ -108,18 +108,22 @@ def _optimal(snapshot: Snapshot, kind: Kind) -> UntilOption:
     else:
         name = "the greedy policy is optimal"
         hint = "No policy is better from the start of an episode, for the γ in force."
-    refused = f"No exact answer: {snapshot.exact_refused}." if snapshot.exact_refused else ""
+    refused = f"No exact answer: {snapshot.exact_answer.refused}." if snapshot.exact_answer.refused else ""
     return UntilOption("optimal", Event.OPTIMAL, name, hint, refused)
 
 
 def _values(snapshot: Snapshot, cursor: int | None, glyphs: Glyphs) -> list[UntilOption]:
     """Return the options on values: that under the cursor, and the one updated last."""
-    last = snapshot.last.updated_pair if snapshot.last is not None and snapshot.last.learned else None
+    last = (
+        snapshot.counters.last_step.updated_pair
+        if snapshot.counters.last_step is not None and snapshot.counters.last_step.learned
+        else None
+    )
     found = []
     for id, pair, where in (("cursor", cursor, "under the cursor"), ("last", last, "updated last")):  # noqa: A001
         if pair is not None and (id == "cursor" or pair != cursor):
             name = f"{estimate_name(snapshot.world, pair, glyphs)} reaches a value …"
-            now = f" It is {_value(snapshot, pair, glyphs)} now." if snapshot.holds(pair) else ""
+            now = f" It is {_value(snapshot, pair, glyphs)} now." if snapshot.agent.holds(pair) else ""
             hint = f"The estimate {where}; asks for the value.{now}"
             found.append(UntilOption(f"value {id}", Event.VALUE, name, hint, pair=pair))
     if found:
@@ -135,14 +139,18 @@ def ask_number(option: UntilOption, snapshot: Snapshot, glyphs: Glyphs) -> Promp
     kind = kind_of(snapshot)
     if option.event is Event.STEP:
         noun = {Kind.AGENT: "step", Kind.BANDIT: "pull", Kind.PLANNER: "backup"}[kind]
-        now, least = f"after {noun} {snapshot.step:,}", snapshot.step + 1
-        example = snapshot.step + 1_000
+        now, least = f"after {noun} {snapshot.counters.step:,}", snapshot.counters.step + 1
+        example = snapshot.counters.step + 1_000
     else:
         noun = "sweep" if kind is Kind.PLANNER else "episode"
         under_way = episode_under_way(snapshot)
         now, least = f"in {noun} {under_way:,}", under_way + 1
-        example = snapshot.episodes + 100
-    most = snapshot.bandit.budget if kind is Kind.BANDIT and snapshot.bandit is not None else _LARGEST
+        example = snapshot.counters.episodes + 100
+    most = (
+        snapshot.results.bandit.budget
+        if kind is Kind.BANDIT and snapshot.results.bandit is not None
+        else _LARGEST
+    )
     expected = f"type a whole number, {least:,} or more"
     if most < _LARGEST:
         expected = f"type a whole number from {least:,} to {most:,}"
@@ -167,7 +175,7 @@ def _ask_value(option: UntilOption, snapshot: Snapshot, glyphs: Glyphs) -> Promp
             number = math.nan
         if not math.isfinite(number):
             raise ValueError("type a number, such as 0.5")
-        if snapshot.holds(pair) and number == float(snapshot.q[pair]):
+        if snapshot.agent.holds(pair) and number == float(snapshot.agent.q[pair]):
             raise ValueError("that is what it is now: type another number")
         return number
 
@@ -177,4 +185,4 @@ def _ask_value(option: UntilOption, snapshot: Snapshot, glyphs: Glyphs) -> Promp
 
 
 def _value(snapshot: Snapshot, pair: int, glyphs: Glyphs) -> str:
-    return numbers.value(float(snapshot.q[pair]), _VALUE_COLUMNS, glyphs)
+    return numbers.value(float(snapshot.agent.q[pair]), _VALUE_COLUMNS, glyphs)

@@ -11,7 +11,7 @@ from textual.widget import Widget
 from textual.widgets import Static
 
 from rl_tui.lab.live.snapshot import Phase, Snapshot
-from rl_tui.lab.live.viewport import Sight
+from rl_tui.lab.live.viewport import Viewport
 from rl_tui.lab.run.recipe import Recipe
 from rl_tui.tui.panels.budget import BudgetPanel
 from rl_tui.tui.panels.controls.controls import Controls
@@ -80,7 +80,7 @@ class Board(Container):
             self.world.id, self.world.can_focus = WORLD, True
             self.world.add_class("panel")
             self.run_worker(self._replace_placeholder(self.world))
-        self.reveal(revealed or snapshot.phase is Phase.SPENT)
+        self.reveal(revealed or snapshot.playback.phase is Phase.SPENT)
         self.table.sources = lit_sources(snapshot) if self.dissects else frozenset()
         for panel in (self.world, self.table, self.curve, self.budget, self.controls, self.last_step):
             panel.show(snapshot)
@@ -115,9 +115,9 @@ class Board(Container):
                 panel.point_at(event.pairs)
 
     @property
-    def sight(self) -> Sight:
+    def viewport(self) -> Viewport:
         """The parts of a large world that are in view."""
-        return Sight(self.world.cells if self.world else None, self.table.stretch)
+        return Viewport(self.world.cells if self.world else None, self.table.row_range)
 
     @property
     def is_complete(self) -> bool:

@@ -101,7 +101,7 @@ class ExportActions(AgentActions):
         self._export_estimates(snapshot, "Q-table as .npy", "-q.npy", write)
 
     def _export_estimates(self, snapshot: Snapshot, title: str, ending: str, write: SlowWrite) -> None:
-        if snapshot.window is None:
+        if snapshot.agent.part is None:
             self._ask_file(snapshot, title, ending, lambda path: write(path, no_progress))
         else:
             self._ask_file(snapshot, title, ending, write, takes_time=True)
@@ -142,7 +142,7 @@ class ExportActions(AgentActions):
                 # What is asked is closed by then, so that a picture does not show it
                 self.call_after_refresh(self._write_now, path, write)
 
-        name = free_name(f"{snapshot.recipe.scenario.id}-{snapshot.algorithm}", ending)
+        name = free_name(f"{snapshot.recipe.scenario.id}-{snapshot.agent.algorithm}", ending)
         self.app.push_screen(ask_new_file(title, name, self.look.glyphs), write_to)
 
     def _write_now(self, path: Path, write: Write) -> None:
@@ -171,33 +171,33 @@ def script_of(snapshot: Snapshot) -> str:
     from rl_tui.lab.export.script import script
 
     recipe, journal, step = _run_of(snapshot)
-    in_force = Recipe(recipe.scenario, snapshot.algorithm, snapshot.hyperparameters, recipe.seed)
+    in_force = Recipe(recipe.scenario, snapshot.agent.algorithm, snapshot.agent.hyperparameters, recipe.seed)
     changed = bool(entries_until(journal, step))
     return script(in_force, episodes_of(recipe.scenario), snapshot.world, changed=changed)
 
 
 def _about_command(snapshot: Snapshot) -> str:
-    if snapshot.step == 0:
+    if snapshot.counters.step == 0:
         return "It trains this agent as long as the scenario says."
-    return f"It does this run again, bit for bit, up to step {snapshot.step:,}."
+    return f"It does this run again, bit for bit, up to step {snapshot.counters.step:,}."
 
 
 def _run_of(snapshot: Snapshot) -> tuple[Recipe, Sequence[JournalEntry], int]:
-    return snapshot.recipe, snapshot.timeline.current.journal, snapshot.step
+    return snapshot.recipe, snapshot.timeline.current.journal, snapshot.counters.step
 
 
 def _estimates(snapshot: Snapshot, on_progress: OnProgress) -> tuple[FloatArray, IntArray]:
     """Return Q and visits; of a large world a snapshot holds only what is in view: the run is done again."""
     from rl_tui.lab.export.tables import estimates_again
 
-    if snapshot.window is None:
-        return snapshot.q, snapshot.visits
+    if snapshot.agent.part is None:
+        return snapshot.agent.q, snapshot.agent.visits
     return estimates_again(*_run_of(snapshot), snapshot.world, on_progress)
 
 
 def _without_returns(snapshot: Snapshot) -> str:
     """Return why there are no returns to write; empty if there are."""
-    if len(snapshot.curve.episode):
+    if len(snapshot.results.curve.episode):
         return ""
-    algorithm = BY_ID[snapshot.algorithm]
+    algorithm = BY_ID[snapshot.agent.algorithm]
     return f"{algorithm.name} plays no episodes" if algorithm.planner else "no episode is finished yet"

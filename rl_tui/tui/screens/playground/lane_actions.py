@@ -9,8 +9,9 @@ from rl_tui.agents.catalogue import BY_ID
 from rl_tui.agents.hyperparameters import PARAMETERS
 from rl_tui.common.errors import UserError
 from rl_tui.lab.live.commands import AddLane, ChooseLane, DropLane
-from rl_tui.lab.live.snapshot import LaneView, Snapshot
+from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.run.recipe import Recipe
+from rl_tui.lab.timeline.lane_view import LaneView
 from rl_tui.tui.screens.dialogs.choice import algorithm_choice, policy_choice, word_choice
 from rl_tui.tui.screens.dialogs.compare import Answer, Compare
 from rl_tui.tui.screens.dialogs.lane_changes import ALGORITHM, lane_changes
@@ -28,17 +29,17 @@ class LaneActions(AgentActions):
         if snapshot is None:
             return
         hidden = isinstance(snapshot.world.drawing, Arms) and not self.board.curve.tells_all
-        lanes = snapshot.lanes or (_only_lane(snapshot),)
-        dialog = Compare(self.look, lanes, snapshot.lane, in_force(snapshot), hidden=hidden)
+        lanes = snapshot.run_group.lanes or (_only_lane(snapshot),)
+        dialog = Compare(self.look, lanes, snapshot.run_group.shown, in_force(snapshot), hidden=hidden)
         self.app.push_screen(dialog, self._compared)
 
     def action_lane(self) -> None:
         """Show the next lane."""
         snapshot = self.snapshot
-        if snapshot is None or not snapshot.lanes:
+        if snapshot is None or not snapshot.run_group.lanes:
             self.tell("there is one run only; c opens a second one beside it")
             return
-        self._show_lane((snapshot.lane + 1) % len(snapshot.lanes))
+        self._show_lane((snapshot.run_group.shown + 1) % len(snapshot.run_group.lanes))
 
     def _compared(self, answer: Answer | None) -> None:
         if isinstance(answer, ChooseLane):
@@ -50,15 +51,21 @@ class LaneActions(AgentActions):
 
     def _show_lane(self, lane: int) -> None:
         snapshot = self.snapshot
-        if snapshot is not None and snapshot.lane != lane:
-            self._take_over(snapshot.lanes[lane])
+        if snapshot is not None and snapshot.run_group.shown != lane:
+            self._take_over(snapshot.run_group.lanes[lane])
             self.send(ChooseLane(lane))
 
     def _drop_lane(self, lane: int) -> None:
         snapshot = self.snapshot
         if snapshot is not None:
-            if lane == snapshot.lane:  # then the next one is shown, or the one before where it was the last
-                self._take_over(snapshot.lanes[lane + 1 if lane + 1 < len(snapshot.lanes) else lane - 1])
+            if (
+                lane == snapshot.run_group.shown
+            ):  # then the next one is shown, or the one before where it was the last
+                self._take_over(
+                    snapshot.run_group.lanes[
+                        lane + 1 if lane + 1 < len(snapshot.run_group.lanes) else lane - 1
+                    ]
+                )
             self.send(DropLane(lane))
 
     def _take_over(self, lane: LaneView) -> None:
@@ -98,20 +105,19 @@ class LaneActions(AgentActions):
 
 def in_force(snapshot: Snapshot) -> Recipe:
     """Return the recipe of the run shown with the settings in force at this moment."""
-    return replace(snapshot.recipe, algorithm=snapshot.algorithm, hyperparameters=snapshot.hyperparameters)
+    return replace(
+        snapshot.recipe, algorithm=snapshot.agent.algorithm, hyperparameters=snapshot.agent.hyperparameters
+    )
 
 
 def _only_lane(snapshot: Snapshot) -> LaneView:
     """Return a run that stands alone as the lane it would be."""
     return LaneView(
-        name=BY_ID[snapshot.algorithm].name,
-        algorithm=snapshot.algorithm,
-        hyperparameters=snapshot.hyperparameters,
-        step=snapshot.step,
-        episodes=snapshot.episodes,
-        q=snapshot.q,
-        curve=snapshot.curve,
-        marks=snapshot.marks,
-        return_last_100=snapshot.return_last_100,
-        greedy_return=snapshot.greedy_return,
+        name=BY_ID[snapshot.agent.algorithm].name,
+        algorithm=snapshot.agent.algorithm,
+        hyperparameters=snapshot.agent.hyperparameters,
+        step=snapshot.counters.step,
+        episodes=snapshot.counters.episodes,
+        q=snapshot.agent.q,
+        results=snapshot.results,
     )

@@ -70,13 +70,13 @@ class ManualActions(AgentActions):
             self.tell("the agent acts again")
             return
         snapshot = self.snapshot
-        if snapshot is None or snapshot.phase is Phase.PREPARING:
+        if snapshot is None or snapshot.playback.phase is Phase.PREPARING:
             return
         refused = _refused(snapshot)
         if refused:
             self.tell(refused)
             return
-        if snapshot.phase is not Phase.PAUSED:
+        if snapshot.playback.phase is not Phase.PAUSED:
             self.send(Pause())
         self.bring_into_view(WORLD)
         self._show_mode(True)
@@ -155,9 +155,9 @@ _HINTS: Final = (
 
 def _refused(snapshot: Snapshot) -> str:
     """Return why a person cannot act in place of the agent, empty if that is possible."""
-    name = BY_ID[snapshot.algorithm].name
-    if BY_ID[snapshot.algorithm].planner:
+    name = BY_ID[snapshot.agent.algorithm].name
+    if BY_ID[snapshot.agent.algorithm].planner:
         return f"{name} takes no actions: it plans with the model; a chooses an agent"
-    if snapshot.phase is Phase.SPENT:
+    if snapshot.playback.phase is Phase.SPENT:
         return "the budget is spent; r starts again"
-    return "the run has stopped; r starts again" if snapshot.phase is Phase.STOPPED else ""
+    return "the run has stopped; r starts again" if snapshot.playback.phase is Phase.STOPPED else ""

@@ -25,7 +25,7 @@ def legal_actions(snapshot: Snapshot) -> tuple[int, ...]:
 
 
 def _acts_in(snapshot: Snapshot) -> int:
-    return snapshot.state if snapshot.step_from is None else snapshot.step_from
+    return snapshot.counters.state if snapshot.counters.step_from is None else snapshot.counters.step_from
 
 
 def title(snapshot: Snapshot, glyphs: Glyphs) -> tuple[str, ...]:
@@ -34,7 +34,7 @@ def title(snapshot: Snapshot, glyphs: Glyphs) -> tuple[str, ...]:
     After an episode it tells where the next one starts: the agent is still seen where the last one ended.
     """
     state = _acts_in(snapshot)
-    if isinstance(snapshot.world.drawing, Arms) or state == snapshot.state:
+    if isinstance(snapshot.world.drawing, Arms) or state == snapshot.counters.state:
         return (MANUAL_TITLE,)
     start = f"starts at {state_name(snapshot.world, state, glyphs)}"
     return f"{MANUAL_TITLE} · {start}", f"You act · {start}", MANUAL_TITLE

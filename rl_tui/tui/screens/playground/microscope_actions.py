@@ -47,7 +47,7 @@ class MicroscopeActions(AgentActions):
 
     def follow_last_update(self) -> None:
         """Show the history of the pair updated last, as long as there is none yet, or while nothing runs."""
-        runs = self.snapshot is not None and self.snapshot.phase is Phase.RUNNING
+        runs = self.snapshot is not None and self.snapshot.playback.phase is Phase.RUNNING
         if self.board.dissects and (self.board.microscope.pair is None or not runs):
             self._follow_cell()
 
@@ -66,7 +66,7 @@ class MicroscopeActions(AgentActions):
         """Ask for the history of the cursor's pair, or of the one updated last."""
         if self.snapshot is None:
             return
-        pair, last = self.board.table.cursor_pair, self.snapshot.last
+        pair, last = self.board.table.cursor_pair, self.snapshot.counters.last_step
         if pair is None and last is not None:
             pair = last.updated_pair if last.learned else self.board.microscope.pair
         if pair is not None and pair >= self.snapshot.world.space.pairs:

@@ -167,7 +167,7 @@ class Playground(
     def on_scrolled(self) -> None:
         """Have the parts of a large world copied that are in view now."""
         pair = self._model.pair if self._model else None
-        self.send(LookAt(self.board.sight._replace(pair=pair)))
+        self.send(LookAt(self.board.viewport._replace(pair=pair)))
 
     async def settled(self) -> None:
         """Wait until all that was asked for is done and on screen, the exact answer included.
@@ -221,19 +221,19 @@ class Playground(
 
     def action_run(self) -> None:
         """Run, or pause."""
-        phase = self.snapshot.phase if self.snapshot else Phase.PREPARING
+        phase = self.snapshot.playback.phase if self.snapshot else Phase.PREPARING
         if phase is Phase.SPENT:
             self.tell("the budget is spent; r starts again")
         elif phase is Phase.DONE and self.snapshot:
-            self.tell(f"{self.snapshot.message}; another γ goes on, r starts again")
+            self.tell(f"{self.snapshot.playback.message}; another γ goes on, r starts again")
         elif phase is Phase.STOPPED and self.snapshot:
-            self.notify(f"{self.snapshot.message}; r starts again", severity="error", markup=False)
+            self.notify(f"{self.snapshot.playback.message}; r starts again", severity="error", markup=False)
         else:
             self.send(Pause() if phase in (Phase.RUNNING, Phase.SEEKING) else Play())
 
     def rest(self) -> None:
         """Pause a run that goes on while no key is pressed."""
-        if self.snapshot is not None and self.snapshot.phase in (Phase.RUNNING, Phase.SEEKING):
+        if self.snapshot is not None and self.snapshot.playback.phase in (Phase.RUNNING, Phase.SEEKING):
             self.send(Pause())
             self.notify("paused: nobody has pressed a key for some minutes", timeout=_UNTIL_SEEN)
 
@@ -314,7 +314,7 @@ class Playground(
         """Show the model until it is closed."""
         if self.snapshot is None:
             return
-        pair, last = self.board.table.cursor_pair, self.snapshot.last
+        pair, last = self.board.table.cursor_pair, self.snapshot.counters.last_step
         if pair is None and last is not None and (last.learned or not last.planned):
             pair = last.updated_pair if last.planned else last.pair
         self._model = ModelScreen(
@@ -355,9 +355,9 @@ class Playground(
     def _was_used(self) -> bool:
         """Return whether there is a run to lose; what was asked for last may not be on screen yet."""
         drawn = self.snapshot
-        return drawn is not None and (drawn.step > 0 or drawn.handled < self._asked)
+        return drawn is not None and (drawn.counters.step > 0 or drawn.playback.handled < self._asked)
 
 
 def _lacks_exact(snapshot: Snapshot) -> bool:
     """Return whether the exact answer is still being worked out."""
-    return snapshot.exact is None and not snapshot.exact_refused
+    return snapshot.exact_answer.solution is None and not snapshot.exact_answer.refused

@@ -53,14 +53,18 @@ class SessionActions(AgentActions):
 
         The file is then left alone, since it holds what was done with other versions.
         """
-        if self.resumed is None or snapshot.phase in (Phase.PREPARING, Phase.SEEKING):
+        if self.resumed is None or snapshot.playback.phase in (Phase.PREPARING, Phase.SEEKING):
             return
         document, self.resumed = self.resumed.document, None
         lane = document.lanes[document.shown]
         left = (document.shown, lane.branch, lane.branches[lane.branch].here)
-        if (snapshot.lane, snapshot.timeline.branch, snapshot.step) != left or snapshot.window is not None:
+        if (
+            snapshot.run_group.shown,
+            snapshot.timeline.branch,
+            snapshot.counters.step,
+        ) != left or snapshot.agent.part is not None:
             return
-        if document.digest and digest_of(snapshot.q) != document.digest:
+        if document.digest and digest_of(snapshot.agent.q) != document.digest:
             if self.autosave is not None:
                 self.autosave.become_copy()
             self.notify(f"{OTHER_BITS}; what you do here is saved in a copy", severity="warning", timeout=15)

@@ -46,10 +46,12 @@ class TimeActions(AgentActions):
 
     def follow_time(self, before: Snapshot | None, now: Snapshot) -> None:
         """Take over what is in force once the player has taken in all that was sent, and announce forks."""
-        if now.handled == self.sent:
-            self.recipe = replace(now.recipe, algorithm=now.algorithm, hyperparameters=now.hyperparameters)
+        if now.playback.handled == self.sent:
+            self.recipe = replace(
+                now.recipe, algorithm=now.agent.algorithm, hyperparameters=now.agent.hyperparameters
+            )
             self.board.controls.forget()
-            if now.phase is not Phase.SEEKING:
+            if now.playback.phase is not Phase.SEEKING:
                 self.board.timeline.forget()
         if before is not None and _has_forked(before, now):
             branch = now.timeline.current
@@ -58,7 +60,7 @@ class TimeActions(AgentActions):
 
     def _go_back(self, command: StepBack | EpisodeBack) -> None:
         now = self.snapshot
-        if now is not None and now.handled == self.sent and now.step == 0:
+        if now is not None and now.playback.handled == self.sent and now.counters.step == 0:
             self.tell("this is step 0, where the run begins")
         else:
             self.send(command)
@@ -74,11 +76,11 @@ class TimeActions(AgentActions):
 
 def _has_forked(before: Snapshot, now: Snapshot) -> bool:
     """Return whether ``now`` is on a branch that ``before``, a moment of the same run, did not have."""
-    is_same_run = before.recipe == now.recipe and before.lane == now.lane
+    is_same_run = before.recipe == now.recipe and before.run_group.shown == now.run_group.shown
     old, new = before.timeline, now.timeline
     return (
         is_same_run
-        and before.phase is not Phase.PREPARING
+        and before.playback.phase is not Phase.PREPARING
         and len(new.branches) > len(old.branches)
         and new.current.parent is not None
         and new.branch >= len(old.branches)

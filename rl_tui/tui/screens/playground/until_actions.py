@@ -23,14 +23,14 @@ class UntilActions(AgentActions):
     def action_until(self) -> None:
         """Choose what to run until."""
         snapshot = self.snapshot
-        if snapshot is None or snapshot.phase is Phase.PREPARING:
+        if snapshot is None or snapshot.playback.phase is Phase.PREPARING:
             return
-        if snapshot.phase in (Phase.SPENT, Phase.DONE, Phase.STOPPED):
+        if snapshot.playback.phase in (Phase.SPENT, Phase.DONE, Phase.STOPPED):
             self.tell("the run has come to its end; r starts again")
             return
         glyphs = self.look.glyphs
         found = until_options(snapshot, self._pair_under_cursor(), glyphs)
-        listed = breakpoints_text(snapshot.world, snapshot.breakpoints, glyphs)
+        listed = breakpoints_text(snapshot.world, snapshot.playback.breakpoints, glyphs)
         choice = UntilChoice(found, self._chosen_last, listed, self.action_clear_breakpoints, glyphs)
         self.app.push_screen(choice, self._run_until)
 
@@ -49,11 +49,11 @@ class UntilActions(AgentActions):
         elif isinstance(focused, WorldView) and focused.cursor_place is not None:
             self._toggle_state(snapshot, focused.state_at(focused.cursor_place))
         else:
-            self._toggle_state(snapshot, snapshot.state)
+            self._toggle_state(snapshot, snapshot.counters.state)
 
     def action_clear_breakpoints(self) -> None:
         """Take all breakpoints away."""
-        if self.snapshot is None or not self.snapshot.breakpoints:
+        if self.snapshot is None or not self.snapshot.playback.breakpoints:
             self.tell("there are no breakpoints; k sets one where the cursor is")
             return
         self.send(ClearBreakpoints())
@@ -86,7 +86,7 @@ class UntilActions(AgentActions):
         if state is None:
             self.tell("here is no state to stop at")
             return
-        is_set = state in snapshot.breakpoints.states
+        is_set = state in snapshot.playback.breakpoints.states
         name = f"state {state_name(snapshot.world, state, self.look.glyphs)}"
         happens = "is backed up" if kind_of(snapshot) is Kind.PLANNER else "is reached"
         self.send(ToggleBreakpoint(state=state))
@@ -95,7 +95,7 @@ class UntilActions(AgentActions):
     def _toggle_pair(self, snapshot: Snapshot, pair: int | None) -> None:
         if pair is None:
             return
-        is_set = pair in snapshot.breakpoints.pairs
+        is_set = pair in snapshot.playback.breakpoints.pairs
         name = pair_in_words(snapshot.world, pair, self.look.glyphs)
         happens = {Kind.AGENT: "taken", Kind.BANDIT: "pulled", Kind.PLANNER: "backed up"}[kind_of(snapshot)]
         self.send(ToggleBreakpoint(pair=pair))

@@ -62,7 +62,7 @@ class ArmsView(WorldView):
         """Return the bars of the arms from the first in view on, and the axis where a row is left for it."""
         means = true_means_now(self._mdp, snapshot) if self.revealed else None
         arms = tuple(
-            arm._replace(cursor=pair == self.shown_cursor, stops=pair in snapshot.breakpoints.pairs)
+            arm._replace(cursor=pair == self.shown_cursor, stops=pair in snapshot.playback.breakpoints.pairs)
             for pair, arm in enumerate(arms_of(self._mdp, snapshot, means))
         )
         self._scale = grown(self._scale, [value for arm in arms for value in arm.extent()])
@@ -84,7 +84,11 @@ class ArmsView(WorldView):
 
     def agent_place(self, snapshot: Snapshot) -> int:
         """Return the arm pulled last, the first before any pull."""
-        return snapshot.last.pair if snapshot.last is not None and not snapshot.last.planned else 0
+        return (
+            snapshot.counters.last_step.pair
+            if snapshot.counters.last_step is not None and not snapshot.counters.last_step.planned
+            else 0
+        )
 
     def moved(self, place: int, rows: int, columns: int) -> int:
         """Return the arm so many rows below."""
@@ -141,8 +145,8 @@ def noise_of_pairs(mdp: TabularMDP) -> FloatArray:
 
 def true_means_now(mdp: TabularMDP, snapshot: Snapshot) -> FloatArray | None:
     """Return the true mean q*(a) of each pair at this step, [P]; None where it has drifted out of sight."""
-    if mdp.drift_std > 0.0 and snapshot.step > 0:
-        return None if snapshot.exact is None else snapshot.exact.q
+    if mdp.drift_std > 0.0 and snapshot.counters.step > 0:
+        return None if snapshot.exact_answer.solution is None else snapshot.exact_answer.solution.q
     return true_means(mdp)
 
 
@@ -175,11 +179,14 @@ def standard_error(noise: float, pulls: int, alpha: StepSize) -> float:
 
 def arms_of(mdp: TabularMDP, snapshot: Snapshot, means: FloatArray | None) -> tuple[Arm, ...]:
     """Return what is known about each arm; true means only where ``means`` are given."""
-    q, visits = snapshot.q.tolist(), snapshot.visits.tolist()
-    noise, values = noise_of_rewards(mdp, snapshot.q), snapshot.hyperparameters
+    q, visits = snapshot.agent.q.tolist(), snapshot.agent.visits.tolist()
+    noise, values = noise_of_rewards(mdp, snapshot.agent.q), snapshot.agent.hyperparameters
     alpha: StepSize = SAMPLE_AVERAGE if values.sample_average else values.alpha
     anything = any(visits)
-    best_estimate, last = max(q), snapshot.last.pair if snapshot.last is not None else None
+    best_estimate, last = (
+        max(q),
+        snapshot.counters.last_step.pair if snapshot.counters.last_step is not None else None,
+    )
     best_mean = float(means.max()) if means is not None else None
     return tuple(
         Arm(

@@ -66,7 +66,7 @@ class GraphView(WorldView):
             self._shape_glyphs = self.look.glyphs
         self.heading = HEADING
         values = state_values(self.world.space, snapshot)
-        signs = Signs(snapshot.state, self.shown_cursor, snapshot.breakpoints)
+        signs = Signs(snapshot.counters.state, self.shown_cursor, snapshot.playback.breakpoints)
         self._layout = layout = graph_layout(self._shape, width, height)
         if layout is not None:
             self.footing = ""

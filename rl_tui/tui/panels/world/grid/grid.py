@@ -11,7 +11,8 @@ from rich.segment import Segment
 from textual.strip import Strip
 
 from rl_tui.lab.live.snapshot import Snapshot
-from rl_tui.lab.live.viewport import Cells, is_large
+from rl_tui.lab.live.viewport import Cells
+from rl_tui.lab.run.large_worlds import is_large
 from rl_tui.tui.panels.scrolling import Scrolled, kept_in_view, scrolled_to
 from rl_tui.tui.panels.snapshot_facts import is_new_run
 from rl_tui.tui.panels.world.grid.cells import CellArtist
@@ -83,7 +84,7 @@ class GridView(WorldView):
 
     def agent_place(self, snapshot: Snapshot) -> int:
         """Return the cell the agent is in."""
-        return int(self._map.grid.cell_of_state[snapshot.state])
+        return int(self._map.grid.cell_of_state[snapshot.counters.state])
 
     def moved(self, place: int, rows: int, columns: int) -> int:
         """Return the cell so many rows below and columns to the right, or the last one there."""

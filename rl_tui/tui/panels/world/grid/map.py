@@ -59,8 +59,8 @@ class GridMap:
 
     def state_at(self, cell: int, snapshot: Snapshot | None) -> int | None:
         """Return the state in ``cell``: of several the agent's, else the first; None where there is none."""
-        if snapshot is not None and self.grid.cell_of_state[snapshot.state] == cell:
-            return snapshot.state
+        if snapshot is not None and self.grid.cell_of_state[snapshot.counters.state] == cell:
+            return snapshot.counters.state
         state = int(self._states[divmod(cell, self.grid.columns)])
         return None if state == NO_STATE else state
 
@@ -75,10 +75,10 @@ class GridMap:
         pairs = pairs_of_states(self._space, owners)
         counts = np.zeros(len(states), dtype=np.int64)
         counts[states != NO_STATE] = self._space.first_pair[owners + 1] - self._space.first_pair[owners]
-        held = None if snapshot.window is None else snapshot.window.held[pairs].tolist()
-        q, visits = snapshot.q[pairs].tolist(), snapshot.visits[pairs].tolist()
+        held = None if snapshot.agent.part is None else snapshot.agent.part.held[pairs].tolist()
+        q, visits = snapshot.agent.q[pairs].tolist(), snapshot.agent.visits[pairs].tolist()
         signs = [self._signs[action] for action in self._space.pair_action[pairs].tolist()]
-        agent = self._place(part, int(self.grid.cell_of_state[snapshot.state]))
+        agent = self._place(part, int(self.grid.cell_of_state[snapshot.counters.state]))
         contents, first = [], 0
         for place, count in enumerate(counts.tolist()):
             row, column = divmod(place, part.columns)
@@ -92,7 +92,7 @@ class GridMap:
                 reward = self._rewards.get(cell)
                 contents.append(content if reward is None else content._replace(reward=reward))
             first = last
-        for state in snapshot.breakpoints.states:
+        for state in snapshot.playback.breakpoints.states:
             marked = self._place(part, int(self.grid.cell_of_state[state]))
             if marked is not None:
                 contents[marked] = contents[marked]._replace(stops=True)
@@ -103,18 +103,18 @@ class GridMap:
 
     def holds(self, part: MapPart, snapshot: Snapshot) -> bool:
         """Return whether ``snapshot`` has all that is to be seen in ``part``."""
-        if snapshot.window is None:
+        if snapshot.agent.part is None:
             return True
         states = self._states_in(part, snapshot)
         pairs = pairs_of_states(self._space, states[states != NO_STATE])
-        return bool(snapshot.window.held[pairs].all())
+        return bool(snapshot.agent.part.held[pairs].all())
 
     def _states_in(self, part: MapPart, snapshot: Snapshot) -> IntArray:
         top, left, rows, columns = part
         states = self._states[top : top + rows, left : left + columns].flatten()
-        agent = self._place(part, int(self.grid.cell_of_state[snapshot.state]))
+        agent = self._place(part, int(self.grid.cell_of_state[snapshot.counters.state]))
         if agent is not None:
-            states[agent] = snapshot.state
+            states[agent] = snapshot.counters.state
         return states
 
     def _place(self, part: MapPart, cell: int) -> int | None:

@@ -1,0 +1,37 @@
+"""A frozen copy of what a learner counts, for those who must not touch the learner."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from rl_tui.agents.last_step import LastStep
+from rl_tui.worlds.mdp.space import FloatArray
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Counters:
+    """How far a learner has come, and the episode that its last step belongs to.
+
+    For a planner a step is the backup of one state, an episode a sweep over all of them.
+    """
+
+    state: int
+    """Where the agent is. After the last step of an episode it is the state in which the episode ended."""
+    step_from: int | None = None
+    """The state in which the next step starts: another one if an episode has ended; None: no learner yet."""
+    step: int = 0
+    """Steps taken."""
+    episodes: int = 0
+    """Finished episodes."""
+    episode_step: int = 0
+    """Steps taken in the episode under way; 0 when one has just ended."""
+    episode_return: float = 0.0
+    """Undiscounted return so far in the episode under way."""
+    rewards: FloatArray = field(default_factory=lambda: np.empty(0))
+    """[N], the rewards of the last step's episode, oldest first, at most the last 256; none for a planner."""
+    discounted_return: float = 0.0
+    """Σ γᵏ r of the last step's episode from its start, with the γ in force at each step; 0 for a planner."""
+    last_step: LastStep | None = None
+    """The last step with all its numbers; None before the first."""

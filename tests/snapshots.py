@@ -1,0 +1,63 @@
+"""Snapshots of a run, and snapshots that differ from others in some fields of their groups."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from dataclasses import fields, is_dataclass, replace
+from typing import TYPE_CHECKING, Any, TypeVar
+
+from rl_tui.lab.live.snapshot import Phase, PlaybackView, Snapshot
+from rl_tui.lab.live.snapshot_builder import SnapshotBuilder
+from rl_tui.lab.live.viewport import Viewport
+from rl_tui.lab.run.exact_answers import PENDING, Answer
+from rl_tui.lab.timeline.branches import Timeline
+from rl_tui.lab.timeline.lane_view import LaneView, RunGroupView
+
+if TYPE_CHECKING:
+    from rl_tui.lab.run.run import Run
+
+Picture = TypeVar("Picture", Snapshot, LaneView)
+
+
+def snapshot_of(
+    run: Run,
+    phase: Phase = Phase.PAUSED,
+    *,
+    message: str = "",
+    exact_answer: Answer = PENDING,
+    viewport: Viewport | None = None,
+) -> Snapshot:
+    """What a player would show of ``run``."""
+    playback = PlaybackView(phase, message)
+    return SnapshotBuilder().build(
+        run,
+        playback,
+        viewport=viewport,
+        exact_answer=exact_answer,
+        timeline=Timeline(),
+        run_group=RunGroupView(),
+        cell=None,
+    )
+
+
+def changed(picture: Picture, **changes: Any) -> Picture:
+    """``picture`` with other values of its fields, or of the fields of its groups."""
+    own = {name: changes.pop(name) for name in _names(picture) if name in changes}
+    inner: dict[str, dict[str, Any]] = defaultdict(dict)
+    for group in _names(picture):
+        for name in _names(getattr(picture, group)):
+            if name in changes and group not in ("world", "recipe", "timeline", "cell"):
+                inner[group][name] = changes.pop(name)
+    assert not changes, f"there is no {', '.join(changes)}"
+    groups = {group: _replaced(getattr(picture, group), given) for group, given in inner.items()}
+    return replace(picture, **groups, **own)
+
+
+def _names(group: Any) -> list[str]:
+    if isinstance(group, Answer):
+        return list(group._fields)
+    return [each.name for each in fields(group)] if is_dataclass(group) else []
+
+
+def _replaced(group: Any, given: dict[str, Any]) -> Any:
+    return group._replace(**given) if isinstance(group, Answer) else replace(group, **given)
