@@ -1,11 +1,13 @@
-"""All that is needed to come back to where a playground was: small, and free of arrays."""
+"""All that is needed to come back to where a playground was, small and free of arrays; and what keeps it."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import Protocol
 
 from rl_tui.lab.live.until import Breakpoints
 from rl_tui.lab.timeline.branches import RunRecord
+from rl_tui.worlds.mdp.space import FloatArray
 
 
 @dataclass(frozen=True, slots=True)
@@ -20,3 +22,19 @@ class Record:
     """Where the run shown is to stop."""
     speed: float | None = None
     """The wanted steps a second, None for as fast as it goes."""
+
+
+class RecordSink(Protocol):
+    """What keeps the records of a playground: a file, or nothing at all.
+
+    It is offered the newest record again and again, from the player's thread, and must not hold it up.
+    """
+
+    def offer(self, record: Record, q: FloatArray | None = None) -> None:
+        """Take ``record`` as the newest; ``q``, [P], is the table where it stands, if that is at hand."""
+
+    def begin_anew(self, record: Record) -> None:
+        """Take ``record`` as the beginning of another session; the one until now stays as it is."""
+
+    def close(self) -> None:
+        """Keep what was offered last; nothing will be offered any more."""

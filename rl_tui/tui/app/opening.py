@@ -16,8 +16,7 @@ from rl_tui.tui.theme.look import Look
 
 if TYPE_CHECKING:
     from rl_tui.lab.live.player import Player
-    from rl_tui.lab.live.record import Record
-    from rl_tui.lab.live.record_sink import RecordSink
+    from rl_tui.lab.live.record import Record, RecordSink
     from rl_tui.lab.sessions.autosave import Autosave
     from rl_tui.lab.sessions.session import StoredSession
     from rl_tui.tui.screens.catalogue.catalogue import CatalogueScreen
