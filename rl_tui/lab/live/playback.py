@@ -10,7 +10,7 @@ from rl_tui.lab.live.commands import FROM_HERE, LOOKING, MOVES, WHILE_SEEKING, C
 from rl_tui.lab.live.handlers import HANDLERS
 from rl_tui.lab.live.pacing import AT_ONCE, CHUNK
 from rl_tui.lab.live.record import Record
-from rl_tui.lab.live.snapshot import Phase, PlaybackView, Snapshot
+from rl_tui.lab.live.snapshot import PHASES, Phase, PlaybackView, Snapshot
 from rl_tui.lab.live.snapshot_builder import SnapshotBuilder
 from rl_tui.lab.live.state import BUSY, ENDED, PASSING, UNFINISHED, State
 from rl_tui.lab.live.stop_condition import StopCondition, breakpoint_in_words, watching_for
@@ -19,21 +19,12 @@ from rl_tui.lab.live.viewport import Viewport
 from rl_tui.lab.run.exact_answers import AT_ONCE_STATES, Answer, ExactAnswers, exact_now
 from rl_tui.lab.run.recipe import Beginning, Recipe, begin
 from rl_tui.lab.timeline.branches import RunRecord
-from rl_tui.lab.timeline.table_samples import CellHistory
 
 if TYPE_CHECKING:
     from rl_tui.lab.live.transport import Transport
     from rl_tui.lab.run.run import Run
     from rl_tui.lab.timeline.run_group import RunGroup
     from rl_tui.worlds.mdp.space import FloatArray
-
-PHASES: Final = {
-    State.BUILDING: Phase.PREPARING,
-    State.LOADING: Phase.PREPARING,
-    State.UNTIL: Phase.RUNNING,
-    **{state: Phase[state.name] for state in (State.SEEKING, State.RUNNING, State.PAUSED, *ENDED)},
-}
-"""What a snapshot tells of each state; while it trains, that of the state in which it goes on."""
 
 PREPARING: Final = "loading the learner, which on first use takes some seconds"
 
@@ -180,7 +171,7 @@ class Playback:
             exact_answer=self._answer(),
             timeline=current.timeline,
             run_group=self.group.view,
-            cell=self._cell_history(),
+            cell=None if self.cell is None else current.cell_history(self.cell),
         )
 
     def _view(self, run: Run) -> PlaybackView:
@@ -194,13 +185,6 @@ class Playback:
             breakpoints=self.breakpoints,
             handled=self.handled,
         )
-
-    def _cell_history(self) -> CellHistory | None:
-        """Return how the cell asked for went; what was asked may be of the world before this one."""
-        current = self.group.current
-        if self.cell is None or self.cell >= current.world.space.pairs:
-            return None
-        return current.cell_history(self.cell)
 
     @property
     def _message(self) -> str:

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from enum import StrEnum
+from typing import Final
 
 import numpy as np
 
 from rl_tui.agents.counters import Counters
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.agents.last_step import Author
+from rl_tui.lab.live.state import ENDED, State
 from rl_tui.lab.live.until import Breakpoints
 from rl_tui.lab.live.viewport import CopiedPart
 from rl_tui.lab.run.exact_answers import Answer
@@ -32,6 +34,15 @@ class Phase(StrEnum):
     SPENT = "spent"  # the budget is used up
     DONE = "done"  # a planner has converged: PlaybackView.message says so
     STOPPED = "stopped"  # runaway: PlaybackView.message names the step
+
+
+PHASES: Final = {
+    State.BUILDING: Phase.PREPARING,
+    State.LOADING: Phase.PREPARING,
+    State.UNTIL: Phase.RUNNING,
+    **{state: Phase[state.name] for state in (State.SEEKING, State.RUNNING, State.PAUSED, *ENDED)},
+}
+"""What a snapshot tells of each state; while it trains, that of the state in which it goes on."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -187,8 +187,10 @@ class BranchingRun:
         self.seek = None
         self.run.learner.watch(self._watching)
 
-    def cell_history(self, pair: int) -> CellHistory:
-        """Return how the estimate of ``pair`` came to be what it is."""
+    def cell_history(self, pair: int) -> CellHistory | None:
+        """Return how the estimate of ``pair`` came to be what it is; None if the world has no such pair."""
+        if pair >= self.world.space.pairs:
+            return None
         return self.kept.samples.history(pair, self.run.step, self.run.learner.q)
 
     def _new_run(self, beginning: Beginning) -> Run:
