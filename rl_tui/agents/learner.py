@@ -27,7 +27,7 @@ from rl_tui.agents.learner_counters import EPISODES_LOGGED, LearnerCounters
 from rl_tui.agents.learner_state import LearnerState, Planned, arrays_of, copies, put_back
 from rl_tui.common.errors import UserError
 from rl_tui.common.streams import Streams
-from rl_tui.worlds.gym.stepped.environment import Environment
+from rl_tui.worlds.environment import Environment
 from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray, IntArray
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from rl_tui.worlds.drawing import Drawing
 
 if TYPE_CHECKING:
-    from rl_tui.worlds.gym.stepped.environment import Environment
+    from rl_tui.worlds.environment import Environment
     from rl_tui.worlds.mdp.space import FiniteSpace
     from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 

@@ -14,7 +14,7 @@ from rl_tui.agents.last_step import LastStep
 from rl_tui.agents.learner import Learner
 from rl_tui.common.errors import UserError
 from rl_tui.common.streams import streams
-from rl_tui.worlds.gym.stepped.environment import StepResult
+from rl_tui.worlds.environment import StepResult
 from rl_tui.worlds.mdp.space import all_pairs
 from rl_tui.worlds.mdp.tabular_mdp import Outcome, TabularMDP, Transition, tabular_mdp
 

@@ -20,7 +20,7 @@ from rl_tui.agents.kernels.stop import Stop
 from rl_tui.agents.kernels.watching import NOTHING_NOTICED, WatchedEvents, Watching
 from rl_tui.agents.learner import EPISODES_LOGGED, UNLIMITED, Learner
 from rl_tui.common.streams import streams
-from rl_tui.worlds.gym.stepped.environment import StepResult
+from rl_tui.worlds.environment import StepResult
 from rl_tui.worlds.mdp.space import all_pairs
 from rl_tui.worlds.mdp.tabular_mdp import Outcome, TabularMDP, Transition, tabular_mdp
 

@@ -21,7 +21,7 @@ from rl_tui.lab.run.library import find, recipe_for
 from rl_tui.lab.run.recipe import JournalEntry, Recipe, SetParameter
 from rl_tui.lab.sessions.autosave import Autosave, untouched
 from rl_tui.lab.sessions.folder import sessions_in
-from rl_tui.worlds.gym.stepped.environment import EnvironmentFailedError
+from rl_tui.worlds.environment import EnvironmentFailedError
 
 
 class Willing(gymnasium.Env[int, int]):

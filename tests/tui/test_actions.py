@@ -2,8 +2,8 @@ from __future__ import annotations
 
 import pytest
 
-from rl_tui.tui.app.action import Place
-from rl_tui.tui.app.actions import ACTIONS, actions_of, bindings_of
+from rl_tui.tui.actions.action import Place
+from rl_tui.tui.actions.registry import ACTIONS, actions_of, bindings_of
 from rl_tui.tui.screens.catalogue.catalogue import CatalogueScreen
 from rl_tui.tui.screens.key_line import fitting
 from rl_tui.tui.screens.playground.playground import Playground

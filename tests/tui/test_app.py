@@ -12,8 +12,8 @@ from textual.command import CommandPalette
 from rl_tui.common.errors import UserError
 from rl_tui.lab.live.player import Player
 from rl_tui.lab.run.library import recipe_for
-from rl_tui.tui.app.action import Place
-from rl_tui.tui.app.actions import actions_of
+from rl_tui.tui.actions.action import Place
+from rl_tui.tui.actions.registry import actions_of
 from rl_tui.tui.app.app import RlTuiApp
 from rl_tui.tui.app.display import Display
 from rl_tui.tui.app.palette_entries import ActionProvider, palette_name

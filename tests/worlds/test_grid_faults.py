@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 
 from rl_tui.common.errors import ScenarioError
 from rl_tui.worlds.files.scenario import read_scenario
-from rl_tui.worlds.files.schema import parsed
 from rl_tui.worlds.grid.section import GridSection
+from rl_tui.worlds.sections.schema import parsed
 
 MAP = 'map = """\nS..#\n.#.G\n"""\n'
 

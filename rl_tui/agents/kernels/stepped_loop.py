@@ -34,7 +34,7 @@ from rl_tui.agents.kernels.stop import (
 from rl_tui.agents.kernels.tables import Tables, pairs_of
 from rl_tui.agents.kernels.watch import Watch, watched
 from rl_tui.agents.policies.family import epsilon_of, in_force, reinforce
-from rl_tui.worlds.gym.stepped.environment import Environment, EnvironmentFailedError
+from rl_tui.worlds.environment import Environment, EnvironmentFailedError
 from rl_tui.worlds.mdp.space import IntArray
 
 MOST_SEEDS: Final = 2**31

@@ -122,7 +122,7 @@ def _warn_of_no_effect(
 
 
 def _warn_beyond_budget(recipe: Recipe, goal: Goal) -> None:
-    from rl_tui.worlds.files.bandit_section import BanditSection
+    from rl_tui.worlds.sections.bandit_section import BanditSection
 
     section = recipe.scenario.section
     pulls = goal.episodes if goal.steps is None else goal.steps

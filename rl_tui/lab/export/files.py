@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from rl_tui.common.errors import UserError
-from rl_tui.worlds.files.schema import is_plain
+from rl_tui.worlds.sections.schema import is_plain
 
 _MOST_TRIED: Final = 1_000
 

@@ -79,9 +79,9 @@ def _world_text(recipe: Recipe, world: World) -> WorldText:
     from rl_tui.lab.export.worlds.grid_text import grid_text
     from rl_tui.lab.export.worlds.gymnasium_text import gymnasium_text
     from rl_tui.lab.export.worlds.table_text import table_text
-    from rl_tui.worlds.files.bandit_section import BanditSection
     from rl_tui.worlds.grid.section import GridSection
     from rl_tui.worlds.gym.section import GymnasiumSection
+    from rl_tui.worlds.sections.bandit_section import BanditSection
 
     section = recipe.scenario.section
     if isinstance(section, GymnasiumSection):

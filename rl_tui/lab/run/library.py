@@ -13,7 +13,7 @@ from rl_tui.common.findings import Finding, near, place, shown
 from rl_tui.lab.run.recipe import Recipe, begin, changed_parameter
 from rl_tui.worlds.files import catalogue
 from rl_tui.worlds.files.scenario import Scenario, read_scenario, scenario_of
-from rl_tui.worlds.files.schema import unknown_key
+from rl_tui.worlds.sections.schema import unknown_key
 
 DEFAULT_ALGORITHM: Final = "q-learning"
 DEFAULT_EPISODES: Final = 1_000

@@ -7,7 +7,7 @@ from typing import Annotated, Final, Literal
 
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, FailFast, Field, model_validator
 
-from rl_tui.worlds.files.schema import control_character
+from rl_tui.worlds.sections.schema import control_character
 
 FORMAT: Final = "rl-tui session"
 VERSION: Final = 1

@@ -28,8 +28,8 @@ from rl_tui.lab.sessions.document import (
     StoredScenario,
 )
 from rl_tui.lab.timeline.branches import FIRST, Branch, RunRecord
+from rl_tui.worlds.files.gymnasium_ids import PREFIX, environment_scenario
 from rl_tui.worlds.files.scenario import Scenario, scenario_of
-from rl_tui.worlds.gym.ids import PREFIX, environment_scenario
 
 
 def document_of(record: Record, *, title: str, kept: bool, digest: str) -> dict[str, Any]:

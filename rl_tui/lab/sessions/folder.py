@@ -16,7 +16,7 @@ from rl_tui.lab.sessions.atomic_file import draft_of
 from rl_tui.lab.sessions.document import LONGEST_NAME
 from rl_tui.lab.sessions.file_lock import FileLock
 from rl_tui.lab.sessions.session import SUFFIX, SessionError, StoredSession, read_session, signature
-from rl_tui.worlds.files.schema import is_plain
+from rl_tui.worlds.sections.schema import is_plain
 
 VARIABLE: Final = "RL_TUI_SESSIONS_DIR"
 MOST_UNNAMED: Final = 50

@@ -25,7 +25,7 @@ from rl_tui.terminal.ending import HUNG_UP, end_on_signal
 from rl_tui.terminal.key_queue import KeyQueue
 from rl_tui.terminal.linked_app import LinkedApp
 from rl_tui.terminal.textual_workarounds import forget_left_screens
-from rl_tui.tui.app.actions import bindings_everywhere
+from rl_tui.tui.actions.registry import bindings_everywhere
 from rl_tui.tui.app.bugs import bug_of
 from rl_tui.tui.app.display import Display
 from rl_tui.tui.app.idleness import LOOKS, Idleness

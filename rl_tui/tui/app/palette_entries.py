@@ -8,8 +8,8 @@ from typing import Protocol, runtime_checkable
 
 from textual.command import DiscoveryHit, Hit, Hits, Provider
 
-from rl_tui.tui.app.action import Action, Place
-from rl_tui.tui.app.actions import actions_of
+from rl_tui.tui.actions.action import Action, Place
+from rl_tui.tui.actions.registry import actions_of
 from rl_tui.tui.draw.to_ascii import to_ascii
 from rl_tui.tui.theme.look import Look
 

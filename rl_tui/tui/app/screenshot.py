@@ -16,7 +16,7 @@ from rl_tui.lab.live.commands import Train
 from rl_tui.lab.live.player import Player
 from rl_tui.lab.run.recipe import Recipe
 from rl_tui.lab.sessions.session import StoredSession
-from rl_tui.tui.app.actions import ACTIONS
+from rl_tui.tui.actions.registry import ACTIONS
 from rl_tui.tui.app.app import RlTuiApp
 from rl_tui.tui.app.display import Display
 from rl_tui.tui.screens.catalogue.catalogue import CatalogueScreen

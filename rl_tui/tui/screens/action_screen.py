@@ -10,7 +10,7 @@ from textual.screen import Screen
 from textual.widget import Widget
 from textual.widgets import Static
 
-from rl_tui.tui.app.action import Place
+from rl_tui.tui.actions.action import Place
 from rl_tui.tui.draw.to_ascii import to_ascii
 from rl_tui.tui.screens.key_line import KeyLine
 from rl_tui.tui.screens.playground.arrangement import ROOMY_HEIGHT, ROOMY_WIDTH

@@ -12,8 +12,8 @@ from textual.binding import Binding, BindingType
 from textual.containers import Vertical, VerticalScroll
 from textual.widgets import Static
 
-from rl_tui.tui.app.action import Place
-from rl_tui.tui.app.actions import actions_of
+from rl_tui.tui.actions.action import Place
+from rl_tui.tui.actions.registry import actions_of
 from rl_tui.tui.screens.dialogs.dialog import Dialog
 from rl_tui.tui.screens.explained import Explained, Explanation
 from rl_tui.tui.screens.notes import notes_markdown

@@ -10,8 +10,8 @@ from textual import events
 from textual.strip import Strip
 from textual.widget import Widget
 
-from rl_tui.tui.app.action import Action, Place
-from rl_tui.tui.app.actions import actions_of
+from rl_tui.tui.actions.action import Action, Place
+from rl_tui.tui.actions.registry import actions_of
 from rl_tui.tui.draw.to_ascii import to_ascii
 from rl_tui.tui.theme.glyphs import Glyphs
 from rl_tui.tui.theme.look import Look

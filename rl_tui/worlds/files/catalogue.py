@@ -14,8 +14,8 @@ import platformdirs
 from rl_tui.common.errors import Fault, ScenarioError, UserError
 from rl_tui.common.findings import shown
 from rl_tui.common.kiosk import in_kiosk
+from rl_tui.worlds.files.gymnasium_ids import PREFIX, environment_scenario
 from rl_tui.worlds.files.scenario import Scenario, read_scenario
-from rl_tui.worlds.gym.ids import PREFIX, environment_scenario
 
 _SUFFIX: Final = ".toml"
 

@@ -13,9 +13,12 @@ from pydantic import Field
 from rl_tui.common.errors import Fault, ScenarioError
 from rl_tui.common.findings import Finding, in_file_order, place, shown
 from rl_tui.common.limits import MOST_FINDINGS
-from rl_tui.worlds.files.bandit_section import BanditSection
-from rl_tui.worlds.files.mdp_section import MDPSection
-from rl_tui.worlds.files.schema import (
+from rl_tui.worlds.files.toml_file import UnreadableError, read_text, tables_in
+from rl_tui.worlds.grid.section import GridSection
+from rl_tui.worlds.gym.section import GymnasiumSection
+from rl_tui.worlds.sections.bandit_section import BanditSection
+from rl_tui.worlds.sections.mdp_section import MDPSection
+from rl_tui.worlds.sections.schema import (
     Expect,
     FileSection,
     is_plain,
@@ -26,10 +29,7 @@ from rl_tui.worlds.files.schema import (
     unknown_key,
     whole_number,
 )
-from rl_tui.worlds.files.toml_file import UnreadableError, read_text, tables_in
-from rl_tui.worlds.files.world_section import WorldRefusedError, WorldSection
-from rl_tui.worlds.grid.section import GridSection
-from rl_tui.worlds.gym.section import GymnasiumSection
+from rl_tui.worlds.sections.world_section import WorldRefusedError, WorldSection
 from rl_tui.worlds.world import World
 
 if TYPE_CHECKING:

@@ -14,7 +14,6 @@ from rl_tui.common.findings import Finding, shown
 from rl_tui.common.limits import LONGEST_SIDE, MOST_CELLS, MOST_CHARACTERS, MOST_OUTCOMES
 from rl_tui.common.words import counted
 from rl_tui.worlds.drawing import CellKind
-from rl_tui.worlds.files.schema import parsed
 from rl_tui.worlds.grid.legend import BUILT_IN, LegendEntry, entry_findings, is_character
 from rl_tui.worlds.grid.map import (
     FLOOR,
@@ -27,6 +26,7 @@ from rl_tui.worlds.grid.map import (
     lines_of,
 )
 from rl_tui.worlds.grid.moves import MOVES
+from rl_tui.worlds.sections.schema import parsed
 
 _MOST_TOLD: Final = 20
 

@@ -7,8 +7,8 @@ from typing import Annotated, Any, Final
 
 from rl_tui.common.findings import Finding, shown
 from rl_tui.worlds.drawing import CellKind
-from rl_tui.worlds.files.schema import Expect, FileSection, Number, is_plain, with_control_character
 from rl_tui.worlds.grid.moves import STEPS
+from rl_tui.worlds.sections.schema import Expect, FileSection, Number, is_plain, with_control_character
 
 KINDS: Final = tuple(kind.value for kind in CellKind)
 _GOAL_REWARD: Final = 1.0

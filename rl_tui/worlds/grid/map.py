@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Annotated, Final
 
 from rl_tui.common.findings import Finding
 from rl_tui.common.limits import LONGEST_SIDE
-from rl_tui.worlds.files.schema import FileSection, number, whole_number
-from rl_tui.worlds.files.world_section import WorldRefusedError
 from rl_tui.worlds.grid.legend import LegendEntry
 from rl_tui.worlds.grid.moves import MOVES, STEPS, Terrain
+from rl_tui.worlds.sections.schema import FileSection, number, whole_number
+from rl_tui.worlds.sections.world_section import WorldRefusedError
 
 if TYPE_CHECKING:
     import numpy as np

@@ -9,12 +9,12 @@ from pydantic import Field
 
 from rl_tui.common.findings import Finding
 from rl_tui.common.limits import LONGEST_SIDE, LONGEST_TIME_LIMIT, MOST_CHARACTERS, STRONGEST_WIND
-from rl_tui.worlds.files.schema import Expect, Number, is_table, number, whole_number
-from rl_tui.worlds.files.world_section import WorldSection
 from rl_tui.worlds.grid.faults import grid_findings
 from rl_tui.worlds.grid.legend import BUILT_IN, Character, LegendEntry, TruthValue
 from rl_tui.worlds.grid.map import RandomMap, draw_map, read_map
 from rl_tui.worlds.grid.moves import MOVES, slips_of
+from rl_tui.worlds.sections.schema import Expect, Number, is_table, number, whole_number
+from rl_tui.worlds.sections.world_section import WorldSection
 from rl_tui.worlds.world import World
 
 if TYPE_CHECKING:

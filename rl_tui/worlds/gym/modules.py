@@ -9,8 +9,8 @@ from rl_tui.common.errors import UserError
 from rl_tui.common.findings import Finding, one_line, shown
 from rl_tui.common.interrupts import is_interrupt
 from rl_tui.common.kiosk import in_kiosk
-from rl_tui.worlds.files.world_section import WorldRefusedError
 from rl_tui.worlds.gym.env_call import ENVIRONMENT_CALL
+from rl_tui.worlds.sections.world_section import WorldRefusedError
 
 OPTION: Final = "--allow-module"
 _LONGEST_REASON: Final = 200

@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, Annotated, Any, Final
 from pydantic import Field
 
 from rl_tui.common.findings import Finding, Location, shown
-from rl_tui.worlds.files.schema import Expect, is_plain, is_table, text, with_control_character
-from rl_tui.worlds.files.world_section import WorldRefusedError, WorldSection
+from rl_tui.worlds.environment import EnvironmentFailedError
 from rl_tui.worlds.gym.modules import refusal_of
 from rl_tui.worlds.gym.stepped.bins import BinsSection
-from rl_tui.worlds.gym.stepped.environment import EnvironmentFailedError
+from rl_tui.worlds.sections.schema import Expect, is_plain, is_table, text, with_control_character
+from rl_tui.worlds.sections.world_section import WorldRefusedError, WorldSection
 from rl_tui.worlds.world import World
 
 if TYPE_CHECKING:

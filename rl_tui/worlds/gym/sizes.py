@@ -7,7 +7,7 @@ from typing import Final
 
 from rl_tui.common.findings import Finding
 from rl_tui.common.limits import MOST_ACTIONS, MOST_PAIRS, MOST_STATES
-from rl_tui.worlds.files.world_section import WorldRefusedError
+from rl_tui.worlds.sections.world_section import WorldRefusedError
 
 _FAR_TOO_MANY: Final = 10**15
 

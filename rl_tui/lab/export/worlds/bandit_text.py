@@ -7,8 +7,8 @@ from typing import Final
 from rl_tui.lab.export.literals import packed
 from rl_tui.lab.export.template import fill
 from rl_tui.lab.export.worlds.text import ARRAY, WorldText
-from rl_tui.worlds.files.bandit_section import BERNOULLI, BanditSection
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
+from rl_tui.worlds.sections.bandit_section import BERNOULLI, BanditSection
 
 SETUP: Final = """
 # The true means, which the agent does not see: those of this seed. Look away if you want to guess

@@ -27,8 +27,8 @@ from rl_tui.lab.live.player import START_SPEED, Player
 from rl_tui.lab.live.snapshot import Phase, Snapshot
 from rl_tui.lab.run.recipe import Recipe
 from rl_tui.terminal.linked_app import LinkedApp
-from rl_tui.tui.app.action import Place
-from rl_tui.tui.app.actions import ORDINALS, bindings_of
+from rl_tui.tui.actions.action import Place
+from rl_tui.tui.actions.registry import ORDINALS, bindings_of
 from rl_tui.tui.panels.controls.slider import Slider
 from rl_tui.tui.panels.status_line import StatusLine
 from rl_tui.tui.screens.dialogs.model import ModelScreen

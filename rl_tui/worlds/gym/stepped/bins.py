@@ -13,9 +13,9 @@ from typing import TYPE_CHECKING, Annotated, Any, Final
 
 from rl_tui.common.findings import Finding, shown
 from rl_tui.common.limits import MOST_BINS, MOST_EDGES, MOST_PARTS
-from rl_tui.worlds.files.schema import Expect, FileSection, Number, is_number, number, whole_number
-from rl_tui.worlds.files.world_section import WorldRefusedError
 from rl_tui.worlds.gym.sizes import check_sizes, combinations
+from rl_tui.worlds.sections.schema import Expect, FileSection, Number, is_number, number, whole_number
+from rl_tui.worlds.sections.world_section import WorldRefusedError
 
 if TYPE_CHECKING:
     from gymnasium.spaces import Box

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from rl_tui.common.findings import Finding
 from rl_tui.common.interrupts import is_interrupt
-from rl_tui.worlds.files.world_section import WorldRefusedError
+from rl_tui.worlds.environment import EnvironmentFailedError, StepResult
 from rl_tui.worlds.gym.env_call import ENVIRONMENT_CALL
 from rl_tui.worlds.gym.env_result import (
     UnsoundResultError,
@@ -21,10 +21,10 @@ from rl_tui.worlds.gym.env_result import (
 )
 from rl_tui.worlds.gym.registered import close, looked_at, made, reason_of, time_limit_of
 from rl_tui.worlds.gym.sizes import check_sizes, combinations
-from rl_tui.worlds.gym.stepped.environment import EnvironmentFailedError, StepResult
 from rl_tui.worlds.gym.stepped.layout import action_names, known_part_names, part_terms, product_grid
 from rl_tui.worlds.gym.stepped.states import ProductNames, States, discrete_states
 from rl_tui.worlds.mdp.space import all_pairs
+from rl_tui.worlds.sections.world_section import WorldRefusedError
 from rl_tui.worlds.world import World
 
 if TYPE_CHECKING:

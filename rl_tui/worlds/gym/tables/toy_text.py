@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from rl_tui.common.findings import Finding, one_line
-from rl_tui.worlds.files.world_section import WorldRefusedError
 from rl_tui.worlds.gym.registered import looked_at, time_limit_of
 from rl_tui.worlds.gym.sizes import check_sizes
 from rl_tui.worlds.gym.tables.blackjack import blackjack_world, is_blackjack
@@ -21,6 +20,7 @@ from rl_tui.worlds.gym.tables.transition_table import (
 )
 from rl_tui.worlds.mdp.tabular_mdp import Outcome, Transition, tabular_mdp
 from rl_tui.worlds.mdp.tolerance import PROBABILITY_TOLERANCE
+from rl_tui.worlds.sections.world_section import WorldRefusedError
 from rl_tui.worlds.world import World
 
 if TYPE_CHECKING:

@@ -6,7 +6,7 @@ from typing import Final
 
 from textual.binding import Binding, BindingType
 
-from rl_tui.tui.app.action import Action, Group, Place
+from rl_tui.tui.actions.action import Action, Group, Place
 
 ORDINALS: Final = ("first", "second", "third", "fourth")
 

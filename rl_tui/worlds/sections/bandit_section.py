@@ -12,7 +12,7 @@ from rl_tui.common.findings import Finding, shown
 from rl_tui.common.limits import LARGEST_STD, MOST_ARMS, MOST_PULLS
 from rl_tui.common.words import counted
 from rl_tui.worlds.drawing import Arms
-from rl_tui.worlds.files.schema import (
+from rl_tui.worlds.sections.schema import (
     Expect,
     FileSection,
     Number,
@@ -22,7 +22,7 @@ from rl_tui.worlds.files.schema import (
     refused,
     whole_number,
 )
-from rl_tui.worlds.files.world_section import WorldSection
+from rl_tui.worlds.sections.world_section import WorldSection
 from rl_tui.worlds.world import World
 
 if TYPE_CHECKING:

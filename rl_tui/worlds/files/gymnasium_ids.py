@@ -9,8 +9,8 @@ from rl_tui.common.errors import UserError
 from rl_tui.common.findings import one_line, shown
 from rl_tui.common.streams import streams
 from rl_tui.worlds.files.scenario import Scenario
-from rl_tui.worlds.files.schema import parsed
 from rl_tui.worlds.gym.section import GymnasiumSection
+from rl_tui.worlds.sections.schema import parsed
 
 if TYPE_CHECKING:
     from rl_tui.worlds.world import World

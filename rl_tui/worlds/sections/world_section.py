@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
 from rl_tui.common.findings import Finding
-from rl_tui.worlds.files.schema import FileSection
+from rl_tui.worlds.sections.schema import FileSection
 from rl_tui.worlds.world import World
 
 if TYPE_CHECKING:

@@ -11,7 +11,7 @@ from typing import Any
 
 from rl_tui.common.findings import Finding, near, shown
 from rl_tui.common.limits import MOST_ACTIONS_WRITTEN, MOST_STATES_WRITTEN
-from rl_tui.worlds.files.schema import is_name, is_number
+from rl_tui.worlds.sections.schema import is_name, is_number
 
 
 @dataclass(frozen=True, slots=True)

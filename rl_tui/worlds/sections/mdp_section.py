@@ -16,8 +16,8 @@ from rl_tui.common.limits import (
     MOST_TRANSITIONS,
 )
 from rl_tui.worlds.drawing import Graph
-from rl_tui.worlds.files.mdp_connections import connection_findings
-from rl_tui.worlds.files.schema import (
+from rl_tui.worlds.sections.mdp_connections import connection_findings
+from rl_tui.worlds.sections.schema import (
     Expect,
     FileSection,
     Name,
@@ -30,7 +30,7 @@ from rl_tui.worlds.files.schema import (
     sums_to_one,
     whole_number,
 )
-from rl_tui.worlds.files.world_section import WorldSection
+from rl_tui.worlds.sections.world_section import WorldSection
 from rl_tui.worlds.world import World
 
 if TYPE_CHECKING:
