@@ -6,7 +6,7 @@ import math
 from typing import Final, NamedTuple
 
 from rl_tui.agents.hyperparameters import SCHEDULES, Hyperparameters
-from rl_tui.agents.kernels.compiled import inlined
+from rl_tui.agents.kernels.compiled import compiled, inlined
 
 _CONSTANT: Final = SCHEDULES.index("constant")
 _LINEAR: Final = SCHEDULES.index("linear")
@@ -47,9 +47,9 @@ class KernelParameters(NamedTuple):
     random_ties: bool
 
 
-@inlined
+@compiled
 def scheduled(schedule: Schedule, episode: int) -> float:
-    """Return the number in force in ``episode``, counted from 0."""
+    """Return the number in force in ``episode``, counted from 0; a call, so that all loops share one."""
     if schedule.kind == _CONSTANT or schedule.decay == 0.0:
         return schedule.start
     if schedule.kind == _LINEAR and schedule.start >= schedule.least:

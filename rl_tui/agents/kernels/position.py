@@ -7,7 +7,7 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from rl_tui.agents.algorithms.family import Experience, Update
-from rl_tui.agents.kernels.compiled import compiled, inlined
+from rl_tui.agents.kernels.compiled import compiled
 from rl_tui.agents.last_step import LastStep
 from rl_tui.worlds.mdp.space import BoolArray, FloatArray, IntArray
 
@@ -107,7 +107,7 @@ def new_record() -> LastRecord:
     return LastRecord(np.zeros(14, dtype=np.int64), np.zeros(9, dtype=np.float64))
 
 
-@inlined
+@compiled
 def record_experience(
     last: LastRecord,
     step: int,
@@ -119,7 +119,10 @@ def record_experience(
     outcome: int,
     experience: Experience,
 ) -> None:
-    """Record one step in the environment; ``outcome`` is −1 where it is not known."""
+    """Record one step in the environment; ``outcome`` is −1 where it is not known.
+
+    It is called and not inlined, so that all loops share one.
+    """
     last.whole[0] = step
     last.whole[1] = episode
     last.whole[2] = experience.state
@@ -135,7 +138,7 @@ def record_experience(
     last.real[1] = experience.reward
 
 
-@inlined
+@compiled
 def record_update(last: LastRecord, update: Update, gamma: float) -> None:
     """Record what was learned from it."""
     last.whole[9] = update.pair
