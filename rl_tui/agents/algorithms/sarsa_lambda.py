@@ -9,7 +9,7 @@ from numpy.random import Generator
 from rl_tui.agents.algorithms.family import Experience, Update, act, learn
 from rl_tui.agents.algorithms.shared.next_action import choose_next, take_chosen
 from rl_tui.agents.algorithms.shared.traces import TracedMemory, no_traces, teach
-from rl_tui.agents.kernels.compiled import compiled, member_of
+from rl_tui.agents.kernels.compiled import member_of
 from rl_tui.agents.kernels.parameters import KernelParameters
 from rl_tui.agents.kernels.tables import Tables
 from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray, IntArray
@@ -39,19 +39,6 @@ def _learn(
     experience: Experience,
     generator: Generator,
 ) -> Update:
-    return learn_with_traces(memory, rule, params, tables, experience, generator)
-
-
-@compiled
-def learn_with_traces(
-    memory: Memory,
-    rule: Any,
-    params: KernelParameters,
-    tables: Tables,
-    experience: Experience,
-    generator: Generator,
-) -> Update:
-    """Choose A′, then move all pairs that have a trace; called and not inlined, to compile in less time."""
     # Choose A′ from S′ using the policy derived from Q
     memory.visits[experience.pair] += 1
     next_pair = choose_next(memory.chosen, rule, memory.q, memory.visits, tables, experience, generator)
