@@ -250,7 +250,7 @@ class Learner(LearnerCounters):
         It then has taken fewer steps than it was asked for, but at least one.
         """
         if self._stepped is not None:
-            self._stepped.patience = seconds
+            self._stepped.time_budget = seconds
 
     def _advance(self, steps: int, episodes: int) -> int:
         if self.plans:

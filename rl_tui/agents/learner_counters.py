@@ -95,8 +95,9 @@ class LearnerCounters:
     @property
     def counters(self) -> Counters:
         """A frozen copy of all these."""
+        last = self.last_step
         return Counters(
-            state=self._shown_state,
+            state=self._shown_state(last),
             step_from=self.state,
             step=self.step,
             episodes=self.episodes,
@@ -104,17 +105,15 @@ class LearnerCounters:
             episode_return=self.episode_return,
             rewards=self.rewards,
             discounted_return=self.discounted_return,
-            last_step=self.last_step,
+            last_step=last,
         )
 
-    @property
-    def _shown_state(self) -> int:
-        """Where the agent is: after an episode's last step still where that step led.
+    def _shown_state(self, last: LastStep | None) -> int:
+        """Return where the agent is: after an episode's last step still where that step led.
 
         After a sweep's last step it is the state backed up. Where a planner has taken over from an agent, or
         the other way round, the last step tells nothing about that.
         """
-        last = self.last_step
         if last is None or self.episode_step > 0:
             return self.state
         ended = last.planned if self.plans else last.terminated or last.truncated

@@ -161,6 +161,12 @@ def test_what_cannot_be_made_again_stays_where_it_is(willing: type[Willing]) -> 
     assert refused.agent.q.tolist() == stopped.agent.q.tolist()
     assert "Willing-v0 cannot be made: " in refused.playback.message + refused.playback.paused_by
     assert "OSError: no more of these" in refused.playback.message + refused.playback.paused_by
+    assert refused.playback.phase is Phase.STOPPED
+    assert playback.q is not None
+    (lane,) = playback.record.lanes
+    assert lane.step == 7
+    changed = do(playback, Apply(SetParameter("alpha", 0.25)))
+    assert (changed.agent.hyperparameters.alpha, changed.counters.step) == (0.25, 7)
     with pytest.raises(EnvironmentFailedError, match="no more of these"):
         do(playback, Restart(playback.record.lanes[0].recipe))
 

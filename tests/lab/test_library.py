@@ -9,10 +9,14 @@ import pytest
 from recipes import recipe
 
 from rl_tui.agents.hyperparameters import SAMPLE_AVERAGE
-from rl_tui.common.errors import ScenarioError, UserError
-from rl_tui.lab.run.library import episodes_of, faults_of, find, listing, recipe_for
+from rl_tui.common.errors import Fault, ScenarioError, UserError
+from rl_tui.lab.run.library import checked, episodes_of, find, listing, recipe_for
 
 WORLD = "[bandit]\nmeans = [0.0, 1.0]\n"
+
+
+def faults_of(path: str | Path) -> list[Fault]:
+    return checked(path)[1]
 
 
 def written(folder: Path, text: str) -> Path:

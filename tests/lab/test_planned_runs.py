@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import pytest
+from playing import begin, do
 from recipes import bandit, one_run, recipe
 from snapshots import snapshot_of
 
 from rl_tui.lab.experiments.many_runs import many_runs
 from rl_tui.lab.experiments.training import Goal
+from rl_tui.lab.live.commands import ChooseBranch, Pause, Train
+from rl_tui.lab.live.snapshot import Phase
 from rl_tui.lab.run.recipe import Recipe, SetParameter, SwitchAlgorithm
 from rl_tui.lab.run.run import Run, replay
 
@@ -17,6 +20,13 @@ LEARN = SwitchAlgorithm("q-learning")
 
 def seen_state(run: Run) -> int:
     return snapshot_of(run).counters.state
+
+
+def test_a_planner_that_is_done_stays_so_whatever_is_refused() -> None:
+    playback = begin(recipe("student", algorithm="value-iteration"))
+    assert do(playback, Train(10_000)).playback.phase is Phase.DONE
+    assert do(playback, ChooseBranch(2)).playback.phase is Phase.DONE
+    assert do(playback, Pause()).playback.phase is Phase.DONE
 
 
 def test_a_planner_pulls_no_arm() -> None:

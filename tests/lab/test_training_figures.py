@@ -10,6 +10,7 @@ from rl_tui.common.errors import UserError
 from rl_tui.lab.experiments.episode_rows import EpisodeRows, csv_file
 from rl_tui.lab.experiments.training import Goal, train
 from rl_tui.lab.run.figures import training_figures
+from rl_tui.lab.run.recipe import JournalEntry, TakeAction
 from rl_tui.lab.run.run import Run
 
 FIELDS = {
@@ -78,6 +79,9 @@ def test_a_runaway_is_an_error_that_names_the_step(tmp_path: Path) -> None:
     )
     with pytest.raises(UserError, match="at step 2"):
         one_run(recipe(str(file)), Goal(steps=1_000))
+    by_hand = [JournalEntry(step, TakeAction(0)) for step in range(3)]
+    with pytest.raises(UserError, match="at step 2"):
+        train(Run(recipe(str(file))), Goal(steps=1_000), journal=by_hand)
 
 
 def test_progress_goes_from_nothing_to_all() -> None:

@@ -45,7 +45,7 @@ def _base() -> Path:
         return Path(chosen)
     try:
         return platformdirs.user_cache_path("rl-tui", appauthor=False)
-    except RuntimeError:  # nobody knows a home
+    except RuntimeError:  # there is no home
         return Path(os.devnull)
 
 
@@ -110,7 +110,7 @@ class _Shared(_CacheLocator):  # type: ignore[misc]
 
 
 class _FinishedFolder(UserProvidedCacheLocator):  # type: ignore[misc]
-    """Where compiled code is read, and nobody tries whether it could be written."""
+    """Where compiled code is read, and whether it could be written is not tried."""
 
     def ensure_cache_path(self) -> None:
         return

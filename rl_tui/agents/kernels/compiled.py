@@ -1,4 +1,4 @@
-"""The decorators of what is compiled; with ``kernels/cache.py`` the only file that knows numba."""
+"""The decorators of what is compiled; with ``cache.py`` and ``cache_key.py`` all that knows numba."""
 
 from __future__ import annotations
 

@@ -146,13 +146,13 @@ class SteppedLoop:
 
     ``pair_action``, [P], says which action a pair is. ``state`` is the one in which the first episode
     starts, ``failure`` says, in one line, at which step the environment broke down and why, empty while it
-    did not. ``patience`` is for how many seconds :meth:`advance` begins new steps. Raises
+    did not. ``time_budget`` is for how many seconds :meth:`advance` begins new steps. Raises
     EnvironmentFailedError where it cannot even start.
     """
 
     def __init__(self, environment: Environment, world: Generator, pair_action: IntArray) -> None:
         self.failure = ""
-        self.patience = math.inf
+        self.time_budget = math.inf
         self.state = environment.reset(int(world.integers(MOST_SEEDS)))
         self._environment = environment
         self._pair_action = pair_action
@@ -175,7 +175,7 @@ class SteppedLoop:
         steps: int,
         episodes: int,
     ) -> Stop:
-        """Take at most ``steps`` steps, or until ``episodes`` more have ended, or ``patience`` has.
+        """Take at most ``steps`` steps, or until ``episodes`` more have ended, or ``time_budget`` has.
 
         The bits are those of the compiled loop where the environment gives the same results. Where it breaks
         down the loop stops after the last sound step, with all that was learned from it.
@@ -190,7 +190,7 @@ class SteppedLoop:
             self._take_turn = entry(turn, *args, False, *nothing, last_step, last_episode)
             self._entry_for = types
         take_turn = self._take_turn
-        until = time.perf_counter() + self.patience
+        until = time.perf_counter() + self.time_budget
         pair = take_turn(*args, False, *nothing, last_step, last_episode)
         while pair >= 0:
             step = int(position.step[0]) + 1

@@ -83,13 +83,11 @@ def backup_of(snapshot: Snapshot) -> Backup | None:
     leaves = _leaves(snapshot, last, pair)
     expected: float | None
     one_step = terms.one_step and last.learned
-    mdp = snapshot.world.mdp
+    mdp, solution = snapshot.world.mdp, snapshot.exact_answer.solution
     if last.planned:
         leaves, expected = _solved(leaves, last), last.target
-    elif mdp is not None and mdp.drift_std and snapshot.exact_answer.solution is not None:
-        expected = float(
-            snapshot.exact_answer.solution.q[pair]
-        )  # the mean as it is now; the model has where it began
+    elif mdp is not None and mdp.drift_std and solution is not None:
+        expected = float(solution.q[pair])  # the mean as it is now; the model has where it began
         leaves = tuple(replace(leaf, reward=expected) for leaf in leaves)
     else:
         expected = expected_target(leaves, last.gamma) if one_step else None

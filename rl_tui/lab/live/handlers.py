@@ -23,6 +23,8 @@ def _pause(playback: Playback, _: commands.Pause) -> None:
     if playback.state is State.SEEKING:
         playback.group.stop_seek()
         playback.seek()  # the others may still have to catch up
+    else:
+        playback.end_if_over()
 
 
 def _step(playback: Playback, _: commands.Step) -> None:
@@ -84,8 +86,7 @@ def _clear_breakpoints(playback: Playback, _: commands.ClearBreakpoints) -> None
 
 
 def _step_back(playback: Playback, _: commands.StepBack) -> None:
-    current = playback.group.current
-    here = current.run.step if current.seek is None or current.seek.step is None else current.seek.step
+    here = playback.group.current.timeline.current.here
     playback.rest()
     playback.group.seek_to(step=here - 1)
     playback.seek()

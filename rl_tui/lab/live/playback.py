@@ -99,7 +99,7 @@ class Playback:
         seek, kind = self.group.current.seek, type(command)
         if seek is None and kind in FROM_HERE:
             return True  # the run shown is there; others have to catch up
-        knows_where = seek is not None and seek.step is not None
+        knows_where = seek is not None and seek.target.step is not None
         return kind in WHILE_SEEKING and (knows_where or kind is not StepBack)
 
     @property
@@ -134,6 +134,7 @@ class Playback:
                 raise
             if self._next in (State.RUNNING, State.UNTIL):
                 self.rest()
+            self.end_if_over()
             self.paused_by = str(fault)
 
     def work(self) -> float | None:
@@ -175,9 +176,10 @@ class Playback:
         )
 
     def _view(self, run: Run) -> PlaybackView:
+        seeks, loads = self.state is State.SEEKING, self.state is State.LOADING
         return PlaybackView(
             phase=self.phase,
-            message=self._message or run.message,
+            message=self.transport.seek_message if seeks else PREPARING if loads else run.message,
             speed=self.transport.speed,
             steps_per_second=self.transport.meter.steps_per_second,
             until="" if self.condition is None else self.condition.describe(run.world),
@@ -185,12 +187,6 @@ class Playback:
             breakpoints=self.breakpoints,
             handled=self.handled,
         )
-
-    @property
-    def _message(self) -> str:
-        if self.state is State.LOADING:
-            return PREPARING
-        return self.transport.seek_message if self.state is State.SEEKING else ""
 
     def _answer(self) -> Answer:
         """Return the exact answer for the γ in force, as far as it is known."""
@@ -214,17 +210,20 @@ class Playback:
         self.state = state
         self.phase = PHASES[self._next if state is State.TRAINING else state]
 
-    def _go_on(self) -> None:
+    def _return(self) -> None:
         """Leave a state that passes, for what was done before it."""
         self.state = self._next
         self.phase = PHASES[self.state]
+        self.changed = True
+
+    def _go_on(self) -> None:
+        """Do again what was done before the runs were loaded or sought."""
+        self._return()
         if self.phase is Phase.RUNNING:
             self.transport.start(at_once=False)
         else:
             self.transport.meter.clear()
-        self.changed = True
-        if self.group.current.run.over:
-            self._end(self.group.current.run)
+        self.end_if_over()
 
     def rest(self) -> None:
         """Stand still, whatever was under way."""
@@ -258,7 +257,7 @@ class Playback:
             self._steps_to_train = steps
             self.group.current.watch(None)
             self._enter(State.TRAINING)
-            self.changed = False
+            self.changed = False  # no snapshot shows anything before the last of these steps
 
     def seek(self) -> None:
         """Bring all runs to where they have to be: at once as far as no one would notice, then bit by bit."""
@@ -270,11 +269,17 @@ class Playback:
     def stop_if_due(self) -> None:
         """Rest where the run shown is over or has met a breakpoint."""
         run = self.group.current.run
-        if run.over:
-            self._end(run)
-        elif run.noticed and (words := breakpoint_in_words(run)):
+        if not self.end_if_over() and run.noticed and (words := breakpoint_in_words(run)):
             self.rest()
             self.paused_by = words
+
+    def end_if_over(self) -> bool:
+        """Rest for good where the run shown is over and stays where it is; return whether it is so."""
+        run = self.group.current.run
+        is_over = run.over and self.state not in PASSING
+        if is_over:
+            self._end(run)
+        return is_over
 
     def _end(self, run: Run) -> None:
         """Rest for good, since the run shown is over."""
@@ -364,11 +369,9 @@ class Playback:
     def _continue_training(self) -> None:
         self._steps_to_train -= self.transport.take_steps(self._steps_to_train)
         if self._steps_to_train == 0 or self.group.current.run.over:
-            self.state = self._next
-            self.phase = PHASES[self.state]
+            self._return()
             self.watch()
             self.stop_if_due()
-            self.changed = True
 
     def _continue_until(self) -> None:
         """Go on until what is waited for has happened, or some milliseconds are over."""

@@ -30,7 +30,7 @@ class Phase(StrEnum):
     PREPARING = "preparing"  # the world is built, the kernels are compiled or read from their cache
     PAUSED = "paused"
     RUNNING = "running"
-    SEEKING = "seeking"  # on the way to another moment; until it is there, the last one is shown
+    SEEKING = "seeking"  # another step is sought; until it is there, the last one is shown
     SPENT = "spent"  # the budget is used up
     DONE = "done"  # a planner has converged: PlaybackView.message says so
     STOPPED = "stopped"  # runaway: PlaybackView.message names the step

@@ -1,4 +1,4 @@
-"""Waiting for something to happen in a run: what the learner is to watch for, and whether that was it."""
+"""What a run is to stop at: what the learner watches for, and whether that was it."""
 
 from __future__ import annotations
 

@@ -53,16 +53,11 @@ def find(name_or_path: str) -> Scenario:
     return scenario
 
 
-def faults_of(path: str | Path) -> list[Fault]:
-    """Return the faults of a scenario file, of its world and of its defaults, in the order of the file.
-
-    Of more than 100 the first are told, and that there are more.
-    """
-    return checked(path)[1]
-
-
 def checked(path: str | Path) -> tuple[Scenario | None, list[Fault]]:
-    """Return the scenario in a file, None where its world has a fault, and all its faults."""
+    """Return the scenario in a file, None where its world has a fault, and its faults in the file's order.
+
+    Of more than 100 faults the first are told, and that there are more.
+    """
     return _checked(str(path), lambda: read_scenario(path))
 
 

@@ -244,9 +244,9 @@ class Run:
         """Advance along ``journal``, of which this run has applied the beginning.
 
         It ends at ``last_step`` or when ``last_episode`` episodes are finished, both counted from the start
-        of the run, or earlier, where :meth:`advance` does. Each entry applies at its step, and so do all
-        settings of the step that is reached; what lies beyond is left out, and so is an action taken by a
-        person at that step, since it is a step further.
+        of the run, or earlier, where :meth:`advance` does. Each entry applies at its step, or at once where
+        the run is beyond that, and so do all settings of the step that is reached; what lies beyond is left
+        out, and so is an action taken by a person at that step, since it is a step further.
         """
         learner, stopped = self.learner, False
         while True:

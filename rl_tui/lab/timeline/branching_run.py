@@ -14,7 +14,7 @@ from rl_tui.lab.run.run import Run, RunState
 from rl_tui.lab.timeline.branches import FIRST, Branch, RunRecord, Timeline
 from rl_tui.lab.timeline.checkpoints import Checkpoints
 from rl_tui.lab.timeline.memory_limits import limits
-from rl_tui.lab.timeline.seek import Seek
+from rl_tui.lab.timeline.seek import Seek, Target
 from rl_tui.lab.timeline.table_samples import CellHistory, TableSamples
 from rl_tui.worlds.world import World
 
@@ -93,7 +93,8 @@ class BranchingRun:
         """Return all branches and the number of the one in force, as they are once a seek is done."""
         seek, step, number = self.seek, self.run.step, self._number
         if seek is not None:
-            step, number = step if seek.step is None else seek.step, seek.branch
+            target = seek.target
+            step, number = step if target.step is None else target.step, target.branch
         branches = [each.branch for each in self._branches]
         branches[number] = replace(branches[number], here=step)
         return tuple(branches), number
@@ -145,7 +146,8 @@ class BranchingRun:
     ) -> None:
         """Begin to seek ``step``, or where ``episode`` (from 1) begins, as far as the branch has come.
 
-        With ``branch`` alone it is where that one was left. Raises UserError where there is no such branch.
+        With ``branch`` alone it is where that one was left. Raises UserError where there is no such branch,
+        or the environment of a run from the seed cannot be made; the run then stays where it stands.
         """
         number = self._number if branch is None else branch
         if not 0 <= number < len(self._branches):
@@ -154,26 +156,27 @@ class BranchingRun:
         self.kept.branch = replace(self.kept.branch, here=run.step)
         if step is None and episode is None:
             step = kept.branch.here
-        self.seek = seek = Seek(number, kept.branch.end, step=step, episode=episode)
-        start = seek.best_of(kept.checkpoints)
+        target = Target(number, kept.branch.end, step=step, episode=episode)
+        start = target.best_of(kept.checkpoints)
         stays = number == self._number and (start is None or start.step <= run.step)
-        seek.run = run if stays and seek.is_ahead_of(run) else self._run_at(start)
-        seek.origin = seek.run.step
-        seek.run.learner.watch(None)
+        if not (stays and target.is_ahead_of(run)):
+            run = self._run_at(start)
+        run.learner.watch(None)
         self._sought = 0.0
-        if seek.done:
-            self._arrive(seek)
+        self.seek = Seek(run, target)
+        if self.seek.done:
+            self._arrive(self.seek)
 
     def continue_seek(self, steps: int) -> int:
         """Go on seeking by at most ``steps``; return how many were taken."""
         seek = self.seek
         if seek is None:
             return 0
-        run, kept = seek.run, self._branches[seek.branch]
+        run, target, kept = seek.run, seek.target, self._branches[seek.target.branch]
         before, start = run.step, self._clock()
         if before > seek.origin and run is not self.run:
             self._keep_near(run, kept)
-        self._follow(run, kept, min(before + steps, seek.last_step), seek.last_episode)
+        self._follow(run, kept, min(before + steps, target.last_step), target.last_episode)
         self._sought += self._clock() - start
         taken, done = run.step - before, seek.done
         if taken == 0 and not done:  # the run is over before it is there
@@ -208,14 +211,14 @@ class BranchingRun:
         return run
 
     def _arrive(self, seek: Seek) -> None:
-        run, kept = seek.run, self._branches[seek.branch]
+        run, number = seek.run, seek.target.branch
         if run is not self.run:
             self._spare = self.run if self.run.learner.rewindable else None
             self.run = run
         # a checkpoint may be older than what was set there last, and at the seed nothing is set yet
-        run.follow(kept.branch.journal, run.step)
-        if seek.branch != self._number:
-            self._put_in_force(seek.branch)
+        run.follow(self._branches[number].branch.journal, run.step)
+        if number != self._number:
+            self._put_in_force(number)
         self.stop_seek()
 
     def _put_in_force(self, number: int) -> None:

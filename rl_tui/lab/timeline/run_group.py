@@ -157,16 +157,16 @@ class RunGroup:
             taken = self.current.continue_seek(steps)
             self._lead_if_there()
             return taken
-        run = next((each for each in self._others if self._is_elsewhere(each)), None)
-        if run is None:
+        lane = next((each for each in self._others if self._is_elsewhere(each)), None)
+        if lane is None:
             return 0
-        if run.seek is None and (run.step > self.step or run.timeline.in_past):
-            run.seek_to(step=self.step)
-        if run.seek is not None:
-            return run.continue_seek(steps)
-        before = run.step
-        run.advance(max(0, min(steps, self.step - before)))
-        return run.step - before
+        if lane.seek is None and (lane.step > self.step or lane.timeline.in_past):
+            lane.seek_to(step=self.step)
+        if lane.seek is not None:
+            return lane.continue_seek(steps)
+        before = lane.step
+        lane.advance(max(0, min(steps, self.step - before)))
+        return lane.step - before
 
     def stop_seek(self) -> None:
         """Seek no further; the others follow to where the one shown stands."""
@@ -218,8 +218,8 @@ class RunGroup:
         views = tuple(_view(each, name) for each, name in zip(self._runs, names, strict=True))
         return RunGroupView(views, self.shown)
 
-    def _is_elsewhere(self, run: BranchingRun) -> bool:
-        return run.seek is not None or run.step > self.step or (run.step < self.step and not run.run.over)
+    def _is_elsewhere(self, lane: BranchingRun) -> bool:
+        return lane.seek is not None or lane.step > self.step or (lane.step < self.step and not lane.run.over)
 
     def _new_run(self, record: RunRecord) -> BranchingRun:
         beginning = Beginning(self._world, begin(record.recipe, self._world).streams)
@@ -244,9 +244,9 @@ def _check(world: World, recipe: Recipe, journal: Sequence[JournalEntry]) -> Non
             check_compatible(world.space, recipe.algorithm, recipe.hyperparameters)
 
 
-def _recipe_now(run: BranchingRun) -> Recipe:
-    learner = run.run.learner
-    return replace(run.recipe, algorithm=learner.algorithm, hyperparameters=learner.hyperparameters)
+def _recipe_now(lane: BranchingRun) -> Recipe:
+    learner = lane.run.learner
+    return replace(lane.recipe, algorithm=learner.algorithm, hyperparameters=learner.hyperparameters)
 
 
 def _view(lane: BranchingRun, name: str) -> LaneView:

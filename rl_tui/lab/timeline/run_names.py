@@ -31,7 +31,7 @@ def run_names(recipes: Sequence[Recipe]) -> list[str]:
 def difference(base: Recipe, other: Recipe) -> str:
     """Return in a few words what ``other`` has otherwise than ``base``: ``SARSA, α 0.5``; empty if nothing.
 
-    Only what counts for the algorithm and action rule of ``other`` is told.
+    Only what counts for the algorithm and policy of ``other`` is named.
     """
     features = _features(other)
     return ", ".join(_text(name, features[name]) for name in _different(_features(base), features, base))

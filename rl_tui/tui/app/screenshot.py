@@ -66,11 +66,16 @@ async def screenshot(
 
 async def settle(pilot: Pilot[UserError]) -> None:
     """Wait until everything that was asked for is done and drawn."""
-    await pilot.pause()
-    for screen in pilot.app.screen_stack:
-        if isinstance(screen, Playground | CatalogueScreen):
-            await screen.settled()
-    await pilot.pause()
+    for _ in range(_MOST_LAYOUTS):
+        await pilot.pause()
+        for screen in pilot.app.screen_stack:
+            if isinstance(screen, Playground | CatalogueScreen):
+                await screen.settled()
+        await pilot.pause()
+        # a layout that comes late brings cells into view that were not asked for before
+        playgrounds = [screen for screen in pilot.app.screen_stack if isinstance(screen, Playground)]
+        if all(each.board.is_complete for each in playgrounds):
+            return
 
 
 def _stop_blinking(app: RlTuiApp) -> None:

@@ -17,7 +17,7 @@ from rl_tui.tui.theme.look import Look
 
 
 def sliders_of(algorithm: str, policy: str) -> tuple[Parameter, ...]:
-    """Return the parameters of ``algorithm`` with the action rule ``policy`` that have a slider, in order."""
+    """Return the parameters of ``algorithm`` with the ``policy`` that have a slider, in order."""
     rows = (PARAMETERS[name] for name in parameters_of(algorithm, policy))
     return tuple(row for row in rows if row.slide is not None)
 

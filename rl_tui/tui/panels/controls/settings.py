@@ -1,4 +1,4 @@
-"""The settings of the agent besides the sliders: algorithm, action rule, seed, speed …, each with its key."""
+"""The settings of the agent besides the sliders: algorithm, policy, seed, speed …, each with its key."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ class Setting:
 
 
 def settings_of(snapshot: Snapshot) -> tuple[Setting, ...]:
-    """Return what is in force, for algorithm and action rule in force."""
+    """Return what is in force, for algorithm and policy in force."""
     return tuple(_settings(snapshot))
 
 

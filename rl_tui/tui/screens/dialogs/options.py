@@ -23,7 +23,7 @@ _VALUE = 15  # columns; a row fits into 51 even where symbols are spelled out
 
 
 class Options(Dialog[None]):
-    """A list of what counts for the algorithm and the action rule in force.
+    """A list of what counts for the algorithm and the policy in force.
 
     ``recipe`` returns what is in force; ``change`` is asked to change the parameter of a name.
     """

@@ -60,7 +60,7 @@ class AgentActions(ActionScreen):
             self.app.push_screen(choice, self._switch)
 
     def action_policy(self) -> None:
-        """Choose the action rule."""
+        """Choose the policy."""
         if not self._counts("policy"):
             self.notify(f"{BY_ID[self.recipe.algorithm].name} tries every action: it follows no policy")
         elif self.snapshot is not None:

@@ -58,14 +58,10 @@ class LaneActions(AgentActions):
     def _drop_lane(self, lane: int) -> None:
         snapshot = self.snapshot
         if snapshot is not None:
-            if (
-                lane == snapshot.run_group.shown
-            ):  # then the next one is shown, or the one before where it was the last
-                self._take_over(
-                    snapshot.run_group.lanes[
-                        lane + 1 if lane + 1 < len(snapshot.run_group.lanes) else lane - 1
-                    ]
-                )
+            lanes = snapshot.run_group.lanes
+            if lane == snapshot.run_group.shown:
+                # then the next one is shown, or the one before where it was the last
+                self._take_over(lanes[lane + 1 if lane + 1 < len(lanes) else lane - 1])
             self.send(DropLane(lane))
 
     def _take_over(self, lane: LaneView) -> None:
