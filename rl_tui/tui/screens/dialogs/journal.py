@@ -19,7 +19,14 @@ from rl_tui.agents.catalogue import BY_ID, POLICY_BY_ID
 from rl_tui.agents.hyperparameters import PARAMETERS
 from rl_tui.common.words import counted
 from rl_tui.lab.live.snapshot import Snapshot
-from rl_tui.lab.run.recipe import JournalEntry, Recipe, SetParameter, SwitchAlgorithm, TakeAction
+from rl_tui.lab.run.recipe import (
+    JournalEntry,
+    Recipe,
+    SetParameter,
+    SwitchAlgorithm,
+    TakeAction,
+    changed_recipe,
+)
 from rl_tui.tui.draw.names import action_name
 from rl_tui.tui.draw.to_ascii import to_ascii
 from rl_tui.tui.panels.controls.settings import option_text
@@ -188,19 +195,17 @@ class _Before:
     """What was in force before each change, from the recipe on."""
 
     def __init__(self, recipe: Recipe) -> None:
-        self._algorithm = recipe.algorithm
-        self._values = recipe.hyperparameters
+        self._recipe = recipe
 
     def change(self, change: SetParameter | SwitchAlgorithm | TakeAction) -> tuple[str, str]:
         """Return how what is changed was called before, and is called from there on."""
+        if isinstance(change, TakeAction):
+            return "", ""
+        before, self._recipe = self._recipe, changed_recipe(self._recipe, change)
         if isinstance(change, SwitchAlgorithm):
-            was, self._algorithm = self._algorithm, change.algorithm
-            return BY_ID[was].name, BY_ID[change.algorithm].name
-        if isinstance(change, SetParameter):
-            before = self._values.value(change.name)
-            self._values = self._values.changed(change.name, change.value)
-            return _called(change.name, before), _called(change.name, change.value)
-        return "", ""
+            return BY_ID[before.algorithm].name, BY_ID[change.algorithm].name
+        was = before.hyperparameters.value(change.name)
+        return _called(change.name, was), _called(change.name, change.value)
 
 
 def _called(name: str, value: float | str) -> str:

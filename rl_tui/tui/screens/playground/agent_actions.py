@@ -11,7 +11,7 @@ from rl_tui.agents.hyperparameters import PARAMETERS, SAMPLE_AVERAGE, Hyperparam
 from rl_tui.common.errors import UserError
 from rl_tui.lab.live.commands import Apply, Command
 from rl_tui.lab.live.snapshot import Snapshot
-from rl_tui.lab.run.recipe import Recipe, SetParameter, SwitchAlgorithm
+from rl_tui.lab.run.recipe import Recipe, SetParameter, SwitchAlgorithm, changed_recipe
 from rl_tui.tui.screens.action_screen import ActionScreen
 from rl_tui.tui.screens.dialogs.choice import algorithm_choice, policy_choice, word_choice
 from rl_tui.tui.screens.dialogs.options import Options
@@ -107,7 +107,7 @@ class AgentActions(ActionScreen):
         """Set ``name`` of the running learner; say why not where it cannot work. Initial Q starts again."""
         values = self.recipe.hyperparameters
         if name == "initial_q":
-            self.restart(replace(self.recipe, hyperparameters=values.changed(name, value)))
+            self.restart(changed_recipe(self.recipe, SetParameter(name, value)))
             return
         params = params_together(values, name, value, self._fault)
         if name == "policy" and len(params) > 1:
