@@ -15,6 +15,7 @@ import time
 from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from types import TracebackType
 from typing import Any, Final
 
@@ -40,6 +41,8 @@ class Chromium:
 
     def __init__(self, folder: Path) -> None:
         self._folder = folder
+        # It has a socket there, whose path may be 107 bytes long; a folder for tests may have a longer name
+        self._short = TemporaryDirectory(prefix="rl-tui-", dir="/tmp", ignore_cleanup_errors=True)
         self._errors = (folder.parent / "chromium.log").open("wb")
         program = chromium()
         assert program is not None
@@ -47,6 +50,7 @@ class Chromium:
             [program, *_FLAGS.split(), f"--user-data-dir={folder}", "about:blank"],
             stdout=subprocess.DEVNULL,
             stderr=self._errors,
+            env=os.environ | {"TMPDIR": self._short.name},
             start_new_session=True,
         )
         self._numbers = itertools.count(1)
@@ -82,6 +86,7 @@ class Chromium:
                 os.killpg(self._process.pid, signal.SIGKILL)  # with all that it has started
         self._process.wait()
         self._errors.close()
+        self._short.cleanup()
         await self._http.close()
 
     async def send(self, method: str, session: str | None = None, **parameters: Any) -> dict[str, Any]:

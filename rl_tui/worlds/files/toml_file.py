@@ -11,10 +11,11 @@ from rl_tui.common.findings import one_line
 from rl_tui.common.limits import LARGEST_FILE, LONGEST_WORD, MOST_KEY_PARTS, MOST_VALUES
 
 # What is no structure: texts in three quotes, in one, and comments. Those that never end match too: to look
-# on from every quote in them would take the square of their length
+# on from every quote in them would take the square of their length. No choice is repeated possessively:
+# Python took too much of one before 3.11.5 (python/cpython #106052)
 _NO_STRUCTURE: Final = re.compile(
-    r""""{3}(?:[^"\\]|\\.|"(?!""))*+(?:"{3,5}|\Z)|'{3}.*?(?:'{3,5}|\Z)"""
-    r"""|"(?:[^"\\\n]|\\.)*+"?|'[^'\n]*+'?|\#[^\n]*+""",
+    r""""{3}.*?(?:(?<!\\)(?:\\\\)*+"{3,5}|\Z)|'{3}.*?(?:'{3,5}|\Z)"""
+    r"""|"[^"\\\n]*+(?:\\.[^"\\\n]*+)*+"?|'[^'\n]*+'?|\#[^\n]*+""",
     re.DOTALL,
 )
 _LONG_KEY: Final = re.compile(rf"(?<![\w-])(?:[\w-]++[ \t]*+\.[ \t]*+){{{MOST_KEY_PARTS}}}")
