@@ -70,9 +70,11 @@ def pytest_configure() -> None:
 
 
 def pytest_sessionstart() -> None:
-    """Let interrupts count: what a shell runs in its background ignores them, and so would its programs."""
-    if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
-        signal.signal(signal.SIGINT, signal.default_int_handler)
+    """Let signals count that a shell's background, or nohup, ignores: programs that tests start would too."""
+    for number in (signal.SIGINT, signal.SIGQUIT, signal.SIGHUP):
+        if signal.getsignal(number) is signal.SIG_IGN:
+            usual = signal.default_int_handler if number is signal.SIGINT else signal.SIG_DFL
+            signal.signal(number, usual)
 
 
 def pytest_collection_finish() -> None:
