@@ -56,7 +56,7 @@ def stand(run: Run) -> Any:
     """All that a run knows."""
     learner = run.learner
     known = [learner.q, learner.visits, learner.last_step, learner.rewards, learner.discounted_return]
-    known += [run.history.curve(), run.marks, run.history.return_last_100, run.history.length_last_100]
+    known += [run.results]
     known += [learner.algorithm, learner.hyperparameters, learner.state, learner.episode_return, run.journal]
     known += [str(each.bit_generator.state) for each in learner.streams]
     return bits([*known, run.step, learner.episodes, learner.episode_step, run.stop_reason, run.over])

@@ -124,12 +124,12 @@ def assert_same(one: Run, other: Run) -> None:
     assert mine is not None
     assert yours is not None
     assert mine.reward.tobytes() == yours.reward.tobytes()
-    assert one.marks.step.tolist() == other.marks.step.tolist()
-    assert one.marks.expected_return.tobytes() == other.marks.expected_return.tobytes()
+    assert one.results.marks.step.tolist() == other.results.marks.step.tolist()
+    assert one.results.marks.expected_return.tobytes() == other.results.marks.expected_return.tobytes()
 
 
 def test_marks_hold_the_mean_of_the_greedy_arm_at_their_own_step(drifting: Recipe) -> None:
-    marks = _at(drifting, 97).marks
+    marks = _at(drifting, 97).results.marks
     assert marks.step.tolist() == [0, 16, 32, 48, 64, 80, 96]
     for step, value in zip(marks.step.tolist()[1:], marks.expected_return.tolist()[1:], strict=True):
         greedy = int(_at(drifting, step).learner.q.argmax())

@@ -67,7 +67,9 @@ async def test_what_happens_on_screen_is_what_a_replay_gives() -> None:
     straight = replay(snapshot.recipe, (), snapshot.counters.step)
     assert snapshot.agent.q.tobytes() == straight.learner.q.tobytes()
     assert snapshot.results.curve.return_mean.tobytes() == straight.history.curve().return_mean.tobytes()
-    assert snapshot.results.marks.expected_return.tobytes() == straight.marks.expected_return.tobytes()
+    assert (
+        snapshot.results.marks.expected_return.tobytes() == straight.results.marks.expected_return.tobytes()
+    )
 
 
 class Kept:

@@ -96,14 +96,14 @@ def test_marks_do_not_influence_learning() -> None:
     marked.advance(steps=3_000)
     plain.advance(steps=3_000)
     assert marked.learner.q.tobytes() == plain.learner.q.tobytes()
-    assert len(marked.marks.step) > 0
-    assert len(plain.marks.step) == 0
+    assert len(marked.results.marks.step) > 0
+    assert len(plain.results.marks.step) == 0
 
 
 def test_a_mark_is_the_exact_return_of_the_greedy_policy_of_its_step() -> None:
     run = Run(recipe("student", seed=4))
     run.advance(steps=200)
-    for step, episode, value in zip(*vars_of(run.marks).values(), strict=True):
+    for step, episode, value in zip(*vars_of(run.results.marks).values(), strict=True):
         then = replay(run.recipe, (), int(step))
         policy = greedy_policy(then.world.space, then.learner.q, "random")
         assert value == expected_return(then.world.space, policy)
@@ -115,9 +115,9 @@ def test_a_mark_belongs_to_what_was_in_force_before_the_change_of_its_step() -> 
     changed.apply(SetParameter("ties", "first"))
     changed.advance(steps=1)
     unchanged.advance(steps=1)
-    assert changed.marks.expected_return[0] == unchanged.marks.expected_return[0]
+    assert changed.results.marks.expected_return[0] == unchanged.results.marks.expected_return[0]
     # Equal estimates: at random 50 steps of studying or phoning; the first action studies and always passes
-    assert unchanged.marks.expected_return[0] < 7.5
+    assert unchanged.results.marks.expected_return[0] < 7.5
 
 
 def test_a_journal_entry_counts_from_the_next_step_on() -> None:

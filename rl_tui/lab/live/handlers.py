@@ -86,7 +86,9 @@ def _clear_breakpoints(playback: Playback, _: commands.ClearBreakpoints) -> None
 
 
 def _step_back(playback: Playback, _: commands.StepBack) -> None:
-    here = playback.group.current.timeline.current.here
+    current = playback.group.current
+    target = None if current.seek is None else current.seek.target.step
+    here = current.run.step if target is None else target
     playback.rest()
     playback.group.seek_to(step=here - 1)
     playback.seek()

@@ -164,28 +164,25 @@ class Playback:
                 raise RuntimeError("there is no world yet")
             preparing = PlaybackView(message=PREPARING, speed=self._record.speed)
             return self._builder.before(self._recipe, self._beginning.world, preparing)
-        current = self.group.current
+        current, run = self.group.current, self.group.current.run
+        seeks, loads = self.state is State.SEEKING, self.state is State.LOADING
         return self._builder.build(
-            current.run,
-            self._view(current.run),
+            run,
+            PlaybackView(
+                phase=self.phase,
+                message=self.transport.seek_message if seeks else PREPARING if loads else run.message,
+                speed=self.transport.speed,
+                steps_per_second=self.transport.meter.steps_per_second,
+                until="" if self.condition is None else self.condition.describe(run.world),
+                paused_by=self.paused_by,
+                breakpoints=self.breakpoints,
+                handled=self.handled,
+            ),
             viewport=self.viewport,
             exact_answer=self._answer(),
             timeline=current.timeline,
             run_group=self.group.view,
             cell=None if self.cell is None else current.cell_history(self.cell),
-        )
-
-    def _view(self, run: Run) -> PlaybackView:
-        seeks, loads = self.state is State.SEEKING, self.state is State.LOADING
-        return PlaybackView(
-            phase=self.phase,
-            message=self.transport.seek_message if seeks else PREPARING if loads else run.message,
-            speed=self.transport.speed,
-            steps_per_second=self.transport.meter.steps_per_second,
-            until="" if self.condition is None else self.condition.describe(run.world),
-            paused_by=self.paused_by,
-            breakpoints=self.breakpoints,
-            handled=self.handled,
         )
 
     def _answer(self) -> Answer:

@@ -21,7 +21,6 @@ from rl_tui.worlds.mdp.space import IntArray
 from rl_tui.worlds.world import World
 
 if TYPE_CHECKING:
-    from rl_tui.agents.learner import Learner
     from rl_tui.lab.run.run import Run
 
 
@@ -74,9 +73,19 @@ class SnapshotBuilder:
         )
 
     def _agent(self, run: Run, counters: Counters, viewport: Viewport | None) -> AgentView:
+        """Return the agent with copies of all that it has learned, of a large world of what is in view."""
         learner = run.learner
         if viewport is None or not is_large(run.world):
-            return _whole_agent(learner)
+            return AgentView(
+                learner.algorithm,
+                learner.hyperparameters,
+                learner.q.copy(),
+                learner.visits.copy(),
+                tables=learner.remembered("q1", "q2"),
+                values=learner.remembered("v")[0] if learner.plans else np.empty(0),
+                planning=learner.planning,
+                author=learner.author,
+            )
         if self._copier is None or self._copier.world is not run.world:
             self._copier = PartCopier(run.world)
         part = self._copier.copy(viewport, counters.state, counters.last_step, learner.q, learner.visits)
@@ -89,17 +98,3 @@ class SnapshotBuilder:
             planning=learner.planning,
             author=learner.author,
         )
-
-
-def _whole_agent(learner: Learner) -> AgentView:
-    """Return ``learner`` with copies of all that it has learned."""
-    return AgentView(
-        learner.algorithm,
-        learner.hyperparameters,
-        learner.q.copy(),
-        learner.visits.copy(),
-        tables=learner.remembered("q1", "q2"),
-        values=learner.remembered("v")[0] if learner.plans else np.empty(0),
-        planning=learner.planning,
-        author=learner.author,
-    )

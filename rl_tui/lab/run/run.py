@@ -26,7 +26,7 @@ from rl_tui.lab.run.recipe import (
     begin,
     changed_parameter,
 )
-from rl_tui.lab.run.results import Marks, RunResults
+from rl_tui.lab.run.results import RunResults
 from rl_tui.worlds.mdp.tabular_mdp import BoolArray, FloatArray, IntArray
 
 OnEpisodes = Callable[[FloatArray, IntArray, BoolArray], None]
@@ -111,11 +111,6 @@ class Run:
         return tuple(self._journal)
 
     @property
-    def marks(self) -> Marks:
-        """The exact returns of the greedy policy on the way."""
-        return self._evaluation.marks()
-
-    @property
     def bandit(self) -> BanditFigures | None:
         """How the pulls of a bandit were spent; None where the world is no bandit."""
         if self.world.budget is None:
@@ -130,7 +125,7 @@ class Run:
         """What it has achieved so far."""
         return RunResults(
             curve=self.history.curve(),
-            marks=self.marks,
+            marks=self._evaluation.marks(),
             return_last_100=self.history.return_last_100,
             length_last_100=self.history.length_last_100,
             greedy_return=self.greedy_return,
