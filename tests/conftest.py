@@ -60,13 +60,16 @@ def _sessions_of_its_own(monkeypatch: pytest.MonkeyPatch, tmp_path_factory: pyte
     monkeypatch.setenv("RL_TUI_SESSIONS_DIR", str(folder))
 
 
-def pytest_configure() -> None:
-    """Let hypothesis forget its examples where it cannot write them down, of which it warns."""
-    if not os.access(os.curdir, os.W_OK):
-        from hypothesis import settings
+def pytest_configure(config: pytest.Config) -> None:
+    """Let hypothesis try the same examples in every run; ``--hypothesis-profile=default`` looks for others.
 
-        settings.register_profile("forgetful", database=None)
-        settings.load_profile("forgetful")
+    A change is then judged by what it changes. Nothing is written down, so the folder may be read-only.
+    """
+    from hypothesis import settings
+
+    settings.register_profile("repeatable", derandomize=True, database=None)
+    if not config.getoption("--hypothesis-profile"):
+        settings.load_profile("repeatable")
 
 
 def pytest_sessionstart() -> None:
