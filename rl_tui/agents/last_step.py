@@ -34,9 +34,11 @@ class LastStep:
 
     The update moved ``updated_pair`` from ``before`` to ``after`` = before + step_size·(target − before), the
     target being gathered + discount·bootstrap: one-step methods gather the ``reward`` and discount by
-    ``gamma``. The bootstrap is 0 after a terminated step, not after a truncated one. ``updated_pair`` is −1
-    where nothing was learned yet (n-step methods, Monte Carlo). ``others`` counts further updates of the same
-    step (traces, planning); ``table`` says which of two tables moved, 0 where there is one.
+    ``gamma``. The bootstrap is 0 after a terminated step, not after a truncated one. ``bootstrap_state`` is
+    the state whose estimates it was read from, −1 for none and for a planner, which reads those of all that
+    may follow. ``updated_pair`` is −1 where nothing was learned yet (n-step methods, Monte Carlo). ``others``
+    counts further updates of the same step (traces, planning); ``table`` says which of two tables moved, 0
+    where there is one.
     """
 
     step: int
@@ -62,6 +64,7 @@ class LastStep:
     after: float
     episode_step: int = 0
     by_hand: bool = False
+    bootstrap_state: int = NOTHING
 
     @property
     def planned(self) -> bool:
