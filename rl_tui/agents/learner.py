@@ -74,7 +74,6 @@ class Learner(LearnerCounters):
         self._rule: Any
         self._memory: Any
         self._stop = Stop.DONE
-        self.hyperparameters = hyperparameters
         self._take_rule(hyperparameters)
         self._take_algorithm(algorithm)
         self._begin_anew()
@@ -89,11 +88,10 @@ class Learner(LearnerCounters):
         """
         check_compatible(self.space, self.algorithm, hyperparameters)
         other_ties = hyperparameters.ties != self.hyperparameters.ties
-        if hyperparameters.policy != self.hyperparameters.policy:
-            self._take_rule(hyperparameters)
-        else:
-            self._rule = self._policy_module.changed_rule(self._rule, hyperparameters)
-            self._take_hyperparameters(hyperparameters)
+        learned = arrays_of(self._rule) if hyperparameters.policy == self.hyperparameters.policy else None
+        self._take_rule(hyperparameters)
+        if learned is not None:
+            put_back(arrays_of(self._rule), learned)
         if other_ties:
             noticed = self._watch.noticed.copy()
             self.watch(self._watching)  # the new tie rule says what was greedy before
@@ -116,11 +114,8 @@ class Learner(LearnerCounters):
         self._go_on_planning()
 
     def _take_rule(self, hyperparameters: Hyperparameters) -> None:
-        self._policy_module = importlib.import_module(POLICY_BY_ID[hyperparameters.policy].module)
-        self._rule = self._policy_module.new_rule(self.space, hyperparameters)
-        self._take_hyperparameters(hyperparameters)
-
-    def _take_hyperparameters(self, hyperparameters: Hyperparameters) -> None:
+        policy = importlib.import_module(POLICY_BY_ID[hyperparameters.policy].module)
+        self._rule = policy.new_rule(self.space, hyperparameters)
         self.hyperparameters = hyperparameters
         self._params = kernel_parameters(hyperparameters)
         self._schedules = schedules_of(hyperparameters)

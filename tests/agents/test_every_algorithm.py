@@ -15,6 +15,7 @@ from hypothesis import strategies as st
 from plain_world import PlainWorld, Table, as_array
 from random_worlds import worlds
 
+from rl_tui.agents.algorithms.family import NO_STATE
 from rl_tui.agents.catalogue import BY_ID
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.agents.kernels import loop, planning_loop
@@ -225,3 +226,31 @@ def test_a_terminated_step_does_not_bootstrap_a_truncated_one_does(
     last = ours.last_step
     assert last is not None
     assert (last.terminated, last.truncated, last.after) == (ends, not ends, value)
+
+
+@pytest.mark.parametrize("algorithm", EVERY)
+@examples(10)
+@given(worlds(), any_hyperparameters, SEEDS)
+def test_the_bootstrap_was_read_from_the_state_that_is_named(
+    algorithm: str, mdp: TabularMDP, hyperparameters: Hyperparameters, seed: int
+) -> None:
+    ours = learner(mdp, algorithm, hyperparameters, seed)
+    row = BY_ID[algorithm]
+    for _ in range(40):
+        tables = [ours.q.copy(), *ours.remembered("q1", "q2")]
+        ours.advance(1)
+        ours.drain_episodes()
+        last = ours.last_step
+        assert last is not None
+        state = last.bootstrap_state
+        if state == NO_STATE:
+            assert row.planner or last.bootstrap == 0.0
+            assert row.planner or row.update.remembered or not row.update.one_step or last.terminated
+            continue
+        assert last.learned
+        assert row.update.remembered or (state == last.next_state and not last.terminated)
+        # Where several updates were made and the last is told, the estimates have moved on the way
+        if row.update.one_step or not last.others:
+            estimates = [table[pair] for table in tables[-2:] for pair in mdp.pairs_of(state)]
+            slack = 1e-12 * max(map(abs, estimates))
+            assert min(estimates) - slack <= last.bootstrap <= max(estimates) + slack

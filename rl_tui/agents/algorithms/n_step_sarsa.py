@@ -7,7 +7,17 @@ from typing import Any, Final, NamedTuple
 import numpy as np
 from numpy.random import Generator
 
-from rl_tui.agents.algorithms.family import Experience, Update, act, further, learn, no_update, with_others
+from rl_tui.agents.algorithms.family import (
+    NO_STATE,
+    Experience,
+    Update,
+    act,
+    further,
+    learn,
+    no_update,
+    one_update,
+    with_others,
+)
 from rl_tui.agents.algorithms.shared.next_action import choose_next, nothing_chosen, take_chosen
 from rl_tui.agents.hyperparameters import MOST_STEPS
 from rl_tui.agents.kernels.compiled import inlined, member_of
@@ -79,7 +89,7 @@ def _learn(
     update = no_update()
     extreme, made = 0.0, 0
     for due in range(memory.time[1], time if ended else time - params.steps + 1):
-        update = _update(memory, params, due, min(due + params.steps, time), time, experience.terminated)
+        update = _update(memory, params, due, min(due + params.steps, time), time, experience)
         extreme = further(extreme, update.after)
         made += 1
     memory.time[0] = 0 if ended else time
@@ -89,18 +99,23 @@ def _learn(
 
 @inlined
 def _update(
-    memory: Memory, params: KernelParameters, due: int, last: int, time: int, terminated: bool
+    memory: Memory, params: KernelParameters, due: int, last: int, time: int, experience: Experience
 ) -> Update:
-    """Update the pair of step ``due`` with the rewards up to that of step ``last``."""
+    """Update the pair of step ``due`` with the rewards up to that of step ``last``.
+
+    The update says that it bootstrapped from the state where ``experience`` ends, as the last one of a step
+    does. Others, which look up an earlier state, are only counted.
+    """
     # G ← Σ γ^(i−τ−1) R_i for i from τ+1 to min(τ+n, T)
     gathered, discount = 0.0, 1.0
     for step in range(due, last):
         gathered += discount * memory.rewards[step % _ROOM]
         discount *= params.gamma
     # If τ + n < T: G ← G + γⁿ Q(S_{τ+n}, A_{τ+n}); a truncated episode would have gone on
-    bootstrap = 0.0
-    if last < time or not terminated:
+    bootstrap, bootstrap_state = 0.0, NO_STATE
+    if last < time or not experience.terminated:
         bootstrap = memory.q[memory.pairs[last % _ROOM]]
+        bootstrap_state = experience.next_state
     # Q(S_τ,A_τ) ← Q(S_τ,A_τ) + α [G − Q(S_τ,A_τ)]
     pair = memory.pairs[due % _ROOM]
     memory.updates[pair] += 1
@@ -108,4 +123,4 @@ def _update(
     before = memory.q[pair]
     after = before + alpha * (gathered + discount * bootstrap - before)
     memory.q[pair] = after
-    return Update(pair, before, alpha, gathered, discount, bootstrap, after, 0, after, 0)
+    return one_update(pair, before, alpha, gathered, discount, bootstrap, bootstrap_state, after)

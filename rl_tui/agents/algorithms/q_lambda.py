@@ -63,4 +63,4 @@ def _learn(
         if memory.q[next_pair] == bootstrap and not experience.truncated:
             decay = params.gamma * params.trace_decay
     # δ ← R + γ max_a Q(S′,a) − Q(S,A);  Q ← Q + α δ e;  e ← γλ e, or 0
-    return teach(memory, params, experience.pair, experience.reward, bootstrap, decay)
+    return teach(memory, params, experience, bootstrap, decay)

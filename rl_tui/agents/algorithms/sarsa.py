@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 from numpy.random import Generator
 
-from rl_tui.agents.algorithms.family import Experience, Update, act, learn, one_update
+from rl_tui.agents.algorithms.family import NO_STATE, Experience, Update, act, learn, one_update
 from rl_tui.agents.algorithms.shared.next_action import NO_PAIR, nothing_chosen
 from rl_tui.agents.kernels.compiled import member_of
 from rl_tui.agents.kernels.parameters import KernelParameters, step_size
@@ -53,10 +53,11 @@ def _learn(
     pair = experience.pair
     memory.visits[pair] += 1
     alpha = step_size(params, memory.visits[pair])
-    bootstrap = 0.0
+    bootstrap, bootstrap_state = 0.0, NO_STATE
     memory.chosen[0] = NO_PAIR
     if not experience.terminated:
-        first, last = pairs_of(tables, experience.next_state)
+        bootstrap_state = experience.next_state
+        first, last = pairs_of(tables, bootstrap_state)
         next_pair, explores = choose(rule, memory.q, memory.visits, first, last, generator)
         bootstrap = memory.q[next_pair]
         if not experience.truncated:
@@ -66,4 +67,4 @@ def _learn(
     before = memory.q[pair]
     after = before + alpha * (experience.reward + params.gamma * bootstrap - before)
     memory.q[pair] = after
-    return one_update(pair, before, alpha, experience.reward, params.gamma, bootstrap, after)
+    return one_update(pair, before, alpha, experience.reward, params.gamma, bootstrap, bootstrap_state, after)

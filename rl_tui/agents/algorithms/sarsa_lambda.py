@@ -46,4 +46,4 @@ def _learn(
     # δ ← R + γ Q(S′,A′) − Q(S,A);  Q ← Q + α δ e;  e ← γλ e, and no trace leads into another episode
     ended = experience.terminated or experience.truncated
     decay = 0.0 if ended else params.gamma * params.trace_decay
-    return teach(memory, params, experience.pair, experience.reward, bootstrap, decay)
+    return teach(memory, params, experience, bootstrap, decay)

@@ -30,7 +30,7 @@ from rl_tui.agents.kernels.stop import (
 )
 from rl_tui.agents.kernels.tables import Tables, landing, outcomes_of, pairs_of
 from rl_tui.agents.kernels.watch import Watch, watched
-from rl_tui.agents.policies.family import epsilon_of, in_force, reinforce
+from rl_tui.agents.policies.family import in_force, reinforce
 
 # Why the inner loop came back: the rewards that are kept have to be added up before they are written over
 _REWARDS_FULL: Final = -1
@@ -98,7 +98,8 @@ def advance(
     logged = log.finished[0]
     forced, watching = position.forced[0], watch.active[0]
     last_step, last_episode = step + steps, episode + episodes
-    rule = in_force(rule, scheduled(schedules.epsilon, episode))
+    epsilon = scheduled(schedules.epsilon, episode)
+    rule = in_force(rule, epsilon)
     params = with_alpha(params, scheduled(schedules.alpha, episode))
     stop = 0
     while stop == 0 and step < last_step and episode < last_episode:
@@ -126,7 +127,7 @@ def advance(
             first_pair, last_pair = pairs_of(tables, state)
             reinforce(rule, params.alpha, first_pair, last_pair, pair, reward)
             # S ← S′, until S is terminal or the time is up
-            acted_episode, acted_epsilon = episode, epsilon_of(rule)
+            acted_episode, acted_epsilon = episode, epsilon
             state = next_state
             if first_reward_episode == 0 and reward != 0.0:
                 first_reward_episode = episode + 1
@@ -142,7 +143,8 @@ def advance(
                 episode += 1
                 episode_step = 0
                 episode_return = 0.0
-                rule = in_force(rule, scheduled(schedules.epsilon, episode))
+                epsilon = scheduled(schedules.epsilon, episode)
+                rule = in_force(rule, epsilon)
                 params = with_alpha(params, scheduled(schedules.alpha, episode))
                 state = start_state(tables, world)
             elif not has_room(memory):

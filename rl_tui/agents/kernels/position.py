@@ -96,7 +96,7 @@ def new_episode_log(episodes: int) -> EpisodeLog:
 
 
 class LastRecord(NamedTuple):
-    """The last step in two arrays: the whole fields of :class:`LastStep`, [14], and the real ones, [9]."""
+    """The last step in two arrays: the whole fields of :class:`LastStep`, [15], and the real ones, [9]."""
 
     whole: IntArray
     real: FloatArray
@@ -104,7 +104,7 @@ class LastRecord(NamedTuple):
 
 def new_record() -> LastRecord:
     """Return the record of no step."""
-    return LastRecord(np.zeros(14, dtype=np.int64), np.zeros(9, dtype=np.float64))
+    return LastRecord(np.zeros(15, dtype=np.int64), np.zeros(9, dtype=np.float64))
 
 
 @compiled
@@ -144,6 +144,7 @@ def record_update(last: LastRecord, update: Update, gamma: float) -> None:
     last.whole[9] = update.pair
     last.whole[10] = update.others
     last.whole[11] = update.table
+    last.whole[14] = update.bootstrap_state
     last.real[2] = update.before
     last.real[3] = update.step_size
     last.real[4] = gamma
@@ -183,4 +184,5 @@ def read_record(last: LastRecord) -> LastStep | None:
         after=real[8],
         episode_step=whole[12],
         by_hand=bool(whole[13]),
+        bootstrap_state=whole[14],
     )

@@ -33,7 +33,7 @@ from rl_tui.agents.kernels.stop import (
 )
 from rl_tui.agents.kernels.tables import Tables, pairs_of
 from rl_tui.agents.kernels.watch import Watch, watched
-from rl_tui.agents.policies.family import epsilon_of, in_force, reinforce
+from rl_tui.agents.policies.family import in_force, reinforce
 from rl_tui.worlds.environment import Environment, EnvironmentFailedError
 from rl_tui.worlds.mdp.space import IntArray
 
@@ -78,7 +78,8 @@ def turn(
     step = position.step[0]
     episode = position.episodes[0]
     state = position.state[0]
-    rule = in_force(rule, scheduled(schedules.epsilon, episode))
+    epsilon = scheduled(schedules.epsilon, episode)
+    rule = in_force(rule, epsilon)
     params = with_alpha(params, scheduled(schedules.alpha, episode))
     stop = 0
     if has_result:
@@ -95,9 +96,7 @@ def turn(
         first_pair, last_pair = pairs_of(tables, state)
         reinforce(rule, params.alpha, first_pair, last_pair, chosen.pair[0], reward)
         by_hand, explored = position.forced[0] >= 0, chosen.explored[0] == 1
-        record_experience(
-            last, step, episode + 1, episode_step, by_hand, explored, epsilon_of(rule), -1, experience
-        )
+        record_experience(last, step, episode + 1, episode_step, by_hand, explored, epsilon, -1, experience)
         record_update(last, update, params.gamma)
         # S ← S′, until S is terminal or the time is up
         state = next_state

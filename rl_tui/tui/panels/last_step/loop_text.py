@@ -169,13 +169,12 @@ def choice_text(snapshot: Snapshot, last: LastStep, glyphs: Glyphs) -> tuple[str
         return "you chose it", "by you"
     _, params = snapshot.agent.learned_by
     rule = POLICY_BY_ID[params.policy]
-    if "epsilon" in rule.parameters:
+    if rule.explores_by_epsilon:
         return _epsilon_greedy(snapshot, last, glyphs)
-    values = [
-        f"{PARAMETERS[name].symbol} = {_value(params.value(name), glyphs)}"
-        for name in rule.parameters
-        if PARAMETERS[name].slide is not None
-    ]
+    in_force = {name: params.value(name) for name in rule.parameters if PARAMETERS[name].slide is not None}
+    if "epsilon" in in_force:
+        in_force["epsilon"] = last.epsilon  # a schedule may have moved it
+    values = [f"{PARAMETERS[name].symbol} = {_value(value, glyphs)}" for name, value in in_force.items()]
     rule_text = f"{rule.name} ({', '.join(values)})" if values else rule.name
     if last.explored:
         return f"{rule_text}, not the greedy one", f"{rule.name}, not greedy"
