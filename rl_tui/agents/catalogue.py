@@ -19,7 +19,8 @@ class Algorithm:
     ``module`` holds its memory and update rule; ``parameters`` names its hyper-parameters in the order of the
     controls panel, those of the policy apart; ``source`` is the box in Sutton & Barto (2nd ed.) that it
     follows. A planner takes no steps in the world: it backs up one state after the other with the model.
-    ``update`` says how its update is written.
+    ``update`` says how its update is written. ``counts_updates``: a sample average is over its own updates,
+    which come later than the step or in one of several tables.
     """
 
     id: str
@@ -31,6 +32,7 @@ class Algorithm:
     parameters: tuple[str, ...]
     planner: bool = False
     update: UpdateTerms = terms.MAXIMUM
+    counts_updates: bool = False
 
 
 ALGORITHMS: Final[tuple[Algorithm, ...]] = (
@@ -72,6 +74,7 @@ ALGORITHMS: Final[tuple[Algorithm, ...]] = (
         module="rl_tui.agents.algorithms.double_q_learning",
         parameters=_TD,
         update=terms.OTHER_TABLE,
+        counts_updates=True,
     ),
     Algorithm(
         id="n-step-sarsa",
@@ -82,6 +85,7 @@ ALGORITHMS: Final[tuple[Algorithm, ...]] = (
         module="rl_tui.agents.algorithms.n_step_sarsa",
         parameters=(*_TD, "n"),
         update=terms.N_STEPS,
+        counts_updates=True,
     ),
     Algorithm(
         id="sarsa-lambda",
@@ -132,6 +136,7 @@ ALGORITHMS: Final[tuple[Algorithm, ...]] = (
         module="rl_tui.agents.algorithms.monte_carlo",
         parameters=_TD,
         update=terms.WHOLE_RETURN,
+        counts_updates=True,
     ),
     Algorithm(
         id="value-iteration",
@@ -162,7 +167,10 @@ BY_ID: Final = {algorithm.id: algorithm for algorithm in ALGORITHMS}
 
 @dataclass(frozen=True, slots=True)
 class Policy:
-    """One way of choosing actions, and where its code is; ``bandits_only``: it works in one state only."""
+    """One way of choosing actions, and where its code is; ``bandits_only``: it works in one state only.
+
+    ``counts_visits``: it reads how often each pair was taken, N(s, a).
+    """
 
     id: str
     name: str
@@ -172,6 +180,7 @@ class Policy:
     module: str
     parameters: tuple[str, ...]
     bandits_only: bool = False
+    counts_visits: bool = False
 
 
 POLICIES: Final[tuple[Policy, ...]] = (
@@ -201,6 +210,7 @@ POLICIES: Final[tuple[Policy, ...]] = (
         source="equation 2.10, section 2.7",
         module="rl_tui.agents.policies.ucb",
         parameters=("confidence", "ties"),
+        counts_visits=True,
     ),
     Policy(
         id="gradient",
