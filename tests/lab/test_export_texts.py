@@ -14,7 +14,7 @@ import pytest
 from export_samples import ran, recipe_of
 
 import rl_tui
-from rl_tui.agents.catalogue import ALGORITHMS, BY_ID, POLICIES, POLICY_BY_ID, Algorithm, Policy
+from rl_tui.agents.catalogue import BY_ID, POLICY_BY_ID, Algorithm, Policy
 from rl_tui.agents.hyperparameters import PARAMETERS
 from rl_tui.common.errors import UserError
 from rl_tui.lab.export.script import script
@@ -22,7 +22,7 @@ from rl_tui.lab.export.template import ENDING, fill, sections
 from rl_tui.lab.run.recipe import Recipe
 
 PACKAGE = Path(rl_tui.__file__).parent
-ROWS = [*ALGORITHMS, *POLICIES]
+ROWS = [*BY_ID.values(), *POLICY_BY_ID.values()]
 TEXTS = sorted((PACKAGE / "agents").rglob(f"*{ENDING}"))
 WORDS = {
     f"{name} {word}"
@@ -105,7 +105,7 @@ def make_text(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, text: str) -> Non
     monkeypatch.delitem(sys.modules, "made_up", raising=False)
 
 
-@pytest.mark.parametrize("module", ["no_such_package.rule", f"{POLICIES[0].module}_others"])
+@pytest.mark.parametrize("module", ["no_such_package.rule", f"{ROWS[-1].module}_others"])
 def test_another_rule_with_an_epsilon_is_not_exported_as_epsilon_greedy(
     module: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
