@@ -90,9 +90,7 @@ def algorithm_choice(space: FiniteSpace, recipe: Recipe, glyphs: Glyphs) -> Choi
 
 def policy_choice(space: FiniteSpace, recipe: Recipe, glyphs: Glyphs) -> Choice:
     """Return the choice among all policies; those that cannot work in ``space`` are marked."""
-    values = recipe.hyperparameters
-    if values.sample_average:
-        values = values.changed("alpha", Hyperparameters().alpha).changed("step_size_schedule", "constant")
+    values = recipe.hyperparameters.without_average()
     candidates = (
         Candidate(
             each.id,
