@@ -15,7 +15,7 @@ from textwrap import fill
 
 import click
 
-from rl_tui.agents.catalogue import ALGORITHMS, POLICIES, Algorithm, Policy
+from rl_tui.agents.catalogue import BY_ID, POLICY_BY_ID, Algorithm, Policy
 from rl_tui.agents.hyperparameters import PARAMETERS, Hyperparameters, Parameter
 from rl_tui.cli.main import program
 from rl_tui.cli.options.help_sections import OPTIONS, SOME, TITLES, section_of
@@ -75,7 +75,7 @@ def algorithms() -> str:
     """Return what each algorithm is, how it updates and which settings it alone or with few others has."""
     return "\n\n".join(
         _described(algorithm, [name for name in algorithm.parameters if section_of(name) == SOME])
-        for algorithm in ALGORITHMS
+        for algorithm in BY_ID.values()
     )
 
 
@@ -83,7 +83,7 @@ def policies() -> str:
     """Return what each policy is, how it chooses and its settings."""
     return "\n\n".join(
         _described(policy, [name for name in policy.parameters if not PARAMETERS[name].schedule])
-        for policy in POLICIES
+        for policy in POLICY_BY_ID.values()
     )
 
 
