@@ -1,7 +1,7 @@
 """Writes what the documentation takes from the program: ``make docs``.
 
 A page of this folder says ``<!-- made by make docs: NAME -->`` and ``<!-- end -->``. Between them stands, as
-Markdown, what the function of that name returns. A test compares the two.
+Markdown, what the function of that name returns. The pictures are drawn by the program too. A test compares.
 """
 
 from __future__ import annotations
@@ -28,10 +28,13 @@ from rl_tui.worlds.files.catalogue import shipped_folder
 FOLDER = Path(__file__).parent
 BLOCK = re.compile(r"(<!-- made by make docs: (\w+) -->\n).*?(<!-- end -->)", re.DOTALL)
 PLACES = {Place.CATALOGUE: "catalogue", Place.PLAYGROUND: "playground", Place.BOTH: "both"}
+PICTURES = {"playground.svg": "wait:20000", "microscope.svg": "wait:60000,d"}
 
 
 def main() -> None:
-    """Write every file anew whose blocks are no longer what the program says."""
+    """Draw the pictures, and write every page anew whose blocks are no longer what the program says."""
+    for name in PICTURES:
+        draw(name, FOLDER / name)
     for path in sorted(FOLDER.glob("*.md")):
         before = path.read_text(encoding="utf-8")
         after = renewed(before)
@@ -43,6 +46,12 @@ def main() -> None:
 def renewed(text: str) -> str:
     """Return ``text`` with every block as the program is now."""
     return BLOCK.sub(lambda block: f"{block[1]}\n{BLOCKS[block[2]]()}\n\n{block[3]}", text)
+
+
+def draw(picture: str, path: Path) -> None:
+    """Draw that one of ``PICTURES`` into ``path``."""
+    keys = PICTURES[picture]
+    program(["screenshot", "frozenlake-slippery", "--keys", keys, "--out", str(path)], standalone_mode=False)
 
 
 def keys() -> str:

@@ -35,6 +35,12 @@ def test_all_that_is_generated_stands_somewhere_once() -> None:
     assert sorted(block[2] for block in GENERATOR["BLOCK"].finditer(texts)) == sorted(GENERATOR["BLOCKS"])
 
 
+@pytest.mark.parametrize("picture", GENERATOR["PICTURES"])
+def test_a_picture_is_what_the_program_draws(picture: str, tmp_path: Path) -> None:
+    GENERATOR["draw"](picture, tmp_path / picture)
+    assert (tmp_path / picture).read_bytes() == (ROOT / "docs" / picture).read_bytes(), "run make docs"
+
+
 @pytest.mark.parametrize("path", PAGES, ids=named)
 def test_links_lead_to_what_is_there(path: Path) -> None:
     for target in re.findall(r"\]\(([^)\s]+)\)", path.read_text(encoding="utf-8")):
