@@ -142,7 +142,7 @@ def commands() -> str:
 
 
 def _command(context: click.Context, common: set[tuple[str, str]]) -> str:
-    usage = " ".join(context.command.get_usage(context).removeprefix("Usage: ").split())
+    usage = " ".join([context.command_path, *context.command.collect_usage_pieces(context)])
     paragraphs = cleandoc(context.command.help or "").split("\n\n")
     records = list(_records(context))
     own = [_item(record) for record in records if record not in common]
@@ -151,8 +151,8 @@ def _command(context: click.Context, common: set[tuple[str, str]]) -> str:
         shared.append("[the settings of a run](agents.md#settings)")
     parts = [f"### {context.command_path}", f"    {usage}"]
     for paragraph in paragraphs:
-        as_it_stands = paragraph.startswith("\b")
-        parts.append(paragraph.replace("\b\n", "    ") if as_it_stands else _wrapped(paragraph))
+        is_example = paragraph.startswith("rl-tui ")
+        parts.append(f"    {paragraph}" if is_example else _wrapped(paragraph))
     if own:
         parts.append("\n".join(own))
     if shared:
