@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import gc
+import importlib
 import locale
 import os
 import re
 import signal
+import sys
 import time
 from collections.abc import Iterator
 from contextlib import suppress
@@ -16,7 +18,7 @@ from typing import Final
 import pytest
 
 _TESTS = count()
-_OF_THE_PROGRAM: Final = re.compile("RL_TUI_.*|TEXTUAL.*")
+_OF_THE_PROGRAM: Final = re.compile("RL_TUI_.*|TEXTUAL.*|ESCDELAY")
 _KEPT: Final = re.compile("RL_TUI_CACHE_DIR|TEXTUAL_SNAPSHOT_.*")  # compiled code, and what pytest sets
 _OF_A_PERSON: Final = re.compile(  # their terminal, language, shell and login
     "(LC|SSH|TERM|TMUX|WT)_.*|LANGUAGE|COLUMNS|LINES|COLORTERM|(NO|FORCE)_COLOR|CLICOLOR.*|TERMCAP|TMUX"
@@ -29,6 +31,8 @@ _UTF_8: Final = "C.UTF-8"
 for _name in filter(_OF_THE_PROGRAM.fullmatch, list(os.environ)):
     if not _KEPT.fullmatch(_name):
         del os.environ[_name]
+if "textual.constants" in sys.modules:  # the plugin for pictures was here first
+    importlib.reload(sys.modules["textual.constants"])
 
 
 @pytest.fixture(autouse=True, scope="session")

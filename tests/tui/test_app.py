@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 from conftest import MakeApp
+from seams import notes, screen_text
 from textual.command import CommandPalette
 
 from rl_tui.common.errors import UserError
@@ -134,7 +135,7 @@ async def test_escape_leaves_a_run_only_when_pressed_again(make_app: MakeApp) ->
         await pilot.press("escape")
         await settle(pilot)
         assert isinstance(app.screen, Playground)
-        assert [note.message for note in app._notifications][-1].startswith("esc again")
+        assert notes(app)[-1].startswith("esc again")
         await pilot.press("escape")
         await settle(pilot)
         assert isinstance(app.screen, CatalogueScreen)
@@ -159,7 +160,3 @@ async def test_in_ascii_no_character_is_left_over(make_app: MakeApp) -> None:
         while "is 50x15, needs 60x18" not in screen_text(app):  # styles follow a size when the app is idle
             await pilot.pause()
         assert screen_text(app).isascii()
-
-
-def screen_text(app: RlTuiApp) -> str:
-    return "\n".join(strip.text for strip in app.screen._compositor.render_strips())

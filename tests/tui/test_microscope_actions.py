@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import pytest
 from conftest import MakeApp
-from test_playground import playground, press, snapshot, train
-from textual.events import MouseScrollDown
+from seams import playground, press, scroll_down, snapshot, train
 from textual.pilot import Pilot
 
 from rl_tui.common.errors import UserError
@@ -98,8 +97,7 @@ async def test_it_scrolls_by_keys_and_wheel(make_app: MakeApp) -> None:
         assert widget.render_line(0).text == last
         await press(pilot, "home")
         assert "The step" in widget.render_line(0).text
-        await pilot._post_mouse_events([MouseScrollDown], widget="#microscope")
-        await settle(pilot)
+        await scroll_down(pilot, widget)
         assert "The step" not in widget.render_line(0).text
 
 
