@@ -16,7 +16,7 @@ from typing import Any, Final
 import pytest
 
 import rl_tui
-from rl_tui.agents.catalogue import ALGORITHMS, POLICIES
+from rl_tui.agents.catalogue import BY_ID, POLICY_BY_ID
 from rl_tui.cli.main import RlTui
 from rl_tui.cli.serving.site import PAGE
 from rl_tui.worlds.files.catalogue import shipped_folder
@@ -69,7 +69,7 @@ def test_what_a_string_names_exists(name: str) -> None:
 
 def test_there_are_such_strings() -> None:
     names = named_in_strings()
-    assert {each.module for each in (*ALGORITHMS, *POLICIES)} <= names
+    assert {each.module for each in (*BY_ID.values(), *POLICY_BY_ID.values())} <= names
     assert any(":" in name for name in names)
 
 
@@ -87,14 +87,14 @@ def test_every_command_is_in_its_module(name: str, module: str) -> None:
 def test_a_folder_of_commands_or_scripts_has_no_module_that_no_row_names(room: str) -> None:
     rows = {
         "cli.commands": {*RlTui.modules, "policy_map", "train_report"},
-        "lab.export.algorithms": {each.module.rpartition(".")[2] for each in ALGORITHMS},
-        "lab.export.policies": {each.module.rpartition(".")[2] for each in POLICIES},
+        "lab.export.algorithms": {each.module.rpartition(".")[2] for each in BY_ID.values()},
+        "lab.export.policies": {each.module.rpartition(".")[2] for each in POLICY_BY_ID.values()},
     }
     package = import_module(f"rl_tui.{room}")
     assert {module.name for module in pkgutil.iter_modules(package.__path__)} == rows[room]
 
 
-@pytest.mark.parametrize("row", [*ALGORITHMS, *POLICIES], ids=lambda row: row.id)
+@pytest.mark.parametrize("row", [*BY_ID.values(), *POLICY_BY_ID.values()], ids=lambda row: row.id)
 def test_every_row_of_the_catalogue_has_the_texts_of_its_script(row: Any) -> None:
     kind = row.module.split(".")[-2]
     texts = import_module(f"rl_tui.lab.export.{kind}.{row.id.replace('-', '_')}")

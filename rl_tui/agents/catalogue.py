@@ -33,7 +33,7 @@ class Algorithm:
     update: UpdateTerms = terms.MAXIMUM
 
 
-ALGORITHMS: Final[tuple[Algorithm, ...]] = (
+_ALGORITHMS: Final[tuple[Algorithm, ...]] = (
     Algorithm(
         id="q-learning",
         name="Q-learning",
@@ -157,12 +157,18 @@ ALGORITHMS: Final[tuple[Algorithm, ...]] = (
     ),
 )
 
-BY_ID: Final = {algorithm.id: algorithm for algorithm in ALGORITHMS}
+BY_ID: Final = {algorithm.id: algorithm for algorithm in _ALGORITHMS}
+"""The algorithms by their ids, in the order in which people see them."""
 
 
 @dataclass(frozen=True, slots=True)
 class Policy:
-    """One way of choosing actions, and where its code is; ``bandits_only``: it works in one state only."""
+    """One way of choosing actions as people see it, and where its code is.
+
+    ``bandits_only``: it works in one state only. ``explores_by_epsilon``: with probability ε it takes any
+    action at random, else a greedy one; another policy may mean something else by its ε.
+    ``needs_step_size``: it cannot do with the sample average.
+    """
 
     id: str
     name: str
@@ -172,9 +178,11 @@ class Policy:
     module: str
     parameters: tuple[str, ...]
     bandits_only: bool = False
+    explores_by_epsilon: bool = False
+    needs_step_size: bool = False
 
 
-POLICIES: Final[tuple[Policy, ...]] = (
+_POLICIES: Final[tuple[Policy, ...]] = (
     Policy(
         id="epsilon-greedy",
         name="ε-greedy",
@@ -183,6 +191,7 @@ POLICIES: Final[tuple[Policy, ...]] = (
         source="section 2.2",
         module="rl_tui.agents.policies.epsilon_greedy",
         parameters=("epsilon", "epsilon_schedule", "epsilon_min", "epsilon_decay", "ties"),
+        explores_by_epsilon=True,
     ),
     Policy(
         id="softmax",
@@ -211,6 +220,7 @@ POLICIES: Final[tuple[Policy, ...]] = (
         module="rl_tui.agents.policies.gradient",
         parameters=("baseline",),
         bandits_only=True,
+        needs_step_size=True,
     ),
     Policy(
         id="thompson",
@@ -224,7 +234,8 @@ POLICIES: Final[tuple[Policy, ...]] = (
     ),
 )
 
-POLICY_BY_ID: Final = {policy.id: policy for policy in POLICIES}
+POLICY_BY_ID: Final = {policy.id: policy for policy in _POLICIES}
+"""The policies by their ids, in the order in which people see them."""
 
 
 def algorithm_of(algorithm: str) -> Algorithm:

@@ -9,7 +9,7 @@ from test_playground import playground, press, slider, snapshot, train
 from textual.pilot import Pilot
 from textual.widgets import Input, OptionList
 
-from rl_tui.agents.catalogue import ALGORITHMS, BY_ID, POLICIES
+from rl_tui.agents.catalogue import BY_ID, POLICY_BY_ID
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.common.errors import UserError
 from rl_tui.lab.live.snapshot import Phase
@@ -48,7 +48,7 @@ def test_every_algorithm_and_rule_can_be_chosen_where_it_works() -> None:
     assert not refused(algorithm_choice(arms, recipe, UNICODE))
     assert not refused(policy_choice(arms, recipe, UNICODE))
     assert set(refused(policy_choice(lake, recipe, UNICODE))) == {"gradient", "thompson"}
-    planners = {each.id for each in ALGORITHMS if each.planner}
+    planners = {each.id for each in BY_ID.values() if each.planner}
     assert set(refused(algorithm_choice(unknown, recipe, UNICODE))) == planners
     assert all("table" in each for each in refused(algorithm_choice(unknown, recipe, UNICODE)).values())
 
@@ -56,8 +56,8 @@ def test_every_algorithm_and_rule_can_be_chosen_where_it_works() -> None:
 def test_every_choice_has_name_summary_and_equation() -> None:
     recipe = recipe_for(find("student"), {}, 0)
     for choice, rows in (
-        (algorithm_choice(lake_world().space, recipe, ASCII), ALGORITHMS),
-        (policy_choice(lake_world().space, recipe, ASCII), POLICIES),
+        (algorithm_choice(lake_world().space, recipe, ASCII), BY_ID.values()),
+        (policy_choice(lake_world().space, recipe, ASCII), POLICY_BY_ID.values()),
     ):
         texts = [choice._describe(each).plain for each in choice._candidates]
         assert len(texts) == len(rows)
@@ -213,5 +213,5 @@ async def test_values_out_of_range_are_refused_with_the_range(make_app: MakeApp)
 
 
 def test_every_planner_has_a_reason_to_follow_no_policy() -> None:
-    for algorithm in ALGORITHMS:
+    for algorithm in BY_ID.values():
         assert ("policy" in BY_ID[algorithm.id].parameters) is not algorithm.planner

@@ -9,7 +9,7 @@ from typing import Final
 
 import numpy as np
 
-from rl_tui.agents.catalogue import BY_ID, POLICY_BY_ID, Algorithm
+from rl_tui.agents.catalogue import BY_ID, POLICY_BY_ID, Algorithm, Policy
 from rl_tui.agents.hyperparameters import SAMPLE_AVERAGE, Hyperparameters
 from rl_tui.agents.last_step import NOTHING, LastStep
 from rl_tui.agents.update_terms import UpdateTerms
@@ -38,11 +38,11 @@ class StepStory:
     algorithm: Algorithm
     """The algorithm that took the step."""
     hyperparameters: Hyperparameters
-    """The hyper-parameters in force at the step."""
+    """The hyper-parameters in force at the step; which ε a schedule had come to is in ``last``."""
+    policy: Policy
+    """The policy that chose the action."""
     before: EstimatesBefore
     """The estimates as the update found them."""
-    epsilon: float | None
-    """The chance with which the action was drawn at random; None under policies without an ε."""
     greedy: Sequence[int]
     """The pairs that were greedy when the action was chosen; empty where that is not known any more."""
     chance: float | None
@@ -154,7 +154,6 @@ def story_of(snapshot: Snapshot) -> StepStory | None:
     taken_by, hyperparameters = agent.learned_by
     algorithm = BY_ID[taken_by]
     before = EstimatesBefore(world, agent, last, algorithm.update)
-    has_epsilon = "epsilon" in POLICY_BY_ID[hyperparameters.policy].parameters
     solution = snapshot.exact_answer.solution
     drifts = world.mdp is not None and world.mdp.drift_std and not last.planned
     chance, meant, went = _drawn(world, last)
@@ -163,8 +162,8 @@ def story_of(snapshot: Snapshot) -> StepStory | None:
         last=last,
         algorithm=algorithm,
         hyperparameters=hyperparameters,
+        policy=POLICY_BY_ID[hyperparameters.policy],
         before=before,
-        epsilon=last.epsilon if has_epsilon else None,
         greedy=_greedy_before(before),
         chance=chance,
         meant=meant,

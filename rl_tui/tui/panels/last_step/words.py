@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from rl_tui.agents.catalogue import POLICY_BY_ID
 from rl_tui.agents.hyperparameters import PARAMETERS
 from rl_tui.lab.last_step.story import StepStory
 from rl_tui.tui.draw import names, numbers
@@ -121,9 +120,9 @@ def _choices(story: StepStory, glyphs: Glyphs) -> Sequence[str]:
         return ()
     if last.by_hand:
         return "you chose it", "by you"
-    if story.epsilon is None:
+    if not story.policy.explores_by_epsilon:
         return _chosen_by_policy(story, glyphs)
-    epsilon = setting(story.epsilon, glyphs)
+    epsilon = setting(last.epsilon, glyphs)
     if last.explored:
         luck = ", greedy by chance" if last.pair in best else ""
         return f"random (ε = {epsilon}){luck}", f"explored{luck}"
@@ -133,8 +132,10 @@ def _choices(story: StepStory, glyphs: Glyphs) -> Sequence[str]:
 
 
 def _chosen_by_policy(story: StepStory, glyphs: Glyphs) -> Sequence[str]:
-    policy = POLICY_BY_ID[story.hyperparameters.policy]
+    policy = story.policy
     values = {name: story.hyperparameters.value(name) for name in policy.parameters if PARAMETERS[name].slide}
+    if "epsilon" in values:
+        values["epsilon"] = story.last.epsilon  # a schedule may have moved it
     written = ", ".join(
         f"{PARAMETERS[name].symbol} = {value if isinstance(value, str) else setting(value, glyphs)}"
         for name, value in values.items()
