@@ -36,6 +36,7 @@ LAST = LastStep(
     gathered=0.0,
     discount=0.99,
     bootstrap=0.56,
+    bootstrap_state=1,
     after=0.38,
 )
 
