@@ -24,7 +24,7 @@ def learner_text(params: ParameterText, text: WorldText, space: FiniteSpace) -> 
     Raises UserError where the algorithm or the policy has no text for scripts.
     """
     flags = {*params.flags, *(["time limit"] if text.truncates else [])}
-    reward_flags, noise = _told_of_rewards(params, space)
+    reward_flags, noise = _known_rewards(params, space)
     algorithm = _texts_of(params.algorithm, params, flags)
     policy = _texts_of(params.policy, params, {*flags, *reward_flags})
     own = sections(_TEXTS, flags)
@@ -100,7 +100,7 @@ def _tables(params: ParameterText, algorithm: dict[str, str], policy: dict[str, 
     return "\n".join(lines)
 
 
-def _told_of_rewards(params: ParameterText, space: FiniteSpace) -> tuple[list[str], str]:
+def _known_rewards(params: ParameterText, space: FiniteSpace) -> tuple[list[str], str]:
     """Return what posterior sampling is told of the arms of a bandit: a flag, or a line with their noise."""
     from rl_tui.agents.policies.thompson import new_rule
 
