@@ -7,11 +7,10 @@ import re
 from pathlib import Path
 from textwrap import dedent
 
-import click
 import pytest
 from click.testing import CliRunner
 
-from rl_tui.cli.main import program
+from rl_tui.cli.main import RlTui, program
 
 ROOT = Path(__file__).parents[2]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -88,6 +87,5 @@ def test_the_scenario_in_it_has_no_fault(tmp_path: Path) -> None:
 
 def test_every_option_they_name_exists() -> None:
     option = re.compile(r"(?<![\w-])--[a-z][a-z-]+")
-    commands = program.list_commands(click.Context(program))
-    helps = output_of("--help") + "".join(output_of(name, "--help") for name in commands)
+    helps = output_of("--help") + "".join(output_of(name, "--help") for name in RlTui.modules)
     assert set(option.findall(README + DOCS)) - set(option.findall(helps)) == set()
