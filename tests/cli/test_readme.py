@@ -10,10 +10,9 @@ from textwrap import dedent
 import pytest
 from click.testing import CliRunner
 
-from rl_tui.cli.main import program
+from rl_tui.cli.main import RlTui, program
 
 README = (Path(__file__).parents[2] / "README.md").read_text(encoding="utf-8")
-COMMANDS = ("play", "train", "replay", "solve", "list", "check", "bench", "screenshot", "serve")
 
 
 def output_of(*args: str) -> str:
@@ -85,12 +84,12 @@ def test_the_scenario_in_it_has_no_fault(tmp_path: Path) -> None:
 
 
 def test_every_option_it_names_exists() -> None:
-    help_texts = "".join(output_of(name, "--help") for name in COMMANDS)
+    help_texts = "".join(output_of(name, "--help") for name in RlTui.modules)
     outside_code = {"--version", "--help"}
     named = set(re.findall(r"(?<![\w-])--[a-z][a-z-]+", README)) - outside_code
     assert {option for option in named if option not in help_texts} == set()
 
 
 def test_every_command_is_listed() -> None:
-    for name in COMMANDS:
+    for name in RlTui.modules:
         assert f"\n    rl-tui {name} " in README or f"\n    rl-tui {name}  " in README
