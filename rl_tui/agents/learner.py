@@ -256,7 +256,7 @@ class Learner(LearnerCounters):
                 *args,
                 self._position,
                 self._log,
-                self._last,
+                self._record,
                 self._watch,
                 self.streams.learner,
                 steps,
@@ -267,7 +267,7 @@ class Learner(LearnerCounters):
             self._drift,
             self._position,
             self._log,
-            self._last,
+            self._record,
             self._watch,
             self.streams.world,
             self.streams.learner,
@@ -282,7 +282,7 @@ class Learner(LearnerCounters):
             self._params,
             self._tables_now(),
             self._position,
-            self._last,
+            self._record,
             self._watch,
             steps,
             sweeps,
@@ -329,7 +329,7 @@ class Learner(LearnerCounters):
             copies(arrays_of(self._rule)),
             copies(self._drift),
             copies(self._position),
-            copies(self._last),
+            copies(self._record),
             tuple(generator.bit_generator.state for generator in self.streams),
             self.planned,
             self.author,
@@ -352,7 +352,7 @@ class Learner(LearnerCounters):
         put_back(arrays_of(self._rule), state.rule)
         put_back(self._drift, state.drift)
         put_back(self._position, state.position)
-        put_back(self._last, state.last)
+        put_back(self._record, state.record)
         for generator, bits in zip(self.streams, state.streams, strict=True):
             generator.bit_generator.state = bits
         self._log.finished[0] = 0
