@@ -251,42 +251,15 @@ class Learner(LearnerCounters):
         if self.plans:
             return self._plan(steps, episodes)
         args = (self._memory, self._rule, self._params, self._schedules, self._tables)
+        moved = (self._position, self._log, self._record, self._watch)
         if self._stepped is not None:
-            return self._stepped.advance(
-                *args,
-                self._position,
-                self._log,
-                self._record,
-                self._watch,
-                self.streams.learner,
-                steps,
-                episodes,
-            )
-        return advance(
-            *args,
-            self._drift,
-            self._position,
-            self._log,
-            self._record,
-            self._watch,
-            self.streams.world,
-            self.streams.learner,
-            steps,
-            episodes,
-        )
+            return self._stepped.advance(*args, *moved, self.streams.learner, steps, episodes)
+        return advance(*args, self._drift, *moved, *self.streams, steps, episodes)
 
     def _plan(self, steps: int, sweeps: int) -> int:
         before, swept = self.step, self.episodes
-        stop = sweep(
-            self._memory,
-            self._params,
-            self._tables_now(),
-            self._position,
-            self._record,
-            self._watch,
-            steps,
-            sweeps,
-        )
+        moved = (self._position, self._record, self._watch)
+        stop = sweep(self._memory, self._params, self._tables_now(), *moved, steps, sweeps)
         backups, done = self.planned
         self.planned = Planned(backups + self.step - before, done + self.episodes - swept)
         return stop
