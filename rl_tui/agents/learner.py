@@ -252,42 +252,15 @@ class Learner(LearnerCounters):
         if self.plans:
             return self._plan(steps, episodes)
         args = (self._memory, self.rule, self._params, self._schedules, self._tables)
+        moved = (self._position, self._log, self._record, self._watch)
         if self._stepped is not None:
-            return self._stepped.advance(
-                *args,
-                self._position,
-                self._log,
-                self._last,
-                self._watch,
-                self.streams.learner,
-                steps,
-                episodes,
-            )
-        return advance(
-            *args,
-            self._drift,
-            self._position,
-            self._log,
-            self._last,
-            self._watch,
-            self.streams.world,
-            self.streams.learner,
-            steps,
-            episodes,
-        )
+            return self._stepped.advance(*args, *moved, self.streams.learner, steps, episodes)
+        return advance(*args, self._drift, *moved, *self.streams, steps, episodes)
 
     def _plan(self, steps: int, sweeps: int) -> int:
         before, swept = self.step, self.episodes
-        stop = sweep(
-            self._memory,
-            self._params,
-            self._tables_now(),
-            self._position,
-            self._last,
-            self._watch,
-            steps,
-            sweeps,
-        )
+        moved = (self._position, self._record, self._watch)
+        stop = sweep(self._memory, self._params, self._tables_now(), *moved, steps, sweeps)
         backups, done = self.planned
         self.planned = Planned(backups + self.step - before, done + self.episodes - swept)
         return stop
@@ -330,7 +303,7 @@ class Learner(LearnerCounters):
             copies(arrays_of(self.rule)),
             copies(self._drift),
             copies(self._position),
-            copies(self._last),
+            copies(self._record),
             tuple(generator.bit_generator.state for generator in self.streams),
             self.planned,
             self.author,
@@ -353,7 +326,7 @@ class Learner(LearnerCounters):
         put_back(arrays_of(self.rule), state.rule)
         put_back(self._drift, state.drift)
         put_back(self._position, state.position)
-        put_back(self._last, state.last)
+        put_back(self._record, state.record)
         for generator, bits in zip(self.streams, state.streams, strict=True):
             generator.bit_generator.state = bits
         self._log.finished[0] = 0

@@ -8,23 +8,19 @@ import numpy as np
 from numpy.random import Generator
 
 from rl_tui.agents.algorithms.family import Experience, act, has_room, learn, on_override
+from rl_tui.agents.kernels.after_update import StepRecord, after_update, record_step
 from rl_tui.agents.kernels.compiled import compiled, inlined
 from rl_tui.agents.kernels.drift import Drift, drift_on
 from rl_tui.agents.kernels.parameters import KernelParameters, Schedules, scheduled, with_alpha
 from rl_tui.agents.kernels.position import (
     REWARDS_KEPT,
     EpisodeLog,
-    LastRecord,
     Position,
     discount_rewards,
-    record_experience,
-    record_update,
 )
 from rl_tui.agents.kernels.stop import (
-    DIVERGED,
     ENDLESS_EPISODE,
     EPISODES_FULL,
-    LARGEST_ESTIMATE,
     LONGEST_EPISODE,
     MEMORY_FULL,
 )
@@ -81,7 +77,7 @@ def advance(
     drift: Drift,
     position: Position,
     log: EpisodeLog,
-    last: LastRecord,
+    record: StepRecord,
     watch: Watch,
     world: Generator,
     learner: Generator,
@@ -131,8 +127,9 @@ def advance(
             state = next_state
             if first_reward_episode == 0 and reward != 0.0:
                 first_reward_episode = episode + 1
-            if not abs(update.extreme) <= LARGEST_ESTIMATE:  # written so that NaN is caught too
-                stop = DIVERGED
+            stop = after_update(record, update)
+            if stop != 0:
+                pass  # an estimate ran away: nothing else counts
             elif terminated or truncated:
                 log.returns[logged] = episode_return
                 log.lengths[logged] = episode_step
@@ -169,8 +166,17 @@ def advance(
     if step > first_step:
         taken = episode_step if episode_step > 0 else log.lengths[logged - 1]
         discount_rewards(position, params.gamma, step - discounted_step, taken)
-        record_experience(
-            last, step, acted_episode + 1, taken, forced >= 0, explored, acted_epsilon, outcome, experience
+        record_step(
+            record,
+            step,
+            acted_episode + 1,
+            taken,
+            forced >= 0,
+            explored,
+            acted_epsilon,
+            outcome,
+            params.gamma,
+            experience,
+            update,
         )
-        record_update(last, update, params.gamma)
     return stop
