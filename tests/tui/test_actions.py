@@ -56,12 +56,12 @@ PLAYGROUND_KEYS = {
 
 
 def hints(place: Place, width: int) -> list[str]:
-    shown, _ = fitting(place, width)
+    shown, _ = fitting(actions_of(place), width)
     return [" ".join(action.key_hint) for action in shown]
 
 
 def line_width(place: Place, width: int) -> int:
-    shown, gap = fitting(place, width)
+    shown, gap = fitting(actions_of(place), width)
     return 1 + sum(len(" ".join(action.key_hint)) for action in shown) + gap * (len(shown) - 1)
 
 
@@ -91,7 +91,7 @@ def test_every_action_can_be_done_on_its_screen(place: Place, screen: type) -> N
 
 
 def test_bindings_carry_id_description_and_tooltip() -> None:
-    for binding in bindings_of(Place.PLAYGROUND):
+    for binding in bindings_of(actions_of(Place.PLAYGROUND)):
         assert binding.id
         assert binding.description
         assert binding.tooltip

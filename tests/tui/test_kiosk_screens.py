@@ -45,7 +45,7 @@ def test_all_but_what_is_for_the_owner_is_offered(place: Place) -> None:
 
 @pytest.mark.parametrize("width", range(60, 240, 20))
 def test_the_key_line_has_none_of_it(width: int) -> None:
-    shown, _ = fitting(Place.PLAYGROUND | Place.KIOSK, width)
+    shown, _ = fitting(actions_of(Place.PLAYGROUND | Place.KIOSK), width)
     assert not {each.id for each in shown} & FOR_THE_OWNER
 
 

@@ -14,11 +14,11 @@ from rl_tui.lab.live.commands import Command, GoTo, RunEpisode, Step, Take, Trai
 from rl_tui.lab.live.snapshot import Phase
 from rl_tui.lab.run.recipe import JournalEntry, TakeAction
 from rl_tui.tui.app.screenshot import settle
+from rl_tui.tui.panels.catalogue import LAST_STEP, MICROSCOPE, WORLD
 from rl_tui.tui.panels.controls.slider import Slider
 from rl_tui.tui.panels.status_line import StatusLine
 from rl_tui.tui.screens.help import HelpScreen
 from rl_tui.tui.screens.key_line import KeyLine
-from rl_tui.tui.screens.playground.arrangement import WORLD
 from rl_tui.tui.screens.playground.playground import Playground
 
 LEFT, DOWN, RIGHT, UP = range(4)
@@ -184,7 +184,7 @@ async def test_a_walk_to_the_goal_is_learned_from(make_app: MakeApp) -> None:
         assert at_goal.timeline.current.journal == tuple(
             JournalEntry(step, TakeAction(action)) for step, (_, action) in enumerate(walked)
         )
-        last_step = playground(pilot).board.last_step
+        last_step = playground(pilot).board.panel(LAST_STEP)
         text = "\n".join(last_step.render_line(y).text for y in range(last_step.size.height))
         assert "you chose it" in text
         world = playground(pilot).board.world
@@ -270,7 +270,7 @@ async def test_the_world_is_in_view_beside_the_microscope_or_in_its_place(
         board = playground(pilot).board
         assert board.zoomed is None
         assert board.shows(WORLD)
-        assert board.dissects is beside
+        assert (board.opened == MICROSCOPE) is beside
         assert (await press(pilot, "down")).counters.step == 2
 
 

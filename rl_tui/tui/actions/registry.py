@@ -1,16 +1,21 @@
-"""Everything a person can do, once: bindings, palette, help panel and key line derive from this list."""
+"""Everything a person can do, once: bindings, palette, help panel and key line derive from this list.
+
+The keys that open panels come from the table of panels.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Final
 
 from textual.binding import Binding, BindingType
 
 from rl_tui.tui.actions.action import Action, Group, Place
+from rl_tui.tui.panels.catalogue import PANELS, PanelRow
 
 ORDINALS: Final = ("first", "second", "third", "fourth")
 
-ACTIONS: Final[tuple[Action, ...]] = (
+_ACTIONS: Final[tuple[Action, ...]] = (
     Action(
         "open",
         ("enter",),
@@ -202,15 +207,6 @@ ACTIONS: Final[tuple[Action, ...]] = (
         rank=11,
     ),
     Action(
-        "microscope",
-        ("d",),
-        "d",
-        "dissect",
-        "Take the last step apart: the loop, the backup, the return, the history of a cell.",
-        Group.VIEW,
-        rank=5,
-    ),
-    Action(
         "compare",
         ("c",),
         "c",
@@ -327,23 +323,48 @@ ACTIONS: Final[tuple[Action, ...]] = (
 )
 
 
-def actions_of(place: Place) -> tuple[Action, ...]:
+def all_actions(panels: Iterable[PanelRow] = PANELS) -> tuple[Action, ...]:
+    """Return every action; those that open ``panels`` follow the one that zooms them."""
+    after = next(number for number, action in enumerate(_ACTIONS, start=1) if action.id == "zoom")
+    opening = (
+        Action(
+            row.id,
+            (row.opened_by.key,),
+            row.opened_by.key,
+            row.opened_by.label,
+            row.opened_by.help,
+            Group.VIEW,
+            command=f"toggle_panel('{row.id}')",
+            rank=row.opened_by.rank,
+        )
+        for row in panels
+        if row.opened_by is not None
+    )
+    return (*_ACTIONS[:after], *opening, *_ACTIONS[after:])
+
+
+ACTIONS: Final = all_actions()
+
+
+def actions_of(place: Place, panels: Iterable[PanelRow] = PANELS) -> tuple[Action, ...]:
     """Return the actions that apply in ``place``, in the order of the list."""
     screen = place & Place.BOTH
     kiosk = Place.KIOSK in place
     return tuple(
-        action for action in ACTIONS if screen in action.place and not (kiosk and action.for_the_owner)
+        action
+        for action in all_actions(panels)
+        if screen in action.place and not (kiosk and action.for_the_owner)
     )
 
 
-def bindings_of(place: Place) -> list[BindingType]:
-    """Return the key bindings of the screen ``place``."""
-    return [_binding(action) for action in actions_of(place)]
+def bindings_of(actions: Iterable[Action]) -> list[BindingType]:
+    """Return the key bindings of ``actions``."""
+    return [_binding(action) for action in actions]
 
 
 def bindings_everywhere() -> list[BindingType]:
     """Return the key bindings of the app that count before those of any screen, dialogs included."""
-    return [_binding(action, priority=True) for action in ACTIONS if action.everywhere]
+    return [_binding(action, priority=True) for action in _ACTIONS if action.everywhere]
 
 
 def _binding(action: Action, *, priority: bool = False) -> Binding:

@@ -6,12 +6,14 @@ catalogue not for numpy and a dozen widgets.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Protocol
 
 from rl_tui.common.errors import UserError
 from rl_tui.lab.run.recipe import Recipe
 from rl_tui.tui.actions.action import Place
+from rl_tui.tui.panels.catalogue import PanelRow
 from rl_tui.tui.theme.look import Look
 
 if TYPE_CHECKING:
@@ -41,14 +43,23 @@ class Opener:
     """Makes catalogues and playgrounds, which draw at most ``fps`` frames a second.
 
     ``sessions`` is the folder in which sessions are kept, None to keep none. The screens of a ``kiosk`` offer
-    nothing that has to do with files.
+    nothing that has to do with files. Playgrounds have these ``panels``.
     """
 
-    def __init__(self, make_player: MakePlayer, fps: float, sessions: Path | None, *, kiosk: bool) -> None:
+    def __init__(
+        self,
+        make_player: MakePlayer,
+        fps: float,
+        sessions: Path | None,
+        *,
+        kiosk: bool,
+        panels: Sequence[PanelRow],
+    ) -> None:
         self._make_player = make_player
         self._fps = fps
         self._sessions = sessions
         self._kiosk = kiosk
+        self._panels = panels
         self._player: Player | None = None
         self.autosave: Autosave | None = None
         """What keeps the newest playground's session, if anything does."""
@@ -96,7 +107,7 @@ class Opener:
         from rl_tui.tui.screens.playground.playground import Playground
 
         self._player = self._make_player(recipe, record_sink=autosave, record=record)
-        playground = Playground(look, recipe, self._player, self._fps, speed)
+        playground = Playground(look, recipe, self._player, self._fps, speed, self._panels)
         playground.autosave = self.autosave = autosave
         if self._kiosk:
             playground.place |= Place.KIOSK

@@ -13,6 +13,7 @@ from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.run.recipe import Recipe
 from rl_tui.tui.panels.controls.settings import AgentSettings
 from rl_tui.tui.panels.controls.slider import Slider
+from rl_tui.tui.panels.panel import BoardPanel
 from rl_tui.tui.theme.look import Look
 
 
@@ -29,26 +30,24 @@ def in_force(values: Hyperparameters, parameter: Parameter) -> float | str:
     return values.value(parameter.name)
 
 
-class Controls(Container):
+class Controls(Container, BoardPanel):
     """Sliders and settings; posts the sliders' own messages and follows what is in force.
 
     A value that was set here stays on its slider until a snapshot shows that it has arrived.
     """
 
-    def __init__(
-        self,
-        look: Look,
-        recipe: Recipe,
-        *,
-        id: str | None = None,  # noqa: A002
-        classes: str | None = None,
-    ) -> None:
+    def __init__(self, look: Look, *, id: str | None = None, classes: str | None = None) -> None:  # noqa: A002
         super().__init__(id=id, classes=classes)
         self.border_title = "Controls"
         self._look = look
+        self._values = Hyperparameters()
+        self._parameters: tuple[Parameter, ...] = ()
+        self._under_way: dict[str, float | str] = {}
+
+    def begin_with(self, recipe: Recipe) -> None:
+        """Show the sliders of ``recipe`` before the first snapshot."""
         self._values = recipe.hyperparameters
         self._parameters = sliders_of(recipe.algorithm, recipe.hyperparameters.policy)
-        self._under_way: dict[str, float | str] = {}
 
     def compose(self) -> ComposeResult:
         """Yield sliders and settings."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 from rl_tui.agents.catalogue import BY_ID, POLICY_BY_ID, parameters_of
@@ -12,6 +12,7 @@ from rl_tui.common.errors import UserError
 from rl_tui.lab.live.commands import Apply, Command
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.run.recipe import Recipe, SetParameter, SwitchAlgorithm, changed_recipe
+from rl_tui.tui.panels.catalogue import PanelRow
 from rl_tui.tui.screens.action_screen import ActionScreen
 from rl_tui.tui.screens.dialogs.choice import algorithm_choice, policy_choice, word_choice
 from rl_tui.tui.screens.dialogs.options import Options
@@ -27,8 +28,8 @@ ParameterValue = tuple[str, float | str]
 class AgentActions(ActionScreen):
     """A screen on which an agent learns. ``recipe`` is what a restart starts from: with every change made."""
 
-    def __init__(self, look: Look, recipe: Recipe) -> None:
-        super().__init__(look)
+    def __init__(self, look: Look, recipe: Recipe, panels: Sequence[PanelRow]) -> None:
+        super().__init__(look, panels)
         self.recipe = recipe
         self.snapshot: Snapshot | None = None
 

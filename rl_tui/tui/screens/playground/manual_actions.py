@@ -10,10 +10,10 @@ from rl_tui.agents.catalogue import BY_ID
 from rl_tui.lab.live.commands import Command, Pause, Play, Restart, RunEpisode, RunUntil, Take
 from rl_tui.lab.live.snapshot import Phase, Snapshot
 from rl_tui.tui.draw.to_ascii import to_ascii
+from rl_tui.tui.panels.catalogue import WORLD
 from rl_tui.tui.panels.status_line import StatusLine
 from rl_tui.tui.screens.key_line import KeyLine
 from rl_tui.tui.screens.playground.agent_actions import AgentActions
-from rl_tui.tui.screens.playground.arrangement import WORLD
 from rl_tui.tui.screens.playground.manual_control import (
     DIGITS,
     acting_keys,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from contextlib import suppress
 from typing import ClassVar, Final
 
@@ -28,19 +28,19 @@ from rl_tui.lab.live.snapshot import Phase, Snapshot
 from rl_tui.lab.run.recipe import Recipe
 from rl_tui.terminal.linked_app import LinkedApp
 from rl_tui.tui.actions.action import Place
-from rl_tui.tui.actions.registry import ORDINALS, bindings_of
+from rl_tui.tui.actions.registry import ORDINALS
+from rl_tui.tui.panels.catalogue import CONTROLS, PANELS, PanelRow
 from rl_tui.tui.panels.controls.slider import Slider
 from rl_tui.tui.panels.status_line import StatusLine
 from rl_tui.tui.screens.dialogs.model import ModelScreen
 from rl_tui.tui.screens.help import HelpScreen
-from rl_tui.tui.screens.playground.arrangement import CONTROLS
 from rl_tui.tui.screens.playground.board import Board
 from rl_tui.tui.screens.playground.environment_watchdog import EnvironmentWatchdog
 from rl_tui.tui.screens.playground.export_actions import ExportActions
 from rl_tui.tui.screens.playground.frame_pacing import Pacer
 from rl_tui.tui.screens.playground.lane_actions import LaneActions
 from rl_tui.tui.screens.playground.manual_actions import MANUAL_BINDINGS, ManualActions
-from rl_tui.tui.screens.playground.microscope_actions import MicroscopeActions
+from rl_tui.tui.screens.playground.panel_actions import PanelActions
 from rl_tui.tui.screens.playground.session_actions import SessionActions
 from rl_tui.tui.screens.playground.speeds import faster, slower
 from rl_tui.tui.screens.playground.time_actions import TimeActions
@@ -58,7 +58,7 @@ class Playground(
     UntilActions,
     ManualActions,
     LaneActions,
-    MicroscopeActions,
+    PanelActions,
     SessionActions,
     ExportActions,
     EnvironmentWatchdog,
@@ -66,7 +66,7 @@ class Playground(
     """One run: what it looks like and what may be done with it."""
 
     CSS_PATH = "playground.tcss"
-    BINDINGS: ClassVar[list[BindingType]] = [*bindings_of(Place.PLAYGROUND), *MANUAL_BINDINGS]
+    BINDINGS: ClassVar[list[BindingType]] = MANUAL_BINDINGS
     AUTO_FOCUS = ""
     place = Place.PLAYGROUND
 
@@ -93,8 +93,9 @@ class Playground(
         player: Player,
         fps: float,
         speed: float | None = START_SPEED,
+        panels: Sequence[PanelRow] = PANELS,
     ) -> None:
-        super().__init__(look, recipe)
+        super().__init__(look, recipe, panels)
         self.player = player
         self._speed = speed
         self._revealed = False
@@ -108,7 +109,7 @@ class Playground(
     def content(self) -> Iterable[Widget]:
         """Yield the status line and the board."""
         yield StatusLine(self.look, id="status")
-        yield Board(self.look, self.recipe)
+        yield Board(self.look, self.recipe, self.panels)
 
     def on_mount(self) -> None:
         """Draw whatever the player publishes; it starts to load once the first paint is done."""
@@ -327,7 +328,7 @@ class Playground(
 
     def action_help(self) -> None:
         """Show the help."""
-        self.app.push_screen(HelpScreen(self.look, self.place, self.recipe.scenario.notes))
+        self.app.push_screen(HelpScreen(self.look, self.actions, self.panels, self.recipe.scenario.notes))
 
     # Elsewhere
 
@@ -343,8 +344,8 @@ class Playground(
         """Leave the zoom, or go back to the catalogue."""
         if self.board.zoomed:
             self.board.zoom(None)
-        elif self.board.dissects:
-            self.close_microscope()
+        elif self.board.opened is not None:
+            self.close_panel()
         elif self._was_used() and not self._leaves:
             self._leaves = True
             kept = "run is then gone" if self.in_kiosk else "session is kept there"
