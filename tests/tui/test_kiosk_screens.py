@@ -23,7 +23,7 @@ from rl_tui.tui.screens.key_line import fitting
 from rl_tui.tui.screens.playground.playground import Playground
 from rl_tui.worlds.files.catalogue import find
 
-FOR_THE_OWNER = {"save", "export", "delete_session", "suspend"}
+FOR_THE_OWNER = {"session.save", "export.choose", "delete_session", "suspend"}
 
 
 def kiosk(scenario: str | None = None) -> RlTuiApp:

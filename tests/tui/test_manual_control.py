@@ -9,7 +9,7 @@ from snapshots import changed
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.panels.last_step.last_step import last_step_lines
 from rl_tui.tui.panels.last_step.loop_text import choice_text
-from rl_tui.tui.screens.playground.manual_control import (
+from rl_tui.tui.screens.playground.actions.manual_keys import (
     acting_keys,
     action_towards,
     digit_keys,

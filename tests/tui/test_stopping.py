@@ -322,7 +322,7 @@ async def test_a_stepped_world_stops_at_states_and_values(make_app: MakeApp) -> 
 async def test_a_planner_stops_after_a_sweep_and_at_a_state(make_app: MakeApp) -> None:
     async with make_app("frozenlake").run_test(size=(80, 24)) as pilot:
         await settle(pilot)
-        playground(pilot)._switch("value-iteration")
+        playground(pilot).agent.switch("value-iteration")
         await settle(pilot)
         swept = await press(pilot, "u", "down", "enter")
         assert swept.counters.episodes == 1

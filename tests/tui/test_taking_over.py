@@ -90,9 +90,9 @@ async def test_escape_hands_back_and_stays_here(make_app: MakeApp) -> None:
         await press(pilot, "y", "question_mark")
         assert isinstance(app.screen, HelpScreen)
         await press(pilot, "escape")
-        assert playground(pilot).is_manual
+        assert playground(pilot).manual.is_on
         await press(pilot, "escape")
-        assert not playground(pilot).is_manual
+        assert not playground(pilot).manual.is_on
         assert isinstance(app.screen, Playground)
 
 
@@ -117,15 +117,15 @@ async def test_space_and_e_hand_back_and_s_does_not(
         asked = record(pilot, monkeypatch)
         await press(pilot, "y", "s")
         assert asked == [Step()]
-        assert playground(pilot).is_manual
+        assert playground(pilot).manual.is_on
         await press(pilot, "e")
         assert asked[1:] == [RunEpisode()]
-        assert not playground(pilot).is_manual
+        assert not playground(pilot).manual.is_on
         for key in ("space", "r"):
             await press(pilot, "y")
-            assert playground(pilot).is_manual
+            assert playground(pilot).manual.is_on
             await press(pilot, key)
-            assert not playground(pilot).is_manual
+            assert not playground(pilot).manual.is_on
 
 
 async def test_keys_without_an_action_say_so(make_app: MakeApp, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -147,7 +147,7 @@ async def test_an_arm_is_pulled_by_its_name(make_app: MakeApp, monkeypatch: pyte
         assert asked == [Take(7), Take(0)]
         playground(pilot).send(Train(1000))
         await settle(pilot)
-        assert not playground(pilot).is_manual
+        assert not playground(pilot).manual.is_on
         assert notices(app)[-1] == "the budget is spent; r starts again"
 
 
@@ -156,10 +156,10 @@ async def test_a_planner_takes_no_actions(make_app: MakeApp) -> None:
     async with app.run_test(size=(80, 24), notifications=True) as pilot:
         await settle(pilot)
         screen = playground(pilot)
-        screen._switch("value-iteration")
+        screen.agent.switch("value-iteration")
         await settle(pilot)
         await press(pilot, "y")
-        assert not screen.is_manual
+        assert not screen.manual.is_on
         assert notices(app) == [
             "Value iteration takes no actions: it plans with the model; a chooses an agent"
         ]
@@ -208,10 +208,10 @@ async def test_the_agent_and_a_person_take_turns(make_app: MakeApp) -> None:
         theirs = await press(pilot, "s")
         assert theirs.counters.last_step is not None
         assert not theirs.counters.last_step.by_hand
-        assert playground(pilot).is_manual
+        assert playground(pilot).manual.is_on
         assert theirs.counters.step == 2
         done = await press(pilot, "e")
-        assert (done.counters.episodes, playground(pilot).is_manual) == (1, False)
+        assert (done.counters.episodes, playground(pilot).manual.is_on) == (1, False)
 
 
 async def test_pulls_and_cards_by_hand(make_app: MakeApp) -> None:

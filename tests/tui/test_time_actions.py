@@ -48,7 +48,7 @@ def shows(pilot: Pilot[UserError], timeline: Timeline, **changes: object) -> Sna
     """Draw a moment made by hand that the player could have published just now."""
     made = changed(snapshot(pilot), timeline=timeline, step=timeline.current.here, **changes)
     screen = playground(pilot)
-    screen._draw(changed(made, handled=screen.sent))
+    screen._draw(changed(made, handled=screen.wanted.sent))
     return made
 
 
@@ -208,6 +208,6 @@ async def test_what_is_still_under_way_is_not_taken_back(
         assert isinstance(sent[0], Apply)
         asked = screen.recipe.hyperparameters.alpha
         assert asked != before.agent.hyperparameters.alpha
-        screen._draw(changed(before, handled=screen.sent - 1))
+        screen._draw(changed(before, handled=screen.wanted.sent - 1))
         assert screen.recipe.hyperparameters.alpha == asked
         assert screen.query_one("#alpha", Slider).value == asked

@@ -71,7 +71,7 @@ async def go(pilot: Pilot[UserError], text: str) -> Snapshot:
 async def chosen(pilot: Pilot[UserError], planner: bool) -> None:
     """Let a planner take over, if that is wanted."""
     if planner:
-        playground(pilot)._switch("value-iteration")
+        playground(pilot).agent.switch("value-iteration")
         await settle(pilot)
 
 
@@ -174,7 +174,7 @@ async def test_settings_of_then_are_in_force_then(make_app: MakeApp) -> None:
         await train(pilot, 50)
         await press(pilot, "t")
         await train(pilot, 50)
-        playground(pilot)._switch("sarsa")
+        playground(pilot).agent.switch("sarsa")
         await settle(pilot)
         await train(pilot, 50)
         for step, ties, algorithm in (

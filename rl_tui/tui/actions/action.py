@@ -32,11 +32,12 @@ class Action:
     """One thing a person can do.
 
     ``keys`` are Textual's names of the keys, ``shown`` how people see them. ``label`` is a word or two for
-    the key line, ``help`` one sentence. ``command`` is the Textual action that does it: a bare name is a
-    method ``action_…`` of the screen. ``rank`` orders the key line (a lower one is kept longer where it is
-    narrow; None: not on it), and ``hint`` replaces ``shown`` and ``label`` there, for two actions that share
-    an entry. What is ``for_the_owner`` of the machine is not for a kiosk; what counts ``everywhere`` does so
-    in dialogs too.
+    the key line, ``help`` one sentence. ``command`` does it; where it is not given, it is the ``id``.
+    ``object.method`` is a method of an object that the screen has under that name, ``app.…`` an action of
+    the app, and a bare name a method ``action_…`` of the screen. ``rank`` orders the key line (a lower one is
+    kept longer where it is narrow; None: not on it), and ``hint`` replaces ``shown`` and ``label`` there, for
+    two actions that share an entry. What is ``for_the_owner`` of the machine is not for a kiosk; what counts
+    ``everywhere`` does so in dialogs too.
     """
 
     id: str
@@ -54,8 +55,10 @@ class Action:
 
     @property
     def textual_action(self) -> str:
-        """The name of the action for Textual."""
-        return self.command or self.id
+        """The action for Textual, which knows screen and app, but not the objects of a screen."""
+        command = self.command or self.id
+        target, dot, _ = command.partition(".")
+        return f"do({command!r})" if dot and target != "app" else command
 
     @property
     def key_hint(self) -> tuple[str, str]:

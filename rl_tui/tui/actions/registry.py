@@ -36,10 +36,12 @@ _ACTIONS: Final[tuple[Action, ...]] = (
         Place.CATALOGUE,
         for_the_owner=True,
     ),
-    Action("run", ("space",), "space", "run", "Run, or pause where it stands.", Group.RUN, rank=0),
-    Action("step", ("s",), "s", "step", "Take one step, then pause.", Group.RUN, rank=1),
     Action(
-        "episode",
+        "run.run_or_pause", ("space",), "space", "run", "Run, or pause where it stands.", Group.RUN, rank=0
+    ),
+    Action("run.step", ("s",), "s", "step", "Take one step, then pause.", Group.RUN, rank=1),
+    Action(
+        "run.episode",
         ("e",),
         "e",
         "episode",
@@ -48,7 +50,7 @@ _ACTIONS: Final[tuple[Action, ...]] = (
         rank=2,
     ),
     Action(
-        "faster",
+        "run.faster",
         ("plus", "equals_sign"),
         "+",
         "faster",
@@ -57,10 +59,12 @@ _ACTIONS: Final[tuple[Action, ...]] = (
         rank=3,
         hint=("+ −", "speed"),
     ),
-    Action("slower", ("minus", "underscore"), "−", "slower", "Next lower speed.", Group.RUN),
-    Action("reset", ("r",), "r", "reset", "Start again: these settings, the same seed.", Group.RUN, rank=12),
+    Action("run.slower", ("minus", "underscore"), "−", "slower", "Next lower speed.", Group.RUN),
     Action(
-        "step_back",
+        "run.reset", ("r",), "r", "reset", "Start again: these settings, the same seed.", Group.RUN, rank=12
+    ),
+    Action(
+        "time.step_back",
         ("b",),
         "b",
         "step back",
@@ -70,7 +74,7 @@ _ACTIONS: Final[tuple[Action, ...]] = (
         hint=("b B", "back"),
     ),
     Action(
-        "episode_back",
+        "time.episode_back",
         ("B",),
         "B",
         "episode back",
@@ -78,7 +82,7 @@ _ACTIONS: Final[tuple[Action, ...]] = (
         Group.TIME,
     ),
     Action(
-        "go_to",
+        "time.go_to",
         ("g",),
         "g",
         "go to",
@@ -87,7 +91,7 @@ _ACTIONS: Final[tuple[Action, ...]] = (
         rank=15,
     ),
     Action(
-        "branches",
+        "time.show_branches",
         ("j",),
         "j",
         "journal",
@@ -96,7 +100,7 @@ _ACTIONS: Final[tuple[Action, ...]] = (
         rank=16,
     ),
     Action(
-        "until",
+        "until.choose",
         ("u",),
         "u",
         "run until",
@@ -105,7 +109,7 @@ _ACTIONS: Final[tuple[Action, ...]] = (
         rank=6,
     ),
     Action(
-        "breakpoint",
+        "until.toggle_breakpoint",
         ("k",),
         "k",
         "breakpoint",
@@ -114,7 +118,7 @@ _ACTIONS: Final[tuple[Action, ...]] = (
         rank=17,
     ),
     Action(
-        "clear_breakpoints",
+        "until.clear_breakpoints",
         ("K",),
         "K",
         "no breakpoints",
@@ -122,7 +126,7 @@ _ACTIONS: Final[tuple[Action, ...]] = (
         Group.TIME,
     ),
     Action(
-        "algorithm",
+        "agent.choose_algorithm",
         ("a",),
         "a",
         "algorithm",
@@ -131,7 +135,7 @@ _ACTIONS: Final[tuple[Action, ...]] = (
         rank=9,
     ),
     Action(
-        "policy",
+        "agent.choose_policy",
         ("p",),
         "p",
         "policy",
@@ -140,7 +144,7 @@ _ACTIONS: Final[tuple[Action, ...]] = (
         rank=13,
     ),
     Action(
-        "ties",
+        "agent.next_ties",
         ("t",),
         "t",
         "ties",
@@ -149,7 +153,7 @@ _ACTIONS: Final[tuple[Action, ...]] = (
         rank=20,
     ),
     Action(
-        "initial_q",
+        "agent.ask_initial_q",
         ("i",),
         "i",
         "initial Q",
@@ -157,21 +161,21 @@ _ACTIONS: Final[tuple[Action, ...]] = (
         Group.AGENT,
         rank=21,
     ),
-    Action("seed", ("n",), "n", "seed", "Set the seed, and start again.", Group.AGENT, rank=22),
+    Action("agent.ask_seed", ("n",), "n", "seed", "Set the seed, and start again.", Group.AGENT, rank=22),
     *(
         Action(
-            f"slider_{number}",
+            f"agent.focus_slider_{number}",
             (str(number),),
             str(number),
             f"{ordinal} slider",
             f"Put the focus on the {ordinal} slider; there digits type a value.",
             Group.AGENT,
-            command=f"slider({number})",
+            command=f"agent.focus_slider({number})",
         )
         for number, ordinal in enumerate(ORDINALS, start=1)
     ),
     Action(
-        "options",
+        "agent.show_options",
         ("o",),
         "o",
         "options",
@@ -180,7 +184,7 @@ _ACTIONS: Final[tuple[Action, ...]] = (
         rank=14,
     ),
     Action(
-        "take_over",
+        "manual.toggle",
         ("y",),
         "y",
         "you",
@@ -189,7 +193,7 @@ _ACTIONS: Final[tuple[Action, ...]] = (
         rank=8,
     ),
     Action(
-        "layer",
+        "view.next_layer",
         ("v",),
         "v",
         "layer",
@@ -198,7 +202,7 @@ _ACTIONS: Final[tuple[Action, ...]] = (
         rank=4,
     ),
     Action(
-        "zoom",
+        "view.zoom",
         ("f",),
         "f",
         "zoom",
@@ -207,7 +211,7 @@ _ACTIONS: Final[tuple[Action, ...]] = (
         rank=11,
     ),
     Action(
-        "compare",
+        "lanes.compare",
         ("c",),
         "c",
         "compare",
@@ -215,11 +219,17 @@ _ACTIONS: Final[tuple[Action, ...]] = (
         Group.VIEW,
         rank=7,
     ),
-    Action("lane", ("l",), "l", "next lane", "Show the next of the runs side by side.", Group.VIEW),
-    Action("model", ("m",), "m", "model", "Show the model: the outcomes of each pair.", Group.VIEW, rank=11),
-    Action("reveal", ("h",), "h", "reveal", "Show or hide what a bandit keeps secret.", Group.VIEW, rank=18),
     Action(
-        "save",
+        "lanes.next_lane", ("l",), "l", "next lane", "Show the next of the runs side by side.", Group.VIEW
+    ),
+    Action(
+        "view.model", ("m",), "m", "model", "Show the model: the outcomes of each pair.", Group.VIEW, rank=11
+    ),
+    Action(
+        "view.reveal", ("h",), "h", "reveal", "Show or hide what a bandit keeps secret.", Group.VIEW, rank=18
+    ),
+    Action(
+        "session.save",
         ("w",),
         "w",
         "save",
@@ -229,7 +239,7 @@ _ACTIONS: Final[tuple[Action, ...]] = (
         for_the_owner=True,
     ),
     Action(
-        "export",
+        "export.choose",
         ("x",),
         "x",
         "export",
@@ -325,16 +335,16 @@ _ACTIONS: Final[tuple[Action, ...]] = (
 
 def all_actions(panels: Iterable[PanelRow] = PANELS) -> tuple[Action, ...]:
     """Return every action; those that open ``panels`` follow the one that zooms them."""
-    after = next(number for number, action in enumerate(_ACTIONS, start=1) if action.id == "zoom")
+    after = next(number for number, action in enumerate(_ACTIONS, start=1) if action.id == "view.zoom")
     opening = (
         Action(
-            row.id,
+            f"board.{row.id}",
             (row.opened_by.key,),
             row.opened_by.key,
             row.opened_by.label,
             row.opened_by.help,
             Group.VIEW,
-            command=f"toggle_panel('{row.id}')",
+            command=f"board.toggle('{row.id}')",
             rank=row.opened_by.rank,
         )
         for row in panels

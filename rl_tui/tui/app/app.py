@@ -188,7 +188,7 @@ class RlTuiApp(LinkedApp[UserError]):
         if self._idleness.begins():
             for screen in self.screen_stack:
                 if isinstance(screen, Playground):
-                    screen.rest()
+                    screen.run.rest()
 
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
         """Refuse a kiosk to stop its process for a shell that may not be there."""

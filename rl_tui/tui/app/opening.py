@@ -87,9 +87,7 @@ class Opener:
 
         autosave = None if self._sessions is None else Autosave(record, self._sessions, session)
         recipe = record.lanes[record.shown].recipe
-        playground = self._playground(look, recipe, autosave, record, record.speed)
-        playground.resumed = session
-        return playground
+        return self._playground(look, recipe, autosave, record, record.speed, session)
 
     def close(self) -> None:
         """End the newest player; what was done is on the disk then."""
@@ -103,12 +101,13 @@ class Opener:
         autosave: Autosave | None,
         record: Record | None,
         speed: float | None,
+        resumed: StoredSession | None = None,
     ) -> Playground:
         from rl_tui.tui.screens.playground.playground import Playground
 
+        self.autosave = autosave
         self._player = self._make_player(recipe, record_sink=autosave, record=record)
-        playground = Playground(look, recipe, self._player, self._fps, speed, self._panels)
-        playground.autosave = self.autosave = autosave
+        playground = Playground(look, recipe, self._player, self._fps, speed, self._panels, autosave, resumed)
         if self._kiosk:
             playground.place |= Place.KIOSK
         return playground

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from typing import Final
 
+from textual.actions import parse
 from textual.app import ComposeResult
 from textual.binding import BindingsMap
 from textual.screen import Screen
@@ -64,19 +65,24 @@ class ActionScreen(Screen[None]):
     def __init__(self, look: Look, panels: Sequence[PanelRow] = PANELS) -> None:
         super().__init__()
         self.look = look
-        self.panels = panels
+        self.panel_rows = panels
         # what stands in BINDINGS is the same for all screens of a class, whatever their panels
         self._bindings = BindingsMap.merge((self._bindings, BindingsMap(bindings_of(self.actions))))
 
     @property
     def actions(self) -> tuple[Action, ...]:
         """What a person can do here."""
-        return actions_of(self.place, self.panels)
+        return actions_of(self.place, self.panel_rows)
 
     @property
     def in_kiosk(self) -> bool:
         """Whether it has no files here; the app says so in its ``place``."""
         return Place.KIOSK in self.place
+
+    def action_do(self, command: str) -> None:
+        """Do what ``command`` says, ``object.method`` or ``object.method(argument)``."""
+        target, method, arguments = parse(command)
+        getattr(getattr(self, target), method)(*arguments)
 
     def compose(self) -> ComposeResult:
         """Yield the content, the key line and what replaces them in a terminal too small."""

@@ -10,11 +10,11 @@ from textual.app import ComposeResult
 from textual.containers import Container
 from textual.geometry import NULL_OFFSET, NULL_SPACING, Region, Size
 from textual.layout import ArrangeResult, Layout, WidgetPlacement
+from textual.message import Message
 from textual.widget import Widget
 
 from rl_tui.lab.live.snapshot import Phase, Snapshot
 from rl_tui.lab.live.viewport import Viewport
-from rl_tui.lab.run.recipe import Recipe
 from rl_tui.tui.panels.catalogue import (
     CONTROLS,
     CURVE,
@@ -35,6 +35,7 @@ from rl_tui.tui.panels.timeline.timeline import HINTS, TimelineBar
 from rl_tui.tui.panels.world.make_view import make_world_view
 from rl_tui.tui.panels.world.view import WorldView
 from rl_tui.tui.screens.playground.arrangement import Shape, arrangement
+from rl_tui.tui.screens.playground.wanted import Wanted
 from rl_tui.tui.theme.look import Look
 
 Kind = TypeVar("Kind", bound=BoardPanel)
@@ -44,11 +45,14 @@ class Board(Container):
     """One widget for each row of ``panels``, its id that of the row.
 
     One panel may be zoomed to cover all others, and one of those that have a key of their own may be open.
-    ``show`` draws a snapshot on all of them. The world's view is made for the first one: only then is its
-    kind known.
+    ``show`` draws a snapshot on all of them, and what is ``wanted`` though no snapshot has it yet. The view
+    of the world is made for the first one: only then is its kind known.
     """
 
-    def __init__(self, look: Look, recipe: Recipe, panels: Sequence[PanelRow] = PANELS) -> None:
+    class Toggled(Message):
+        """A panel was opened or closed."""
+
+    def __init__(self, look: Look, wanted: Wanted, panels: Sequence[PanelRow] = PANELS) -> None:
         super().__init__(id="board")
         self.look = look
         self.rows = {row.id: row for row in panels}
@@ -58,8 +62,10 @@ class Board(Container):
         self.curve = self._made(CURVE, ReturnCurve)
         self.timeline = self._made(TIMELINE, TimelineBar)
         self.controls = self._made(CONTROLS, Controls)
-        self.controls.begin_with(recipe)
+        self.controls.begin_with(wanted.recipe)
         self.microscope = self._made(MICROSCOPE, Microscope)
+        self._wanted = wanted
+        self._focused_before: Widget | None = None
         self._arrangement = _BoardLayout(panels)
 
     def _made(self, panel: str, kind: type[Kind]) -> Kind:
@@ -75,15 +81,17 @@ class Board(Container):
         """Return the widget of the row ``panel``."""
         return self._panels[panel]
 
-    def show(self, snapshot: Snapshot, *, revealed: bool) -> None:
-        """Draw ``snapshot``; ``revealed`` shows what a bandit keeps secret."""
+    def show(self, snapshot: Snapshot) -> None:
+        """Draw ``snapshot``; what a person can set is drawn as it is wanted."""
         if self.world is None:
             self.world = make_world_view(snapshot.world, self.look, id=WORLD, classes="panel")
             self._panels[WORLD] = self.world
             self.run_worker(self._replace_placeholder(self.world))
         self.table.sources = lit_sources(snapshot) if self.opened == MICROSCOPE else frozenset()
+        self.controls.wanted = self._wanted.recipe.hyperparameters
+        self.timeline.sought = self._wanted.step
         for panel in self._shown():
-            panel.revealed = revealed or snapshot.playback.phase is Phase.SPENT
+            panel.revealed = self._wanted.revealed or snapshot.playback.phase is Phase.SPENT
             panel.show(snapshot)
         world = snapshot.world
         shape = Shape(world.drawing, self.table.rows, world.space.pairs)
@@ -137,17 +145,43 @@ class Board(Container):
         """The id of the panel that was opened by its key."""
         return self._arrangement.opened
 
-    def open(self, panel: str | None) -> None:
-        """Open ``panel`` and close the one open until now; None opens none. A zoom ends."""
+    def toggle(self, panel: str) -> None:
+        """Open ``panel``, which takes the focus, in place of the one that is open; or close it."""
+        was_open = self.opened
+        self.close()
+        row = self.rows[panel]
+        if was_open == panel:
+            return
+        if not row.needs(self._arrangement.shape.drawing):
+            self.notify(f"{row.title}: there is nothing to show of this world", markup=False)
+            return
+        self._focused_before = self.screen.focused
+        self._open(panel)
+        self._panels[panel].focus()
+
+    def close(self) -> None:
+        """Close the panel that is open; if it had the focus, that goes back to where it was."""
+        if self.opened is not None:
+            had_focus = self._panels[self.opened].has_focus_within
+            self._open(None)
+            if had_focus:
+                self.screen.set_focus(self._focused_before)
+            self._focused_before = None
+
+    def _open(self, panel: str | None) -> None:
         for each, is_open in ((self.opened, False), (panel, True)):
             if each is not None:
                 self._panels[each].display = is_open
         self._arrangement.opened = panel
         self.zoom(None)
+        self.post_message(self.Toggled())
 
-    def has_room_for(self, panel: str) -> bool:
-        """Return whether ``panel`` has a place while none is zoomed, beside the one that is open."""
-        return panel in self._arrangement.regions(self.size, None)
+    def bring_into_view(self, panel: str) -> None:
+        """Show ``panel``: end the zoom, and close the panel that stands in its place."""
+        if self.zoomed not in (None, panel):
+            self.zoom(None)
+        if panel not in self._arrangement.regions(self.size, None):
+            self.close()
 
     def shows(self, panel: str) -> bool:
         """Return whether ``panel`` has a place on the screen."""

@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-from textual import on
-
 from rl_tui.lab.live.commands import FollowCell
 from rl_tui.lab.live.snapshot import Phase
 from rl_tui.tui.panels.catalogue import MICROSCOPE
-from rl_tui.tui.panels.q_table.q_table import QTable
-from rl_tui.tui.screens.playground.agent_actions import AgentActions
+from rl_tui.tui.screens.playground.actions.subject import Subject
 
 
-class MicroscopeActions(AgentActions):
+class MicroscopeActions(Subject):
     """Which cell has its history shown under the microscope."""
 
-    def follow_last_update(self) -> None:
+    def follow_update(self) -> None:
         """Show the history of the pair updated last, as long as there is none yet, or while nothing runs."""
         runs = self.snapshot is not None and self.snapshot.playback.phase is Phase.RUNNING
         if self.board.opened != MICROSCOPE:
@@ -22,7 +19,6 @@ class MicroscopeActions(AgentActions):
         elif self.board.microscope.pair is None or not runs:
             self._follow_cell()
 
-    @on(QTable.CursorMoved)
     def follow_cursor(self) -> None:
         """Show the history of the cell that the cursor went to."""
         if self.board.opened == MICROSCOPE:
@@ -43,4 +39,4 @@ class MicroscopeActions(AgentActions):
     def _show_history(self, pair: int | None) -> None:
         if pair != self.board.microscope.pair:
             self.board.microscope.pair = pair
-            self.send(FollowCell(pair))
+            self.link.send(FollowCell(pair))
