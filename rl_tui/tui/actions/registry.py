@@ -18,7 +18,6 @@ ORDINALS: Final = ("first", "second", "third", "fourth")
 _ACTIONS: Final[tuple[Action, ...]] = (
     Action(
         "open",
-        ("enter",),
         "enter",
         "open",
         "Open the scenario, or go on with the session.",
@@ -28,21 +27,18 @@ _ACTIONS: Final[tuple[Action, ...]] = (
     ),
     Action(
         "delete_session",
-        ("delete",),
-        "del",
+        "delete",
         "delete",
         "Delete the session under the cursor, after asking; tab goes to the sessions.",
         Group.SESSION,
         Place.CATALOGUE,
+        symbol="del",
         for_the_owner=True,
     ),
-    Action(
-        "run.run_or_pause", ("space",), "space", "run", "Run, or pause where it stands.", Group.RUN, rank=0
-    ),
-    Action("run.step", ("s",), "s", "step", "Take one step, then pause.", Group.RUN, rank=1),
+    Action("run.run_or_pause", "space", "run", "Run, or pause where it stands.", Group.RUN, rank=0),
+    Action("run.step", "s", "step", "Take one step, then pause.", Group.RUN, rank=1),
     Action(
         "run.episode",
-        ("e",),
         "e",
         "episode",
         "Run to the end of the episode (of a planner: the sweep), then pause.",
@@ -51,21 +47,18 @@ _ACTIONS: Final[tuple[Action, ...]] = (
     ),
     Action(
         "run.faster",
-        ("plus", "equals_sign"),
-        "+",
+        "plus,equals_sign",
         "faster",
         "Next higher speed: 1, 3, 10, 30 … steps a second, up to as fast as it goes.",
         Group.RUN,
+        symbol="+",
         rank=3,
         hint=("+ −", "speed"),
     ),
-    Action("run.slower", ("minus", "underscore"), "−", "slower", "Next lower speed.", Group.RUN),
-    Action(
-        "run.reset", ("r",), "r", "reset", "Start again: these settings, the same seed.", Group.RUN, rank=12
-    ),
+    Action("run.slower", "minus,underscore", "slower", "Next lower speed.", Group.RUN, symbol="−"),
+    Action("run.reset", "r", "reset", "Start again: these settings, the same seed.", Group.RUN, rank=12),
     Action(
         "time.step_back",
-        ("b",),
         "b",
         "step back",
         "Go one step back; to change something there begins another branch.",
@@ -75,7 +68,6 @@ _ACTIONS: Final[tuple[Action, ...]] = (
     ),
     Action(
         "time.episode_back",
-        ("B",),
         "B",
         "episode back",
         "Go back to where the episode began, then to the one before it.",
@@ -83,7 +75,6 @@ _ACTIONS: Final[tuple[Action, ...]] = (
     ),
     Action(
         "time.go_to",
-        ("g",),
         "g",
         "go to",
         "Go to a step or an episode, as far as the run has come; or drag the timeline.",
@@ -92,7 +83,6 @@ _ACTIONS: Final[tuple[Action, ...]] = (
     ),
     Action(
         "time.show_branches",
-        ("j",),
         "j",
         "journal",
         "Show the branches of the run and what was changed in each; enter goes to one.",
@@ -101,7 +91,6 @@ _ACTIONS: Final[tuple[Action, ...]] = (
     ),
     Action(
         "until.choose",
-        ("u",),
         "u",
         "run until",
         "Run until a reward, a change of the policy, a value: choose what to wait for.",
@@ -110,24 +99,15 @@ _ACTIONS: Final[tuple[Action, ...]] = (
     ),
     Action(
         "until.toggle_breakpoint",
-        ("k",),
         "k",
         "breakpoint",
         "Pause whenever the state or pair under the cursor is met; again takes it away.",
         Group.TIME,
         rank=17,
     ),
-    Action(
-        "until.clear_breakpoints",
-        ("K",),
-        "K",
-        "no breakpoints",
-        "Take all breakpoints away.",
-        Group.TIME,
-    ),
+    Action("until.clear_breakpoints", "K", "no breakpoints", "Take all breakpoints away.", Group.TIME),
     Action(
         "agent.choose_algorithm",
-        ("a",),
         "a",
         "algorithm",
         "Choose the algorithm; Q and visits are kept.",
@@ -136,7 +116,6 @@ _ACTIONS: Final[tuple[Action, ...]] = (
     ),
     Action(
         "agent.choose_policy",
-        ("p",),
         "p",
         "policy",
         "Choose the rule by which actions are chosen.",
@@ -145,7 +124,6 @@ _ACTIONS: Final[tuple[Action, ...]] = (
     ),
     Action(
         "agent.next_ties",
-        ("t",),
         "t",
         "ties",
         "Break ties between equal best actions at random, or take the first.",
@@ -154,18 +132,16 @@ _ACTIONS: Final[tuple[Action, ...]] = (
     ),
     Action(
         "agent.ask_initial_q",
-        ("i",),
         "i",
         "initial Q",
         "Set what every estimate starts from, and start again.",
         Group.AGENT,
         rank=21,
     ),
-    Action("agent.ask_seed", ("n",), "n", "seed", "Set the seed, and start again.", Group.AGENT, rank=22),
+    Action("agent.ask_seed", "n", "seed", "Set the seed, and start again.", Group.AGENT, rank=22),
     *(
         Action(
             f"agent.focus_slider_{number}",
-            (str(number),),
             str(number),
             f"{ordinal} slider",
             f"Put the focus on the {ordinal} slider; there digits type a value.",
@@ -176,7 +152,6 @@ _ACTIONS: Final[tuple[Action, ...]] = (
     ),
     Action(
         "agent.show_options",
-        ("o",),
         "o",
         "options",
         "Everything the agent is told, schedules and sample averages too; enter changes it.",
@@ -185,7 +160,6 @@ _ACTIONS: Final[tuple[Action, ...]] = (
     ),
     Action(
         "manual.toggle",
-        ("y",),
         "y",
         "you",
         "Be the agent: arrows or numbers take its steps, and it learns from them; again hands back.",
@@ -194,7 +168,6 @@ _ACTIONS: Final[tuple[Action, ...]] = (
     ),
     Action(
         "view.next_layer",
-        ("v",),
         "v",
         "layer",
         "Next layer of the table: Q, exact Q*, error Q−Q*, visits.",
@@ -203,7 +176,6 @@ _ACTIONS: Final[tuple[Action, ...]] = (
     ),
     Action(
         "view.zoom",
-        ("f",),
         "f",
         "zoom",
         "Show the focused panel (else the world) alone, and back.",
@@ -212,25 +184,17 @@ _ACTIONS: Final[tuple[Action, ...]] = (
     ),
     Action(
         "lanes.compare",
-        ("c",),
         "c",
         "compare",
         "Run another agent beside this one, with one thing different.",
         Group.VIEW,
         rank=7,
     ),
-    Action(
-        "lanes.next_lane", ("l",), "l", "next lane", "Show the next of the runs side by side.", Group.VIEW
-    ),
-    Action(
-        "view.model", ("m",), "m", "model", "Show the model: the outcomes of each pair.", Group.VIEW, rank=11
-    ),
-    Action(
-        "view.reveal", ("h",), "h", "reveal", "Show or hide what a bandit keeps secret.", Group.VIEW, rank=18
-    ),
+    Action("lanes.next_lane", "l", "next lane", "Show the next of the runs side by side.", Group.VIEW),
+    Action("view.model", "m", "model", "Show the model: the outcomes of each pair.", Group.VIEW, rank=11),
+    Action("view.reveal", "h", "reveal", "Show or hide what a bandit keeps secret.", Group.VIEW, rank=18),
     Action(
         "session.save",
-        ("w",),
         "w",
         "save",
         "Save the session under a name; it is kept by itself as well.",
@@ -240,7 +204,6 @@ _ACTIONS: Final[tuple[Action, ...]] = (
     ),
     Action(
         "export.choose",
-        ("x",),
         "x",
         "export",
         "Write the run as a command, a Python script, tables or a picture.",
@@ -250,44 +213,43 @@ _ACTIONS: Final[tuple[Action, ...]] = (
     ),
     Action(
         "previous_scenario",
-        ("left_square_bracket",),
-        "[",
+        "left_square_bracket",
         "previous scenario",
         "Go to the previous scenario.",
         Group.SCENARIO,
+        symbol="[",
         rank=12,
         hint=("[ ]", "scenario"),
     ),
     Action(
         "next_scenario",
-        ("right_square_bracket",),
-        "]",
+        "right_square_bracket",
         "next scenario",
         "Go to the next scenario.",
         Group.SCENARIO,
+        symbol="]",
     ),
     Action(
         "back",
-        ("escape",),
-        "esc",
+        "escape",
         "back",
         "Leave the zoom or the microscope, else go back to the catalogue: twice, once a step was taken.",
         Group.SCENARIO,
+        symbol="esc",
         rank=18,
     ),
     Action(
         "help",
-        ("question_mark",),
-        "?",
+        "question_mark",
         "help",
         "Show all keys, how to read the panels, and the notes.",
         Group.PROGRAM,
         Place.BOTH,
+        symbol="?",
         rank=-1,
     ),
     Action(
         "palette",
-        ("ctrl+p",),
         "ctrl+p",
         "palette",
         "Find every action by its name, and the colour themes.",
@@ -298,7 +260,6 @@ _ACTIONS: Final[tuple[Action, ...]] = (
     ),
     Action(
         "redraw",
-        ("ctrl+l",),
         "ctrl+l",
         "draw again",
         "Draw the whole screen again, where something else wrote over it.",
@@ -309,7 +270,6 @@ _ACTIONS: Final[tuple[Action, ...]] = (
     ),
     Action(
         "suspend",
-        ("ctrl+z",),
         "ctrl+z",
         "to the shell",
         "Stop here and go to the shell; its command fg comes back.",
@@ -321,7 +281,6 @@ _ACTIONS: Final[tuple[Action, ...]] = (
     ),
     Action(
         "quit",
-        ("q",),
         "q",
         "quit",
         "Quit; in the help and in the model only close them.",
@@ -339,7 +298,6 @@ def all_actions(panels: Iterable[PanelRow] = PANELS) -> tuple[Action, ...]:
     opening = (
         Action(
             f"board.{row.id}",
-            (row.opened_by.key,),
             row.opened_by.key,
             row.opened_by.label,
             row.opened_by.help,
@@ -379,7 +337,7 @@ def bindings_everywhere() -> list[BindingType]:
 
 def _binding(action: Action, *, priority: bool = False) -> Binding:
     return Binding(
-        ",".join(action.keys),
+        action.key,
         action.textual_action,
         action.label,
         key_display=action.shown,
