@@ -118,7 +118,7 @@ async def test_sliders_are_counted_on_screen(make_app: MakeApp) -> None:
     app = make_app("student")
     async with app.run_test(size=(80, 24)) as pilot:
         await settle(pilot)
-        playground(pilot).set_parameter("policy", "softmax")
+        playground(pilot).agent.set_parameter("policy", "softmax")
         await settle(pilot)
         await press(pilot, "3")
         assert app.focused is slider(app, "temperature")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 import os
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar
 
@@ -31,6 +31,7 @@ from rl_tui.tui.app.display import Display
 from rl_tui.tui.app.idleness import LOOKS, Idleness
 from rl_tui.tui.app.opening import MakePlayer, Opener, live_player
 from rl_tui.tui.app.palette_entries import ActionProvider
+from rl_tui.tui.panels.catalogue import PANELS, PanelRow
 from rl_tui.tui.theme.depth import choose_look, depth_of, environment_for, is_native
 from rl_tui.tui.theme.encoding import encoding_of
 from rl_tui.tui.theme.glyphs import ASCII
@@ -56,8 +57,9 @@ class RlTuiApp(LinkedApp[UserError]):
 
     ``make_player`` makes the thread behind a playground. A ``picture`` asks no terminal what it can do.
     ``sessions`` is the folder in which sessions are kept, None to keep none. A ``kiosk`` offers nothing that
-    has to do with files, and pauses when no key is pressed for a while. The app's result is the fault that
-    ended it, None if none did. Raises UserError where the theme is not known.
+    has to do with files, and pauses when no key is pressed for a while. ``panels`` are those of a
+    playground. The app's result is the fault that ended it, None if none did. Raises UserError where the
+    theme is not known.
     """
 
     TITLE = "rl-tui"
@@ -75,6 +77,7 @@ class RlTuiApp(LinkedApp[UserError]):
         picture: bool = False,
         sessions: Path | None = None,
         kiosk: bool = False,
+        panels: Sequence[PanelRow] = PANELS,
     ) -> None:
         options = display or Display()
         depth = "truecolor" if picture and options.colors == "auto" else depth_of(options.colors, os.environ)
@@ -93,7 +96,7 @@ class RlTuiApp(LinkedApp[UserError]):
         named = encoding_of(os.environ, sys.stdout.encoding, utf8_mode=bool(sys.flags.utf8_mode))
         self._encoding = "utf-8" if picture else named
         self._start = start
-        self._opener = Opener(make_player, options.fps, sessions, kiosk=kiosk)
+        self._opener = Opener(make_player, options.fps, sessions, kiosk=kiosk, panels=panels)
         self._kiosk = kiosk
         self._idleness = Idleness()
         self._bug: Exception | None = None
@@ -185,7 +188,7 @@ class RlTuiApp(LinkedApp[UserError]):
         if self._idleness.begins():
             for screen in self.screen_stack:
                 if isinstance(screen, Playground):
-                    screen.rest()
+                    screen.run.rest()
 
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
         """Refuse a kiosk to stop its process for a shell that may not be there."""

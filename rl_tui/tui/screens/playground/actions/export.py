@@ -26,7 +26,8 @@ from rl_tui.tui.screens.dialogs.export import (
     Working,
     ask_new_file,
 )
-from rl_tui.tui.screens.playground.agent_actions import AgentActions
+from rl_tui.tui.screens.playground.actions.subject import Subject
+from rl_tui.tui.screens.playground.wanted import in_force
 from rl_tui.worlds.drawing import Arms
 from rl_tui.worlds.mdp.space import FloatArray, IntArray
 
@@ -34,19 +35,19 @@ Write = Callable[[Path], None]
 SlowWrite = Callable[[Path, OnProgress], None]
 
 
-class ExportActions(AgentActions):
+class ExportActions(Subject):
     """Exporting: what is written is the moment that was shown when x was pressed."""
 
-    def action_export(self) -> None:
+    def choose(self) -> None:
         """Choose what to write."""
         snapshot = self.snapshot
-        if self.in_kiosk:
-            self.tell("nothing is written here: this is a kiosk")
+        if self.screen.in_kiosk:
+            self.screen.tell("nothing is written here: this is a kiosk")
             return
         if snapshot is None:
             return
         choice = ExportChoice(
-            self.look.glyphs,
+            self.glyphs,
             bandit=isinstance(snapshot.world.drawing, Arms),
             no_returns=_without_returns(snapshot),
         )
@@ -55,7 +56,7 @@ class ExportActions(AgentActions):
             if what is not None:
                 self._export(what, snapshot)
 
-        self.app.push_screen(choice, export)
+        self.screen.app.push_screen(choice, export)
 
     def _export(self, what: str, snapshot: Snapshot) -> None:
         export = {
@@ -78,7 +79,7 @@ class ExportActions(AgentActions):
             if chosen is not None:
                 self._ask_file(snapshot, "Command", ".txt", partial(write_text, text=f"{line}\n"))
 
-        self.app.push_screen(CommandLine(line, _about_command(snapshot)), write)
+        self.screen.app.push_screen(CommandLine(line, _about_command(snapshot)), write)
 
     def _export_script(self, snapshot: Snapshot) -> None:
         self._ask_file(snapshot, "Python script", ".py", partial(write_text, text=script_of(snapshot)))
@@ -116,7 +117,7 @@ class ExportActions(AgentActions):
 
     def _export_picture(self, snapshot: Snapshot) -> None:
         def write(path: Path) -> None:
-            write_text(path, self.app.export_screenshot(title="rl-tui", simplify=True))
+            write_text(path, self.screen.app.export_screenshot(title="rl-tui", simplify=True))
 
         self._ask_file(snapshot, "Screen as SVG", ".svg", write)
 
@@ -137,13 +138,13 @@ class ExportActions(AgentActions):
             path = Path(str(chosen))
             if takes_time:
                 working = Working(title, partial(write, path))
-                self.app.push_screen(working, partial(self._say_written, path))
+                self.screen.app.push_screen(working, partial(self._say_written, path))
             else:
                 # What is asked is closed by then, so that a picture does not show it
-                self.call_after_refresh(self._write_now, path, write)
+                self.screen.call_after_refresh(self._write_now, path, write)
 
         name = free_name(f"{snapshot.recipe.scenario.id}-{snapshot.agent.algorithm}", ending)
-        self.app.push_screen(ask_new_file(title, name, self.look.glyphs), write_to)
+        self.screen.app.push_screen(ask_new_file(title, name, self.glyphs), write_to)
 
     def _write_now(self, path: Path, write: Write) -> None:
         try:
@@ -156,14 +157,14 @@ class ExportActions(AgentActions):
     def _say_written(self, path: Path, fault: str | None) -> None:
         """Show where the file was written, or what went wrong; None: it was broken off."""
         if fault is None:
-            self.notify("broken off: nothing was written")
+            self.screen.notify("broken off: nothing was written")
         elif fault:
             self._say_fault(fault)
         else:
-            self.notify(f"written: {path.absolute()}", markup=False)
+            self.screen.notify(f"written: {path.absolute()}", markup=False)
 
     def _say_fault(self, fault: str) -> None:
-        self.notify(fault, severity="error", markup=False)
+        self.screen.notify(fault, severity="error", markup=False)
 
 
 def script_of(snapshot: Snapshot) -> str:
@@ -171,9 +172,8 @@ def script_of(snapshot: Snapshot) -> str:
     from rl_tui.lab.export.script import script
 
     recipe, journal, step = _run_of(snapshot)
-    in_force = Recipe(recipe.scenario, snapshot.agent.algorithm, snapshot.agent.hyperparameters, recipe.seed)
     changed = bool(entries_until(journal, step))
-    return script(in_force, episodes_of(recipe.scenario), snapshot.world, changed=changed)
+    return script(in_force(snapshot), episodes_of(recipe.scenario), snapshot.world, changed=changed)
 
 
 def _about_command(snapshot: Snapshot) -> str:

@@ -4,45 +4,49 @@ from __future__ import annotations
 
 import asyncio
 
-from textual.message import Message
-
 from rl_tui.common.errors import UserError
 from rl_tui.lab.live.snapshot import Phase, Snapshot
 from rl_tui.lab.sessions.autosave import Autosave
 from rl_tui.lab.sessions.folder import named_path
 from rl_tui.lab.sessions.session import OTHER_BITS, SessionError, StoredSession, digest_of
 from rl_tui.tui.draw.to_ascii import to_ascii
+from rl_tui.tui.screens.action_screen import ActionScreen
 from rl_tui.tui.screens.dialogs.prompt import Prompt
-from rl_tui.tui.screens.playground.agent_actions import AgentActions
+from rl_tui.tui.screens.playground.actions.subject import Subject
+from rl_tui.tui.screens.playground.board import Board
+from rl_tui.tui.screens.playground.player_link import PlayerLink
 
 
-class SessionActions(AgentActions):
-    """A screen whose session keeps itself by ``autosave``, None where none is kept."""
+class SessionActions(Subject):
+    """The session keeps itself by ``autosave``, None where none is kept.
 
-    autosave: Autosave | None = None
-    resumed: StoredSession | None = None
-    """What it went on with, until it has come out as it was saved."""
+    ``resumed`` is what it went on with, until that has come out as it was saved.
+    """
 
-    class SessionNotice(Message):
-        """There is something to know about the session; sent from any thread."""
+    def __init__(
+        self,
+        screen: ActionScreen,
+        board: Board,
+        link: PlayerLink,
+        autosave: Autosave | None,
+        resumed: StoredSession | None,
+    ) -> None:
+        super().__init__(screen, board, link)
+        self.autosave = autosave
+        self.resumed = resumed
 
-        def __init__(self, notice: str) -> None:
-            super().__init__()
-            self.notice = notice
+    def listen(self) -> None:
+        """Show from now on what there is to know about the session; it comes from any thread."""
 
-    def on_mount(self) -> None:
-        """Listen to what becomes of the session."""
-
-        def tell(notice: str) -> None:
-            self.post_message(self.SessionNotice(notice))
+        def listen(notice: str) -> None:
+            self.screen.call_later(self._show_notice, notice)
 
         if self.autosave is not None:
-            self.autosave.listen(tell)
+            self.autosave.listen(listen)
 
-    def on_session_actions_session_notice(self, event: SessionNotice) -> None:
-        """Show the notice."""
-        text = to_ascii(event.notice, self.look.glyphs)
-        self.notify(text, severity="warning", timeout=15, markup=False)
+    def _show_notice(self, notice: str) -> None:
+        text = to_ascii(notice, self.glyphs)
+        self.screen.notify(text, severity="warning", timeout=15, markup=False)
 
     def named(self, fault: UserError) -> UserError:
         """Return ``fault`` with the file of the session where that could not be gone on with."""
@@ -67,14 +71,16 @@ class SessionActions(AgentActions):
         if document.digest and digest_of(snapshot.agent.q) != document.digest:
             if self.autosave is not None:
                 self.autosave.become_copy()
-            self.notify(f"{OTHER_BITS}; what you do here is saved in a copy", severity="warning", timeout=15)
+            self.screen.notify(
+                f"{OTHER_BITS}; what you do here is saved in a copy", severity="warning", timeout=15
+            )
 
-    def action_save(self) -> None:
+    def save(self) -> None:
         """Ask for a name, and save the session."""
         autosave = self.autosave
         if autosave is None:
-            reason = ": this is a kiosk" if self.in_kiosk else ""
-            self.tell(f"no session is kept here{reason}")
+            reason = ": this is a kiosk" if self.screen.in_kiosk else ""
+            self.screen.tell(f"no session is kept here{reason}")
             return
 
         def read(text: str) -> str:
@@ -88,15 +94,15 @@ class SessionActions(AgentActions):
 
         def save(name: float | str | None) -> None:
             if name is not None:
-                self.run_worker(self._save(autosave, str(name)), name="save the session")
+                self.screen.run_worker(self._save(autosave, str(name)), name="save the session")
 
         hint = "the session goes on keeping itself under this name; the catalogue lists it"
-        self.app.push_screen(Prompt("Save the session as", hint, autosave.title, read), save)
+        self.screen.app.push_screen(Prompt("Save the session as", hint, autosave.title, read), save)
 
     async def _save(self, autosave: Autosave, name: str) -> None:
         try:
             path = await asyncio.to_thread(autosave.save_as, name)
         except UserError as fault:
-            self.notify(str(fault), severity="error", timeout=15, markup=False)
+            self.screen.notify(str(fault), severity="error", timeout=15, markup=False)
         else:
-            self.notify(to_ascii(f"saved: {path}", self.look.glyphs), timeout=8, markup=False)
+            self.screen.notify(to_ascii(f"saved: {path}", self.glyphs), timeout=8, markup=False)

@@ -2,76 +2,68 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 from rl_tui.lab.live.commands import ChooseBranch, EpisodeBack, GoTo, StepBack
 from rl_tui.lab.live.snapshot import Phase, Snapshot
-from rl_tui.tui.panels.timeline.timeline import TimelineBar
 from rl_tui.tui.screens.dialogs.goto import goto_prompt, parse_goto
 from rl_tui.tui.screens.dialogs.journal import JournalScreen, Moment
-from rl_tui.tui.screens.playground.agent_actions import AgentActions
+from rl_tui.tui.screens.playground.actions.subject import Subject
 
 
-class TimeActions(AgentActions):
-    """What a person may ask of time. ``sent`` counts the commands that the player was sent."""
+class TimeActions(Subject):
+    """The run goes back and forth, and from branch to branch."""
 
-    sent = 0
-
-    def action_step_back(self) -> None:
+    def step_back(self) -> None:
         """Go one step back."""
         self._go_back(StepBack())
 
-    def action_episode_back(self) -> None:
+    def episode_back(self) -> None:
         """Go back to where the episode began."""
         self._go_back(EpisodeBack())
 
-    def action_go_to(self) -> None:
+    def go_to(self) -> None:
         """Ask for a step or an episode, and go there."""
 
         def go(text: float | str | None) -> None:
             if text is not None and self.snapshot is not None:
-                self.send(parse_goto(str(text), self.snapshot))
+                self.link.send(parse_goto(str(text), self.snapshot))
 
         if self.snapshot is not None:
-            self.app.push_screen(goto_prompt(self.snapshot), go)
+            self.screen.app.push_screen(goto_prompt(self.snapshot), go)
 
-    def action_branches(self) -> None:
+    def show_branches(self) -> None:
         """Show the branches of the run."""
-        if self.snapshot is not None:
-            self.app.push_screen(JournalScreen(self.look, self.snapshot), self._go_to_branch)
+        snapshot = self.snapshot
+        if snapshot is None or (snapshot.playback.phase is Phase.PREPARING and not snapshot.counters.step):
+            self.screen.tell("the run is being prepared: there are no branches yet")
+        else:
+            self.screen.app.push_screen(JournalScreen(self.screen.look, snapshot), self._go_to_branch)
 
-    def on_timeline_bar_sought(self, event: TimelineBar.Sought) -> None:
+    def seek(self, step: int) -> None:
         """Go where the timeline was pointed at."""
-        self.send(GoTo(event.step))
+        self.link.wanted.step = step
+        self.link.send(GoTo(step))
 
-    def follow_time(self, before: Snapshot | None, now: Snapshot) -> None:
-        """Take over what is in force once the player has taken in all that was sent, and announce forks."""
-        if now.playback.handled == self.sent:
-            self.recipe = replace(
-                now.recipe, algorithm=now.agent.algorithm, hyperparameters=now.agent.hyperparameters
-            )
-            self.board.controls.forget()
-            if now.playback.phase is not Phase.SEEKING:
-                self.board.timeline.forget()
+    def announce_fork(self, before: Snapshot | None, now: Snapshot) -> None:
+        """Say so where another branch begins between two snapshots."""
         if before is not None and _has_forked(before, now):
             branch = now.timeline.current
             parent = now.timeline.branches[branch.parent or 0]
-            self.tell(f"{branch.name} begins here; j goes back to {parent.name}")
+            self.screen.tell(f"{branch.name} begins here; j goes back to {parent.name}")
 
     def _go_back(self, command: StepBack | EpisodeBack) -> None:
         now = self.snapshot
-        if now is not None and now.playback.handled == self.sent and now.counters.step == 0:
-            self.tell("this is step 0, where the run begins")
+        if now is not None and self.link.wanted.is_taken_in(now) and now.counters.step == 0:
+            self.screen.tell("this is step 0, where the run begins")
         else:
-            self.send(command)
+            self.link.send(command)
 
     def _go_to_branch(self, moment: Moment | None) -> None:
         if moment is None or self.snapshot is None:
             return
         if moment.branch != self.snapshot.timeline.branch:
-            self.send(ChooseBranch(moment.branch))
+            self.link.send(ChooseBranch(moment.branch))
         if moment.step is not None:
-            self.send(GoTo(moment.step))
+            self.link.send(GoTo(moment.step))
 
 
 def _has_forked(before: Snapshot, now: Snapshot) -> bool:
