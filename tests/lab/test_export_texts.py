@@ -27,7 +27,7 @@ TEXTS = sorted((PACKAGE / "agents").rglob(f"*{ENDING}"))
 WORDS = {
     f"{name} {word}"
     for name, parameter in PARAMETERS.items()
-    if not parameter.range
+    if not (parameter.range or parameter.schedule)
     for word in parameter.words
 }
 
@@ -105,7 +105,7 @@ def make_text(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, text: str) -> Non
     monkeypatch.delitem(sys.modules, "made_up", raising=False)
 
 
-@pytest.mark.parametrize("module", ["no_such_package.rule", f"{ROWS[-1].module}_others"])
+@pytest.mark.parametrize("module", ["no_such_package.rule", f"{ROWS[-1].module}_others", "no_package"])
 def test_another_rule_with_an_epsilon_is_not_exported_as_epsilon_greedy(
     module: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:

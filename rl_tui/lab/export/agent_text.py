@@ -84,7 +84,7 @@ def _texts_of(row: Algorithm | Policy, params: ParameterText, flags: set[str]) -
     """Return the texts beside the kernel of an algorithm or a policy; raises UserError if there are none."""
     try:
         texts = sections(row.module, flags)
-    except (FileNotFoundError, ModuleNotFoundError) as error:
+    except (FileNotFoundError, ModuleNotFoundError, ValueError) as error:  # no text, no package, none named
         raise UserError(f"there is no script for {row.id} yet") from error
     return {name: params.in_episode(text) for name, text in texts.items()}
 

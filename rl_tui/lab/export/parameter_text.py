@@ -28,7 +28,11 @@ class ParameterText:
     @property
     def flags(self) -> set[str]:
         """What lines of a text may be for: the words chosen, such as ``ties first``, and the step size."""
-        words = {f"{name} {value}" for name, value in self.hyperparameters.as_dict().items()}
+        words = {
+            f"{name} {self.hyperparameters.value(name)}"
+            for name, parameter in PARAMETERS.items()
+            if not (parameter.range or parameter.schedule)
+        }
         return {*words, "sample average"} if self.sample_average else words
 
     def constants(self, episodes: int, seed: int) -> str:

@@ -21,7 +21,8 @@ _LINE_OF_PLACE: Final = re.compile(r"( *)(?:# )?\$(\w+)")
 def sections(module: str, flags: Collection[str] = ()) -> dict[str, str]:
     """Return the sections of the text beside ``module``, by name, with the lines that ``flags`` call for.
 
-    Raises FileNotFoundError or ModuleNotFoundError where there is no such text.
+    Raises FileNotFoundError where there is no such text, ModuleNotFoundError where there is no such package,
+    ValueError where the module is in none.
     """
     package, _, name = module.rpartition(".")
     text = (files(package) / f"{name}{ENDING}").read_text(encoding="utf-8")

@@ -33,11 +33,7 @@ def grid_text(section: GridSection, generator: Generator) -> WorldText:
     """
     _check_size(section)
     legend = {**BUILT_IN, **section.legend}
-    if section.random is not None:
-        cells = draw_map(section.random, legend, section.moves, generator)
-    else:
-        cells = read_map(section.map, legend)
-    rows = ["".join(cells.characters[code] for code in row) for row in cells.codes]
+    rows = _rows(section, legend, generator)
     there = {each: legend[each] for each in sorted(set("".join(rows)))}
     starts = _characters(there, lambda entry: entry.kind is CellKind.START)
     moves = {name: STEPS[name] for name in MOVES[section.moves]}
@@ -62,16 +58,15 @@ def grid_text(section: GridSection, generator: Generator) -> WorldText:
     one_start = sum(row.count(each) for row in rows for each in starts) == 1
     start = "STARTS[0]" if one_start else "int(self.np_random.choice(STARTS))"
     world = environment(states, actions, start, time_limit=section.time_limit)
-    new_table = fill(TEXTS["array"], {"states": states, "actions": actions})
     if "exits" in flags:
-        own_length = f"1 if at(s) in EXITS else {actions}"
-        new_table = fill(
-            TEXTS["ragged"], {"actions_of_state": own_length, "state": "s", "states": f"range({states})"}
-        )
+        sizes = {"state": "s", "states": f"range({states})"}
+        sizes["actions_of_state"] = f"1 if at(s) in EXITS else {actions}"
+    else:
+        sizes = {"states": states, "actions": actions}
     shown = rules["walls"] + rules["ends"] + rules["exits"]
     return WorldText(
         setup=f"{fill(sections(f'{__package__}.grid', flags)['setup'], pieces)}\n\n\n{world}",
-        new_table=new_table,
+        new_table=fill(TEXTS["ragged" if "exits" in flags else "array"], sizes),
         report=TEXTS["arrows on a map"],
         report_pieces={"shown": literal(shown), "between": between(arrows)},
         starts="STARTS",
@@ -91,6 +86,15 @@ def _check_size(section: GridSection) -> None:
             f"this map has {rows:,} × {columns:,} cells, too many for a script that one can read: at most "
             f"{MOST_ROWS} × {MOST_COLUMNS}"
         )
+
+
+def _rows(section: GridSection, legend: Mapping[str, LegendEntry], generator: Generator) -> list[str]:
+    """Return the map, a text a row; one that is random is drawn."""
+    if section.random is not None:
+        cells = draw_map(section.random, legend, section.moves, generator)
+    else:
+        cells = read_map(section.map, legend)
+    return ["".join(cells.characters[code] for code in row) for row in cells.codes]
 
 
 def _characters(there: Mapping[str, LegendEntry], quality: Callable[[LegendEntry], bool]) -> str:
