@@ -19,7 +19,8 @@ class Algorithm:
     ``module`` holds its memory and update rule; ``parameters`` names its hyper-parameters in the order of the
     controls panel, those of the policy apart; ``source`` is the box in Sutton & Barto (2nd ed.) that it
     follows. A planner takes no steps in the world: it backs up one state after the other with the model.
-    ``update`` says how its update is written.
+    ``update`` says how its update is written. ``counts_updates``: a sample average is over its own updates,
+    which come later than the step or in one of several tables.
     """
 
     id: str
@@ -31,6 +32,7 @@ class Algorithm:
     parameters: tuple[str, ...]
     planner: bool = False
     update: UpdateTerms = terms.MAXIMUM
+    counts_updates: bool = False
 
 
 _ALGORITHMS: Final[tuple[Algorithm, ...]] = (
@@ -72,6 +74,7 @@ _ALGORITHMS: Final[tuple[Algorithm, ...]] = (
         module="rl_tui.agents.algorithms.double_q_learning",
         parameters=_TD,
         update=terms.OTHER_TABLE,
+        counts_updates=True,
     ),
     Algorithm(
         id="n-step-sarsa",
@@ -82,6 +85,7 @@ _ALGORITHMS: Final[tuple[Algorithm, ...]] = (
         module="rl_tui.agents.algorithms.n_step_sarsa",
         parameters=(*_TD, "n"),
         update=terms.N_STEPS,
+        counts_updates=True,
     ),
     Algorithm(
         id="sarsa-lambda",
@@ -132,6 +136,7 @@ _ALGORITHMS: Final[tuple[Algorithm, ...]] = (
         module="rl_tui.agents.algorithms.monte_carlo",
         parameters=_TD,
         update=terms.WHOLE_RETURN,
+        counts_updates=True,
     ),
     Algorithm(
         id="value-iteration",
@@ -167,7 +172,8 @@ class Policy:
 
     ``bandits_only``: it works in one state only. ``explores_by_epsilon``: with probability ε it takes any
     action at random, else a greedy one; another policy may mean something else by its ε.
-    ``needs_step_size``: it cannot do with the sample average.
+    ``needs_step_size``: it cannot do with the sample average. ``counts_visits``: it reads how often each pair
+    was taken, N(s, a).
     """
 
     id: str
@@ -180,6 +186,7 @@ class Policy:
     bandits_only: bool = False
     explores_by_epsilon: bool = False
     needs_step_size: bool = False
+    counts_visits: bool = False
 
 
 _POLICIES: Final[tuple[Policy, ...]] = (
@@ -210,6 +217,7 @@ _POLICIES: Final[tuple[Policy, ...]] = (
         source="equation 2.10, section 2.7",
         module="rl_tui.agents.policies.ucb",
         parameters=("confidence", "ties"),
+        counts_visits=True,
     ),
     Policy(
         id="gradient",

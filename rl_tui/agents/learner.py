@@ -33,7 +33,7 @@ from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
 UNLIMITED: Final = 2**60
 # Which loops this process has loaded
-_WARM: Final = set[tuple[str, str, bool]]()
+WARM: Final = set[tuple[str, str, bool]]()
 _FOR_GOOD: Final = (Stop.DIVERGED, Stop.ENDLESS_EPISODE, Stop.MEMORY_FULL, Stop.WORLD_FAILED)
 
 
@@ -71,7 +71,8 @@ class Learner(LearnerCounters):
         """What part of the work was a planner's, and so not in the world."""
         self.author = Author(algorithm, hyperparameters)
         """Who took the last step; before the first, who will."""
-        self._rule: Any
+        self.rule: Any
+        """The policy in force, with what it has learned in live arrays, as those of ``q`` are."""
         self._memory: Any
         self._stop = Stop.DONE
         self._take_rule(hyperparameters)
@@ -88,10 +89,10 @@ class Learner(LearnerCounters):
         """
         check_compatible(self.space, self.algorithm, hyperparameters)
         other_ties = hyperparameters.ties != self.hyperparameters.ties
-        learned = arrays_of(self._rule) if hyperparameters.policy == self.hyperparameters.policy else None
+        learned = arrays_of(self.rule) if hyperparameters.policy == self.hyperparameters.policy else None
         self._take_rule(hyperparameters)
         if learned is not None:
-            put_back(arrays_of(self._rule), learned)
+            put_back(arrays_of(self.rule), learned)
         if other_ties:
             noticed = self._watch.noticed.copy()
             self.watch(self._watching)  # the new tie rule says what was greedy before
@@ -115,7 +116,7 @@ class Learner(LearnerCounters):
 
     def _take_rule(self, hyperparameters: Hyperparameters) -> None:
         policy = importlib.import_module(POLICY_BY_ID[hyperparameters.policy].module)
-        self._rule = policy.new_rule(self.space, hyperparameters)
+        self.rule = policy.new_rule(self.space, hyperparameters)
         self.hyperparameters = hyperparameters
         self._params = kernel_parameters(hyperparameters)
         self._schedules = schedules_of(hyperparameters)
@@ -250,7 +251,7 @@ class Learner(LearnerCounters):
     def _advance(self, steps: int, episodes: int) -> int:
         if self.plans:
             return self._plan(steps, episodes)
-        args = (self._memory, self._rule, self._params, self._schedules, self._tables)
+        args = (self._memory, self.rule, self._params, self._schedules, self._tables)
         moved = (self._position, self._log, self._record, self._watch)
         if self._stepped is not None:
             return self._stepped.advance(*args, *moved, self.streams.learner, steps, episodes)
@@ -274,12 +275,12 @@ class Learner(LearnerCounters):
     @property
     def is_warm(self) -> bool:
         """Whether the loop of this algorithm and policy is compiled, or read from the cache, already."""
-        return self._loop in _WARM
+        return self._loop in WARM
 
     def warm_up(self) -> None:
         """Compile the loop, or read it from the cache, without taking a step."""
         self.advance(0)
-        _WARM.add(self._loop)
+        WARM.add(self._loop)
 
     @property
     def _loop(self) -> tuple[str, str, bool]:
@@ -299,7 +300,7 @@ class Learner(LearnerCounters):
             self.algorithm,
             self.hyperparameters,
             copies(self._checkpoint_arrays()),
-            copies(arrays_of(self._rule)),
+            copies(arrays_of(self.rule)),
             copies(self._drift),
             copies(self._position),
             copies(self._record),
@@ -322,7 +323,7 @@ class Learner(LearnerCounters):
         if state.algorithm != self.algorithm:
             self._take_algorithm(state.algorithm)
         put_back(self._memory, state.memory)
-        put_back(arrays_of(self._rule), state.rule)
+        put_back(arrays_of(self.rule), state.rule)
         put_back(self._drift, state.drift)
         put_back(self._position, state.position)
         put_back(self._record, state.record)

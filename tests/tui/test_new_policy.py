@@ -10,12 +10,13 @@ from samples import lake
 from snapshots import changed
 
 from rl_tui.agents.hyperparameters import Hyperparameters
+from rl_tui.lab.last_step.story import story_of
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.panels.controls.controls import sliders_of
 from rl_tui.tui.panels.controls.settings import settings_of
 from rl_tui.tui.panels.curve.data import curve_data
 from rl_tui.tui.panels.curve.text import remark
-from rl_tui.tui.panels.last_step.loop_text import choice_text
+from rl_tui.tui.panels.last_step.words import words_of
 from rl_tui.tui.theme.glyphs import UNICODE
 
 __all__ = ["curious"]
@@ -39,8 +40,9 @@ def chosen_by(policy: str, *, explored: bool = False) -> Snapshot:
 )
 def test_its_choice_is_told_as_its_own(curious: str, explored: bool, words: tuple[str, str]) -> None:
     shown = chosen_by(curious, explored=explored)
-    assert shown.counters.last_step is not None
-    assert choice_text(shown, shown.counters.last_step, UNICODE) == words
+    story = story_of(shown)
+    assert story is not None
+    assert words_of(story, UNICODE).choices == words
 
 
 def test_its_settings_are_those_of_its_row(curious: str) -> None:

@@ -36,6 +36,7 @@ def step(algorithm: str, **changes: Any) -> Snapshot:
         "updated_pair": pair,
         "outcome": pair,
         "next_state": 10,
+        "bootstrap_state": NOTHING if changes.get("terminated") else changes.get("next_state", 10),
         "terminated": False,
         "reward": 0.0,
         "gathered": 0.0,
@@ -131,7 +132,10 @@ def test_monte_carlo_learns_from_the_whole_return() -> None:
     assert "Q(0,←) ← .36 + .10 · (+.59) = .42   and 5 more, back to its start" in text
     assert drawn(ended).startswith(" Q(0,←) ← .36 + .10·(.95 − .36) = .42")
     cut = changed(
-        ended, last_step=replace(ended.counters.last_step, terminated=False, truncated=True, bootstrap=0.2)
+        ended,
+        last_step=replace(
+            ended.counters.last_step, terminated=False, truncated=True, bootstrap=0.2, bootstrap_state=15
+        ),
     )  # type: ignore[type-var]
     assert "Σ π Q(15,·)" in drawn(cut, 80, 9)
 
@@ -154,7 +158,7 @@ def test_a_trace_makes_the_step_larger_or_smaller() -> None:
 
 def test_a_pair_from_the_model_leads_to_a_state_of_its_own() -> None:
     other = int(LAKE.world.space.first_pair[9])
-    text = drawn(step("prioritized-sweeping", updated_pair=other, others=9), 80, 9)
+    text = drawn(step("prioritized-sweeping", updated_pair=other, bootstrap_state=13, others=9), 80, 9)
     assert "max Q(s′,·)" in text
     assert "Q(9,←) ← " in text
 
