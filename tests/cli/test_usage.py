@@ -16,13 +16,11 @@ from click.testing import CliRunner, Result
 from rl_tui import __version__
 from rl_tui.agents.hyperparameters import PARAMETERS
 from rl_tui.cli import program as program_module
-from rl_tui.cli.main import program
+from rl_tui.cli.main import RlTui, program
 from rl_tui.lab.live.record import Record
 from rl_tui.lab.run.library import find, recipe_for
 from rl_tui.lab.sessions.session import encoded
 from rl_tui.lab.timeline.branches import FIRST, RunRecord
-
-COMMANDS = ("play", "train", "replay", "solve", "list", "check", "bench", "screenshot", "serve")
 
 
 def run(*args: str) -> Result:
@@ -45,7 +43,7 @@ def test_version() -> None:
 def test_help_lists_every_command() -> None:
     result = run("--help")
     assert result.exit_code == 0
-    for name in COMMANDS:
+    for name in RlTui.modules:
         assert f"\n  {name} " in result.stdout
         assert run(name, "--help").exit_code == 0
 
