@@ -64,7 +64,7 @@ class SnapshotBuilder:
             recipe=run.recipe,
             agent=self._agent(run, counters, viewport),
             counters=counters,
-            results=run.results,
+            results=run_group.lanes[run_group.shown].results if run_group.lanes else run.results,
             exact_answer=exact_answer,
             playback=playback,
             timeline=timeline,
