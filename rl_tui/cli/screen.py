@@ -16,6 +16,7 @@ from rl_tui.cli.descriptors import screen_alone
 from rl_tui.cli.kiosk import confine
 from rl_tui.cli.program import USAGE
 from rl_tui.common.kiosk import in_kiosk
+from rl_tui.terminal.driver_choice import IN_BROWSER
 from rl_tui.tui.app.display import Display
 
 if TYPE_CHECKING:
@@ -23,7 +24,6 @@ if TYPE_CHECKING:
     from rl_tui.lab.sessions.session import StoredSession
 
 
-IN_BROWSER: Final = "rl_tui.terminal.browser_driver:BrowserDriver"  # TEXTUAL_DRIVER of what the server starts
 _ARENA_MAX: Final = -8  # M_ARENA_MAX in glibc's malloc.h
 
 
