@@ -71,7 +71,7 @@ def _replayed(stored: StoredSession, target: ReplayTarget, csv: Path | TextIO | 
 
 
 def _report(stored: StoredSession, target: ReplayTarget, run: Run, figures: dict[str, Any]) -> str:
-    from rl_tui.cli.commands.train_report import one_run
+    from rl_tui.cli.reports.training import one_run
 
     lanes = len(stored.document.lanes)
     parts = [stored.title]

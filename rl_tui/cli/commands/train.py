@@ -136,7 +136,7 @@ def _train_once(
         figures["journal"] = as_json(run.journal, run.world.space.action_names)
 
     def report() -> str:
-        from rl_tui.cli.commands.train_report import one_run
+        from rl_tui.cli.reports.training import one_run
 
         return one_run(run, figures)
 
@@ -173,7 +173,7 @@ def _train_many(recipe: Recipe, runs: int, goal: Goal, csv: Path | TextIO | None
         figures: dict[str, Any] = many_runs(recipe, runs, goal, csv, on_progress)
 
     def report() -> str:
-        from rl_tui.cli.commands.train_report import several_runs
+        from rl_tui.cli.reports.training import several_runs
 
         return several_runs(recipe, figures)
 
