@@ -9,7 +9,7 @@ import pytest
 from samples import lake
 from snapshots import changed
 
-from rl_tui.agents.catalogue import ALGORITHMS, POLICIES, parameters_of
+from rl_tui.agents.catalogue import BY_ID, POLICY_BY_ID, parameters_of
 from rl_tui.agents.hyperparameters import PARAMETERS, SAMPLE_AVERAGE, Hyperparameters
 from rl_tui.lab.live.snapshot import Phase, Snapshot
 from rl_tui.tui.actions.registry import ACTIONS
@@ -19,9 +19,9 @@ from rl_tui.tui.theme.glyphs import ASCII, UNICODE, Glyphs
 
 LAKE = lake()
 EVERY = [
-    (algorithm.id, rule.id)
-    for algorithm in ALGORITHMS
-    for rule in (POLICIES[:1] if algorithm.planner else POLICIES)
+    (algorithm.id, policy)
+    for algorithm in BY_ID.values()
+    for policy in (["epsilon-greedy"] if algorithm.planner else POLICY_BY_ID)
 ]
 
 

@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from conftest import MakeApp
-from test_options import choose
-from test_playground import playground, press, snapshot, train
+from seams import choose, playground, press, snapshot, train
 from textual.pilot import Pilot
 from textual.widgets import Input
 

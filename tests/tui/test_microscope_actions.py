@@ -4,18 +4,16 @@ from __future__ import annotations
 
 import pytest
 from conftest import MakeApp
-from test_playground import playground, press, snapshot, train
-from textual.events import MouseScrollDown
+from seams import playground, press, scroll_down, snapshot, train
 from textual.pilot import Pilot
 
 from rl_tui.common.errors import UserError
-from rl_tui.lab.live.backup import sources
 from rl_tui.lab.live.commands import Apply, StepBack
 from rl_tui.lab.run.recipe import SwitchAlgorithm
 from rl_tui.tui.app.screenshot import settle
 from rl_tui.tui.panels.catalogue import CONTROLS, CURVE, MICROSCOPE, TABLE, TIMELINE, WORLD
 from rl_tui.tui.panels.controls.slider import Slider
-from rl_tui.tui.panels.microscope.microscope import Microscope
+from rl_tui.tui.panels.microscope.microscope import Microscope, lit_sources
 from rl_tui.tui.screens.playground.board import Board
 
 
@@ -58,7 +56,7 @@ async def test_it_is_drawn_from_every_step(make_app: MakeApp) -> None:
         await train(pilot, 5_000)
         assert "5,001, episode" in lines(pilot)
         shown = await press(pilot, "s")
-        assert board(pilot).table.sources == frozenset(sources(shown))
+        assert board(pilot).table.sources == lit_sources(shown)
         await press(pilot, "d")
         assert not board(pilot).table.sources
 
@@ -98,8 +96,7 @@ async def test_it_scrolls_by_keys_and_wheel(make_app: MakeApp) -> None:
         assert widget.render_line(0).text == last
         await press(pilot, "home")
         assert "The step" in widget.render_line(0).text
-        await pilot._post_mouse_events([MouseScrollDown], widget="#microscope")
-        await settle(pilot)
+        await scroll_down(pilot, widget)
         assert "The step" not in widget.render_line(0).text
 
 

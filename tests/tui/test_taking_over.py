@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import pytest
 from conftest import MakeApp
-from test_stopping import notices, playground, press
+from seams import notes, playground, press, switch
 from textual.pilot import Pilot
 
 from rl_tui.common.errors import UserError
@@ -75,12 +75,12 @@ async def test_the_mode_is_seen_and_y_ends_it(make_app: MakeApp) -> None:
         assert bottom_line(pilot) == "1 or 2 act  y hand back  s agent's step  space run  ? help"
         assert world.has_class("-manual")
         assert "◉ you act" in playground(pilot).query_one(StatusLine).render_line(0).text
-        assert notices(app) == ["you are the agent: act with 1 or 2; y hands back"]
+        assert notes(app) == ["you are the agent: act with 1 or 2; y hands back"]
         await press(pilot, "y")
         assert (str(world.border_title), str(world.border_subtitle), bottom_line(pilot)) == before
         assert not world.has_class("-manual")
         assert "paused" in playground(pilot).query_one(StatusLine).render_line(0).text
-        assert notices(app)[-1] == "the agent acts again"
+        assert notes(app)[-1] == "the agent acts again"
 
 
 async def test_escape_hands_back_and_stays_here(make_app: MakeApp) -> None:
@@ -135,7 +135,7 @@ async def test_keys_without_an_action_say_so(make_app: MakeApp, monkeypatch: pyt
         asked = record(pilot, monkeypatch)
         await press(pilot, "y", "3", "2")
         assert asked == [Take(1)]
-        assert notices(app)[-1] == "3 is no action here: act with 1 or 2"
+        assert notes(app)[-1] == "3 is no action here: act with 1 or 2"
 
 
 async def test_an_arm_is_pulled_by_its_name(make_app: MakeApp, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -148,7 +148,7 @@ async def test_an_arm_is_pulled_by_its_name(make_app: MakeApp, monkeypatch: pyte
         playground(pilot).send(Train(1000))
         await settle(pilot)
         assert not playground(pilot).manual.is_on
-        assert notices(app)[-1] == "the budget is spent; r starts again"
+        assert notes(app)[-1] == "the budget is spent; r starts again"
 
 
 async def test_a_planner_takes_no_actions(make_app: MakeApp) -> None:
@@ -156,13 +156,10 @@ async def test_a_planner_takes_no_actions(make_app: MakeApp) -> None:
     async with app.run_test(size=(80, 24), notifications=True) as pilot:
         await settle(pilot)
         screen = playground(pilot)
-        screen.agent.switch("value-iteration")
-        await settle(pilot)
+        await switch(pilot, "value-iteration")
         await press(pilot, "y")
         assert not screen.manual.is_on
-        assert notices(app) == [
-            "Value iteration takes no actions: it plans with the model; a chooses an agent"
-        ]
+        assert notes(app) == ["Value iteration takes no actions: it plans with the model; a chooses an agent"]
 
 
 async def test_a_walk_to_the_goal_is_learned_from(make_app: MakeApp) -> None:

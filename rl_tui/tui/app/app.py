@@ -20,7 +20,7 @@ from rl_tui.common.errors import UserError
 from rl_tui.common.findings import one_line
 from rl_tui.lab.run.library import recipe_for
 from rl_tui.lab.run.recipe import Recipe
-from rl_tui.terminal.driver_choice import driver_class, go_to_shell
+from rl_tui.terminal.driver_choice import driver_class
 from rl_tui.terminal.ending import HUNG_UP, end_on_signal
 from rl_tui.terminal.key_queue import KeyQueue
 from rl_tui.terminal.linked_app import LinkedApp
@@ -207,7 +207,7 @@ class RlTuiApp(LinkedApp[UserError]):
 
     async def action_suspend_process(self) -> None:  # type: ignore[override]
         """Go back to the shell, if there is one that can bring the program back."""
-        if not await go_to_shell(self._driver):
+        if not await self.go_to_shell():
             self.notify("there is no shell here to go back to; q quits", markup=False)
 
     def on_terminal_driver_lost(self) -> None:
@@ -239,7 +239,7 @@ class RlTuiApp(LinkedApp[UserError]):
         return self._bug
 
     def _handle_exception(self, error: Exception) -> None:
-        if self._exit and isinstance(error, NoMatches):
+        if getattr(self, "_exit", False) and isinstance(error, NoMatches):
             return  # of a screen that opens while the program ends, the widgets may be gone already
         super()._handle_exception(error)
 
@@ -247,8 +247,8 @@ class RlTuiApp(LinkedApp[UserError]):
         # Textual would print pages here; the command line says in one line what has happened
         if self._bug is None:
             self._opener.close()
-            self._bug = bug_of(self._exception, self._opener.autosave)
-        self._close_messages_no_wait()
+            self._bug = bug_of(getattr(self, "_exception", None), self._opener.autosave)
+        super().exit(return_code=1)
 
     def _follow_theme(self, _: Theme) -> None:
         look = self.look

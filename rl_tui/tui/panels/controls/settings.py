@@ -77,10 +77,10 @@ def _decaying(values: Hyperparameters, parameters: tuple[str, ...], episode: int
     """Yield what schedules have made of α and ε by now, where they change them."""
     alpha = values.alpha_at(episode)
     moves_alpha = values.step_size_schedule != "constant" and values.alpha_decay > 0.0
-    if "alpha" in parameters and alpha is not None and moves_alpha:
+    if "alpha_decay" in parameters and alpha is not None and moves_alpha:
         yield Setting("", "α now", "α now", f"{alpha:.3f}", "", 8)
     moves_epsilon = values.epsilon_schedule != "constant" and values.epsilon_decay > 0.0
-    if "epsilon" in parameters and moves_epsilon:
+    if "epsilon_decay" in parameters and moves_epsilon:
         yield Setting("", "ε now", "ε now", f"{values.epsilon_at(episode):.3f}", "", 8)
 
 

@@ -9,12 +9,12 @@ from textual import events
 from textual.binding import Binding, BindingType
 from textual.strip import Strip
 
-from rl_tui.lab.live.backup import backup_of, sources
+from rl_tui.lab.last_step.story import StepStory, story_of
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.draw.canvas import Canvas
 from rl_tui.tui.draw.pieces import KEPT_BLANK, Line, Piece, strips_of, wrapped
 from rl_tui.tui.panels.last_step.last_step import NOTHING_YET
-from rl_tui.tui.panels.last_step.loop_text import loop_text
+from rl_tui.tui.panels.last_step.words import words_of
 from rl_tui.tui.panels.microscope.backup_tree import BACKUP_HEADING, backup_rows, backup_section
 from rl_tui.tui.panels.microscope.cell_history import history_strips
 from rl_tui.tui.panels.microscope.return_text import RETURN_HEADING, RETURN_ROWS, return_section
@@ -120,7 +120,8 @@ class Microscope(Panel, can_focus=True):
 
 def lit_sources(snapshot: Snapshot) -> frozenset[int]:
     """Return the pairs that the table lights up as looked up; none where steps pass too fast to follow."""
-    return frozenset() if passes_too_fast(snapshot) else frozenset(sources(snapshot))
+    story = None if passes_too_fast(snapshot) else story_of(snapshot)
+    return frozenset() if story is None else frozenset(story.sources)
 
 
 def _scroll_bar(first: int, height: int, rows: int, look: Look) -> list[Strip]:
@@ -150,10 +151,11 @@ def page(
     """
     columns = 2 if width >= ROOM_FOR_TWO else 1
     room = (width - _GAP * (columns - 1)) // columns
-    if snapshot is None or snapshot.counters.last_step is None:
+    story = None if snapshot is None else story_of(snapshot)
+    if snapshot is None or story is None:
         nothing: list[Line] = [[Piece(f" {NOTHING_YET}", look.palette.dim)]]
         return strips_of(nothing, width, 1, look)
-    sections = _sections(snapshot, look, room, revealed=not secret)
+    sections = _sections(snapshot, story, look, room, secret=is_secret(snapshot, revealed=not secret))
     parts = (sections,) if columns == 1 else (sections[:2] + sections[3:], sections[2:3])
     least = _HISTORY_ROWS if columns == 1 else _HISTORY_ROWS - 1
     sides = [
@@ -165,27 +167,22 @@ def page(
     return sides[0] if columns == 1 else _beside(sides[0], sides[1], room, width, look)
 
 
-def _sections(snapshot: Snapshot, look: Look, width: int, *, revealed: bool) -> list[MicroscopeSection]:
+def _sections(
+    snapshot: Snapshot, story: StepStory, look: Look, width: int, *, secret: bool
+) -> list[MicroscopeSection]:
     """Return the step, the update, the backup and the return."""
-    last, backup = snapshot.counters.last_step, backup_of(snapshot)
-    if last is None or passes_too_fast(snapshot):
-        return _calm(snapshot, look, width)
-    text = loop_text(snapshot, last, look.glyphs)
-    secret = is_secret(snapshot, revealed)
-    tree = (
-        backup_section(snapshot, backup, text, look, width, secret=secret)
-        if backup is not None
-        else MicroscopeSection(BACKUP_HEADING, [[Piece(f" {text.waiting}", look.palette.dim)]], 1)
-    )
+    if passes_too_fast(snapshot):
+        return _calm(story, look, width)
+    words = words_of(story, look.glyphs)
     return [
-        step_section(snapshot, last, text, look, width),
-        update_section(snapshot, last, text, sources(snapshot), look, width),
-        tree,
-        return_section(snapshot, last, look, width),
+        step_section(words, look, width),
+        update_section(words, look, width),
+        backup_section(words, look, width, secret=secret),
+        return_section(story, look, width),
     ]
 
 
-def _calm(snapshot: Snapshot, look: Look, width: int) -> list[MicroscopeSection]:
+def _calm(story: StepStory, look: Look, width: int) -> list[MicroscopeSection]:
     """Return the headings with nothing below them that changes from frame to frame."""
     return [
         MicroscopeSection(
@@ -193,8 +190,8 @@ def _calm(snapshot: Snapshot, look: Look, width: int) -> list[MicroscopeSection]
             wrapped(TOO_FAST, width, look.palette.dim, look, " ", " "),
             STEP_ROWS,
         ),
-        MicroscopeSection(UPDATE_HEADING, [], update_rows(snapshot)),
-        MicroscopeSection(BACKUP_HEADING, [], backup_rows(snapshot)),
+        MicroscopeSection(UPDATE_HEADING, [], update_rows(story.terms)),
+        MicroscopeSection(BACKUP_HEADING, [], backup_rows(story.world)),
         MicroscopeSection(RETURN_HEADING, [], RETURN_ROWS),
     ]
 
