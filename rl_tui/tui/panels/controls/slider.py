@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import ClassVar, Final
 
 from textual import events
-from textual.binding import Binding, BindingType
+from textual.binding import BindingType
 from textual.message import Message
 from textual.strip import Strip
 
@@ -13,6 +13,7 @@ from rl_tui.agents.hyperparameters import PARAMETERS, Hyperparameters, Parameter
 from rl_tui.tui.panels.controls.slider_picture import SliderState, slider_form, slider_strip
 from rl_tui.tui.panels.controls.slider_scale import SliderScale, parsed, scale_of
 from rl_tui.tui.panels.draggable import Draggable
+from rl_tui.tui.panels.keys import panel_key
 from rl_tui.tui.theme.look import Look
 
 _BEGINS_TYPING: Final = frozenset("0123456789.")
@@ -29,43 +30,19 @@ class Slider(Draggable, can_focus=True):
 
     ALLOW_SELECT = False
     BINDINGS: ClassVar[list[BindingType]] = [
-        Binding("left", "move('step', -1)", "Less", show=False, id="slider.less", tooltip="A hundredth less"),
-        Binding("right", "move('step', 1)", "More", show=False, id="slider.more", tooltip="A hundredth more"),
-        Binding(
-            "shift+left,less_than_sign",
-            "move('fine', -1)",
-            "A little less",
-            show=False,
-            id="slider.little_less",
-            tooltip="A thousandth less",
+        panel_key("slider", "less", "left", "move('step', -1)", "A hundredth less"),
+        panel_key("slider", "more", "right", "move('step', 1)", "A hundredth more"),
+        panel_key(
+            "slider", "little_less", "shift+left,less_than_sign", "move('fine', -1)", "A thousandth less"
         ),
-        Binding(
-            "shift+right,greater_than_sign",
-            "move('fine', 1)",
-            "A little more",
-            show=False,
-            id="slider.little_more",
-            tooltip="A thousandth more",
+        panel_key(
+            "slider", "little_more", "shift+right,greater_than_sign", "move('fine', 1)", "A thousandth more"
         ),
-        Binding(
-            "pagedown",
-            "move('coarse', -1)",
-            "Much less",
-            show=False,
-            id="slider.much_less",
-            tooltip="A tenth less",
-        ),
-        Binding(
-            "pageup",
-            "move('coarse', 1)",
-            "Much more",
-            show=False,
-            id="slider.much_more",
-            tooltip="A tenth more",
-        ),
-        Binding("home", "end(False)", "Least", show=False, id="slider.least", tooltip="The least value"),
-        Binding("end", "end(True)", "Most", show=False, id="slider.most", tooltip="The greatest value"),
-        Binding("enter", "type", "Type", show=False, id="slider.type", tooltip="Type a value"),
+        panel_key("slider", "much_less", "pagedown", "move('coarse', -1)", "A tenth less"),
+        panel_key("slider", "much_more", "pageup", "move('coarse', 1)", "A tenth more"),
+        panel_key("slider", "least", "home", "end(False)", "The least value"),
+        panel_key("slider", "most", "end", "end(True)", "The greatest value"),
+        panel_key("slider", "type", "enter", "type", "Type a value"),
     ]
 
     class Changed(Message):

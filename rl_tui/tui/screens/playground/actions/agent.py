@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 
 from rl_tui.agents.catalogue import BY_ID, POLICY_BY_ID, parameters_of
-from rl_tui.agents.hyperparameters import PARAMETERS, Hyperparameters
+from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.common.errors import UserError
 from rl_tui.lab.live.commands import Apply, Restart
 from rl_tui.lab.run.recipe import Recipe, SetParameter, Setting, SwitchAlgorithm, changed_recipe
@@ -14,9 +14,9 @@ from rl_tui.lab.run.settings import settings_for
 from rl_tui.tui.actions.registry import ORDINALS
 from rl_tui.tui.panels.catalogue import CONTROLS
 from rl_tui.tui.panels.controls.slider import Slider
-from rl_tui.tui.screens.dialogs.choice import algorithm_choice, policy_choice, word_choice
+from rl_tui.tui.screens.dialogs.choice import algorithm_choice, policy_choice
 from rl_tui.tui.screens.dialogs.options import Options
-from rl_tui.tui.screens.dialogs.questions import ask_number, ask_seed
+from rl_tui.tui.screens.dialogs.questions import ask_seed, ask_value
 from rl_tui.tui.screens.playground.actions.subject import Subject
 
 
@@ -31,8 +31,7 @@ class AgentActions(Subject):
     def choose_algorithm(self) -> None:
         """Choose the algorithm."""
         if self.snapshot is not None:
-            choice = algorithm_choice(self.snapshot.world.space, self.recipe, self.glyphs)
-            self.screen.app.push_screen(choice, self.switch)
+            self.ask(algorithm_choice(self.snapshot.world.space, self.recipe, self.glyphs), self.switch)
 
     def choose_policy(self) -> None:
         """Choose the policy."""
@@ -42,7 +41,7 @@ class AgentActions(Subject):
             )
         elif self.snapshot is not None:
             choice = policy_choice(self.snapshot.world.space, self.recipe, self.glyphs)
-            self.screen.app.push_screen(choice, self._setter("policy"))
+            self.ask(choice, partial(self.set_parameter, "policy"))
 
     def next_ties(self) -> None:
         """Go to the other way to break ties."""
@@ -59,11 +58,10 @@ class AgentActions(Subject):
     def ask_seed(self) -> None:
         """Ask for the seed, and start again."""
 
-        def restart(seed: float | str | None) -> None:
-            if seed is not None:
-                self.link.send(Restart(replace(self.recipe, seed=int(seed))))
+        def restart(seed: float | str) -> None:
+            self.link.send(Restart(replace(self.recipe, seed=int(seed))))
 
-        self.screen.app.push_screen(ask_seed(self.recipe.seed), restart)
+        self.ask(ask_seed(self.recipe.seed), restart)
 
     def show_options(self) -> None:
         """Show every hyper-parameter."""
@@ -71,13 +69,11 @@ class AgentActions(Subject):
 
     def ask_parameter(self, name: str) -> None:
         """Ask for a value of the hyper-parameter ``name``, then set it."""
-        parameter, value = PARAMETERS[name], self.recipe.hyperparameters.value(name)
         if name == "policy":
             self.choose_policy()
-        elif parameter.range is None:
-            self.screen.app.push_screen(word_choice(name, value, self.glyphs), self._setter(name))
         else:
-            self.screen.app.push_screen(ask_number(name, value, self.glyphs), self._setter(name))
+            value = self.recipe.hyperparameters.value(name)
+            self.ask(ask_value(name, value, self.glyphs), partial(self.set_parameter, name))
 
     def set_parameter(self, name: str, value: float | str) -> None:
         """Set ``name`` of the running learner; say why not where it cannot work. Initial Q starts again."""
@@ -114,17 +110,10 @@ class AgentActions(Subject):
         self.board.bring_into_view(CONTROLS)
         sliders[number - 1].focus()
 
-    def switch(self, algorithm: str | None) -> None:
-        """Let ``algorithm`` go on with what was learned; None leaves all as it is."""
-        if algorithm is not None and algorithm != self.recipe.algorithm:
+    def switch(self, algorithm: str) -> None:
+        """Let ``algorithm`` go on with what was learned."""
+        if algorithm != self.recipe.algorithm:
             self.link.send(Apply(SwitchAlgorithm(algorithm)))
-
-    def _setter(self, name: str) -> Callable[[float | str | None], None]:
-        def set_value(value: float | str | None) -> None:
-            if value is not None:
-                self.set_parameter(name, value)
-
-        return set_value
 
     def _counts(self, name: str) -> bool:
         return name in parameters_of(self.recipe.algorithm, self.recipe.hyperparameters.policy)

@@ -51,14 +51,9 @@ class ExportActions(Subject):
             bandit=isinstance(snapshot.world.drawing, Arms),
             no_returns=_without_returns(snapshot),
         )
+        self.ask(choice, partial(self._export, snapshot))
 
-        def export(what: str | None) -> None:
-            if what is not None:
-                self._export(what, snapshot)
-
-        self.screen.app.push_screen(choice, export)
-
-    def _export(self, what: str, snapshot: Snapshot) -> None:
+    def _export(self, snapshot: Snapshot, what: str) -> None:
         export = {
             COMMAND: self._export_command,
             SCRIPT: self._export_script,
@@ -75,11 +70,10 @@ class ExportActions(Subject):
     def _export_command(self, snapshot: Snapshot) -> None:
         line = recipe_line(*_run_of(snapshot), snapshot.world.space.action_names)
 
-        def write(chosen: str | None) -> None:
-            if chosen is not None:
-                self._ask_file(snapshot, "Command", ".txt", partial(write_text, text=f"{line}\n"))
+        def write(_: str) -> None:
+            self._ask_file(snapshot, "Command", ".txt", partial(write_text, text=f"{line}\n"))
 
-        self.screen.app.push_screen(CommandLine(line, _about_command(snapshot)), write)
+        self.ask(CommandLine(line, _about_command(snapshot)), write)
 
     def _export_script(self, snapshot: Snapshot) -> None:
         self._ask_file(snapshot, "Python script", ".py", partial(write_text, text=script_of(snapshot)))
@@ -132,9 +126,7 @@ class ExportActions(Subject):
     ) -> None:
         """Ask for a new file, offering a name, and have it written: a SlowWrite where it takes time."""
 
-        def write_to(chosen: float | str | None) -> None:
-            if chosen is None:
-                return
+        def write_to(chosen: float | str) -> None:
             path = Path(str(chosen))
             if takes_time:
                 working = Working(title, partial(write, path))
@@ -144,7 +136,7 @@ class ExportActions(Subject):
                 self.screen.call_after_refresh(self._write_now, path, write)
 
         name = free_name(f"{snapshot.recipe.scenario.id}-{snapshot.agent.algorithm}", ending)
-        self.screen.app.push_screen(ask_new_file(title, name, self.glyphs), write_to)
+        self.ask(ask_new_file(title, name, self.glyphs), write_to)
 
     def _write_now(self, path: Path, write: Write) -> None:
         try:

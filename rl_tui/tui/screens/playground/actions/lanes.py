@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from functools import partial
+from typing import Any
 
 from rl_tui.agents.catalogue import BY_ID
-from rl_tui.agents.hyperparameters import PARAMETERS
 from rl_tui.common.errors import UserError
 from rl_tui.lab.live.commands import AddLane, ChooseLane, DropLane
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.timeline.lane_view import LaneView
-from rl_tui.tui.screens.dialogs.choice import Choice, algorithm_choice, policy_choice, word_choice
+from rl_tui.tui.screens.dialogs.choice import algorithm_choice, policy_choice
 from rl_tui.tui.screens.dialogs.compare import Answer, Compare
+from rl_tui.tui.screens.dialogs.dialog import Dialog
 from rl_tui.tui.screens.dialogs.lane_changes import ALGORITHM, lane_changes
-from rl_tui.tui.screens.dialogs.prompt import Prompt
-from rl_tui.tui.screens.dialogs.questions import ask_number
+from rl_tui.tui.screens.dialogs.questions import ask_value
 from rl_tui.tui.screens.playground.actions.subject import Subject
 from rl_tui.tui.screens.playground.wanted import in_force
 from rl_tui.worlds.drawing import Arms
@@ -31,7 +31,7 @@ class LaneActions(Subject):
         hidden = isinstance(snapshot.world.drawing, Arms) and not self.board.curve.tells_all
         lanes = snapshot.run_group.lanes or (_only_lane(snapshot),)
         dialog = Compare(self.screen.look, lanes, snapshot.run_group.shown, in_force(snapshot), hidden=hidden)
-        self.screen.app.push_screen(dialog, self._compared)
+        self.ask(dialog, self._compared)
 
     def next_lane(self) -> None:
         """Show the next lane."""
@@ -41,12 +41,12 @@ class LaneActions(Subject):
             return
         self._show_lane((snapshot.run_group.shown + 1) % len(snapshot.run_group.lanes))
 
-    def _compared(self, answer: Answer | None) -> None:
+    def _compared(self, answer: Answer) -> None:
         if isinstance(answer, ChooseLane):
             self._show_lane(answer.lane)
         elif isinstance(answer, DropLane):
             self._drop_lane(answer.lane)
-        elif answer is not None:
+        else:
             self._ask_difference(answer)
 
     def _show_lane(self, lane: int) -> None:
@@ -70,28 +70,22 @@ class LaneActions(Subject):
             return
         space, recipe, glyphs = self.snapshot.world.space, in_force(self.snapshot), self.glyphs
         if name == ALGORITHM:
-            dialog: Choice | Prompt = algorithm_choice(space, recipe, glyphs)
+            dialog: Dialog[Any] = algorithm_choice(space, recipe, glyphs)
         elif name == "policy":
             dialog = policy_choice(space, recipe, glyphs)
-        elif PARAMETERS[name].range is None:
-            dialog = word_choice(name, recipe.hyperparameters.value(name), glyphs)
         else:
-            value = recipe.hyperparameters.value(name)
-            dialog = ask_number(name, value, glyphs, another_run=True)
-        self.screen.app.push_screen(dialog, self._opener(name))
+            dialog = ask_value(name, recipe.hyperparameters.value(name), glyphs, another_run=True)
+        self.ask(dialog, partial(self._open_lane, name))
 
-    def _opener(self, name: str) -> Callable[[float | str | None], None]:
-        def open_lane(value: float | str | None) -> None:
-            if value is None or self.snapshot is None:
-                return
-            try:
-                changes = lane_changes(self.snapshot.world.space, in_force(self.snapshot), name, value)
-            except UserError as fault:
-                self.screen.notify(str(fault), severity="warning", markup=False)
-            else:
-                self.link.send(AddLane(changes))
-
-        return open_lane
+    def _open_lane(self, name: str, value: float | str) -> None:
+        if self.snapshot is None:
+            return
+        try:
+            changes = lane_changes(self.snapshot.world.space, in_force(self.snapshot), name, value)
+        except UserError as fault:
+            self.screen.notify(str(fault), severity="warning", markup=False)
+        else:
+            self.link.send(AddLane(changes))
 
 
 def _only_lane(snapshot: Snapshot) -> LaneView:

@@ -92,12 +92,11 @@ class SessionActions(Subject):
                 raise ValueError("another session has this name; type another one")
             return text.strip()
 
-        def save(name: float | str | None) -> None:
-            if name is not None:
-                self.screen.run_worker(self._save(autosave, str(name)), name="save the session")
+        def save(name: float | str) -> None:
+            self.screen.run_worker(self._save(autosave, str(name)), name="save the session")
 
         hint = "the session goes on keeping itself under this name; the catalogue lists it"
-        self.screen.app.push_screen(Prompt("Save the session as", hint, autosave.title, read), save)
+        self.ask(Prompt("Save the session as", hint, autosave.title, read), save)
 
     async def _save(self, autosave: Autosave, name: str) -> None:
         try:

@@ -2,11 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import TypeVar
+
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.screens.action_screen import ActionScreen
+from rl_tui.tui.screens.dialogs.dialog import Dialog
 from rl_tui.tui.screens.playground.board import Board
 from rl_tui.tui.screens.playground.player_link import PlayerLink
 from rl_tui.tui.theme.glyphs import Glyphs
+
+Answer = TypeVar("Answer")
 
 
 class Subject:
@@ -30,3 +36,12 @@ class Subject:
     def glyphs(self) -> Glyphs:
         """The characters that the terminal can show."""
         return self.screen.look.glyphs
+
+    def ask(self, dialog: Dialog[Answer], answered: Callable[[Answer], None]) -> None:
+        """Open ``dialog``; ``answered`` gets the answer, if there is one."""
+
+        def close(answer: Answer | None) -> None:
+            if answer is not None:
+                answered(answer)
+
+        self.screen.app.push_screen(dialog, close)

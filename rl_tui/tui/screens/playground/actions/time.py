@@ -23,12 +23,12 @@ class TimeActions(Subject):
     def go_to(self) -> None:
         """Ask for a step or an episode, and go there."""
 
-        def go(text: float | str | None) -> None:
-            if text is not None and self.snapshot is not None:
+        def go(text: float | str) -> None:
+            if self.snapshot is not None:
                 self.link.send(parse_goto(str(text), self.snapshot))
 
         if self.snapshot is not None:
-            self.screen.app.push_screen(goto_prompt(self.snapshot), go)
+            self.ask(goto_prompt(self.snapshot), go)
 
     def show_branches(self) -> None:
         """Show the branches of the run."""
@@ -36,7 +36,7 @@ class TimeActions(Subject):
         if snapshot is None or (snapshot.playback.phase is Phase.PREPARING and not snapshot.counters.step):
             self.screen.tell("the run is being prepared: there are no branches yet")
         else:
-            self.screen.app.push_screen(JournalScreen(self.screen.look, snapshot), self._go_to_branch)
+            self.ask(JournalScreen(self.screen.look, snapshot), self._go_to_branch)
 
     def seek(self, step: int) -> None:
         """Go where the timeline was pointed at."""
@@ -57,10 +57,8 @@ class TimeActions(Subject):
         else:
             self.link.send(command)
 
-    def _go_to_branch(self, moment: Moment | None) -> None:
-        if moment is None or self.snapshot is None:
-            return
-        if moment.branch != self.snapshot.timeline.branch:
+    def _go_to_branch(self, moment: Moment) -> None:
+        if self.snapshot is not None and moment.branch != self.snapshot.timeline.branch:
             self.link.send(ChooseBranch(moment.branch))
         if moment.step is not None:
             self.link.send(GoTo(moment.step))

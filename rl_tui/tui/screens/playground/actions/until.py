@@ -33,7 +33,7 @@ class UntilActions(Subject):
         found = until_options(snapshot, self._pair_under_cursor(), glyphs)
         listed = breakpoints_text(snapshot.world, snapshot.playback.breakpoints, glyphs)
         choice = UntilChoice(found, self._chosen_last, listed, self.clear_breakpoints, glyphs)
-        self.screen.app.push_screen(choice, self._run_until)
+        self.ask(choice, self._run_until)
 
     def toggle_breakpoint(self) -> None:
         """Set a breakpoint where the cursor is, or take it away."""
@@ -60,19 +60,15 @@ class UntilActions(Subject):
         self.link.send(ClearBreakpoints())
         self.screen.tell("all breakpoints are taken away")
 
-    def _run_until(self, option: UntilOption | None) -> None:
-        if option is None or self.snapshot is None:
-            return
+    def _run_until(self, option: UntilOption) -> None:
+        def run(number: float | str) -> None:
+            self.link.send(RunUntil(option.until(float(number))))
+
         self._chosen_last = option.id
         if not option.asks:
             self.link.send(RunUntil(option.until()))
-            return
-
-        def run(number: float | str | None) -> None:
-            if number is not None:
-                self.link.send(RunUntil(option.until(float(number))))
-
-        self.screen.app.push_screen(ask_number(option, self.snapshot, self.glyphs), run)
+        elif self.snapshot is not None:
+            self.ask(ask_number(option, self.snapshot, self.glyphs), run)
 
     def _pair_under_cursor(self) -> int | None:
         """Return the pair that a cursor was put on, or stands on in focus; None without one."""
