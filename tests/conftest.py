@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import gc
+import importlib
 import locale
 import os
 import re
 import signal
+import sys
 import time
 from collections.abc import Iterator
 from contextlib import suppress
@@ -16,7 +18,7 @@ from typing import Final
 import pytest
 
 _TESTS = count()
-_OF_THE_PROGRAM: Final = re.compile("RL_TUI_.*|TEXTUAL.*")
+_OF_THE_PROGRAM: Final = re.compile("RL_TUI_.*|TEXTUAL.*|ESCDELAY")
 _KEPT: Final = re.compile("RL_TUI_CACHE_DIR|TEXTUAL_SNAPSHOT_.*")  # compiled code, and what pytest sets
 _OF_A_PERSON: Final = re.compile(  # their terminal, language, shell and login
     "(LC|SSH|TERM|TMUX|WT)_.*|LANGUAGE|COLUMNS|LINES|COLORTERM|(NO|FORCE)_COLOR|CLICOLOR.*|TERMCAP|TMUX"
@@ -29,6 +31,8 @@ _UTF_8: Final = "C.UTF-8"
 for _name in filter(_OF_THE_PROGRAM.fullmatch, list(os.environ)):
     if not _KEPT.fullmatch(_name):
         del os.environ[_name]
+if "textual.constants" in sys.modules:  # the plugin for pictures was here first
+    importlib.reload(sys.modules["textual.constants"])
 
 
 @pytest.fixture(autouse=True, scope="session")
@@ -60,13 +64,16 @@ def _sessions_of_its_own(monkeypatch: pytest.MonkeyPatch, tmp_path_factory: pyte
     monkeypatch.setenv("RL_TUI_SESSIONS_DIR", str(folder))
 
 
-def pytest_configure() -> None:
-    """Let hypothesis forget its examples where it cannot write them down, of which it warns."""
-    if not os.access(os.curdir, os.W_OK):
-        from hypothesis import settings
+def pytest_configure(config: pytest.Config) -> None:
+    """Let hypothesis try the same examples in every run; ``--hypothesis-profile=default`` looks for others.
 
-        settings.register_profile("forgetful", database=None)
-        settings.load_profile("forgetful")
+    A change is then judged by what it changes. Nothing is written down, so the folder may be read-only.
+    """
+    from hypothesis import settings
+
+    settings.register_profile("repeatable", derandomize=True, database=None)
+    if not config.getoption("--hypothesis-profile"):
+        settings.load_profile("repeatable")
 
 
 def pytest_sessionstart() -> None:

@@ -14,7 +14,7 @@ from numpy.random import Generator
 from rl_tui.agents.catalogue import POLICY_BY_ID, Policy
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.agents.kernels.compiled import inlined, member_of
-from rl_tui.agents.policies.family import best_value, choose, greedy
+from rl_tui.agents.policies.family import best_value, choose, greedy, probability_of
 from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray, IntArray
 
 CURIOUS = Policy(
@@ -46,11 +46,6 @@ def new_rule(space: FiniteSpace, hyperparameters: Hyperparameters) -> Rule:
     return Rule(hyperparameters.epsilon)
 
 
-def changed_rule(rule: Rule, hyperparameters: Hyperparameters) -> Rule:
-    """Return the rule with other hyper-parameters."""
-    return Rule(hyperparameters.epsilon)
-
-
 @inlined
 def untried(visits: IntArray, first: int, last: int) -> int:
     """Return how many of the pairs ``first`` .. ``last`` were never tried."""
@@ -73,3 +68,13 @@ def _choose(
             skip -= visits[pair] == 0
             pair += 1
     return pair, q[pair] < best_value(q, first, last)
+
+
+@member_of(probability_of, Rule)
+def _probability_of(rule: Rule, q: FloatArray, visits: IntArray, first: int, last: int, pair: int) -> float:
+    left = untried(visits, first, last)
+    curiosity = rule.epsilon if left > 0 else 0.0
+    probability = curiosity / left if visits[pair] == 0 else 0.0
+    if pair == greedy(q, first, last, False, 0.0):
+        probability += 1.0 - curiosity
+    return probability

@@ -9,6 +9,7 @@ from statistics import median
 from typing import Final, NamedTuple
 
 from open_grids import open_grid_recipe
+from seams import show
 
 from rl_tui.lab.live.commands import Train
 from rl_tui.lab.live.player import Player
@@ -26,6 +27,13 @@ class FrameTimes(NamedTuple):
 
     snapshot: float
     frame: float
+
+
+async def painted(screen: Playground) -> None:
+    """Wait until what was drawn is on screen."""
+    done = asyncio.Event()
+    screen.call_after_refresh(done.set)
+    await done.wait()
 
 
 async def frame_times(side: int, frames: int = 40) -> FrameTimes:
@@ -53,8 +61,8 @@ async def frame_times(side: int, frames: int = 40) -> FrameTimes:
             copied.append(time.perf_counter() - start)
         for snapshot in snapshots:
             start = time.perf_counter()
-            screen._draw(snapshot)
-            await screen._painted()
+            show(screen, snapshot)
+            await painted(screen)
             drawn.append(time.perf_counter() - start)
     return FrameTimes(median(copied) * 1e3, median(drawn) * 1e3)
 

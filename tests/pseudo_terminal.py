@@ -47,18 +47,18 @@ class PseudoTerminal:
         tells_position: bool = True,
         synchronises: bool = True,
     ) -> None:
-        self._ours, self._theirs = pty.openpty()
+        self._ours, self.theirs = pty.openpty()
         self._set_size(*size)
-        self.attributes_before = termios.tcgetattr(self._theirs)
+        self.attributes_before = termios.tcgetattr(self.theirs)
         self._alive, alive = os.pipe()  # its other end is only held by the program, and closed when that ends
         self.written = b""
         self.emulator = Emulator(*size, self._send, tells_position=tells_position, synchronises=synchronises)
         self.started = time.perf_counter()
         self.process = subprocess.Popen(
             command,
-            stdin=self._theirs,
-            stdout=self._theirs,
-            stderr=self._theirs,
+            stdin=self.theirs,
+            stdout=self.theirs,
+            stderr=self.theirs,
             env=environment_with(environment or {}),
             pass_fds=(alive,),
             start_new_session=True,
@@ -75,7 +75,7 @@ class PseudoTerminal:
             with suppress(ProcessLookupError):
                 os.killpg(self.process.pid, signal.SIGKILL)  # with what it has started
         self.process.wait()
-        for descriptor in (self._ours, self._theirs, self._alive):
+        for descriptor in (self._ours, self.theirs, self._alive):
             os.close(descriptor)
 
     def press(self, keys: str) -> None:
@@ -118,13 +118,13 @@ class PseudoTerminal:
         """Read until ``condition`` holds on a whole frame, or fail."""
         deadline = time.perf_counter() + seconds
         while not (self.emulator.is_whole and condition()):
-            if not self._read(deadline):
+            if not self.read_more(deadline):
                 raise AssertionError(f"{what!r} did not appear; what stands there:\n{self.screen}")
 
     def wait_for_end(self, seconds: float = DEADLINE) -> int:
         """Read until the program has ended, and return its exit status."""
         deadline = time.perf_counter() + seconds
-        while self._read(deadline):
+        while self.read_more(deadline):
             pass
         assert self.process.wait(max(0.0, deadline - time.perf_counter())) is not None
         return self.process.returncode
@@ -132,14 +132,14 @@ class PseudoTerminal:
     def reading(self, seconds: float) -> Iterator[tuple[float, str]]:
         """Read for so long; yield the screen whenever a whole frame came, with the moment."""
         deadline = time.perf_counter() + seconds
-        while self._read(deadline):
+        while self.read_more(deadline):
             if self.emulator.is_whole:
                 yield time.perf_counter(), self.screen
 
     @property
     def attributes(self) -> list[Any]:
         """How the terminal is set now, as termios has it."""
-        return termios.tcgetattr(self._theirs)
+        return termios.tcgetattr(self.theirs)
 
     @property
     def modes_left_changed(self) -> set[str]:
@@ -152,12 +152,12 @@ class PseudoTerminal:
         return {number.decode() for number, on in last.items() if on is not (number in _ON_AT_FIRST)}
 
     def _set_size(self, columns: int, rows: int) -> None:
-        fcntl.ioctl(self._theirs, termios.TIOCSWINSZ, struct.pack("HHHH", rows, columns, 0, 0))
+        fcntl.ioctl(self.theirs, termios.TIOCSWINSZ, struct.pack("HHHH", rows, columns, 0, 0))
 
     def _send(self, text: str) -> None:
         os.write(self._ours, text.encode())
 
-    def _read(self, deadline: float) -> bool:
+    def read_more(self, deadline: float) -> bool:
         """Read what there is, waiting for it; False at the deadline, or when an ended program is all read."""
         left = max(0.0, deadline - time.perf_counter())
         ready, _, _ = select.select([self._ours, self._alive], [], [], left)

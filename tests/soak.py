@@ -164,21 +164,21 @@ class Program:
         self._copies = []
         for columns in (SIZE[0] - 1, SIZE[0]):
             self._resize((columns, SIZE[1]))
-            self._until(lambda: False, 0.7)
+            self.wait_until(lambda: False, 0.7)
         written, self._copies = b"".join(self._copies), None
         stream.feed(written)
         return "\n".join(screen.display)
 
     def wait_for_quiet(self) -> None:
         """Wait until nothing has been written for a while."""
-        self._until(lambda: time.perf_counter() - self.last_byte > QUIET, PATIENCE)
+        self.wait_until(lambda: time.perf_counter() - self.last_byte > QUIET, PATIENCE)
 
     def answer_time(self, keys: str) -> float:
         """Return in how many seconds ``keys`` are answered by a screen that stands still."""
         self.wait_for_quiet()
         before, start = self.bytes, time.perf_counter()
         self.press(keys)
-        self._until(lambda: self.bytes > before, PATIENCE)
+        self.wait_until(lambda: self.bytes > before, PATIENCE)
         return self.last_byte - start if self.bytes > before else PATIENCE
 
     def memory(self) -> int:
@@ -195,7 +195,7 @@ class Program:
         fields = Path(f"/proc/{self.pid}/task/{self.pid}/stat").read_text().rpartition(")")[2].split()
         return (int(fields[11]) + int(fields[12])) / _TICKS
 
-    def _until(self, is_over: object, seconds: float) -> None:
+    def wait_until(self, is_over: object, seconds: float) -> None:
         """Wait until ``is_over`` says so, at most so long."""
         deadline = time.perf_counter() + seconds
         while time.perf_counter() < deadline and not (callable(is_over) and is_over()):
@@ -319,7 +319,7 @@ def main() -> int:
     """Print the figures; return 1 where they are not flat or the program broke down."""
     minutes = int(sys.argv[1]) if len(sys.argv) > 1 else 60
     with tempfile.TemporaryDirectory() as name, Program(Path(name)) as program:
-        program._until(lambda: program.frames > 0, START)
+        program.wait_until(lambda: program.frames > 0, START)
         program.wait_for_quiet()
         run_on(program)
         print(f"{SCENARIO} at {SIZE[0]}x{SIZE[1]}, at full speed, {minutes} min", flush=True)

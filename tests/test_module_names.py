@@ -10,7 +10,6 @@ from collections.abc import Iterator
 from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
-from types import ModuleType
 from typing import Any, Final
 
 import pytest
@@ -73,9 +72,9 @@ def test_there_are_such_strings() -> None:
     assert any(":" in name for name in names)
 
 
-def test_names_are_made_of_commands_and_of_rows_of_the_catalogue_only() -> None:
+def test_names_are_made_of_commands_only() -> None:
     # The tests below go through these; a pattern that is new needs one too
-    assert patterns_of_names() == {"rl_tui.cli.commands.{}", "rl_tui.lab.export.{}.{}"}
+    assert patterns_of_names() == {"rl_tui.cli.commands.{}"}
 
 
 @pytest.mark.parametrize(("name", "module"), sorted(RlTui.modules.items()))
@@ -83,22 +82,10 @@ def test_every_command_is_in_its_module(name: str, module: str) -> None:
     assert import_module(module).command.name == name
 
 
-@pytest.mark.parametrize("room", ["cli.commands", "lab.export.algorithms", "lab.export.policies"])
-def test_a_folder_of_commands_or_scripts_has_no_module_that_no_row_names(room: str) -> None:
-    rows = {
-        "cli.commands": {*RlTui.modules, "policy_map", "train_report"},
-        "lab.export.algorithms": {each.module.rpartition(".")[2] for each in BY_ID.values()},
-        "lab.export.policies": {each.module.rpartition(".")[2] for each in POLICY_BY_ID.values()},
-    }
-    package = import_module(f"rl_tui.{room}")
-    assert {module.name for module in pkgutil.iter_modules(package.__path__)} == rows[room]
-
-
-@pytest.mark.parametrize("row", [*BY_ID.values(), *POLICY_BY_ID.values()], ids=lambda row: row.id)
-def test_every_row_of_the_catalogue_has_the_texts_of_its_script(row: Any) -> None:
-    kind = row.module.split(".")[-2]
-    texts = import_module(f"rl_tui.lab.export.{kind}.{row.id.replace('-', '_')}")
-    assert isinstance(texts, ModuleType)
+def test_the_folder_of_commands_has_no_module_that_no_command_is_in() -> None:
+    package = import_module("rl_tui.cli.commands")
+    modules = {module.name for module in pkgutil.iter_modules(package.__path__)}
+    assert modules == {*RlTui.modules, "policy_map", "train_report"}
 
 
 def test_a_walk_through_the_package_meets_every_module() -> None:

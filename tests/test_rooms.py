@@ -8,6 +8,8 @@ import sys
 
 import pytest
 
+from rl_tui.cli.main import RlTui
+
 SLOW = ("numba", "gymnasium", "textual")
 
 LOADED = """
@@ -67,10 +69,7 @@ def test_the_screen_comes_up_without_what_is_slow() -> None:
     [
         ["--version"],
         ["--help"],
-        *(
-            [name, "--help"]
-            for name in ("play", "train", "replay", "solve", "list", "check", "bench", "screenshot")
-        ),
+        *([name, "--help"] for name in RlTui.modules),
     ],
     ids=" ".join,
 )

@@ -17,7 +17,7 @@ A_MILLION_STEPS = r"step\s+(\d{1,3}(,\d{3}){2,}|[\d.]+ ?[MG])"
 
 def left_in_input(terminal: PseudoTerminal) -> bytes:
     """Return what the next program would read there."""
-    theirs = terminal._theirs
+    theirs = terminal.theirs
     tty.setraw(theirs, termios.TCSANOW)  # without throwing away what is there
     (count,) = struct.unpack("i", fcntl.ioctl(theirs, termios.FIONREAD, b"\0" * 4))
     return os.read(theirs, count) if count else b""

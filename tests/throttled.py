@@ -35,9 +35,9 @@ class ThrottledTerminal(PseudoTerminal):
         self._waiting = b""
         self._free_at = time.perf_counter()  # when the link has carried all that was given to it
 
-    def _read(self, deadline: float) -> bool:
+    def read_more(self, deadline: float) -> bool:
         if self.rate is None and not self._waiting:
-            return super()._read(deadline)
+            return super().read_more(deadline)
         while True:
             now = time.perf_counter()
             self._fill(now)

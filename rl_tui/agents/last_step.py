@@ -23,8 +23,9 @@ class LastStep:
 
     ``step`` and ``episode`` count from 1. ``outcome`` indexes the outcomes of the MDP: the pair's action is
     what was meant, outcome_action[outcome] what happened; it is −1 where the environment was stepped for
-    real. ``explored`` says that the action was drawn at random with probability ``epsilon`` (it may be the
-    greedy one all the same), or, under policies without an ε, that it was not a greedy one.
+    real. ``epsilon`` is the ε of its episode, which means nothing to some policies. ``explored`` says of
+    ε-greedy that the action was drawn at random (it may be the greedy one all the same), of other policies
+    that it was not a greedy one.
 
     ``episode_step`` counts the steps of its episode, this one included. ``by_hand`` says that a person chose
     the action.

@@ -55,16 +55,16 @@ def main() -> None:
     """Run rl-tui and exit."""
     keep_stdout()
     note_interrupts()
-    _calculate_in_one_thread()
+    calculate_in_one_thread()
     try:
         program(prog_name="rl-tui")
     except SystemExit as end:
         if isinstance(end.code, int) and _someone_is_at_work():
-            _leave_at_once(end.code)
+            leave_at_once(end.code)
         raise
 
 
-def _calculate_in_one_thread() -> None:
+def calculate_in_one_thread() -> None:
     """Let numpy's linear algebra do without threads, unless the environment asks for them.
 
     Its matrices are small here. Threads cost start-up time, and memory of which there may be little.
@@ -77,7 +77,7 @@ def _someone_is_at_work() -> bool:
     return any(thread is not threading.main_thread() for thread in threading.enumerate())
 
 
-def _leave_at_once(status: int) -> NoReturn:
+def leave_at_once(status: int) -> NoReturn:
     """Exit without the interpreter's farewell.
 
     It stops daemon threads wherever they are. One that was importing or compiling would keep locks that the

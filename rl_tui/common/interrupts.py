@@ -19,13 +19,13 @@ class _Interrupts:
         raise KeyboardInterrupt
 
 
-_INTERRUPTS = _Interrupts()
+INTERRUPTS = _Interrupts()
 
 
 def note_interrupts() -> None:
     """Look out for ctrl+C from now on, unless another handler does or it is ignored. For the main thread."""
     if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
-        signal.signal(signal.SIGINT, _INTERRUPTS.note)
+        signal.signal(signal.SIGINT, INTERRUPTS.note)
 
 
 def is_interrupt(error: BaseException) -> bool:
@@ -36,4 +36,4 @@ def is_interrupt(error: BaseException) -> bool:
     if not isinstance(error, KeyboardInterrupt) or threading.current_thread() is not threading.main_thread():
         return False
     handler = signal.getsignal(signal.SIGINT)
-    return _INTERRUPTS.came if handler == _INTERRUPTS.note else callable(handler)
+    return INTERRUPTS.came if handler == INTERRUPTS.note else callable(handler)

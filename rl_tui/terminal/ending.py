@@ -8,7 +8,9 @@ import signal
 from collections.abc import Callable
 from contextlib import suppress
 from threading import Timer
-from typing import Final
+from typing import Any, Final
+
+from textual.app import App
 
 LONGEST: Final = 6.0
 HUNG_UP: Final = 129  # the exit status of a program whose terminal was closed
@@ -23,6 +25,15 @@ def end_at_last(status: int) -> None:
     last_resort = Timer(LONGEST, os._exit, (status,))
     last_resort.daemon = True
     last_resort.start()
+
+
+def end_with(app: App[Any], fault: Exception) -> None:
+    """Have ``app`` end and say why; from any thread."""
+
+    def fail() -> None:
+        raise fault
+
+    app.call_later(fail)
 
 
 def end_on_signal(end: Callable[[int], None]) -> None:

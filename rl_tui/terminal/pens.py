@@ -13,7 +13,7 @@ from rich.style import Style
 _ON: Final = ("1", "2", "3", "4", "5", "6", "7", "8", "9", "21", "51", "52", "53")
 _OFF: Final = ("22", "22", "23", "24", "25", "25", "27", "28", "29", "24", "54", "54", "55")
 _UNSEEN_ON_BLANKS: Final = 0b111  # bold, dim, italic; the others show where there is no character too
-_MOST_KEPT: Final = 20_000  # styles, and changes from one pen to another
+MOST_KEPT: Final = 20_000  # styles, and changes from one pen to another
 RESET: Final = "\x1b[m"
 
 
@@ -52,7 +52,7 @@ class Pens:
         """Return the pen that writes in ``style``; where a link leads is not sent to the terminal."""
         pen = self._of_style.get(style)
         if pen is None:
-            if len(self._of_style) > _MOST_KEPT:  # colours that fade make new styles without end
+            if len(self._of_style) > MOST_KEPT:  # colours that fade make new styles without end
                 self._of_style.clear()
             pen = self._of_style[style] = self._made(style)
         return pen
@@ -63,7 +63,7 @@ class Pens:
             return ""
         change = self._changes.get((before, after))
         if change is None:
-            if len(self._changes) > _MOST_KEPT:
+            if len(self._changes) > MOST_KEPT:
                 self._changes.clear()
             change = self._changes[before, after] = _change(before, after)
         return change

@@ -60,8 +60,8 @@ def test_the_gradient_bandit_goes_step_for_step_with_equation_2_12(baseline: boo
         ours = learner(gaussian(means), hyperparameters, seed)
         taken, preferences = plain_gradient(means, 0.1, baseline, seed, 200)
         assert pulls(ours, 200) == taken
-        assert ours._rule.preference.tolist() == pytest.approx(preferences, rel=1e-9, abs=1e-12)
-        assert ours._rule.probability.sum() == pytest.approx(1.0)
+        assert ours.rule.preference.tolist() == pytest.approx(preferences, rel=1e-9, abs=1e-12)
+        assert ours.rule.probability.sum() == pytest.approx(1.0)
 
 
 def test_the_gradient_bandit_learns_with_the_step_size_of_the_episode() -> None:
@@ -70,26 +70,26 @@ def test_the_gradient_bandit_learns_with_the_step_size_of_the_episode() -> None:
     )
     ours = learner(gaussian([1.0, 1.0], std=0.0), hyperparameters)
     ours.advance(1)
-    learned = ours._rule.preference.tolist()
+    learned = ours.rule.preference.tolist()
     assert sorted(learned) == [-0.25, 0.25]
     ours.advance(20)
-    assert ours._rule.preference.tolist() == learned
+    assert ours.rule.preference.tolist() == learned
 
 
 def test_the_expectation_of_the_gradient_bandit_is_that_of_its_probabilities() -> None:
     ours = learner(TESTBED, Hyperparameters(policy="gradient"))
     ours.advance(50)
-    wanted = float(ours._rule.probability @ ours.q)
-    assert expectation(ours._rule, ours.q, ours.visits, 0, 4) == pytest.approx(wanted)
+    wanted = float(ours.rule.probability @ ours.q)
+    assert expectation(ours.rule, ours.q, ours.visits, 0, 4) == pytest.approx(wanted)
 
 
 def test_the_gradient_bandit_prefers_what_paid_by_hand() -> None:
     ours = learner(certain(0.0, 1.0), Hyperparameters(alpha=0.5, policy="gradient"))
     ours.take(0)
     ours.take(1)
-    assert isinstance(ours._rule, gradient.Rule)
+    assert isinstance(ours.rule, gradient.Rule)
     # R̄ = 0, the reward is 1: ± α (R − R̄) / 2
-    assert ours._rule.preference.tolist() == [-0.25, 0.25]
+    assert ours.rule.preference.tolist() == [-0.25, 0.25]
 
 
 # Thompson sampling
@@ -121,9 +121,9 @@ def test_gamma_draws_are_the_same_bits_interpreted() -> None:
 def test_thompson_sampling_counts_what_its_arms_paid() -> None:
     ours = learner(COINS, Hyperparameters(policy="thompson"))
     paid = pulls(ours, 200)
-    assert ours._rule.bernoulli
-    assert ours._rule.rewards.tolist() == [sum(arm == each for each, _ in paid) for arm in range(4)]
-    assert ours._rule.total.tolist() == [
+    assert ours.rule.bernoulli
+    assert ours.rule.rewards.tolist() == [sum(arm == each for each, _ in paid) for arm in range(4)]
+    assert ours.rule.total.tolist() == [
         sum(reward for each, reward in paid if each == arm) for arm in range(4)
     ]
 
@@ -150,8 +150,8 @@ def test_thompson_sampling_reads_from_the_table_how_arms_pay(
 def test_without_noise_one_pull_settles_an_arm(ties: Any, pulled: list[bool]) -> None:
     # Both arms pay the same: once each is known, every draw is a tie
     ours = learner(gaussian([4.0, 4.0], std=0.0), Hyperparameters(policy="thompson", ties=ties))
-    ours._rule.rewards[:] = 1
-    ours._rule.total[:] = 4.0
+    ours.rule.rewards[:] = 1
+    ours.rule.total[:] = 4.0
     ours.advance(100)
     assert [count > 0 for count in ours.visits.tolist()] == pulled
     if ties == "random":
@@ -167,8 +167,8 @@ def test_thompson_sampling_counts_what_was_pulled_by_hand() -> None:
     ours = learner(certain(0.0, 1.0), Hyperparameters(policy="thompson"))
     for arm in (1, 1, 0):
         ours.take(arm)
-    assert isinstance(ours._rule, thompson.Rule)
-    assert (ours._rule.rewards.tolist(), ours._rule.total.tolist()) == ([1, 2], [0.0, 2.0])
+    assert isinstance(ours.rule, thompson.Rule)
+    assert (ours.rule.rewards.tolist(), ours.rule.total.tolist()) == ([1, 2], [0.0, 2.0])
 
 
 # Both

@@ -73,7 +73,7 @@ def learner(mdp: TabularMDP, algorithm: str, hyperparameters: Hyperparameters, s
 def everything(ours: Learner) -> list[Any]:
     """Return all that a learner is, to be compared bit for bit, and forget the episodes."""
     state = ours.checkpoint()
-    parts = (state.memory, state.rule, state.drift, state.position, state.last, ours.drain_episodes())
+    parts = (state.memory, state.rule, state.drift, state.position, state.record, ours.drain_episodes())
     return [
         state.algorithm,
         state.hyperparameters,
@@ -254,3 +254,25 @@ def test_the_bootstrap_was_read_from_the_state_that_is_named(
             estimates = [table[pair] for table in tables[-2:] for pair in mdp.pairs_of(state)]
             slack = 1e-12 * max(map(abs, estimates))
             assert min(estimates) - slack <= last.bootstrap <= max(estimates) + slack
+
+
+@pytest.mark.parametrize("algorithm", EVERY)
+@examples(5)
+@given(worlds(), any_hyperparameters, SEEDS)
+def test_the_last_td_errors_are_kept_with_the_pairs_that_moved(
+    algorithm: str, mdp: TabularMDP, hyperparameters: Hyperparameters, seed: int
+) -> None:
+    ours, at_once = (learner(mdp, algorithm, hyperparameters, seed) for _ in range(2))
+    assert not len(ours.counters.td_errors)
+    updates = []
+    for step in range(1, 320):
+        ours.advance(1)
+        ours.drain_episodes()
+        last = ours.last_step
+        assert last is not None
+        if last.step == step and last.learned:  # a planner that is done takes no more
+            updates.append((last.td_error, last.updated_pair))
+    at_once.advance(ours.step)
+    for counters in (ours.counters, at_once.counters):
+        kept = zip(counters.td_errors.tolist(), counters.updated_pairs.tolist(), strict=True)
+        assert list(kept) == updates[-256:]

@@ -187,14 +187,14 @@ def test_probabilities_that_sum_to_almost_one_still_surely_end() -> None:
     assert figures(mdp, np.ones(1), 1.0).greedy_ends == 1.0
 
 
-def test_the_kernels_compute_the_same_bits_interpreted() -> None:
+def test_the_kernels_compute_the_same_bits_interpreted(monkeypatch: pytest.MonkeyPatch) -> None:
     mdp = lake("4x4", True, 20)
     policy = np.full(mdp.pairs, 0.25)
-    pair_reward, weight = backward_induction._expectation(mdp, mdp.reward)
-    follow, later = np.zeros((2, mdp.states))
-    shape = (mdp.first_pair, mdp.first_outcome, mdp.next_state, pair_reward)
-    backward_induction._follow.py_func(*shape, weight, policy, 20, follow, later)
+    follow = backward_induction.policy_values(mdp, policy, 20)
+    best = backward_induction.best_values(mdp, 0.9, 20)
+    kernels = {name: each for name, each in vars(backward_induction).items() if hasattr(each, "py_func")}
+    assert len(kernels) == 2
+    for name, kernel in kernels.items():
+        monkeypatch.setattr(backward_induction, name, kernel.py_func)
     assert np.array_equal(follow, backward_induction.policy_values(mdp, policy, 20))
-    best, later = np.zeros((2, mdp.states))
-    backward_induction._optimise.py_func(*shape, 0.9 * weight, 20, best, later)
     assert np.array_equal(best, backward_induction.best_values(mdp, 0.9, 20))

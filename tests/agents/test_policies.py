@@ -41,7 +41,7 @@ def assert_same(one: Learner, other: Learner) -> None:
     assert one.q.tobytes() == other.q.tobytes()
     assert one.visits.tolist() == other.visits.tolist()
     assert one.last_step == other.last_step
-    for mine, yours in zip(one._rule, other._rule, strict=True):
+    for mine, yours in zip(one.rule, other.rule, strict=True):
         assert np.asarray(mine).tobytes() == np.asarray(yours).tobytes()
     for mine, yours in zip(one.streams, other.streams, strict=True):
         assert mine.bit_generator.state == yours.bit_generator.state
@@ -100,11 +100,11 @@ def test_a_change_of_settings_keeps_what_a_rule_has_learned(
 ) -> None:
     ours = learner(TESTBED, hyperparameters)
     ours.advance(50)
-    learned = [part.tolist() for part in ours._rule if isinstance(part, np.ndarray)]
+    learned = [part.tolist() for part in ours.rule if isinstance(part, np.ndarray)]
     ours.configure(replace(hyperparameters, **changes))
-    assert [part.tolist() for part in ours._rule if isinstance(part, np.ndarray)] == learned
+    assert [part.tolist() for part in ours.rule if isinstance(part, np.ndarray)] == learned
     ours.advance(1)
-    assert [part.tolist() for part in ours._rule if isinstance(part, np.ndarray)] != learned
+    assert [part.tolist() for part in ours.rule if isinstance(part, np.ndarray)] != learned
 
 
 def test_changed_temperature_and_confidence_are_in_force() -> None:

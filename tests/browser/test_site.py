@@ -187,7 +187,7 @@ async def test_an_app_that_floods_a_closed_tab_ends() -> None:
 
 
 async def test_an_app_that_does_not_listen_ends(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(app_process, "_TO_END_WHEN_TOLD", 0.05)
+    monkeypatch.setattr(app_process, "TO_END_WHEN_TOLD", 0.05)
     async with site() as client:
         async with tab(client) as socket:
             process, _ = await said(socket)

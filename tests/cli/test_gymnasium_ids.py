@@ -145,7 +145,7 @@ def test_a_module_is_imported_by_the_flag_alone(tmp_path: Path, monkeypatch: pyt
     code = "import gymnasium\ngymnasium.register('Flagged-v0', 'gymnasium.envs.toy_text:CliffWalkingEnv')\n"
     (tmp_path / "flagged_environments.py").write_text(code)
     monkeypatch.syspath_prepend(str(tmp_path))
-    monkeypatch.setattr("rl_tui.worlds.gym.modules._ALLOWED", set())
+    monkeypatch.setattr("rl_tui.worlds.gym.modules.ALLOWED", set())
     name, flag = "gym:flagged_environments:Flagged-v0", ("--allow-module", "flagged_environments")
     assert refusal("solve", name).endswith("if you trust that module: --allow-module flagged_environments")
     assert len(document("solve", name, *flag)["states"]) == 48

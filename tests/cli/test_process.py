@@ -21,5 +21,5 @@ def test_linear_algebra_gets_one_thread_unless_somebody_wants_more(
 ) -> None:
     monkeypatch.setattr(os, "environ", dict(given))
     monkeypatch.delitem(sys.modules, "numpy", raising=False)
-    main._calculate_in_one_thread()
+    main.calculate_in_one_thread()
     assert os.environ.get(NAME) == then

@@ -28,8 +28,10 @@ def refused(result: Result, status: int) -> str:
 def started(monkeypatch: pytest.MonkeyPatch) -> list[tuple[str, ...]]:
     """Collect the commands of servers that would have run."""
     commands: list[tuple[str, ...]] = []
-    monkeypatch.setattr(serve, "_prepare", lambda scenario: None)
-    monkeypatch.setattr(serve, "_serve", lambda listening, command, *rest, **more: commands.append(command))
+    monkeypatch.setattr(serve, "prepare", lambda scenario: None)
+    monkeypatch.setattr(
+        serve, "serve_apps", lambda listening, command, *rest, **more: commands.append(command)
+    )
     return commands
 
 
@@ -99,7 +101,7 @@ def test_a_person_is_asked(
     status: int,
     servers: int,
 ) -> None:
-    monkeypatch.setattr(serve, "_is_interactive", lambda: True)
+    monkeypatch.setattr(serve, "is_interactive", lambda: True)
     result = CliRunner().invoke(program, ["serve", "--host", "0.0.0.0", "--port", "0"], input=f"{answer}\n")
     assert result.exit_code == status
     assert "Serve it there? [y/N]" in result.stderr

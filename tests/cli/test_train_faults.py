@@ -104,5 +104,5 @@ def test_results_reach_stdout_though_an_environment_never_answers(monkeypatch: p
     monkeypatch.setattr("os._exit", left.append)
     stdout.write("a result")
     with ENVIRONMENT_CALL:
-        main._leave_at_once(130)
+        main.leave_at_once(130)
     assert (written.getvalue(), left) == (b"a result", [130])

@@ -16,13 +16,11 @@ from click.testing import CliRunner, Result
 from rl_tui import __version__
 from rl_tui.agents.hyperparameters import PARAMETERS
 from rl_tui.cli import program as program_module
-from rl_tui.cli.main import program
+from rl_tui.cli.main import RlTui, program
 from rl_tui.lab.live.record import Record
 from rl_tui.lab.run.library import find, recipe_for
 from rl_tui.lab.sessions.session import encoded
 from rl_tui.lab.timeline.branches import FIRST, RunRecord
-
-COMMANDS = ("play", "train", "replay", "solve", "list", "check", "bench", "screenshot", "serve")
 
 
 def run(*args: str) -> Result:
@@ -45,7 +43,7 @@ def test_version() -> None:
 def test_help_lists_every_command() -> None:
     result = run("--help")
     assert result.exit_code == 0
-    for name in COMMANDS:
+    for name in RlTui.modules:
         assert f"\n  {name} " in result.stdout
         assert run(name, "--help").exit_code == 0
 
@@ -262,6 +260,47 @@ def test_check_warns_of_a_world_that_never_ends(limit: str, to: str, warned: boo
         if warned
         else ""
     )
+
+
+TOLL_ROAD = """
+[mdp]
+start = "Home"
+{limit}
+[[mdp.transition]]
+state = "Home"
+action = "stay"
+reward = 0.0
+to = "Home"
+[[mdp.transition]]
+state = "Home"
+action = "toll road"
+reward = {reward}
+to = "Work"
+"""
+
+
+@pytest.mark.parametrize(
+    ("limit", "reward", "epsilon", "warned"),
+    [
+        ("", -1.0, 0.0, True),
+        ("", -1.0, 0.1, False),
+        ("", 1.0, 0.0, False),
+        ("time_limit = 50", -1.0, 0.0, False),
+    ],
+)
+def test_check_warns_where_an_agent_may_learn_never_to_end(
+    limit: str, reward: float, epsilon: float, warned: bool, tmp_path: Path
+) -> None:
+    file = tmp_path / "toll.toml"
+    world = TOLL_ROAD.format(limit=limit, reward=reward)
+    file.write_text(f"[defaults]\nepsilon = {epsilon}\n{world}", encoding="utf-8")
+    result = run("check", str(file))
+    assert (result.exit_code, result.stdout) == (0, f"{file}: ok\n")
+    expected = (
+        "warning: episode 2 of SARSA with seed 0 had not ended after 50,000 steps and there is no "
+        "time limit: an episode may take very long, or never end"
+    )
+    assert result.stderr == (f"{file}: {expected}\n" if warned else "")
 
 
 @pytest.mark.parametrize("more", [(), ("--json",), ("--runs", "2")])

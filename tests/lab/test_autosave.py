@@ -26,14 +26,11 @@ from rl_tui.lab.sessions.folder import session_folder, sessions_in
 from rl_tui.lab.sessions.session import digest_of, encoded, read_session
 
 
-def resumed(path: Path, folder: Path) -> Autosave:
+def resumed(path: Path, folder: Path) -> tuple[Autosave, Record]:
+    """Go on with a session; return also what it stood at."""
     session = read_session(path)
-    return Autosave(session.record(), folder, session)
-
-
-def opened_by(autosave: Autosave) -> Record:
-    """What the session stood at when it was resumed."""
-    return autosave._session._opened
+    record = session.record()
+    return Autosave(record, folder, session), record
 
 
 def test_merely_looking_begins_no_file(tmp_path: Path) -> None:
@@ -92,8 +89,8 @@ def test_offering_never_waits_for_the_disk(tmp_path: Path, monkeypatch: pytest.M
 def test_a_resumed_session_goes_on_in_its_file(tmp_path: Path) -> None:
     kept(tmp_path, at(3))
     path = only(tmp_path).path
-    autosave = resumed(path, tmp_path)
-    autosave.offer(after(opened_by(autosave), 9))
+    autosave, opened = resumed(path, tmp_path)
+    autosave.offer(after(opened, 9))
     autosave.close()
     assert only(tmp_path).path == path
     assert only(tmp_path).step == 9
@@ -103,8 +100,8 @@ def test_a_resumed_session_goes_on_in_its_file(tmp_path: Path) -> None:
 def test_a_resumed_session_that_is_only_looked_at_is_not_written(tmp_path: Path) -> None:
     kept(tmp_path, at(3))
     before = only(tmp_path).written
-    autosave = resumed(only(tmp_path).path, tmp_path)
-    autosave.offer(opened_by(autosave))
+    autosave, opened = resumed(only(tmp_path).path, tmp_path)
+    autosave.offer(opened)
     autosave.close()
     assert only(tmp_path).written == before
 
@@ -113,9 +110,9 @@ def test_the_second_program_gets_a_copy(tmp_path: Path) -> None:
     first = Autosave(OPENED, tmp_path)
     first.save_as("evening")
     path = tmp_path / "evening.json"
-    second = resumed(path, tmp_path)
+    second, opened = resumed(path, tmp_path)
     assert any("evening.json is open in another program" in notice for notice in notices_of(second))
-    second.offer(after(opened_by(second), 77))
+    second.offer(after(opened, 77))
     second.close()
     first.offer(at(8))
     first.close()
@@ -172,8 +169,8 @@ def test_a_session_in_a_folder_that_is_read_only_goes_on_in_a_copy(
     elsewhere.parent.mkdir()
     elsewhere.write_bytes(encoded(at(3)))
     monkeypatch.setattr(held_file.os, "access", lambda *_: False)  # to root nothing is read-only
-    autosave = resumed(elsewhere, tmp_path / "sessions")
-    autosave.offer(after(opened_by(autosave), 4))
+    autosave, opened = resumed(elsewhere, tmp_path / "sessions")
+    autosave.offer(after(opened, 4))
     autosave.close()
     assert read_session(elsewhere).step == 3
     assert only(tmp_path / "sessions").step == 4
@@ -183,8 +180,8 @@ def test_a_session_in_a_folder_that_is_read_only_goes_on_in_a_copy(
 def test_a_session_from_elsewhere_goes_on_where_it_is(tmp_path: Path) -> None:
     elsewhere = tmp_path / "lesson.json"
     elsewhere.write_bytes(encoded(at(3)))
-    autosave = resumed(elsewhere, tmp_path / "sessions")
-    autosave.offer(after(opened_by(autosave), 4))
+    autosave, opened = resumed(elsewhere, tmp_path / "sessions")
+    autosave.offer(after(opened, 4))
     autosave.close()
     assert only(tmp_path).step == 4
 
@@ -196,7 +193,7 @@ def test_what_cannot_be_saved_is_told_once_and_the_program_goes_on(
     autosave = Autosave(OPENED, tmp_path)
     for step in range(1, 4):
         autosave.offer(at(step))
-        autosave._write_all()
+        autosave.write_due()
     assert notices_of(autosave) == ["this session is not being saved: No space left on device"]
     disk.full = False
     autosave.close()
@@ -222,14 +219,13 @@ def test_it_is_tried_again_though_nothing_more_is_done(
 ) -> None:
     disk = FullDisk(monkeypatch)
     autosave = Autosave(OPENED, tmp_path)
-    with autosave._writing:
-        autosave.offer(at(3))
-    autosave._write_all()
+    autosave.offer(at(3))
+    autosave.write_due()
     disk.full = False
-    assert autosave._has_work
-    autosave._write_all()
+    assert autosave.has_work
+    autosave.write_due()
     assert sessions_in(tmp_path)[0][0].step == 3
-    assert not autosave._has_work
+    assert not autosave.has_work
     assert [each.split(":")[0] for each in notices_of(autosave)] == [
         "this session is not being saved",
         "this session is being saved again",
@@ -245,7 +241,7 @@ def test_a_session_that_was_left_while_the_disk_was_full_is_not_lost(
     autosave.offer(at(4))
     autosave.begin_anew(OPENED)
     autosave.offer(at(9))
-    autosave._write_all()
+    autosave.write_due()
     disk.full = False
     autosave.close()
     assert sorted(each.step for each in sessions_in(tmp_path)[0]) == [4, 9]
@@ -264,12 +260,18 @@ def digest(folder: Path) -> str:
     return only(folder).document.digest
 
 
-def test_the_table_is_taken_as_it_was_when_offered(tmp_path: Path) -> None:
-    q = np.zeros(5)
+def test_the_table_is_taken_as_it_was_when_offered(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    q, is_changed = np.zeros(5), threading.Event()
+
+    def digest_later(table: np.ndarray) -> str:
+        assert is_changed.wait(30)
+        return digest_of(table)
+
+    monkeypatch.setattr("rl_tui.lab.sessions.autosave.digest_of", digest_later)
     autosave = Autosave(OPENED, tmp_path)
-    with autosave._writing:
-        autosave.offer(at(1), q)
-        q[:] = 1.0
+    autosave.offer(at(1), q)
+    q[:] = 1.0
+    is_changed.set()
     autosave.close()
     assert digest(tmp_path) == digest_of(np.zeros(5))
 
@@ -289,7 +291,7 @@ def test_starting_again_begins_another_session(tmp_path: Path) -> None:
     autosave.begin_anew(OPENED)
     autosave.close()
     assert only(tmp_path).step == 4, "nothing was done in the other one"
-    autosave = resumed(only(tmp_path).path, tmp_path)
+    autosave, _ = resumed(only(tmp_path).path, tmp_path)
     autosave.begin_anew(OPENED)
     autosave.offer(at(9))
     autosave.close()
@@ -318,9 +320,9 @@ def test_a_named_session_stays_when_it_starts_again(tmp_path: Path) -> None:
 
 def test_going_on_in_a_copy_on_purpose(tmp_path: Path) -> None:
     kept(tmp_path, at(3))
-    autosave = resumed(only(tmp_path).path, tmp_path)
+    autosave, opened = resumed(only(tmp_path).path, tmp_path)
     autosave.become_copy()
-    autosave.offer(after(opened_by(autosave), 5))
+    autosave.offer(after(opened, 5))
     autosave.close()
     assert sorted(each.step for each in sessions_in(tmp_path)[0]) == [3, 5]
 

@@ -10,6 +10,7 @@ import pytest
 from recipes import recipe
 from snapshots import changed, snapshot_of
 
+from rl_tui.agents.catalogue import BY_ID
 from rl_tui.agents.last_step import NOTHING, LastStep
 from rl_tui.lab.last_step.backup import Backup, Leaf, expected_target
 from rl_tui.lab.last_step.story import story_of
@@ -187,7 +188,7 @@ def test_the_samples_of_a_slippery_step_have_the_expected_target_for_their_mean(
         assert happened == pytest.approx([backup.sampled], abs=1e-12)
 
 
-@pytest.mark.parametrize("algorithm", ["value-iteration", "policy-iteration"])
+@pytest.mark.parametrize("algorithm", [each.id for each in BY_ID.values() if each.planner])
 def test_a_planner_backs_up_the_expectation_itself(algorithm: str) -> None:
     run = Run(recipe("frozenlake-slippery", algorithm=algorithm), evaluate=False)
     run.advance(60)

@@ -14,37 +14,43 @@ from rl_tui.lab.experiments.benchmark import PlainLoop
 def test_the_plain_loop_learns_what_ours_does() -> None:
     loop = PlainLoop(recipe("frozenlake"), random_ties=True)
     loop.take_steps(20_000)
-    assert np.max(loop._q[0]) == pytest.approx(0.951, abs=0.01)
+    assert np.max(loop.q[0]) == pytest.approx(0.951, abs=0.01)
 
 
 def test_the_plain_loop_that_takes_the_first_of_equals_walks_into_the_edge() -> None:
     loop = PlainLoop(recipe("frozenlake"), random_ties=False)
     loop.take_steps(5_000)
-    assert not loop._q.any()
+    assert not loop.q.any()
 
 
 def test_the_plain_loop_starts_and_explores_as_ours_does() -> None:
     hopeful = PlainLoop(recipe("frozenlake", initial_q=1.0, epsilon=0.0), random_ties=False)
     hopeful.take_steps(2_000)
-    assert np.max(hopeful._q[0]) == pytest.approx(0.951, abs=0.02)
+    assert np.max(hopeful.q[0]) == pytest.approx(0.951, abs=0.02)
     tiring = PlainLoop(recipe("frozenlake", epsilon=1.0, epsilon_decay=1e9), random_ties=False)
     tiring.take_steps(10_000)
-    assert tiring._episodes < 150  # of 100 steps each, once it no longer explores
+    assert tiring.episodes < 150  # of 100 steps each, once it no longer explores
 
 
 def test_an_environment_that_fails_in_the_plain_loop_is_one_line(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    def failing(action: int) -> None:
+    def failing(_: object, action: int) -> None:
         print("a word")
         raise KeyboardInterrupt("out of breath")
 
     loop = PlainLoop(recipe("frozenlake"), random_ties=False)
-    monkeypatch.setattr(loop._env.unwrapped, "step", failing)
+    monkeypatch.setattr("gymnasium.envs.toy_text.frozen_lake.FrozenLakeEnv.step", failing)
     with ThreadPoolExecutor(1) as pool, pytest.raises(UserError) as fault:
         pool.submit(loop.take_steps, 10).result()
     assert str(fault.value) == "FrozenLake-v1 failed in the plain loop: KeyboardInterrupt: out of breath"
     assert capsys.readouterr().out == ""
+
+
+@pytest.mark.parametrize("name", ["alpha", "step_size_schedule"])
+def test_the_plain_loop_has_no_sample_average(name: str) -> None:
+    with pytest.raises(UserError, match="give a number for alpha"):
+        PlainLoop(recipe("frozenlake", **{name: "sample-average"}), random_ties=False)
 
 
 def test_the_document_of_a_benchmark(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import threading
 from pathlib import Path
 
 from recipes import recipe
@@ -40,10 +41,10 @@ async def test_it_says_how_far_it_is_and_can_be_left_at_once(tmp_path: Path) -> 
     assert snapshot.playback.message.endswith(" years left") or snapshot.playback.message.endswith(
         " days left"
     )
+    (thread,) = (each for each in threading.enumerate() if each.name == "player")
     player.close()
-    assert player._thread is not None
-    await asyncio.to_thread(player._thread.join, 60.0)
-    assert not player._thread.is_alive()
+    await asyncio.to_thread(thread.join, 60.0)
+    assert not thread.is_alive()
     assert read_session(path).step == FAR, "what was only looked at is as it was"
 
 

@@ -14,6 +14,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from export_samples import ALLOWED, imported, q_of, ran, recipe_of, script_of, table_of
+from shipped import SHIPPED
 
 from rl_tui.agents.catalogue import BY_ID, POLICY_BY_ID
 from rl_tui.agents.exact.solve import figures, greedy_policy, solve
@@ -22,10 +23,9 @@ from rl_tui.lab.export.script import script
 from rl_tui.lab.run.library import episodes_of, recipe_for
 from rl_tui.lab.run.recipe import begin
 from rl_tui.lab.run.run import Run
-from rl_tui.worlds.files.catalogue import find, read_catalogue
+from rl_tui.worlds.files.catalogue import find
 from rl_tui.worlds.files.scenario import read_scenario
 
-SHIPPED = [scenario.id for scenario in read_catalogue().scenarios]
 WITH_MODEL = [
     name for name in SHIPPED if name not in ("blackjack", "blackjack-table", "cartpole", "mountain-car")
 ]
@@ -252,7 +252,7 @@ def test_policies_choose_as_often_as_they_should(changes: dict[str, object], exp
     assert names["expected_value"](0) == pytest.approx(float(values @ expected), abs=2e-4)
 
 
-@pytest.mark.parametrize("policy", ["epsilon-greedy", "softmax", "ucb", "gradient", "thompson"])
+@pytest.mark.parametrize("policy", list(POLICY_BY_ID))
 @pytest.mark.parametrize("scenario", ["bandit", "bandit-bernoulli"])
 def test_a_bandit_finds_an_arm_that_pays(scenario: str, policy: str) -> None:
     recipe = recipe_of(scenario, policy=policy)

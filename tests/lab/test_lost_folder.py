@@ -18,7 +18,7 @@ def lost(folder: Path) -> tuple[Autosave, Path]:
     """An autosave whose folder is gone, and the file that it had there."""
     autosave = Autosave(OPENED, folder)
     autosave.offer(at(1))
-    autosave._write_all()
+    autosave.write_due()
     assert autosave.path is not None
     shutil.rmtree(folder)
     return autosave, autosave.path
@@ -28,7 +28,7 @@ def test_it_is_made_again_with_the_session_and_its_lock(tmp_path: Path) -> None:
     folder = tmp_path / "state" / "sessions"
     autosave, path = lost(folder)
     autosave.offer(at(2))
-    autosave._write_all()
+    autosave.write_due()
     assert read_session(path).step == 2
     assert not FileLock(path).acquire()
     autosave.close()
@@ -56,9 +56,9 @@ def test_where_it_cannot_be_made_again_that_is_said_and_it_goes_on_later(tmp_pat
     folder.write_text("in the way")
     for step in (2, 3):
         autosave.offer(at(step))
-        autosave._write_all()
+        autosave.write_due()
     os.remove(folder)
-    autosave._write_all()
+    autosave.write_due()
     assert only_step(folder) == 3
     assert notices_of(autosave) == [
         f"this session is not being saved: {folder}: Not a directory",

@@ -254,7 +254,7 @@ def test_restarting_keeps_a_world_that_no_seed_shapes_and_draws_one_that_it_does
 def test_loading_another_algorithm_is_announced_and_then_goes_on(monkeypatch: pytest.MonkeyPatch) -> None:
     playback = ready(recipe("frozenlake"), speed=None)
     playback.handle(Play())
-    monkeypatch.setattr(learner, "_WARM", set())
+    monkeypatch.setattr(learner, "WARM", set())
     playback.handle(Apply(SwitchAlgorithm("value-iteration")))
     assert playback.work() == 0.0
     shown = playback.snapshot()

@@ -15,6 +15,7 @@ from recipes import bandit, recipe
 from rl_tui.common.errors import UserError
 from rl_tui.lab.live.commands import Apply, Pause, Play, Restart, RunEpisode, SetSpeed, Step, Train
 from rl_tui.lab.live.interpreter import SWITCH_INTERVAL, USUAL_SWITCH_INTERVAL
+from rl_tui.lab.live.playback import Playback
 from rl_tui.lab.live.player import Player, PlayerClosedError
 from rl_tui.lab.live.record import Record
 from rl_tui.lab.live.snapshot import Phase, Snapshot
@@ -188,17 +189,19 @@ async def test_whoever_asks_for_the_end_of_an_episode_does_not_blind_the_reader(
         await waiting
 
 
-async def test_whoever_sends_without_end_does_not_blind_the_reader() -> None:
+async def test_whoever_sends_without_end_does_not_blind_the_reader(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     player = Player(recipe("student"))
     await player.carried_out()
-    work, gammas = player._playback.work, iter(range(1_000_000))
+    work, gammas = Playback.work, iter(range(1_000_000))
 
-    def work_and_be_sent_more() -> float | None:
-        wait = work()
+    def work_and_be_sent_more(playback: Playback) -> float | None:
+        wait = work(playback)
         player.send(Apply(SetParameter("gamma", next(gammas) / 1_000_000)))
         return wait
 
-    player._playback.work = work_and_be_sent_more  # type: ignore[method-assign]
+    monkeypatch.setattr(Playback, "work", work_and_be_sent_more)
     player.send(SetSpeed(None))
     pictures = 0
     async for snapshot in player.snapshots():

@@ -24,7 +24,7 @@ from rl_tui.lab.sessions.session import (
     LARGEST_FILE,
     SessionError,
     StoredSession,
-    _checksum,
+    checksum_of,
     digest_of,
     encoded,
     read_session,
@@ -57,7 +57,7 @@ def rewritten(path: Path, **changes: Any) -> None:
     fields = json.loads(encoded(SOUND))
     del fields["checksum"]
     fields.update(changes)
-    path.write_text(json.dumps({**fields, "checksum": _checksum(fields)}), encoding="utf-8")
+    path.write_text(json.dumps({**fields, "checksum": checksum_of(fields)}), encoding="utf-8")
 
 
 def lane(**changes: Any) -> list[Any]:

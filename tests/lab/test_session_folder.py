@@ -19,7 +19,7 @@ from rl_tui.lab.sessions.session import encoded, read_session
 def test_saving_under_a_name(tmp_path: Path) -> None:
     autosave = Autosave(OPENED, tmp_path)
     autosave.offer(at(4))
-    autosave._write_all()
+    autosave.write_due()
     assert len(sessions_in(tmp_path)[0]) == 1
     path = autosave.save_as("My evening!")
     assert path == tmp_path / "my-evening.json"
@@ -101,11 +101,15 @@ def test_the_newest_unnamed_sessions_are_kept(tmp_path: Path, monkeypatch: pytes
 def test_what_cannot_be_pruned_is_no_reason_to_keep_nothing_new(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def refuse(path: Path) -> None:
-        raise PermissionError(1, "Operation not permitted", str(path))
+    unlink = Path.unlink
+
+    def refuse(path: Path, missing_ok: bool = False) -> None:
+        if path.suffix == ".json":
+            raise PermissionError(1, "Operation not permitted", str(path))
+        unlink(path, missing_ok)
 
     monkeypatch.setattr(folder, "MOST_UNNAMED", 0)
-    monkeypatch.setattr(folder, "_unlink", refuse)
+    monkeypatch.setattr(Path, "unlink", refuse)
     (tmp_path / "old.json").write_bytes(encoded(at(1)))
     assert notices_of(kept(tmp_path, at(2))) == []
     assert sorted(each.step for each in sessions_in(tmp_path)[0]) == [1, 2]

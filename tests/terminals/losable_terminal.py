@@ -40,7 +40,7 @@ class LosableTerminal(PseudoTerminal):
     def stall(self) -> None:
         """Fill the way to the far end: from now on nothing is taken until something is read there."""
         # opened once more, since not to wait would hold for the program too
-        end = os.open(os.ttyname(self._theirs), os.O_WRONLY | os.O_NOCTTY | os.O_NONBLOCK)
+        end = os.open(os.ttyname(self.theirs), os.O_WRONLY | os.O_NOCTTY | os.O_NONBLOCK)
         try:
             while True:
                 os.write(end, b"\0" * 256)  # terminals pass it over

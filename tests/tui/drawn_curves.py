@@ -23,8 +23,7 @@ def drawn(
     revealed: bool = False,
 ) -> tuple[str, ReturnCurve]:
     widget = ReturnCurve(look(ascii))
-    widget.snapshot = snapshot
-    widget._revealed = revealed
+    widget.snapshot, widget.revealed = snapshot, revealed
     rows = widget.picture(snapshot, *size)
     assert [row.cell_length for row in rows] == [size[0]] * size[1]
     return "\n".join(row.text for row in rows), widget

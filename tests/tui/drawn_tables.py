@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 from rich.style import Style
 from samples import lake, look
+from seams import sized
 from snapshots import changed
-from textual.geometry import Size
 
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.panels.q_table.layers import Layer
@@ -31,8 +31,7 @@ class Drawn:
         lights: bool = True,
         ascii_only: bool = False,
     ) -> None:
-        self.table = QTable(look(ascii_only))
-        self.table._size = Size(width, height)
+        self.table = sized(QTable(look(ascii_only)), width, height)
         self.table.revealed = revealed
         self.table.lights = lights
         self.table.shown_layer = layer

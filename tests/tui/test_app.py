@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 from conftest import MakeApp
+from seams import notes, screen_text
 from textual.command import CommandPalette
 
 from rl_tui.common.errors import UserError
@@ -43,16 +44,17 @@ async def test_a_small_terminal_is_told_so_and_recovers(make_app: MakeApp, scena
         message, keys = app.screen.query_one("#too-small"), app.screen.query_one("#keys")
         assert not message.display
         await pilot.resize_terminal(50, 15)
+        while not message.display:  # styles follow a size when the app is idle
+            await pilot.pause()
         await settle(pilot)
-        assert message.display
         assert not keys.display
         assert str(message.render()) == "terminal too small: is 50×15, needs 60×18"
         await pilot.resize_terminal(59, 30)
         await settle(pilot)
         assert str(message.render()) == "terminal too small: is 59×30, needs 60×18"
         await pilot.resize_terminal(60, 18)
-        await settle(pilot)
-        assert not message.display
+        while message.display:
+            await pilot.pause()
         assert keys.display
 
 
@@ -133,7 +135,7 @@ async def test_escape_leaves_a_run_only_when_pressed_again(make_app: MakeApp) ->
         await pilot.press("escape")
         await settle(pilot)
         assert isinstance(app.screen, Playground)
-        assert [note.message for note in app._notifications][-1].startswith("esc again")
+        assert notes(app)[-1].startswith("esc again")
         await pilot.press("escape")
         await settle(pilot)
         assert isinstance(app.screen, CatalogueScreen)
@@ -155,10 +157,6 @@ async def test_in_ascii_no_character_is_left_over(make_app: MakeApp) -> None:
         assert "v:[Q] Q*  Q-Q*  visits" in screen_text(app)
         assert screen_text(app).isascii()
         await pilot.resize_terminal(50, 15)
-        await settle(pilot)
-        assert "is 50x15, needs 60x18" in screen_text(app)
+        while "is 50x15, needs 60x18" not in screen_text(app):  # styles follow a size when the app is idle
+            await pilot.pause()
         assert screen_text(app).isascii()
-
-
-def screen_text(app: RlTuiApp) -> str:
-    return "\n".join(strip.text for strip in app.screen._compositor.render_strips())

@@ -98,7 +98,7 @@ def test_the_timeline_is_one_row_right_below_the_curve(size: tuple[int, int]) ->
 @pytest.mark.parametrize("size", [(60, 16), (80, 22), (100, 32), (120, 38), (250, 80)])
 def test_the_microscope_leaves_the_table_in_view(size: tuple[int, int], shape: Shape) -> None:
     board = Size(*size)
-    regions = arrangement(board, shape, dissected=True)
+    regions = arrangement(board, shape, opened="microscope")
     assert sum(region.area for region in regions.values()) == board.area
     assert all(board.region.contains_region(region) for region in regions.values())
     assert {"microscope", "table", "timeline"} <= set(regions)

@@ -7,8 +7,8 @@ import pytest
 from rich.style import Style
 from sample_worlds import bandit_world
 from samples import bandit, lake, look, student
+from seams import sized
 from snapshots import changed
-from textual.geometry import Size
 from textual.strip import Strip
 
 from rl_tui.lab.live.snapshot import Snapshot
@@ -33,7 +33,7 @@ def stopping(snapshot: Snapshot, states: tuple[int, ...] = (), pairs: tuple[int,
 def pointing(view: WorldView, place: int, snapshot: Snapshot) -> WorldView:
     """``view`` with the cursor of another panel on ``place``, drawn as its own is."""
     view.snapshot = snapshot
-    view._pointed = place
+    view.point_at(view.pairs_at(place))
     return view
 
 
@@ -85,7 +85,9 @@ def test_holes_can_be_breakpoints_and_walls_can_have_the_cursor() -> None:
     snapshot = stopping(lake(), states=(5,))
     strips = GridView(snapshot.world, LOOK).picture(snapshot, 40, 8)
     assert marks(strips, PALETTE.breakpoint) == [(2, 19, "!")]
-    view = pointing(GridView(snapshot.world, LOOK), 15, snapshot)
+    view = GridView(snapshot.world, LOOK)
+    view.put_cursor(15)
+    view.has_focus = True
     assert marks(view.picture(snapshot, 40, 8), PALETTE.focus) == [(7, 30, " " * 10)]
 
 
@@ -199,8 +201,7 @@ def test_the_cursor_scrolls_the_arms() -> None:
 
 
 def table_strips(snapshot: Snapshot, width: int, height: int, of: Look = LOOK) -> list[Strip]:
-    table = QTable(of)
-    table._size = Size(width, height)
+    table = sized(QTable(of), width, height)
     table.show(snapshot)
     return table.picture(snapshot, width, height)
 

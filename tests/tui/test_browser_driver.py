@@ -91,12 +91,15 @@ def test_what_comes_faster_than_the_app_can_take_it_in_is_not_read() -> None:
         def message_queue_size(self) -> int:
             return waiting.pop(0)
 
-    driver = object.__new__(BrowserDriver)
-    driver._app = Busy()  # type: ignore[assignment]
-    driver.exit_event = Event()
-    driver._wait_for_app()
+    class Driver(BrowserDriver):
+        def __init__(self) -> None:  # without the pipes of a server
+            self._app = Busy()  # type: ignore[assignment]
+            self.exit_event = Event()
+
+    driver = Driver()
+    driver.on_meta("nothing", {})
     assert waiting == []
     waiting[:] = [MOST_WAITING] * 2
     driver.exit_event.set()
-    driver._wait_for_app()  # it ends: nobody will take it in any more
+    driver.on_meta("nothing", {})  # it ends: nobody will take it in any more
     assert len(waiting) == 1

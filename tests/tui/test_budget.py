@@ -10,8 +10,7 @@ from rl_tui.tui.panels.budget import BudgetPanel, sum_text
 
 def drawn(snapshot: Snapshot | None, width: int = 54, height: int = 4, *, revealed: bool = False) -> str:
     panel = BudgetPanel(look())
-    panel.snapshot = snapshot
-    panel._revealed = revealed
+    panel.snapshot, panel.revealed = snapshot, revealed
     rows = panel.picture(snapshot, width, height)
     assert [row.cell_length for row in rows] == [width] * height
     return "\n".join(row.text.rstrip() for row in rows)

@@ -5,6 +5,7 @@ from pathlib import Path
 import pytest
 from conftest import MakeApp
 from drawn_text import rows_of, words_of
+from seams import notes
 from textual.pilot import Pilot
 from textual.widgets import OptionList
 
@@ -92,7 +93,7 @@ async def test_a_faulty_file_is_listed_with_its_faults(
         await pilot.press("enter")
         await settle(pilot)
         assert isinstance(app.screen, CatalogueScreen)
-        assert "this file has faults; mend them first" in [note.message for note in app._notifications]
+        assert "this file has faults; mend them first" in notes(app)
 
 
 async def test_a_file_whose_defaults_are_out_of_range_counts_as_faulty(

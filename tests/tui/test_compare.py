@@ -8,9 +8,8 @@ import pytest
 from conftest import MakeApp
 from lane_samples import lane_views, showing
 from sample_worlds import bandit_world, lake_world
+from seams import choose, notes, playground, show
 from snapshots import changed
-from test_options import choose, messages
-from test_playground import playground
 from textual.pilot import Pilot
 from textual.widgets import Input, OptionList, Static
 
@@ -82,12 +81,12 @@ def rows(pilot: Pilot[UserError]) -> list[str]:
 async def beside(pilot: Pilot[UserError], count: int, monkeypatch: pytest.MonkeyPatch) -> list[Command]:
     """Show so many lanes, the second one on screen; return the list that all commands go to."""
     screen, sent = playground(pilot), list[Command]()
-    monkeypatch.setattr(screen, "send", sent.append)
+    monkeypatch.setattr(screen.link, "send", sent.append)
     before = screen.snapshot
     assert before is not None
     lanes = tuple(replace(lane, q=before.agent.q) for lane in lane_views(count))
     shown = 1 if count > 1 else 0
-    screen._draw(changed(showing(before, lanes[shown]), lanes=lanes if count > 1 else (), shown=shown))
+    show(screen, changed(showing(before, lanes[shown]), lanes=lanes if count > 1 else (), shown=shown))
     await pilot.pause()
     return sent
 
@@ -141,10 +140,10 @@ async def test_one_run_is_compared_with_what_is_chosen(
         await settle(pilot)
         sent = await beside(pilot, 1, monkeypatch)
         await pilot.press("l")
-        assert messages(pilot)[-1] == "there is one run only; c opens a second one beside it"
+        assert notes(pilot.app)[-1] == "there is one run only; c opens a second one beside it"
         await pilot.press("c")
         await pilot.press("up", "delete")
-        assert messages(pilot)[-1] == "the only run cannot be ended; esc leaves it"
+        assert notes(pilot.app)[-1] == "the only run cannot be ended; esc leaves it"
         await choose(pilot, "with-alpha")
         assert isinstance(app.screen, Prompt)
         app.screen.query_one(Input).value = "0.5"
@@ -174,7 +173,7 @@ async def test_one_run_is_compared_with_what_is_chosen(
         await choose(pilot, "with-gamma")
         await pilot.press("enter")  # the value in force
         assert len(sent) == 5
-        assert "no difference" in messages(pilot)[-1]
+        assert "no difference" in notes(pilot.app)[-1]
 
 
 async def test_four_lanes_are_the_most(make_app: MakeApp, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -205,6 +204,6 @@ async def test_a_hidden_bandit_gives_nothing_away(make_app: MakeApp, monkeypatch
 async def test_nothing_is_asked_before_the_world_is_there(make_app: MakeApp) -> None:
     async with make_app("student").run_test(size=(80, 24)) as pilot:
         await settle(pilot)
-        playground(pilot).snapshot = None
+        playground(pilot).link.snapshot = None
         await pilot.press("c")
         assert not isinstance(pilot.app.screen, Compare)

@@ -210,10 +210,10 @@ def test_a_new_run_has_a_new_axis() -> None:
     widget = ReturnCurve(look())
     widget.show(student(curve=flat(-90.0)))
     widget.picture(student(curve=flat(-90.0)), *WIDE)
-    assert widget._scale is not None
-    assert widget._scale.low <= -90.0
+    assert widget.scale is not None
+    assert widget.scale.low <= -90.0
     widget.show(student(0))
-    assert widget._scale is None
+    assert widget.scale is None
 
 
 def test_the_past_of_a_run_keeps_the_axis_of_its_present() -> None:
@@ -228,19 +228,19 @@ def test_the_past_of_a_run_keeps_the_axis_of_its_present() -> None:
     widget = ReturnCurve(look())
     widget.show(present)
     widget.picture(present, *WIDE)
-    axis = widget._scale
+    axis = widget.scale
     widget.show(then)
     widget.picture(then, *WIDE)
-    assert widget._scale == axis
+    assert widget.scale == axis
     fork = changed(
         then,
         timeline=Timeline((Branch("branch 1", end=2_433, here=40), Branch("branch 2", (), 0, 40, 40, 40)), 1),
     )
     widget.show(fork)
     widget.picture(fork, *WIDE)
-    assert widget._scale is not None
+    assert widget.scale is not None
     assert axis is not None
-    assert widget._scale.low > axis.low
+    assert widget.scale.low > axis.low
 
 
 def test_a_greedy_policy_that_walks_into_walls_does_not_blow_up_the_axis() -> None:

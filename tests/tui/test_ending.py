@@ -12,11 +12,15 @@ from rl_tui.tui.app.screenshot import settle
 from rl_tui.tui.screens.playground.playground import Playground
 
 
+def query_what_is_gone() -> None:
+    raise NoMatches("the widgets go first")
+
+
 async def test_a_screen_that_opens_while_the_program_ends_is_no_bug() -> None:
     app = RlTuiApp()
     async with app.run_test():
         app.exit(return_code=HUNG_UP)
-        app._handle_exception(NoMatches("the widgets go first"))
+        app.call_later(query_what_is_gone)
     assert (app.bug, app.return_code) == (None, HUNG_UP)
 
 

@@ -15,7 +15,6 @@ from conftest import MakeApp
 from open_grids import open_grid_recipe
 from textual.pilot import Pilot
 from textual.widgets import Input, OptionList, Static
-from textual.widgets._toast import Toast
 
 from rl_tui.common.errors import UserError
 from rl_tui.lab.live.commands import Train
@@ -63,7 +62,7 @@ async def choose(pilot: Pilot[UserError], kind: str) -> None:
 
 
 def said(pilot: Pilot[UserError]) -> list[str]:
-    return [str(toast.render()) for toast in pilot.app.screen.query(Toast)]
+    return [str(toast.render()) for toast in pilot.app.screen.query("Toast")]
 
 
 async def test_a_script_is_written_under_the_name_offered(make_app: MakeApp, folder: Path) -> None:

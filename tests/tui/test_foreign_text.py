@@ -10,6 +10,7 @@ from xml.etree import ElementTree
 
 import pytest
 from drawn_text import letters_of
+from seams import screen_text
 from textual.pilot import Pilot
 
 from rl_tui.common.errors import UserError
@@ -58,12 +59,6 @@ def foreign(folder: Path) -> Scenario:
     return read_scenario(folder / "foreign.toml")
 
 
-def on_screen(pilot: Pilot[UserError]) -> str:
-    """All that is drawn, rows joined: a text may be broken anywhere."""
-    rows = pilot.app.screen._compositor.render_strips()
-    return "\n".join("".join(piece.text for piece in row) for row in rows)
-
-
 def playing(scenario: Scenario) -> RlTuiApp:
     def make_player(*args: object, **kwargs: object) -> Player:
         return Player(*args, automatic=False, **kwargs)  # type: ignore[arg-type]
@@ -75,7 +70,7 @@ def playing(scenario: Scenario) -> RlTuiApp:
 async def press(pilot: Pilot[UserError], *keys: str) -> str:
     await pilot.press(*keys)
     await settle(pilot)
-    return on_screen(pilot)
+    return screen_text(pilot.app)
 
 
 async def test_the_catalogue_shows_them_as_they_are(folder: Path) -> None:
@@ -85,7 +80,7 @@ async def test_the_catalogue_shows_them_as_they_are(folder: Path) -> None:
         listed = app.screen.query_one("#scenarios")
         listed.highlighted = listed.get_option_index("foreign")  # type: ignore[attr-defined]
         await settle(pilot)
-        text = on_screen(pilot)
+        text = screen_text(pilot.app)
         for each in (TITLE[:30], SUMMARY, r"[red]N[/red] [@click=app.quit]q[/] {1} %d there"):
             assert each in text
         assert "[bold]x[-].toml (faulty)" in text
@@ -142,7 +137,7 @@ async def test_a_link_is_shown_not_opened(foreign: Scenario, monkeypatch: pytest
         paragraph = app.screen.query("MarkdownParagraph").last()
         await paragraph.run_action("link('http://a.example/%1b[31m')")
         await settle(pilot)
-        assert r"http://a.example/\u001b[31m" in on_screen(pilot)
+        assert r"http://a.example/\u001b[31m" in screen_text(pilot.app)
 
 
 async def test_the_name_of_a_session_is_shown_as_it_is(foreign: Scenario, tmp_path: Path) -> None:

@@ -234,7 +234,7 @@ def test_in_the_past_nobody_knows_how_many_episodes_there_were() -> None:
     ],
 )
 def test_the_prompt_names_the_range(snapshot: Snapshot, hint: str) -> None:
-    assert goto_prompt(snapshot)._hint == hint
+    assert goto_prompt(snapshot).hint == hint
 
 
 def test_sweeps_and_pulls() -> None:

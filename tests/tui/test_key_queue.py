@@ -9,9 +9,9 @@ from textual.app import App, ComposeResult
 from textual.events import Event, Key, MouseUp
 from textual.widgets import Input
 
-from rl_tui.terminal.input_parser import EscapeOrAlt
-from rl_tui.terminal.key_queue import KeyQueue
+from rl_tui.terminal.key_queue import EscapeOrAlt, KeyQueue
 from rl_tui.tui.app.app import RlTuiApp
+from rl_tui.tui.app.idleness import Idleness
 
 
 async def test_of_a_flood_of_keys_only_so_many_are_held() -> None:
@@ -40,13 +40,13 @@ async def test_a_flood_lets_other_things_happen_too(monkeypatch: pytest.MonkeyPa
     app = RlTuiApp()
     happened: list[str] = []
 
-    def note() -> None:
+    def note(_: Idleness) -> None:
         if not happened:
             asyncio.get_running_loop().call_soon(happened.append, "something else")
         happened.append("input")
 
     async with app.run_test():
-        monkeypatch.setattr(app._idleness, "stir", note)
+        monkeypatch.setattr(Idleness, "stir", note)
         for x in range(3):
             await app.on_event(MouseUp(None, x, 0, 0, 0, 0, False, False, False))
     assert happened[:3] == ["input", "something else", "input"]

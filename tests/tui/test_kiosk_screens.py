@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
+import asyncio
 from functools import partial
 
 import pytest
-from textual.pilot import Pilot
+from seams import notes
 from textual.widgets import Static
 
-from rl_tui.common.errors import UserError
 from rl_tui.lab.live.player import Player
 from rl_tui.lab.live.snapshot import Phase
 from rl_tui.lab.run.library import recipe_for
@@ -16,24 +16,20 @@ from rl_tui.tui.actions.action import Place
 from rl_tui.tui.actions.registry import ACTIONS, actions_of
 from rl_tui.tui.app.app import RlTuiApp
 from rl_tui.tui.app.display import Display
-from rl_tui.tui.app.idleness import Idleness
+from rl_tui.tui.app.idleness import PATIENCE, Idleness
 from rl_tui.tui.app.palette_entries import ActionProvider, palette_name
 from rl_tui.tui.app.screenshot import settle
 from rl_tui.tui.screens.key_line import fitting
 from rl_tui.tui.screens.playground.playground import Playground
 from rl_tui.worlds.files.catalogue import find
 
-FOR_THE_OWNER = {"save", "export", "delete_session", "suspend"}
+FOR_THE_OWNER = {"session.save", "export.choose", "delete_session", "suspend"}
 
 
 def kiosk(scenario: str | None = None) -> RlTuiApp:
     start = recipe_for(find(scenario)) if scenario else None
     make_player = partial(Player, automatic=False)
     return RlTuiApp(Display(fps=1000.0), start, make_player=make_player, picture=True, kiosk=True)
-
-
-def told(pilot: Pilot[UserError]) -> list[str]:
-    return [each.message for each in pilot.app._notifications]
 
 
 @pytest.mark.parametrize("place", [Place.CATALOGUE, Place.PLAYGROUND])
@@ -45,14 +41,14 @@ def test_all_but_what_is_for_the_owner_is_offered(place: Place) -> None:
 
 @pytest.mark.parametrize("width", range(60, 240, 20))
 def test_the_key_line_has_none_of_it(width: int) -> None:
-    shown, _ = fitting(Place.PLAYGROUND | Place.KIOSK, width)
+    shown, _ = fitting(actions_of(Place.PLAYGROUND | Place.KIOSK), width)
     assert not {each.id for each in shown} & FOR_THE_OWNER
 
 
 async def test_the_palette_offers_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
     async with kiosk("student").run_test(size=(80, 24)) as pilot:
         await settle(pilot)
-        names = {name for name, _, _ in ActionProvider(pilot.app.screen)._entries()}
+        names = {str(hit.display) async for hit in ActionProvider(pilot.app.screen).discover()}
         assert names == {palette_name(each) for each in actions_of(Place.PLAYGROUND | Place.KIOSK)} | {
             "Theme"
         }
@@ -66,7 +62,7 @@ async def test_the_palette_offers_the_same(monkeypatch: pytest.MonkeyPatch) -> N
         ):
             await pilot.press(key)
             await settle(pilot)
-            assert told(pilot) == [line]
+            assert notes(pilot.app) == [line]
         stopped = []
         monkeypatch.setattr("os.kill", lambda *args: stopped.append(args))
         await pilot.app.run_action("suspend_process")
@@ -79,7 +75,7 @@ async def test_the_catalogue_says_that_it_is_one() -> None:
         assert str(pilot.app.screen.query_one("#title", Static).render()).endswith("kiosk")
         await pilot.press("delete")
         await settle(pilot)
-        assert told(pilot) == ["no sessions are kept here: this is a kiosk"]
+        assert notes(pilot.app) == ["no sessions are kept here: this is a kiosk"]
 
 
 def test_nobody_there_is_told_once() -> None:
@@ -95,7 +91,23 @@ def test_nobody_there_is_told_once() -> None:
     assert idleness.begins()
 
 
-async def test_a_run_that_was_forgotten_is_paused() -> None:
+async def test_a_run_that_was_forgotten_is_paused(monkeypatch: pytest.MonkeyPatch) -> None:
+    now, looks = 0.0, 0
+
+    def clock() -> float:
+        nonlocal looks
+        looks += 1
+        return now
+
+    async def look_again() -> None:
+        before = looks
+        async with asyncio.timeout(60):
+            while looks < before + 2:
+                await pilot.pause(0.01)
+        await settle(pilot)
+
+    monkeypatch.setattr("rl_tui.tui.app.app.LOOKS", 0.001)
+    monkeypatch.setattr("rl_tui.tui.app.app.Idleness", partial(Idleness, clock=clock))
     app = kiosk("student")
     async with app.run_test(size=(80, 24)) as pilot:
         await settle(pilot)
@@ -105,11 +117,10 @@ async def test_a_run_that_was_forgotten_is_paused() -> None:
         assert isinstance(playground, Playground)
         assert playground.snapshot is not None
         assert playground.snapshot.playback.phase is Phase.RUNNING
-        app._pause_when_idle()
-        await settle(pilot)
+        await look_again()
         assert playground.snapshot.playback.phase is Phase.RUNNING, "somebody was there just now"
-        app._idleness = Idleness(0.0)
-        app._pause_when_idle()
-        await settle(pilot)
-        assert playground.snapshot.playback.phase is Phase.PAUSED
-        assert told(pilot) == ["paused: nobody has pressed a key for some minutes"]
+        now = PATIENCE
+        async with asyncio.timeout(60):
+            while playground.snapshot.playback.phase is not Phase.PAUSED:
+                await pilot.pause(0.01)
+        assert notes(pilot.app) == ["paused: nobody has pressed a key for some minutes"]

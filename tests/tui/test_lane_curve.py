@@ -203,16 +203,16 @@ def test_the_axis_stays_while_one_goes_back_in_time() -> None:
     now = side_by_side(2)
     widget.snapshot = now
     widget.picture(now, *WIDE)
-    scale = widget._scale
+    scale = widget.scale
     past = changed(
         now,
         step=now.counters.step - 10,
         timeline=Timeline((Branch("1", end=now.counters.step, here=now.counters.step - 10),)),
     )
     widget.show(past)
-    assert widget._scale is scale
+    assert widget.scale is scale
     widget.show(changed(now, recipe=replace(now.recipe, seed=now.recipe.seed + 1)))  # another run
-    assert widget._scale is None
+    assert widget.scale is None
 
 
 @pytest.mark.parametrize("count", [2, 4])

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from lane_samples import lane_views, side_by_side
 from samples import bandit, lake, look, student
+from seams import sized
 from snapshots import changed
-from textual.geometry import Size
 
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.timeline.lane_view import LaneView
@@ -19,8 +19,7 @@ from rl_tui.worlds.mdp.space import FloatArray
 def table_of(
     snapshot: Snapshot, width: int = 44, layer: Layer = Layer.LANES, *, ascii_only: bool = False
 ) -> tuple[str, QTable]:
-    table = QTable(look(ascii_only))
-    table._size = Size(width, 14)
+    table = sized(QTable(look(ascii_only)), width, 14)
     table.show(snapshot)
     table.shown_layer = layer
     rows = table.picture(snapshot, width, 14)

@@ -10,7 +10,7 @@ from rl_tui.lab.last_step.story import story_of
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.panels.last_step.last_step import last_step_lines
 from rl_tui.tui.panels.last_step.words import words_of
-from rl_tui.tui.screens.playground.manual_control import (
+from rl_tui.tui.screens.playground.actions.manual_keys import (
     acting_keys,
     action_towards,
     digit_keys,

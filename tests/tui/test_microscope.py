@@ -57,8 +57,10 @@ def shown(
         else None
     )
     widget.snapshot = snapshot
-    widget._first = scrolled
     rows = widget.picture(snapshot, width, height)
+    if scrolled:
+        widget.action_scroll_rows(scrolled)
+        rows = widget.picture(snapshot, width, height)
     assert [row.cell_length for row in rows] == [width] * height
     text = [row.text.rstrip() for row in rows]
     assert not ascii or all(line.isascii() for line in text)

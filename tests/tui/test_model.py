@@ -17,7 +17,8 @@ from rl_tui.worlds.files.catalogue import find
 def panel(snapshot: Snapshot | None, pair: int | None = None, *, ascii: bool = False) -> ModelPanel:  # noqa: A002
     made = ModelPanel(look(ascii))
     made.snapshot = snapshot
-    made._pair = pair
+    if pair is not None:
+        made.show_pair(pair)
     return made
 
 
@@ -112,7 +113,7 @@ def test_a_bandit_keeps_its_means() -> None:
     assert "R       hidden until h or the end of the budget" in text
     assert "··· hidden until h or the end of the budget" in text
     assert ".7" not in text.replace("learned Q(3) = 0.700", "")
-    made._revealed = True
+    made.revealed = True
     text = drawn(made)
     assert "Q*(3) = Σ p" in text
     assert "= 1·[.7]" in text

@@ -5,17 +5,16 @@ from __future__ import annotations
 import pytest
 from conftest import MakeApp
 from sample_worlds import bandit_world, lake_world
-from test_playground import playground, press, slider, snapshot, train
-from textual.pilot import Pilot
+from seams import choose, notes, playground, press, slider, snapshot, train
 from textual.widgets import Input, OptionList
 
 from rl_tui.agents.catalogue import BY_ID, POLICY_BY_ID
 from rl_tui.agents.hyperparameters import Hyperparameters
-from rl_tui.common.errors import UserError
 from rl_tui.lab.live.snapshot import Phase
 from rl_tui.lab.run.library import recipe_for
 from rl_tui.tui.app.screenshot import settle
 from rl_tui.tui.panels.controls.slider import Slider
+from rl_tui.tui.panels.model.model import ModelPanel
 from rl_tui.tui.panels.status_line import StatusLine
 from rl_tui.tui.screens.dialogs.choice import Choice, algorithm_choice, policy_choice
 from rl_tui.tui.screens.dialogs.model import ModelScreen
@@ -26,20 +25,8 @@ from rl_tui.worlds.files.catalogue import find
 from rl_tui.worlds.mdp.space import all_pairs
 
 
-async def choose(pilot: Pilot[UserError], id: str) -> None:  # noqa: A002
-    """Put the cursor of the list on top on ``id`` and press enter."""
-    choices = pilot.app.screen.query_one(OptionList)
-    choices.highlighted = choices.get_option_index(id)
-    await pilot.press("enter")
-    await settle(pilot)
-
-
 def refused(choice: Choice) -> dict[str, str]:
-    return {each.id: each.refused for each in choice._candidates if each.refused}
-
-
-def messages(pilot: Pilot[UserError]) -> list[str]:
-    return [note.message for note in pilot.app._notifications]
+    return {each.id: each.refused for each in choice.candidates if each.refused}
 
 
 def test_every_algorithm_and_rule_can_be_chosen_where_it_works() -> None:
@@ -59,7 +46,7 @@ def test_every_choice_has_name_summary_and_equation() -> None:
         (algorithm_choice(lake_world().space, recipe, ASCII), BY_ID.values()),
         (policy_choice(lake_world().space, recipe, ASCII), POLICY_BY_ID.values()),
     ):
-        texts = [choice._describe(each).plain for each in choice._candidates]
+        texts = [choice.describe(each).plain for each in choice.candidates]
         assert len(texts) == len(rows)
         assert all(text.isascii() and "?" not in text and text.count("\n") >= 3 for text in texts)
         assert sum("(in force)" in text for text in texts) == 1
@@ -80,15 +67,15 @@ async def test_a_planner_is_chosen_stepped_and_done(make_app: MakeApp) -> None:
         assert (await press(pilot, "e")).counters.episodes == 1
         await press(pilot, "m")
         assert isinstance(app.screen, ModelScreen)
-        assert app.screen._panel.pair in range(5)
+        assert app.screen.query_one(ModelPanel).pair in range(5)
         await press(pilot, "escape")
         await press(pilot, "p")
-        assert messages(pilot)[-1] == "Value iteration tries every action: it follows no policy"
+        assert notes(app)[-1] == "Value iteration tries every action: it follows no policy"
         done = await train(pilot, 100_000)
         assert done.playback.phase is Phase.DONE
         assert "converged after" in app.screen.query_one(StatusLine).render_line(0).text
         await press(pilot, "space")
-        assert messages(pilot)[-1].startswith("converged after")
+        assert notes(app)[-1].startswith("converged after")
         await press(pilot, "1", "pagedown")
         assert snapshot(pilot).playback.phase is Phase.PAUSED
         app.set_focus(None)
@@ -117,12 +104,12 @@ async def test_a_policy_is_chosen_and_brings_its_slider(
         gradient = snapshot(pilot).agent.hyperparameters
         assert gradient.policy == "gradient"
         assert gradient.alpha == Hyperparameters().alpha
-        assert messages(pilot)[-1] == "gradient bandit needs a step size: α is 0.1 from here on"
+        assert notes(app)[-1] == "gradient bandit needs a step size: α is 0.1 from here on"
         await press(pilot, "o")
         await choose(pilot, "alpha")
         app.screen.query_one(Input).value = "1/n"
         await press(pilot, "enter", "escape")
-        assert messages(pilot)[-1].startswith("policy gradient needs a step size")
+        assert notes(app)[-1].startswith("policy gradient needs a step size")
         assert snapshot(pilot).agent.hyperparameters.alpha == Hyperparameters().alpha
         assert playground(pilot).recipe.hyperparameters == snapshot(pilot).agent.hyperparameters
 
@@ -131,7 +118,7 @@ async def test_sliders_are_counted_on_screen(make_app: MakeApp) -> None:
     app = make_app("student")
     async with app.run_test(size=(80, 24)) as pilot:
         await settle(pilot)
-        playground(pilot).set_parameter("policy", "softmax")
+        playground(pilot).agent.set_parameter("policy", "softmax")
         await settle(pilot)
         await press(pilot, "3")
         assert app.focused is slider(app, "temperature")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 from pathlib import Path
 from typing import Any, Final
 
@@ -15,6 +16,7 @@ from rl_tui.lab.live.commands import Train
 from rl_tui.tui.app.screenshot import settle
 from rl_tui.tui.screens.playground.playground import Playground
 
+SAMPLES: Final = Path(__file__).parent / "sample_scenarios"
 SIZES: Final = [(80, 24), (120, 40)]
 SCENES: Final = {  # a scenario, then keys; a number lets so many steps pass
     "bandit-halfway": ("bandit", 300),
@@ -54,15 +56,28 @@ def test_playground(scene: str, size: tuple[int, int], snap_compare: Any, make_a
     assert snap_compare(make_app(scenario), terminal_size=size, run_before=play)
 
 
+@pytest.fixture
+def sample_catalogue(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Made-up scenarios in place of the shipped ones: a new one of those changes no picture."""
+    shutil.copytree(SAMPLES, tmp_path, dirs_exist_ok=True)
+    for cells in range(5, 26):  # more than a screen has rows for
+        lines = (f'title = "A corridor of {cells} cells"', f"order = {100 + cells}", "[grid]")
+        corridor = f'map = "S{"." * (cells - 2)}G"'
+        (tmp_path / f"corridor-{cells:02}.toml").write_text("\n".join((*lines, corridor)), encoding="utf-8")
+    monkeypatch.setattr("rl_tui.worlds.files.catalogue.shipped_folder", lambda: tmp_path)
+
+
+@pytest.mark.usefixtures("sample_catalogue")
 @pytest.mark.parametrize("size", SIZES, ids=_named)
 def test_catalogue(size: tuple[int, int], snap_compare: Any, make_app: MakeApp) -> None:
-    async def choose_a_lake(pilot: Pilot[UserError]) -> None:
+    async def choose_the_pond(pilot: Pilot[UserError]) -> None:
         await settle(pilot)
         listed = pilot.app.screen.query_one("#scenarios", OptionList)
-        listed.highlighted = listed.get_option_index("frozenlake-slippery")
+        listed.highlighted = listed.get_option_index("pond")
         await settle(pilot)
+        assert listed.option_count == 24
 
-    assert snap_compare(make_app(), terminal_size=size, run_before=choose_a_lake)
+    assert snap_compare(make_app(), terminal_size=size, run_before=choose_the_pond)
 
 
 def test_no_picture_is_left_over() -> None:

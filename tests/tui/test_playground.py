@@ -2,47 +2,16 @@ from __future__ import annotations
 
 import pytest
 from conftest import MakeApp
-from textual.pilot import Pilot
-from textual.widgets._toast import Toast
+from seams import notes, playground, press, snapshot, train
 
-from rl_tui.common.errors import UserError
-from rl_tui.lab.live.commands import Train
-from rl_tui.lab.live.snapshot import Phase, Snapshot
+from rl_tui.lab.live.snapshot import Phase
 from rl_tui.tui.app.app import RlTuiApp
 from rl_tui.tui.app.screenshot import settle
-from rl_tui.tui.panels.controls.slider import Slider
 from rl_tui.tui.panels.q_table.q_table import QTable
 from rl_tui.tui.screens.dialogs.model import ModelScreen
 from rl_tui.tui.screens.help import HelpScreen
 from rl_tui.tui.screens.playground.playground import Playground
 from rl_tui.worlds.files.catalogue import scenarios
-
-
-def playground(pilot: Pilot[UserError]) -> Playground:
-    return next(screen for screen in pilot.app.screen_stack if isinstance(screen, Playground))
-
-
-def snapshot(pilot: Pilot[UserError]) -> Snapshot:
-    shown = playground(pilot).snapshot
-    assert shown is not None
-    return shown
-
-
-async def press(pilot: Pilot[UserError], *keys: str) -> Snapshot:
-    for key in keys:
-        await pilot.press(key)
-        await settle(pilot)
-    return snapshot(pilot)
-
-
-async def train(pilot: Pilot[UserError], steps: int) -> Snapshot:
-    playground(pilot).send(Train(steps))
-    await settle(pilot)
-    return snapshot(pilot)
-
-
-def slider(app: RlTuiApp, name: str) -> Slider:
-    return app.screen.query_one(f"#{name}", Slider)
 
 
 async def test_it_starts_paused_at_step_0_with_ten_steps_a_second(make_app: MakeApp) -> None:
@@ -233,9 +202,7 @@ async def test_h_explains_itself_where_nothing_is_hidden(make_app: MakeApp) -> N
     async with app.run_test(size=(80, 24), notifications=True) as pilot:
         await settle(pilot)
         await press(pilot, "h")
-        assert [note.message for note in app._notifications] == [
-            "nothing is hidden here; h is for bandits, whose true means it shows"
-        ]
+        assert notes(app) == ["nothing is hidden here; h is for bandits, whose true means it shows"]
 
 
 async def test_a_notice_is_one_line_at_the_top_right(make_app: MakeApp) -> None:
@@ -243,7 +210,7 @@ async def test_a_notice_is_one_line_at_the_top_right(make_app: MakeApp) -> None:
     async with app.run_test(size=(80, 24), notifications=True) as pilot:
         await settle(pilot)
         await press(pilot, "h")
-        notice = app.screen.query_one(Toast).region
+        notice = app.screen.query_one("Toast").region
         assert (notice.y, notice.height) == (1, 1)
         assert notice.right >= 78
         assert RlTuiApp.NOTIFICATION_TIMEOUT <= 3

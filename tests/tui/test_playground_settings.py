@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from conftest import MakeApp
+from seams import notes, playground, press, slider, snapshot, train
 from snapshots import changed
-from test_playground import playground, press, slider, snapshot, train
 from textual.widgets import Input
 
 from rl_tui.agents.hyperparameters import Hyperparameters
@@ -167,7 +167,7 @@ async def test_a_slider_that_is_not_there_is_told(make_app: MakeApp) -> None:
         await settle(pilot)
         await pilot.press("4", "3")
         assert app.focused is slider(app, "epsilon")
-        assert [note.message for note in app._notifications] == ["there is no fourth slider here"]
+        assert notes(app) == ["there is no fourth slider here"]
 
 
 async def test_another_seed_shows_its_own_map(make_app: MakeApp) -> None:

@@ -88,6 +88,7 @@ def contradictions(text: UpdateText, *, bootstraps: bool) -> list[str]:
 )
 @example(0.00013, 0.0, 0.000159, 0.1, 0.99, 1, 0.1, "one step")
 @example(-7.0, -1.0, -6.0000000049, 0.5, 1.0, 1, 0.5, "one step")
+@example(1.8356172431393247, -100.0, 1.1223826259626861, 0.05, 0.99, 1, 0.05, "one step")
 def test_the_printed_update_does_not_contradict_itself(
     before: float,
     gathered: float,

@@ -192,9 +192,9 @@ def test_ascii_needs_no_other_characters(state: Snapshot) -> None:
     for layer in Layer:
         drawn = Drawn(state, 44, 12, layer, revealed=True, ascii_only=True)
         drawn.text.encode("ascii")
-        drawn.table._write_border()
-        assert drawn.table._border_subtitle is not None
-        drawn.table._border_subtitle.plain.encode("ascii")
+        drawn.table.redraw()
+        assert drawn.table.border_subtitle is not None
+        str(drawn.table.border_subtitle).encode("ascii")
 
 
 def test_every_segment_has_a_style() -> None:

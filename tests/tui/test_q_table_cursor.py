@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import pytest
 from samples import big_lake, lake, look
+from seams import sized
 from snapshots import changed
 from textual import events
 from textual.app import App, ComposeResult
-from textual.geometry import Region, Size
+from textual.geometry import Region
 from textual.pilot import Pilot
 from textual.strip import Strip
 from textual.widgets import Button
@@ -50,8 +51,7 @@ def pair_of(state: Snapshot, cell: int, action: int) -> int:
 
 
 async def test_before_the_first_snapshot_it_says_what_comes() -> None:
-    table = QTable(look())
-    table._size = Size(60, 5)
+    table = sized(QTable(look()), 60, 5)
     assert "come with the first step" in table.picture(None, 60, 5)[0].text
     assert table.rows == 1
 

@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 from drawn_text import letters_of, rows_of, words_of
 from rich.console import Console
+from seams import notes
 from textual.pilot import Pilot
 from textual.widgets import Input, OptionList, Static
 
@@ -90,10 +91,6 @@ async def finished(pilot: Pilot[UserError], work: str) -> None:
     await pilot.pause()
 
 
-def messages(app: RlTuiApp) -> list[str]:
-    return [note.message for note in app._notifications]
-
-
 def step(pilot: Pilot[UserError]) -> int:
     screen = pilot.app.screen
     assert isinstance(screen, Playground)
@@ -140,7 +137,7 @@ async def test_the_last_one_saved_is_the_first_and_faulty_ones_are_last(
         await pilot.press("enter")
         await pilot.press("delete")
         await settle(pilot)
-        assert messages(pilot.app)[-2:] == [
+        assert notes(pilot.app)[-2:] == [
             "this file cannot be resumed",
             "a faulty file is left alone; remove it yourself",
         ]
@@ -226,7 +223,7 @@ async def test_w_saves_under_a_name_and_goes_on_there(
         await pilot.press("enter")
         await pilot.pause()
         await finished(pilot, "save the session")
-        assert any(f"saved: {tmp_path.resolve()}/evening-2.json" in each for each in messages(pilot.app))
+        assert any(f"saved: {tmp_path.resolve()}/evening-2.json" in each for each in notes(pilot.app))
         await pilot.press("s")
         await settle(pilot)
         await pilot.press("w")
@@ -242,7 +239,7 @@ async def test_where_no_session_is_kept_w_says_so(app_with_sessions: MakeSession
         await settle(pilot)
         await pilot.press("w")
         await settle(pilot)
-        assert messages(app) == ["no session is kept here"]
+        assert notes(app) == ["no session is kept here"]
 
 
 async def test_delete_asks_first(app_with_sessions: MakeSessionApp, tmp_path: Path) -> None:
@@ -252,7 +249,7 @@ async def test_delete_asks_first(app_with_sessions: MakeSessionApp, tmp_path: Pa
         await settle(pilot)
         await pilot.press("delete")
         await settle(pilot)
-        assert messages(pilot.app) == ["only sessions can be deleted"]
+        assert notes(pilot.app) == ["only sessions can be deleted"]
         await pilot.press("tab", "delete")
         assert isinstance(pilot.app.screen, Confirm)
         await pilot.press("escape")
@@ -282,12 +279,12 @@ async def test_one_that_is_open_elsewhere_is_gone_on_with_in_a_copy(
         await settle(one)
         async with second.run_test(size=(80, 24)) as other:
             await settle(other)
-            assert any("a.json is open in another program" in each for each in messages(second))
+            assert any("a.json is open in another program" in each for each in notes(second))
             await other.press("s", "s")
             await settle(other)
         await one.press("s")
         await settle(one)
-        assert not any("another program" in each for each in messages(first))
+        assert not any("another program" in each for each in notes(first))
     told = {each.title: each.step for each in sessions_in(tmp_path)[0]}
     assert told == {"an evening": 8, "an evening (copy)": 9}
 
@@ -300,7 +297,7 @@ async def test_other_bits_are_told_and_the_file_is_left_alone(
     app = app_with_sessions(read_session(path))
     async with app.run_test(size=(80, 24)) as pilot:
         await settle(pilot)
-        assert any("Q does not come out as it was saved" in each for each in messages(app))
+        assert any("Q does not come out as it was saved" in each for each in notes(app))
         await pilot.press("s")
         await settle(pilot)
     assert sorted(each.step for each in sessions_in(tmp_path)[0]) == [7, 8]
@@ -322,7 +319,7 @@ async def test_the_right_bits_are_no_news(app_with_sessions: MakeSessionApp, tmp
     async with app.run_test(size=(80, 24)) as pilot:
         await settle(pilot)
         assert step(pilot) == session.step
-        assert messages(app) == []
+        assert notes(app) == []
 
 
 async def test_what_cannot_be_saved_is_said_once(tmp_path: Path) -> None:
@@ -340,10 +337,10 @@ async def test_what_cannot_be_saved_is_said_once(tmp_path: Path) -> None:
         await settle(pilot)
         screen = app.screen
         assert isinstance(screen, Playground)
-        assert screen.autosave
-        screen.autosave.close()
+        assert screen.session.autosave
+        screen.session.autosave.close()
         await pilot.pause()
-        (told,) = messages(app)
+        (told,) = notes(app)
         assert told.startswith("this session is not being saved: ")
         await pilot.press("s")
         await settle(pilot)

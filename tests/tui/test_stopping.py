@@ -6,24 +6,20 @@ from collections.abc import Callable
 
 import pytest
 from conftest import MakeApp
+from seams import notes, playground, press, switch
 from textual.pilot import Pilot
 from textual.widgets import Input, OptionList, Static
 
 from rl_tui.common.errors import UserError
 from rl_tui.lab.live.commands import ClearBreakpoints, Command, RunUntil, ToggleBreakpoint, Train
-from rl_tui.lab.live.snapshot import Phase, Snapshot
+from rl_tui.lab.live.snapshot import Phase
 from rl_tui.lab.live.until import Event, Until
-from rl_tui.tui.app.app import RlTuiApp
 from rl_tui.tui.app.screenshot import settle
 from rl_tui.tui.screens.dialogs.prompt import Prompt
 from rl_tui.tui.screens.dialogs.until import UntilChoice
 from rl_tui.tui.screens.playground.playground import Playground
 
 ASKED = (RunUntil, ToggleBreakpoint, ClearBreakpoints)
-
-
-def playground(pilot: Pilot[UserError]) -> Playground:
-    return next(screen for screen in pilot.app.screen_stack if isinstance(screen, Playground))
 
 
 def record(pilot: Pilot[UserError], monkeypatch: pytest.MonkeyPatch) -> list[Command]:
@@ -40,20 +36,6 @@ def record(pilot: Pilot[UserError], monkeypatch: pytest.MonkeyPatch) -> list[Com
 
     monkeypatch.setattr(player, "send", sorted_out)
     return asked
-
-
-async def press(pilot: Pilot[UserError], *keys: str) -> Snapshot:
-    for key in keys:
-        await pilot.press(key)
-        if isinstance(pilot.app.screen, Playground):
-            await settle(pilot)
-    shown = playground(pilot).snapshot
-    assert shown is not None
-    return shown
-
-
-def notices(app: RlTuiApp) -> list[str]:
-    return [note.message for note in app._notifications]
 
 
 async def test_u_runs_until_what_is_chosen_and_remembers_it(
@@ -129,7 +111,7 @@ async def test_k_stops_where_the_cursor_is(make_app: MakeApp, monkeypatch: pytes
         await press(pilot, "k")  # nothing in focus: where the agent is
         board.table.focus()
         await press(pilot, "k", "down", "right", "k")
-        assert notices(app) == ["breakpoint on 1,↓: pauses each time it is taken"]
+        assert notes(app) == ["breakpoint on 1,↓: pauses each time it is taken"]
         assert board.world is not None
         board.world.focus()
         await press(pilot, "k", "down", "right", "k")
@@ -140,7 +122,7 @@ async def test_k_stops_where_the_cursor_is(make_app: MakeApp, monkeypatch: pytes
             ToggleBreakpoint(state=0),
             ToggleBreakpoint(state=5),
         ]
-        assert notices(app)[-1] == "breakpoint on state 5: pauses each time it is reached"
+        assert notes(app)[-1] == "breakpoint on state 5: pauses each time it is reached"
 
 
 async def test_a_wall_is_no_place_to_stop_at(make_app: MakeApp, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -154,7 +136,7 @@ async def test_a_wall_is_no_place_to_stop_at(make_app: MakeApp, monkeypatch: pyt
         world.put_cursor(5)  # the line of wall between the first two towns
         await press(pilot, "k")
         assert not asked
-        assert notices(app) == ["here is no state to stop at"]
+        assert notes(app) == ["here is no state to stop at"]
 
 
 async def test_arms_and_nodes_have_breakpoints(make_app: MakeApp, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -178,7 +160,7 @@ async def test_arms_and_nodes_have_breakpoints(make_app: MakeApp, monkeypatch: p
             asked = record(pilot, monkeypatch)
             await press(pilot, "tab", *moves, "k")
             assert asked == [command]
-            assert notices(app) == [said]
+            assert notes(app) == [said]
 
 
 async def test_a_bandit_without_a_cursor_says_how_to_get_one(
@@ -189,11 +171,11 @@ async def test_a_bandit_without_a_cursor_says_how_to_get_one(
         await settle(pilot)
         asked = record(pilot, monkeypatch)
         await press(pilot, "k")
-        assert notices(app) == [
+        assert notes(app) == [
             "a breakpoint of a bandit is on an arm: tab goes to them, the arrows choose one"
         ]
         await press(pilot, "K")
-        assert notices(app) == ["there are no breakpoints; k sets one where the cursor is"]
+        assert notes(app) == ["there are no breakpoints; k sets one where the cursor is"]
         assert not asked
 
 
@@ -205,7 +187,7 @@ async def test_a_spent_budget_has_nothing_to_wait_for(make_app: MakeApp) -> None
         await settle(pilot)
         await press(pilot, "u")
         assert isinstance(app.screen, Playground)
-        assert notices(app) == ["the run has come to its end; r starts again"]
+        assert notes(app) == ["the run has come to its end; r starts again"]
 
 
 async def test_the_cursor_of_one_panel_shows_in_the_other(make_app: MakeApp) -> None:
@@ -221,9 +203,9 @@ async def test_the_cursor_of_one_panel_shows_in_the_other(make_app: MakeApp) -> 
         await press(pilot, "down", "right", "down", "right")
         assert world.cursor == 10
         assert str(world.border_subtitle) == "state 10 · k: breakpoint · esc: back"
-        assert table._pointed == playground(pilot).snapshot.world.space.pairs_of(10)  # type: ignore[union-attr]
+        assert table.pointed == playground(pilot).snapshot.world.space.pairs_of(10)  # type: ignore[union-attr]
         await press(pilot, "tab")
-        assert not table._pointed
+        assert not table.pointed
         assert world.shown_cursor is None
         await press(pilot, "down")
         assert world.shown_cursor == 1
@@ -281,7 +263,7 @@ async def test_a_breakpoint_set_in_the_table_stops_the_run_after_its_pair(make_a
             assert stopped.counters.last_step is not None
             assert stopped.counters.last_step.pair in (1, 2)
         assert not (await press(pilot, "K")).playback.breakpoints
-        assert notices(app)[-1] == "all breakpoints are taken away"
+        assert notes(app)[-1] == "all breakpoints are taken away"
 
 
 async def test_a_bandit_runs_until_an_arm_is_pulled_or_the_best_is_greedy(make_app: MakeApp) -> None:
@@ -322,8 +304,7 @@ async def test_a_stepped_world_stops_at_states_and_values(make_app: MakeApp) -> 
 async def test_a_planner_stops_after_a_sweep_and_at_a_state(make_app: MakeApp) -> None:
     async with make_app("frozenlake").run_test(size=(80, 24)) as pilot:
         await settle(pilot)
-        playground(pilot)._switch("value-iteration")
-        await settle(pilot)
+        await switch(pilot, "value-iteration")
         swept = await press(pilot, "u", "down", "enter")
         assert swept.counters.episodes == 1
         world = playground(pilot).board.world

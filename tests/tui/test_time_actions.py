@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import pytest
 from conftest import MakeApp
+from seams import notes, playground, show, snapshot
 from snapshots import changed
-from test_playground import playground, snapshot
 from textual.pilot import Pilot
 from textual.widgets import Input
 
@@ -48,7 +48,7 @@ def shows(pilot: Pilot[UserError], timeline: Timeline, **changes: object) -> Sna
     """Draw a moment made by hand that the player could have published just now."""
     made = changed(snapshot(pilot), timeline=timeline, step=timeline.current.here, **changes)
     screen = playground(pilot)
-    screen._draw(changed(made, handled=screen.sent))
+    show(screen, changed(made, handled=screen.wanted.sent))
     return made
 
 
@@ -61,10 +61,6 @@ def two(branch: int, here: int = 80) -> Timeline:
         (Branch("branch 1", JOURNAL, end=200, here=200), Branch("branch 2", (), 0, 20, end=here, here=here)),
         branch,
     )
-
-
-def messages(pilot: Pilot[UserError]) -> list[str]:
-    return [note.message for note in pilot.app._notifications]
 
 
 async def test_b_goes_back_a_step_and_B_an_episode_as_often_as_they_are_pressed(  # noqa: N802
@@ -85,7 +81,7 @@ async def test_at_step_0_they_say_so(make_app: MakeApp, monkeypatch: pytest.Monk
         sent = recorded(pilot, monkeypatch)
         await pilot.press("b")
         assert sent == []
-        assert messages(pilot) == ["this is step 0, where the run begins"]
+        assert notes(pilot.app) == ["this is step 0, where the run begins"]
 
 
 async def test_the_timeline_is_scrubbed_with_keys_and_mouse(
@@ -155,11 +151,11 @@ async def test_a_fork_is_told_once(make_app: MakeApp) -> None:
         for timeline in (one(200, 200), one(20, 200)):
             shows(pilot, timeline)
         await pilot.pause()
-        assert messages(pilot) == []
+        assert notes(pilot.app) == []
         for timeline in (two(1, 20), two(1, 25), two(0), two(1, 25)):
             shows(pilot, timeline)
         await pilot.pause()
-        assert messages(pilot) == ["branch 2 begins here; j goes back to branch 1"]
+        assert notes(pilot.app) == ["branch 2 begins here; j goes back to branch 1"]
 
 
 async def test_branches_that_were_there_before_are_no_news(make_app: MakeApp) -> None:
@@ -170,7 +166,7 @@ async def test_branches_that_were_there_before_are_no_news(make_app: MakeApp) ->
         shows(pilot, one(200, 200))
         shows(pilot, two(1), shown=1)
         await pilot.pause()
-        assert messages(pilot) == []
+        assert notes(pilot.app) == []
 
 
 async def test_controls_and_recipe_follow_what_is_in_force(
@@ -208,6 +204,6 @@ async def test_what_is_still_under_way_is_not_taken_back(
         assert isinstance(sent[0], Apply)
         asked = screen.recipe.hyperparameters.alpha
         assert asked != before.agent.hyperparameters.alpha
-        screen._draw(changed(before, handled=screen.sent - 1))
+        show(screen, changed(before, handled=screen.wanted.sent - 1))
         assert screen.recipe.hyperparameters.alpha == asked
         assert screen.query_one("#alpha", Slider).value == asked

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 from conftest import MakeApp
-from test_playground import playground, press, snapshot, train
+from seams import notes, playground, press, snapshot, switch, train
 from textual.pilot import Pilot
 from textual.widget import Widget
 
@@ -15,6 +15,7 @@ from rl_tui.tui.panels.controls.slider import Slider
 from rl_tui.tui.panels.curve.curve import ReturnCurve
 from rl_tui.tui.panels.last_step.last_step import LastStepPanel
 from rl_tui.tui.panels.q_table.q_table import QTable
+from rl_tui.tui.panels.timeline.picture import timeline_form
 from rl_tui.tui.panels.world.arms.arms import ArmsView
 from rl_tui.tui.panels.world.arms.scale import NO_SCALE
 from rl_tui.tui.panels.world.make_view import make_world_view
@@ -35,13 +36,13 @@ def moment(pilot: Pilot[UserError]) -> Moment:
         (board.world, make_world_view(shown.world, board.look)),
         (board.table, QTable(board.look)),
         (board.curve, ReturnCurve(board.look)),
-        (board.last_step, LastStepPanel(board.look)),
+        (board.query_one(LastStepPanel), LastStepPanel(board.look)),
     )
     pictures = []
     for shows, panel in fresh:
         panel.show(shown)
         pictures.append("\n".join(row.text for row in panel.picture(shown, *shows.size)))
-    return (*pictures, text_of(board.last_step), bits(shown))
+    return (*pictures, text_of(board.query_one(LastStepPanel)), bits(shown))
 
 
 def bits(shown: Snapshot) -> str:
@@ -71,8 +72,7 @@ async def go(pilot: Pilot[UserError], text: str) -> Snapshot:
 async def chosen(pilot: Pilot[UserError], planner: bool) -> None:
     """Let a planner take over, if that is wanted."""
     if planner:
-        playground(pilot)._switch("value-iteration")
-        await settle(pilot)
+        await switch(pilot, "value-iteration")
 
 
 @pytest.mark.parametrize(
@@ -147,9 +147,7 @@ async def test_a_change_in_the_past_forks_and_j_goes_back(make_app: MakeApp) -> 
         forked = await train(pilot, 100)
         assert forked.timeline.branch == 1
         assert forked.timeline.current.fork == 200
-        assert [note.message for note in app._notifications] == [
-            "branch 2 begins here; j goes back to branch 1"
-        ]
+        assert notes(app) == ["branch 2 begins here; j goes back to branch 1"]
         assert "branch 2  step 300" in text_of(playground(pilot).board.timeline)
         second, changed = moment(pilot), forked.agent.hyperparameters.alpha
         assert second != first
@@ -164,7 +162,7 @@ async def test_a_change_in_the_past_forks_and_j_goes_back(make_app: MakeApp) -> 
         assert playground(pilot).recipe.hyperparameters.alpha == changed
         await press(pilot, "j", "tab", "enter")
         assert snapshot(pilot).counters.step == 200
-        assert len(app._notifications) == 1
+        assert len(notes(app)) == 1
 
 
 async def test_settings_of_then_are_in_force_then(make_app: MakeApp) -> None:
@@ -174,8 +172,7 @@ async def test_settings_of_then_are_in_force_then(make_app: MakeApp) -> None:
         await train(pilot, 50)
         await press(pilot, "t")
         await train(pilot, 50)
-        playground(pilot)._switch("sarsa")
-        await settle(pilot)
+        await switch(pilot, "sarsa")
         await train(pilot, 50)
         for step, ties, algorithm in (
             (40, "random", "q-learning"),
@@ -200,7 +197,7 @@ async def test_the_timeline_is_dragged_through_time(make_app: MakeApp) -> None:
         await settle(pilot)
         now = await train(pilot, 1_000)
         bar = playground(pilot).board.timeline
-        track = bar._form.track
+        track = timeline_form(now.timeline, bar.size.width).track
         await pilot.mouse_down(bar, offset=(track.start + 20, 0))
         await pilot.hover(bar, offset=(track.start + 5, 0))
         await pilot.mouse_up(bar, offset=(track.start + 5, 0))
@@ -220,9 +217,9 @@ async def test_a_way_back_keeps_the_axes_and_a_new_start_forgets_them(make_app: 
         await train(pilot, 50)
         arms = playground(pilot).board.world
         assert isinstance(arms, ArmsView)
-        scale = arms._scale
+        scale = arms.scale
         assert scale != NO_SCALE
         await press(pilot, "B")
-        assert arms._scale == scale
+        assert arms.scale == scale
         await press(pilot, "r")
-        assert arms._scale == NO_SCALE
+        assert arms.scale == NO_SCALE

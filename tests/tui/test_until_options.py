@@ -16,7 +16,7 @@ def found(snapshot: Snapshot, cursor: int | None = None) -> dict[str, UntilOptio
 
 
 def read(wait: UntilOption, snapshot: Snapshot, text: str) -> float | str:
-    return ask_number(wait, snapshot, GLYPHS)._read(text)
+    return ask_number(wait, snapshot, GLYPHS).read(text)
 
 
 def test_an_agent_waits_for_all_of_it() -> None:
@@ -105,7 +105,7 @@ def test_a_pull_is_within_the_budget() -> None:
     snapshot = bandit(500)
     with pytest.raises(ValueError, match="type a whole number from 501 to 1,000"):
         read(found(snapshot)["step"], snapshot, "1001")
-    assert ask_number(found(snapshot)["step"], snapshot, GLYPHS)._value == "1000"
+    assert ask_number(found(snapshot)["step"], snapshot, GLYPHS).value == "1000"
 
 
 def test_a_value_is_any_finite_number_but_the_one_it_is() -> None:

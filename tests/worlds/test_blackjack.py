@@ -14,7 +14,7 @@ from scipy.stats import chi2
 from rl_tui.agents.exact.solve import solve
 from rl_tui.worlds.drawing import CellKind
 from rl_tui.worlds.gym.section import GymnasiumSection
-from rl_tui.worlds.gym.tables.blackjack import CARDS, Hand, _dealer_showing
+from rl_tui.worlds.gym.tables.blackjack import CARDS, Hand, dealer_showing
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
 STICK, HIT = 0, 1
@@ -112,7 +112,7 @@ def test_sizes():
 @pytest.mark.parametrize(("showing", "bust"), [(6, 0.4231), (10, 0.2121), (1, 0.1153)])
 def test_how_often_the_dealer_goes_bust(showing, bust):
     """Known for an infinite deck and a dealer who stands on soft 17, to four digits."""
-    ends = _dealer_showing(showing)
+    ends = dealer_showing(showing)
     assert sum(ends.values()) == pytest.approx(1.0)
     assert sum(p for hand, p in ends.items() if hand.sum > 21) == pytest.approx(bust, abs=1e-4)
 

@@ -6,36 +6,15 @@ import subprocess
 import sys
 
 import pytest
+from shipped import SHIPPED
 
 from rl_tui.common.errors import ScenarioError, UserError
 from rl_tui.worlds.files import catalogue
 
-SHIPPED = [
-    "bandit",
-    "bandit-bernoulli",
-    "bandit-drifting",
-    "student",
-    "frozenlake",
-    "frozenlake-slippery",
-    "frozenlake-8x8",
-    "frozenlake-8x8-slippery",
-    "frozenlake-random",
-    "random-walk",
-    "cliff",
-    "windy",
-    "windy-king",
-    "max-bias",
-    "maze",
-    "karpathy",
-    "book",
-    "bridge",
-    "discount",
-    "maze-188",
-    "taxi",
-    "blackjack",
-    "blackjack-table",
-    "cartpole",
-    "mountain-car",
+# In which order lessons build on one another
+LESSONS = [
+    *("bandit", "student", "frozenlake", "frozenlake-slippery", "random-walk", "cliff", "windy", "max-bias"),
+    *("maze", "karpathy", "book", "bridge", "discount", "taxi", "blackjack", "cartpole", "mountain-car"),
 ]
 
 
@@ -50,6 +29,7 @@ def own_folder(tmp_path, monkeypatch):
 
 def test_the_shipped_ones_in_teaching_order():
     assert [scenario.id for scenario in catalogue.scenarios()] == SHIPPED
+    assert [name for name in SHIPPED if name in LESSONS] == LESSONS
     assert catalogue.read_catalogue().broken == []
 
 
@@ -125,7 +105,7 @@ def test_finds_a_file_by_its_path(tmp_path, monkeypatch):
     [
         ("frozenlke", r'no scenario is called "frozenlke": did you mean frozenlake'),
         ("Bandit", "did you mean bandit"),
-        ("xyz", "there are bandit, bandit-bernoulli, bandit-drifting, student, "),
+        ("xyz", f"there are {', '.join(SHIPPED)}$"),
         ("a\x1b[31m", r"no scenario is called \"a\\u001b\[31m\""),
     ],
 )

@@ -8,14 +8,13 @@ from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 
-from rl_tui.common import interrupts
-from rl_tui.common.interrupts import is_interrupt, note_interrupts
+from rl_tui.common.interrupts import INTERRUPTS, is_interrupt, note_interrupts
 
 
 @pytest.fixture(autouse=True)
 def usual(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     """Begin with Python's own handler, and end with the one of before."""
-    monkeypatch.setattr(interrupts, "_INTERRUPTS", interrupts._Interrupts())
+    monkeypatch.setattr(INTERRUPTS, "came", False)
     before = signal.signal(signal.SIGINT, signal.default_int_handler)
     yield
     signal.signal(signal.SIGINT, before)

@@ -29,7 +29,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """Where the module lies, which is found but not allowed yet."""
     (tmp_path / f"{MODULE}.py").write_text(CODE)
     monkeypatch.syspath_prepend(str(tmp_path))
-    monkeypatch.setattr(modules, "_ALLOWED", set())
+    monkeypatch.setattr(modules, "ALLOWED", set())
     sys.modules.pop(MODULE, None)
     return tmp_path
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from shipped import SHIPPED
 
 from rl_tui.agents.exact.solution import Solution
 from rl_tui.agents.exact.solve import solve
@@ -12,22 +13,6 @@ from rl_tui.lab.run.run import Run
 from rl_tui.worlds.files.catalogue import find, shipped_folder
 from rl_tui.worlds.files.scenario import read_scenario
 from rl_tui.worlds.world import World
-
-NAMES = (
-    "book",
-    "bridge",
-    "cliff",
-    "discount",
-    "frozenlake-random",
-    "karpathy",
-    "max-bias",
-    "maze",
-    "maze-188",
-    "random-walk",
-    "taxi",
-    "windy",
-    "windy-king",
-)
 
 
 def built(name: str, seed: int = 0) -> World:
@@ -57,7 +42,7 @@ def best_of(name: str) -> tuple[float, float | None]:
     return solution.value_at_start, solution.expected_return
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", SHIPPED)
 def test_is_sound_in_itself_and_with_its_environment(name: str) -> None:
     scenario = read_scenario(shipped_folder() / f"{name}.toml")
     assert scenario.title
@@ -171,7 +156,7 @@ def test_another_seed_is_another_lake_with_a_way() -> None:
         assert solved(lake, 0.99).value_at_start > 0.0
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", SHIPPED)
 def test_its_defaults_begin_to_train(name: str) -> None:
     run = Run(recipe_for(find(name)), evaluate=False)
     run.advance(steps=20)

@@ -59,10 +59,8 @@ def new_memory(q: FloatArray, visits: IntArray, space: FiniteSpace) -> Memory:
     )
 
 
-@member_of(act, Memory)
-def _act(memory: Memory, rule: Any, tables: Tables, state: int, generator: Generator) -> tuple[int, bool]:
-    # Take action A_t; at the start of an episode select A_0 ~ π(·|S_0)
-    return take_chosen(memory.chosen, rule, memory.q, memory.visits, tables, state, generator)
+# A ← A′; at the start of an episode choose A from S using the policy derived from Q
+member_of(act, Memory)(take_chosen)
 
 
 @member_of(learn, Memory)
@@ -80,9 +78,7 @@ def _learn(
     memory.pairs[time % _ROOM] = pair
     memory.rewards[time % _ROOM] = experience.reward
     time += 1
-    memory.pairs[time % _ROOM] = choose_next(
-        memory.chosen, rule, memory.q, memory.visits, tables, experience, generator
-    )
+    memory.pairs[time % _ROOM] = choose_next(memory, rule, tables, experience, generator)
     # τ ← t − n + 1: the step whose estimate is updated. Where n was made smaller several are due, where it
     # was made greater none for a while; after the last step of an episode all are, until τ = T − 1
     ended = experience.terminated or experience.truncated

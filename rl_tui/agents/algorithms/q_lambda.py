@@ -29,10 +29,8 @@ def new_memory(q: FloatArray, visits: IntArray, space: FiniteSpace) -> Memory:
     return Memory(*no_traces(q, visits, space))
 
 
-@member_of(act, Memory)
-def _act(memory: Memory, rule: Any, tables: Tables, state: int, generator: Generator) -> tuple[int, bool]:
-    # A ← A′; at the start of an episode choose A from S using the policy derived from Q
-    return take_chosen(memory.chosen, rule, memory.q, memory.visits, tables, state, generator)
+# A ← A′; at the start of an episode choose A from S using the policy derived from Q
+member_of(act, Memory)(take_chosen)
 
 
 @member_of(on_override, Memory)
@@ -54,7 +52,7 @@ def _learn(
 ) -> Update:
     # Choose A′ from S′ using the policy derived from Q
     memory.visits[experience.pair] += 1
-    next_pair = choose_next(memory.chosen, rule, memory.q, memory.visits, tables, experience, generator)
+    next_pair = choose_next(memory, rule, tables, experience, generator)
     bootstrap, decay = 0.0, 0.0
     if not experience.terminated:
         first, last = pairs_of(tables, experience.next_state)

@@ -82,11 +82,11 @@ def command(
 
     with listen(host, port) as listening:
         if kiosk and not in_kiosk():
-            _prepare(scenario or _USUAL)
-        _serve(listening, _app_command(context, scenario, display), host, url, kiosk=kiosk, most=most)
+            prepare(scenario or _USUAL)
+        serve_apps(listening, _app_command(context, scenario, display), host, url, kiosk=kiosk, most=most)
 
 
-def _prepare(scenario: str) -> None:
+def prepare(scenario: str) -> None:
     """Compile what plays ``scenario``: a kiosk keeps no compiled code, and each tab would do it anew."""
     from rl_tui.cli.serving.app_process import command_line
 
@@ -95,9 +95,10 @@ def _prepare(scenario: str) -> None:
         subprocess.run(training, stdin=DEVNULL, stdout=DEVNULL, stderr=DEVNULL, check=False)
 
 
-def _serve(
+def serve_apps(
     listening: socket.socket, command: tuple[str, ...], host: str, url: str | None, *, kiosk: bool, most: int
 ) -> None:
+    """Serve the apps that ``command`` starts until it is interrupted."""
     from rl_tui.cli.serving.addresses import Doorkeeper, url_of
     from rl_tui.cli.serving.server import serve
     from rl_tui.cli.serving.site import Site
@@ -163,13 +164,14 @@ def _confirm(
     click.echo(f"Warning: {warning}", err=True)
     if yes:
         return
-    if not _is_interactive():
+    if not is_interactive():
         raise click.UsageError("nobody can be asked here whether that is meant: say so with --yes")
     if not click.confirm("Serve it there?", err=True):
         context.exit(FAILED)
 
 
-def _is_interactive() -> bool:
+def is_interactive() -> bool:
+    """Whether somebody is there who can be asked."""
     return sys.stdin.isatty() and sys.stderr.isatty()
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable
+from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, TextIO
 
@@ -13,7 +14,9 @@ from rl_tui.cli.options.help_sections import SectionedCommand
 from rl_tui.cli.options.numbers import ChangeValue, Whole
 from rl_tui.cli.options.run import (
     allow_module_option,
+    csv_option,
     json_option,
+    refuse_both_on_stdout,
     run_options,
     scenario_argument,
     seed_option,
@@ -30,7 +33,6 @@ if TYPE_CHECKING:
 
 MOST: Final = 10**15
 MOST_RUNS: Final = 100_000
-STDOUT: Final = "-"
 
 Outcome = tuple[dict[str, Any], Callable[[], str]]
 
@@ -42,11 +44,7 @@ Outcome = tuple[dict[str, Any], Callable[[], str]]
 @click.option(
     "--runs", type=Whole(1, MOST_RUNS), help="train so often, with the seed and those that follow it"
 )
-@click.option(
-    "--csv",
-    type=click.Path(dir_okay=False, allow_dash=True),
-    help="write a row an episode: run, episode, return, length; - is stdout, the report then goes to stderr",
-)
+@csv_option
 @click.option(
     "--change",
     "changes",
@@ -64,7 +62,7 @@ def command(
     episodes: int | None,
     steps: int | None,
     runs: int | None,
-    csv: str | None,
+    csv: Path | TextIO | None,
     changes: tuple[ChangeText, ...],
     overrides: dict[str, object],
     seed: int,
@@ -76,8 +74,7 @@ def command(
     """
     if episodes is not None and steps is not None:
         raise click.UsageError("--episodes and --steps exclude each other", click.get_current_context())
-    if csv == STDOUT and as_json:
-        raise click.UsageError("--csv - and --json both want stdout", click.get_current_context())
+    refuse_both_on_stdout(csv, as_json)
     if changes and runs is not None:
         raise click.UsageError(
             "--change and --runs exclude each other: the steps of a change are those of one run",
@@ -90,21 +87,14 @@ def command(
     goal = Goal(steps=steps) if steps is not None else Goal(episodes=episodes or episodes_of(recipe.scenario))
     _warn_of_no_effect(recipe, overrides, changes)
     _warn_beyond_budget(recipe, goal)
-    target = _target(csv)
     if runs is None:
-        figures, report = _train_once(recipe, goal, target, changes)
+        figures, report = _train_once(recipe, goal, csv, changes)
     else:
-        figures, report = _train_many(recipe, runs, goal, target)
+        figures, report = _train_many(recipe, runs, goal, csv)
     if as_json:
         print_json(figures)
     else:
-        click.echo(report(), err=csv == STDOUT)
-
-
-def _target(csv: str | None) -> Path | TextIO | None:
-    if csv == STDOUT:
-        return sys.stdout
-    return None if csv is None else Path(csv)
+        click.echo(report(), err=csv is sys.stdout)
 
 
 def _warn_of_no_effect(
@@ -166,14 +156,13 @@ def _trained(
     beginning = begin(recipe)
     names = beginning.world.space.action_names
     journal: tuple[JournalEntry, ...] = journal_of(changes, names)
-    with progress(recipe.scenario.id) as on_progress:
-        if csv is None:
-            run = Run(recipe, beginning, evaluate=False)
-            seconds = train(run, goal, on_progress, journal)
-        else:
-            with csv_file(csv) as stream:
-                run = Run(recipe, beginning, evaluate=False, on_episodes=EpisodeRows(stream, 1))
-                seconds = train(run, goal, on_progress, journal)
+    with (
+        progress(recipe.scenario.id) as on_progress,
+        nullcontext() if csv is None else csv_file(csv) as stream,
+    ):
+        rows = None if stream is None else EpisodeRows(stream, 1)
+        run = Run(recipe, beginning, evaluate=False, on_episodes=rows)
+        seconds = train(run, goal, on_progress, journal)
     return run, seconds, [written_change(entry, names) for entry in journal[len(run.journal) :]]
 
 

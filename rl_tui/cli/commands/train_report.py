@@ -36,27 +36,16 @@ _OF_SCHEDULES: Final = {
 
 def one_run(run: Run, figures: Figures) -> str:
     """Return the report of one run; ``figures`` is its document of ``train --json``."""
-    spent, mdp = run.bandit, exact_world(run)
-    best = number(best_expected_return(mdp) if mdp else None)
-    if spent is not None and not run.learner.plans:
-        parts = [_head(run.recipe), _done(figures, "pull"), "", columns(_bandit_rows(figures, spent))]
-    elif run.learner.plans:
-        drawing = policy_map(run.world, figures["policy"])
-        parts = [
-            _head(run.recipe),
-            _planned(run, figures),
-            "",
-            drawing,
-            "",
-            columns(_greedy_rows(figures, best)),
-        ]
-    else:
-        rows = _rows(figures, best) if mdp else _inexact_rows(figures, why_inexact(run))
-        drawing = policy_map(run.world, figures["policy"])
-        parts = [_head(run.recipe), _done(figures, "episode"), "", drawing, "", columns(rows)]
+    plans, spent = run.learner.plans, run.bandit
+    parts = [_head(run.recipe)]
     if figures.get("journal"):
-        parts[1:1] = [_changes(figures["journal"])]
-    if figures["first_reward_episode"] is None and not run.learner.plans:
+        parts.append(_changes(figures["journal"]))
+    if spent is not None and not plans:
+        parts += [_done(figures, "pull"), "", columns(_bandit_rows(figures, spent))]
+    else:
+        done = _planned(run, figures) if plans else _done(figures, "episode")
+        parts += [done, "", policy_map(run.world, figures["policy"]), "", columns(_rows(run, figures))]
+    if figures["first_reward_episode"] is None and not plans:
         parts += ["", no_reward(run.recipe)]
     return "\n".join(parts)
 
@@ -105,19 +94,14 @@ def _planned(run: Run, figures: Figures) -> str:
     return f"{done}\n{run.message}" if run.message else done
 
 
-def _inexact_rows(figures: Figures, why: str) -> list[Row]:
+def _rows(run: Run, figures: Figures) -> list[Row]:
+    mdp = exact_world(run)
+    best = number(best_expected_return(mdp) if mdp else None)
+    if run.learner.plans:
+        return _greedy_rows(figures, best)
     first = figures["first_reward_episode"]
     return [
-        ("exact figures", "none", why),
-        *_last_rows(figures),
-        ("first reward", "never" if first is None else f"episode {first:,}", ""),
-    ]
-
-
-def _rows(figures: Figures, best: str) -> list[Row]:
-    first = figures["first_reward_episode"]
-    return [
-        *_greedy_rows(figures, best),
+        *(_greedy_rows(figures, best) if mdp else [("exact figures", "none", why_inexact(run))]),
         *_last_rows(figures),
         ("first reward", "never" if first is None else f"episode {first:,}", ""),
     ]

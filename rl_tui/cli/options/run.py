@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import functools
+import sys
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, TextIO
 
 import click
 
@@ -43,6 +44,26 @@ allow_module_option: Final = click.option(
     help="let environments be called MODULE:ID, which imports MODULE: whatever it does, it does here",
 )
 json_option: Final = click.option("--json", "as_json", is_flag=True, help="print one JSON document")
+
+
+def _csv_target(_: click.Context, __: click.Parameter, path: str | None) -> Path | TextIO | None:
+    if path == "-":
+        return sys.stdout
+    return None if path is None else Path(path)
+
+
+csv_option: Final = click.option(
+    "--csv",
+    type=click.Path(dir_okay=False, allow_dash=True),
+    callback=_csv_target,
+    help="write a row an episode: run, episode, return, length; - is stdout, the report then goes to stderr",
+)
+
+
+def refuse_both_on_stdout(csv: Path | TextIO | None, as_json: bool) -> None:
+    """Raise UsageError where the rows of episodes and the document would both go to stdout."""
+    if as_json and csv is sys.stdout:
+        raise click.UsageError("--csv - and --json both want stdout", click.get_current_context())
 
 
 def run_options(command: Command) -> Command:

@@ -15,8 +15,8 @@ from collections.abc import AsyncIterator, Mapping, Sequence
 from contextlib import suppress
 from typing import Final
 
-from rl_tui.cli.screen import IN_BROWSER
 from rl_tui.common.kiosk import VARIABLE
+from rl_tui.terminal.driver_choice import IN_BROWSER
 
 LARGEST_SIZE: Final = (400, 150)
 SMALLEST_SIZE: Final = (1, 1)
@@ -24,7 +24,7 @@ _READY: Final = b"__GANGLION__\n"
 _LARGEST_PACKET: Final = 1 << 24
 _KEPT_OF_STDERR: Final = 4_000
 _TO_END_BY_ITSELF: Final = 3.0  # seconds
-_TO_END_WHEN_TOLD: Final = 8.0  # longer than the app's own last resort
+TO_END_WHEN_TOLD: Final = 8.0  # longer than the app's own last resort
 _TO_SAY_WHY: Final = 1.0
 # What the environment says of the terminal that the server was started in is not true of a browser
 _OF_THE_TERMINAL: Final = frozenset(
@@ -130,7 +130,7 @@ class AppProcess:
         try:
             if not (self._has_left and await _ends(process, _TO_END_BY_ITSELF)):
                 self.terminate()
-                await _ends(process, _TO_END_WHEN_TOLD)
+                await _ends(process, TO_END_WHEN_TOLD)
         finally:
             self.kill()
             await process.wait()

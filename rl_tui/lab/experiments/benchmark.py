@@ -15,7 +15,6 @@ import numpy as np
 from numpy.random import Generator, default_rng
 
 from rl_tui.agents.catalogue import BY_ID
-from rl_tui.agents.hyperparameters import SAMPLE_AVERAGE
 from rl_tui.common.errors import UserError
 from rl_tui.common.interrupts import is_interrupt
 from rl_tui.lab.experiments.many_runs import cores
@@ -48,7 +47,7 @@ class PlainLoop:
             raise UserError(
                 f"{recipe.scenario.id} is not a Gymnasium environment: choose one for the benchmark"
             )
-        if recipe.hyperparameters.alpha == SAMPLE_AVERAGE:
+        if recipe.hyperparameters.sample_average:
             raise UserError(
                 "the plain loop of the benchmark has a constant step size: give a number for alpha"
             )
@@ -66,11 +65,11 @@ class PlainLoop:
         self._alpha = float(recipe.hyperparameters.alpha)
         self._gamma = recipe.hyperparameters.gamma
         self._epsilon_at = recipe.hyperparameters.epsilon_at
-        self._episodes = 0
+        self.episodes = 0
         self._random_ties = random_ties
         self._generator: Generator = default_rng(recipe.seed)
         shape = (self._env.observation_space.n, self._env.action_space.n)
-        self._q: FloatArray = np.full(shape, recipe.hyperparameters.initial_q)
+        self.q: FloatArray = np.full(shape, recipe.hyperparameters.initial_q)
         with self._asked():
             self._state, _ = self._env.reset(seed=recipe.seed)
 
@@ -91,8 +90,8 @@ class PlainLoop:
             self._take(steps)
 
     def _take(self, steps: int) -> None:
-        env, q, generator = self._env, self._q, self._generator
-        alpha, gamma, epsilon = self._alpha, self._gamma, self._epsilon_at(self._episodes)
+        env, q, generator = self._env, self.q, self._generator
+        alpha, gamma, epsilon = self._alpha, self._gamma, self._epsilon_at(self.episodes)
         actions, random_ties, state = q.shape[1], self._random_ties, self._state
         for _ in range(steps):
             if generator.random() < epsilon:
@@ -106,8 +105,8 @@ class PlainLoop:
             q[state, action] += alpha * (reward + gamma * bootstrap - q[state, action])
             if terminated or truncated:
                 next_state, _ = env.reset()
-                self._episodes += 1
-                epsilon = self._epsilon_at(self._episodes)
+                self.episodes += 1
+                epsilon = self._epsilon_at(self.episodes)
             state = next_state
         self._state = state
 

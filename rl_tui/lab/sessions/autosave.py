@@ -138,7 +138,7 @@ class Autosave:
             session.writer.release()
 
     def _start_or_wake(self) -> None:
-        if self._thread is None and self._has_work:
+        if self._thread is None and self.has_work:
             thread = threading.Thread(target=self._live, name="autosave", daemon=True)
             try:
                 thread.start()
@@ -151,7 +151,8 @@ class Autosave:
         self._changed.notify_all()
 
     @property
-    def _has_work(self) -> bool:
+    def has_work(self) -> bool:
+        """Whether something is not written yet."""
         return bool(self._left) or self._session.is_due
 
     def _tell(self, notice: str) -> None:
@@ -167,10 +168,10 @@ class Autosave:
     def _live(self) -> None:
         while True:
             with self._changed:
-                self._changed.wait_for(lambda: self._closing or self._has_work)
+                self._changed.wait_for(lambda: self._closing or self.has_work)
                 closing = self._closing
             started = time.perf_counter()
-            self._write_all()
+            self.write_due()
             if closing:
                 return
             least = AGAIN if self._in_trouble else INTERVAL
@@ -178,7 +179,8 @@ class Autosave:
             with self._changed:
                 self._changed.wait_for(lambda: self._closing, pause)
 
-    def _write_all(self) -> None:
+    def write_due(self) -> None:
+        """Write what is not written yet. Waits for the disk."""
         with self._writing:
             with self._changed:
                 left, self._left = self._left, []

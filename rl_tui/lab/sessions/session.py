@@ -120,7 +120,7 @@ def encoded(record: Record, *, title: str = "", kept: bool = False, digest: str 
     """
     fields = document_of(record, title=title, kept=kept, digest=digest)
     try:
-        content = json.dumps({**fields, _CHECKSUM: _checksum(fields)}, allow_nan=False).encode()
+        content = json.dumps({**fields, _CHECKSUM: checksum_of(fields)}, allow_nan=False).encode()
     except ValueError as error:
         raise UserError(f"it holds a number that cannot be written ({error})") from error
     if len(content) > LARGEST_FILE:
@@ -152,7 +152,7 @@ def _document(path: Path, content: bytes) -> Document:
             path, f"was saved by a newer rl-tui (format {version}, this one reads {VERSION}); update rl-tui"
         )
     checksum = fields.pop(_CHECKSUM, None)
-    if checksum != _checksum(fields):
+    if checksum != checksum_of(fields):
         raise SessionError(path, "was damaged or edited: its checksum does not fit; go back to a copy of it")
     try:
         document = Document.model_validate(fields)
@@ -195,7 +195,7 @@ def _refuse_constant(name: str) -> NoReturn:
     raise ValueError(f"{name} is not JSON")
 
 
-def _checksum(fields: dict[str, Any]) -> str:
+def checksum_of(fields: dict[str, Any]) -> str:
     """Return the SHA-256 of ``fields`` in one form of all those that mean the same."""
     text = json.dumps(fields, sort_keys=True, separators=(",", ":"))
     return hashlib.sha256(text.encode()).hexdigest()

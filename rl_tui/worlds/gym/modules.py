@@ -15,7 +15,7 @@ from rl_tui.worlds.sections.world_section import WorldRefusedError
 OPTION: Final = "--allow-module"
 _LONGEST_REASON: Final = 200
 # As imports are, it is one for the whole process
-_ALLOWED: Final[set[str]] = set()
+ALLOWED: Final[set[str]] = set()
 
 
 def allow_module(name: str) -> None:
@@ -27,7 +27,7 @@ def allow_module(name: str) -> None:
         raise UserError(f"kiosk mode imports no modules: leave {OPTION} out")
     if not _is_name(name):
         raise UserError(f"{shown(name)} is not the name of a module, such as my_package.environments")
-    _ALLOWED.add(name)
+    ALLOWED.add(name)
 
 
 def module_of(id_: str) -> str:
@@ -38,7 +38,7 @@ def module_of(id_: str) -> str:
 
 def refusal_of(id_: str) -> Finding | None:
     """Return why the id may not be used: it needs a module that was not allowed."""
-    if ":" not in id_ or (module_of(id_) in _ALLOWED and not in_kiosk()):
+    if ":" not in id_ or (module_of(id_) in ALLOWED and not in_kiosk()):
         return None
     expected = "the id of a registered environment, without a module to import"
     if _is_name(module_of(id_)) and not in_kiosk():

@@ -22,7 +22,7 @@ Words = tuple[str, ...]
 _ROOM_FOR_REMARK: Final = 10  # rows; with fewer the remark goes into the border
 
 
-class ReturnCurve(Panel):
+class ReturnCurve(Panel, can_focus=True):
     """The curve of a run. Its vertical axis changes in steps only, and starts afresh with a new run.
 
     ``hints`` are ways to write keys, the longest first, that stand on the border in place of all else.
@@ -30,7 +30,7 @@ class ReturnCurve(Panel):
 
     def __init__(self, look: Look, *, id: str | None = None, classes: str | None = None) -> None:  # noqa: A002
         super().__init__(look, id=id, classes=classes)
-        self._scale: Scale | None = None
+        self.scale: Scale | None = None
         self._hints: tuple[str, ...] = ()
 
     @property
@@ -47,7 +47,7 @@ class ReturnCurve(Panel):
     def show(self, snapshot: Snapshot) -> None:
         """Draw ``snapshot``; the past of a run has the same axis as its present."""
         if is_new_run(self.snapshot, snapshot):
-            self._scale = None
+            self.scale = None
         super().show(snapshot)
 
     def picture(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
@@ -56,16 +56,16 @@ class ReturnCurve(Panel):
             self.heading = self.fitting(titles(None, self.look.glyphs, 2, width), width)
             return strips_of([[Piece(f" {WAITING}", self.look.palette.dim)]], width, height, self.look)
         data = curve_data(snapshot, revealed=self.tells_all)
-        self._scale = settled(self._scale, *data.range, may_shrink=not snapshot.timeline.in_past)
-        decimals = decimals_for(self._scale.low, self._scale.high)
+        self.scale = settled(self.scale, *data.range, may_shrink=not snapshot.timeline.in_past)
+        decimals = decimals_for(self.scale.low, self.scale.high)
         in_border = height < _ROOM_FOR_REMARK
-        heads, words = self._words(snapshot, data, self._scale, width, in_border)
+        heads, words = self._words(snapshot, data, self.scale, width, in_border)
         self.heading, said = self.fitting(heads, width), self.fitting(words, width)
         self.footing = self.fitting(self.hints, width) or (said if in_border else "")
         if not said or in_border:
-            return draw_chart(data, self._scale, self.look, decimals, width, height)
+            return draw_chart(data, self.scale, self.look, decimals, width, height)
         line = [Piece(f"    {said}", self.look.palette.dim)]
-        chart = draw_chart(data, self._scale, self.look, decimals, width, height - 1)
+        chart = draw_chart(data, self.scale, self.look, decimals, width, height - 1)
         return [*chart, *strips_of([line], width, 1, self.look)]
 
     def _words(

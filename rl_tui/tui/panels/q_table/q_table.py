@@ -94,7 +94,7 @@ class QTable(Panel, can_focus=True):
         self.heading = "Q"
         self._layer = Layer.Q
         self._following = True
-        self._pointed = NOWHERE
+        self.pointed = NOWHERE
         self._first = 0
         self._world: TableWorld | None = None
         self._sheet: Sheet | None = None
@@ -145,7 +145,7 @@ class QTable(Panel, can_focus=True):
         if sheet is None or self.snapshot is None:
             return None
         most = sheet.shown * len(self.snapshot.world.space.action_names)
-        return RowRange(most, sheet.pairs.start if self._pointed or not self._following else None)
+        return RowRange(most, sheet.pairs.start if self.pointed or not self._following else None)
 
     @property
     def is_complete(self) -> bool:
@@ -169,7 +169,7 @@ class QTable(Panel, can_focus=True):
     def show(self, snapshot: Snapshot) -> None:
         """Draw ``snapshot``; in another world the table starts at its top and follows the agent."""
         if self.snapshot is not None and self.snapshot.world.space is not snapshot.world.space:
-            self.cursor_pair, self._following, self._first, self._pointed = None, True, 0, NOWHERE
+            self.cursor_pair, self._following, self._first, self.pointed = None, True, 0, NOWHERE
         super().show(snapshot)
 
     def picture(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
@@ -183,15 +183,15 @@ class QTable(Panel, can_focus=True):
             return self._message(snapshot, width, height)
         form, scene = self._form(snapshot, width, height)
         self._sheet = sheet = Sheet(form, scene, width, height)
-        if self._pointed:
-            sheet.scroll_to(self._first, self._pointed.start)
+        if self.pointed:
+            sheet.scroll_to(self._first, self.pointed.start)
         else:
             sheet.scroll(self._first, _followed(snapshot) if self._following else None)
             if self._following and self.sources and snapshot.counters.last_step is not None:
                 sheet.reach(snapshot.counters.last_step.updated_pair, _followed(snapshot))
         self._first = sheet.first
         self.heading = self._heading(snapshot, _size_in_words(scene, form), width)
-        self.footing = self._footing(width, sheet.is_scrolled and not self._pointed)
+        self.footing = self._footing(width, sheet.is_scrolled and not self.pointed)
         return sheet.strips(self._cache)
 
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
@@ -246,8 +246,8 @@ class QTable(Panel, can_focus=True):
 
     def point_at(self, pairs: range) -> None:
         """Show where the cursor of another panel stands; no pairs: it has none."""
-        if pairs != self._pointed:
-            self._pointed = pairs
+        if pairs != self.pointed:
+            self.pointed = pairs
             self.redraw()
 
     def _tell(self) -> None:
@@ -318,7 +318,7 @@ class QTable(Panel, can_focus=True):
             is_secret=is_secret(snapshot, self.revealed),
             look=self.look,
             breakpoints=snapshot.playback.breakpoints,
-            pointed=self._pointed,
+            pointed=self.pointed,
         )
 
     def _message(self, snapshot: Snapshot, width: int, height: int) -> list[Strip]:

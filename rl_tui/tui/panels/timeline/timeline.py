@@ -35,7 +35,7 @@ _STEP, _CELL, _TENTH = "step", "cell", "tenth"
 class TimelineBar(Draggable, Panel, can_focus=True):
     """Shows the branch in force from step 0 to its end; keys, click and drag ask for another moment.
 
-    The handle goes at once to where it is asked for, and stays there until the run has come to it.
+    The handle goes at once to where it is asked for, and stays there as long as ``sought`` says so.
     """
 
     ALLOW_SELECT = False
@@ -93,24 +93,12 @@ class TimelineBar(Draggable, Panel, can_focus=True):
             f"{glyphs.manual_mark} steps by hand, {glyphs.fork_mark} here the branch begins",
             glyphs,
         )
-        self._sought: int | None = None
+        self.sought: int | None = None
 
     @property
     def at(self) -> int:
         """The step that the handle stands at."""
         return self._at(self._timeline)
-
-    def show(self, snapshot: Snapshot) -> None:
-        """Draw where ``snapshot`` stands, or where the run is still on its way to."""
-        if snapshot.playback.phase is not Phase.SEEKING and snapshot.timeline.current.here == self._sought:
-            self._sought = None
-        super().show(snapshot)
-
-    def forget(self) -> None:
-        """Show where the run stands, wherever it was asked to go: something else came in between."""
-        if self._sought is not None:
-            self._sought = None
-            self.redraw()
 
     def picture(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
         """Return the row, and blank ones below it."""
@@ -166,11 +154,11 @@ class TimelineBar(Draggable, Panel, can_focus=True):
 
     def _at(self, timeline: Timeline) -> int:
         branch = timeline.current
-        return branch.here if self._sought is None else min(self._sought, branch.end)
+        return branch.here if self.sought is None else min(self.sought, branch.end)
 
     def _seek(self, step: int) -> None:
         step = min(max(step, 0), self._timeline.current.end)
         if step != self.at:
-            self._sought = step
+            self.sought = step
             self.redraw()
             self.post_message(self.Sought(step))

@@ -95,11 +95,6 @@ class WorldView(Panel, can_focus=True):
         return None
 
     @property
-    def is_complete(self) -> bool:
-        """Whether the newest snapshot has all that is in view."""
-        return True
-
-    @property
     def is_away(self) -> bool:
         """Whether cursor or view were moved away from the agent, and not back."""
         return self.cursor is not None

@@ -39,7 +39,7 @@ class Choice(Dialog[str]):
     def __init__(self, title: str, candidates: Iterable[Candidate], current: str, glyphs: Glyphs) -> None:
         super().__init__()
         self._title = title
-        self._candidates = tuple(candidates)
+        self.candidates = tuple(candidates)
         self._current = current
         self._glyphs = glyphs
 
@@ -48,8 +48,8 @@ class Choice(Dialog[str]):
         with Vertical(id="box") as box:
             yield OptionList(
                 *(
-                    Option(self._describe(each), id=each.id, disabled=bool(each.refused))
-                    for each in self._candidates
+                    Option(self.describe(each), id=each.id, disabled=bool(each.refused))
+                    for each in self.candidates
                 )
             )
         box.border_title = Content(to_ascii(self._title, self._glyphs))
@@ -65,7 +65,8 @@ class Choice(Dialog[str]):
         """Answer the chosen one."""
         self.dismiss(event.option_id)
 
-    def _describe(self, candidate: Candidate) -> Text:
+    def describe(self, candidate: Candidate) -> Text:
+        """Return how the list writes ``candidate``."""
         in_force = "  (in force)" if candidate.id == self._current else ""
         text = Text(to_ascii(f"{candidate.name}{in_force}", self._glyphs), "bold")
         lines = (*candidate.lines, f"Not here: {candidate.refused}") if candidate.refused else candidate.lines
@@ -90,9 +91,7 @@ def algorithm_choice(space: FiniteSpace, recipe: Recipe, glyphs: Glyphs) -> Choi
 
 def policy_choice(space: FiniteSpace, recipe: Recipe, glyphs: Glyphs) -> Choice:
     """Return the choice among all policies; those that cannot work in ``space`` are marked."""
-    values = recipe.hyperparameters
-    if values.sample_average:
-        values = values.changed("alpha", Hyperparameters().alpha).changed("step_size_schedule", "constant")
+    values = recipe.hyperparameters.without_average()
     candidates = (
         Candidate(
             each.id,

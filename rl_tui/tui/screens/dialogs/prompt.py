@@ -27,16 +27,16 @@ class Prompt(Dialog[float | str]):
     def __init__(self, title: str, hint: str, value: str, read: Reader, does: str = "set") -> None:
         super().__init__()
         self._title = title
-        self._hint = hint
-        self._value = value
-        self._read = read
+        self.hint = hint
+        self.value = value
+        self.read = read
         self._does = does
 
     def compose(self) -> ComposeResult:
         """Yield the line, the sentence about it, and room for a fault."""
         with Vertical(id="box") as box:
-            yield Input(self._value, select_on_focus=True, compact=True, max_length=_LONGEST)
-            yield Static(self._hint, classes="hint", markup=False)
+            yield Input(self.value, select_on_focus=True, compact=True, max_length=_LONGEST)
+            yield Static(self.hint, classes="hint", markup=False)
             yield Static("", classes="error", markup=False)
         box.border_title = Content(self._title)
         box.border_subtitle = f"enter: {self._does}   esc: close"
@@ -48,11 +48,11 @@ class Prompt(Dialog[float | str]):
     def on_input_submitted(self, event: Input.Submitted) -> None:
         """Answer the value if it is one."""
         if not self._fault(event.value):
-            self.dismiss(self._read(event.value))
+            self.dismiss(self.read(event.value))
 
     def _fault(self, text: str) -> str:
         try:
-            self._read(text)
+            self.read(text)
         except ValueError as fault:
             return str(fault)
         return ""

@@ -111,7 +111,8 @@ def _dealer_from(hand: Hand) -> Mapping[Hand, float]:
 
 
 @cache
-def _dealer_showing(showing: int) -> Mapping[Hand, float]:
+def dealer_showing(showing: int) -> Mapping[Hand, float]:
+    """Return the hands in which a dealer who shows that card ends, each with its probability."""
     ends: defaultdict[Hand, float] = defaultdict(float)
     for hidden, p_hidden in CARDS.items():
         for end, p_end in _dealer_from(_first_two(showing, hidden)).items():
@@ -135,7 +136,7 @@ def _transitions(
 ) -> Iterator[Transition]:
     for (hand, showing), state in number.items():
         rewards: defaultdict[float, float] = defaultdict(float)
-        for dealer, probability in _dealer_showing(showing).items():
+        for dealer, probability in dealer_showing(showing).items():
             rewards[_reward(rules, hand, dealer)] += probability
         yield Transition(
             state,

@@ -40,7 +40,7 @@ class ArmsView(WorldView):
         classes: str | None = None,
     ) -> None:
         super().__init__(world, look, id=id, classes=classes)
-        self._scale = NO_SCALE
+        self.scale = NO_SCALE
         self._top = 0
         self._shown = self._each = 1
         self.heading = HEADINGS[0]
@@ -55,7 +55,7 @@ class ArmsView(WorldView):
     def show(self, snapshot: Snapshot) -> None:
         """Draw ``snapshot``. The scale only ever widens, until another run starts."""
         if is_new_run(self.snapshot, snapshot):
-            self._scale = NO_SCALE
+            self.scale = NO_SCALE
         super().show(snapshot)
 
     def drawing(self, snapshot: Snapshot, width: int, height: int) -> list[Strip]:
@@ -65,8 +65,8 @@ class ArmsView(WorldView):
             arm._replace(cursor=pair == self.shown_cursor, stops=pair in snapshot.playback.breakpoints.pairs)
             for pair, arm in enumerate(arms_of(self._mdp, snapshot, means))
         )
-        self._scale = grown(self._scale, [value for arm in arms for value in arm.extent()])
-        scale = shown_scale(self._scale)
+        self.scale = grown(self.scale, [value for arm in arms for value in arm.extent()])
+        scale = shown_scale(self.scale)
         each = rows_an_arm(len(arms), height)
         shown = min(len(arms), max(1, height // each))
         self._top = max(0, min(self._top, len(arms) - shown))

@@ -1,0 +1,102 @@
+"""What tests do with an app and see of it. A private name that they cannot do without stands here, once."""
+
+from __future__ import annotations
+
+from typing import Any, TypeVar
+
+from textual.app import App
+from textual.events import MouseScrollDown
+from textual.geometry import Size
+from textual.pilot import Pilot
+from textual.widget import Widget
+from textual.widgets import OptionList
+
+from rl_tui.common.errors import UserError
+from rl_tui.lab.live.commands import Train
+from rl_tui.lab.live.snapshot import Snapshot
+from rl_tui.tui.app.screenshot import settle
+from rl_tui.tui.panels.controls.slider import Slider
+from rl_tui.tui.screens.playground.playground import Playground
+
+AnyWidget = TypeVar("AnyWidget", bound=Widget)
+
+
+# What is seen
+
+
+def notes(app: App[Any]) -> list[str]:
+    """The messages that are shown, oldest first."""
+    return [note.message for note in app._notifications]
+
+
+def screen_text(app: App[Any]) -> str:
+    """All that is drawn, row by row."""
+    return "\n".join(strip.text for strip in app.screen._compositor.render_strips())
+
+
+def playground(pilot: Pilot[Any]) -> Playground:
+    """The playground, which may be beneath a dialog."""
+    return next(screen for screen in pilot.app.screen_stack if isinstance(screen, Playground))
+
+
+def snapshot(pilot: Pilot[Any]) -> Snapshot:
+    """The snapshot that the playground shows."""
+    shown = playground(pilot).snapshot
+    assert shown is not None
+    return shown
+
+
+def slider(app: App[Any], name: str) -> Slider:
+    """The slider of the hyper-parameter ``name``."""
+    return app.screen.query_one(f"#{name}", Slider)
+
+
+# What is done
+
+
+async def press(pilot: Pilot[UserError], *keys: str) -> Snapshot:
+    """Press ``keys``, each when the one before is done and drawn; return what the playground shows then."""
+    for key in keys:
+        await pilot.press(key)
+        await settle(pilot)
+    return snapshot(pilot)
+
+
+async def choose(pilot: Pilot[UserError], id: str) -> None:  # noqa: A002
+    """Put the cursor of the list on top on ``id`` and press enter."""
+    choices = pilot.app.screen.query_one(OptionList)
+    choices.highlighted = choices.get_option_index(id)
+    await pilot.press("enter")
+    await settle(pilot)
+
+
+async def switch(pilot: Pilot[UserError], algorithm: str) -> None:
+    """Let ``algorithm`` take over, with keys."""
+    pilot.app.set_focus(None)
+    await press(pilot, "a")
+    await choose(pilot, algorithm)
+
+
+async def train(pilot: Pilot[UserError], steps: int) -> Snapshot:
+    """Take ``steps`` steps; return what the playground shows then."""
+    playground(pilot).send(Train(steps))
+    await settle(pilot)
+    return snapshot(pilot)
+
+
+async def scroll_down(pilot: Pilot[UserError], widget: Widget) -> None:
+    """Turn the wheel over ``widget``."""
+    x, y = widget.region.offset
+    widget.post_message(MouseScrollDown(widget, 0, 0, 0, 0, 0, False, False, False, x, y))
+    await settle(pilot)
+
+
+def show(screen: Playground, snapshot: Snapshot) -> None:
+    """Draw ``snapshot`` as if the player had just published it."""
+    screen._draw(snapshot)
+
+
+def sized(widget: AnyWidget, width: int, height: int) -> AnyWidget:
+    """``widget``, which stands on no screen, as if it had that size there."""
+    widget._size = Size(width, height)
+    return widget

@@ -1,0 +1,14 @@
+"""The shipped scenarios as they stand in their folder, so that no list of them has to be kept by hand."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from rl_tui.worlds.files.catalogue import shipped_folder
+from rl_tui.worlds.files.scenario import Scenario, read_scenario
+
+SCENARIOS: Final[list[Scenario]] = sorted(
+    (read_scenario(path, ask_environment=False) for path in shipped_folder().glob("*.toml")),
+    key=lambda scenario: scenario.order,
+)
+SHIPPED: Final = [scenario.id for scenario in SCENARIOS]

@@ -1,0 +1,61 @@
+"""Tests go through what is public. A private name that one cannot do without stands here, with the reason."""
+
+from __future__ import annotations
+
+import ast
+import re
+from collections import Counter
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Final
+
+MOST: Final = 20
+WHY: Final = {
+    # Textual, for which it has no public name
+    "_batch_count": "a layout is not over while the app holds updates back",
+    "_close_all": "the moment between the end of an app and that of its screens",
+    "_compositor": "all that is drawn on a screen, as text",
+    "_context": "a pilot waits for the app of the moment without being given it",
+    "_notifications": "the messages that are shown",
+    "_parse_rules": "styles are parsed once for all apps",
+    "_size": "a widget that stands on no screen has no size of its own",
+    "_time": "a clock that stalls",
+    # Numba: what kernels/compiled.py sets there
+    "_OverloadFunctionTemplate": "a Numba without it compiles all that is inlined",
+    "_can_compile": "the same",
+    "_get_jit_decorator": "the same",
+    # The program
+    "_LOCK": "an environment is closed while another thread is between two calls",
+    "_draw": "a snapshot made by hand is drawn without a player",
+    "_only_typed": "a Numba that knows nothing of it",
+    "_pasted": "a paste without end is held in few pieces",
+    "_playback": "the making of a snapshot is timed alone",
+    "_position": "an episode of ten million steps, and a choice that is taken back",
+}
+PUBLIC: Final = {"_asdict", "_exit", "_field_defaults", "_fields", "_make", "_replace"}  # Python says so
+BY_NAME: Final = {"delattr", "getattr", "hasattr", "setattr"}
+PRIVATE: Final = re.compile(r"_(?!_)\w+")
+
+
+def private_names(path: Path) -> Iterator[str]:
+    """Yield each use of a private name: of another object, in an import, or by a string."""
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        dotted: list[str] = []
+        if isinstance(node, ast.Attribute) and ast.unparse(node.value) not in ("self", "cls"):
+            dotted = [node.attr]
+        elif isinstance(node, ast.ImportFrom):
+            dotted = [node.module or "", *(alias.name for alias in node.names)]
+        elif isinstance(node, ast.Import):
+            dotted = [alias.name for alias in node.names]
+        elif isinstance(node, ast.Call) and ast.unparse(node.func).rpartition(".")[2] in BY_NAME:
+            texts = [each.value for each in node.args[:2] if isinstance(each, ast.Constant)]
+            dotted = [each for each in texts if isinstance(each, str)]
+        for name in dotted:
+            yield from (each for each in name.split(".") if PRIVATE.fullmatch(each))
+
+
+def test_private_names_are_few_and_each_has_its_reason() -> None:
+    paths = sorted(Path(__file__).parent.rglob("*.py"))
+    uses = Counter(name for path in paths for name in private_names(path) if name not in PUBLIC)
+    assert set(uses) == set(WHY)
+    assert uses.total() <= MOST, uses
