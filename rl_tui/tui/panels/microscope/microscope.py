@@ -6,13 +6,14 @@ from typing import ClassVar, Final
 
 from rich.segment import Segment
 from textual import events
-from textual.binding import Binding, BindingType
+from textual.binding import BindingType
 from textual.strip import Strip
 
 from rl_tui.lab.last_step.story import StepStory, story_of
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.draw.canvas import Canvas
 from rl_tui.tui.draw.pieces import KEPT_BLANK, Line, Piece, strips_of, wrapped
+from rl_tui.tui.panels.bindings import binding
 from rl_tui.tui.panels.last_step.last_step import NOTHING_YET
 from rl_tui.tui.panels.last_step.words import words_of
 from rl_tui.tui.panels.microscope.backup_tree import BACKUP_HEADING, backup_rows, backup_section
@@ -41,21 +42,12 @@ class Microscope(Panel, can_focus=True):
     """
 
     BINDINGS: ClassVar[list[BindingType]] = [
-        Binding("up", "scroll_rows(-1)", "Up", show=False, id="microscope.up", tooltip="Scroll up"),
-        Binding("down", "scroll_rows(1)", "Down", show=False, id="microscope.down", tooltip="Scroll down"),
-        Binding(
-            "pageup", "scroll_pages(-1)", "Page up", show=False, id="microscope.page_up", tooltip="A page up"
-        ),
-        Binding(
-            "pagedown",
-            "scroll_pages(1)",
-            "Page down",
-            show=False,
-            id="microscope.page_down",
-            tooltip="A page down",
-        ),
-        Binding("home", "scroll_rows(-999)", "Top", show=False, id="microscope.first", tooltip="To the top"),
-        Binding("end", "scroll_rows(999)", "End", show=False, id="microscope.last", tooltip="To the end"),
+        binding("up", "scroll_rows(-1)", "microscope.up", "Scroll up"),
+        binding("down", "scroll_rows(1)", "microscope.down", "Scroll down"),
+        binding("pageup", "scroll_pages(-1)", "microscope.page_up", "A page up"),
+        binding("pagedown", "scroll_pages(1)", "microscope.page_down", "A page down"),
+        binding("home", "scroll_rows(-999)", "microscope.first", "To the top"),
+        binding("end", "scroll_rows(999)", "microscope.last", "To the end"),
     ]
 
     def __init__(self, look: Look, *, id: str | None = None, classes: str | None = None) -> None:  # noqa: A002
