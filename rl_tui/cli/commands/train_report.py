@@ -38,22 +38,17 @@ def one_run(run: Run, figures: Figures) -> str:
     """Return the report of one run; ``figures`` is its document of ``train --json``."""
     spent, mdp = run.bandit, exact_world(run)
     best = number(best_expected_return(mdp) if mdp else None)
-    if spent is not None and not run.learner.plans:
-        parts = [_head(run.recipe), _done(figures, "pull"), "", columns(_bandit_rows(figures, spent))]
-    elif run.learner.plans:
-        drawing = policy_map(run.world, figures["policy"])
-        parts = [
-            _head(run.recipe),
-            _planned(run, figures),
-            "",
-            drawing,
-            "",
-            columns(_greedy_rows(figures, best)),
-        ]
+    drawing = [policy_map(run.world, figures["policy"]), ""]
+    if run.learner.plans:
+        done, rows = _planned(run, figures), _greedy_rows(figures, best)
+    elif spent is not None:
+        done, rows, drawing = _done(figures, "pull"), _bandit_rows(figures, spent), []
     else:
-        rows = _rows(figures, best) if mdp else _inexact_rows(figures, why_inexact(run))
-        drawing = policy_map(run.world, figures["policy"])
-        parts = [_head(run.recipe), _done(figures, "episode"), "", drawing, "", columns(rows)]
+        exact = _greedy_rows(figures, best) if mdp else [("exact figures", "none", why_inexact(run))]
+        first = figures["first_reward_episode"]
+        first_reward = ("first reward", "never" if first is None else f"episode {first:,}", "")
+        done, rows = _done(figures, "episode"), [*exact, *_last_rows(figures), first_reward]
+    parts = [_head(run.recipe), done, "", *drawing, columns(rows)]
     if figures.get("journal"):
         parts[1:1] = [_changes(figures["journal"])]
     if figures["first_reward_episode"] is None and not run.learner.plans:
@@ -103,24 +98,6 @@ def _rate(speed: float) -> str:
 def _planned(run: Run, figures: Figures) -> str:
     done = f"{counted(figures['episodes'], 'sweep')}, {counted(figures['steps'], 'backup')} of a state"
     return f"{done}\n{run.message}" if run.message else done
-
-
-def _inexact_rows(figures: Figures, why: str) -> list[Row]:
-    first = figures["first_reward_episode"]
-    return [
-        ("exact figures", "none", why),
-        *_last_rows(figures),
-        ("first reward", "never" if first is None else f"episode {first:,}", ""),
-    ]
-
-
-def _rows(figures: Figures, best: str) -> list[Row]:
-    first = figures["first_reward_episode"]
-    return [
-        *_greedy_rows(figures, best),
-        *_last_rows(figures),
-        ("first reward", "never" if first is None else f"episode {first:,}", ""),
-    ]
 
 
 def _greedy_rows(figures: Figures, best: str) -> list[Row]:
