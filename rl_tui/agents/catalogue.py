@@ -132,9 +132,7 @@ _ALGORITHMS: Final[tuple[Algorithm, ...]] = (
         source="box on page 170",
         module="rl_tui.agents.algorithms.prioritized_sweeping",
         parameters=(*_TD, "planning_steps", "threshold"),
-        update=UpdateTerms(
-            others="more from the model", waiting="no change above θ: nothing to update", remembered=True
-        ),
+        update=UpdateTerms(others="more from the model", waiting="no change above θ: nothing to update"),
     ),
     Algorithm(
         id="monte-carlo",

@@ -23,9 +23,8 @@ class UpdateTerms:
     The defaults are those of Q-learning. ``bootstrap`` is empty where nothing is estimated; in it ``{next}``
     stands for the next state, ``{own}`` and ``{other}`` for the table that moved and the one beside it.
     ``others`` says where further updates of the same step came from, behind their number, and ``waiting`` why
-    there was no update yet. With ``remembered`` an update may be of another pair than the one taken, and
-    lead to a state of its own. ``lookup`` says which estimates the bootstrap comes from, and ``one_step``
-    that they are those of the state one step further.
+    there was no update yet. ``lookup`` says which estimates the bootstrap comes from, and ``one_step`` that
+    they are those of the state one step further.
     """
 
     gathered: str = "r"
@@ -33,6 +32,5 @@ class UpdateTerms:
     bootstrap: str = "max Q({next},·)"
     others: str = "more"
     waiting: str = "nothing was updated"
-    remembered: bool = False
     lookup: Lookup = Lookup.BEST
     one_step: bool = True

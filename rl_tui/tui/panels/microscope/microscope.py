@@ -23,8 +23,7 @@ from rl_tui.tui.panels.microscope.section import MicroscopeSection, stacked
 from rl_tui.tui.panels.microscope.step import STEP_HEADING, STEP_ROWS, step_section
 from rl_tui.tui.panels.microscope.update import UPDATE_HEADING, update_rows, update_section
 from rl_tui.tui.panels.panel import Panel
-from rl_tui.tui.panels.q_table.layers import is_secret
-from rl_tui.tui.panels.snapshot_facts import passes_too_fast
+from rl_tui.tui.panels.snapshot_facts import is_secret, passes_too_fast
 from rl_tui.tui.theme.look import Look
 
 _WHEEL_ROWS: Final = 3
@@ -147,7 +146,7 @@ def page(
     if snapshot is None or story is None:
         nothing: list[Line] = [[Piece(f" {NOTHING_YET}", look.palette.dim)]]
         return strips_of(nothing, width, 1, look)
-    sections = _sections(snapshot, story, look, room, secret=is_secret(snapshot, revealed=not secret))
+    sections = _sections(snapshot, story, look, room, secret=is_secret(snapshot, not secret))
     parts = (sections,) if columns == 1 else (sections[:2] + sections[3:], sections[2:3])
     least = _HISTORY_ROWS if columns == 1 else _HISTORY_ROWS - 1
     sides = [

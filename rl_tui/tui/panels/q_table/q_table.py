@@ -24,7 +24,6 @@ from rl_tui.tui.panels.q_table.layers import (
     Figures,
     Layer,
     exact_q,
-    is_secret,
     lit_pair,
     other_lane,
 )
@@ -33,6 +32,7 @@ from rl_tui.tui.panels.q_table.matrix import matrix_form
 from rl_tui.tui.panels.q_table.sheet import Sheet, strip_cache
 from rl_tui.tui.panels.q_table.world import NO_ROW, TableWorld
 from rl_tui.tui.panels.scrolling import Scrolled
+from rl_tui.tui.panels.snapshot_facts import is_secret
 from rl_tui.tui.theme.look import Look
 
 WAITING: Final = "the estimates Q(s, a) come with the first step"
