@@ -44,19 +44,6 @@ def named_in_strings() -> set[str]:
     return dotted | {each[1] for string in strings for each in CROSS_REFERENCE.finditer(string)}
 
 
-def patterns_of_names() -> set[str]:
-    """Return the formatted strings of the package that make names of modules, with ``{}`` for each value."""
-    nodes = [
-        node for path in sources(PACKAGE) for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
-    ]
-    patterns = {
-        "".join(str(part.value) if isinstance(part, ast.Constant) else "{}" for part in node.values)
-        for node in nodes
-        if isinstance(node, ast.JoinedStr)
-    }
-    return {each for each in patterns if each.startswith("rl_tui.")}
-
-
 def project() -> dict[str, Any]:
     return tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
 
@@ -72,20 +59,9 @@ def test_there_are_such_strings() -> None:
     assert any(":" in name for name in names)
 
 
-def test_names_are_made_of_commands_only() -> None:
-    # The tests below go through these; a pattern that is new needs one too
-    assert patterns_of_names() == {"rl_tui.cli.commands.{}"}
-
-
 @pytest.mark.parametrize(("name", "module"), sorted(RlTui.modules.items()))
 def test_every_command_is_in_its_module(name: str, module: str) -> None:
     assert import_module(module).command.name == name
-
-
-def test_the_folder_of_commands_has_no_module_that_no_command_is_in() -> None:
-    package = import_module("rl_tui.cli.commands")
-    modules = {module.name for module in pkgutil.iter_modules(package.__path__)}
-    assert modules == {*RlTui.modules, "policy_map", "train_report"}
 
 
 def test_a_walk_through_the_package_meets_every_module() -> None:

@@ -5,12 +5,12 @@ from __future__ import annotations
 import sys
 from contextlib import nullcontext
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TextIO
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from rl_tui.cli.options.numbers import Whole
-from rl_tui.cli.options.run import allow_module_option, csv_option, json_option, refuse_both_on_stdout
+from rl_tui.cli.options.run import CsvTarget, allow_module_option, check_stdout, csv_option, json_option
 from rl_tui.cli.output import print_json
 from rl_tui.cli.progress import progress
 
@@ -27,15 +27,13 @@ if TYPE_CHECKING:
 @csv_option
 @allow_module_option
 @json_option
-def command(
-    session: Path, lane: int | None, branch: str | None, csv: Path | TextIO | None, as_json: bool
-) -> None:
+def command(session: Path, lane: int | None, branch: str | None, csv: CsvTarget, as_json: bool) -> None:
     """Run a session again, to where it was left.
 
     Sessions are the files that w saves on screen, and that are kept by themselves. Prints what was learned
     by then, the same to the last bit.
     """
-    refuse_both_on_stdout(csv, as_json)
+    check_stdout(csv, as_json)
     from rl_tui.lab.sessions.replay import comes_out_otherwise, replay_figures, replay_target
     from rl_tui.lab.sessions.session import OTHER_BITS, SessionError, read_session
 
@@ -53,7 +51,7 @@ def command(
         click.echo(_report(stored, target, run, figures), err=csv is sys.stdout)
 
 
-def _replayed(stored: StoredSession, target: ReplayTarget, csv: Path | TextIO | None) -> tuple[Run, float]:
+def _replayed(stored: StoredSession, target: ReplayTarget, csv: CsvTarget) -> tuple[Run, float]:
     from rl_tui.common.errors import UserError
     from rl_tui.lab.experiments.episode_rows import EpisodeRows, csv_file
     from rl_tui.lab.sessions.replay import replayed
@@ -71,7 +69,7 @@ def _replayed(stored: StoredSession, target: ReplayTarget, csv: Path | TextIO | 
 
 
 def _report(stored: StoredSession, target: ReplayTarget, run: Run, figures: dict[str, Any]) -> str:
-    from rl_tui.cli.commands.train_report import one_run
+    from rl_tui.cli.reports.training import one_run
 
     lanes = len(stored.document.lanes)
     parts = [stored.title]

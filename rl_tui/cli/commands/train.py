@@ -5,18 +5,18 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable
 from contextlib import nullcontext
-from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final, TextIO
+from typing import TYPE_CHECKING, Any, Final
 
 import click
 
 from rl_tui.cli.options.help_sections import SectionedCommand
 from rl_tui.cli.options.numbers import ChangeValue, Whole
 from rl_tui.cli.options.run import (
+    CsvTarget,
     allow_module_option,
+    check_stdout,
     csv_option,
     json_option,
-    refuse_both_on_stdout,
     run_options,
     scenario_argument,
     seed_option,
@@ -62,7 +62,7 @@ def command(
     episodes: int | None,
     steps: int | None,
     runs: int | None,
-    csv: Path | TextIO | None,
+    csv: CsvTarget,
     changes: tuple[ChangeText, ...],
     overrides: dict[str, object],
     seed: int,
@@ -74,7 +74,7 @@ def command(
     """
     if episodes is not None and steps is not None:
         raise click.UsageError("--episodes and --steps exclude each other", click.get_current_context())
-    refuse_both_on_stdout(csv, as_json)
+    check_stdout(csv, as_json)
     if changes and runs is not None:
         raise click.UsageError(
             "--change and --runs exclude each other: the steps of a change are those of one run",
@@ -121,9 +121,7 @@ def _warn_beyond_budget(recipe: Recipe, goal: Goal) -> None:
         click.echo(f"the budget of this bandit is {pulls_in_budget}; on screen the run ends there", err=True)
 
 
-def _train_once(
-    recipe: Recipe, goal: Goal, csv: Path | TextIO | None, changes: tuple[ChangeText, ...]
-) -> Outcome:
+def _train_once(recipe: Recipe, goal: Goal, csv: CsvTarget, changes: tuple[ChangeText, ...]) -> Outcome:
     from rl_tui.lab.run.figures import training_figures
 
     run, seconds, left_out = _trained(recipe, goal, csv, changes)
@@ -136,7 +134,7 @@ def _train_once(
         figures["journal"] = as_json(run.journal, run.world.space.action_names)
 
     def report() -> str:
-        from rl_tui.cli.commands.train_report import one_run
+        from rl_tui.cli.reports.training import one_run
 
         return one_run(run, figures)
 
@@ -144,7 +142,7 @@ def _train_once(
 
 
 def _trained(
-    recipe: Recipe, goal: Goal, csv: Path | TextIO | None, changes: tuple[ChangeText, ...]
+    recipe: Recipe, goal: Goal, csv: CsvTarget, changes: tuple[ChangeText, ...]
 ) -> tuple[Run, float, list[str]]:
     """Return the run, the seconds it took, and the changes that it ended before."""
     from rl_tui.lab.experiments.episode_rows import EpisodeRows, csv_file
@@ -166,14 +164,14 @@ def _trained(
     return run, seconds, [written_change(entry, names) for entry in journal[len(run.journal) :]]
 
 
-def _train_many(recipe: Recipe, runs: int, goal: Goal, csv: Path | TextIO | None) -> Outcome:
+def _train_many(recipe: Recipe, runs: int, goal: Goal, csv: CsvTarget) -> Outcome:
     from rl_tui.lab.experiments.many_runs import many_runs
 
     with progress(f"{recipe.scenario.id}, {counted(runs, 'run')}") as on_progress:
         figures: dict[str, Any] = many_runs(recipe, runs, goal, csv, on_progress)
 
     def report() -> str:
-        from rl_tui.cli.commands.train_report import several_runs
+        from rl_tui.cli.reports.training import several_runs
 
         return several_runs(recipe, figures)
 

@@ -44,12 +44,13 @@ allow_module_option: Final = click.option(
     help="let environments be called MODULE:ID, which imports MODULE: whatever it does, it does here",
 )
 json_option: Final = click.option("--json", "as_json", is_flag=True, help="print one JSON document")
+CsvTarget = Path | TextIO | None
 
 
-def _csv_target(_: click.Context, __: click.Parameter, path: str | None) -> Path | TextIO | None:
-    if path == "-":
+def _csv_target(_: click.Context, __: click.Parameter, name: str | None) -> CsvTarget:
+    if name == "-":
         return sys.stdout
-    return None if path is None else Path(path)
+    return None if name is None else Path(name)
 
 
 csv_option: Final = click.option(
@@ -60,9 +61,9 @@ csv_option: Final = click.option(
 )
 
 
-def refuse_both_on_stdout(csv: Path | TextIO | None, as_json: bool) -> None:
-    """Raise UsageError where the rows of episodes and the document would both go to stdout."""
-    if as_json and csv is sys.stdout:
+def check_stdout(csv: CsvTarget, as_json: bool) -> None:
+    """Raise UsageError where both the rows of ``csv`` and a JSON document would be on stdout."""
+    if csv is sys.stdout and as_json:
         raise click.UsageError("--csv - and --json both want stdout", click.get_current_context())
 
 

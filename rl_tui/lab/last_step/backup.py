@@ -6,7 +6,6 @@ import math
 from collections import defaultdict
 from dataclasses import dataclass, replace
 
-from rl_tui.agents.last_step import NOTHING
 from rl_tui.agents.update_terms import Lookup
 from rl_tui.lab.last_step.estimates import EstimatesBefore, equal_shares
 from rl_tui.worlds.mdp.space import FloatArray
@@ -153,7 +152,7 @@ def sources(before: EstimatesBefore) -> dict[int, float]:
     last, lookup = before.last, before.terms.lookup
     if last.planned:
         return _planned_sources(before)
-    if last.bootstrap_state == NOTHING:
+    if last.bootstrap_state != last.next_state:  # none, or that of a remembered pair, which is not on screen
         return {}
     pairs = before.world.space.pairs_of(last.bootstrap_state)
     found, estimates = before.looked_up(pairs), before.of(pairs)

@@ -10,10 +10,10 @@ from textual.message import Message
 from textual.strip import Strip
 
 from rl_tui.agents.hyperparameters import PARAMETERS, Hyperparameters, Parameter
+from rl_tui.tui.panels.bindings import binding
 from rl_tui.tui.panels.controls.slider_picture import SliderState, slider_form, slider_strip
 from rl_tui.tui.panels.controls.slider_scale import SliderScale, parsed, scale_of
 from rl_tui.tui.panels.draggable import Draggable
-from rl_tui.tui.panels.keys import panel_key
 from rl_tui.tui.theme.look import Look
 
 _BEGINS_TYPING: Final = frozenset("0123456789.")
@@ -30,19 +30,17 @@ class Slider(Draggable, can_focus=True):
 
     ALLOW_SELECT = False
     BINDINGS: ClassVar[list[BindingType]] = [
-        panel_key("slider", "less", "left", "move('step', -1)", "A hundredth less"),
-        panel_key("slider", "more", "right", "move('step', 1)", "A hundredth more"),
-        panel_key(
-            "slider", "little_less", "shift+left,less_than_sign", "move('fine', -1)", "A thousandth less"
+        binding("left", "move('step', -1)", "slider.less", "A hundredth less"),
+        binding("right", "move('step', 1)", "slider.more", "A hundredth more"),
+        binding("shift+left,less_than_sign", "move('fine', -1)", "slider.little_less", "A thousandth less"),
+        binding(
+            "shift+right,greater_than_sign", "move('fine', 1)", "slider.little_more", "A thousandth more"
         ),
-        panel_key(
-            "slider", "little_more", "shift+right,greater_than_sign", "move('fine', 1)", "A thousandth more"
-        ),
-        panel_key("slider", "much_less", "pagedown", "move('coarse', -1)", "A tenth less"),
-        panel_key("slider", "much_more", "pageup", "move('coarse', 1)", "A tenth more"),
-        panel_key("slider", "least", "home", "end(False)", "The least value"),
-        panel_key("slider", "most", "end", "end(True)", "The greatest value"),
-        panel_key("slider", "type", "enter", "type", "Type a value"),
+        binding("pagedown", "move('coarse', -1)", "slider.much_less", "A tenth less"),
+        binding("pageup", "move('coarse', 1)", "slider.much_more", "A tenth more"),
+        binding("home", "end(False)", "slider.least", "The least value"),
+        binding("end", "end(True)", "slider.most", "The greatest value"),
+        binding("enter", "type", "slider.type", "Type a value"),
     ]
 
     class Changed(Message):

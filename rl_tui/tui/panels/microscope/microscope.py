@@ -13,7 +13,7 @@ from rl_tui.lab.last_step.story import StepStory, story_of
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.draw.canvas import Canvas
 from rl_tui.tui.draw.pieces import KEPT_BLANK, Line, Piece, strips_of, wrapped
-from rl_tui.tui.panels.keys import panel_key
+from rl_tui.tui.panels.bindings import binding
 from rl_tui.tui.panels.last_step.last_step import NOTHING_YET
 from rl_tui.tui.panels.last_step.words import words_of
 from rl_tui.tui.panels.microscope.backup_tree import BACKUP_HEADING, backup_rows, backup_section
@@ -42,12 +42,12 @@ class Microscope(Panel, can_focus=True):
     """
 
     BINDINGS: ClassVar[list[BindingType]] = [
-        panel_key("microscope", "up", "up", "scroll_rows(-1)", "Scroll up"),
-        panel_key("microscope", "down", "down", "scroll_rows(1)", "Scroll down"),
-        panel_key("microscope", "page_up", "pageup", "scroll_pages(-1)", "A page up"),
-        panel_key("microscope", "page_down", "pagedown", "scroll_pages(1)", "A page down"),
-        panel_key("microscope", "first", "home", "scroll_rows(-999)", "To the top"),
-        panel_key("microscope", "last", "end", "scroll_rows(999)", "To the end"),
+        binding("up", "scroll_rows(-1)", "microscope.up", "Scroll up"),
+        binding("down", "scroll_rows(1)", "microscope.down", "Scroll down"),
+        binding("pageup", "scroll_pages(-1)", "microscope.page_up", "A page up"),
+        binding("pagedown", "scroll_pages(1)", "microscope.page_down", "A page down"),
+        binding("home", "scroll_rows(-999)", "microscope.first", "To the top"),
+        binding("end", "scroll_rows(999)", "microscope.last", "To the end"),
     ]
 
     def __init__(self, look: Look, *, id: str | None = None, classes: str | None = None) -> None:  # noqa: A002

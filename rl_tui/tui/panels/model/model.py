@@ -10,7 +10,7 @@ from textual.strip import Strip
 
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.draw.pieces import Line, Piece, strips_of
-from rl_tui.tui.panels.keys import panel_key
+from rl_tui.tui.panels.bindings import binding
 from rl_tui.tui.panels.model.text import model_lines, pair_lines
 from rl_tui.tui.panels.panel import Panel
 from rl_tui.tui.panels.scrolling import Scrolled
@@ -23,12 +23,12 @@ class ModelPanel(Panel, can_focus=True):
     """⟨S, A, P, R, γ⟩ above one pair (state, action): arrows go through the pairs, pgup and pgdn scroll."""
 
     BINDINGS: ClassVar[list[BindingType]] = [
-        panel_key("model", "up", "up", "move_state(-1)", "Previous state"),
-        panel_key("model", "down", "down", "move_state(1)", "Next state"),
-        panel_key("model", "left", "left", "move_action(-1)", "Previous action"),
-        panel_key("model", "right", "right", "move_action(1)", "Next action"),
-        panel_key("model", "page_up", "pageup", "scroll_by(-1)", "Scroll up"),
-        panel_key("model", "page_down", "pagedown", "scroll_by(1)", "Scroll down"),
+        binding("up", "move_state(-1)", "model.up", "Previous state"),
+        binding("down", "move_state(1)", "model.down", "Next state"),
+        binding("left", "move_action(-1)", "model.left", "Previous action"),
+        binding("right", "move_action(1)", "model.right", "Next action"),
+        binding("pageup", "scroll_by(-1)", "model.page_up", "Scroll up"),
+        binding("pagedown", "scroll_by(1)", "model.page_down", "Scroll down"),
     ]
 
     def __init__(self, look: Look, *, id: str | None = None, classes: str | None = None) -> None:  # noqa: A002

@@ -15,7 +15,7 @@ from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.live.viewport import RowRange, followed_state
 from rl_tui.lab.run.large_worlds import is_large
 from rl_tui.tui.draw.pieces import Piece, strips_of, wrapped
-from rl_tui.tui.panels.keys import panel_key
+from rl_tui.tui.panels.bindings import binding
 from rl_tui.tui.panels.panel import Panel
 from rl_tui.tui.panels.pointing import NOWHERE, Pointed
 from rl_tui.tui.panels.q_table.form import Form, Scene
@@ -58,15 +58,15 @@ class QTable(Panel, can_focus=True):
     """
 
     BINDINGS: ClassVar[list[BindingType]] = [
-        panel_key("table", "up", "up", "move(-1, 0)", "Move the cursor up"),
-        panel_key("table", "down", "down", "move(1, 0)", "Move the cursor down"),
-        panel_key("table", "left", "left", "move(0, -1)", "Move the cursor left"),
-        panel_key("table", "right", "right", "move(0, 1)", "Move the cursor right"),
-        panel_key("table", "page_up", "pageup", "page(-1)", "A page up"),
-        panel_key("table", "page_down", "pagedown", "page(1)", "A page down"),
-        panel_key("table", "first", "home", "end(False)", "Go to the first row"),
-        panel_key("table", "last", "end", "end(True)", "Go to the last row"),
-        panel_key("table", "follow", "escape,full_stop", "follow", "Follow the agent again"),
+        binding("up", "move(-1, 0)", "table.up", "Move the cursor up"),
+        binding("down", "move(1, 0)", "table.down", "Move the cursor down"),
+        binding("left", "move(0, -1)", "table.left", "Move the cursor left"),
+        binding("right", "move(0, 1)", "table.right", "Move the cursor right"),
+        binding("pageup", "page(-1)", "table.page_up", "A page up"),
+        binding("pagedown", "page(1)", "table.page_down", "A page down"),
+        binding("home", "end(False)", "table.first", "Go to the first row"),
+        binding("end", "end(True)", "table.last", "Go to the last row"),
+        binding("escape,full_stop", "follow", "table.follow", "Follow the agent again"),
     ]
 
     class CursorMoved(Message):

@@ -12,8 +12,8 @@ from textual.strip import Strip
 from rl_tui.lab.live.snapshot import Phase, Snapshot
 from rl_tui.lab.timeline.branches import Timeline
 from rl_tui.tui.draw.to_ascii import to_ascii
+from rl_tui.tui.panels.bindings import binding
 from rl_tui.tui.panels.draggable import Draggable
-from rl_tui.tui.panels.keys import panel_key
 from rl_tui.tui.panels.panel import Panel
 from rl_tui.tui.panels.timeline.picture import (
     TimelineForm,
@@ -41,18 +41,14 @@ class TimelineBar(Draggable, Panel, can_focus=True):
 
     ALLOW_SELECT = False
     BINDINGS: ClassVar[list[BindingType]] = [
-        panel_key("timeline", "earlier", "left", "move('cell', -1)", "Earlier"),
-        panel_key("timeline", "later", "right", "move('cell', 1)", "Later"),
-        panel_key(
-            "timeline", "step_back", "shift+left,less_than_sign", "move('step', -1)", "One step earlier"
-        ),
-        panel_key(
-            "timeline", "step_on", "shift+right,greater_than_sign", "move('step', 1)", "One step later"
-        ),
-        panel_key("timeline", "much_earlier", "pagedown", "move('tenth', -1)", "A tenth of the run earlier"),
-        panel_key("timeline", "much_later", "pageup", "move('tenth', 1)", "A tenth of the run later"),
-        panel_key("timeline", "start", "home", "end(False)", "Go to step 0"),
-        panel_key("timeline", "end", "end", "end(True)", "Go to the end"),
+        binding("left", "move('cell', -1)", "timeline.earlier", "Earlier"),
+        binding("right", "move('cell', 1)", "timeline.later", "Later"),
+        binding("shift+left,less_than_sign", "move('step', -1)", "timeline.step_back", "One step earlier"),
+        binding("shift+right,greater_than_sign", "move('step', 1)", "timeline.step_on", "One step later"),
+        binding("pagedown", "move('tenth', -1)", "timeline.much_earlier", "A tenth of the run earlier"),
+        binding("pageup", "move('tenth', 1)", "timeline.much_later", "A tenth of the run later"),
+        binding("home", "end(False)", "timeline.start", "Go to step 0"),
+        binding("end", "end(True)", "timeline.end", "Go to the end"),
     ]
 
     class Sought(Message):

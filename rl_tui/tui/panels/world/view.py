@@ -12,7 +12,7 @@ from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.live.viewport import Cells
 from rl_tui.tui.draw.canvas import Canvas, shortened
 from rl_tui.tui.draw.names import state_name
-from rl_tui.tui.panels.keys import panel_key
+from rl_tui.tui.panels.bindings import binding
 from rl_tui.tui.panels.panel import Panel
 from rl_tui.tui.panels.pointing import NOWHERE, Pointed
 from rl_tui.tui.theme.look import Look
@@ -35,18 +35,16 @@ class WorldView(Panel, can_focus=True):
     """
 
     BINDINGS: ClassVar[list[BindingType]] = [
-        panel_key("world", "up", "up", "move(-1, 0)", "Move the cursor up"),
-        panel_key("world", "down", "down", "move(1, 0)", "Move the cursor down"),
-        panel_key("world", "left", "left", "move(0, -1)", "Move the cursor left"),
-        panel_key("world", "right", "right", "move(0, 1)", "Move the cursor right"),
-        panel_key("world", "page_up", "pageup", "page(-1, 0)", "Move the cursor a page up"),
-        panel_key("world", "page_down", "pagedown", "page(1, 0)", "Move the cursor a page down"),
-        panel_key("world", "page_left", "shift+left", "page(0, -1)", "Move the cursor a page to the left"),
-        panel_key("world", "page_right", "shift+right", "page(0, 1)", "Move the cursor a page to the right"),
-        panel_key("world", "follow", "home", "follow", "Follow the agent again"),
-        panel_key(
-            "world", "back", "escape,full_stop", "back", "Follow the agent again, where a cursor was put"
-        ),
+        binding("up", "move(-1, 0)", "world.up", "Move the cursor up"),
+        binding("down", "move(1, 0)", "world.down", "Move the cursor down"),
+        binding("left", "move(0, -1)", "world.left", "Move the cursor left"),
+        binding("right", "move(0, 1)", "world.right", "Move the cursor right"),
+        binding("pageup", "page(-1, 0)", "world.page_up", "Move the cursor a page up"),
+        binding("pagedown", "page(1, 0)", "world.page_down", "Move the cursor a page down"),
+        binding("shift+left", "page(0, -1)", "world.page_left", "Move the cursor a page to the left"),
+        binding("shift+right", "page(0, 1)", "world.page_right", "Move the cursor a page to the right"),
+        binding("home", "follow", "world.follow", "Follow the agent again"),
+        binding("escape,full_stop", "back", "world.back", "Follow the agent again, where a cursor was put"),
     ]
 
     def __init__(

@@ -8,8 +8,8 @@ from typing import Any, Final
 from rl_tui.agents.catalogue import BY_ID, POLICY_BY_ID, parameters_of
 from rl_tui.agents.exact.solve import best_expected_return
 from rl_tui.agents.hyperparameters import PARAMETERS, Hyperparameters
-from rl_tui.cli.commands.policy_map import policy_map
 from rl_tui.cli.output import columns, number
+from rl_tui.cli.reports.policy_map import policy_map
 from rl_tui.common.words import counted
 from rl_tui.lab.run.bandit import BanditFigures
 from rl_tui.lab.run.figures import exact_world, why_inexact
