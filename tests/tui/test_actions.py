@@ -7,6 +7,7 @@ from textual.actions import parse
 from rl_tui.tui.actions.action import Place
 from rl_tui.tui.actions.registry import ACTIONS, actions_of, bindings_of
 from rl_tui.tui.app.screenshot import settle
+from rl_tui.tui.panels.catalogue import PANELS
 from rl_tui.tui.screens.key_line import fitting
 
 PLAYGROUND_KEYS = {
@@ -40,7 +41,6 @@ PLAYGROUND_KEYS = {
     "k",
     "K",
     "y",
-    "d",
     "c",
     "l",
     "w",
@@ -67,7 +67,10 @@ def line_width(place: Place, width: int) -> int:
 
 
 def test_the_playground_has_exactly_its_keys() -> None:
-    assert {key for action in actions_of(Place.PLAYGROUND) for key in action.keys} == PLAYGROUND_KEYS
+    opening = {row.opened_by.key for row in PANELS if row.opened_by is not None}
+    assert {
+        key for action in actions_of(Place.PLAYGROUND) for key in action.keys
+    } == PLAYGROUND_KEYS | opening
 
 
 @pytest.mark.parametrize("place", [Place.CATALOGUE, Place.PLAYGROUND])

@@ -4,7 +4,7 @@ import asyncio
 
 import pytest
 
-from rl_tui.tui.screens.playground.actions.speeds import faster, slower
+from rl_tui.tui.screens.playground.actions.run import faster, slower
 from rl_tui.tui.screens.playground.frame_pacing import Pacer
 
 

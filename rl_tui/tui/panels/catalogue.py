@@ -42,9 +42,10 @@ class PanelRow:
     """One panel. ``widget`` names its class, ``module:Class``, imported when a board is made.
 
     ``title`` and ``help`` explain it in the help. A panel with an ``opened_by`` is closed at first. Open, it
-    stands where the panels ``in_place_of`` stood, which form one rectangle at any size; with ``is_wide`` it
-    has the whole width below world and table where there is room for that. ``needs`` says whether there is
-    anything to show, by how the world is drawn.
+    stands where the panels ``in_place_of`` stood, which form one rectangle at any size; where none of them is
+    in view it covers the board. With ``is_wide`` it has the whole width below world and table where there is
+    room for that. The microscope does both. ``needs`` says whether there is anything to show, by how the
+    world is drawn.
     """
 
     id: str

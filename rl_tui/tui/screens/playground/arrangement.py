@@ -64,14 +64,14 @@ def arrangement(
     if zoomed is not None:
         return {zoomed: Region(0, 0, size.width, size.height)}
     rows = {row.id: row for row in panels}
-    if opened is not None and rows[opened].is_wide and is_roomy(size):
-        return _above_wide(size, shape, opened)
     budget = _BUDGET_ROWS if rows[BUDGET].needs(shape.drawing) else 0
     regions = (_roomy if is_roomy(size) else _compact)(size, shape, budget)
     if opened is None:
         return regions
+    if rows[opened].is_wide and is_roomy(size):
+        return _above_wide(size, shape, opened)
     taken = [regions.pop(panel) for panel in rows[opened].in_place_of if panel in regions]
-    return regions | {opened: Region.from_union(taken)}
+    return regions | {opened: Region.from_union(taken)} if taken else {opened: size.region}
 
 
 def _compact(size: Size, shape: Shape, budget: int) -> dict[str, Region]:

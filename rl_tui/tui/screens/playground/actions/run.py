@@ -2,12 +2,19 @@
 
 from __future__ import annotations
 
+from typing import Final
+
 from rl_tui.lab.live.commands import Pause, Play, Restart, RunEpisode, SetSpeed, Step
 from rl_tui.lab.live.snapshot import Phase
-from rl_tui.tui.screens.playground.actions.speeds import faster, slower
 from rl_tui.tui.screens.playground.actions.subject import Subject
 
 _UNTIL_SEEN = 3600.0
+_LADDER: Final[tuple[float | None, ...]] = (
+    *(float(digit * 10**power) for power in range(5) for digit in (1, 3)),
+    100_000.0,
+    None,
+)
+"""The speeds that + and − go through, in steps a second; None is as fast as it goes."""
 
 
 class RunActions(Subject):
@@ -55,3 +62,16 @@ class RunActions(Subject):
             kept = "gone: this is a kiosk" if self.screen.in_kiosk else "kept in the catalogue"
             self.screen.tell(f"the run starts again; the one until now is {kept}")
         self.link.send(Restart(self.link.wanted.recipe))
+
+
+def faster(speed: float | None) -> float | None:
+    """Return the next higher speed."""
+    if speed is None:
+        return None
+    return next(each for each in _LADDER if each is None or each > speed)
+
+
+def slower(speed: float | None) -> float | None:
+    """Return the next lower speed, the lowest again if there is none."""
+    below = [each for each in _LADDER if each is not None and (speed is None or each < speed)]
+    return below[-1] if below else _LADDER[0]
