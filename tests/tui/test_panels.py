@@ -40,8 +40,8 @@ STEPS = PanelRow(
     "step_count",
     "test_panels:StepCount",
     "Step count",
-    "z counts the steps of the run.",
-    opened_by=OpeningKey("z", "count steps", "Count the steps.", rank=0),
+    "f9 counts the steps of the run.",
+    opened_by=OpeningKey("f9", "count steps", "Count the steps.", rank=0),
     in_place_of=(CURVE,),
 )
 SIZES = [(80, 24), (120, 40)]
@@ -60,7 +60,7 @@ async def test_its_key_opens_and_closes_it_where_its_row_says(size: tuple[int, i
         board = playground(pilot).board
         place = board.curve.region
         board.table.focus()
-        await press(pilot, "s", "z")
+        await press(pilot, "s", "f9")
         panel = board.panel("step_count")
         assert panel.region == place
         assert panel.has_focus
@@ -70,7 +70,7 @@ async def test_its_key_opens_and_closes_it_where_its_row_says(size: tuple[int, i
         await press(pilot, "s")
         assert panel.render_line(0).text.strip() == "2 so far"
         assert panel.border_title == "Steps"
-        await press(pilot, "z")
+        await press(pilot, "f9")
         assert board.shows(CURVE)
         assert not board.shows("step_count")
         assert board.table.has_focus
@@ -81,7 +81,7 @@ async def test_escape_closes_it_zoom_covers_all_and_tab_comes_by(size: tuple[int
     async with app_with(STEPS).run_test(size=size) as pilot:
         await settle(pilot)
         screen, board = playground(pilot), playground(pilot).board
-        await press(pilot, "z", "f")
+        await press(pilot, "f9", "f")
         assert board.panel("step_count").region == board.region
         await press(pilot, "f", "tab")
         visited = {board.panel_of(pilot.app.focused)}
@@ -102,7 +102,7 @@ async def test_one_of_them_is_open_at_a_time() -> None:
     async with app_with(STEPS).run_test(size=(80, 24)) as pilot:
         await settle(pilot)
         board = playground(pilot).board
-        await press(pilot, "d", "z")
+        await press(pilot, "d", "f9")
         assert board.opened == "step_count"
         assert not board.microscope.display
         await press(pilot, "d")
@@ -116,8 +116,8 @@ async def test_palette_help_and_key_line_list_it() -> None:
         await settle(pilot)
         screen = playground(pilot)
         listed = [name for name, *_ in ActionProvider(screen)._entries()]
-        assert "Count steps (z)" in listed
-        assert "z count steps" in screen.query_one(KeyLine).render_line(0).text
+        assert "Count steps (f9)" in listed
+        assert "f9 count steps" in screen.query_one(KeyLine).render_line(0).text
         await pilot.press("question_mark")
         await pilot.pause()
         explained = app.screen.query_one(Explained)
@@ -130,12 +130,12 @@ async def test_what_has_nothing_to_show_says_so() -> None:
     row = replace(STEPS, needs=lambda drawing: isinstance(drawing, Arms))
     async with app_with(row).run_test(size=(80, 24), notifications=True) as pilot:
         await settle(pilot)
-        await press(pilot, "z")
+        await press(pilot, "f9")
         assert playground(pilot).board.opened is None
         assert "nothing to show" in [note.message for note in pilot.app._notifications][-1]
     async with app_with(row, "bandit").run_test(size=(80, 24)) as pilot:
         await settle(pilot)
-        await press(pilot, "z")
+        await press(pilot, "f9")
         assert playground(pilot).board.opened == "step_count"
 
 
