@@ -2,7 +2,7 @@
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: check test test-quick snapshots run measure
+.PHONY: check test test-quick snapshots docs run measure
 
 $(VENV)/ready: pyproject.toml
 	python3 -m venv $(VENV)
@@ -30,9 +30,13 @@ test-quick: $(VENV)/ready
 snapshots: $(VENV)/ready
 	$(BIN)/python -m pytest tests/tui --snapshot-update -n 0
 
+# What the documentation takes from the program: keys, commands, scenarios, agents
+docs: $(VENV)/ready
+	$(BIN)/python docs/generate.py
+
 run: $(VENV)/ready
 	$(BIN)/rl-tui
 
-# The timings that README.md quotes; figures, not tests
+# The timings that docs/measured.md quotes; figures, not tests
 measure: $(VENV)/ready
 	$(BIN)/python tests/measure.py

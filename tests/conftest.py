@@ -74,14 +74,18 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Register the kinds; let hypothesis forget its examples where it cannot write them down."""
+    """Register the kinds, and let hypothesis try the same examples in every run.
+
+    ``--hypothesis-profile=default`` looks for others. A change is then judged by what it changes.
+    Nothing is written down, so the folder may be read-only.
+    """
     for line in (*(f"{kind}: {meaning}" for kind, meaning in KINDS.items()), SLOW):
         config.addinivalue_line("markers", line)
-    if not os.access(os.curdir, os.W_OK):
-        from hypothesis import settings
+    from hypothesis import settings
 
-        settings.register_profile("forgetful", database=None)
-        settings.load_profile("forgetful")
+    settings.register_profile("repeatable", derandomize=True, database=None)
+    if not config.getoption("--hypothesis-profile"):
+        settings.load_profile("repeatable")
 
 
 def pytest_sessionstart() -> None:

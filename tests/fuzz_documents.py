@@ -8,7 +8,7 @@ from typing import Any
 from hypothesis import HealthCheck, Phase, given, seed, settings
 from hypothesis import strategies as st
 
-from rl_tui.agents.catalogue import ALGORITHMS, POLICIES
+from rl_tui.agents.catalogue import BY_ID, POLICY_BY_ID
 
 BLOCK = 40
 
@@ -147,12 +147,12 @@ gymnasium = table(
 defaults = table(
     {},
     {
-        "algorithm": mostly(st.sampled_from([each.id for each in ALGORITHMS])),
+        "algorithm": mostly(st.sampled_from(list(BY_ID))),
         "alpha": mostly(st.floats(0, 1) | st.just("sample-average")),
         "gamma": mostly(st.floats(0, 1)),
         "epsilon": mostly(st.floats(0, 1)),
         "episodes": mostly(st.integers(1, 50)),
-        "policy": mostly(st.sampled_from([each.id for each in POLICIES])),
+        "policy": mostly(st.sampled_from(list(POLICY_BY_ID))),
         "initial_q": mostly(numbers),
         "ties": mostly(st.sampled_from(["random", "first"])),
         "n": mostly(st.integers(1, 8)),

@@ -10,13 +10,12 @@ from collections.abc import Iterator
 from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
-from types import ModuleType
 from typing import Any, Final
 
 import pytest
 
 import rl_tui
-from rl_tui.agents.catalogue import ALGORITHMS, POLICIES
+from rl_tui.agents.catalogue import BY_ID, POLICY_BY_ID
 from rl_tui.cli.main import RlTui
 from rl_tui.cli.serving.site import PAGE
 from rl_tui.worlds.files.catalogue import shipped_folder
@@ -47,19 +46,6 @@ def named_in_strings() -> set[str]:
     return dotted | {each[1] for string in strings for each in CROSS_REFERENCE.finditer(string)}
 
 
-def patterns_of_names() -> set[str]:
-    """Return the formatted strings of the package that make names of modules, with ``{}`` for each value."""
-    nodes = [
-        node for path in sources(PACKAGE) for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
-    ]
-    patterns = {
-        "".join(str(part.value) if isinstance(part, ast.Constant) else "{}" for part in node.values)
-        for node in nodes
-        if isinstance(node, ast.JoinedStr)
-    }
-    return {each for each in patterns if each.startswith("rl_tui.")}
-
-
 def project() -> dict[str, Any]:
     return tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
 
@@ -71,36 +57,13 @@ def test_what_a_string_names_exists(name: str) -> None:
 
 def test_there_are_such_strings() -> None:
     names = named_in_strings()
-    assert {each.module for each in (*ALGORITHMS, *POLICIES)} <= names
+    assert {each.module for each in (*BY_ID.values(), *POLICY_BY_ID.values())} <= names
     assert any(":" in name for name in names)
-
-
-def test_names_are_made_of_commands_and_of_rows_of_the_catalogue_only() -> None:
-    # The tests below go through these; a pattern that is new needs one too
-    assert patterns_of_names() == {"rl_tui.cli.commands.{}", "rl_tui.lab.export.{}.{}"}
 
 
 @pytest.mark.parametrize(("name", "module"), sorted(RlTui.modules.items()))
 def test_every_command_is_in_its_module(name: str, module: str) -> None:
     assert import_module(module).command.name == name
-
-
-@pytest.mark.parametrize("room", ["cli.commands", "lab.export.algorithms", "lab.export.policies"])
-def test_a_folder_of_commands_or_scripts_has_no_module_that_no_row_names(room: str) -> None:
-    rows = {
-        "cli.commands": {*RlTui.modules, "policy_map", "train_report"},
-        "lab.export.algorithms": {each.module.rpartition(".")[2] for each in ALGORITHMS},
-        "lab.export.policies": {each.module.rpartition(".")[2] for each in POLICIES},
-    }
-    package = import_module(f"rl_tui.{room}")
-    assert {module.name for module in pkgutil.iter_modules(package.__path__)} == rows[room]
-
-
-@pytest.mark.parametrize("row", [*ALGORITHMS, *POLICIES], ids=lambda row: row.id)
-def test_every_row_of_the_catalogue_has_the_texts_of_its_script(row: Any) -> None:
-    kind = row.module.split(".")[-2]
-    texts = import_module(f"rl_tui.lab.export.{kind}.{row.id.replace('-', '_')}")
-    assert isinstance(texts, ModuleType)
 
 
 def test_a_walk_through_the_package_meets_every_module() -> None:

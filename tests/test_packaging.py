@@ -53,6 +53,9 @@ def test_the_wheel_holds_package_styles_and_scenarios_and_nothing_else(dist: Pat
     styles = {path.relative_to(ROOT).as_posix() for path in (ROOT / "rl_tui").glob("**/*.tcss")}
     assert styles
     assert styles <= names
+    script_texts = {path.relative_to(ROOT).as_posix() for path in (ROOT / "rl_tui").glob("**/*.py.txt")}
+    assert "rl_tui/agents/algorithms/q_learning.py.txt" in script_texts
+    assert script_texts <= names
     assert {name.split("/")[0] for name in names} == {"rl_tui", f"rl_tui-{VERSION}.dist-info"}
     assert not any("__pycache__" in name for name in names)
 

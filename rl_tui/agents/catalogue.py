@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Final
 
-from rl_tui.agents import update_terms as terms
-from rl_tui.agents.update_terms import UpdateTerms
+from rl_tui.agents.update_terms import Lookup, UpdateTerms
 
 _STEP_SIZE: Final = ("alpha", "step_size_schedule", "alpha_min", "alpha_decay")
 _TD: Final = (*_STEP_SIZE, "gamma", "policy", "initial_q")
@@ -19,7 +18,8 @@ class Algorithm:
     ``module`` holds its memory and update rule; ``parameters`` names its hyper-parameters in the order of the
     controls panel, those of the policy apart; ``source`` is the box in Sutton & Barto (2nd ed.) that it
     follows. A planner takes no steps in the world: it backs up one state after the other with the model.
-    ``update`` says how its update is written.
+    ``update`` says how its update is written. ``counts_updates``: a sample average is over its own updates,
+    which come later than the step or in one of several tables.
     """
 
     id: str
@@ -30,10 +30,11 @@ class Algorithm:
     module: str
     parameters: tuple[str, ...]
     planner: bool = False
-    update: UpdateTerms = terms.MAXIMUM
+    update: UpdateTerms = field(default_factory=UpdateTerms)
+    counts_updates: bool = False
 
 
-ALGORITHMS: Final[tuple[Algorithm, ...]] = (
+_ALGORITHMS: Final[tuple[Algorithm, ...]] = (
     Algorithm(
         id="q-learning",
         name="Q-learning",
@@ -51,7 +52,7 @@ ALGORITHMS: Final[tuple[Algorithm, ...]] = (
         source="equation 6.7, box on page 130",
         module="rl_tui.agents.algorithms.sarsa",
         parameters=_TD,
-        update=terms.NEXT_ACTION,
+        update=UpdateTerms(bootstrap="Q({next},a′)", lookup=Lookup.NEXT),
     ),
     Algorithm(
         id="expected-sarsa",
@@ -61,7 +62,7 @@ ALGORITHMS: Final[tuple[Algorithm, ...]] = (
         source="equation 6.9, section 6.6",
         module="rl_tui.agents.algorithms.expected_sarsa",
         parameters=_TD,
-        update=terms.EXPECTATION,
+        update=UpdateTerms(bootstrap="Σ π Q({next},·)", lookup=Lookup.MEAN),
     ),
     Algorithm(
         id="double-q-learning",
@@ -71,7 +72,8 @@ ALGORITHMS: Final[tuple[Algorithm, ...]] = (
         source="equation 6.10, box on page 136",
         module="rl_tui.agents.algorithms.double_q_learning",
         parameters=_TD,
-        update=terms.OTHER_TABLE,
+        update=UpdateTerms(bootstrap="Q{other}({next}, best of Q{own})", lookup=Lookup.OTHER),
+        counts_updates=True,
     ),
     Algorithm(
         id="n-step-sarsa",
@@ -81,7 +83,16 @@ ALGORITHMS: Final[tuple[Algorithm, ...]] = (
         source="equation 7.5, box on page 147",
         module="rl_tui.agents.algorithms.n_step_sarsa",
         parameters=(*_TD, "n"),
-        update=terms.N_STEPS,
+        update=UpdateTerms(
+            gathered="G",
+            discount="γⁿ",
+            bootstrap="Q({next},a′)",
+            others="more at the end of the episode",
+            waiting="waits until n rewards are gathered",
+            lookup=Lookup.NEXT,
+            one_step=False,
+        ),
+        counts_updates=True,
     ),
     Algorithm(
         id="sarsa-lambda",
@@ -91,7 +102,7 @@ ALGORITHMS: Final[tuple[Algorithm, ...]] = (
         source="section 12.7, box on page 305 for one feature a pair",
         module="rl_tui.agents.algorithms.sarsa_lambda",
         parameters=(*_TD, "lambda", "traces"),
-        update=terms.TRACED_NEXT_ACTION,
+        update=UpdateTerms(bootstrap="Q({next},a′)", others="more by their traces", lookup=Lookup.NEXT),
     ),
     Algorithm(
         id="q-lambda",
@@ -101,7 +112,7 @@ ALGORITHMS: Final[tuple[Algorithm, ...]] = (
         source="section 12.10",
         module="rl_tui.agents.algorithms.q_lambda",
         parameters=(*_TD, "lambda", "traces"),
-        update=terms.TRACED_MAXIMUM,
+        update=UpdateTerms(others="more by their traces"),
     ),
     Algorithm(
         id="dyna-q",
@@ -111,7 +122,7 @@ ALGORITHMS: Final[tuple[Algorithm, ...]] = (
         source="box on page 164",
         module="rl_tui.agents.algorithms.dyna_q",
         parameters=(*_TD, "planning_steps"),
-        update=terms.MODEL,
+        update=UpdateTerms(others="more from the model"),
     ),
     Algorithm(
         id="prioritized-sweeping",
@@ -121,7 +132,7 @@ ALGORITHMS: Final[tuple[Algorithm, ...]] = (
         source="box on page 170",
         module="rl_tui.agents.algorithms.prioritized_sweeping",
         parameters=(*_TD, "planning_steps", "threshold"),
-        update=terms.SWEEPING,
+        update=UpdateTerms(others="more from the model", waiting="no change above θ: nothing to update"),
     ),
     Algorithm(
         id="monte-carlo",
@@ -131,7 +142,16 @@ ALGORITHMS: Final[tuple[Algorithm, ...]] = (
         source="section 5.4, box on page 101",
         module="rl_tui.agents.algorithms.monte_carlo",
         parameters=_TD,
-        update=terms.WHOLE_RETURN,
+        update=UpdateTerms(
+            gathered="G",
+            discount="γᵀ",
+            bootstrap="Σ π Q({next},·)",
+            others="more, back to its start",
+            waiting="waits for the end of the episode",
+            lookup=Lookup.MEAN,
+            one_step=False,
+        ),
+        counts_updates=True,
     ),
     Algorithm(
         id="value-iteration",
@@ -142,7 +162,7 @@ ALGORITHMS: Final[tuple[Algorithm, ...]] = (
         module="rl_tui.agents.algorithms.value_iteration",
         parameters=("gamma", "accuracy", "initial_q"),
         planner=True,
-        update=terms.MODEL_MAXIMUM,
+        update=UpdateTerms(gathered="Σ p r", bootstrap="Σ p max Q(s′,·)", others="more of this state"),
     ),
     Algorithm(
         id="policy-iteration",
@@ -153,16 +173,25 @@ ALGORITHMS: Final[tuple[Algorithm, ...]] = (
         module="rl_tui.agents.algorithms.policy_iteration",
         parameters=("gamma", "accuracy", "initial_q", "ties"),
         planner=True,
-        update=terms.MODEL_POLICY,
+        update=UpdateTerms(
+            gathered="Σ p r", bootstrap="Σ p V(s′)", others="more of this state", lookup=Lookup.POLICY
+        ),
     ),
 )
 
-BY_ID: Final = {algorithm.id: algorithm for algorithm in ALGORITHMS}
+BY_ID: Final = {algorithm.id: algorithm for algorithm in _ALGORITHMS}
+"""The algorithms by their ids, in the order in which people see them."""
 
 
 @dataclass(frozen=True, slots=True)
 class Policy:
-    """One way of choosing actions, and where its code is; ``bandits_only``: it works in one state only."""
+    """One way of choosing actions as people see it, and where its code is.
+
+    ``bandits_only``: it works in one state only. ``explores_by_epsilon``: with probability ε it takes any
+    action at random, else a greedy one; another policy may mean something else by its ε.
+    ``needs_step_size``: it cannot do with the sample average. ``counts_visits``: it reads how often each pair
+    was taken, N(s, a).
+    """
 
     id: str
     name: str
@@ -172,9 +201,12 @@ class Policy:
     module: str
     parameters: tuple[str, ...]
     bandits_only: bool = False
+    explores_by_epsilon: bool = False
+    needs_step_size: bool = False
+    counts_visits: bool = False
 
 
-POLICIES: Final[tuple[Policy, ...]] = (
+_POLICIES: Final[tuple[Policy, ...]] = (
     Policy(
         id="epsilon-greedy",
         name="ε-greedy",
@@ -183,6 +215,7 @@ POLICIES: Final[tuple[Policy, ...]] = (
         source="section 2.2",
         module="rl_tui.agents.policies.epsilon_greedy",
         parameters=("epsilon", "epsilon_schedule", "epsilon_min", "epsilon_decay", "ties"),
+        explores_by_epsilon=True,
     ),
     Policy(
         id="softmax",
@@ -201,6 +234,7 @@ POLICIES: Final[tuple[Policy, ...]] = (
         source="equation 2.10, section 2.7",
         module="rl_tui.agents.policies.ucb",
         parameters=("confidence", "ties"),
+        counts_visits=True,
     ),
     Policy(
         id="gradient",
@@ -211,6 +245,7 @@ POLICIES: Final[tuple[Policy, ...]] = (
         module="rl_tui.agents.policies.gradient",
         parameters=("baseline",),
         bandits_only=True,
+        needs_step_size=True,
     ),
     Policy(
         id="thompson",
@@ -224,7 +259,8 @@ POLICIES: Final[tuple[Policy, ...]] = (
     ),
 )
 
-POLICY_BY_ID: Final = {policy.id: policy for policy in POLICIES}
+POLICY_BY_ID: Final = {policy.id: policy for policy in _POLICIES}
+"""The policies by their ids, in the order in which people see them."""
 
 
 def algorithm_of(algorithm: str) -> Algorithm:

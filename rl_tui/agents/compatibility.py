@@ -33,9 +33,10 @@ def incompatibility(space: FiniteSpace, algorithm: str, hyperparameters: Hyperpa
         )
     policy = POLICY_BY_ID[hyperparameters.policy]
     if policy.bandits_only and not is_bandit(space):
-        return f"policy {policy.id} is for bandits: take epsilon-greedy, softmax or ucb here"
-    if policy.id == "gradient" and hyperparameters.sample_average:
-        return "policy gradient needs a step size: give a number for alpha, such as 0.1"
+        *others, last = (each.id for each in POLICY_BY_ID.values() if not each.bandits_only)
+        return f"policy {policy.id} is for bandits: take {', '.join(others)} or {last} here"
+    if policy.needs_step_size and hyperparameters.sample_average:
+        return f"policy {policy.id} needs a step size: give a number for alpha, such as 0.1"
     return ""
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from rl_tui.agents.last_step import LastStep
-from rl_tui.worlds.mdp.space import FloatArray
+from rl_tui.worlds.mdp.space import FloatArray, IntArray
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -33,5 +33,10 @@ class Counters:
     """[N], the rewards of the last step's episode, oldest first, at most the last 256; none for a planner."""
     discounted_return: float = 0.0
     """Σ γᵏ r of the last step's episode from its start, with the γ in force at each step; 0 for a planner."""
+    td_errors: FloatArray = field(default_factory=lambda: np.empty(0))
+    """[U], the TD errors of the last updates, oldest first, at most 256; none before the first. A step counts
+    with the one update that :class:`LastStep` tells of, or with none where nothing was learned."""
+    updated_pairs: IntArray = field(default_factory=lambda: np.empty(0, np.int64))
+    """[U], the pairs that those updates moved."""
     last_step: LastStep | None = None
     """The last step with all its numbers; None before the first."""

@@ -218,8 +218,14 @@ class Hyperparameters:
 
     @property
     def sample_average(self) -> bool:
-        """Whether the step size is 1/N(s, a)."""
+        """Whether the step size is 1/N(s, a). α or its schedule may say so, as it was written: ask here."""
         return SAMPLE_AVERAGE in (self.alpha, self.step_size_schedule)
+
+    def without_average(self) -> Hyperparameters:
+        """Return a copy whose step size is a number: the defaults in place of the sample average."""
+        usual = Hyperparameters()
+        fields = [name for name in ("alpha", "step_size_schedule") if getattr(self, name) == SAMPLE_AVERAGE]
+        return replace(self, **{name: getattr(usual, name) for name in fields})
 
     def alpha_at(self, episode: int) -> float | None:
         """Return the step size in force in episode ``episode``, counted from 0; None: the sample average."""

@@ -23,8 +23,9 @@ class LastStep:
 
     ``step`` and ``episode`` count from 1. ``outcome`` indexes the outcomes of the MDP: the pair's action is
     what was meant, outcome_action[outcome] what happened; it is −1 where the environment was stepped for
-    real. ``explored`` says that the action was drawn at random with probability ``epsilon`` (it may be the
-    greedy one all the same), or, under policies without an ε, that it was not a greedy one.
+    real. ``epsilon`` is the ε of its episode, which means nothing to some policies. ``explored`` says of
+    ε-greedy that the action was drawn at random (it may be the greedy one all the same), of other policies
+    that it was not a greedy one.
 
     ``episode_step`` counts the steps of its episode, this one included. ``by_hand`` says that a person chose
     the action.
@@ -34,9 +35,11 @@ class LastStep:
 
     The update moved ``updated_pair`` from ``before`` to ``after`` = before + step_size·(target − before), the
     target being gathered + discount·bootstrap: one-step methods gather the ``reward`` and discount by
-    ``gamma``. The bootstrap is 0 after a terminated step, not after a truncated one. ``updated_pair`` is −1
-    where nothing was learned yet (n-step methods, Monte Carlo). ``others`` counts further updates of the same
-    step (traces, planning); ``table`` says which of two tables moved, 0 where there is one.
+    ``gamma``. The bootstrap is 0 after a terminated step, not after a truncated one. ``bootstrap_state`` is
+    the state whose estimates it was read from, −1 for none and for a planner, which reads those of all that
+    may follow. ``updated_pair`` is −1 where nothing was learned yet (n-step methods, Monte Carlo). ``others``
+    counts further updates of the same step (traces, planning); ``table`` says which of two tables moved, 0
+    where there is one.
     """
 
     step: int
@@ -62,6 +65,7 @@ class LastStep:
     after: float
     episode_step: int = 0
     by_hand: bool = False
+    bootstrap_state: int = NOTHING
 
     @property
     def planned(self) -> bool:

@@ -75,7 +75,6 @@ class Learner(LearnerCounters):
         """The policy in force, with what it has learned in live arrays, as those of ``q`` are."""
         self._memory: Any
         self._stop = Stop.DONE
-        self.hyperparameters = hyperparameters
         self._take_rule(hyperparameters)
         self._take_algorithm(algorithm)
         self._begin_anew()
@@ -90,11 +89,10 @@ class Learner(LearnerCounters):
         """
         check_compatible(self.space, self.algorithm, hyperparameters)
         other_ties = hyperparameters.ties != self.hyperparameters.ties
-        if hyperparameters.policy != self.hyperparameters.policy:
-            self._take_rule(hyperparameters)
-        else:
-            self.rule = self._policy_module.changed_rule(self.rule, hyperparameters)
-            self._take_hyperparameters(hyperparameters)
+        learned = arrays_of(self.rule) if hyperparameters.policy == self.hyperparameters.policy else None
+        self._take_rule(hyperparameters)
+        if learned is not None:
+            put_back(arrays_of(self.rule), learned)
         if other_ties:
             noticed = self._watch.noticed.copy()
             self.watch(self._watching)  # the new tie rule says what was greedy before
@@ -117,11 +115,8 @@ class Learner(LearnerCounters):
         self._go_on_planning()
 
     def _take_rule(self, hyperparameters: Hyperparameters) -> None:
-        self._policy_module = importlib.import_module(POLICY_BY_ID[hyperparameters.policy].module)
-        self.rule = self._policy_module.new_rule(self.space, hyperparameters)
-        self._take_hyperparameters(hyperparameters)
-
-    def _take_hyperparameters(self, hyperparameters: Hyperparameters) -> None:
+        policy = importlib.import_module(POLICY_BY_ID[hyperparameters.policy].module)
+        self.rule = policy.new_rule(self.space, hyperparameters)
         self.hyperparameters = hyperparameters
         self._params = kernel_parameters(hyperparameters)
         self._schedules = schedules_of(hyperparameters)
@@ -257,42 +252,15 @@ class Learner(LearnerCounters):
         if self.plans:
             return self._plan(steps, episodes)
         args = (self._memory, self.rule, self._params, self._schedules, self._tables)
+        moved = (self._position, self._log, self._record, self._watch)
         if self._stepped is not None:
-            return self._stepped.advance(
-                *args,
-                self._position,
-                self._log,
-                self._last,
-                self._watch,
-                self.streams.learner,
-                steps,
-                episodes,
-            )
-        return advance(
-            *args,
-            self._drift,
-            self._position,
-            self._log,
-            self._last,
-            self._watch,
-            self.streams.world,
-            self.streams.learner,
-            steps,
-            episodes,
-        )
+            return self._stepped.advance(*args, *moved, self.streams.learner, steps, episodes)
+        return advance(*args, self._drift, *moved, *self.streams, steps, episodes)
 
     def _plan(self, steps: int, sweeps: int) -> int:
         before, swept = self.step, self.episodes
-        stop = sweep(
-            self._memory,
-            self._params,
-            self._tables_now(),
-            self._position,
-            self._last,
-            self._watch,
-            steps,
-            sweeps,
-        )
+        moved = (self._position, self._record, self._watch)
+        stop = sweep(self._memory, self._params, self._tables_now(), *moved, steps, sweeps)
         backups, done = self.planned
         self.planned = Planned(backups + self.step - before, done + self.episodes - swept)
         return stop
@@ -335,7 +303,7 @@ class Learner(LearnerCounters):
             copies(arrays_of(self.rule)),
             copies(self._drift),
             copies(self._position),
-            copies(self._last),
+            copies(self._record),
             tuple(generator.bit_generator.state for generator in self.streams),
             self.planned,
             self.author,
@@ -358,7 +326,7 @@ class Learner(LearnerCounters):
         put_back(arrays_of(self.rule), state.rule)
         put_back(self._drift, state.drift)
         put_back(self._position, state.position)
-        put_back(self._last, state.last)
+        put_back(self._record, state.record)
         for generator, bits in zip(self.streams, state.streams, strict=True):
             generator.bit_generator.state = bits
         self._log.finished[0] = 0

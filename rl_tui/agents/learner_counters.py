@@ -2,23 +2,26 @@
 
 from __future__ import annotations
 
-from typing import Final, NamedTuple
+from typing import Final, NamedTuple, TypeVar
 
 import numpy as np
+import numpy.typing as npt
 
 from rl_tui.agents.catalogue import BY_ID
 from rl_tui.agents.counters import Counters
-from rl_tui.agents.kernels.position import (
-    REWARDS_KEPT,
-    new_episode_log,
-    new_position,
-    new_record,
-    read_record,
-)
+from rl_tui.agents.kernels.after_update import new_record, read_record
+from rl_tui.agents.kernels.position import new_episode_log, new_position
 from rl_tui.agents.last_step import LastStep
 from rl_tui.worlds.mdp.space import BoolArray, FloatArray, IntArray
 
 EPISODES_LOGGED: Final = 8192
+Number = TypeVar("Number", np.float64, np.int64)
+
+
+def newest(ring: npt.NDArray[Number], count: int) -> npt.NDArray[Number]:
+    """Return the last of ``count`` numbers, oldest first: number k is in ``ring`` at k modulo its room."""
+    room = len(ring)
+    return ring[np.arange(max(0, count - room), count) % room]
 
 
 class Episodes(NamedTuple):
@@ -38,7 +41,7 @@ class LearnerCounters:
         self.algorithm = algorithm
         self._position = new_position(0)
         self._log = new_episode_log(EPISODES_LOGGED)
-        self._last = new_record()
+        self._record = new_record()
 
     @property
     def plans(self) -> bool:
@@ -78,14 +81,22 @@ class LearnerCounters:
     @property
     def last_step(self) -> LastStep | None:
         """The last step with all its numbers, None before the first."""
-        return read_record(self._last)
+        return read_record(self._record)
 
     @property
     def rewards(self) -> FloatArray:
         """The rewards of the last step's episode, oldest first: the last 256 at most; none for a planner."""
-        count = self._rewards_seen
-        places = np.arange(max(0, count - REWARDS_KEPT), count) % REWARDS_KEPT
-        return self._position.rewards[places]
+        return newest(self._position.rewards, self._rewards_seen)
+
+    @property
+    def td_errors(self) -> FloatArray:
+        """The TD errors of the last updates, oldest first: the last 256 at most."""
+        return newest(self._record.td_errors, int(self._record.updates[0]))
+
+    @property
+    def updated_pairs(self) -> IntArray:
+        """The pairs that those updates moved."""
+        return newest(self._record.pairs, int(self._record.updates[0]))
 
     @property
     def discounted_return(self) -> float:
@@ -105,6 +116,8 @@ class LearnerCounters:
             episode_return=self.episode_return,
             rewards=self.rewards,
             discounted_return=self.discounted_return,
+            td_errors=self.td_errors,
+            updated_pairs=self.updated_pairs,
             last_step=last,
         )
 

@@ -35,11 +35,17 @@ class LearnerState:
     rule: Arrays
     drift: Arrays
     position: Arrays
-    last: Arrays
+    record: Arrays
     streams: tuple[Any, ...]
     planned: Planned
     author: Author
     stop: Stop
+
+    @property
+    def nbytes(self) -> int:
+        """How much memory the arrays take."""
+        parts = (self.memory, self.rule, self.drift, self.position, self.record)
+        return sum(array.nbytes for part in parts for array in part)
 
 
 def arrays_of(parts: Iterable[Any]) -> Arrays:

@@ -61,10 +61,8 @@ def screen_alone() -> Iterator[None]:
         yield
         return
     with ExitStack() as stack:
-        if os.isatty(_STDERR):
-            stack.enter_context(_silent(_STDERR))
-        if os.isatty(_STDOUT):
-            stack.enter_context(_silent(_STDOUT))
+        for descriptor in filter(os.isatty, (_STDERR, _STDOUT)):
+            stack.enter_context(_silent(descriptor))
         yield
 
 

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Callable
 from contextlib import suppress
-from typing import Any, Final
+from typing import Final
 
 import click
 
@@ -23,19 +22,20 @@ _THREADS: Final = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS",
 # Of the variables that make Textual log, debug or take pictures, only these are left
 _HARMLESS: Final = ("TEXTUAL_DRIVER", "TEXTUAL_FPS", "TEXTUAL_COLOR_SYSTEM", "TEXTUAL_ANIMATIONS")
 
-Command = Callable[..., Any]
+
+def _turn_on(_: click.Context, __: click.Parameter, value: bool) -> None:
+    if value:
+        os.environ[VARIABLE] = "1"
 
 
-def kiosk_option(command: Command) -> Command:
-    """Add ``--kiosk``, which counts from the moment it is read."""
-    return click.option(
-        "--kiosk",
-        is_flag=True,
-        is_eager=True,
-        expose_value=False,
-        callback=_turn_on,
-        help="for strangers: shipped scenarios only, no files written or read, bounded memory",
-    )(command)
+kiosk_option: Final = click.option(
+    "--kiosk",
+    is_flag=True,
+    is_eager=True,  # it counts from the moment it is read
+    expose_value=False,
+    callback=_turn_on,
+    help="for strangers: shipped scenarios only, no files written or read, bounded memory",
+)
 
 
 def enter_kiosk(command: str | None) -> None:
@@ -78,8 +78,3 @@ def confine() -> None:
             resource.setrlimit(kind, (least, least))
     with suppress(OSError):
         os.nice(_NICENESS)
-
-
-def _turn_on(_: click.Context, __: click.Parameter, value: bool) -> None:
-    if value:
-        os.environ[VARIABLE] = "1"

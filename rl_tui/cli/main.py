@@ -6,11 +6,13 @@ import os
 import sys
 import threading
 from contextlib import suppress
+from pkgutil import iter_modules
 from typing import ClassVar, NoReturn
 
 import click
 
 from rl_tui import __version__
+from rl_tui.cli import commands
 from rl_tui.cli.descriptors import keep_stdout
 from rl_tui.cli.kiosk import enter_kiosk, kiosk_option
 from rl_tui.cli.options.display import DISPLAY_OPTIONS, display_of, display_options
@@ -20,12 +22,12 @@ from rl_tui.common.interrupts import note_interrupts
 
 
 class RlTui(Program):
-    """The commands of rl-tui."""
+    """The commands of rl-tui: each module of the folder ``commands`` is one, with its name."""
 
     modules: ClassVar = {
-        name: f"rl_tui.cli.commands.{name}"
-        for name in ("play", "train", "replay", "solve", "list", "check", "bench", "screenshot", "serve")
+        each.name: f"{commands.__name__}.{each.name}" for each in iter_modules(commands.__path__)
     }
+    first_in_help = ("play", "train", "replay", "solve", "list", "check", "bench", "screenshot", "serve")
 
 
 @click.group(cls=RlTui, invoke_without_command=True, context_settings={"help_option_names": ["-h", "--help"]})

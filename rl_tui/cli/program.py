@@ -26,15 +26,17 @@ TRACEBACK: Final = "RL_TUI_TRACEBACK"
 class Program(click.Group):
     """A group of commands, each the attribute ``command`` of a module that is imported only for it.
 
-    ``modules`` maps the names of the commands to their modules. Ends with exit status 0 (done), 1 (it could
-    not be done), 2 (usage) or 130 (interrupted), never with a traceback.
+    ``modules`` maps the names of the commands to their modules; those ``first_in_help`` stand there before
+    the others. Ends with exit status 0 (done), 1 (it could not be done), 2 (usage) or 130 (interrupted),
+    never with a traceback.
     """
 
     modules: ClassVar[Mapping[str, str]]
+    first_in_help: ClassVar[Sequence[str]] = ()
 
     def list_commands(self, ctx: click.Context) -> list[str]:
         """Return the names of the commands in the order of the help."""
-        return list(self.modules)
+        return list(dict.fromkeys((*self.first_in_help, *self.modules)))
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
         """Return the command of that name, None if there is none."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 import ctypes
 import os
 import sys
+from contextlib import suppress
 from pathlib import Path
 from tempfile import gettempdir
 from typing import TYPE_CHECKING, Final
@@ -15,6 +16,7 @@ from rl_tui.cli.descriptors import screen_alone
 from rl_tui.cli.kiosk import confine
 from rl_tui.cli.program import USAGE
 from rl_tui.common.kiosk import in_kiosk
+from rl_tui.terminal.driver_choice import IN_BROWSER
 from rl_tui.tui.app.display import Display
 
 if TYPE_CHECKING:
@@ -22,7 +24,6 @@ if TYPE_CHECKING:
     from rl_tui.lab.sessions.session import StoredSession
 
 
-IN_BROWSER: Final = "rl_tui.terminal.browser_driver:BrowserDriver"  # TEXTUAL_DRIVER of what the server starts
 _ARENA_MAX: Final = -8  # M_ARENA_MAX in glibc's malloc.h
 
 
@@ -94,7 +95,5 @@ def _share_heap() -> None:
     Measured: with runs opened and ended beside one another, 74 MB more in a few minutes against 30. Kernels
     allocate nothing, so that none of them waits for the heap. Other C libraries have one anyway.
     """
-    try:
+    with suppress(AttributeError, OSError, TypeError):
         ctypes.CDLL(None).mallopt(_ARENA_MAX, 1)
-    except (AttributeError, OSError, TypeError):
-        return

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import signal
 from codecs import getincrementaldecoder
@@ -10,11 +11,11 @@ from typing import Any, Final
 from textual.app import App
 from textual.color import Color
 from textual.drivers._byte_stream import ByteStream
-from textual.drivers.web_driver import WebDriver, _ExitInput
+from textual.drivers.web_driver import WebDriver
 from textual.message import Message
 from textual.theme import Theme
 
-from rl_tui.terminal.ending import end_at_last
+from rl_tui.terminal.ending import end_at_last, end_with
 from rl_tui.terminal.input_parser import InputParser
 
 MOST_WAITING: Final = 100  # messages that the app has not come to
@@ -38,6 +39,8 @@ class BrowserDriver(WebDriver):
         size: tuple[int, int] | None = None,
     ) -> None:
         super().__init__(app, debug=debug, mouse=mouse, size=size)
+        # Textual's as well, but under names of its own
+        self._app, self._debug, self._mouse = app, debug, mouse
         self._write = self._write_whole  # type: ignore[assignment]
 
     def start_application_mode(self) -> None:
@@ -53,6 +56,8 @@ class BrowserDriver(WebDriver):
 
     def run_input_thread(self) -> None:
         """Read what the browser sends until the app ends or nothing more can come."""
+        if not hasattr(self, "_input_reader"):
+            return super().run_input_thread()
         parser, stream = InputParser(debug=self._debug), ByteStream()
         decode = getincrementaldecoder("utf-8")("replace").decode
         try:
@@ -60,17 +65,18 @@ class BrowserDriver(WebDriver):
                 for kind, payload in stream.feed(data) if data else ():
                     if kind == "D":
                         self._process(parser.feed(decode(payload)))
+                    elif (said := json.loads(payload)).get("type") == "exit":
+                        return None
                     else:
-                        self._on_meta(kind, payload)
+                        self.on_meta(str(said.get("type")), said)
                 self._process(parser.tick())
-        except _ExitInput:
-            pass
         except Exception as fault:  # no key would be read any more: better to end and say why
-            self._loop.call_soon_threadsafe(self._app._handle_exception, fault)
+            end_with(self._app, fault)
         finally:
             self._input_reader.close()
             if not self.exit_event.is_set():
                 self._end()
+        return None
 
     def _process(self, messages: list[Message]) -> None:
         for message in messages:

@@ -13,14 +13,14 @@ from selectors import EVENT_READ, SelectSelector
 from threading import Event
 from typing import Any, Final
 
-from textual._ansi_sequences import SYNC_END
 from textual.app import App
 from textual.drivers.linux_driver import LinuxDriver
 from textual.message import Message
 
-from rl_tui.terminal.ending import HUNG_UP, end_at_last
+from rl_tui.terminal.ending import HUNG_UP, end_at_last, end_with
 from rl_tui.terminal.input_parser import InputParser
 from rl_tui.terminal.linked_app import LinkedApp
+from rl_tui.terminal.output import SYNC_END
 from rl_tui.terminal.writer import TerminalWriter
 
 LONGEST_FAREWELL: Final = 3.0  # seconds
@@ -46,6 +46,8 @@ class TerminalDriver(LinuxDriver):
         super().__init__(app, debug=debug, mouse=mouse, size=size)
         if not may_stop:  # a shell that knows no jobs could not bring it back
             signal.signal(signal.SIGTSTP, signal.SIG_IGN)
+        # Textual's as well, but under names of its own
+        self._app, self._debug, self._loop = app, debug, asyncio.get_running_loop()
         self._may_stop = may_stop
         # not to where errors go, as Textual does: they may be on their way into a file
         output = sys.__stdout__ or sys.stdout
@@ -71,14 +73,14 @@ class TerminalDriver(LinuxDriver):
     def start_application_mode(self) -> None:
         """Take the terminal."""
         super().start_application_mode()  # type: ignore[no-untyped-call]
-        if self._writer_thread is not None:  # nothing is written by Textual's own
-            self._writer_thread.stop()
+        if (textuals := getattr(self, "_writer_thread", None)) is not None:  # it has nothing to write
+            textuals.stop()
             self._writer_thread = None
 
     def stop_application_mode(self) -> None:
         """Give the terminal back as it was; pictures that are still on their way are dropped."""
         self._output.forget()
-        if self._app._sync_available:
+        if isinstance(self._app, LinkedApp) and self._app.synchronises:
             self.write(SYNC_END)  # the one that was on its way is among them
         super().stop_application_mode()
         self._output.drain(LONGEST_FAREWELL)
@@ -106,7 +108,7 @@ class TerminalDriver(LinuxDriver):
         except (EOFError, OSError):
             self._lose()
         except Exception as fault:  # no key would be read any more: better to end and say why
-            self._soon(self._app._handle_exception, fault)
+            end_with(self._app, fault)
 
     def _lose(self) -> None:
         if not self._is_lost:
@@ -153,7 +155,7 @@ class TerminalDriver(LinuxDriver):
         self._pause(stop)
 
     def _pause(self, stop: Callable[[], None]) -> None:
-        if self._is_away or not self._app._running:
+        if self._is_away or not self._app.is_running:
             return
         self._is_away = True
         self.suspend_application_mode()

@@ -1,25 +1,35 @@
-"""Which driver stands between the app and the terminal, and what only some of them can do."""
+"""Which driver stands between the app and the terminal."""
 
 from __future__ import annotations
 
 import os
 import sys
+from typing import TYPE_CHECKING, Final
 
-from textual.driver import Driver
+if TYPE_CHECKING:
+    from textual.driver import Driver
+
+IN_BROWSER: Final = "rl_tui.terminal.browser_driver:BrowserDriver"  # TEXTUAL_DRIVER of what the server starts
 
 
 def driver_class() -> type[Driver] | None:
-    """Return ours for a terminal of Unix, None for whatever Textual takes: on Windows, or in a browser."""
-    if sys.platform == "win32" or os.environ.get("TEXTUAL_DRIVER"):
-        return None
-    from rl_tui.terminal.driver import TerminalDriver
+    """Return ours for a terminal of Unix and for a browser, None for whatever Textual takes.
 
-    return TerminalDriver
+    Ours are made with private names of Textual. Where one is missing, Textual's own driver serves.
+    """
+    wanted = os.environ.get("TEXTUAL_DRIVER")
+    try:
+        if wanted == IN_BROWSER:
+            from rl_tui.terminal.browser_driver import BrowserDriver
 
+            return BrowserDriver
+        if not wanted and sys.platform != "win32":
+            from rl_tui.terminal.driver import TerminalDriver
 
-async def go_to_shell(driver: Driver | None) -> bool:
-    """Stop until the shell says go on; False where there is no shell to go to."""
-    suspend = getattr(driver, "suspend", None)
-    if driver is None or suspend is None or not driver.can_suspend:
-        return False
-    return bool(await suspend())
+            return TerminalDriver
+    except ImportError:
+        if wanted:
+            from textual.drivers.web_driver import WebDriver
+
+            return WebDriver
+    return None

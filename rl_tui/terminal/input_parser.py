@@ -14,14 +14,16 @@ from time import monotonic
 from typing import Final
 
 from textual._ansi_sequences import ANSI_SEQUENCES_KEYS
-from textual._parser import Parser
-from textual._xterm_parser import BRACKETED_PASTE_END, BRACKETED_PASTE_START, XTermParser
+from textual._xterm_parser import XTermParser
 from textual.events import Key, Paste
 from textual.message import Message
+
+from rl_tui.terminal.key_queue import EscapeOrAlt
 
 MOST_PASTED: Final = 1_000_000  # characters that are kept of one paste
 ESCAPE_DELAY: Final = 0.1  # seconds after which an escape that nothing follows is the key of that name
 _ESCAPE: Final = "\x1b"
+_PASTE_BEGINS, _PASTE_ENDS = "\x1b[200~", "\x1b[201~"
 _LONGEST: Final = 32  # characters of a sequence; Textual takes longer ones for keys
 # Sequences as the Linux console, the oldest mice, rxvt, mice that may be left of the window, and all others
 # have them; escape, and the key after it; keys. What begins like a sequence, but goes on like none, is escape
@@ -36,14 +38,6 @@ _UNFINISHED: Final = re.compile(
     r"\x1b(?:\[(?:\[|M.{0,2}|[0-?]{0,80}|\?[\d;]{0,80}\$|<[-0-?]{0,80}|[0-?]{1,80}[ -#%-/]{1,4})|O)?\Z",
     re.DOTALL,
 )
-
-
-class EscapeOrAlt(Key):
-    """Escape and the key ``typed``, or a key of its own: terminals send both alike."""
-
-    def __init__(self, name: str, typed: Key) -> None:
-        super().__init__(name, None)
-        self.typed = typed
 
 
 class InputParser:
@@ -83,7 +77,7 @@ class InputParser:
 
     def _type(self, text: str, messages: list[Message]) -> str:
         """Add the keys of ``text`` up to a paste; return what is left."""
-        text, pastes, left = text.partition(BRACKETED_PASTE_START)
+        text, pastes, left = text.partition(_PASTE_BEGINS)
         if pastes:
             self._pasted, self._room = [], self._most
         elif unfinished := _UNFINISHED.search(text):
@@ -95,7 +89,7 @@ class InputParser:
     def _paste(self, text: str, messages: list[Message]) -> str:
         """Keep ``text`` up to the end of the paste, and add that if it is there; return what is left."""
         assert self._pasted is not None
-        text, ends, left = text.partition(BRACKETED_PASTE_END)
+        text, ends, left = text.partition(_PASTE_ENDS)
         if not ends:
             self._rest = _beginning_of_end(text)
             text = text.removesuffix(self._rest)
@@ -136,11 +130,11 @@ class _Sequences(XTermParser):
             messages += self.feed(piece)
             if self._awaiting.timeout is None:  # it does not wait for more
                 return messages
-        Parser.__init__(self)  # from the beginning, but for what is known of the mouse
+        super(XTermParser, self).__init__()  # from the beginning, but for what is known of the mouse
         return messages
 
 
 def _beginning_of_end(text: str) -> str:
     """Return the end of ``text`` that the end of a paste may begin with, empty if there is none."""
-    at = text.rfind(_ESCAPE, -len(BRACKETED_PASTE_END))
-    return text[at:] if at >= 0 and BRACKETED_PASTE_END.startswith(text[at:]) else ""
+    at = text.rfind(_ESCAPE, -len(_PASTE_ENDS))
+    return text[at:] if at >= 0 and _PASTE_ENDS.startswith(text[at:]) else ""

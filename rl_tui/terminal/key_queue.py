@@ -19,11 +19,17 @@ from textual.command import CommandPalette
 from textual.dom import DOMNode
 from textual.events import Event, Key
 
-from rl_tui.terminal.input_parser import EscapeOrAlt
-
 PATIENCE: Final = 5.0  # seconds: a widget that is stuck must not keep the keyboard for ever
 MOST_HELD: Final = 1_000  # keys: no person types so far ahead, and a flood of keys must take no memory
 _LOOK_AGAIN: Final = 0.1  # seconds: what is removed meanwhile does not answer
+
+
+class EscapeOrAlt(Key):
+    """Escape and the key ``typed``, or a key of its own: terminals send both alike."""
+
+    def __init__(self, name: str, typed: Key) -> None:
+        super().__init__(name, None)
+        self.typed = typed
 
 
 class KeyQueue:

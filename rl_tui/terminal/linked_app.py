@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import partial
-from typing import Any, Final, TypeVar
+from typing import Any, Final, Protocol, TypeVar, runtime_checkable
 
 from rich.color import ColorSystem
-from rich.console import RenderableType
+from rich.console import COLOR_SYSTEMS, RenderableType
 from textual import events
-from textual._compositor import ChopsUpdate, LayoutUpdate
 from textual.app import App
 from textual.driver import Driver
 from textual.geometry import Region
 from textual.message import Message
 from textual.screen import Screen
+from textual.strip import Strip
 from textual.timer import Timer
 
 from rl_tui.terminal.output import Output
@@ -23,12 +23,36 @@ _ARRANGING: Final = 0.1  # seconds after a change of size in which panels find t
 ReturnType = TypeVar("ReturnType")
 
 
+@runtime_checkable
+class _Lines(Protocol):
+    """What Textual draws of a region: the strips of each of its lines."""
+
+    strips: list[Iterable[Strip]]
+    region: Region
+
+
+@runtime_checkable
+class _Pieces(Protocol):
+    """What Textual draws where little has changed: by line, strips by the columns they begin in."""
+
+    chops: Sequence[Mapping[int, Strip | None]]
+    chop_ends: list[list[int]]
+    spans: list[tuple[int, int, int]]
+
+
 class LinkedApp(App[ReturnType]):
-    """Puts an :class:`Output` between the compositor and the driver, if that leads to a terminal."""
+    """Puts an :class:`Output` between the compositor and the driver, if that leads to a terminal.
+
+    What stands between them has private names in Textual. One that draws in a way that is not known here
+    draws by itself: a method that it does not call is not missed.
+    """
 
     def __init__(self, driver_class: type[Driver] | None = None, *, ansi_color: bool = False) -> None:
         super().__init__(driver_class, ansi_color=ansi_color)
+        self.synchronises = False
+        """Whether the terminal can hold back what is unfinished."""
         self._output: Output | None = None
+        self._draws = True
         self._arranging: Timer | None = None
         self._drawn: Screen[object] | None = None
         self._in_front = range(0)  # the lines of the dialog that was open when it was drawn
@@ -58,6 +82,12 @@ class LinkedApp(App[ReturnType]):
         if self._output is not None:
             await self._output.rest()
 
+    async def go_to_shell(self) -> bool:
+        """Stop until the shell says go on; False where there is no shell to go to."""
+        driver = self._terminal
+        suspend = getattr(driver, "suspend", None)
+        return driver is not None and suspend is not None and driver.can_suspend and bool(await suspend())
+
     def action_redraw(self) -> None:
         """Draw everything again: something else may have written over it."""
         if self._output is not None:
@@ -71,37 +101,46 @@ class LinkedApp(App[ReturnType]):
                 self._arranging.stop()
             self._arranging = self.set_timer(_ARRANGING, self._output.wake)
 
+    def on_terminal_supports_synchronized_output(self) -> None:
+        """Have unfinished frames held back from now on."""
+        self.synchronises = True
+
     def _display(self, screen: Screen[object], renderable: RenderableType | None) -> None:
-        if not isinstance(renderable, ChopsUpdate | LayoutUpdate) or not self._leads_to_terminal():
-            super()._display(screen, renderable)
-            return
-        if self._running and not self._closed and not self._batch_count:
-            try:
-                self._draw_on(self._output_of_driver(), screen, renderable)
-            except Exception as error:  # as Textual does: it is shown once the terminal is restored
-                self._handle_exception(error)
-        self.post_display_hook()
+        driver = self._terminal
+        if self._draws and driver is not None and not self.is_headless and not self.is_inline:
+            if renderable is None or isinstance(renderable, _Lines | _Pieces):
+                if renderable is not None and self.is_running and not getattr(self, "_batch_count", 0):
+                    self._draw_on(self._output_of(driver), screen, renderable)
+                self.post_display_hook()
+                return
+            self._draws = False  # this Textual draws in another way, and then has to draw everything
+            if self._output is not None:
+                self._output.stop()
+                self._output = None
+                self.refresh(layout=True)
+        super()._display(screen, renderable)
 
-    def _leads_to_terminal(self) -> bool:
-        return self._driver is not None and not self.is_headless and not self.is_inline
+    @property
+    def _terminal(self) -> Driver | None:
+        driver: Driver | None = getattr(self, "_driver", None)
+        return driver
 
-    def _output_of_driver(self) -> Output:
+    def _output_of(self, driver: Driver) -> Output:
         if self._output is None:
-            assert self._driver is not None
-            system = self.console._color_system or ColorSystem.TRUECOLOR
-            self._output = Output(self._driver.write, system, partial(getattr, self._driver, "waiting", 0))
+            system = COLOR_SYSTEMS.get(self.console.color_system or "", ColorSystem.TRUECOLOR)
+            self._output = Output(driver.write, system, partial(getattr, driver, "waiting", 0))
             self._output.resize(*self.size)
             self._output.wake()
         return self._output
 
-    def _draw_on(self, output: Output, screen: Screen[object], update: ChopsUpdate | LayoutUpdate) -> None:
+    def _draw_on(self, output: Output, screen: Screen[object], update: _Lines | _Pieces) -> None:
         lines = _lines_of_dialog(screen)
         if screen is not self._drawn:  # a dialog has come or gone: that is what was asked for
             output.begin_with(lines or self._in_front)
         self._drawn, self._in_front = screen, lines
-        output.synchronises = self._sync_available
+        output.synchronises = self.synchronises
         output.place_cursor(*self.screen.outer_size.clamp_offset(self.cursor_position))
-        if isinstance(update, LayoutUpdate):
+        if isinstance(update, _Lines):
             for y, strips in enumerate(update.strips, update.region.y):
                 output.put(update.region.x, y, (segment for strip in strips for segment in strip))
         else:
@@ -113,7 +152,8 @@ class LinkedApp(App[ReturnType]):
                         output.put(x, y, strip if is_inside else strip.crop(0, min(piece_end, end) - x))
         output.send()
 
-    async def _post_message(self, message: Message) -> bool:
+    def post_message(self, message: Message) -> bool:
+        """Put ``message`` into the queue, unless it is an answer of the terminal."""
         if self._output is not None:
             if isinstance(message, events.CursorPosition):
                 # not one more message in the queue: others need not wait to be dealt with
@@ -121,7 +161,7 @@ class LinkedApp(App[ReturnType]):
                 return True
             if isinstance(message, events.Key | events.MouseDown):
                 self._output.link.hurry()
-        return await super()._post_message(message)
+        return super().post_message(message)
 
     async def _process_messages_loop(self) -> None:
         try:

@@ -18,7 +18,7 @@ from rl_tui.terminal.pens import Pens
 from rl_tui.terminal.screen_buffer import ScreenBuffer
 
 _ASK: Final = "\x1b[6n"
-_BEGIN, _END = "\x1b[?2026h", "\x1b[?2026l"  # the terminal holds back what is unfinished
+SYNC_BEGIN, SYNC_END = "\x1b[?2026h", "\x1b[?2026l"  # the terminal holds back what is unfinished
 _LOOK_AGAIN: Final = 0.02  # seconds
 _LONGEST_FAREWELL: Final = 2.0  # seconds that the last answer is waited for
 
@@ -60,6 +60,10 @@ class Output:
             self.link.restart()
         else:
             self._buffer.resize(width, height)
+
+    def stop(self) -> None:
+        """Send nothing until :meth:`wake`."""
+        self._rests = True
 
     def wake(self) -> None:
         """Send what was drawn since the resize, and what is drawn from now on."""
@@ -131,7 +135,7 @@ class Output:
             await asyncio.wait_for(self._arrived.wait(), seconds)
 
     def _framed(self, text: str) -> str:
-        frame = f"{_BEGIN}{text}{_END}" if self.synchronises else text
+        frame = f"{SYNC_BEGIN}{text}{SYNC_END}" if self.synchronises else text
         if self._buffer.height > ANSWER_LINE:
             column = self.link.send(len(frame.encode()), self._buffer.width)
             if column is not None:

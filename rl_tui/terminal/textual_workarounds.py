@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from textual._styles_cache import StylesCache
+from contextlib import suppress
 
 
 def forget_left_screens(_: object) -> None:
@@ -11,4 +11,7 @@ def forget_left_screens(_: object) -> None:
     A cache of colours has the lines of whole widgets in its keys, 1,024 of them, so that each dialog that
     was opened took a third of a megabyte with it (Textualize/textual #6665).
     """
-    StylesCache.get_inner_outer.cache_clear()
+    with suppress(ImportError, AttributeError):  # another Textual may keep no such lines
+        from textual._styles_cache import StylesCache
+
+        StylesCache.get_inner_outer.cache_clear()

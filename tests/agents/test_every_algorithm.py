@@ -15,6 +15,7 @@ from hypothesis import strategies as st
 from plain_world import PlainWorld, Table, as_array
 from random_worlds import worlds
 
+from rl_tui.agents.algorithms.family import NO_STATE
 from rl_tui.agents.catalogue import BY_ID
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.agents.kernels import loop, planning_loop
@@ -72,7 +73,7 @@ def learner(mdp: TabularMDP, algorithm: str, hyperparameters: Hyperparameters, s
 def everything(ours: Learner) -> list[Any]:
     """Return all that a learner is, to be compared bit for bit, and forget the episodes."""
     state = ours.checkpoint()
-    parts = (state.memory, state.rule, state.drift, state.position, state.last, ours.drain_episodes())
+    parts = (state.memory, state.rule, state.drift, state.position, state.record, ours.drain_episodes())
     return [
         state.algorithm,
         state.hyperparameters,
@@ -225,3 +226,53 @@ def test_a_terminated_step_does_not_bootstrap_a_truncated_one_does(
     last = ours.last_step
     assert last is not None
     assert (last.terminated, last.truncated, last.after) == (ends, not ends, value)
+
+
+@pytest.mark.parametrize("algorithm", EVERY)
+@examples(10)
+@given(worlds(), any_hyperparameters, SEEDS)
+def test_the_bootstrap_was_read_from_the_state_that_is_named(
+    algorithm: str, mdp: TabularMDP, hyperparameters: Hyperparameters, seed: int
+) -> None:
+    ours = learner(mdp, algorithm, hyperparameters, seed)
+    row = BY_ID[algorithm]
+    for _ in range(40):
+        tables = [ours.q.copy(), *ours.remembered("q1", "q2")]
+        ours.advance(1)
+        ours.drain_episodes()
+        last = ours.last_step
+        assert last is not None
+        state, is_elsewhere = last.bootstrap_state, last.updated_pair != last.pair
+        if state == NO_STATE:
+            assert row.planner or last.bootstrap == 0.0
+            assert row.planner or is_elsewhere or not row.update.one_step or last.terminated
+            continue
+        assert last.learned
+        assert (row.update.one_step and is_elsewhere) or (state == last.next_state and not last.terminated)
+        # Where several updates were made and the last is told, the estimates have moved on the way
+        if row.update.one_step or not last.others:
+            estimates = [table[pair] for table in tables[-2:] for pair in mdp.pairs_of(state)]
+            slack = 1e-12 * max(map(abs, estimates))
+            assert min(estimates) - slack <= last.bootstrap <= max(estimates) + slack
+
+
+@pytest.mark.parametrize("algorithm", EVERY)
+@examples(5)
+@given(worlds(), any_hyperparameters, SEEDS)
+def test_the_last_td_errors_are_kept_with_the_pairs_that_moved(
+    algorithm: str, mdp: TabularMDP, hyperparameters: Hyperparameters, seed: int
+) -> None:
+    ours, at_once = (learner(mdp, algorithm, hyperparameters, seed) for _ in range(2))
+    assert not len(ours.counters.td_errors)
+    updates = []
+    for step in range(1, 320):
+        ours.advance(1)
+        ours.drain_episodes()
+        last = ours.last_step
+        assert last is not None
+        if last.step == step and last.learned:  # a planner that is done takes no more
+            updates.append((last.td_error, last.updated_pair))
+    at_once.advance(ours.step)
+    for counters in (ours.counters, at_once.counters):
+        kept = zip(counters.td_errors.tolist(), counters.updated_pairs.tolist(), strict=True)
+        assert list(kept) == updates[-256:]

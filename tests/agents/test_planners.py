@@ -14,7 +14,7 @@ from plain_value_iteration import plain_value_iteration
 from random_worlds import worlds
 
 from rl_tui.agents.algorithms.policy_iteration import Memory, phase_of
-from rl_tui.agents.catalogue import ALGORITHMS
+from rl_tui.agents.catalogue import BY_ID
 from rl_tui.agents.exact.solve import solve
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.agents.kernels.stop import Stop
@@ -23,7 +23,7 @@ from rl_tui.common.streams import streams
 from rl_tui.worlds.files.catalogue import find
 from rl_tui.worlds.mdp.tabular_mdp import Outcome, TabularMDP, Transition, tabular_mdp
 
-PLANNERS = [each.id for each in ALGORITHMS if each.planner]
+PLANNERS = [each.id for each in BY_ID.values() if each.planner]
 PLAIN: dict[str, Callable[..., tuple[dict[int, float], int, bool]]] = {
     "value-iteration": plain_value_iteration,
     "policy-iteration": plain_policy_iteration,

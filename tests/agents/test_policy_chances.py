@@ -1,18 +1,25 @@
 from __future__ import annotations
 
 import importlib
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
+from arms import COINS
+from curious_policy import CURIOUS
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rl_tui.agents.catalogue import POLICY_BY_ID
+from rl_tui.agents.catalogue import POLICY_BY_ID, Policy
 from rl_tui.agents.hyperparameters import Hyperparameters
+from rl_tui.agents.kernels import loop
+from rl_tui.agents.kernels.compiled import compiled
+from rl_tui.agents.learner import Learner
 from rl_tui.agents.policies.chances import action_chances
-from rl_tui.agents.policies.family import expectation
-from rl_tui.worlds.mdp.space import FiniteSpace
+from rl_tui.agents.policies.family import choose, expectation, in_force, learns, probability_of
+from rl_tui.common.streams import streams
+from rl_tui.worlds.mdp.space import FloatArray, IntArray, all_pairs
 
 NO_VISITS = np.zeros(4, np.int64)
 Q = np.array([1.0, 3.0, 3.0, 0.0])
@@ -44,25 +51,85 @@ def test_ucb_takes_what_was_never_tried_first() -> None:
     assert chances(hyperparameters, visits=np.array([1, 10, 10, 1])) == [1.0, 0.0, 0.0, 0.0]
 
 
-@pytest.mark.parametrize("policy", ["gradient", "thompson"])
-def test_rules_with_a_memory_of_their_own_are_not_known(policy: str) -> None:
+def rule_of(hyperparameters: Hyperparameters, actions: int) -> Any:
+    space = all_pairs(["s"], [str(action) for action in range(actions)], 0)
+    return importlib.import_module(POLICY_BY_ID[hyperparameters.policy].module).new_rule(
+        space, hyperparameters
+    )
+
+
+@pytest.mark.parametrize("policy", [row.id for row in POLICY_BY_ID.values() if row.bandits_only])
+def test_what_a_policy_has_learned_is_not_known(policy: str) -> None:
+    assert learns(rule_of(Hyperparameters(policy=policy), 4))
     assert chances(Hyperparameters(policy=policy)) is None
 
 
 @given(
-    q=st.lists(st.floats(-5, 5), min_size=1, max_size=5),
+    q=st.lists(st.sampled_from([0.0, 0.1, 0.3, 1.0]) | st.floats(-5, 5), min_size=1, max_size=5),
     counts=st.lists(st.integers(0, 9), min_size=5, max_size=5),
-    policy=st.sampled_from(["epsilon-greedy", "softmax", "ucb"]),
+    policy=st.sampled_from([*POLICY_BY_ID, CURIOUS.id]),
     ties=st.sampled_from(["random", "first"]),
 )
-def test_the_mean_they_make_is_the_one_that_the_rule_itself_expects(
+def test_every_policy_expects_what_its_probabilities_say(
     q: list[float], counts: list[int], policy: str, ties: Any
 ) -> None:
     hyperparameters = Hyperparameters(policy=policy, ties=ties, epsilon=0.3, temperature=0.7)
     estimates, visits = np.array(q), np.array(counts[: len(q)], dtype=np.int64)
-    space = FiniteSpace(("s",), tuple(map(str, q)), np.array([0, len(q)]), np.arange(len(q)), 0)
-    rule = importlib.import_module(POLICY_BY_ID[policy].module).new_rule(space, hyperparameters)
-    weights = action_chances(hyperparameters, 0.3, estimates, visits)
-    assert weights is not None
-    assert weights.sum() == pytest.approx(1.0)
-    assert weights @ estimates == pytest.approx(expectation(rule, estimates, visits, 0, len(q)))
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setitem(POLICY_BY_ID, CURIOUS.id, CURIOUS)
+        rule = rule_of(hyperparameters, len(q))
+        told = action_chances(hyperparameters, 0.3, estimates, visits)
+    weights = [probability_of(rule, estimates, visits, 0, len(q), pair) for pair in range(len(q))]
+    if policy == "thompson":
+        assert np.isnan(weights).all()  # no closed form, and no estimate in its place
+        return
+    assert sum(weights) == pytest.approx(1.0)
+    assert min(weights) >= 0.0
+    assert weights @ estimates == pytest.approx(expectation(rule, estimates, visits, 0, len(q)), abs=1e-12)
+    assert told is None if learns(rule) else told.tolist() == weights
+
+
+@pytest.mark.parametrize("policy", [*POLICY_BY_ID, CURIOUS.id])
+def test_every_policy_draws_by_its_probabilities(policy: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(POLICY_BY_ID, CURIOUS.id, CURIOUS)
+    rule = rule_of(Hyperparameters(policy=policy, epsilon=0.4), 4)
+    generator, draws = np.random.default_rng(3), 4_000
+    for visits in (np.array([3, 0, 2, 0]), np.array([3, 1, 2, 4])):
+        weights = [probability_of(rule, Q, visits, 0, 4, pair) for pair in range(4)]
+        taken = np.bincount([choose(rule, Q, visits, 0, 4, generator)[0] for _ in range(draws)], minlength=4)
+        if policy != "thompson":
+            assert taken / draws == pytest.approx(np.array(weights), abs=0.03)
+
+
+@pytest.mark.parametrize("row", POLICY_BY_ID.values(), ids=lambda row: row.id)
+def test_a_policy_that_names_a_schedule_follows_it(row: Policy) -> None:
+    rule = rule_of(Hyperparameters(policy=row.id), 4)
+    assert (in_force(rule, 0.037) is not rule) == ("epsilon_decay" in row.parameters)
+
+
+@compiled
+def probabilities(rule: Any, q: FloatArray, visits: IntArray, weights: FloatArray) -> None:
+    for pair in range(len(weights)):
+        weights[pair] = probability_of(rule, q, visits, 0, len(weights), pair)
+
+
+@pytest.mark.parametrize("policy", POLICY_BY_ID)
+def test_compiled_probabilities_are_the_same_bits(policy: str) -> None:
+    rule = rule_of(Hyperparameters(policy=policy, temperature=0.7), 4)
+    both = np.zeros(4), np.zeros(4)
+    probabilities(rule, Q, np.array([3, 1, 4, 1]), both[0])
+    probabilities.py_func(rule, Q, np.array([3, 1, 4, 1]), both[1])
+    assert both[0].tobytes() == both[1].tobytes()
+
+
+def test_a_new_policy_is_its_module_and_its_row(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(POLICY_BY_ID, CURIOUS.id, CURIOUS)
+    monkeypatch.setattr("rl_tui.agents.learner.advance", loop.advance.py_func)
+    ours = Learner(COINS, "expected-sarsa", Hyperparameters(policy=CURIOUS.id, epsilon=1.0), streams(0))
+    ours.advance(4)
+    assert ours.visits.tolist() == [1, 1, 1, 1]
+    assert ours.last_step is not None
+    assert ours.last_step.epsilon == 1.0
+    ours.configure(replace(ours.hyperparameters, epsilon=0.5))
+    ours.advance(1)
+    assert ours.last_step.epsilon == 0.5

@@ -85,6 +85,8 @@ def test_the_sample_average_can_be_asked_for_in_two_ways(fields: dict[str, str])
     hyperparameters = Hyperparameters(**fields)  # type: ignore[arg-type]
     assert hyperparameters.sample_average
     assert hyperparameters.alpha_at(5) is None
+    assert hyperparameters.without_average() == Hyperparameters()
+    assert hyperparameters.as_dict() == {**Hyperparameters().as_dict(), **fields}
     ours = Learner(arms(), "q-learning", hyperparameters, streams(0))
     for _ in range(30):
         ours.advance(1)

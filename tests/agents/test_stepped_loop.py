@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from rl_tui.agents.catalogue import ALGORITHMS
+from rl_tui.agents.catalogue import BY_ID
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.agents.kernels import loop, stepped_loop
 from rl_tui.agents.kernels.stop import LONGEST_EPISODE, Stop
@@ -21,7 +21,7 @@ from rl_tui.worlds.gym.tables.toy_text import world_of
 from rl_tui.worlds.mdp.space import FiniteSpace, all_pairs
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
-LEARNERS = [each.id for each in ALGORITHMS if not each.planner and importlib.util.find_spec(each.module)]
+LEARNERS = [each.id for each in BY_ID.values() if not each.planner and importlib.util.find_spec(each.module)]
 
 
 def lake() -> TabularMDP:

@@ -13,6 +13,7 @@ from random_worlds import worlds
 from test_every_algorithm import any_hyperparameters, everything, learner
 from test_stepped_loop import HYPERPARAMETERS, Line, Table, facts, lake, untabled
 
+from rl_tui.agents.catalogue import BY_ID
 from rl_tui.agents.exact.solve import greedy_policy
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.agents.kernels import loop, planning_loop, watch
@@ -23,18 +24,6 @@ from rl_tui.common.streams import streams
 from rl_tui.worlds.environment import StepResult
 from rl_tui.worlds.mdp.space import all_pairs
 from rl_tui.worlds.mdp.tabular_mdp import Outcome, TabularMDP, Transition, tabular_mdp
-
-ALGORITHMS = [
-    "q-learning",
-    "sarsa",
-    "double-q-learning",
-    "n-step-sarsa",
-    "q-lambda",
-    "dyna-q",
-    "prioritized-sweeping",
-    "monte-carlo",
-    "value-iteration",
-]
 
 marks = st.frozensets(st.integers(0, 5), max_size=2)
 watchings = st.builds(
@@ -116,7 +105,7 @@ def assert_watched_alike(watched: Learner, single: Learner, watching: Watching, 
         assert came is (Stop.DONE if seen == NOTHING_NOTICED else Stop.NOTICED)
 
 
-@pytest.mark.parametrize("algorithm", ALGORITHMS)
+@pytest.mark.parametrize("algorithm", BY_ID)
 @examples(20)
 @given(worlds(), any_hyperparameters, st.integers(0, 1000), watchings)
 @pytest.mark.slow

@@ -10,8 +10,8 @@ from typing import Any
 import pytest
 from click.testing import CliRunner, Result
 
-from rl_tui.cli.commands.policy_map import policy_map
 from rl_tui.cli.main import program
+from rl_tui.cli.reports.policy_map import policy_map
 from rl_tui.lab.export.recipe_line import recipe_line
 from rl_tui.lab.run.library import find, recipe_for
 from rl_tui.lab.run.recipe import begin

@@ -12,11 +12,11 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 
-from rl_tui.cli.commands.policy_map import policy_map
-from rl_tui.cli.commands.train_report import no_reward
 from rl_tui.cli.main import program
 from rl_tui.cli.output import columns, number
 from rl_tui.cli.progress import progress
+from rl_tui.cli.reports.policy_map import policy_map
+from rl_tui.cli.reports.training import no_reward
 from rl_tui.lab.run.library import find, recipe_for
 from rl_tui.lab.run.recipe import begin
 from rl_tui.worlds.drawing import Graph

@@ -263,6 +263,47 @@ def test_check_warns_of_a_world_that_never_ends(limit: str, to: str, warned: boo
     )
 
 
+TOLL_ROAD = """
+[mdp]
+start = "Home"
+{limit}
+[[mdp.transition]]
+state = "Home"
+action = "stay"
+reward = 0.0
+to = "Home"
+[[mdp.transition]]
+state = "Home"
+action = "toll road"
+reward = {reward}
+to = "Work"
+"""
+
+
+@pytest.mark.parametrize(
+    ("limit", "reward", "epsilon", "warned"),
+    [
+        ("", -1.0, 0.0, True),
+        ("", -1.0, 0.1, False),
+        ("", 1.0, 0.0, False),
+        ("time_limit = 50", -1.0, 0.0, False),
+    ],
+)
+def test_check_warns_where_an_agent_may_learn_never_to_end(
+    limit: str, reward: float, epsilon: float, warned: bool, tmp_path: Path
+) -> None:
+    file = tmp_path / "toll.toml"
+    world = TOLL_ROAD.format(limit=limit, reward=reward)
+    file.write_text(f"[defaults]\nepsilon = {epsilon}\n{world}", encoding="utf-8")
+    result = run("check", str(file))
+    assert (result.exit_code, result.stdout) == (0, f"{file}: ok\n")
+    expected = (
+        "warning: episode 2 of SARSA with seed 0 had not ended after 50,000 steps and there is no "
+        "time limit: an episode may take very long, or never end"
+    )
+    assert result.stderr == (f"{file}: {expected}\n" if warned else "")
+
+
 @pytest.mark.parametrize("more", [(), ("--json",), ("--runs", "2")])
 @pytest.mark.parametrize("count", ["--episodes", "--steps"])
 def test_more_pulls_than_the_budget_are_made_but_said(count: str, more: tuple[str, ...]) -> None:

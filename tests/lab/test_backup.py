@@ -10,9 +10,10 @@ import pytest
 from recipes import recipe
 from snapshots import changed, snapshot_of
 
-from rl_tui.agents.catalogue import ALGORITHMS
-from rl_tui.agents.last_step import LastStep
-from rl_tui.lab.live.backup import Leaf, backup_of, expected_target, sources
+from rl_tui.agents.catalogue import BY_ID
+from rl_tui.agents.last_step import NOTHING, LastStep
+from rl_tui.lab.last_step.backup import Backup, Leaf, expected_target
+from rl_tui.lab.last_step.story import story_of
 from rl_tui.lab.live.snapshot import PlaybackView, Snapshot
 from rl_tui.lab.live.snapshot_builder import SnapshotBuilder
 from rl_tui.lab.run.recipe import begin
@@ -20,6 +21,16 @@ from rl_tui.lab.run.run import Run
 
 STUDY, CHECK_PHONE, SCROLL, QUIT, SLEEP = range(5)
 Q = np.array([6.37, 5.0, 1.0, 2.0, 10.0])
+
+
+def backup_of(snapshot: Snapshot) -> Backup | None:
+    story = story_of(snapshot)
+    return None if story is None else story.backup
+
+
+def sources(snapshot: Snapshot) -> dict[int, float]:
+    story = story_of(snapshot)
+    return {} if story is None else story.sources
 
 
 def study(algorithm: str, *, fails: bool = False, epsilon: float = 0.2, **changes: Any) -> Snapshot:
@@ -49,7 +60,9 @@ def study(algorithm: str, *, fails: bool = False, epsilon: float = 0.2, **change
         "bootstrap": 10.0,
         "after": 6.37,
     }
-    return changed(shown, q=Q, last_step=LastStep(**(usual | changes)))
+    told = usual | changes
+    bootstrap_state = NOTHING if told["terminated"] else told["next_state"]
+    return changed(shown, q=Q, last_step=LastStep(**told, bootstrap_state=bootstrap_state))
 
 
 def test_the_greatest_of_the_next_state_is_what_q_learning_expects() -> None:
@@ -175,7 +188,7 @@ def test_the_samples_of_a_slippery_step_have_the_expected_target_for_their_mean(
         assert happened == pytest.approx([backup.sampled], abs=1e-12)
 
 
-@pytest.mark.parametrize("algorithm", [each.id for each in ALGORITHMS if each.planner])
+@pytest.mark.parametrize("algorithm", [each.id for each in BY_ID.values() if each.planner])
 def test_a_planner_backs_up_the_expectation_itself(algorithm: str) -> None:
     run = Run(recipe("frozenlake-slippery", algorithm=algorithm), evaluate=False)
     run.advance(60)

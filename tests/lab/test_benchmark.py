@@ -47,6 +47,12 @@ def test_an_environment_that_fails_in_the_plain_loop_is_one_line(
     assert capsys.readouterr().out == ""
 
 
+@pytest.mark.parametrize("name", ["alpha", "step_size_schedule"])
+def test_the_plain_loop_has_no_sample_average(name: str) -> None:
+    with pytest.raises(UserError, match="give a number for alpha"):
+        PlainLoop(recipe("frozenlake", **{name: "sample-average"}), random_ties=False)
+
+
 def test_the_document_of_a_benchmark(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(benchmark, "KERNEL_STEPS", 10_000)
     monkeypatch.setattr(benchmark, "PLAIN_STEPS", 100)

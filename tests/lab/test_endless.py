@@ -3,7 +3,8 @@ from __future__ import annotations
 import pytest
 from recipes import recipe
 
-from rl_tui.lab.experiments.endless import endless_state
+from rl_tui.agents.hyperparameters import Hyperparameters
+from rl_tui.lab.experiments.endless import endless_state, long_episode
 from rl_tui.lab.run.recipe import begin
 from rl_tui.worlds.mdp.tabular_mdp import Outcome, TabularMDP, Transition, tabular_mdp
 
@@ -37,3 +38,27 @@ def test_a_time_limit_ends_every_episode() -> None:
 @pytest.mark.parametrize("scenario", ["bandit", "student", "frozenlake"])
 def test_the_shipped_worlds_end(scenario: str) -> None:
     assert endless_state(begin(recipe(scenario)).world.space) is None
+
+
+def corridor(states: int, time_limit: int = 0) -> TabularMDP:
+    """Each state costs 1 to go on from and nothing to go back to the first; the last ends."""
+    transitions = []
+    for state in range(states):
+        ahead = Outcome(1.0, min(state + 1, states - 1), -1.0, state == states - 1)
+        transitions += [Transition(state, 0, [ahead]), Transition(state, 1, [Outcome(1.0, 0, 0.0, False)])]
+    names = [str(state) for state in range(states)]
+    return tabular_mdp(names, ["on", "back"], transitions, {0: 1.0}, time_limit)
+
+
+@pytest.mark.parametrize("alpha", [0.5, "sample-average"])
+def test_an_agent_that_learns_never_to_end_is_found(alpha: float | str) -> None:
+    hyperparameters = Hyperparameters().changed("alpha", alpha)
+    assert long_episode(corridor(20), hyperparameters) is not None
+    assert long_episode(corridor(2), hyperparameters) is None
+    assert long_episode(corridor(20, time_limit=100), hyperparameters) is None
+    assert long_episode(corridor(1_001), hyperparameters) is None
+
+
+def test_estimates_beyond_all_bounds_are_no_long_episode() -> None:
+    mdp = tabular_mdp(["home"], ["stay"], [Transition(0, 0, [Outcome(1.0, 0, 1e300, False)])], {0: 1.0})
+    assert long_episode(mdp, Hyperparameters()) is None

@@ -5,6 +5,7 @@ import gc
 import sys
 import threading
 from dataclasses import replace
+from itertools import count
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +21,7 @@ from rl_tui.lab.live.record import Record
 from rl_tui.lab.live.snapshot import Phase, Snapshot
 from rl_tui.lab.run.recipe import SetParameter
 from rl_tui.lab.run.run import replay
+from rl_tui.lab.timeline.branches import Branch, RunRecord
 
 
 async def until(player: Player, phase: Phase) -> Snapshot:
@@ -120,6 +122,20 @@ async def test_a_reader_that_sleeps_gets_the_newest_and_not_the_backlog() -> Non
             break
     player.close()
     assert len(steps) <= 2
+
+
+async def test_where_nothing_depends_on_the_time_a_resumed_run_is_shown_where_it_stood_only() -> None:
+    branch = Branch("branch 1", (), end=2_000, here=2_000)
+    lanes = tuple(RunRecord(recipe("cliff", epsilon=epsilon), (branch,)) for epsilon in (0.1, 0.5))
+    clock = count(0.0, 0.004)  # every look at it is later: nothing is sought at once
+    player = Player(lanes[0].recipe, automatic=False, clock=lambda: next(clock), record=Record(lanes))
+    steps = []
+    async for snapshot in player.snapshots():
+        steps += [snapshot.counters.step, *(lane.step for lane in snapshot.run_group.lanes)]
+        if snapshot.playback.phase is Phase.PAUSED:
+            break
+    player.close()
+    assert set(steps) <= {0, 2_000}
 
 
 async def test_a_spent_budget_is_published() -> None:

@@ -20,7 +20,7 @@ from sample_worlds import (
 from snapshots import changed
 
 from rl_tui.agents.hyperparameters import Hyperparameters
-from rl_tui.agents.last_step import LastStep
+from rl_tui.agents.last_step import NOTHING, LastStep
 from rl_tui.lab.live.snapshot import Phase, PlaybackView, Snapshot
 from rl_tui.lab.live.snapshot_builder import SnapshotBuilder
 from rl_tui.lab.run.bandit import BanditFigures
@@ -39,8 +39,10 @@ def look(ascii: bool = False, depth: str = "truecolor", dark: bool = True) -> Lo
 
 
 def learned_from(last: LastStep, **terms: Any) -> LastStep:
-    """``last`` with other terms of its update, and the estimate that they lead to."""
+    """``last`` with other terms of its update, and the estimate and the bootstrap state that they lead to."""
     other = replace(last, **terms)
+    bootstraps = other.learned and not other.planned and not other.terminated
+    other = replace(other, bootstrap_state=other.next_state if bootstraps else NOTHING)
     return replace(other, after=other.before + other.step_size * other.td_error)
 
 
@@ -124,6 +126,7 @@ def _lake(world: World, id: str, title: str, step: int, changes: dict[str, Any])
         gathered=float(mdp.reward[outcome]),
         discount=0.99,
         bootstrap=bootstrap,
+        bootstrap_state=NOTHING if mdp.terminated[outcome] else next_state,
         after=float(after),
     )
     q[pair] = after
@@ -197,6 +200,7 @@ def student(step: int = 2_433, **changes: Any) -> Snapshot:
         gathered=-2.0,
         discount=0.9,
         bootstrap=10.0,
+        bootstrap_state=2,
         after=6.37,
     )
     shown: dict[str, Any] = {

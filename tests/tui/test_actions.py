@@ -1,12 +1,14 @@
 from __future__ import annotations
 
 import pytest
+from conftest import MakeApp
+from textual.actions import parse
 
 from rl_tui.tui.actions.action import Place
 from rl_tui.tui.actions.registry import ACTIONS, actions_of, bindings_of
-from rl_tui.tui.screens.catalogue.catalogue import CatalogueScreen
+from rl_tui.tui.app.screenshot import settle
+from rl_tui.tui.panels.catalogue import PANELS
 from rl_tui.tui.screens.key_line import fitting
-from rl_tui.tui.screens.playground.playground import Playground
 
 PLAYGROUND_KEYS = {
     "space",
@@ -39,7 +41,6 @@ PLAYGROUND_KEYS = {
     "k",
     "K",
     "y",
-    "d",
     "c",
     "l",
     "w",
@@ -56,17 +57,20 @@ PLAYGROUND_KEYS = {
 
 
 def hints(place: Place, width: int) -> list[str]:
-    shown, _ = fitting(place, width)
+    shown, _ = fitting(actions_of(place), width)
     return [" ".join(action.key_hint) for action in shown]
 
 
 def line_width(place: Place, width: int) -> int:
-    shown, gap = fitting(place, width)
+    shown, gap = fitting(actions_of(place), width)
     return 1 + sum(len(" ".join(action.key_hint)) for action in shown) + gap * (len(shown) - 1)
 
 
 def test_the_playground_has_exactly_its_keys() -> None:
-    assert {key for action in actions_of(Place.PLAYGROUND) for key in action.keys} == PLAYGROUND_KEYS
+    opening = {row.opened_by.key for row in PANELS if row.opened_by is not None}
+    assert {
+        key for action in actions_of(Place.PLAYGROUND) for key in action.keys
+    } == PLAYGROUND_KEYS | opening
 
 
 @pytest.mark.parametrize("place", [Place.CATALOGUE, Place.PLAYGROUND])
@@ -80,18 +84,23 @@ def test_every_action_has_a_name_of_its_own_and_says_what_it_does() -> None:
     assert all(action.help.endswith(".") and action.shown and action.label for action in ACTIONS)
 
 
-@pytest.mark.parametrize(
-    ("place", "screen"), [(Place.CATALOGUE, CatalogueScreen), (Place.PLAYGROUND, Playground)]
-)
-def test_every_action_can_be_done_on_its_screen(place: Place, screen: type) -> None:
-    for action in actions_of(place):
-        if not action.textual_action.startswith("app."):
-            method = action.textual_action.partition("(")[0]
-            assert hasattr(screen, f"action_{method}"), action.id
+@pytest.mark.parametrize("place", [Place.CATALOGUE, Place.PLAYGROUND])
+async def test_every_action_can_be_done_on_its_screen(make_app: MakeApp, place: Place) -> None:
+    app = make_app("student" if place is Place.PLAYGROUND else None)
+    async with app.run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        for action in actions_of(place):
+            target, method, _ = parse(action.command or action.id)
+            if target == "app":
+                assert hasattr(app, f"action_{method}"), action.id
+            elif target:
+                assert callable(getattr(getattr(app.screen, target), method)), action.id
+            else:
+                assert hasattr(app.screen, f"action_{method}"), action.id
 
 
 def test_bindings_carry_id_description_and_tooltip() -> None:
-    for binding in bindings_of(Place.PLAYGROUND):
+    for binding in bindings_of(actions_of(Place.PLAYGROUND)):
         assert binding.id
         assert binding.description
         assert binding.tooltip

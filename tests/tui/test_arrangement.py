@@ -1,8 +1,11 @@
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 from textual.geometry import Region, Size
 
+from rl_tui.tui.panels.catalogue import BUDGET, PANELS
 from rl_tui.tui.screens.playground.arrangement import Shape, arrangement, is_roomy
 from rl_tui.worlds.drawing import Arms, CellKind, Drawing, Graph, Grid
 
@@ -94,11 +97,33 @@ def test_the_timeline_is_one_row_right_below_the_curve(size: tuple[int, int]) ->
         assert timeline.height == 1
 
 
+OPENED = [row for row in PANELS if row.opened_by is not None]
+
+
+@pytest.mark.parametrize("shape", SHAPES.values(), ids=SHAPES.keys())
+@pytest.mark.parametrize("size", [(60, 16), (80, 22), (100, 32), (120, 38), (250, 80)])
+def test_a_panel_that_a_key_opens_covers_no_other(size: tuple[int, int], shape: Shape) -> None:
+    board = Size(*size)
+    for row in OPENED:
+        regions = arrangement(board, shape, opened=row.id)
+        assert row.id in regions
+        assert sum(region.area for region in regions.values()) == board.area
+        assert all(board.region.contains_region(region) for region in regions.values())
+
+
+def test_where_nothing_it_replaces_is_in_view_a_panel_covers_the_board() -> None:
+    row = replace(OPENED[0], id="new", in_place_of=(BUDGET,), is_wide=False)
+    placed = arrangement(Size(80, 22), SHAPES["student"], opened="new", panels=(*PANELS, row))
+    assert placed == {"new": Region(0, 0, 80, 22)}
+    placed = arrangement(Size(80, 22), SHAPES["bandit"], opened="new", panels=(*PANELS, row))
+    assert placed["new"] == arrangement(Size(80, 22), SHAPES["bandit"])["budget"]
+
+
 @pytest.mark.parametrize("shape", SHAPES.values(), ids=SHAPES.keys())
 @pytest.mark.parametrize("size", [(60, 16), (80, 22), (100, 32), (120, 38), (250, 80)])
 def test_the_microscope_leaves_the_table_in_view(size: tuple[int, int], shape: Shape) -> None:
     board = Size(*size)
-    regions = arrangement(board, shape, dissected=True)
+    regions = arrangement(board, shape, opened="microscope")
     assert sum(region.area for region in regions.values()) == board.area
     assert all(board.region.contains_region(region) for region in regions.values())
     assert {"microscope", "table", "timeline"} <= set(regions)

@@ -81,7 +81,7 @@ def rows(pilot: Pilot[UserError]) -> list[str]:
 async def beside(pilot: Pilot[UserError], count: int, monkeypatch: pytest.MonkeyPatch) -> list[Command]:
     """Show so many lanes, the second one on screen; return the list that all commands go to."""
     screen, sent = playground(pilot), list[Command]()
-    monkeypatch.setattr(screen, "send", sent.append)
+    monkeypatch.setattr(screen.link, "send", sent.append)
     before = screen.snapshot
     assert before is not None
     lanes = tuple(replace(lane, q=before.agent.q) for lane in lane_views(count))
@@ -204,6 +204,6 @@ async def test_a_hidden_bandit_gives_nothing_away(make_app: MakeApp, monkeypatch
 async def test_nothing_is_asked_before_the_world_is_there(make_app: MakeApp) -> None:
     async with make_app("student").run_test(size=(80, 24)) as pilot:
         await settle(pilot)
-        playground(pilot).snapshot = None
+        playground(pilot).link.snapshot = None
         await pilot.press("c")
         assert not isinstance(pilot.app.screen, Compare)

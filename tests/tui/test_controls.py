@@ -9,18 +9,19 @@ import pytest
 from samples import lake
 from snapshots import changed
 
-from rl_tui.agents.catalogue import ALGORITHMS, POLICIES, parameters_of
+from rl_tui.agents.catalogue import BY_ID, POLICY_BY_ID, parameters_of
 from rl_tui.agents.hyperparameters import PARAMETERS, SAMPLE_AVERAGE, Hyperparameters
 from rl_tui.lab.live.snapshot import Phase, Snapshot
+from rl_tui.tui.actions.registry import ACTIONS
 from rl_tui.tui.panels.controls.controls import in_force, sliders_of
 from rl_tui.tui.panels.controls.settings import laid_out, settings_of
 from rl_tui.tui.theme.glyphs import ASCII, UNICODE, Glyphs
 
 LAKE = lake()
 EVERY = [
-    (algorithm.id, rule.id)
-    for algorithm in ALGORITHMS
-    for rule in (POLICIES[:1] if algorithm.planner else POLICIES)
+    (algorithm.id, policy)
+    for algorithm in BY_ID.values()
+    for policy in (["epsilon-greedy"] if algorithm.planner else POLICY_BY_ID)
 ]
 
 
@@ -86,6 +87,13 @@ def test_what_schedules_have_come_to_is_told() -> None:
     )
 
 
+def test_a_click_on_a_setting_does_what_its_key_does() -> None:
+    known = {action.id for action in ACTIONS}
+    for algorithm, policy in EVERY:
+        clicked = {each.action for each in settings_of(told(algorithm, policy)) if each.action}
+        assert clicked <= known
+
+
 def test_where_a_run_is_over_it_can_start_again() -> None:
     for phase in (Phase.SPENT, Phase.DONE):
         over = changed(told("value-iteration", "epsilon-greedy"), phase=phase)
@@ -109,6 +117,6 @@ def test_every_algorithm_with_every_rule_fits(size: tuple[int, int], glyphs: Gly
         left_out = set(settings) - set(shown)
         assert not left_out or max(each.rank for each in shown) <= min(each.rank for each in left_out)
         if width >= 80 or height > 1:
-            assert {"algorithm", "options"} <= {each.action for each in shown}
+            assert {"agent.choose_algorithm", "agent.show_options"} <= {each.action for each in shown}
         if height >= 9:
             assert not left_out

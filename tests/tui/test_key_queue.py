@@ -9,8 +9,7 @@ from textual.app import App, ComposeResult
 from textual.events import Event, Key, MouseUp
 from textual.widgets import Input
 
-from rl_tui.terminal.input_parser import EscapeOrAlt
-from rl_tui.terminal.key_queue import KeyQueue
+from rl_tui.terminal.key_queue import EscapeOrAlt, KeyQueue
 from rl_tui.tui.app.app import RlTuiApp
 from rl_tui.tui.app.idleness import Idleness
 

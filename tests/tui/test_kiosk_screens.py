@@ -23,7 +23,7 @@ from rl_tui.tui.screens.key_line import fitting
 from rl_tui.tui.screens.playground.playground import Playground
 from rl_tui.worlds.files.catalogue import find
 
-FOR_THE_OWNER = {"save", "export", "delete_session", "suspend"}
+FOR_THE_OWNER = {"session.save", "export.choose", "delete_session", "suspend"}
 
 
 def kiosk(scenario: str | None = None) -> RlTuiApp:
@@ -41,7 +41,7 @@ def test_all_but_what_is_for_the_owner_is_offered(place: Place) -> None:
 
 @pytest.mark.parametrize("width", range(60, 240, 20))
 def test_the_key_line_has_none_of_it(width: int) -> None:
-    shown, _ = fitting(Place.PLAYGROUND | Place.KIOSK, width)
+    shown, _ = fitting(actions_of(Place.PLAYGROUND | Place.KIOSK), width)
     assert not {each.id for each in shown} & FOR_THE_OWNER
 
 

@@ -91,7 +91,7 @@ async def test_what_is_told_goes_to_the_lane_shown_only(make_app: MakeApp) -> No
             "ties first",
         ]
         await press(pilot, "l")
-        playground(pilot).set_parameter("alpha", 0.1)
+        playground(pilot).agent.set_parameter("alpha", 0.1)
         await settle(pilot)
         assert [lane.hyperparameters.alpha for lane in snapshot(pilot).run_group.lanes] == [0.1, 0.1, 0.1]
         await press(pilot, "l", "t")

@@ -9,7 +9,7 @@ import pytest
 from open_grids import open_grid_recipe
 from textual.pilot import Pilot
 
-from rl_tui.lab.live.backup import backup_of
+from rl_tui.lab.last_step.story import story_of
 from rl_tui.lab.live.commands import Train
 from rl_tui.lab.live.player import Player
 from rl_tui.lab.live.snapshot import Snapshot
@@ -175,8 +175,9 @@ async def test_a_step_on_a_large_map_is_taken_apart() -> None:
             await train(pilot, 1)
             check_complete(screen)
             snapshot = newest(screen)
-            backup = backup_of(snapshot)
-            assert backup is not None
-            assert backup.expected == pytest.approx(backup.sampled)
+            story = story_of(snapshot)
+            assert story is not None
+            assert story.backup is not None
+            assert story.backup.expected == pytest.approx(story.backup.sampled)
             assert snapshot.cell is not None
             assert snapshot.cell.value[-1] == snapshot.agent.q[snapshot.cell.pair]

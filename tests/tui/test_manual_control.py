@@ -6,10 +6,11 @@ from sample_worlds import LEFT, RIGHT, UP, bandit_world
 from samples import bandit, lake, look, student
 from snapshots import changed
 
+from rl_tui.lab.last_step.story import story_of
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.panels.last_step.last_step import last_step_lines
-from rl_tui.tui.panels.last_step.loop_text import choice_text
-from rl_tui.tui.screens.playground.manual_control import (
+from rl_tui.tui.panels.last_step.words import words_of
+from rl_tui.tui.screens.playground.actions.manual_keys import (
     acting_keys,
     action_towards,
     digit_keys,
@@ -82,8 +83,10 @@ def test_a_step_by_hand_says_who_chose_it() -> None:
     snapshot = lake()
     assert snapshot.counters.last_step is not None
     by_hand = replace(snapshot.counters.last_step, by_hand=True)
-    assert choice_text(snapshot, by_hand, GLYPHS) == ("you chose it", "by you")
     shown = changed(snapshot, last_step=by_hand)
+    story = story_of(shown)
+    assert story is not None
+    assert words_of(story, GLYPHS).choices == ("you chose it", "by you")
     for height, words in ((10, "you chose it"), (5, "by you"), (1, "by you")):
         lines = last_step_lines(shown, look(), 100, height)
         text = "\n".join("".join(piece.text for piece in line) for line in lines)

@@ -10,7 +10,7 @@ import pytest
 from samples import bandit, big_lake, lake, look, planning, stepped_lake, student
 from snapshots import changed
 
-from rl_tui.agents.catalogue import ALGORITHMS
+from rl_tui.agents.catalogue import BY_ID
 from rl_tui.agents.last_step import NOTHING
 from rl_tui.lab.live.snapshot import Phase, Snapshot
 from rl_tui.lab.timeline.table_samples import CellHistory
@@ -342,7 +342,7 @@ def test_what_does_not_fit_is_scrolled_with_a_bar_and_a_hint() -> None:
     assert widget.footing == "d: close"
 
 
-@pytest.mark.parametrize("algorithm", [each.id for each in ALGORITHMS if not each.planner])
+@pytest.mark.parametrize("algorithm", [each.id for each in BY_ID.values() if not each.planner])
 def test_every_algorithm_is_told_at_any_size(algorithm: str) -> None:
     assert LAKE.counters.last_step is not None
     others = changed(LAKE, algorithm=algorithm, last_step=replace(LAKE.counters.last_step, others=7))

@@ -8,13 +8,12 @@ from seams import playground, press, scroll_down, snapshot, train
 from textual.pilot import Pilot
 
 from rl_tui.common.errors import UserError
-from rl_tui.lab.live.backup import sources
 from rl_tui.lab.live.commands import Apply, StepBack
 from rl_tui.lab.run.recipe import SwitchAlgorithm
 from rl_tui.tui.app.screenshot import settle
+from rl_tui.tui.panels.catalogue import CONTROLS, CURVE, MICROSCOPE, TABLE, TIMELINE, WORLD
 from rl_tui.tui.panels.controls.slider import Slider
-from rl_tui.tui.panels.microscope.microscope import Microscope
-from rl_tui.tui.screens.playground.arrangement import CONTROLS, CURVE, MICROSCOPE, TABLE, TIMELINE, WORLD
+from rl_tui.tui.panels.microscope.microscope import Microscope, lit_sources
 from rl_tui.tui.screens.playground.board import Board
 
 
@@ -57,7 +56,7 @@ async def test_it_is_drawn_from_every_step(make_app: MakeApp) -> None:
         await train(pilot, 5_000)
         assert "5,001, episode" in lines(pilot)
         shown = await press(pilot, "s")
-        assert board(pilot).table.sources == frozenset(sources(shown))
+        assert board(pilot).table.sources == lit_sources(shown)
         await press(pilot, "d")
         assert not board(pilot).table.sources
 
@@ -78,7 +77,7 @@ async def test_escape_closes_it_before_it_leaves(make_app: MakeApp) -> None:
     async with make_app("student").run_test(size=(80, 24)) as pilot:
         await settle(pilot)
         await press(pilot, "s", "d", "escape")
-        assert not board(pilot).dissects
+        assert not board(pilot).opened
         assert playground(pilot).is_attached
 
 
@@ -116,7 +115,7 @@ async def test_a_slider_that_it_hides_closes_it(make_app: MakeApp) -> None:
     async with make_app("student").run_test(size=(120, 40)) as pilot:
         await settle(pilot)
         await press(pilot, "s", "d", "1")
-        assert not board(pilot).dissects
+        assert not board(pilot).opened
         assert isinstance(pilot.app.focused, Slider)
 
 
@@ -128,7 +127,7 @@ async def test_it_can_be_zoomed(make_app: MakeApp) -> None:
         assert board(pilot).microscope.size.width == 78
         await press(pilot, "d")
         assert board(pilot).zoomed is None
-        assert not board(pilot).dissects
+        assert not board(pilot).opened
 
 
 async def test_the_cursor_of_the_table_chooses_the_cell(make_app: MakeApp) -> None:

@@ -8,7 +8,7 @@ from sample_worlds import bandit_world, lake_world
 from seams import choose, notes, playground, press, slider, snapshot, train
 from textual.widgets import Input, OptionList
 
-from rl_tui.agents.catalogue import ALGORITHMS, BY_ID, POLICIES
+from rl_tui.agents.catalogue import BY_ID, POLICY_BY_ID
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.lab.live.snapshot import Phase
 from rl_tui.lab.run.library import recipe_for
@@ -35,7 +35,7 @@ def test_every_algorithm_and_rule_can_be_chosen_where_it_works() -> None:
     assert not refused(algorithm_choice(arms, recipe, UNICODE))
     assert not refused(policy_choice(arms, recipe, UNICODE))
     assert set(refused(policy_choice(lake, recipe, UNICODE))) == {"gradient", "thompson"}
-    planners = {each.id for each in ALGORITHMS if each.planner}
+    planners = {each.id for each in BY_ID.values() if each.planner}
     assert set(refused(algorithm_choice(unknown, recipe, UNICODE))) == planners
     assert all("table" in each for each in refused(algorithm_choice(unknown, recipe, UNICODE)).values())
 
@@ -43,8 +43,8 @@ def test_every_algorithm_and_rule_can_be_chosen_where_it_works() -> None:
 def test_every_choice_has_name_summary_and_equation() -> None:
     recipe = recipe_for(find("student"), {}, 0)
     for choice, rows in (
-        (algorithm_choice(lake_world().space, recipe, ASCII), ALGORITHMS),
-        (policy_choice(lake_world().space, recipe, ASCII), POLICIES),
+        (algorithm_choice(lake_world().space, recipe, ASCII), BY_ID.values()),
+        (policy_choice(lake_world().space, recipe, ASCII), POLICY_BY_ID.values()),
     ):
         texts = [choice.describe(each).plain for each in choice.candidates]
         assert len(texts) == len(rows)
@@ -118,7 +118,7 @@ async def test_sliders_are_counted_on_screen(make_app: MakeApp) -> None:
     app = make_app("student")
     async with app.run_test(size=(80, 24)) as pilot:
         await settle(pilot)
-        playground(pilot).set_parameter("policy", "softmax")
+        playground(pilot).agent.set_parameter("policy", "softmax")
         await settle(pilot)
         await press(pilot, "3")
         assert app.focused is slider(app, "temperature")
@@ -200,5 +200,5 @@ async def test_values_out_of_range_are_refused_with_the_range(make_app: MakeApp)
 
 
 def test_every_planner_has_a_reason_to_follow_no_policy() -> None:
-    for algorithm in ALGORITHMS:
+    for algorithm in BY_ID.values():
         assert ("policy" in BY_ID[algorithm.id].parameters) is not algorithm.planner

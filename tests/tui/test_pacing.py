@@ -4,8 +4,8 @@ import asyncio
 
 import pytest
 
+from rl_tui.tui.screens.playground.actions.run import faster, slower
 from rl_tui.tui.screens.playground.frame_pacing import Pacer
-from rl_tui.tui.screens.playground.speeds import faster, slower
 
 
 class Clock:

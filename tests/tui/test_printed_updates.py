@@ -11,11 +11,12 @@ from hypothesis import strategies as st
 from samples import lake, learned_from, look
 
 from rl_tui.agents.update_terms import Lookup
-from rl_tui.lab.live.backup import Backup, Leaf
+from rl_tui.lab.last_step.backup import Backup, Leaf
+from rl_tui.lab.last_step.story import story_of
 from rl_tui.tui.draw import numbers
 from rl_tui.tui.draw.precision import figure
-from rl_tui.tui.panels.last_step.loop_text import loop_text
 from rl_tui.tui.panels.last_step.update_text import UpdateText, update_text
+from rl_tui.tui.panels.last_step.words import words_of
 from rl_tui.tui.panels.microscope.backup_columns import outcome_rows
 from rl_tui.tui.panels.microscope.targets import target_lines
 from rl_tui.tui.theme.glyphs import ASCII, UNICODE
@@ -87,6 +88,7 @@ def contradictions(text: UpdateText, *, bootstraps: bool) -> list[str]:
 )
 @example(0.00013, 0.0, 0.000159, 0.1, 0.99, 1, 0.1, "one step")
 @example(-7.0, -1.0, -6.0000000049, 0.5, 1.0, 1, 0.5, "one step")
+@example(1.8356172431393247, -100.0, 1.1223826259626861, 0.05, 0.99, 1, 0.05, "one step")
 def test_the_printed_update_does_not_contradict_itself(
     before: float,
     gathered: float,
@@ -162,7 +164,9 @@ def test_a_figure_of_an_equation(x: float, decimals: int, text: str) -> None:
     assert figure(x, decimals, ASCII) == text.replace("−", "-")
 
 
-LOOP = loop_text(LAKE, LAST, UNICODE)
+STORY = story_of(LAKE)
+assert STORY is not None
+WORDS = words_of(STORY, UNICODE)
 WORTHS = st.one_of(st.sampled_from([0.0, 0.5]), st.floats(0.0, 1.0), SIZES.filter(lambda size: size < 1.0))
 
 
@@ -180,7 +184,7 @@ def test_the_microscope_does_not_contradict_itself(values: list[float], sampled:
         *_, printed, share = row.split()
         finest = min(last_digit(share), 1.0) if share != "0" else 1e-3
         assert abs(gamma * value(printed) / 3 - value(share)) <= 1.001 * finest + numbers.NEGLIGIBLE
-    lines = target_lines(LAKE, backup, LOOP, look(), 80, secret=False)
+    lines = target_lines(WORDS, backup, look(), 80, secret=False)
     first, second = ("".join(piece.text for piece in line).split()[-1] for line in lines[:2])
     told = "".join(piece.text for piece in lines[2]).split()[1]
     finest = max(last_digit(each) for each in (first, second, told) if each != "0") if told != "0" else 1e-6

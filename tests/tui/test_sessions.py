@@ -337,8 +337,8 @@ async def test_what_cannot_be_saved_is_said_once(tmp_path: Path) -> None:
         await settle(pilot)
         screen = app.screen
         assert isinstance(screen, Playground)
-        assert screen.autosave
-        screen.autosave.close()
+        assert screen.session.autosave
+        screen.session.autosave.close()
         await pilot.pause()
         (told,) = notes(app)
         assert told.startswith("this session is not being saved: ")

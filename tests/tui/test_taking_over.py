@@ -14,11 +14,11 @@ from rl_tui.lab.live.commands import Command, GoTo, RunEpisode, Step, Take, Trai
 from rl_tui.lab.live.snapshot import Phase
 from rl_tui.lab.run.recipe import JournalEntry, TakeAction
 from rl_tui.tui.app.screenshot import settle
+from rl_tui.tui.panels.catalogue import LAST_STEP, MICROSCOPE, WORLD
 from rl_tui.tui.panels.controls.slider import Slider
 from rl_tui.tui.panels.status_line import StatusLine
 from rl_tui.tui.screens.help import HelpScreen
 from rl_tui.tui.screens.key_line import KeyLine
-from rl_tui.tui.screens.playground.arrangement import WORLD
 from rl_tui.tui.screens.playground.playground import Playground
 
 LEFT, DOWN, RIGHT, UP = range(4)
@@ -90,9 +90,9 @@ async def test_escape_hands_back_and_stays_here(make_app: MakeApp) -> None:
         await press(pilot, "y", "question_mark")
         assert isinstance(app.screen, HelpScreen)
         await press(pilot, "escape")
-        assert playground(pilot).is_manual
+        assert playground(pilot).manual.is_on
         await press(pilot, "escape")
-        assert not playground(pilot).is_manual
+        assert not playground(pilot).manual.is_on
         assert isinstance(app.screen, Playground)
 
 
@@ -117,15 +117,15 @@ async def test_space_and_e_hand_back_and_s_does_not(
         asked = record(pilot, monkeypatch)
         await press(pilot, "y", "s")
         assert asked == [Step()]
-        assert playground(pilot).is_manual
+        assert playground(pilot).manual.is_on
         await press(pilot, "e")
         assert asked[1:] == [RunEpisode()]
-        assert not playground(pilot).is_manual
+        assert not playground(pilot).manual.is_on
         for key in ("space", "r"):
             await press(pilot, "y")
-            assert playground(pilot).is_manual
+            assert playground(pilot).manual.is_on
             await press(pilot, key)
-            assert not playground(pilot).is_manual
+            assert not playground(pilot).manual.is_on
 
 
 async def test_keys_without_an_action_say_so(make_app: MakeApp, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -147,7 +147,7 @@ async def test_an_arm_is_pulled_by_its_name(make_app: MakeApp, monkeypatch: pyte
         assert asked == [Take(7), Take(0)]
         playground(pilot).send(Train(1000))
         await settle(pilot)
-        assert not playground(pilot).is_manual
+        assert not playground(pilot).manual.is_on
         assert notes(app)[-1] == "the budget is spent; r starts again"
 
 
@@ -158,7 +158,7 @@ async def test_a_planner_takes_no_actions(make_app: MakeApp) -> None:
         screen = playground(pilot)
         await switch(pilot, "value-iteration")
         await press(pilot, "y")
-        assert not screen.is_manual
+        assert not screen.manual.is_on
         assert notes(app) == ["Value iteration takes no actions: it plans with the model; a chooses an agent"]
 
 
@@ -181,7 +181,7 @@ async def test_a_walk_to_the_goal_is_learned_from(make_app: MakeApp) -> None:
         assert at_goal.timeline.current.journal == tuple(
             JournalEntry(step, TakeAction(action)) for step, (_, action) in enumerate(walked)
         )
-        last_step = playground(pilot).board.last_step
+        last_step = playground(pilot).board.panel(LAST_STEP)
         text = "\n".join(last_step.render_line(y).text for y in range(last_step.size.height))
         assert "you chose it" in text
         world = playground(pilot).board.world
@@ -205,10 +205,10 @@ async def test_the_agent_and_a_person_take_turns(make_app: MakeApp) -> None:
         theirs = await press(pilot, "s")
         assert theirs.counters.last_step is not None
         assert not theirs.counters.last_step.by_hand
-        assert playground(pilot).is_manual
+        assert playground(pilot).manual.is_on
         assert theirs.counters.step == 2
         done = await press(pilot, "e")
-        assert (done.counters.episodes, playground(pilot).is_manual) == (1, False)
+        assert (done.counters.episodes, playground(pilot).manual.is_on) == (1, False)
 
 
 async def test_pulls_and_cards_by_hand(make_app: MakeApp) -> None:
@@ -267,7 +267,7 @@ async def test_the_world_is_in_view_beside_the_microscope_or_in_its_place(
         board = playground(pilot).board
         assert board.zoomed is None
         assert board.shows(WORLD)
-        assert board.dissects is beside
+        assert (board.opened == MICROSCOPE) is beside
         assert (await press(pilot, "down")).counters.step == 2
 
 

@@ -48,7 +48,7 @@ def shows(pilot: Pilot[UserError], timeline: Timeline, **changes: object) -> Sna
     """Draw a moment made by hand that the player could have published just now."""
     made = changed(snapshot(pilot), timeline=timeline, step=timeline.current.here, **changes)
     screen = playground(pilot)
-    show(screen, changed(made, handled=screen.sent))
+    show(screen, changed(made, handled=screen.wanted.sent))
     return made
 
 
@@ -204,6 +204,6 @@ async def test_what_is_still_under_way_is_not_taken_back(
         assert isinstance(sent[0], Apply)
         asked = screen.recipe.hyperparameters.alpha
         assert asked != before.agent.hyperparameters.alpha
-        show(screen, changed(before, handled=screen.sent - 1))
+        show(screen, changed(before, handled=screen.wanted.sent - 1))
         assert screen.recipe.hyperparameters.alpha == asked
         assert screen.query_one("#alpha", Slider).value == asked

@@ -36,13 +36,13 @@ def moment(pilot: Pilot[UserError]) -> Moment:
         (board.world, make_world_view(shown.world, board.look)),
         (board.table, QTable(board.look)),
         (board.curve, ReturnCurve(board.look)),
-        (board.last_step, LastStepPanel(board.look)),
+        (board.query_one(LastStepPanel), LastStepPanel(board.look)),
     )
     pictures = []
     for shows, panel in fresh:
         panel.show(shown)
         pictures.append("\n".join(row.text for row in panel.picture(shown, *shows.size)))
-    return (*pictures, text_of(board.last_step), bits(shown))
+    return (*pictures, text_of(board.query_one(LastStepPanel)), bits(shown))
 
 
 def bits(shown: Snapshot) -> str:

@@ -213,28 +213,16 @@ async def test_an_empty_run_has_nowhere_to_go() -> None:
     assert await pressed(Bench(at(0, 0)), "left", "right", "home", "end", "pageup") == []
 
 
-async def test_the_handle_is_at_once_where_it_is_sent_and_stays_until_the_run_is_there() -> None:
+async def test_the_handle_is_at_once_where_it_is_sent_and_stays_until_it_is_let_go() -> None:
     app = Bench(at(10_000))
     async with app.run_test(size=(80, 10)) as pilot:
         await pilot.press("home")
         assert app.text.startswith(" step 0           ●─")
         app.bar.show(at(10_000))
         assert app.bar.at == 0
-        app.bar.show(at(10_000, phase=Phase.SEEKING))
-        assert app.bar.at == 0
-        app.bar.show(at(0))
+        app.bar.sought = None
         app.bar.show(at(7_000))
         assert app.bar.at == 7_000
-
-
-async def test_what_came_in_between_lets_the_handle_go() -> None:
-    app = Bench(at(10_000))
-    async with app.run_test(size=(80, 10)) as pilot:
-        await pilot.press("home")
-        app.bar.show(at(400, 400))
-        assert app.bar.at == 0
-        app.bar.forget()
-        assert app.bar.at == 400
 
 
 async def test_a_click_goes_there() -> None:

@@ -9,7 +9,7 @@ import pytest
 from samples import bandit, lake, look
 from snapshots import changed
 
-from rl_tui.agents.catalogue import ALGORITHMS
+from rl_tui.agents.catalogue import BY_ID
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.agents.last_step import NOTHING
 from rl_tui.lab.live.snapshot import Snapshot
@@ -36,6 +36,7 @@ def step(algorithm: str, **changes: Any) -> Snapshot:
         "updated_pair": pair,
         "outcome": pair,
         "next_state": 10,
+        "bootstrap_state": NOTHING if changes.get("terminated") else changes.get("next_state", 10),
         "terminated": False,
         "reward": 0.0,
         "gathered": 0.0,
@@ -131,7 +132,10 @@ def test_monte_carlo_learns_from_the_whole_return() -> None:
     assert "Q(0,←) ← .36 + .10 · (+.59) = .42   and 5 more, back to its start" in text
     assert drawn(ended).startswith(" Q(0,←) ← .36 + .10·(.95 − .36) = .42")
     cut = changed(
-        ended, last_step=replace(ended.counters.last_step, terminated=False, truncated=True, bootstrap=0.2)
+        ended,
+        last_step=replace(
+            ended.counters.last_step, terminated=False, truncated=True, bootstrap=0.2, bootstrap_state=15
+        ),
     )  # type: ignore[type-var]
     assert "Σ π Q(15,·)" in drawn(cut, 80, 9)
 
@@ -154,7 +158,7 @@ def test_a_trace_makes_the_step_larger_or_smaller() -> None:
 
 def test_a_pair_from_the_model_leads_to_a_state_of_its_own() -> None:
     other = int(LAKE.world.space.first_pair[9])
-    text = drawn(step("prioritized-sweeping", updated_pair=other, others=9), 80, 9)
+    text = drawn(step("prioritized-sweeping", updated_pair=other, bootstrap_state=13, others=9), 80, 9)
     assert "max Q(s′,·)" in text
     assert "Q(9,←) ← " in text
 
@@ -187,7 +191,7 @@ def test_a_planner_backs_up_a_state() -> None:
     assert drawn(planned()).startswith(" Q(6,↓) ← .25 + .99·.56 = .80  δ +.44  +2  sweep 3")
 
 
-@pytest.mark.parametrize("algorithm", [each.id for each in ALGORITHMS if each.planner])
+@pytest.mark.parametrize("algorithm", [each.id for each in BY_ID.values() if each.planner])
 def test_a_planner_tells_nothing_of_a_world_it_did_not_step_in(algorithm: str) -> None:
     for height in (1, 2, 3, 4, 6, 9):
         text = drawn(planned(algorithm), 70, height)
@@ -235,10 +239,10 @@ def test_a_stepped_environment_has_no_chances() -> None:
     assert "(p" not in text
 
 
-@pytest.mark.parametrize("algorithm", [each.id for each in ALGORITHMS])
+@pytest.mark.parametrize("algorithm", BY_ID)
 @pytest.mark.parametrize("ascii", [False, True])
 def test_every_algorithm_fits_any_size(algorithm: str, ascii: bool) -> None:  # noqa: A002
-    plans = next(each for each in ALGORITHMS if each.id == algorithm).planner
+    plans = BY_ID[algorithm].planner
     snapshot = planned(algorithm) if plans else step(algorithm, others=1234)
     for width in (1, 3, 10, 20, 40, 54, 80, 140):
         for height in (1, 2, 3, 4, 5, 6, 7, 8, 20):

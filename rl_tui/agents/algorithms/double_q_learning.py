@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 from numpy.random import Generator
 
-from rl_tui.agents.algorithms.family import Experience, Update, learn
+from rl_tui.agents.algorithms.family import NO_STATE, Experience, Update, learn
 from rl_tui.agents.kernels.compiled import member_of
 from rl_tui.agents.kernels.parameters import KernelParameters, step_size
 from rl_tui.agents.kernels.tables import Tables, pairs_of
@@ -56,13 +56,15 @@ def _learn(
     # A sample average counts the updates of its own table, being the mean of that table's targets
     updates[pair] += 1
     alpha = step_size(params, updates[pair])
-    bootstrap = 0.0
+    bootstrap, bootstrap_state = 0.0, NO_STATE
     if not experience.terminated:
-        first, last = pairs_of(tables, experience.next_state)
+        bootstrap_state = experience.next_state
+        first, last = pairs_of(tables, bootstrap_state)
         bootstrap = judging[greedy(learning, first, last, params.random_ties, rest)]
     before = learning[pair]
     after = before + alpha * (experience.reward + params.gamma * bootstrap - before)
     learning[pair] = after
     memory.q[pair] = (memory.q1[pair] + memory.q2[pair]) / 2.0
     table = 1 if first_table else 2
-    return Update(pair, before, alpha, experience.reward, params.gamma, bootstrap, after, 0, after, table)
+    reward, gamma = experience.reward, params.gamma
+    return Update(pair, before, alpha, reward, gamma, bootstrap, bootstrap_state, after, 0, after, table)

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.random import Generator
 
-from rl_tui.agents.algorithms.family import Experience, Update, further, learn
+from rl_tui.agents.algorithms.family import NO_STATE, Experience, Update, further, learn
 from rl_tui.agents.algorithms.shared.model import THE_END, UNKNOWN, modelled_value
 from rl_tui.agents.kernels.compiled import compiled, member_of
 from rl_tui.agents.kernels.parameters import KernelParameters, step_size
@@ -124,6 +124,7 @@ def learn_and_practise(
         reward,
         params.gamma,
         bootstrap,
+        next_state if next_state >= 0 else NO_STATE,
         after,
         params.planning_steps,
         extreme,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import Any, Final, NamedTuple
 
 from numpy.random import Generator
 
@@ -10,6 +10,9 @@ from rl_tui.agents.kernels.compiled import inlined, inlined_by_type
 from rl_tui.agents.kernels.parameters import KernelParameters
 from rl_tui.agents.kernels.tables import Tables, pairs_of
 from rl_tui.agents.policies.family import choose
+
+# In place of the state that an update bootstrapped from, where there is none
+NO_STATE: Final = -1
 
 
 class Experience(NamedTuple):
@@ -28,9 +31,11 @@ class Update(NamedTuple):
 
     The target is ``gathered`` + ``discount``·``bootstrap``, the bootstrap being an estimate as it was before
     the update. One step gathers its reward and discounts by γ; n steps gather a discounted sum and discount
-    by γⁿ; after = before + step_size·(target − before) always. ``others`` is how many further updates the
-    same step made (traces, planning), ``extreme`` which of all new estimates is furthest from 0, so that none
-    runs away unseen. ``table`` is 1 or 2 where there are two tables of estimates, 0 where there is one.
+    by γⁿ; after = before + step_size·(target − before) always. ``bootstrap_state`` is the state whose
+    estimates the bootstrap was read from; −1 for none, as after the end of an episode, and for a planner,
+    which reads those of all that may follow. ``others`` is how many further updates the same step made
+    (traces, planning), ``extreme`` which of all new estimates is furthest from 0, so that none runs away
+    unseen. ``table`` is 1 or 2 where there are two tables of estimates, 0 where there is one.
     """
 
     pair: int
@@ -39,6 +44,7 @@ class Update(NamedTuple):
     gathered: float
     discount: float
     bootstrap: float
+    bootstrap_state: int
     after: float
     others: int
     extreme: float
@@ -53,16 +59,17 @@ def one_update(
     gathered: float,
     discount: float,
     bootstrap: float,
+    bootstrap_state: int,
     after: float,
 ) -> Update:
     """Return the update of a step that changed one estimate."""
-    return Update(pair, before, step_size, gathered, discount, bootstrap, after, 0, after, 0)
+    return Update(pair, before, step_size, gathered, discount, bootstrap, bootstrap_state, after, 0, after, 0)
 
 
 @inlined
 def no_update() -> Update:
     """Return the update of a step after which nothing was learned yet."""
-    return Update(-1, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0, 0.0, 0)
+    return Update(-1, 0.0, 0.0, 0.0, 0.0, 0.0, NO_STATE, 0.0, 0, 0.0, 0)
 
 
 @inlined
@@ -75,6 +82,7 @@ def with_others(update: Update, others: int, extreme: float) -> Update:
         update.gathered,
         update.discount,
         update.bootstrap,
+        update.bootstrap_state,
         update.after,
         others,
         extreme,

@@ -7,7 +7,7 @@ from typing import Any, Final, NamedTuple
 import numpy as np
 from numpy.random import Generator
 
-from rl_tui.agents.algorithms.family import Experience, Update, further, has_room, learn, no_update
+from rl_tui.agents.algorithms.family import NO_STATE, Experience, Update, further, has_room, learn, no_update
 from rl_tui.agents.kernels.compiled import member_of
 from rl_tui.agents.kernels.parameters import KernelParameters, step_size
 from rl_tui.agents.kernels.tables import Tables, pairs_of
@@ -78,9 +78,10 @@ def _learn(
     memory.length[0] += 1
     if not (experience.terminated or experience.truncated):
         return no_update()
-    bootstrap = 0.0
+    bootstrap, bootstrap_state = 0.0, NO_STATE
     if experience.truncated:
-        first, last = pairs_of(tables, experience.next_state)
+        bootstrap_state = experience.next_state
+        first, last = pairs_of(tables, bootstrap_state)
         bootstrap = expectation(rule, memory.q, memory.visits, first, last)
     gathered, discount, extreme = 0.0, 1.0, 0.0
     pair, before, alpha, after = experience.pair, 0.0, 0.0, 0.0
@@ -100,4 +101,7 @@ def _learn(
         memory.q[pair] = after
         extreme = further(extreme, after)
     memory.length[0] = 0
-    return Update(pair, before, alpha, gathered, discount, bootstrap, after, length - 1, extreme, 0)
+    others = length - 1
+    return Update(
+        pair, before, alpha, gathered, discount, bootstrap, bootstrap_state, after, others, extreme, 0
+    )

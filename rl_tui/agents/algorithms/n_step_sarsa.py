@@ -7,7 +7,17 @@ from typing import Any, Final, NamedTuple
 import numpy as np
 from numpy.random import Generator
 
-from rl_tui.agents.algorithms.family import Experience, Update, act, further, learn, no_update, with_others
+from rl_tui.agents.algorithms.family import (
+    NO_STATE,
+    Experience,
+    Update,
+    act,
+    further,
+    learn,
+    no_update,
+    one_update,
+    with_others,
+)
 from rl_tui.agents.algorithms.shared.next_action import choose_next, nothing_chosen, take_chosen
 from rl_tui.agents.hyperparameters import MOST_STEPS
 from rl_tui.agents.kernels.compiled import inlined, member_of
@@ -49,10 +59,8 @@ def new_memory(q: FloatArray, visits: IntArray, space: FiniteSpace) -> Memory:
     )
 
 
-@member_of(act, Memory)
-def _act(memory: Memory, rule: Any, tables: Tables, state: int, generator: Generator) -> tuple[int, bool]:
-    # Take action A_t; at the start of an episode select A_0 ~ π(·|S_0)
-    return take_chosen(memory.chosen, rule, memory.q, memory.visits, tables, state, generator)
+# A ← A′; at the start of an episode choose A from S using the policy derived from Q
+member_of(act, Memory)(take_chosen)
 
 
 @member_of(learn, Memory)
@@ -70,16 +78,14 @@ def _learn(
     memory.pairs[time % _ROOM] = pair
     memory.rewards[time % _ROOM] = experience.reward
     time += 1
-    memory.pairs[time % _ROOM] = choose_next(
-        memory.chosen, rule, memory.q, memory.visits, tables, experience, generator
-    )
+    memory.pairs[time % _ROOM] = choose_next(memory, rule, tables, experience, generator)
     # τ ← t − n + 1: the step whose estimate is updated. Where n was made smaller several are due, where it
     # was made greater none for a while; after the last step of an episode all are, until τ = T − 1
     ended = experience.terminated or experience.truncated
     update = no_update()
     extreme, made = 0.0, 0
     for due in range(memory.time[1], time if ended else time - params.steps + 1):
-        update = _update(memory, params, due, min(due + params.steps, time), time, experience.terminated)
+        update = _update(memory, params, due, min(due + params.steps, time), time, experience)
         extreme = further(extreme, update.after)
         made += 1
     memory.time[0] = 0 if ended else time
@@ -89,18 +95,23 @@ def _learn(
 
 @inlined
 def _update(
-    memory: Memory, params: KernelParameters, due: int, last: int, time: int, terminated: bool
+    memory: Memory, params: KernelParameters, due: int, last: int, time: int, experience: Experience
 ) -> Update:
-    """Update the pair of step ``due`` with the rewards up to that of step ``last``."""
+    """Update the pair of step ``due`` with the rewards up to that of step ``last``.
+
+    The update says that it bootstrapped from the state where ``experience`` ends, as the last one of a step
+    does. Others, which look up an earlier state, are only counted.
+    """
     # G ← Σ γ^(i−τ−1) R_i for i from τ+1 to min(τ+n, T)
     gathered, discount = 0.0, 1.0
     for step in range(due, last):
         gathered += discount * memory.rewards[step % _ROOM]
         discount *= params.gamma
     # If τ + n < T: G ← G + γⁿ Q(S_{τ+n}, A_{τ+n}); a truncated episode would have gone on
-    bootstrap = 0.0
-    if last < time or not terminated:
+    bootstrap, bootstrap_state = 0.0, NO_STATE
+    if last < time or not experience.terminated:
         bootstrap = memory.q[memory.pairs[last % _ROOM]]
+        bootstrap_state = experience.next_state
     # Q(S_τ,A_τ) ← Q(S_τ,A_τ) + α [G − Q(S_τ,A_τ)]
     pair = memory.pairs[due % _ROOM]
     memory.updates[pair] += 1
@@ -108,4 +119,4 @@ def _update(
     before = memory.q[pair]
     after = before + alpha * (gathered + discount * bootstrap - before)
     memory.q[pair] = after
-    return Update(pair, before, alpha, gathered, discount, bootstrap, after, 0, after, 0)
+    return one_update(pair, before, alpha, gathered, discount, bootstrap, bootstrap_state, after)

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.random import Generator
 
 from rl_tui.agents.algorithms.family import (
+    NO_STATE,
     Experience,
     Update,
     further,
@@ -103,14 +104,18 @@ def remember_and_sweep(
         each = dequeue(queue)
         # Q(S,A) ← Q(S,A) + α [R + γ max_a Q(S′,a) − Q(S,A)]
         gathered = memory.model_reward[each]
-        bootstrap = modelled_value(memory.q, tables, memory.model_next[each])
+        following = memory.model_next[each]
+        bootstrap = modelled_value(memory.q, tables, following)
         alpha = step_size(params, memory.visits[each])
         before = memory.q[each]
         after = before + alpha * (gathered + params.gamma * bootstrap - before)
         memory.q[each] = after
         extreme = further(extreme, after)
         if updates == 0:
-            first_update = one_update(each, before, alpha, gathered, params.gamma, bootstrap, after)
+            bootstrap_state = following if following >= 0 else NO_STATE
+            first_update = one_update(
+                each, before, alpha, gathered, params.gamma, bootstrap, bootstrap_state, after
+            )
         updates += 1
         # Loop for all S̄,Ā predicted to lead to S
         before_that = memory.leading[state_of(tables, each)]

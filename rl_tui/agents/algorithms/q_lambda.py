@@ -29,10 +29,8 @@ def new_memory(q: FloatArray, visits: IntArray, space: FiniteSpace) -> Memory:
     return Memory(*no_traces(q, visits, space))
 
 
-@member_of(act, Memory)
-def _act(memory: Memory, rule: Any, tables: Tables, state: int, generator: Generator) -> tuple[int, bool]:
-    # A ← A′; at the start of an episode choose A from S using the policy derived from Q
-    return take_chosen(memory.chosen, rule, memory.q, memory.visits, tables, state, generator)
+# A ← A′; at the start of an episode choose A from S using the policy derived from Q
+member_of(act, Memory)(take_chosen)
 
 
 @member_of(on_override, Memory)
@@ -54,7 +52,7 @@ def _learn(
 ) -> Update:
     # Choose A′ from S′ using the policy derived from Q
     memory.visits[experience.pair] += 1
-    next_pair = choose_next(memory.chosen, rule, memory.q, memory.visits, tables, experience, generator)
+    next_pair = choose_next(memory, rule, tables, experience, generator)
     bootstrap, decay = 0.0, 0.0
     if not experience.terminated:
         first, last = pairs_of(tables, experience.next_state)
@@ -63,4 +61,4 @@ def _learn(
         if memory.q[next_pair] == bootstrap and not experience.truncated:
             decay = params.gamma * params.trace_decay
     # δ ← R + γ max_a Q(S′,a) − Q(S,A);  Q ← Q + α δ e;  e ← γλ e, or 0
-    return teach(memory, params, experience.pair, experience.reward, bootstrap, decay)
+    return teach(memory, params, experience, bootstrap, decay)

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 from numpy.random import Generator
 
-from rl_tui.agents.algorithms.family import Experience, Update, learn, one_update
+from rl_tui.agents.algorithms.family import NO_STATE, Experience, Update, learn, one_update
 from rl_tui.agents.kernels.compiled import member_of
 from rl_tui.agents.kernels.parameters import KernelParameters, step_size
 from rl_tui.agents.kernels.tables import Tables, pairs_of
@@ -39,11 +39,12 @@ def _learn(
     pair = experience.pair
     memory.visits[pair] += 1
     alpha = step_size(params, memory.visits[pair])
-    bootstrap = 0.0
+    bootstrap, bootstrap_state = 0.0, NO_STATE
     if not experience.terminated:
-        first, last = pairs_of(tables, experience.next_state)
+        bootstrap_state = experience.next_state
+        first, last = pairs_of(tables, bootstrap_state)
         bootstrap = best_value(memory.q, first, last)
     before = memory.q[pair]
     after = before + alpha * (experience.reward + params.gamma * bootstrap - before)
     memory.q[pair] = after
-    return one_update(pair, before, alpha, experience.reward, params.gamma, bootstrap, after)
+    return one_update(pair, before, alpha, experience.reward, params.gamma, bootstrap, bootstrap_state, after)

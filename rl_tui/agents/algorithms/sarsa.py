@@ -6,12 +6,11 @@ from typing import Any, NamedTuple
 
 from numpy.random import Generator
 
-from rl_tui.agents.algorithms.family import Experience, Update, act, learn, one_update
-from rl_tui.agents.algorithms.shared.next_action import NO_PAIR, nothing_chosen
+from rl_tui.agents.algorithms.family import NO_STATE, Experience, Update, act, learn, one_update
+from rl_tui.agents.algorithms.shared.next_action import choose_next, nothing_chosen, take_chosen
 from rl_tui.agents.kernels.compiled import member_of
 from rl_tui.agents.kernels.parameters import KernelParameters, step_size
-from rl_tui.agents.kernels.tables import Tables, pairs_of
-from rl_tui.agents.policies.family import choose
+from rl_tui.agents.kernels.tables import Tables
 from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray, IntArray
 
 
@@ -31,13 +30,8 @@ def new_memory(q: FloatArray, visits: IntArray, space: FiniteSpace) -> Memory:
     return Memory(q, visits, nothing_chosen())
 
 
-@member_of(act, Memory)
-def _act(memory: Memory, rule: Any, tables: Tables, state: int, generator: Generator) -> tuple[int, bool]:
-    # A ← A′; at the start of an episode choose A from S using the policy derived from Q
-    first, last = pairs_of(tables, state)
-    if first <= memory.chosen[0] < last:
-        return memory.chosen[0], memory.chosen[1] != 0
-    return choose(rule, memory.q, memory.visits, first, last, generator)
+# A ← A′; at the start of an episode choose A from S using the policy derived from Q
+member_of(act, Memory)(take_chosen)
 
 
 @member_of(learn, Memory)
@@ -53,17 +47,12 @@ def _learn(
     pair = experience.pair
     memory.visits[pair] += 1
     alpha = step_size(params, memory.visits[pair])
-    bootstrap = 0.0
-    memory.chosen[0] = NO_PAIR
+    next_pair = choose_next(memory, rule, tables, experience, generator)
+    bootstrap, bootstrap_state = 0.0, NO_STATE
     if not experience.terminated:
-        first, last = pairs_of(tables, experience.next_state)
-        next_pair, explores = choose(rule, memory.q, memory.visits, first, last, generator)
-        bootstrap = memory.q[next_pair]
-        if not experience.truncated:
-            memory.chosen[0] = next_pair
-            memory.chosen[1] = explores
+        bootstrap, bootstrap_state = memory.q[next_pair], experience.next_state
     # Q(S,A) ← Q(S,A) + α [R + γ Q(S′,A′) − Q(S,A)]
     before = memory.q[pair]
     after = before + alpha * (experience.reward + params.gamma * bootstrap - before)
     memory.q[pair] = after
-    return one_update(pair, before, alpha, experience.reward, params.gamma, bootstrap, after)
+    return one_update(pair, before, alpha, experience.reward, params.gamma, bootstrap, bootstrap_state, after)

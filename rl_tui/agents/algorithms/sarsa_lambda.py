@@ -24,10 +24,8 @@ def new_memory(q: FloatArray, visits: IntArray, space: FiniteSpace) -> Memory:
     return Memory(*no_traces(q, visits, space))
 
 
-@member_of(act, Memory)
-def _act(memory: Memory, rule: Any, tables: Tables, state: int, generator: Generator) -> tuple[int, bool]:
-    # A ← A′; at the start of an episode choose A from S using the policy derived from Q
-    return take_chosen(memory.chosen, rule, memory.q, memory.visits, tables, state, generator)
+# A ← A′; at the start of an episode choose A from S using the policy derived from Q
+member_of(act, Memory)(take_chosen)
 
 
 @member_of(learn, Memory)
@@ -41,9 +39,9 @@ def _learn(
 ) -> Update:
     # Choose A′ from S′ using the policy derived from Q
     memory.visits[experience.pair] += 1
-    next_pair = choose_next(memory.chosen, rule, memory.q, memory.visits, tables, experience, generator)
+    next_pair = choose_next(memory, rule, tables, experience, generator)
     bootstrap = memory.q[next_pair] if next_pair >= 0 else 0.0
     # δ ← R + γ Q(S′,A′) − Q(S,A);  Q ← Q + α δ e;  e ← γλ e, and no trace leads into another episode
     ended = experience.terminated or experience.truncated
     decay = 0.0 if ended else params.gamma * params.trace_decay
-    return teach(memory, params, experience.pair, experience.reward, bootstrap, decay)
+    return teach(memory, params, experience, bootstrap, decay)

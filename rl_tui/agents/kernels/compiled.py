@@ -141,6 +141,11 @@ def inlined_by_type(function: Callable[Parameters, Result]) -> Callable[Paramete
     return cast("Callable[Parameters, Result]", dispatch)
 
 
+def has_member(dispatch: Callable[..., Any], first_type: type) -> bool:
+    """Return whether a ``first_type`` has a member of its own in the family ``dispatch``."""
+    return first_type in dispatch.__dict__["family"]
+
+
 def member_of(
     dispatch: Callable[..., Any], first_type: type
 ) -> Callable[[Callable[..., Any]], Callable[..., Any]]:

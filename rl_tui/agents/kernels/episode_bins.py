@@ -1,4 +1,4 @@
-"""Returns and lengths of episodes, added up in bins of equal width."""
+"""Finished episodes, added up in bins of equal width: for the curve of a run, and for the mean of many."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from rl_tui.agents.kernels.compiled import compiled
-from rl_tui.worlds.mdp.space import FloatArray, IntArray
+from rl_tui.worlds.mdp.space import BoolArray, FloatArray, IntArray
 
 
 class EpisodeBins(NamedTuple):
@@ -79,3 +79,28 @@ def empty_bins(bins: int) -> EpisodeBins:
         length_sum=np.zeros(bins, np.int64),
         total_return=np.zeros(1),
     )
+
+
+class CurveSums(NamedTuple):
+    """Sums over the episodes of each bin, [B] each: returns, lengths, and optimal actions."""
+
+    returns: FloatArray
+    lengths: IntArray
+    optimal: IntArray
+
+
+@compiled
+def collect(
+    sums: CurveSums,
+    width: int,
+    done: int,
+    returns: FloatArray,
+    lengths: IntArray,
+    optimal: BoolArray,
+) -> None:
+    """Add episodes to their bins; the first of them comes after ``done`` others."""
+    for index in range(len(returns)):
+        here = (done + index) // width
+        sums.returns[here] += returns[index]
+        sums.lengths[here] += lengths[index]
+        sums.optimal[here] += optimal[index]

@@ -8,29 +8,25 @@ import numpy as np
 from numpy.random import Generator
 
 from rl_tui.agents.algorithms.family import Experience, act, has_room, learn, on_override
+from rl_tui.agents.kernels.after_update import StepRecord, after_update, record_step
 from rl_tui.agents.kernels.compiled import compiled, inlined
 from rl_tui.agents.kernels.drift import Drift, drift_on
 from rl_tui.agents.kernels.parameters import KernelParameters, Schedules, scheduled, with_alpha
 from rl_tui.agents.kernels.position import (
     REWARDS_KEPT,
     EpisodeLog,
-    LastRecord,
     Position,
     discount_rewards,
-    record_experience,
-    record_update,
 )
 from rl_tui.agents.kernels.stop import (
-    DIVERGED,
     ENDLESS_EPISODE,
     EPISODES_FULL,
-    LARGEST_ESTIMATE,
     LONGEST_EPISODE,
     MEMORY_FULL,
 )
 from rl_tui.agents.kernels.tables import Tables, landing, outcomes_of, pairs_of
 from rl_tui.agents.kernels.watch import Watch, watched
-from rl_tui.agents.policies.family import epsilon_of, in_force, reinforce
+from rl_tui.agents.policies.family import in_force, reinforce
 
 # Why the inner loop came back: the rewards that are kept have to be added up before they are written over
 _REWARDS_FULL: Final = -1
@@ -81,7 +77,7 @@ def advance(
     drift: Drift,
     position: Position,
     log: EpisodeLog,
-    last: LastRecord,
+    record: StepRecord,
     watch: Watch,
     world: Generator,
     learner: Generator,
@@ -98,7 +94,8 @@ def advance(
     logged = log.finished[0]
     forced, watching = position.forced[0], watch.active[0]
     last_step, last_episode = step + steps, episode + episodes
-    rule = in_force(rule, scheduled(schedules.epsilon, episode))
+    epsilon = scheduled(schedules.epsilon, episode)
+    rule = in_force(rule, epsilon)
     params = with_alpha(params, scheduled(schedules.alpha, episode))
     stop = 0
     while stop == 0 and step < last_step and episode < last_episode:
@@ -126,12 +123,13 @@ def advance(
             first_pair, last_pair = pairs_of(tables, state)
             reinforce(rule, params.alpha, first_pair, last_pair, pair, reward)
             # S ← S′, until S is terminal or the time is up
-            acted_episode, acted_epsilon = episode, epsilon_of(rule)
+            acted_episode, acted_epsilon = episode, epsilon
             state = next_state
             if first_reward_episode == 0 and reward != 0.0:
                 first_reward_episode = episode + 1
-            if not abs(update.extreme) <= LARGEST_ESTIMATE:  # written so that NaN is caught too
-                stop = DIVERGED
+            stop = after_update(record, update)
+            if stop != 0:
+                pass  # an estimate ran away: nothing else counts
             elif terminated or truncated:
                 log.returns[logged] = episode_return
                 log.lengths[logged] = episode_step
@@ -142,7 +140,8 @@ def advance(
                 episode += 1
                 episode_step = 0
                 episode_return = 0.0
-                rule = in_force(rule, scheduled(schedules.epsilon, episode))
+                epsilon = scheduled(schedules.epsilon, episode)
+                rule = in_force(rule, epsilon)
                 params = with_alpha(params, scheduled(schedules.alpha, episode))
                 state = start_state(tables, world)
             elif not has_room(memory):
@@ -167,8 +166,17 @@ def advance(
     if step > first_step:
         taken = episode_step if episode_step > 0 else log.lengths[logged - 1]
         discount_rewards(position, params.gamma, step - discounted_step, taken)
-        record_experience(
-            last, step, acted_episode + 1, taken, forced >= 0, explored, acted_epsilon, outcome, experience
+        record_step(
+            record,
+            step,
+            acted_episode + 1,
+            taken,
+            forced >= 0,
+            explored,
+            acted_epsilon,
+            outcome,
+            params.gamma,
+            experience,
+            update,
         )
-        record_update(last, update, params.gamma)
     return stop

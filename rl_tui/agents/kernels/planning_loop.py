@@ -5,10 +5,11 @@ from __future__ import annotations
 from typing import Any
 
 from rl_tui.agents.algorithms.family import Experience, back_up, has_converged
+from rl_tui.agents.kernels.after_update import StepRecord, after_update, record_step
 from rl_tui.agents.kernels.compiled import compiled
 from rl_tui.agents.kernels.parameters import KernelParameters
-from rl_tui.agents.kernels.position import LastRecord, Position, record_experience, record_update
-from rl_tui.agents.kernels.stop import CONVERGED, DIVERGED, LARGEST_ESTIMATE
+from rl_tui.agents.kernels.position import Position
+from rl_tui.agents.kernels.stop import CONVERGED
 from rl_tui.agents.kernels.tables import Tables
 from rl_tui.agents.kernels.watch import Watch, watched
 
@@ -28,7 +29,7 @@ def sweep(
     params: KernelParameters,
     tables: Tables,
     position: Position,
-    last: LastRecord,
+    record: StepRecord,
     watch: Watch,
     steps: int,
     episodes: int,
@@ -50,8 +51,7 @@ def sweep(
         swept_step = position.episode_step[0]
         experience = Experience(backed_up, -1, 0.0, backed_up, False, False)
         state = state_with_pairs(tables, state + 1)
-        if not abs(update.extreme) <= LARGEST_ESTIMATE:
-            stop = DIVERGED
+        stop = after_update(record, update)
         if state == len(tables.first_pair) - 1:
             episode += 1
             state = state_with_pairs(tables, 0)
@@ -63,6 +63,7 @@ def sweep(
         )
     position.step[0], position.episodes[0], position.state[0] = step, episode, state
     if step > first_step:
-        record_experience(last, step, swept + 1, swept_step, False, False, 0.0, -1, experience)
-        record_update(last, update, params.gamma)
+        record_step(
+            record, step, swept + 1, swept_step, False, False, 0.0, -1, params.gamma, experience, update
+        )
     return stop

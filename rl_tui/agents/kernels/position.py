@@ -6,9 +6,7 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from rl_tui.agents.algorithms.family import Experience, Update
 from rl_tui.agents.kernels.compiled import compiled
-from rl_tui.agents.last_step import LastStep
 from rl_tui.worlds.mdp.space import BoolArray, FloatArray, IntArray
 
 REWARDS_KEPT: Final = 256
@@ -92,95 +90,4 @@ def new_episode_log(episodes: int) -> EpisodeLog:
         np.zeros(episodes, dtype=np.float64),
         np.zeros(episodes, dtype=np.int64),
         np.zeros(episodes, dtype=np.bool_),
-    )
-
-
-class LastRecord(NamedTuple):
-    """The last step in two arrays: the whole fields of :class:`LastStep`, [14], and the real ones, [9]."""
-
-    whole: IntArray
-    real: FloatArray
-
-
-def new_record() -> LastRecord:
-    """Return the record of no step."""
-    return LastRecord(np.zeros(14, dtype=np.int64), np.zeros(9, dtype=np.float64))
-
-
-@compiled
-def record_experience(
-    last: LastRecord,
-    step: int,
-    episode: int,
-    episode_step: int,
-    by_hand: bool,
-    explored: bool,
-    epsilon: float,
-    outcome: int,
-    experience: Experience,
-) -> None:
-    """Record one step in the environment; ``outcome`` is −1 where it is not known.
-
-    It is called and not inlined, so that all loops share one.
-    """
-    last.whole[0] = step
-    last.whole[1] = episode
-    last.whole[2] = experience.state
-    last.whole[3] = experience.pair
-    last.whole[4] = explored
-    last.whole[5] = outcome
-    last.whole[6] = experience.next_state
-    last.whole[7] = experience.terminated
-    last.whole[8] = experience.truncated
-    last.whole[12] = episode_step
-    last.whole[13] = by_hand
-    last.real[0] = epsilon
-    last.real[1] = experience.reward
-
-
-@compiled
-def record_update(last: LastRecord, update: Update, gamma: float) -> None:
-    """Record what was learned from it."""
-    last.whole[9] = update.pair
-    last.whole[10] = update.others
-    last.whole[11] = update.table
-    last.real[2] = update.before
-    last.real[3] = update.step_size
-    last.real[4] = gamma
-    last.real[5] = update.gathered
-    last.real[6] = update.discount
-    last.real[7] = update.bootstrap
-    last.real[8] = update.after
-
-
-def read_record(last: LastRecord) -> LastStep | None:
-    """Return the recorded step, None before the first."""
-    whole, real = last.whole.tolist(), last.real.tolist()
-    step, episode, state, pair, explored, outcome, next_state, terminated, truncated = whole[:9]
-    if step == 0:
-        return None
-    return LastStep(
-        step=step,
-        episode=episode,
-        state=state,
-        pair=pair,
-        explored=bool(explored),
-        epsilon=real[0],
-        outcome=outcome,
-        reward=real[1],
-        next_state=next_state,
-        terminated=bool(terminated),
-        truncated=bool(truncated),
-        updated_pair=whole[9],
-        others=whole[10],
-        table=whole[11],
-        before=real[2],
-        step_size=real[3],
-        gamma=real[4],
-        gathered=real[5],
-        discount=real[6],
-        bootstrap=real[7],
-        after=real[8],
-        episode_step=whole[12],
-        by_hand=bool(whole[13]),
     )

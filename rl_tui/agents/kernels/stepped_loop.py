@@ -11,29 +11,25 @@ import numpy as np
 from numpy.random import Generator
 
 from rl_tui.agents.algorithms.family import Experience, act, has_room, learn, on_override
+from rl_tui.agents.kernels.after_update import StepRecord, after_update, record_step
 from rl_tui.agents.kernels.compiled import compiled, entry
 from rl_tui.agents.kernels.parameters import KernelParameters, Schedules, scheduled, with_alpha
 from rl_tui.agents.kernels.position import (
     REWARDS_KEPT,
     EpisodeLog,
-    LastRecord,
     Position,
     discount_rewards,
-    record_experience,
-    record_update,
 )
 from rl_tui.agents.kernels.stop import (
-    DIVERGED,
     ENDLESS_EPISODE,
     EPISODES_FULL,
-    LARGEST_ESTIMATE,
     LONGEST_EPISODE,
     MEMORY_FULL,
     Stop,
 )
 from rl_tui.agents.kernels.tables import Tables, pairs_of
 from rl_tui.agents.kernels.watch import Watch, watched
-from rl_tui.agents.policies.family import epsilon_of, in_force, reinforce
+from rl_tui.agents.policies.family import in_force, reinforce
 from rl_tui.worlds.environment import Environment, EnvironmentFailedError
 from rl_tui.worlds.mdp.space import IntArray
 
@@ -56,7 +52,7 @@ def turn(
     tables: Tables,
     position: Position,
     log: EpisodeLog,
-    last: LastRecord,
+    record: StepRecord,
     watch: Watch,
     chosen: Chosen,
     learner: Generator,
@@ -78,7 +74,8 @@ def turn(
     step = position.step[0]
     episode = position.episodes[0]
     state = position.state[0]
-    rule = in_force(rule, scheduled(schedules.epsilon, episode))
+    epsilon = scheduled(schedules.epsilon, episode)
+    rule = in_force(rule, epsilon)
     params = with_alpha(params, scheduled(schedules.alpha, episode))
     stop = 0
     if has_result:
@@ -95,16 +92,26 @@ def turn(
         first_pair, last_pair = pairs_of(tables, state)
         reinforce(rule, params.alpha, first_pair, last_pair, chosen.pair[0], reward)
         by_hand, explored = position.forced[0] >= 0, chosen.explored[0] == 1
-        record_experience(
-            last, step, episode + 1, episode_step, by_hand, explored, epsilon_of(rule), -1, experience
+        record_step(
+            record,
+            step,
+            episode + 1,
+            episode_step,
+            by_hand,
+            explored,
+            epsilon,
+            -1,
+            params.gamma,
+            experience,
+            update,
         )
-        record_update(last, update, params.gamma)
         # S ← S′, until S is terminal or the time is up
         state = next_state
         if position.first_reward_episode[0] == 0 and reward != 0.0:
             position.first_reward_episode[0] = episode + 1
-        if not abs(update.extreme) <= LARGEST_ESTIMATE:  # written so that NaN is caught too
-            stop = DIVERGED
+        stop = after_update(record, update)
+        if stop != 0:
+            pass  # an estimate ran away: nothing else counts
         elif terminated or truncated:
             logged = log.finished[0]
             log.returns[logged] = position.episode_return[0]
@@ -169,7 +176,7 @@ class SteppedLoop:
         tables: Tables,
         position: Position,
         log: EpisodeLog,
-        last: LastRecord,
+        record: StepRecord,
         watch: Watch,
         learner: Generator,
         steps: int,
@@ -180,7 +187,7 @@ class SteppedLoop:
         The bits are those of the compiled loop where the environment gives the same results. Where it breaks
         down the loop stops after the last sound step, with all that was learned from it.
         """
-        args = (memory, rule, params, schedules, tables, position, log, last, watch, self._chosen, learner)
+        args = (memory, rule, params, schedules, tables, position, log, record, watch, self._chosen, learner)
         last_step = int(position.step[0]) + steps
         last_episode = int(position.episodes[0]) + episodes
         nothing = (0, 0.0, False, False, 0)

@@ -112,18 +112,7 @@ def watched(
     another state than the step led to where an episode has ended; for a planner the state backed up. A stop
     for good is returned all the same, and so is a planner's end; the next call returns that the log is full.
     """
-    if watching and notice(
-        watch,
-        q,
-        random_ties,
-        tables,
-        experience.pair,
-        experience.reward,
-        experience.next_state,
-        start,
-        update.pair,
-        update.others,
-    ):
+    if watching and notice(watch, q, random_ties, tables, experience, update, start):
         return NOTICED if stop in (DONE, EPISODES_FULL) else stop
     return stop
 
@@ -134,20 +123,16 @@ def notice(
     q: FloatArray,
     random_ties: bool,
     tables: Tables,
-    pair: int,
-    reward: float,
-    landed: int,
+    experience: Experience,
+    update: Update,
     start: int,
-    updated: int,
-    others: int,
 ) -> bool:
     """Return True if a step brought anything that is watched, and note what; a call, to compile only once.
 
-    The step took ``pair``, −1 for a planner's backup of ``landed``; it moved the estimate of ``updated``, −1
-    for none, and of ``others`` more.
+    Its pair is −1 where a planner backed up the state in which it landed.
     """
-    seen = watch.noticed
-    seen[_REWARD] = watch.reward[0] and reward != 0.0
+    seen, pair, landed = watch.noticed, experience.pair, experience.next_state
+    seen[_REWARD] = watch.reward[0] and experience.reward != 0.0
     seen[_CELL] = watch.cell[0] >= 0 and _reached(watch, q[watch.cell[0]])
     seen[_STATE] = NONE
     if len(watch.states) > 0 and watch.states[landed]:
@@ -160,10 +145,10 @@ def notice(
         first, last = 0, 0
         if pair < 0:  # a planner moves estimates of one state only
             first, last = landed, landed + 1
-        elif others > 0:
+        elif update.others > 0:
             first, last = 0, len(tables.first_pair) - 1
-        elif updated >= 0:
-            first = state_of(tables, updated)
+        elif update.pair >= 0:
+            first = state_of(tables, update.pair)
             last = first + 1
         seen[_POLICY] = policy_changed(watch.greedy, q, tables, random_ties, first, last)
     marked = seen[_STATE] >= 0 or seen[_PAIR] >= 0

@@ -8,7 +8,7 @@ from numpy.random import Generator
 
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.agents.kernels.compiled import member_of
-from rl_tui.agents.policies.family import best_value, choose, epsilon_of, expectation, greedy, in_force
+from rl_tui.agents.policies.family import best_value, choose, expectation, greedy, in_force, probability_of
 from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray, IntArray
 
 
@@ -21,11 +21,6 @@ class Rule(NamedTuple):
 
 def new_rule(space: FiniteSpace, hyperparameters: Hyperparameters) -> Rule:
     """Return the rule of these hyper-parameters."""
-    return Rule(hyperparameters.epsilon, hyperparameters.ties == "random")
-
-
-def changed_rule(rule: Rule, hyperparameters: Hyperparameters) -> Rule:
-    """Return the rule with other hyper-parameters; what it has learned is kept."""
     return Rule(hyperparameters.epsilon, hyperparameters.ties == "random")
 
 
@@ -49,16 +44,25 @@ def _choose(
     return pair, explore
 
 
+@member_of(probability_of, Rule)
+def _probability_of(rule: Rule, q: FloatArray, visits: IntArray, first: int, last: int, pair: int) -> float:
+    # π(a|s) = ε / |A(s)|, and besides 1 − ε for the greedy action; ties share that, or the first has all
+    share, ties = 1.0, 0
+    for each in range(first, last):
+        tied = q[each] == q[pair]
+        if q[each] > q[pair] or (tied and each < pair and not rule.random_ties):
+            share = 0.0
+        ties += tied
+    greedy_share = share / ties if rule.random_ties else share
+    return (1.0 - rule.epsilon) * greedy_share + rule.epsilon / (last - first)
+
+
 @member_of(expectation, Rule)
 def _expectation(rule: Rule, q: FloatArray, visits: IntArray, first: int, last: int) -> float:
+    # (1 − ε) max Q(s,·) + ε mean Q(s,·)
     if first == last:
         return 0.0
     total = 0.0
     for pair in range(first, last):
         total += float(q[pair])
     return (1.0 - rule.epsilon) * best_value(q, first, last) + rule.epsilon * total / (last - first)
-
-
-@member_of(epsilon_of, Rule)
-def _epsilon_of(rule: Rule) -> float:
-    return rule.epsilon

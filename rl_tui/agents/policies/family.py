@@ -6,7 +6,7 @@ from typing import Any
 
 from numpy.random import Generator
 
-from rl_tui.agents.kernels.compiled import inlined, inlined_by_type
+from rl_tui.agents.kernels.compiled import has_member, inlined, inlined_by_type
 from rl_tui.worlds.mdp.space import FloatArray, IntArray
 
 
@@ -28,9 +28,24 @@ def choose(
 
 
 @inlined_by_type
-def expectation(rule: Any, q: FloatArray, visits: IntArray, first: int, last: int) -> float:
-    """Return Σ π(a|s) Q(s, a) over the pairs ``first`` .. ``last`` of a state, 0 over none (equation 6.9)."""
+def probability_of(rule: Any, q: FloatArray, visits: IntArray, first: int, last: int, pair: int) -> float:
+    """Return π(a|s): how likely ``pair`` is to be chosen among the pairs ``first`` .. ``last`` of its state.
+
+    NaN where it has no closed form. Screens call it interpreted.
+    """
     raise NotImplementedError
+
+
+@inlined_by_type
+def expectation(rule: Any, q: FloatArray, visits: IntArray, first: int, last: int) -> float:
+    """Return Σ π(a|s) Q(s, a) over the pairs ``first`` .. ``last`` of a state, 0 over none (equation 6.9).
+
+    A policy may bring a quicker way to it. Its last bits then are that way's, in saved runs too.
+    """
+    total = 0.0
+    for pair in range(first, last):
+        total += probability_of(rule, q, visits, first, last, pair) * float(q[pair])
+    return total
 
 
 @inlined_by_type
@@ -42,10 +57,9 @@ def reinforce(rule: Any, alpha: float, first: int, last: int, pair: int, reward:
     return
 
 
-@inlined_by_type
-def epsilon_of(rule: Any) -> float:
-    """Return the ε in force, for the record: 0 for policies without one."""
-    return 0.0
+def learns(rule: Any) -> bool:
+    """Return whether the policy learns from rewards: whether it brings a :func:`reinforce` of its own."""
+    return has_member(reinforce, type(rule))
 
 
 @inlined

@@ -10,7 +10,7 @@ from numpy.random import Generator
 
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.agents.kernels.compiled import member_of
-from rl_tui.agents.policies.family import best_value, choose, expectation, reinforce
+from rl_tui.agents.policies.family import best_value, choose, probability_of, reinforce
 from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray, IntArray
 
 
@@ -39,11 +39,6 @@ def new_rule(space: FiniteSpace, hyperparameters: Hyperparameters) -> Rule:
     )
 
 
-def changed_rule(rule: Rule, hyperparameters: Hyperparameters) -> Rule:
-    """Return the rule with other hyper-parameters and the same preferences."""
-    return rule._replace(with_baseline=hyperparameters.baseline == "mean")
-
-
 @member_of(choose, Rule)
 def _choose(
     rule: Rule, q: FloatArray, visits: IntArray, first: int, last: int, generator: Generator
@@ -57,12 +52,9 @@ def _choose(
     return chosen, q[chosen] < best_value(q, first, last)
 
 
-@member_of(expectation, Rule)
-def _expectation(rule: Rule, q: FloatArray, visits: IntArray, first: int, last: int) -> float:
-    total = 0.0
-    for pair in range(first, last):
-        total += rule.probability[pair] * q[pair]
-    return total
+@member_of(probability_of, Rule)
+def _probability_of(rule: Rule, q: FloatArray, visits: IntArray, first: int, last: int, pair: int) -> float:
+    return float(rule.probability[pair])
 
 
 @member_of(reinforce, Rule)

@@ -10,7 +10,7 @@ from numpy.random import Generator
 
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.agents.kernels.compiled import member_of
-from rl_tui.agents.policies.family import best_value, choose, expectation
+from rl_tui.agents.policies.family import best_value, choose, expectation, probability_of
 from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray, IntArray
 
 
@@ -24,11 +24,6 @@ class Rule(NamedTuple):
 def new_rule(space: FiniteSpace, hyperparameters: Hyperparameters) -> Rule:
     """Return the rule of these hyper-parameters."""
     return Rule(hyperparameters.temperature, np.zeros(len(space.action_names)))
-
-
-def changed_rule(rule: Rule, hyperparameters: Hyperparameters) -> Rule:
-    """Return the rule with other hyper-parameters; it learns nothing."""
-    return Rule(hyperparameters.temperature, rule.sums)
 
 
 @member_of(choose, Rule)
@@ -47,6 +42,15 @@ def _choose(
     for place in range(last - first - 1):
         chosen += point >= rule.sums[place]
     return chosen, q[chosen] < highest
+
+
+@member_of(probability_of, Rule)
+def _probability_of(rule: Rule, q: FloatArray, visits: IntArray, first: int, last: int, pair: int) -> float:
+    highest = best_value(q, first, last)
+    total = 0.0
+    for each in range(first, last):
+        total += math.exp((float(q[each]) - highest) / rule.temperature)
+    return math.exp((float(q[pair]) - highest) / rule.temperature) / total
 
 
 @member_of(expectation, Rule)

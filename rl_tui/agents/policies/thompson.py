@@ -14,7 +14,7 @@ from numpy.random import Generator
 
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.agents.kernels.compiled import compiled, inlined, member_of
-from rl_tui.agents.policies.family import best_value, choose, expectation, reinforce
+from rl_tui.agents.policies.family import best_value, choose, probability_of, reinforce
 from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray, IntArray
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
@@ -41,11 +41,6 @@ def new_rule(space: FiniteSpace, hyperparameters: Hyperparameters) -> Rule:
         isinstance(space, TabularMDP) and _pays_0_or_1(space),
         hyperparameters.ties == "random",
     )
-
-
-def changed_rule(rule: Rule, hyperparameters: Hyperparameters) -> Rule:
-    """Return the rule with other hyper-parameters and the same knowledge."""
-    return rule._replace(random_ties=hyperparameters.ties == "random")
 
 
 def _pays_0_or_1(mdp: TabularMDP) -> bool:
@@ -124,8 +119,8 @@ def _choose(
     return chosen, q[chosen] < best_value(q, first, last)
 
 
-@member_of(expectation, Rule)
-def _expectation(rule: Rule, q: FloatArray, visits: IntArray, first: int, last: int) -> float:
+@member_of(probability_of, Rule)
+def _probability_of(rule: Rule, q: FloatArray, visits: IntArray, first: int, last: int, pair: int) -> float:
     # How likely an arm is to give the best draw has no closed form. No step of a bandit bootstraps, so
     # this is never called; a number here would be an estimate that looks like an exact value.
     return math.nan

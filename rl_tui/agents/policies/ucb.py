@@ -9,7 +9,7 @@ from numpy.random import Generator
 
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.agents.kernels.compiled import inlined, member_of
-from rl_tui.agents.policies.family import choose, expectation
+from rl_tui.agents.policies.family import choose, expectation, probability_of
 from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray, IntArray
 
 
@@ -22,11 +22,6 @@ class Rule(NamedTuple):
 
 def new_rule(space: FiniteSpace, hyperparameters: Hyperparameters) -> Rule:
     """Return the rule of these hyper-parameters."""
-    return Rule(hyperparameters.confidence, hyperparameters.ties == "random")
-
-
-def changed_rule(rule: Rule, hyperparameters: Hyperparameters) -> Rule:
-    """Return the rule with other hyper-parameters; the counts are those of the agent."""
     return Rule(hyperparameters.confidence, hyperparameters.ties == "random")
 
 
@@ -72,6 +67,20 @@ def _choose(
             chosen += 1
             skip -= upper_bound(rule.confidence, float(q[chosen]), visits[chosen], now) == highest
     return chosen, q[chosen] < best_estimate
+
+
+@member_of(probability_of, Rule)
+def _probability_of(rule: Rule, q: FloatArray, visits: IntArray, first: int, last: int, pair: int) -> float:
+    # 1 for the greatest bound; ties share that, or the first has all
+    now = log_time(visits, first, last)
+    own = upper_bound(rule.confidence, float(q[pair]), visits[pair], now)
+    share, ties = 1.0, 0
+    for each in range(first, last):
+        bound = upper_bound(rule.confidence, float(q[each]), visits[each], now)
+        if bound > own or (bound == own and each < pair and not rule.random_ties):
+            share = 0.0
+        ties += bound == own
+    return share / ties if rule.random_ties else share
 
 
 @member_of(expectation, Rule)

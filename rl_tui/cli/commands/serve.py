@@ -7,6 +7,7 @@ import subprocess
 import sys
 from contextlib import suppress
 from difflib import get_close_matches
+from importlib.resources import files
 from importlib.util import find_spec
 from pathlib import Path
 from subprocess import DEVNULL
@@ -103,7 +104,8 @@ def serve_apps(
     from rl_tui.cli.serving.server import serve
     from rl_tui.cli.serving.site import Site
 
-    site = Site(command, Doorkeeper(host, url), _terminal_folder(), kiosk=kiosk, most=most)
+    terminal = Path(str(files("textual_serve"))) / "static"
+    site = Site(command, Doorkeeper(host, url), terminal, kiosk=kiosk, most=most)
 
     def started() -> None:
         people = "one person" if most == 1 else f"{most} people"
@@ -191,13 +193,6 @@ def _given(context: click.Context, display: dict[str, Any]) -> list[str]:
             option = f"--{name.replace('_', '-')}"
             arguments.append(option if value is True else f"{option}={value}")
     return arguments
-
-
-def _terminal_folder() -> Path:
-    found = find_spec("textual_serve")
-    assert found is not None
-    assert found.origin is not None
-    return Path(found.origin).parent / "static"
 
 
 def _is_url(text: str) -> bool:

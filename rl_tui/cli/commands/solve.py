@@ -66,7 +66,7 @@ def command(scenario: str, gamma: float | None, seed: int, as_json: bool) -> Non
 
 
 def _report(title: str, world: World, answer: dict[str, Any]) -> str:
-    from rl_tui.cli.commands.policy_map import policy_map
+    from rl_tui.cli.reports.policy_map import policy_map
     from rl_tui.worlds.drawing import Grid
 
     head = ("state", "V", *(f"Q {action}" for action in answer["actions"]), "policy")

@@ -4,15 +4,18 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable
-from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final, TextIO
+from contextlib import nullcontext
+from typing import TYPE_CHECKING, Any, Final
 
 import click
 
 from rl_tui.cli.options.help_sections import SectionedCommand
 from rl_tui.cli.options.numbers import ChangeValue, Whole
 from rl_tui.cli.options.run import (
+    CsvTarget,
     allow_module_option,
+    check_stdout,
+    csv_option,
     json_option,
     run_options,
     scenario_argument,
@@ -30,7 +33,6 @@ if TYPE_CHECKING:
 
 MOST: Final = 10**15
 MOST_RUNS: Final = 100_000
-STDOUT: Final = "-"
 
 Outcome = tuple[dict[str, Any], Callable[[], str]]
 
@@ -42,11 +44,7 @@ Outcome = tuple[dict[str, Any], Callable[[], str]]
 @click.option(
     "--runs", type=Whole(1, MOST_RUNS), help="train so often, with the seed and those that follow it"
 )
-@click.option(
-    "--csv",
-    type=click.Path(dir_okay=False, allow_dash=True),
-    help="write a row an episode: run, episode, return, length; - is stdout, the report then goes to stderr",
-)
+@csv_option
 @click.option(
     "--change",
     "changes",
@@ -64,7 +62,7 @@ def command(
     episodes: int | None,
     steps: int | None,
     runs: int | None,
-    csv: str | None,
+    csv: CsvTarget,
     changes: tuple[ChangeText, ...],
     overrides: dict[str, object],
     seed: int,
@@ -76,8 +74,7 @@ def command(
     """
     if episodes is not None and steps is not None:
         raise click.UsageError("--episodes and --steps exclude each other", click.get_current_context())
-    if csv == STDOUT and as_json:
-        raise click.UsageError("--csv - and --json both want stdout", click.get_current_context())
+    check_stdout(csv, as_json)
     if changes and runs is not None:
         raise click.UsageError(
             "--change and --runs exclude each other: the steps of a change are those of one run",
@@ -90,21 +87,14 @@ def command(
     goal = Goal(steps=steps) if steps is not None else Goal(episodes=episodes or episodes_of(recipe.scenario))
     _warn_of_no_effect(recipe, overrides, changes)
     _warn_beyond_budget(recipe, goal)
-    target = _target(csv)
     if runs is None:
-        figures, report = _train_once(recipe, goal, target, changes)
+        figures, report = _train_once(recipe, goal, csv, changes)
     else:
-        figures, report = _train_many(recipe, runs, goal, target)
+        figures, report = _train_many(recipe, runs, goal, csv)
     if as_json:
         print_json(figures)
     else:
-        click.echo(report(), err=csv == STDOUT)
-
-
-def _target(csv: str | None) -> Path | TextIO | None:
-    if csv == STDOUT:
-        return sys.stdout
-    return None if csv is None else Path(csv)
+        click.echo(report(), err=csv is sys.stdout)
 
 
 def _warn_of_no_effect(
@@ -131,9 +121,7 @@ def _warn_beyond_budget(recipe: Recipe, goal: Goal) -> None:
         click.echo(f"the budget of this bandit is {pulls_in_budget}; on screen the run ends there", err=True)
 
 
-def _train_once(
-    recipe: Recipe, goal: Goal, csv: Path | TextIO | None, changes: tuple[ChangeText, ...]
-) -> Outcome:
+def _train_once(recipe: Recipe, goal: Goal, csv: CsvTarget, changes: tuple[ChangeText, ...]) -> Outcome:
     from rl_tui.lab.run.figures import training_figures
 
     run, seconds, left_out = _trained(recipe, goal, csv, changes)
@@ -146,7 +134,7 @@ def _train_once(
         figures["journal"] = as_json(run.journal, run.world.space.action_names)
 
     def report() -> str:
-        from rl_tui.cli.commands.train_report import one_run
+        from rl_tui.cli.reports.training import one_run
 
         return one_run(run, figures)
 
@@ -154,7 +142,7 @@ def _train_once(
 
 
 def _trained(
-    recipe: Recipe, goal: Goal, csv: Path | TextIO | None, changes: tuple[ChangeText, ...]
+    recipe: Recipe, goal: Goal, csv: CsvTarget, changes: tuple[ChangeText, ...]
 ) -> tuple[Run, float, list[str]]:
     """Return the run, the seconds it took, and the changes that it ended before."""
     from rl_tui.lab.experiments.episode_rows import EpisodeRows, csv_file
@@ -166,25 +154,24 @@ def _trained(
     beginning = begin(recipe)
     names = beginning.world.space.action_names
     journal: tuple[JournalEntry, ...] = journal_of(changes, names)
-    with progress(recipe.scenario.id) as on_progress:
-        if csv is None:
-            run = Run(recipe, beginning, evaluate=False)
-            seconds = train(run, goal, on_progress, journal)
-        else:
-            with csv_file(csv) as stream:
-                run = Run(recipe, beginning, evaluate=False, on_episodes=EpisodeRows(stream, 1))
-                seconds = train(run, goal, on_progress, journal)
+    with (
+        progress(recipe.scenario.id) as on_progress,
+        nullcontext() if csv is None else csv_file(csv) as stream,
+    ):
+        rows = None if stream is None else EpisodeRows(stream, 1)
+        run = Run(recipe, beginning, evaluate=False, on_episodes=rows)
+        seconds = train(run, goal, on_progress, journal)
     return run, seconds, [written_change(entry, names) for entry in journal[len(run.journal) :]]
 
 
-def _train_many(recipe: Recipe, runs: int, goal: Goal, csv: Path | TextIO | None) -> Outcome:
+def _train_many(recipe: Recipe, runs: int, goal: Goal, csv: CsvTarget) -> Outcome:
     from rl_tui.lab.experiments.many_runs import many_runs
 
     with progress(f"{recipe.scenario.id}, {counted(runs, 'run')}") as on_progress:
         figures: dict[str, Any] = many_runs(recipe, runs, goal, csv, on_progress)
 
     def report() -> str:
-        from rl_tui.cli.commands.train_report import several_runs
+        from rl_tui.cli.reports.training import several_runs
 
         return several_runs(recipe, figures)
 

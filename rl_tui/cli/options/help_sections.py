@@ -6,7 +6,7 @@ from typing import Final
 
 import click
 
-from rl_tui.agents.catalogue import ALGORITHMS, POLICIES
+from rl_tui.agents.catalogue import BY_ID, POLICY_BY_ID
 from rl_tui.agents.hyperparameters import PARAMETERS
 
 OPTIONS: Final = "Options"
@@ -41,7 +41,7 @@ def section_of(option: str) -> str:
         return OPTIONS
     if PARAMETERS[option].schedule:
         return SCHEDULES
-    if option == "policy" or any(option in policy.parameters for policy in POLICIES):
+    if option == "policy" or any(option in policy.parameters for policy in POLICY_BY_ID.values()):
         return CHOOSING
-    learners = [algorithm for algorithm in ALGORITHMS if not algorithm.planner]
+    learners = [algorithm for algorithm in BY_ID.values() if not algorithm.planner]
     return LEARNING if all(option in each.parameters for each in learners) else SOME

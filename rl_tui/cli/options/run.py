@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import functools
+import sys
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, TextIO
 
 import click
 
@@ -43,6 +44,27 @@ allow_module_option: Final = click.option(
     help="let environments be called MODULE:ID, which imports MODULE: whatever it does, it does here",
 )
 json_option: Final = click.option("--json", "as_json", is_flag=True, help="print one JSON document")
+CsvTarget = Path | TextIO | None
+
+
+def _csv_target(_: click.Context, __: click.Parameter, name: str | None) -> CsvTarget:
+    if name == "-":
+        return sys.stdout
+    return None if name is None else Path(name)
+
+
+csv_option: Final = click.option(
+    "--csv",
+    type=click.Path(dir_okay=False, allow_dash=True),
+    callback=_csv_target,
+    help="write a row an episode: run, episode, return, length; - is stdout, the report then goes to stderr",
+)
+
+
+def check_stdout(csv: CsvTarget, as_json: bool) -> None:
+    """Raise UsageError where both the rows of ``csv`` and a JSON document would be on stdout."""
+    if csv is sys.stdout and as_json:
+        raise click.UsageError("--csv - and --json both want stdout", click.get_current_context())
 
 
 def run_options(command: Command) -> Command:

@@ -15,8 +15,8 @@ from collections.abc import AsyncIterator, Mapping, Sequence
 from contextlib import suppress
 from typing import Final
 
-from rl_tui.cli.screen import IN_BROWSER
 from rl_tui.common.kiosk import VARIABLE
+from rl_tui.terminal.driver_choice import IN_BROWSER
 
 LARGEST_SIZE: Final = (400, 150)
 SMALLEST_SIZE: Final = (1, 1)

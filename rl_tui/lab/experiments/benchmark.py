@@ -15,7 +15,6 @@ import numpy as np
 from numpy.random import Generator, default_rng
 
 from rl_tui.agents.catalogue import BY_ID
-from rl_tui.agents.hyperparameters import SAMPLE_AVERAGE
 from rl_tui.common.errors import UserError
 from rl_tui.common.interrupts import is_interrupt
 from rl_tui.lab.experiments.many_runs import cores
@@ -48,7 +47,7 @@ class PlainLoop:
             raise UserError(
                 f"{recipe.scenario.id} is not a Gymnasium environment: choose one for the benchmark"
             )
-        if recipe.hyperparameters.alpha == SAMPLE_AVERAGE:
+        if recipe.hyperparameters.sample_average:
             raise UserError(
                 "the plain loop of the benchmark has a constant step size: give a number for alpha"
             )

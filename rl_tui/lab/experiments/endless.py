@@ -2,12 +2,26 @@
 
 from __future__ import annotations
 
+from bisect import bisect_right
+from typing import Final
+
 import numpy as np
 
 from rl_tui.agents.exact.exact_model import exact_model
+from rl_tui.agents.hyperparameters import Hyperparameters
+from rl_tui.agents.kernels.stop import LARGEST_ESTIMATE, LONGEST_EPISODE
 from rl_tui.common.streams import streams
+from rl_tui.lab.run.library import recipe_for
 from rl_tui.worlds.files.scenario import Scenario
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
+
+EPISODES: Final = 100
+LONG_EPISODE: Final = 50_000
+"""So many steps without an end are worth a warning."""
+MOST_STEPS: Final = 200_000
+"""After so many in all no further episode is begun: well below a second."""
+# In a larger world an agent that knows nothing yet may wander about for as long, or take longer to choose
+_MOST_STATES, _MOST_ACTIONS = 1_000, 50
 
 
 def endless_warning(scenario: Scenario) -> str:
@@ -16,15 +30,72 @@ def endless_warning(scenario: Scenario) -> str:
     It is no fault: γ below 1 has an exact answer there too.
     """
     mdp = scenario.build(streams(0).world).mdp
-    state = None if mdp is None else endless_state(mdp)
-    if mdp is None or state is None:
+    if mdp is None:
         return ""
-    from rl_tui.agents.kernels.stop import LONGEST_EPISODE
-
+    state = endless_state(mdp)
+    if state is not None:
+        return (
+            f"state {mdp.state_names[state]} can never reach an end and there is no time limit: "
+            f"training stops after {LONGEST_EPISODE:,} steps of one episode"
+        )
+    episode = long_episode(mdp, recipe_for(scenario).hyperparameters)
+    if episode is None:
+        return ""
     return (
-        f"state {mdp.state_names[state]} can never reach an end and there is no time limit: "
-        f"training stops after {LONGEST_EPISODE:,} steps of one episode"
+        f"episode {episode} of SARSA with seed 0 had not ended after {LONG_EPISODE:,} steps and there is no "
+        f"time limit: an episode may take very long, or never end"
     )
+
+
+def long_episode(mdp: TabularMDP, hyperparameters: Hyperparameters) -> int | None:
+    """Return which of the first episodes of SARSA, from 1, does not end within ``LONG_EPISODE`` steps.
+
+    None where each ends, where a time limit cuts them off, where estimates grow beyond all bounds, and in
+    large worlds, which are not tried. It is the box on page 130 of Sutton & Barto (2nd ed.) with an ε-greedy
+    policy, in plain Python: to compile a loop for so few steps would take longer.
+    """
+    if mdp.time_limit or mdp.states > _MOST_STATES or len(mdp.action_names) > _MOST_ACTIONS:
+        return None
+    first_pair, first_outcome = mdp.first_pair.tolist(), mdp.first_outcome.tolist()
+    cumulative, reward, reward_std = mdp.cumulative.tolist(), mdp.reward.tolist(), mdp.reward_std.tolist()
+    next_states, terminated = mdp.next_state.tolist(), mdp.terminated.tolist()
+    starts = mdp.start_cumulative.tolist()
+    world, learner = streams(0)
+    q, visits = [hyperparameters.initial_q] * mdp.pairs, [0] * mdp.pairs
+
+    def choose(state: int, epsilon: float) -> int:
+        pairs = range(first_pair[state], first_pair[state + 1])
+        if learner.random() < epsilon:
+            return pairs[int(learner.random() * len(pairs))]
+        most = max(q[pair] for pair in pairs)
+        best = [pair for pair in pairs if q[pair] == most]
+        return best[0 if hyperparameters.ties == "first" else int(learner.random() * len(best))]
+
+    steps_left = MOST_STEPS
+    for episode in range(EPISODES):
+        alpha, epsilon = hyperparameters.alpha_at(episode), hyperparameters.epsilon_at(episode)
+        state = int(mdp.start_state[bisect_right(starts, world.random(), 0, len(starts) - 1)])
+        pair = choose(state, epsilon)
+        for _ in range(LONG_EPISODE):
+            steps_left -= 1
+            visits[pair] += 1
+            last = first_outcome[pair + 1] - 1
+            outcome = bisect_right(cumulative, world.random(), first_outcome[pair], last)
+            target = reward[outcome] + reward_std[outcome] * world.standard_normal()
+            if not terminated[outcome]:
+                next_pair = choose(next_states[outcome], epsilon)
+                target += hyperparameters.gamma * q[next_pair]
+            q[pair] += (1 / visits[pair] if alpha is None else alpha) * (target - q[pair])
+            if not abs(q[pair]) <= LARGEST_ESTIMATE:  # written so that NaN is caught too
+                return None
+            if terminated[outcome]:
+                break
+            pair = next_pair
+        else:
+            return episode + 1
+        if steps_left <= 0:
+            break
+    return None
 
 
 def endless_state(mdp: TabularMDP) -> int | None:

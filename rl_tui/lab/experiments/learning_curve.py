@@ -8,7 +8,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from rl_tui.agents.kernels.curve_sums import CurveSums, collect
+from rl_tui.agents.kernels.episode_bins import CurveSums, collect
 from rl_tui.worlds.mdp.tabular_mdp import BoolArray, FloatArray, IntArray
 
 MOST_BINS: Final = 200

@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
+import re
 from typing import Final
 
-from rl_tui.agents.catalogue import BY_ID, parameters_of
+from rl_tui.agents.catalogue import BY_ID, POLICY_BY_ID, parameters_of
 from rl_tui.agents.hyperparameters import PARAMETERS, Hyperparameters
 
-# These count their own updates where the step size is the sample average: an update comes later than the
-# step, or in one of two tables
-OWN_COUNTS: Final = ("double-q-learning", "n-step-sarsa", "monte-carlo")
-
 _NAMES: Final = {"n": "STEPS"}
-_BY_TEXT: Final = ("policy", "ties", "baseline", "traces", "step_size_schedule", "epsilon_schedule")
 _SCHEDULES: Final = {
     "epsilon": ("epsilon_schedule", "epsilon_min", "epsilon_decay"),
     "alpha": ("step_size_schedule", "alpha_min", "alpha_decay"),
@@ -23,23 +19,34 @@ class ParameterText:
     """The hyper-parameters of one algorithm, in the words of a script."""
 
     def __init__(self, algorithm: str, hyperparameters: Hyperparameters) -> None:
-        self.algorithm = algorithm
+        self.algorithm = BY_ID[algorithm]
+        self.policy = POLICY_BY_ID[hyperparameters.policy]
         self.hyperparameters = hyperparameters
         self.used = parameters_of(algorithm, hyperparameters.policy)
-        self.planner = BY_ID[algorithm].planner
-        self.sample_average = hyperparameters.sample_average and not self.planner
+        self.sample_average = hyperparameters.sample_average and not self.algorithm.planner
+
+    @property
+    def flags(self) -> set[str]:
+        """What lines of a text may be for: the words chosen, such as ``ties first``, and the step size."""
+        words = {
+            f"{name} {self.hyperparameters.value(name)}"
+            for name, parameter in PARAMETERS.items()
+            if not (parameter.range or parameter.schedule)
+        }
+        return {*words, "sample average"} if self.sample_average else words
 
     def constants(self, episodes: int, seed: int) -> str:
         """Return the lines of the constants, each with what it is beside it."""
         constants = [*self._parameters()]
-        if not self.planner:
+        if not self.algorithm.planner:
             constants.append(("EPISODES", f"{episodes:_}", "how many episodes to train"))
         constants.append(("SEED", str(seed), "where all randomness comes from"))
         width = max(len(f"{name} = {value}") for name, value, _ in constants)
         return "\n".join(f"{f'{name} = {value}':<{width}}  # {text}" for name, value, text in constants)
 
     def _parameters(self) -> list[tuple[str, str, str]]:
-        skipped = {*_BY_TEXT, "initial_q"}
+        # What is a word and no number is in the text itself
+        skipped = {"initial_q", *(name for name in self.used if PARAMETERS[name].range is None)}
         for name, parts in _SCHEDULES.items():
             if not self.is_scheduled(name):
                 skipped.update(parts)
@@ -66,9 +73,15 @@ class ParameterText:
             return False
         return self.hyperparameters.value(schedule) != "constant" and self.hyperparameters.value(decay) != 0.0
 
-    def begin(self) -> str:
-        """Return the lines at the start of an episode: the schedules."""
+    def schedules(self) -> str:
+        """Return the lines at the start of an episode that say what a schedule makes of ε and α."""
         return "\n".join(self._schedule(name) for name in _SCHEDULES if self.is_scheduled(name))
+
+    def in_episode(self, text: str) -> str:
+        """Return ``text`` with ``epsilon`` for ``EPSILON``, and so for α, where a schedule changes it."""
+        for name in filter(self.is_scheduled, _SCHEDULES):
+            text = re.sub(rf"\b{name.upper()}\b", name, text)
+        return text
 
     def _schedule(self, name: str) -> str:
         schedule, least, decay = _SCHEDULES[name]
@@ -80,25 +93,7 @@ class ParameterText:
         return f"{name} = min({end}, {start} + {fall} * episode)"
 
     @property
-    def epsilon(self) -> str:
-        """The expression of ε in an episode."""
-        return "epsilon" if self.is_scheduled("epsilon") else "EPSILON"
-
-    def alpha(self, state: str, action: str, counts: str) -> str:
-        """Return the expression of the step size for a pair, whose updates ``counts`` counts."""
-        if self.sample_average:
-            return f"1 / {counts}[{state}][{action}]"
-        return "alpha" if self.is_scheduled("alpha") else "ALPHA"
-
-    @property
     def counts_visits(self) -> bool:
         """Whether the script counts how often each pair is taken."""
-        if self.planner:
-            return False
-        averages = self.sample_average and self.algorithm not in OWN_COUNTS
-        return averages or self.hyperparameters.policy == "ucb"
-
-    @property
-    def counts_updates(self) -> bool:
-        """Whether the script counts how often each estimate is updated, apart from that."""
-        return self.sample_average and self.algorithm in OWN_COUNTS
+        averages = self.sample_average and not self.algorithm.counts_updates
+        return averages or (self.policy.counts_visits and not self.algorithm.planner)

@@ -9,7 +9,6 @@ from __future__ import annotations
 import textwrap
 from typing import TYPE_CHECKING, Final
 
-from rl_tui.agents.catalogue import BY_ID, POLICY_BY_ID
 from rl_tui.agents.compatibility import check_compatible
 from rl_tui.common.errors import UserError
 from rl_tui.lab.export.agent_text import learner_text, planner_text
@@ -43,7 +42,8 @@ def script(recipe: Recipe, episodes: int, world: World | None = None, *, changed
     check_compatible(world.space, recipe.algorithm, recipe.hyperparameters)
     text = _world_text(recipe, world)
     params = ParameterText(recipe.algorithm, recipe.hyperparameters)
-    parts = planner_text(params, text) if params.planner else learner_text(params, text, world.space)
+    planner = params.algorithm.planner
+    parts = planner_text(params, text) if planner else learner_text(params, text, world.space)
     imports = "\n".join([*text.imports, "", "import gymnasium as gym", "import numpy as np"]).lstrip("\n")
     blocks = [
         _head(recipe, text, params, changed),
@@ -97,8 +97,8 @@ def _world_text(recipe: Recipe, world: World) -> WorldText:
 
 def _head(recipe: Recipe, text: WorldText, params: ParameterText, changed: bool) -> str:
     title = recipe.scenario.title.replace("\\", "/").replace('"', "'")
-    algorithm = BY_ID[recipe.algorithm]
-    policy = "" if params.planner else f", policy {POLICY_BY_ID[recipe.hyperparameters.policy].name}"
+    algorithm = params.algorithm
+    policy = "" if algorithm.planner else f", policy {params.policy.name}"
     remarks = [*text.remarks, *([_CHANGED] if changed else [])]
     sentences = " ".join([f"{_NEEDS} (this algorithm: {algorithm.source}).", *remarks])
     first = textwrap.wrap(f"{algorithm.name} on “{title}”{policy}.", WIDEST)

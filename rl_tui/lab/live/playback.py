@@ -360,7 +360,7 @@ class Playback:
         if self.transport.continue_seek(AT_ONCE):
             self._go_on()
             self._load_what_is_cold()
-        elif self._automatic and self.transport.has_news():
+        elif self.transport.has_news():
             self.changed = True
 
     def _continue_training(self) -> None:

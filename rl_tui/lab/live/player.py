@@ -240,10 +240,15 @@ class Player:
                 self._reader.wake()
 
     def _owes_snapshot(self) -> bool:
-        """Return True if the reader waits and there is news; training has none before its end."""
+        """Return True if the reader waits and there is news.
+
+        Training has none before its end. Where nothing may depend on the time, nothing else that has an end
+        has any: which pictures are drawn on the way would decide on axes and on what is scrolled into view.
+        """
         playback = self._playback
         has_news = playback.changed or self._outdated
-        return self._wanted and has_news and playback.state is not State.TRAINING
+        comes_to_an_end = playback.state is State.TRAINING if self._automatic else playback.on_the_way
+        return self._wanted and has_news and not comes_to_an_end
 
     def _has_news(self) -> bool:
         return self._closing or bool(self._commands) or self._owes_snapshot()

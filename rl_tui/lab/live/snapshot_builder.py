@@ -64,7 +64,7 @@ class SnapshotBuilder:
             recipe=run.recipe,
             agent=self._agent(run, counters, viewport),
             counters=counters,
-            results=run.results,
+            results=run_group.lanes[run_group.shown].results if run_group.lanes else run.results,
             exact_answer=exact_answer,
             playback=playback,
             timeline=timeline,
@@ -82,7 +82,7 @@ class SnapshotBuilder:
                 learner.q.copy(),
                 learner.visits.copy(),
                 tables=learner.remembered("q1", "q2"),
-                values=learner.remembered("v")[0] if learner.plans else np.empty(0),
+                values=next(iter(learner.remembered("v")), np.empty(0)),
                 planning=learner.planning,
                 author=learner.author,
             )

@@ -6,8 +6,8 @@ from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any, Final
 
-from rl_tui.agents.catalogue import BY_ID, parameters_of
-from rl_tui.agents.hyperparameters import PARAMETERS, SAMPLE_AVERAGE, Hyperparameters
+from rl_tui.agents.catalogue import BY_ID, POLICY_BY_ID, parameters_of
+from rl_tui.agents.hyperparameters import PARAMETERS, Hyperparameters
 from rl_tui.common.errors import Fault, ScenarioError, UserError, first_of
 from rl_tui.common.findings import Finding, near, place, shown
 from rl_tui.lab.run.recipe import Recipe, begin, changed_parameter
@@ -104,14 +104,14 @@ def _recipe(scenario: Scenario, overrides: Mapping[str, object], seed: int) -> R
         )
     if isinstance(seed, bool) or not isinstance(seed, int) or seed < 0:
         raise UserError(f"seed is {shown(seed)}; expected a whole number, 0 or more")
-    if chosen.get("policy") == "gradient" and "alpha" not in overrides:
-        # A gradient's step cannot be the sample average that a bandit's file suggests; a number there stays
-        chosen = {name: value for name, value in chosen.items() if value != SAMPLE_AVERAGE}
     hyperparameters = Hyperparameters()
     for name, value in chosen.items():
         if name not in PARAMETERS:
             raise UserError(f"there is no hyper-parameter {shown(name)}{near(name, PARAMETERS)}")
         hyperparameters = changed_parameter(hyperparameters, name, value)
+    if POLICY_BY_ID[hyperparameters.policy].needs_step_size and "alpha" not in overrides:
+        # The sample average that a bandit's file suggests is no step size; a number there stays
+        hyperparameters = hyperparameters.without_average()
     return Recipe(scenario, algorithm, hyperparameters, seed)
 
 

@@ -82,13 +82,15 @@ class JournalEntry:
     change: Change
 
 
-def changed_recipe(recipe: Recipe, change: Setting) -> Recipe:
-    """Return ``recipe`` with ``change`` from the start. Raises UserError where the value does not fit."""
-    if isinstance(change, SwitchAlgorithm):
-        return replace(recipe, algorithm=change.algorithm)
-    return replace(
-        recipe, hyperparameters=changed_parameter(recipe.hyperparameters, change.name, change.value)
-    )
+def changed_recipe(recipe: Recipe, *changes: Setting) -> Recipe:
+    """Return ``recipe`` with ``changes`` from the start. Raises UserError where a value does not fit."""
+    for change in changes:
+        if isinstance(change, SwitchAlgorithm):
+            recipe = replace(recipe, algorithm=change.algorithm)
+        else:
+            values = changed_parameter(recipe.hyperparameters, change.name, change.value)
+            recipe = replace(recipe, hyperparameters=values)
+    return recipe
 
 
 def changed_parameter(values: Hyperparameters, name: str, value: object) -> Hyperparameters:

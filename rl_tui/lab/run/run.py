@@ -48,9 +48,7 @@ class RunState:
     @property
     def nbytes(self) -> int:
         """How much memory it takes."""
-        parts = (self.learner.memory, self.learner.rule, self.learner.drift)
-        learned: int = sum(array.nbytes for part in parts for array in part)
-        return learned + self.history.nbytes + self.marks.nbytes
+        return self.learner.nbytes + self.history.nbytes + self.marks.nbytes
 
 
 class Run:

@@ -7,6 +7,7 @@ import json
 import os
 from dataclasses import dataclass
 from datetime import UTC, datetime
+from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, NoReturn
 
@@ -76,6 +77,7 @@ class StoredSession:
         """How many changes were made in all lanes and branches."""
         return changes_in(self.document.lanes)
 
+    @lru_cache(maxsize=1)  # noqa: B019  # one is opened at a time: checked first, then put on the screen
     def record(self) -> Record:
         """Return what to resume. Raises SessionError where its scenario or a change cannot be used here."""
         try:

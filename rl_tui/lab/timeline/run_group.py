@@ -182,9 +182,7 @@ class RunGroup:
         if len(self._runs) == MOST:
             raise UserError(f"there are {MOST} lanes already; end one first")
         model, step = self.current, self.step
-        recipe = model.recipe
-        for change in changes:
-            recipe = changed_recipe(recipe, change)
+        recipe = changed_recipe(model.recipe, *changes)
         left_out = {"", *(_subject(change) for change in changes)}
         journal = tuple(entry for entry in model.run.journal if _subject(entry.change) not in left_out)
         _check(self._world, recipe, journal)

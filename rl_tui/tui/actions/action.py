@@ -31,21 +31,22 @@ class Group(StrEnum):
 class Action:
     """One thing a person can do.
 
-    ``keys`` are Textual's names of the keys, ``shown`` how people see them. ``label`` is a word or two for
-    the key line, ``help`` one sentence. ``command`` is the Textual action that does it: a bare name is a
-    method ``action_…`` of the screen. ``rank`` orders the key line (a lower one is kept longer where it is
-    narrow; None: not on it), and ``hint`` replaces ``shown`` and ``label`` there, for two actions that share
-    an entry. What is ``for_the_owner`` of the machine is not for a kiosk; what counts ``everywhere`` does so
-    in dialogs too.
+    ``key`` is Textual's name of the key, of several with commas between them, ``symbol`` how people see it
+    where that is otherwise. ``label`` is a word or two for the key line, ``help`` one sentence. ``command``
+    does it; where it is not given, it is the ``id``. ``object.method`` is a method of an object that the
+    screen has under that name, ``app.…`` an action of the app, and a bare name a method ``action_…`` of the
+    screen. ``rank`` orders the key line (a lower one is kept longer where it is narrow; None: not on it), and
+    ``hint`` replaces key and label there, for two actions that share an entry. What is ``for_the_owner`` of
+    the machine is not for a kiosk; what counts ``everywhere`` does so in dialogs too.
     """
 
     id: str
-    keys: tuple[str, ...]
-    shown: str
+    key: str
     label: str
     help: str
     group: Group
     place: Place = Place.PLAYGROUND
+    symbol: str = ""
     command: str = ""
     rank: int | None = None
     hint: tuple[str, str] | None = None
@@ -53,9 +54,21 @@ class Action:
     everywhere: bool = False
 
     @property
+    def keys(self) -> list[str]:
+        """Textual's names of the keys."""
+        return self.key.split(",")
+
+    @property
+    def shown(self) -> str:
+        """How people see the key."""
+        return self.symbol or self.key
+
+    @property
     def textual_action(self) -> str:
-        """The name of the action for Textual."""
-        return self.command or self.id
+        """The action for Textual, which knows screen and app, but not the objects of a screen."""
+        command = self.command or self.id
+        target, dot, _ = command.partition(".")
+        return f"do({command!r})" if dot and target != "app" else command
 
     @property
     def key_hint(self) -> tuple[str, str]:

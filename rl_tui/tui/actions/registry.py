@@ -1,19 +1,23 @@
-"""Everything a person can do, once: bindings, palette, help panel and key line derive from this list."""
+"""Everything a person can do, once: bindings, palette, help panel and key line derive from this list.
+
+The keys that open panels come from the table of panels.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Final
 
 from textual.binding import Binding, BindingType
 
 from rl_tui.tui.actions.action import Action, Group, Place
+from rl_tui.tui.panels.catalogue import PANELS, PanelRow
 
 ORDINALS: Final = ("first", "second", "third", "fourth")
 
-ACTIONS: Final[tuple[Action, ...]] = (
+_ACTIONS: Final[tuple[Action, ...]] = (
     Action(
         "open",
-        ("enter",),
         "enter",
         "open",
         "Open the scenario, or go on with the session.",
@@ -23,19 +27,18 @@ ACTIONS: Final[tuple[Action, ...]] = (
     ),
     Action(
         "delete_session",
-        ("delete",),
-        "del",
+        "delete",
         "delete",
         "Delete the session under the cursor, after asking; tab goes to the sessions.",
         Group.SESSION,
         Place.CATALOGUE,
+        symbol="del",
         for_the_owner=True,
     ),
-    Action("run", ("space",), "space", "run", "Run, or pause where it stands.", Group.RUN, rank=0),
-    Action("step", ("s",), "s", "step", "Take one step, then pause.", Group.RUN, rank=1),
+    Action("run.run_or_pause", "space", "run", "Run, or pause where it stands.", Group.RUN, rank=0),
+    Action("run.step", "s", "step", "Take one step, then pause.", Group.RUN, rank=1),
     Action(
-        "episode",
-        ("e",),
+        "run.episode",
         "e",
         "episode",
         "Run to the end of the episode (of a planner: the sweep), then pause.",
@@ -43,20 +46,19 @@ ACTIONS: Final[tuple[Action, ...]] = (
         rank=2,
     ),
     Action(
-        "faster",
-        ("plus", "equals_sign"),
-        "+",
+        "run.faster",
+        "plus,equals_sign",
         "faster",
         "Next higher speed: 1, 3, 10, 30 … steps a second, up to as fast as it goes.",
         Group.RUN,
+        symbol="+",
         rank=3,
         hint=("+ −", "speed"),
     ),
-    Action("slower", ("minus", "underscore"), "−", "slower", "Next lower speed.", Group.RUN),
-    Action("reset", ("r",), "r", "reset", "Start again: these settings, the same seed.", Group.RUN, rank=12),
+    Action("run.slower", "minus,underscore", "slower", "Next lower speed.", Group.RUN, symbol="−"),
+    Action("run.reset", "r", "reset", "Start again: these settings, the same seed.", Group.RUN, rank=12),
     Action(
-        "step_back",
-        ("b",),
+        "time.step_back",
         "b",
         "step back",
         "Go one step back; to change something there begins another branch.",
@@ -65,16 +67,14 @@ ACTIONS: Final[tuple[Action, ...]] = (
         hint=("b B", "back"),
     ),
     Action(
-        "episode_back",
-        ("B",),
+        "time.episode_back",
         "B",
         "episode back",
         "Go back to where the episode began, then to the one before it.",
         Group.TIME,
     ),
     Action(
-        "go_to",
-        ("g",),
+        "time.go_to",
         "g",
         "go to",
         "Go to a step or an episode, as far as the run has come; or drag the timeline.",
@@ -82,8 +82,7 @@ ACTIONS: Final[tuple[Action, ...]] = (
         rank=15,
     ),
     Action(
-        "branches",
-        ("j",),
+        "time.show_branches",
         "j",
         "journal",
         "Show the branches of the run and what was changed in each; enter goes to one.",
@@ -91,8 +90,7 @@ ACTIONS: Final[tuple[Action, ...]] = (
         rank=16,
     ),
     Action(
-        "until",
-        ("u",),
+        "until.choose",
         "u",
         "run until",
         "Run until a reward, a change of the policy, a value: choose what to wait for.",
@@ -100,25 +98,16 @@ ACTIONS: Final[tuple[Action, ...]] = (
         rank=6,
     ),
     Action(
-        "breakpoint",
-        ("k",),
+        "until.toggle_breakpoint",
         "k",
         "breakpoint",
         "Pause whenever the state or pair under the cursor is met; again takes it away.",
         Group.TIME,
         rank=17,
     ),
+    Action("until.clear_breakpoints", "K", "no breakpoints", "Take all breakpoints away.", Group.TIME),
     Action(
-        "clear_breakpoints",
-        ("K",),
-        "K",
-        "no breakpoints",
-        "Take all breakpoints away.",
-        Group.TIME,
-    ),
-    Action(
-        "algorithm",
-        ("a",),
+        "agent.choose_algorithm",
         "a",
         "algorithm",
         "Choose the algorithm; Q and visits are kept.",
@@ -126,8 +115,7 @@ ACTIONS: Final[tuple[Action, ...]] = (
         rank=9,
     ),
     Action(
-        "policy",
-        ("p",),
+        "agent.choose_policy",
         "p",
         "policy",
         "Choose the rule by which actions are chosen.",
@@ -135,8 +123,7 @@ ACTIONS: Final[tuple[Action, ...]] = (
         rank=13,
     ),
     Action(
-        "ties",
-        ("t",),
+        "agent.next_ties",
         "t",
         "ties",
         "Break ties between equal best actions at random, or take the first.",
@@ -144,30 +131,27 @@ ACTIONS: Final[tuple[Action, ...]] = (
         rank=20,
     ),
     Action(
-        "initial_q",
-        ("i",),
+        "agent.ask_initial_q",
         "i",
         "initial Q",
         "Set what every estimate starts from, and start again.",
         Group.AGENT,
         rank=21,
     ),
-    Action("seed", ("n",), "n", "seed", "Set the seed, and start again.", Group.AGENT, rank=22),
+    Action("agent.ask_seed", "n", "seed", "Set the seed, and start again.", Group.AGENT, rank=22),
     *(
         Action(
-            f"slider_{number}",
-            (str(number),),
+            f"agent.focus_slider_{number}",
             str(number),
             f"{ordinal} slider",
             f"Put the focus on the {ordinal} slider; there digits type a value.",
             Group.AGENT,
-            command=f"slider({number})",
+            command=f"agent.focus_slider({number})",
         )
         for number, ordinal in enumerate(ORDINALS, start=1)
     ),
     Action(
-        "options",
-        ("o",),
+        "agent.show_options",
         "o",
         "options",
         "Everything the agent is told, schedules and sample averages too; enter changes it.",
@@ -175,8 +159,7 @@ ACTIONS: Final[tuple[Action, ...]] = (
         rank=14,
     ),
     Action(
-        "take_over",
-        ("y",),
+        "manual.toggle",
         "y",
         "you",
         "Be the agent: arrows or numbers take its steps, and it learns from them; again hands back.",
@@ -184,8 +167,7 @@ ACTIONS: Final[tuple[Action, ...]] = (
         rank=8,
     ),
     Action(
-        "layer",
-        ("v",),
+        "view.next_layer",
         "v",
         "layer",
         "Next layer of the table: Q, exact Q*, error Q−Q*, visits.",
@@ -193,8 +175,7 @@ ACTIONS: Final[tuple[Action, ...]] = (
         rank=4,
     ),
     Action(
-        "zoom",
-        ("f",),
+        "view.zoom",
         "f",
         "zoom",
         "Show the focused panel (else the world) alone, and back.",
@@ -202,29 +183,18 @@ ACTIONS: Final[tuple[Action, ...]] = (
         rank=11,
     ),
     Action(
-        "microscope",
-        ("d",),
-        "d",
-        "dissect",
-        "Take the last step apart: the loop, the backup, the return, the history of a cell.",
-        Group.VIEW,
-        rank=5,
-    ),
-    Action(
-        "compare",
-        ("c",),
+        "lanes.compare",
         "c",
         "compare",
         "Run another agent beside this one, with one thing different.",
         Group.VIEW,
         rank=7,
     ),
-    Action("lane", ("l",), "l", "next lane", "Show the next of the runs side by side.", Group.VIEW),
-    Action("model", ("m",), "m", "model", "Show the model: the outcomes of each pair.", Group.VIEW, rank=11),
-    Action("reveal", ("h",), "h", "reveal", "Show or hide what a bandit keeps secret.", Group.VIEW, rank=18),
+    Action("lanes.next_lane", "l", "next lane", "Show the next of the runs side by side.", Group.VIEW),
+    Action("view.model", "m", "model", "Show the model: the outcomes of each pair.", Group.VIEW, rank=11),
+    Action("view.reveal", "h", "reveal", "Show or hide what a bandit keeps secret.", Group.VIEW, rank=18),
     Action(
-        "save",
-        ("w",),
+        "session.save",
         "w",
         "save",
         "Save the session under a name; it is kept by itself as well.",
@@ -233,8 +203,7 @@ ACTIONS: Final[tuple[Action, ...]] = (
         for_the_owner=True,
     ),
     Action(
-        "export",
-        ("x",),
+        "export.choose",
         "x",
         "export",
         "Write the run as a command, a Python script, tables or a picture.",
@@ -244,44 +213,43 @@ ACTIONS: Final[tuple[Action, ...]] = (
     ),
     Action(
         "previous_scenario",
-        ("left_square_bracket",),
-        "[",
+        "left_square_bracket",
         "previous scenario",
         "Go to the previous scenario.",
         Group.SCENARIO,
+        symbol="[",
         rank=12,
         hint=("[ ]", "scenario"),
     ),
     Action(
         "next_scenario",
-        ("right_square_bracket",),
-        "]",
+        "right_square_bracket",
         "next scenario",
         "Go to the next scenario.",
         Group.SCENARIO,
+        symbol="]",
     ),
     Action(
         "back",
-        ("escape",),
-        "esc",
+        "escape",
         "back",
         "Leave the zoom or the microscope, else go back to the catalogue: twice, once a step was taken.",
         Group.SCENARIO,
+        symbol="esc",
         rank=18,
     ),
     Action(
         "help",
-        ("question_mark",),
-        "?",
+        "question_mark",
         "help",
         "Show all keys, how to read the panels, and the notes.",
         Group.PROGRAM,
         Place.BOTH,
+        symbol="?",
         rank=-1,
     ),
     Action(
         "palette",
-        ("ctrl+p",),
         "ctrl+p",
         "palette",
         "Find every action by its name, and the colour themes.",
@@ -292,7 +260,6 @@ ACTIONS: Final[tuple[Action, ...]] = (
     ),
     Action(
         "redraw",
-        ("ctrl+l",),
         "ctrl+l",
         "draw again",
         "Draw the whole screen again, where something else wrote over it.",
@@ -303,7 +270,6 @@ ACTIONS: Final[tuple[Action, ...]] = (
     ),
     Action(
         "suspend",
-        ("ctrl+z",),
         "ctrl+z",
         "to the shell",
         "Stop here and go to the shell; its command fg comes back.",
@@ -315,7 +281,6 @@ ACTIONS: Final[tuple[Action, ...]] = (
     ),
     Action(
         "quit",
-        ("q",),
         "q",
         "quit",
         "Quit; in the help and in the model only close them.",
@@ -327,28 +292,52 @@ ACTIONS: Final[tuple[Action, ...]] = (
 )
 
 
-def actions_of(place: Place) -> tuple[Action, ...]:
+def all_actions(panels: Iterable[PanelRow] = PANELS) -> tuple[Action, ...]:
+    """Return every action; those that open ``panels`` follow the one that zooms them."""
+    after = next(number for number, action in enumerate(_ACTIONS, start=1) if action.id == "view.zoom")
+    opening = (
+        Action(
+            f"board.{row.id}",
+            row.opened_by.key,
+            row.opened_by.label,
+            row.opened_by.help,
+            Group.VIEW,
+            command=f"board.toggle('{row.id}')",
+            rank=row.opened_by.rank,
+        )
+        for row in panels
+        if row.opened_by is not None
+    )
+    return (*_ACTIONS[:after], *opening, *_ACTIONS[after:])
+
+
+ACTIONS: Final = all_actions()
+
+
+def actions_of(place: Place, panels: Iterable[PanelRow] = PANELS) -> tuple[Action, ...]:
     """Return the actions that apply in ``place``, in the order of the list."""
     screen = place & Place.BOTH
     kiosk = Place.KIOSK in place
     return tuple(
-        action for action in ACTIONS if screen in action.place and not (kiosk and action.for_the_owner)
+        action
+        for action in all_actions(panels)
+        if screen in action.place and not (kiosk and action.for_the_owner)
     )
 
 
-def bindings_of(place: Place) -> list[BindingType]:
-    """Return the key bindings of the screen ``place``."""
-    return [_binding(action) for action in actions_of(place)]
+def bindings_of(actions: Iterable[Action]) -> list[BindingType]:
+    """Return the key bindings of ``actions``."""
+    return [_binding(action) for action in actions]
 
 
 def bindings_everywhere() -> list[BindingType]:
     """Return the key bindings of the app that count before those of any screen, dialogs included."""
-    return [_binding(action, priority=True) for action in ACTIONS if action.everywhere]
+    return [_binding(action, priority=True) for action in _ACTIONS if action.everywhere]
 
 
 def _binding(action: Action, *, priority: bool = False) -> Binding:
     return Binding(
-        ",".join(action.keys),
+        action.key,
         action.textual_action,
         action.label,
         key_display=action.shown,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 import os
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar
 
@@ -20,7 +20,7 @@ from rl_tui.common.errors import UserError
 from rl_tui.common.findings import one_line
 from rl_tui.lab.run.library import recipe_for
 from rl_tui.lab.run.recipe import Recipe
-from rl_tui.terminal.driver_choice import driver_class, go_to_shell
+from rl_tui.terminal.driver_choice import driver_class
 from rl_tui.terminal.ending import HUNG_UP, end_on_signal
 from rl_tui.terminal.key_queue import KeyQueue
 from rl_tui.terminal.linked_app import LinkedApp
@@ -31,6 +31,7 @@ from rl_tui.tui.app.display import Display
 from rl_tui.tui.app.idleness import LOOKS, Idleness
 from rl_tui.tui.app.opening import MakePlayer, Opener, live_player
 from rl_tui.tui.app.palette_entries import ActionProvider
+from rl_tui.tui.panels.catalogue import PANELS, PanelRow
 from rl_tui.tui.theme.depth import choose_look, depth_of, environment_for, is_native
 from rl_tui.tui.theme.encoding import encoding_of
 from rl_tui.tui.theme.glyphs import ASCII
@@ -56,8 +57,9 @@ class RlTuiApp(LinkedApp[UserError]):
 
     ``make_player`` makes the thread behind a playground. A ``picture`` asks no terminal what it can do.
     ``sessions`` is the folder in which sessions are kept, None to keep none. A ``kiosk`` offers nothing that
-    has to do with files, and pauses when no key is pressed for a while. The app's result is the fault that
-    ended it, None if none did. Raises UserError where the theme is not known.
+    has to do with files, and pauses when no key is pressed for a while. ``panels`` are those of a
+    playground. The app's result is the fault that ended it, None if none did. Raises UserError where the
+    theme is not known.
     """
 
     TITLE = "rl-tui"
@@ -75,6 +77,7 @@ class RlTuiApp(LinkedApp[UserError]):
         picture: bool = False,
         sessions: Path | None = None,
         kiosk: bool = False,
+        panels: Sequence[PanelRow] = PANELS,
     ) -> None:
         options = display or Display()
         depth = "truecolor" if picture and options.colors == "auto" else depth_of(options.colors, os.environ)
@@ -93,7 +96,7 @@ class RlTuiApp(LinkedApp[UserError]):
         named = encoding_of(os.environ, sys.stdout.encoding, utf8_mode=bool(sys.flags.utf8_mode))
         self._encoding = "utf-8" if picture else named
         self._start = start
-        self._opener = Opener(make_player, options.fps, sessions, kiosk=kiosk)
+        self._opener = Opener(make_player, options.fps, sessions, kiosk=kiosk, panels=panels)
         self._kiosk = kiosk
         self._idleness = Idleness()
         self._bug: Exception | None = None
@@ -185,7 +188,7 @@ class RlTuiApp(LinkedApp[UserError]):
         if self._idleness.begins():
             for screen in self.screen_stack:
                 if isinstance(screen, Playground):
-                    screen.rest()
+                    screen.run.rest()
 
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
         """Refuse a kiosk to stop its process for a shell that may not be there."""
@@ -204,7 +207,7 @@ class RlTuiApp(LinkedApp[UserError]):
 
     async def action_suspend_process(self) -> None:  # type: ignore[override]
         """Go back to the shell, if there is one that can bring the program back."""
-        if not await go_to_shell(self._driver):
+        if not await self.go_to_shell():
             self.notify("there is no shell here to go back to; q quits", markup=False)
 
     def on_terminal_driver_lost(self) -> None:
@@ -236,7 +239,7 @@ class RlTuiApp(LinkedApp[UserError]):
         return self._bug
 
     def _handle_exception(self, error: Exception) -> None:
-        if self._exit and isinstance(error, NoMatches):
+        if getattr(self, "_exit", False) and isinstance(error, NoMatches):
             return  # of a screen that opens while the program ends, the widgets may be gone already
         super()._handle_exception(error)
 
@@ -244,8 +247,8 @@ class RlTuiApp(LinkedApp[UserError]):
         # Textual would print pages here; the command line says in one line what has happened
         if self._bug is None:
             self._opener.close()
-            self._bug = bug_of(self._exception, self._opener.autosave)
-        self._close_messages_no_wait()
+            self._bug = bug_of(getattr(self, "_exception", None), self._opener.autosave)
+        super().exit(return_code=1)
 
     def _follow_theme(self, _: Theme) -> None:
         look = self.look

@@ -6,12 +6,14 @@ catalogue not for numpy and a dozen widgets.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Protocol
 
 from rl_tui.common.errors import UserError
 from rl_tui.lab.run.recipe import Recipe
 from rl_tui.tui.actions.action import Place
+from rl_tui.tui.panels.catalogue import PanelRow
 from rl_tui.tui.theme.look import Look
 
 if TYPE_CHECKING:
@@ -41,14 +43,23 @@ class Opener:
     """Makes catalogues and playgrounds, which draw at most ``fps`` frames a second.
 
     ``sessions`` is the folder in which sessions are kept, None to keep none. The screens of a ``kiosk`` offer
-    nothing that has to do with files.
+    nothing that has to do with files. Playgrounds have these ``panels``.
     """
 
-    def __init__(self, make_player: MakePlayer, fps: float, sessions: Path | None, *, kiosk: bool) -> None:
+    def __init__(
+        self,
+        make_player: MakePlayer,
+        fps: float,
+        sessions: Path | None,
+        *,
+        kiosk: bool,
+        panels: Sequence[PanelRow],
+    ) -> None:
         self._make_player = make_player
         self._fps = fps
         self._sessions = sessions
         self._kiosk = kiosk
+        self._panels = panels
         self._player: Player | None = None
         self.autosave: Autosave | None = None
         """What keeps the newest playground's session, if anything does."""
@@ -76,9 +87,7 @@ class Opener:
 
         autosave = None if self._sessions is None else Autosave(record, self._sessions, session)
         recipe = record.lanes[record.shown].recipe
-        playground = self._playground(look, recipe, autosave, record, record.speed)
-        playground.resumed = session
-        return playground
+        return self._playground(look, recipe, autosave, record, record.speed, session)
 
     def close(self) -> None:
         """End the newest player; what was done is on the disk then."""
@@ -92,12 +101,13 @@ class Opener:
         autosave: Autosave | None,
         record: Record | None,
         speed: float | None,
+        resumed: StoredSession | None = None,
     ) -> Playground:
         from rl_tui.tui.screens.playground.playground import Playground
 
+        self.autosave = autosave
         self._player = self._make_player(recipe, record_sink=autosave, record=record)
-        playground = Playground(look, recipe, self._player, self._fps, speed)
-        playground.autosave = self.autosave = autosave
+        playground = Playground(look, recipe, self._player, self._fps, speed, self._panels, autosave, resumed)
         if self._kiosk:
             playground.place |= Place.KIOSK
         return playground

@@ -8,18 +8,20 @@ from typing import Protocol, runtime_checkable
 
 from textual.command import DiscoveryHit, Hit, Hits, Provider
 
-from rl_tui.tui.actions.action import Action, Place
-from rl_tui.tui.actions.registry import actions_of
+from rl_tui.tui.actions.action import Action
 from rl_tui.tui.draw.to_ascii import to_ascii
 from rl_tui.tui.theme.look import Look
 
 
 @runtime_checkable
-class HasPlace(Protocol):
-    """A screen of which the registry knows the actions."""
+class HasActions(Protocol):
+    """A screen that says what can be done on it."""
 
-    place: Place
     look: Look
+
+    @property
+    def actions(self) -> tuple[Action, ...]:
+        """What a person can do there."""
 
 
 class ActionProvider(Provider):
@@ -41,8 +43,8 @@ class ActionProvider(Provider):
     def _entries(self) -> Iterator[tuple[str, Callable[[], object], str]]:
         """Yield what is listed, what is done and the sentence about it."""
         screen = self.screen
-        if isinstance(screen, HasPlace):
-            for action in actions_of(screen.place):
+        if isinstance(screen, HasActions):
+            for action in screen.actions:
                 name, sentence = (
                     to_ascii(text, screen.look.glyphs) for text in (palette_name(action), action.help)
                 )

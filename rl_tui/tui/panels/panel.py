@@ -1,4 +1,4 @@
-"""What the panels that draw text from a snapshot have in common."""
+"""What the board asks of a panel, and what panels that draw text from a snapshot have in common."""
 
 from __future__ import annotations
 
@@ -18,7 +18,22 @@ from rl_tui.tui.theme.look import Look
 _BORDER_ENDS: Final = 4  # a piece of line and a blank on either side of a title
 
 
-class Panel(Widget):
+class BoardPanel(Widget):
+    """What the board asks of each of its panels; ``revealed`` shows what a bandit keeps secret."""
+
+    revealed: bool = False
+
+    @property
+    def is_complete(self) -> bool:
+        """Whether the newest snapshot has all that is in view: what was asked for comes with a later one."""
+        return True
+
+    def show(self, snapshot: Snapshot) -> None:
+        """Draw ``snapshot``."""
+        raise NotImplementedError
+
+
+class Panel(BoardPanel):
     """Draws each snapshot anew and refreshes only the rows that came out different.
 
     Subclasses implement :meth:`picture`, which may set ``heading`` and ``footing`` on the way. ``revealed``

@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import Final
 
+from textual.actions import parse
 from textual.app import ComposeResult
+from textual.binding import BindingsMap
 from textual.screen import Screen
 from textual.widget import Widget
 from textual.widgets import Static
 
-from rl_tui.tui.actions.action import Place
+from rl_tui.tui.actions.action import Action, Place
+from rl_tui.tui.actions.registry import actions_of, bindings_of
 from rl_tui.tui.draw.to_ascii import to_ascii
+from rl_tui.tui.panels.catalogue import PANELS, PanelRow
 from rl_tui.tui.screens.key_line import KeyLine
 from rl_tui.tui.screens.playground.arrangement import ROOMY_HEIGHT, ROOMY_WIDTH
 from rl_tui.tui.theme.look import Look
@@ -48,26 +52,42 @@ class TooSmall(Static):
 
 
 class ActionScreen(Screen[None]):
-    """A screen that fills the terminal. Subclasses name their ``place`` and yield their ``content``."""
+    """A screen that fills the terminal. Subclasses name their ``place`` and yield their ``content``.
+
+    Its keys are those of its ``actions``: of the registry, and of the ``panels`` that keys open.
+    """
 
     HORIZONTAL_BREAKPOINTS = _WIDTHS
     VERTICAL_BREAKPOINTS = _HEIGHTS
 
     place: Place
 
-    def __init__(self, look: Look) -> None:
+    def __init__(self, look: Look, panels: Sequence[PanelRow] = PANELS) -> None:
         super().__init__()
         self.look = look
+        self.panel_rows = panels
+        # what stands in BINDINGS is the same for all screens of a class, whatever their panels
+        self._bindings = BindingsMap.merge((self._bindings, BindingsMap(bindings_of(self.actions))))
+
+    @property
+    def actions(self) -> tuple[Action, ...]:
+        """What a person can do here."""
+        return actions_of(self.place, self.panel_rows)
 
     @property
     def in_kiosk(self) -> bool:
         """Whether it has no files here; the app says so in its ``place``."""
         return Place.KIOSK in self.place
 
+    def action_do(self, command: str) -> None:
+        """Do what ``command`` says, ``object.method`` or ``object.method(argument)``."""
+        target, method, arguments = parse(command)
+        getattr(getattr(self, target), method)(*arguments)
+
     def compose(self) -> ComposeResult:
         """Yield the content, the key line and what replaces them in a terminal too small."""
         yield from self.content()
-        yield KeyLine(self.look, self.place, id="keys")
+        yield KeyLine(self.look, self.actions, id="keys")
         yield TooSmall(self.look, id="too-small")
 
     def tell(self, message: str) -> None:

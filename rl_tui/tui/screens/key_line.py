@@ -10,8 +10,7 @@ from textual import events
 from textual.strip import Strip
 from textual.widget import Widget
 
-from rl_tui.tui.actions.action import Action, Place
-from rl_tui.tui.actions.registry import actions_of
+from rl_tui.tui.actions.action import Action
 from rl_tui.tui.draw.to_ascii import to_ascii
 from rl_tui.tui.theme.glyphs import Glyphs
 from rl_tui.tui.theme.look import Look
@@ -19,17 +18,17 @@ from rl_tui.tui.theme.look import Look
 _GAPS = (3, 2)
 
 
-def fitting(place: Place, width: int) -> tuple[tuple[Action, ...], int]:
-    """Return the actions whose hints fit into ``width`` columns, as the line shows them, and the gap between.
+def fitting(actions: Sequence[Action], width: int) -> tuple[tuple[Action, ...], int]:
+    """Return those of ``actions`` whose hints fit into ``width`` columns, as shown, and the gap between.
 
     Entries are dropped whole, those of the highest rank first; the one of the lowest rank (help) stays in any
     width and stands last. The gap is the wide one where that drops nothing more.
     """
-    ranked = sorted((a for a in actions_of(place) if a.rank is not None), key=lambda a: a.rank or 0)
+    ranked = sorted((a for a in actions if a.rank is not None), key=lambda a: a.rank or 0)
     wide, narrow = (_as_many_as_fit(ranked, width, gap) for gap in _GAPS)
     shown, gap = (wide, _GAPS[0]) if len(wide) == len(narrow) else (narrow, _GAPS[1])
     last, *others = shown
-    return (*sorted(others, key=actions_of(place).index), last), gap
+    return (*sorted(others, key=actions.index), last), gap
 
 
 def _as_many_as_fit(ranked: Sequence[Action], width: int, gap: int) -> tuple[Action, ...]:
@@ -54,7 +53,7 @@ def _line_columns(hints: Sequence[tuple[str, str]], gap: int, glyphs: Glyphs) ->
 
 
 class KeyLine(Widget):
-    """Key hints of the screen it stands on; a click on one does it.
+    """Key hints of ``actions``, those of the screen it stands on; a click on one does it.
 
     ``hints`` are keys and words to show in their place, as many as fit, while a mode has keys of its own.
     """
@@ -62,14 +61,14 @@ class KeyLine(Widget):
     def __init__(
         self,
         look: Look,
-        place: Place,
+        actions: Sequence[Action],
         *,
         id: str | None = None,  # noqa: A002
         classes: str | None = None,
     ) -> None:
         super().__init__(id=id, classes=classes)
         self.look = look
-        self._place = place
+        self._actions = actions
         self._hints: tuple[tuple[str, str], ...] = ()
 
     @property
@@ -86,7 +85,7 @@ class KeyLine(Widget):
     def render_line(self, y: int) -> Strip:
         """Draw the line."""
         palette, glyphs = self.look.palette, self.look.glyphs
-        shown, gap = fitting(self._place, self.size.width)
+        shown, gap = fitting(self._actions, self.size.width)
         hints = [action.key_hint for action in shown]
         if self.hints:
             hints, gap = self._fitting_hints(), _GAPS[1]
@@ -111,7 +110,7 @@ class KeyLine(Widget):
         """Do what the hint under the pointer says."""
         if self.hints:
             return
-        shown, gap = fitting(self._place, self.size.width)
+        shown, gap = fitting(self._actions, self.size.width)
         column = 1
         for action in shown:
             end = column + _columns(action)

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rl_tui.agents.algorithms.family import Update, further
+from rl_tui.agents.algorithms.family import NO_STATE, Update, further
 from rl_tui.agents.kernels.compiled import compiled, inlined
 from rl_tui.agents.kernels.parameters import KernelParameters
 from rl_tui.agents.kernels.tables import Tables, landing, outcomes_of, pairs_of
@@ -101,4 +101,4 @@ def back_up_pairs(
         if each == reported or (reported == ANY and estimate > after):
             pair, before, gathered, bootstrap, after = each, former, reward, value, estimate
     others = moved - 1 if after != before else moved
-    return Update(pair, before, 1.0, gathered, params.gamma, bootstrap, after, others, extreme, 0)
+    return Update(pair, before, 1.0, gathered, params.gamma, bootstrap, NO_STATE, after, others, extreme, 0)

@@ -11,7 +11,7 @@ from rl_tui.agents.algorithms.family import Experience
 from rl_tui.agents.kernels.compiled import inlined
 from rl_tui.agents.kernels.tables import Tables, pairs_of
 from rl_tui.agents.policies.family import choose
-from rl_tui.worlds.mdp.space import FloatArray, IntArray
+from rl_tui.worlds.mdp.space import IntArray
 
 NO_PAIR = -1
 
@@ -21,43 +21,27 @@ def nothing_chosen() -> IntArray:
     return np.array([NO_PAIR, 0], dtype=np.int64)
 
 
-@inlined
-def take_chosen(
-    chosen: IntArray,
-    rule: Any,
-    q: FloatArray,
-    visits: IntArray,
-    tables: Tables,
-    state: int,
-    generator: Generator,
-) -> tuple[int, bool]:
-    """Return the pair chosen on arrival in ``state`` and whether it explores; choose now if there is none.
+def take_chosen(memory: Any, rule: Any, tables: Tables, state: int, generator: Generator) -> tuple[int, bool]:
+    """Take A′, which was chosen on arrival in ``state``: the ``act`` of algorithms that choose ahead.
 
-    There is none where an episode starts, nor where it did not come to pass: a person may have acted since.
+    There is none where an episode starts, nor where it did not come to pass, since a person may have acted:
+    then A is chosen from S using the policy derived from Q.
     """
     first, last = pairs_of(tables, state)
-    if first <= chosen[0] < last:
-        return chosen[0], chosen[1] != 0
-    return choose(rule, q, visits, first, last, generator)
+    if first <= memory.chosen[0] < last:
+        return memory.chosen[0], memory.chosen[1] != 0
+    return choose(rule, memory.q, memory.visits, first, last, generator)
 
 
 @inlined
-def choose_next(
-    chosen: IntArray,
-    rule: Any,
-    q: FloatArray,
-    visits: IntArray,
-    tables: Tables,
-    experience: Experience,
-    generator: Generator,
-) -> int:
+def choose_next(memory: Any, rule: Any, tables: Tables, experience: Experience, generator: Generator) -> int:
     """Choose A′ from S′ and return its pair, −1 after the end; keep it to be taken, unless time is up."""
-    chosen[0] = NO_PAIR
+    memory.chosen[0] = NO_PAIR
     if experience.terminated:
         return NO_PAIR
     first, last = pairs_of(tables, experience.next_state)
-    next_pair, explores = choose(rule, q, visits, first, last, generator)
+    next_pair, explores = choose(rule, memory.q, memory.visits, first, last, generator)
     if not experience.truncated:
-        chosen[0] = next_pair
-        chosen[1] = explores
+        memory.chosen[0] = next_pair
+        memory.chosen[1] = explores
     return next_pair

@@ -9,7 +9,7 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from rl_tui.agents.algorithms.family import Update, further
+from rl_tui.agents.algorithms.family import NO_STATE, Experience, Update, further
 from rl_tui.agents.algorithms.shared.next_action import nothing_chosen
 from rl_tui.agents.kernels.compiled import inlined
 from rl_tui.agents.kernels.parameters import KernelParameters, step_size
@@ -54,17 +54,22 @@ def cut_traces(memory: TracedMemory) -> None:
 
 @inlined
 def teach(
-    memory: TracedMemory, params: KernelParameters, pair: int, reward: float, bootstrap: float, decay: float
+    memory: TracedMemory,
+    params: KernelParameters,
+    experience: Experience,
+    bootstrap: float,
+    decay: float,
 ) -> Update:
     """Give the pair just taken its trace, move all that have one, and let them fade by ``decay``.
 
-    The trace of ``pair`` grows by 1 where traces accumulate, else it becomes 1. With δ = reward + γ·bootstrap
+    The trace of the pair grows by 1 where traces accumulate, else it becomes 1. With δ = reward + γ·bootstrap
     − Q(pair), every pair moves by α·e·δ, e being its trace (equation 12.7); where the step size is the sample
-    average it is that of each pair. ``decay`` is γλ, or 0 to cut all traces. The update returned is
-    that of ``pair``.
+    average it is that of each pair. ``bootstrap`` is an estimate of the next state, 0 after the end.
+    ``decay`` is γλ, or 0 to cut all traces. The update returned is that of the pair just taken.
     """
     q, visits, trace = memory.q, memory.visits, memory.eligibility
     active, count = memory.active, memory.active_count
+    pair, reward = experience.pair, experience.reward
     # e(S,A) ← e(S,A) + 1, or where traces are replaced 1
     if trace[pair] == 0.0:
         active[count[0]] = pair
@@ -88,4 +93,7 @@ def teach(
             active[kept] = each
             kept += 1
     count[0] = kept
-    return Update(pair, before, own, reward, params.gamma, bootstrap, q[pair], moved - 1, extreme, 0)
+    bootstrap_state = NO_STATE if experience.terminated else experience.next_state
+    return Update(
+        pair, before, own, reward, params.gamma, bootstrap, bootstrap_state, q[pair], moved - 1, extreme, 0
+    )

@@ -10,16 +10,8 @@ from typing import TYPE_CHECKING, Any, Final
 
 from rl_tui.common.errors import UserError
 from rl_tui.lab.export.literals import listed, literal
-from rl_tui.lab.export.template import fill
-from rl_tui.lab.export.worlds.text import (
-    ARRAY,
-    ARROWS_ON_MAP,
-    LOOKUP,
-    STATE_BY_STATE,
-    WorldText,
-    arrow,
-    between,
-)
+from rl_tui.lab.export.template import fill, sections
+from rl_tui.lab.export.worlds.text import TEXTS, WorldText, arrow, between
 from rl_tui.worlds.drawing import CellKind, Grid
 from rl_tui.worlds.gym.registered import made, time_limit_of
 from rl_tui.worlds.gym.section import GymnasiumSection
@@ -30,39 +22,7 @@ if TYPE_CHECKING:
 
     from rl_tui.worlds.gym.stepped.bins import BinsSection
 
-MODEL: Final = """
-P = env.unwrapped.P  # the transition table, which the environment shows to those who plan
-
-
-def outcomes(state, action):
-    # All that may happen: (probability, next state, reward, whether the episode ends)
-    return P[state][action]
-"""
-
-BINS: Final = """
-# Every number that is observed falls into one of the bins between these edges; observations that
-# fall into the same bins are one state to the agent
-$edges
-
-
-class Bins(gym.ObservationWrapper):
-    def observation(self, observation):
-        return tuple(bisect(inner, x) for inner, x in zip(EDGES, observation.ravel()))
-
-
-env = Bins($made)
-"""
-
-NUMBERS: Final = """
-class Numbers(gym.ObservationWrapper):
-    # An array of whole numbers is no key of a table, a tuple of them is
-    def observation(self, observation):
-        return tuple(observation.ravel().tolist())
-
-
-env = Numbers($made)
-"""
-
+_TEXTS: Final = sections(f"{__package__}.gymnasium")
 _LETTERS: Final = {
     CellKind.START: "S",
     CellKind.FLOOR: ".",
@@ -92,8 +52,8 @@ def gymnasium_text(section: GymnasiumSection, world: World) -> WorldText:
     names = listed(map(literal, world.space.action_names), before="NAMES = ")
     return WorldText(
         setup=f"{setup}\n{names}",
-        new_table=fill(LOOKUP, {"actions": "len(NAMES)"}),
-        report=STATE_BY_STATE,
+        new_table=fill(TEXTS["lookup"], {"actions": "len(NAMES)"}),
+        report=TEXTS["state by state"],
         report_pieces={"states": "sorted(Q)"},
         truncates=truncates,
         imports=(*imports, _LOOKUP_IMPORT),
@@ -113,19 +73,20 @@ def _make(section: GymnasiumSection) -> str:
 def _tabular(world: World, make: str, truncates: bool) -> WorldText:
     setup = [f"env = {make}"]
     grid = world.drawing
-    report, pieces = STATE_BY_STATE, {"states": "range(len(Q))"}
+    report, pieces = TEXTS["state by state"], {"states": "range(len(Q))"}
     if isinstance(grid, Grid) and grid.cell_of_state == tuple(range(len(grid.kinds))):
         arrows = list(map(arrow, grid.directions, world.space.action_names))
         setup += _map(grid, world.space.action_names, arrows)
-        report, pieces = ARROWS_ON_MAP, {"shown": '"HGC#"', "between": between(arrows)}
+        report, pieces = TEXTS["arrows on a map"], {"shown": '"HGC#"', "between": between(arrows)}
     else:
         setup.append(listed(map(literal, world.space.action_names), before="NAMES = "))
+    sizes = {"states": "env.observation_space.n", "actions": "env.action_space.n"}
     return WorldText(
         setup="\n".join(setup),
-        new_table=fill(ARRAY, {"states": "env.observation_space.n", "actions": "env.action_space.n"}),
+        new_table=fill(TEXTS["array"], sizes),
         report=report,
         report_pieces=pieces,
-        model=MODEL,
+        model=_TEXTS["model"],
         starts="np.flatnonzero(env.unwrapped.initial_state_distrib).tolist()",
         truncates=truncates,
     )
@@ -153,9 +114,9 @@ def _observed(
     space = environment.observation_space
     if section.bins is not None and isinstance(space, spaces.Box):
         edges = listed(_edges(section.bins, space), before="EDGES = ")
-        return fill(BINS, {"edges": edges, "made": make}), ("from bisect import bisect",)
+        return fill(_TEXTS["bins"], {"edges": edges, "made": make}), ("from bisect import bisect",)
     if isinstance(space, spaces.MultiDiscrete | spaces.MultiBinary):
-        return fill(NUMBERS, {"made": make}), ()
+        return fill(_TEXTS["numbers"], {"made": make}), ()
     flat = isinstance(space, spaces.Tuple) and all(isinstance(each, spaces.Discrete) for each in space.spaces)
     if flat or isinstance(space, spaces.Discrete):
         return f"env = {make}", ()

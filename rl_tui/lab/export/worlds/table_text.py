@@ -6,45 +6,11 @@ from typing import Final
 
 from rl_tui.common.errors import UserError
 from rl_tui.lab.export.literals import WIDEST, literal
-from rl_tui.lab.export.template import fill
-from rl_tui.lab.export.worlds.text import (
-    ENVIRONMENT,
-    FIELDS,
-    NOISE,
-    NOISY_FIELDS,
-    RAGGED,
-    WorldText,
-    limited,
-)
+from rl_tui.lab.export.template import fill, sections
+from rl_tui.lab.export.worlds.text import FIELDS, NOISY_FIELDS, TEXTS, WorldText, environment
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
 MOST_OUTCOMES: Final = 2_000
-
-SETUP: Final = """
-# State: action: [(probability, next state, reward$noise_term), ...]
-# A state without actions is an end$no_state
-$table
-STATES = list(WORLD)  # a state is a number: its place in this list; so is an action, in its state
-
-
-def outcomes(state, action):
-    # All that may happen: (probability, next state, reward, whether the episode ends$noise_too)
-    possible = list(WORLD[STATES[state]].values())[action]
-    return [
-        $each
-        for $fields in possible
-    ]
-"""
-PLAIN: Final = "(p, STATES.index(to), reward, not WORLD[to]$noise)"
-WITH_NO_STATE: Final = "(p, state if to is None else STATES.index(to), reward, not WORLD.get(to)$noise)"
-
-REPORT: Final = """
-for name, values in zip(STATES, Q):
-    if len(values):
-        actions = list(WORLD[name])
-        best = np.flatnonzero($equals)
-        print(f"{name}: {', '.join(actions[a] for a in best)}")
-"""
 
 
 def table_text(mdp: TabularMDP) -> WorldText:
@@ -55,33 +21,22 @@ def table_text(mdp: TabularMDP) -> WorldText:
             f"most {MOST_OUTCOMES:,}"
         )
     noisy = bool(mdp.reward_std.any())
-    nowhere = _ends_nowhere(mdp)
-    noise = {"noise": ", noise" if noisy else ""}
+    texts = sections(f"{__package__}.table", {"nowhere"} if _ends_nowhere(mdp) else ())
     pieces = {
         "noise_term": ", its noise" if noisy else "",
-        "noise_too": ", noise" if noisy else "",
-        "no_state": "; None is the end as well" if nowhere else "",
+        "noise": ", noise" if noisy else "",
         "table": _table(mdp, noisy),
-        "each": fill(WITH_NO_STATE if nowhere else PLAIN, noise),
-        "fields": "p, to, reward, noise" if noisy else "p, to, reward",
     }
     fields = NOISY_FIELDS if noisy else FIELDS
     start, starts = _start(mdp)
-    environment = fill(
-        ENVIRONMENT,
-        {
-            "states": "len(STATES)",
-            "actions": "max(map(len, WORLD.values()))",
-            "start": start,
-            "fields": fields,
-            "noise": NOISE if noisy else "",
-            "environment": limited(mdp.time_limit),
-        },
+    world = environment(
+        "len(STATES)", "max(map(len, WORLD.values()))", start, fields=fields, time_limit=mdp.time_limit
     )
+    own_length = {"actions_of_state": "len(WORLD[name])", "state": "name", "states": "STATES"}
     return WorldText(
-        setup=f"{fill(SETUP, pieces)}\n\n\n{environment}",
-        new_table=fill(RAGGED, {"actions_of_state": "len(WORLD[name])", "state": "name", "states": "STATES"}),
-        report=REPORT.strip("\n"),
+        setup=f"{fill(texts['setup'], pieces)}\n\n\n{world}",
+        new_table=fill(TEXTS["ragged"], own_length),
+        report=texts["report"],
         starts=starts,
         fields=fields,
         truncates=mdp.time_limit > 0,

@@ -13,6 +13,7 @@ from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.run.recipe import Recipe
 from rl_tui.tui.panels.controls.settings import AgentSettings
 from rl_tui.tui.panels.controls.slider import Slider
+from rl_tui.tui.panels.panel import BoardPanel
 from rl_tui.tui.theme.look import Look
 
 
@@ -29,26 +30,24 @@ def in_force(values: Hyperparameters, parameter: Parameter) -> float | str:
     return values.value(parameter.name)
 
 
-class Controls(Container):
-    """Sliders and settings; posts the sliders' own messages and follows what is in force.
+class Controls(Container, BoardPanel):
+    """Sliders and settings; posts the sliders' own messages.
 
-    A value that was set here stays on its slider until a snapshot shows that it has arrived.
+    Its sliders are those of the agent in force, and show what is ``wanted``: a value that was set here stays
+    on its slider while the run has not followed yet.
     """
 
-    def __init__(
-        self,
-        look: Look,
-        recipe: Recipe,
-        *,
-        id: str | None = None,  # noqa: A002
-        classes: str | None = None,
-    ) -> None:
+    def __init__(self, look: Look, *, id: str | None = None, classes: str | None = None) -> None:  # noqa: A002
         super().__init__(id=id, classes=classes)
         self.border_title = "Controls"
         self._look = look
-        self._values = recipe.hyperparameters
+        self.wanted = Hyperparameters()
+        self._parameters: tuple[Parameter, ...] = ()
+
+    def begin_with(self, recipe: Recipe) -> None:
+        """Show the sliders of ``recipe`` before the first snapshot."""
+        self.wanted = recipe.hyperparameters
         self._parameters = sliders_of(recipe.algorithm, recipe.hyperparameters.policy)
-        self._under_way: dict[str, float | str] = {}
 
     def compose(self) -> ComposeResult:
         """Yield sliders and settings."""
@@ -56,35 +55,19 @@ class Controls(Container):
         yield AgentSettings(self._look, id="settings")
 
     def show(self, snapshot: Snapshot) -> None:
-        """Show what is in force."""
+        """Show the settings in force, and what is wanted on the sliders."""
         self.query_one(AgentSettings).show(snapshot)
-        self._values = snapshot.agent.hyperparameters
-        parameters = sliders_of(snapshot.agent.algorithm, self._values.policy)
+        parameters = sliders_of(snapshot.agent.algorithm, snapshot.agent.hyperparameters.policy)
         if parameters != self._parameters:
             self._parameters = parameters
-            self._under_way.clear()
             self.run_worker(self._replace_sliders(), exclusive=True)
             return
         for slider in self.query(Slider):
-            self._follow(slider, self._values)
-
-    def forget(self) -> None:
-        """Follow the next snapshot whatever was set before: the run starts again."""
-        self._under_way.clear()
-
-    def on_slider_changed(self, event: Slider.Changed) -> None:
-        """Keep the slider where the user put it until the run has followed."""
-        self._under_way[event.name] = event.value
-
-    def _follow(self, slider: Slider, values: Hyperparameters) -> None:
-        name, value = slider.parameter.name, in_force(values, slider.parameter)
-        if self._under_way.get(name, value) == value:
-            self._under_way.pop(name, None)
-            slider.set_value(value)
+            slider.set_value(in_force(self.wanted, slider.parameter))
 
     def _sliders(self) -> Iterable[Slider]:
         for parameter in self._parameters:
-            yield Slider(self._look, parameter, in_force(self._values, parameter), id=parameter.name)
+            yield Slider(self._look, parameter, in_force(self.wanted, parameter), id=parameter.name)
 
     async def _replace_sliders(self) -> None:
         box = self.query_one("#sliders")

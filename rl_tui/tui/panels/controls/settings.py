@@ -52,24 +52,24 @@ def settings_of(snapshot: Snapshot) -> tuple[Setting, ...]:
 def _settings(snapshot: Snapshot) -> Iterator[Setting]:
     values = snapshot.agent.hyperparameters
     parameters = parameters_of(snapshot.agent.algorithm, values.policy)
-    yield Setting("a", "", "algorithm", BY_ID[snapshot.agent.algorithm].name, "algorithm", 0)
+    yield Setting("a", "", "algorithm", BY_ID[snapshot.agent.algorithm].name, "agent.choose_algorithm", 0)
     if "policy" in parameters:
-        yield Setting("p", "", "policy", POLICY_BY_ID[values.policy].name, "policy", 1)
+        yield Setting("p", "", "policy", POLICY_BY_ID[values.policy].name, "agent.choose_policy", 1)
     if "ties" in parameters:
-        yield Setting("t", "ties", "ties", values.ties, "ties", 4)
+        yield Setting("t", "ties", "ties", values.ties, "agent.next_ties", 4)
     if "initial_q" in parameters:
-        yield Setting("i", "Q₀", "initial Q", f"{values.initial_q:g}", "initial_q", 5)
-    yield Setting("n", "seed", "seed", str(snapshot.recipe.seed), "seed", 6)
+        yield Setting("i", "Q₀", "initial Q", f"{values.initial_q:g}", "agent.ask_initial_q", 5)
+    yield Setting("n", "seed", "seed", str(snapshot.recipe.seed), "agent.ask_seed", 6)
     if snapshot.playback.phase in (Phase.SPENT, Phase.DONE):
-        yield Setting("r", "", "", "start again", "reset", 2)
+        yield Setting("r", "", "", "start again", "run.reset", 2)
     else:
-        yield Setting("+ −", "", "speed", speed_text(snapshot.playback.speed), "faster", 2)
-    yield Setting("o", "options", "options", "", "options", 3)
+        yield Setting("+ −", "", "speed", speed_text(snapshot.playback.speed), "run.faster", 2)
+    yield Setting("o", "options", "options", "", "agent.show_options", 3)
     for name in parameters:
         parameter = PARAMETERS[name]
         if is_an_option(parameter):
             value = option_text(values.value(name))
-            yield Setting("", parameter.symbol, parameter.symbol, value, "options", 7)
+            yield Setting("", parameter.symbol, parameter.symbol, value, "agent.show_options", 7)
     yield from _decaying(values, parameters, snapshot.counters.episodes)
 
 
@@ -77,10 +77,10 @@ def _decaying(values: Hyperparameters, parameters: tuple[str, ...], episode: int
     """Yield what schedules have made of α and ε by now, where they change them."""
     alpha = values.alpha_at(episode)
     moves_alpha = values.step_size_schedule != "constant" and values.alpha_decay > 0.0
-    if "alpha" in parameters and alpha is not None and moves_alpha:
+    if "alpha_decay" in parameters and alpha is not None and moves_alpha:
         yield Setting("", "α now", "α now", f"{alpha:.3f}", "", 8)
     moves_epsilon = values.epsilon_schedule != "constant" and values.epsilon_decay > 0.0
-    if "epsilon" in parameters and moves_epsilon:
+    if "epsilon_decay" in parameters and moves_epsilon:
         yield Setting("", "ε now", "ε now", f"{values.epsilon_at(episode):.3f}", "", 8)
 
 
@@ -214,7 +214,7 @@ class AgentSettings(Widget):
         """Change the setting under the pointer."""
         for cell in self._line(event.y):
             if cell.start <= event.x < cell.end and cell.setting.action:
-                await self.screen.run_action(cell.setting.action)
+                await self.screen.run_action(f"do({cell.setting.action!r})")
                 return
 
     def _line(self, y: int) -> list[Cell]:

@@ -5,11 +5,12 @@ from __future__ import annotations
 from typing import ClassVar, Final
 
 from textual import events
-from textual.binding import Binding, BindingType
+from textual.binding import BindingType
 from textual.message import Message
 from textual.strip import Strip
 
 from rl_tui.agents.hyperparameters import PARAMETERS, Hyperparameters, Parameter
+from rl_tui.tui.panels.bindings import binding
 from rl_tui.tui.panels.controls.slider_picture import SliderState, slider_form, slider_strip
 from rl_tui.tui.panels.controls.slider_scale import SliderScale, parsed, scale_of
 from rl_tui.tui.panels.draggable import Draggable
@@ -29,43 +30,17 @@ class Slider(Draggable, can_focus=True):
 
     ALLOW_SELECT = False
     BINDINGS: ClassVar[list[BindingType]] = [
-        Binding("left", "move('step', -1)", "Less", show=False, id="slider.less", tooltip="A hundredth less"),
-        Binding("right", "move('step', 1)", "More", show=False, id="slider.more", tooltip="A hundredth more"),
-        Binding(
-            "shift+left,less_than_sign",
-            "move('fine', -1)",
-            "A little less",
-            show=False,
-            id="slider.little_less",
-            tooltip="A thousandth less",
+        binding("left", "move('step', -1)", "slider.less", "A hundredth less"),
+        binding("right", "move('step', 1)", "slider.more", "A hundredth more"),
+        binding("shift+left,less_than_sign", "move('fine', -1)", "slider.little_less", "A thousandth less"),
+        binding(
+            "shift+right,greater_than_sign", "move('fine', 1)", "slider.little_more", "A thousandth more"
         ),
-        Binding(
-            "shift+right,greater_than_sign",
-            "move('fine', 1)",
-            "A little more",
-            show=False,
-            id="slider.little_more",
-            tooltip="A thousandth more",
-        ),
-        Binding(
-            "pagedown",
-            "move('coarse', -1)",
-            "Much less",
-            show=False,
-            id="slider.much_less",
-            tooltip="A tenth less",
-        ),
-        Binding(
-            "pageup",
-            "move('coarse', 1)",
-            "Much more",
-            show=False,
-            id="slider.much_more",
-            tooltip="A tenth more",
-        ),
-        Binding("home", "end(False)", "Least", show=False, id="slider.least", tooltip="The least value"),
-        Binding("end", "end(True)", "Most", show=False, id="slider.most", tooltip="The greatest value"),
-        Binding("enter", "type", "Type", show=False, id="slider.type", tooltip="Type a value"),
+        binding("pagedown", "move('coarse', -1)", "slider.much_less", "A tenth less"),
+        binding("pageup", "move('coarse', 1)", "slider.much_more", "A tenth more"),
+        binding("home", "end(False)", "slider.least", "The least value"),
+        binding("end", "end(True)", "slider.most", "The greatest value"),
+        binding("enter", "type", "slider.type", "Type a value"),
     ]
 
     class Changed(Message):

@@ -22,7 +22,7 @@ Words = tuple[str, ...]
 _ROOM_FOR_REMARK: Final = 10  # rows; with fewer the remark goes into the border
 
 
-class ReturnCurve(Panel):
+class ReturnCurve(Panel, can_focus=True):
     """The curve of a run. Its vertical axis changes in steps only, and starts afresh with a new run.
 
     ``hints`` are ways to write keys, the longest first, that stand on the border in place of all else.

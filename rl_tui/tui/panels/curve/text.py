@@ -137,8 +137,8 @@ def remark(
         return ()
     gap = data.greedy_now - data.mean_now
     values = snapshot.agent.hyperparameters
-    is_drawn = "epsilon" in POLICY_BY_ID[values.policy].parameters
-    epsilon = values.epsilon_at(snapshot.counters.episodes) if is_drawn else None
+    by_epsilon = POLICY_BY_ID[values.policy].explores_by_epsilon
+    epsilon = values.epsilon_at(snapshot.counters.episodes) if by_epsilon else None
     cost = amount(gap, decimals, glyphs)
     if not any(digit in cost for digit in "123456789") or gap < 0.0 or epsilon == 0.0:
         return ()

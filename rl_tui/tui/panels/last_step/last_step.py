@@ -6,10 +6,11 @@ from typing import Final
 
 from textual.strip import Strip
 
+from rl_tui.lab.last_step.story import story_of
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.draw.pieces import Line, Piece, strips_of
-from rl_tui.tui.panels.last_step.loop_text import loop_text
 from rl_tui.tui.panels.last_step.step_lines import StepWriter
+from rl_tui.tui.panels.last_step.words import words_of
 from rl_tui.tui.panels.panel import Panel
 from rl_tui.tui.panels.snapshot_facts import passes_too_fast
 from rl_tui.tui.theme.look import Look
@@ -45,8 +46,8 @@ def _which(snapshot: Snapshot | None) -> str:
 
 def last_step_lines(snapshot: Snapshot | None, look: Look, width: int, height: int) -> list[Line]:
     """Return what the panel says in ``height`` rows of ``width`` cells, at most so many lines."""
-    palette = look.palette
-    if snapshot is None or snapshot.counters.last_step is None:
-        return [[Piece(" ", palette.text), Piece(NOTHING_YET, palette.dim)]]
-    writer = StepWriter(loop_text(snapshot, snapshot.counters.last_step, look.glyphs), look, width)
+    story = None if snapshot is None else story_of(snapshot)
+    if story is None:
+        return [[Piece(" ", look.palette.text), Piece(NOTHING_YET, look.palette.dim)]]
+    writer = StepWriter(words_of(story, look.glyphs), look, width)
     return (writer.tall(height) if height >= _LEAST_ROWS else writer.short(height))[:height]

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
 from typing import Final
 
-from rich.style import Style
-
 from rl_tui.tui.draw.pieces import Line, Piece, first_that_fits, length, spelled
-from rl_tui.tui.panels.last_step.loop_text import LoopText, outcome_words
+from rl_tui.tui.panels.last_step.equation import equation, error_piece, in_brackets
+from rl_tui.tui.panels.last_step.words import StepWords
 from rl_tui.tui.theme.look import Look
 
 _LABEL: Final = 13
@@ -21,32 +21,29 @@ _ROWS: Final = ((2, 2, 2, 1), (2, 2, 1, 1), (1, 2, 1, 1), (1, 1, 1, 1), (1, 1, 1
 class StepWriter:
     """Writes the lines of one step."""
 
-    def __init__(self, text: LoopText, look: Look, width: int) -> None:
-        self.text = text
+    def __init__(self, words: StepWords, look: Look, width: int) -> None:
+        self.words = words
         self.width = width
+        self._story = words.story
+        self._last = words.story.last
         self._look = look
-        self._palette = look.palette
-        glyphs = look.glyphs
-        self._times = glyphs.times
-        self._arrow = glyphs.arrow_update
-        self._minus = glyphs.minus
-        self._loose = f" {glyphs.times} "
+        self._minus = look.glyphs.minus
+        self._times = f" {look.glyphs.times} "
 
     def tall(self, height: int) -> list[Line]:
         """Return the loop part by part, in the longest form that ``height`` rows (at least 4) hold."""
-        text = self.text
-        if text.is_bandit and not text.sweep:
+        if self._story.is_bandit and not self._last.planned:
             return self._bandit()
         form: list[Line] = []
         for agent, environment, target, delta in _ROWS:
             form = [
-                *([self._sweep()] if text.sweep else self._agent(agent)),
-                *([] if text.sweep else self._environment(environment)),
+                *([self._sweep()] if self._last.planned else self._agent(agent)),
+                *([] if self._last.planned else self._environment(environment)),
                 *self._update(target, delta),
             ]
             if len(form) <= height:
                 break
-        if text.planning and len(form) < height:
+        if self._story.planning and len(form) < height:
             form[1:1] = [self._progress()]
         return self._with_others(form, height)
 
@@ -54,16 +51,16 @@ class StepWriter:
         """Return one to three lines: the update, and above it what led to it."""
         if height == 1:
             return [self._one_line()]
-        summary = self._sweep() if self.text.sweep else self._summary()
-        if not self.text.estimate:
-            return [summary, self._waiting(" ")]
-        lines: list[Line] = [summary, self._shortened(self._assignment_in_full())]
+        summary = self._sweep() if self._last.planned else self._summary()
+        if not self.words.estimate:
+            return [summary, [self._dim(" "), self._waiting()]]
+        lines = [summary, self._equation()]
         return self._with_others(lines if height == 2 else [*lines, self._delta()], height)
 
     def _update(self, target: int, delta: int) -> list[Line]:
         """Return target, δ in ``delta`` rows (0: beside the target) and the new estimate."""
-        if not self.text.estimate:
-            return [self._waiting()]
+        if not self.words.estimate:
+            return [[self._label("update"), self._waiting()]]
         return [
             *self._target(target, with_delta=delta == 0),
             *([self._delta()] if delta else []),
@@ -72,248 +69,206 @@ class StepWriter:
 
     def _with_others(self, lines: list[Line], height: int) -> list[Line]:
         """Return ``lines`` that also tell of further updates: behind the last line, or below it."""
-        others = self.text.others
+        others = self.words.others
         if not others:
             return lines
-        forms = [[*lines[-1], Piece(f"   {each}", self._palette.dim)] for each in others]
-        best = first_that_fits(forms, self.width, self._look)
-        if length(spelled(best, self._look)) <= self.width and (best is forms[0] or len(lines) >= height):
+        forms = [[*lines[-1], self._dim(f"{_GAP}{each}")] for each in others]
+        best = self._fitting(forms)
+        if self._fits(best) and (best is forms[0] or len(lines) >= height):
             return [*lines[:-1], best]
-        return [*lines, [Piece(f"   {others[0]}", self._palette.dim)]] if len(lines) < height else lines
-
-    def _waiting(self, label: str = "") -> Line:
-        text = Piece(self.text.waiting, self._palette.text)
-        return [Piece(" ", self._palette.dim), text] if label else [self._label("update"), text]
+        return [*lines, [self._dim(f"{_GAP}{others[0]}")]] if len(lines) < height else lines
 
     def _sweep(self) -> Line:
         """Return which state a planner backed up."""
-        text, palette = self.text, self._palette
-        start = [self._label("planner"), Piece(f"sweep {text.sweep:,}", palette.text)]
-        state = Piece(text.state, palette.strong)
-        place = [Piece(f"{_GAP}{text.place}", palette.dim)] if text.place else []
-        words = [[self._symbol(each), state] for each in (f"{_GAP}backs up state s = ", f"{_GAP}s = ")]
-        forms = [[*start, *each, *where] for where in (place, []) for each in words]
-        return first_that_fits(forms, self.width, self._look)
+        start = [self._label("planner"), self._plain(f"sweep {self._last.episode:,}")]
+        state = self._strong(self.words.state)
+        symbols = (f"{_GAP}backs up state s = ", f"{_GAP}s = ")
+        forms = [[*start, self._dim(each), state, *place] for place in self._places() for each in symbols]
+        return self._fitting(forms)
 
     def _progress(self) -> Line:
         """Return how the sweep is getting on, in full or its first part."""
-        words = (self.text.planning, self.text.planning.split(":")[0])
-        forms = [[self._label(""), Piece(each, self._palette.text)] for each in words]
-        return first_that_fits(forms, self.width, self._look)
+        planning = self._story.planning
+        return self._fitting(
+            [self._label(""), self._plain(each)] for each in (planning, planning.split(":")[0])
+        )
+
+    def _places(self) -> list[list[Piece]]:
+        """Return where the state is on a grid, if it is on one, or nothing."""
+        return [[self._dim(f"{_GAP}{self.words.place}")] if self.words.place else [], []]
 
     def _agent(self, rows: int) -> list[Line]:
-        text, palette = self.text, self._palette
-        label = self._label("agent")
-        states = [[self._symbol(each), Piece(text.state, palette.strong)] for each in ("state s = ", "s = ")]
-        place = [Piece(f"{_GAP}{text.place}", palette.dim)] if text.place else []
+        words, label = self.words, self._label("agent")
+        states = [[self._dim(each), self._strong(words.state)] for each in ("state s = ", "s = ")]
         actions = [
-            [Piece(f"{_GAP}{each}", palette.dim), Piece(text.action, palette.strong)]
-            for each in ("action a = ", "a = ")
+            [self._dim(f"{_GAP}{each}"), self._strong(words.action)] for each in ("action a = ", "a = ")
         ]
-        both = list(zip(states, actions, strict=True))
         if rows == 1:
-            choice = Piece(f"{_GAP}{text.brief_choice}", palette.text)
-            forms = [[label, *s, *where, *a, choice] for where in (place, []) for s, a in both]
-            return [first_that_fits(forms, self.width, self._look)]
-        reasons = [
-            [self._label(""), Piece(choice, palette.text), *action]
-            for choice in (text.choice, text.brief_choice)
-            for action in actions
-        ]
+            choice = self._plain(f"{_GAP}{words.choices[-1]}")
+            both = list(zip(states, actions, strict=True))
+            forms = [[label, *s, *place, *a, choice] for place in self._places() for s, a in both]
+            return [self._fitting(forms)]
         return [
-            first_that_fits([[label, *state, *place] for state in states], self.width, self._look),
-            first_that_fits(reasons, self.width, self._look),
+            self._fitting([label, *state, *self._places()[0]] for state in states),
+            self._fitting(
+                [self._label(""), self._plain(each), *action] for each in words.choices for action in actions
+            ),
         ]
 
     def _environment(self, rows: int) -> list[Line]:
-        text, palette = self.text, self._palette
-        label, words = self._label("environment"), outcome_words(text)
-        happened = Piece(f"{words} (p {text.chance})" if text.chance else words, palette.text)
+        words, label = self.words, self._label("environment")
+        outcome = self._plain(words.outcome)
+        happened = self._plain(f"{words.outcome} (p {words.chance})") if words.chance else outcome
         results = [
             [
-                self._symbol(reward),
-                Piece(text.reward, palette.strong),
-                self._symbol(f"{_GAP}{landing}"),
-                Piece(text.next_state, palette.strong),
+                self._dim(reward),
+                self._strong(words.reward),
+                self._dim(f"{_GAP}{landing}"),
+                self._strong(words.next_state),
             ]
             for reward, landing in (("reward r = ", "next state s′ = "), ("r = ", "s′ = "))
         ]
-        if rows == 1:
-            gap = Piece(_GAP, palette.text)
-            starts = [[label, happened, gap], [label, Piece(words, palette.text), gap], [label]]
-        else:
-            starts = [[self._label("")]]
-        forms = [
+        gap = self._plain(_GAP)
+        starts = (
+            [[label, happened, gap], [label, outcome, gap], [label]] if rows == 1 else [[self._label("")]]
+        )
+        line = self._fitting(
             [*start, *result, *remark]
             for start in starts
             for remark in self._remarks(_COLON)
             for result in results
-        ]
-        line = first_that_fits(forms, self.width, self._look)
+        )
         return [line] if rows == 1 else [[label, happened], line]
 
     def _remarks(self, before: str) -> list[list[Piece]]:
         """Return what is to be said of the next state, longest form first; one empty form if nothing is."""
         texts = [
-            ", ".join(filter(None, (self.text.landmark, ending))) for ending in self.text.endings or ("",)
+            ", ".join(filter(None, (self.words.landmark, ending))) for ending in self.words.endings or ("",)
         ]
-        return [[Piece(before + text, self._palette.accent)] if text else [] for text in texts]
+        return [[Piece(before + text, self._look.palette.accent)] if text else [] for text in texts]
 
-    def _target(self, rows: int, *, with_delta: bool = False) -> list[Line]:
-        text, update, plain = self.text, self.text.update, self._palette.text
-        label, target = self._label("update"), self._symbol("target = ")
-        deltas = [self._delta_pieces(_GAP), self._brief_delta(_GAP)] if with_delta else [[]]
-        if not text.bootstrap:
-            reward = [label, target, Piece(f"{text.gathered} = {update.target}", plain)]
-            remark = [Piece(" (terminal)", self._palette.dim)] if text.terminated else []
-            forms = [[*reward, *ending] for delta in deltas for ending in ([*remark, *delta], delta)]
-            return [first_that_fits(forms, self.width, self._look)]
-        best = text.bootstrap
-        bootstrap = in_brackets(update.bootstrap, self._minus)
-        worked = f"{update.gathered} + {update.discount}{self._loose}{bootstrap}"
-        worked_out = f"{worked} = {update.target}"
+    def _target(self, rows: int, *, with_delta: bool) -> list[Line]:
+        words, update, terms = self.words, self.words.update, self._story.terms
+        start = [self._label("update"), self._dim("target = ")]
+        deltas = self._deltas(_GAP) if with_delta else [[]]
+        if not words.bootstrap:
+            reward = [*start, self._plain(f"{terms.gathered} = {update.target}")]
+            remark = [self._dim(" (terminal)")] if self._last.terminated else []
+            return [self._fitting([*reward, *end] for delta in deltas for end in ([*remark, *delta], delta))]
+        bootstrap = in_brackets(update.bootstrap, self._look)
+        worked_out = f"{update.gathered} + {update.discount}{self._times}{bootstrap} = {update.target}"
         if rows == 2:
-            symbols = Piece(f"{text.gathered} + {text.discount}{self._loose}{best}", plain)
+            symbols = f"{terms.gathered} + {terms.discount}{self._times}{words.bootstrap}"
             return [
-                [label, target, symbols],
-                [self._label(""), self._symbol("       = "), Piece(worked_out, plain)],
+                [*start, self._plain(symbols)],
+                [self._label(""), self._dim("       = "), self._plain(worked_out)],
             ]
-        mixed = f"{update.gathered} + {update.discount}{self._loose}{best}"
+        mixed = f"{update.gathered} + {update.discount}{self._times}{words.bootstrap}"
         texts = (f"{mixed} = {worked_out}", worked_out, update.target)
-        forms = [[label, target, Piece(each, plain), *delta] for each in texts for delta in deltas]
-        return [first_that_fits(forms, self.width, self._look)]
+        return [self._fitting([*start, self._plain(each), *delta] for each in texts for delta in deltas)]
 
-    def _delta_pieces(self, gap: str) -> list[Piece]:
-        update = self.text.update
-        before = in_brackets(update.before, self._minus)
-        return [
-            self._symbol(f"{gap}δ = "),
-            Piece(f"{update.target} {self._minus} {before} = ", self._palette.text),
-            Piece(update.error, self._error_style),
-        ]
-
-    def _brief_delta(self, gap: str) -> list[Piece]:
-        return [self._symbol(f"{gap}δ = "), Piece(self.text.update.error, self._error_style)]
+    def _deltas(self, gap: str = "") -> list[list[Piece]]:
+        """Return δ as a difference, and δ alone."""
+        symbol, error = self._dim(f"{gap}δ = "), error_piece(self.words, self._look)
+        before = in_brackets(self.words.update.before, self._look)
+        difference = self._plain(f"{self.words.update.target} {self._minus} {before} = ")
+        return [[symbol, difference, error], [symbol, error]]
 
     def _delta(self, label: str = "") -> Line:
-        forms = [[self._label(label), *delta] for delta in (self._delta_pieces(""), self._brief_delta(""))]
-        return first_that_fits(forms, self.width, self._look)
+        return self._fitting([self._label(label), *delta] for delta in self._deltas())
 
     def _assignment(self) -> Line:
-        update, palette = self.text.update, self._palette
-        error = f"({update.error})"
-        worked = "" if self.text.sweep else f"{update.before} + {update.step_size}{self._loose}{error} = "
-        equation = [
-            self._symbol(f"   {self.text.estimate} {self._arrow} "),
-            Piece(worked, palette.text),
-            Piece(update.after, palette.strong),
-        ]
-        return self._shortened(equation)
+        update = self.words.update
+        worked = f"{update.before} + {update.step_size}{self._times}({update.error}) = "
+        return self._or_result(
+            [
+                self._dim(f"{_GAP}{self.words.estimate} {self._look.glyphs.arrow_update} "),
+                self._plain("" if self._last.planned else worked),
+                self._strong(update.after),
+            ]
+        )
 
     def _bandit(self) -> list[Line]:
-        text, palette = self.text, self._palette
-        update = (
-            [self._delta("update"), self._shortened(self._assignment_in_full(indent="   "))]
-            if text.estimate
-            else [self._waiting()]
-        )
-        pulled = [self._label("agent"), Piece("pulled ", palette.text), Piece(text.action, palette.strong)]
-        agents = [
-            [*pulled, Piece(f"{_GAP}{choice}", palette.text)] for choice in (text.choice, text.brief_choice)
-        ]
+        words = self.words
+        update: list[Line] = [[self._label("update"), self._waiting()]]
+        if words.estimate:
+            update = [self._delta("update"), self._equation(indent="  ")]
+        pulled = [self._label("agent"), self._plain("pulled "), self._strong(words.action)]
         return [
-            first_that_fits(agents, self.width, self._look),
+            self._fitting([*pulled, self._plain(f"{_GAP}{choice}")] for choice in words.choices),
             [
                 self._label("environment"),
-                self._symbol("reward r = "),
-                Piece(text.reward, palette.strong),
-                Piece(f"{_GAP}N = {text.visits:,}", palette.text),
+                self._dim("reward r = "),
+                self._strong(words.reward),
+                self._plain(f"{_GAP}N = {self._story.visits:,}"),
             ],
             *update,
         ]
 
     def _one_line(self) -> Line:
-        line = [*(self._shortened(self._assignment_in_full()) if self.text.estimate else self._waiting(" "))]
-        for piece in ([self._error()] if self.text.estimate else []) + self._tail():
-            if length(spelled([*line, piece], self._look)) <= self.width:
+        line, tail = [self._dim(" "), self._waiting()], self._tail()
+        if self.words.estimate:
+            error = error_piece(self.words, self._look)
+            line, tail = [*self._equation()], [Piece(f"  δ {error.text}", error.style), *tail]
+        for piece in tail:
+            if self._fits([*line, piece]):
                 line.append(piece)
         return line
 
-    def _shortened(self, equation: Line) -> Line:
-        """Return ``equation``, or its result alone where the numbers would not fit."""
-        return first_that_fits((equation, self._result_only()), self.width, self._look)
-
-    def _assignment_in_full(self, indent: str = " ") -> list[Piece]:
+    def _equation(self, indent: str = "") -> Line:
         """Return ``Q(6,←) ← .36 + .10·(0 + .99·.56 − .36) = .38``."""
-        text, update, palette = self.text, self.text.update, self._palette
-        gain = update.gathered
-        if text.bootstrap:
-            gain += f" + {update.discount}{self._times}{in_brackets(update.bootstrap, self._minus)}"
-        before = in_brackets(update.before, self._minus)
-        worked = f"{update.before} + {update.step_size}{self._times}({gain} {self._minus} {before}) = "
-        if text.sweep:
-            worked = f"{gain} = "
-        return [
-            self._symbol(f"{indent}{text.estimate} {self._arrow} "),
-            Piece(worked, palette.text),
-            Piece(update.after, palette.strong),
-        ]
+        plain, strong = self._look.palette.text, self._look.palette.strong
+        groups = equation(self.words, self._look, plain, plain, strong)
+        return self._or_result([self._dim(indent), *(piece for group in groups for piece in group)])
 
-    def _result_only(self) -> list[Piece]:
-        return [
-            self._symbol(f" {self.text.estimate} {self._arrow} "),
-            Piece(self.text.update.after, self._palette.strong),
-        ]
-
-    def _error(self) -> Piece:
-        return Piece(f"  δ {self.text.update.error}", self._error_style)
+    def _or_result(self, line: Line) -> Line:
+        """Return ``line``, or the new estimate alone where the numbers would not fit."""
+        symbol = self._dim(f" {self.words.estimate} {self._look.glyphs.arrow_update} ")
+        return self._fitting((line, [symbol, self._strong(self.words.update.after)]))
 
     def _tail(self) -> list[Piece]:
         """Return what happened around the update, the most telling first."""
-        text, palette = self.text, self._palette
-        if text.sweep:
-            return [*self._others_in_short(), Piece(f"  sweep {text.sweep:,}", palette.text)]
-        pieces = []
-        if text.went:
-            pieces.append(Piece(f"  meant {text.meant} went {text.went}", palette.text))
-        pieces += [Piece(f"  {text.brief_choice}", palette.text), *self._others_in_short()]
-        if text.next_state and not text.went:
-            pieces.append(Piece(f" → {text.next_state}", palette.text))
-        return [*pieces, *self._remarks("  ")[-1]]
-
-    def _others_in_short(self) -> list[Piece]:
-        return [Piece(f"  {self.text.others[-1]}", self._palette.dim)] if self.text.others else []
+        words = self.words
+        others = [self._dim(f"  {words.others[-1]}")] if words.others else []
+        if self._last.planned:
+            return [*others, self._plain(f"  sweep {self._last.episode:,}")]
+        choice = self._plain(f"  {words.choices[-1]}")
+        remarks = self._remarks("  ")[-1]
+        if words.went:
+            return [self._plain(f"  meant {words.meant} went {words.went}"), choice, *others, *remarks]
+        landing = [self._plain(f" → {words.next_state}")] if words.next_state else []
+        return [choice, *others, *landing, *remarks]
 
     def _summary(self) -> Line:
-        text, palette = self.text, self._palette
-        if text.is_bandit:
-            return [Piece(f" pulled {text.action}  {text.choice}  r = {text.reward}", palette.text)]
-        line = [
-            Piece(" s = ", palette.dim),
-            Piece(text.state, palette.strong),
-            Piece("  a = ", palette.dim),
-            Piece(text.action, palette.strong),
-            Piece("  r = ", palette.dim),
-            Piece(text.reward, palette.strong),
-            Piece("  s′ = ", palette.dim),
-            Piece(text.next_state, palette.strong),
-        ]
+        words = self.words
+        if self._story.is_bandit:
+            return [self._plain(f" pulled {words.action}  {words.choices[0]}  r = {words.reward}")]
+        parts = {
+            " s = ": words.state,
+            "  a = ": words.action,
+            "  r = ": words.reward,
+            "  s′ = ": words.next_state,
+        }
+        line = [piece for each, value in parts.items() for piece in (self._dim(each), self._strong(value))]
         return [*line, *self._tail()]
 
+    def _waiting(self) -> Piece:
+        return self._plain(self._story.terms.waiting)
+
     def _label(self, text: str) -> Piece:
-        return Piece(f" {text:<{_LABEL}}" if self.width >= _ROOM_FOR_LABELS else " ", self._palette.dim)
+        return self._dim(f" {text:<{_LABEL}}" if self.width >= _ROOM_FOR_LABELS else " ")
 
-    def _symbol(self, text: str) -> Piece:
-        return Piece(text, self._palette.dim)
+    def _dim(self, text: str) -> Piece:
+        return Piece(text, self._look.palette.dim)
 
-    @property
-    def _error_style(self) -> Style:
-        error = self.text.update.error
-        if error.startswith("+"):
-            return self._palette.good
-        return self._palette.bad if error.startswith(self._minus) else self._palette.text
+    def _plain(self, text: str) -> Piece:
+        return Piece(text, self._look.palette.text)
 
+    def _strong(self, text: str) -> Piece:
+        return Piece(text, self._look.palette.strong)
 
-def in_brackets(number: str, minus: str) -> str:
-    """Return ``number`` in brackets where it starts with a minus and follows an operator."""
-    return f"({number})" if number.startswith(minus) else number
+    def _fitting(self, forms: Iterable[Line]) -> Line:
+        return first_that_fits(forms, self.width, self._look)
+
+    def _fits(self, line: Sequence[Piece]) -> bool:
+        return length(spelled(line, self._look)) <= self.width

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import Final
 
 from rl_tui.agents.update_terms import Lookup
-from rl_tui.lab.live.backup import Backup, Leaf
+from rl_tui.lab.last_step.backup import Backup, Leaf
 from rl_tui.tui.draw import names, numbers
 from rl_tui.tui.draw.precision import agrees, column_figure, leading_zeros, parsed
 from rl_tui.tui.panels.microscope.section import aligned, columns_of

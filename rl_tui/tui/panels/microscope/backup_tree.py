@@ -8,16 +8,16 @@ from typing import Final
 
 import numpy as np
 
-from rl_tui.lab.live.backup import Backup, Leaf
-from rl_tui.lab.live.snapshot import Snapshot
+from rl_tui.lab.last_step.backup import Backup, Leaf
 from rl_tui.tui.draw import names
 from rl_tui.tui.draw.pieces import Line, Piece
-from rl_tui.tui.panels.last_step.loop_text import LoopText
+from rl_tui.tui.panels.last_step.words import StepWords
 from rl_tui.tui.panels.microscope.backup_columns import outcome_rows
 from rl_tui.tui.panels.microscope.section import MicroscopeSection
 from rl_tui.tui.panels.microscope.targets import target_lines
 from rl_tui.tui.theme.look import Look
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
+from rl_tui.worlds.world import World
 
 BACKUP_HEADING: Final = "The backup"
 MOST_LEAVES: Final = 8
@@ -26,24 +26,25 @@ _HEAD_ROWS: Final = 3
 _TRUNK: Final = 5  # the cells of the tree before the first column
 
 
-def backup_section(
-    snapshot: Snapshot, backup: Backup, text: LoopText, look: Look, width: int, *, secret: bool
-) -> MicroscopeSection:
+def backup_section(words: StepWords, look: Look, width: int, *, secret: bool) -> MicroscopeSection:
     """Return the tree over all outcomes and the targets below it; ``secret`` hides true rewards."""
-    leaves = _leaf_rows(snapshot)
-    lines = [*_tree(snapshot, backup, look, width, secret=secret)]
-    lines += [[Piece("", look.palette.text)]] * (_HEAD_ROWS + leaves - len(lines))
-    lines += target_lines(snapshot, backup, text, look, width, secret=secret)
-    return MicroscopeSection(BACKUP_HEADING, lines, backup_rows(snapshot), _remarks(snapshot, backup))
+    world, backup = words.story.world, words.story.backup
+    if backup is None:
+        waiting: Line = [Piece(f" {words.story.terms.waiting}", look.palette.dim)]
+        return MicroscopeSection(BACKUP_HEADING, [waiting], 1)
+    lines = _tree(world, backup, look, width, secret=secret)
+    lines += [[Piece("", look.palette.text)]] * (_HEAD_ROWS + _leaf_rows(world) - len(lines))
+    lines += target_lines(words, backup, look, width, secret=secret)
+    return MicroscopeSection(BACKUP_HEADING, lines, backup_rows(world), _remarks(world, backup))
 
 
-def backup_rows(snapshot: Snapshot) -> int:
-    """Return how many rows the tree of any pair of this world and the targets take."""
-    return _HEAD_ROWS + _leaf_rows(snapshot) + TARGET_ROWS
+def backup_rows(world: World) -> int:
+    """Return how many rows the tree of any pair of ``world`` and the targets take."""
+    return _HEAD_ROWS + _leaf_rows(world) + TARGET_ROWS
 
 
-def _remarks(snapshot: Snapshot, backup: Backup) -> tuple[str, ...]:
-    if snapshot.world.mdp is None:
+def _remarks(world: World, backup: Backup) -> Sequence[str]:
+    if world.mdp is None:
         return ("what else may follow is not known", "one sample")
     return () if backup.is_current else ("estimates as they are now", "as they are now")
 
@@ -53,15 +54,14 @@ def _most_outcomes(mdp: TabularMDP) -> int:
     return int(np.diff(mdp.first_outcome).max())
 
 
-def _leaf_rows(snapshot: Snapshot) -> int:
-    """Return how many rows the leaves of any pair of this world take."""
-    mdp = snapshot.world.mdp
-    return 1 if mdp is None else min(_most_outcomes(mdp), MOST_LEAVES)
+def _leaf_rows(world: World) -> int:
+    """Return how many rows the leaves of any pair of ``world`` take."""
+    return 1 if world.mdp is None else min(_most_outcomes(world.mdp), MOST_LEAVES)
 
 
-def _tree(snapshot: Snapshot, backup: Backup, look: Look, width: int, *, secret: bool) -> list[Line]:
+def _tree(world: World, backup: Backup, look: Look, width: int, *, secret: bool) -> list[Line]:
     """Return the state, the action below it, and the leaves that hang from it."""
-    palette, glyphs, world = look.palette, look.glyphs, snapshot.world
+    palette, glyphs = look.palette, look.glyphs
     shown, left_out = _chosen(backup.leaves)
     heads, *rows = outcome_rows(world, backup, shown, look, width - _TRUNK, secret=secret)
     state = names.state_name(world, backup.state, glyphs)

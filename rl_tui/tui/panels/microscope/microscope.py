@@ -6,15 +6,16 @@ from typing import ClassVar, Final
 
 from rich.segment import Segment
 from textual import events
-from textual.binding import Binding, BindingType
+from textual.binding import BindingType
 from textual.strip import Strip
 
-from rl_tui.lab.live.backup import backup_of, sources
+from rl_tui.lab.last_step.story import StepStory, story_of
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.draw.canvas import Canvas
 from rl_tui.tui.draw.pieces import KEPT_BLANK, Line, Piece, strips_of, wrapped
+from rl_tui.tui.panels.bindings import binding
 from rl_tui.tui.panels.last_step.last_step import NOTHING_YET
-from rl_tui.tui.panels.last_step.loop_text import loop_text
+from rl_tui.tui.panels.last_step.words import words_of
 from rl_tui.tui.panels.microscope.backup_tree import BACKUP_HEADING, backup_rows, backup_section
 from rl_tui.tui.panels.microscope.cell_history import history_strips
 from rl_tui.tui.panels.microscope.return_text import RETURN_HEADING, RETURN_ROWS, return_section
@@ -22,8 +23,7 @@ from rl_tui.tui.panels.microscope.section import MicroscopeSection, stacked
 from rl_tui.tui.panels.microscope.step import STEP_HEADING, STEP_ROWS, step_section
 from rl_tui.tui.panels.microscope.update import UPDATE_HEADING, update_rows, update_section
 from rl_tui.tui.panels.panel import Panel
-from rl_tui.tui.panels.q_table.layers import is_secret
-from rl_tui.tui.panels.snapshot_facts import passes_too_fast
+from rl_tui.tui.panels.snapshot_facts import is_secret, passes_too_fast
 from rl_tui.tui.theme.look import Look
 
 _WHEEL_ROWS: Final = 3
@@ -41,21 +41,12 @@ class Microscope(Panel, can_focus=True):
     """
 
     BINDINGS: ClassVar[list[BindingType]] = [
-        Binding("up", "scroll_rows(-1)", "Up", show=False, id="microscope.up", tooltip="Scroll up"),
-        Binding("down", "scroll_rows(1)", "Down", show=False, id="microscope.down", tooltip="Scroll down"),
-        Binding(
-            "pageup", "scroll_pages(-1)", "Page up", show=False, id="microscope.page_up", tooltip="A page up"
-        ),
-        Binding(
-            "pagedown",
-            "scroll_pages(1)",
-            "Page down",
-            show=False,
-            id="microscope.page_down",
-            tooltip="A page down",
-        ),
-        Binding("home", "scroll_rows(-999)", "Top", show=False, id="microscope.first", tooltip="To the top"),
-        Binding("end", "scroll_rows(999)", "End", show=False, id="microscope.last", tooltip="To the end"),
+        binding("up", "scroll_rows(-1)", "microscope.up", "Scroll up"),
+        binding("down", "scroll_rows(1)", "microscope.down", "Scroll down"),
+        binding("pageup", "scroll_pages(-1)", "microscope.page_up", "A page up"),
+        binding("pagedown", "scroll_pages(1)", "microscope.page_down", "A page down"),
+        binding("home", "scroll_rows(-999)", "microscope.first", "To the top"),
+        binding("end", "scroll_rows(999)", "microscope.last", "To the end"),
     ]
 
     def __init__(self, look: Look, *, id: str | None = None, classes: str | None = None) -> None:  # noqa: A002
@@ -120,7 +111,8 @@ class Microscope(Panel, can_focus=True):
 
 def lit_sources(snapshot: Snapshot) -> frozenset[int]:
     """Return the pairs that the table lights up as looked up; none where steps pass too fast to follow."""
-    return frozenset() if passes_too_fast(snapshot) else frozenset(sources(snapshot))
+    story = None if passes_too_fast(snapshot) else story_of(snapshot)
+    return frozenset() if story is None else frozenset(story.sources)
 
 
 def _scroll_bar(first: int, height: int, rows: int, look: Look) -> list[Strip]:
@@ -150,10 +142,11 @@ def page(
     """
     columns = 2 if width >= ROOM_FOR_TWO else 1
     room = (width - _GAP * (columns - 1)) // columns
-    if snapshot is None or snapshot.counters.last_step is None:
+    story = None if snapshot is None else story_of(snapshot)
+    if snapshot is None or story is None:
         nothing: list[Line] = [[Piece(f" {NOTHING_YET}", look.palette.dim)]]
         return strips_of(nothing, width, 1, look)
-    sections = _sections(snapshot, look, room, revealed=not secret)
+    sections = _sections(snapshot, story, look, room, secret=is_secret(snapshot, not secret))
     parts = (sections,) if columns == 1 else (sections[:2] + sections[3:], sections[2:3])
     least = _HISTORY_ROWS if columns == 1 else _HISTORY_ROWS - 1
     sides = [
@@ -165,27 +158,22 @@ def page(
     return sides[0] if columns == 1 else _beside(sides[0], sides[1], room, width, look)
 
 
-def _sections(snapshot: Snapshot, look: Look, width: int, *, revealed: bool) -> list[MicroscopeSection]:
+def _sections(
+    snapshot: Snapshot, story: StepStory, look: Look, width: int, *, secret: bool
+) -> list[MicroscopeSection]:
     """Return the step, the update, the backup and the return."""
-    last, backup = snapshot.counters.last_step, backup_of(snapshot)
-    if last is None or passes_too_fast(snapshot):
-        return _calm(snapshot, look, width)
-    text = loop_text(snapshot, last, look.glyphs)
-    secret = is_secret(snapshot, revealed)
-    tree = (
-        backup_section(snapshot, backup, text, look, width, secret=secret)
-        if backup is not None
-        else MicroscopeSection(BACKUP_HEADING, [[Piece(f" {text.waiting}", look.palette.dim)]], 1)
-    )
+    if passes_too_fast(snapshot):
+        return _calm(story, look, width)
+    words = words_of(story, look.glyphs)
     return [
-        step_section(snapshot, last, text, look, width),
-        update_section(snapshot, last, text, sources(snapshot), look, width),
-        tree,
-        return_section(snapshot, last, look, width),
+        step_section(words, look, width),
+        update_section(words, look, width),
+        backup_section(words, look, width, secret=secret),
+        return_section(story, look, width),
     ]
 
 
-def _calm(snapshot: Snapshot, look: Look, width: int) -> list[MicroscopeSection]:
+def _calm(story: StepStory, look: Look, width: int) -> list[MicroscopeSection]:
     """Return the headings with nothing below them that changes from frame to frame."""
     return [
         MicroscopeSection(
@@ -193,8 +181,8 @@ def _calm(snapshot: Snapshot, look: Look, width: int) -> list[MicroscopeSection]
             wrapped(TOO_FAST, width, look.palette.dim, look, " ", " "),
             STEP_ROWS,
         ),
-        MicroscopeSection(UPDATE_HEADING, [], update_rows(snapshot)),
-        MicroscopeSection(BACKUP_HEADING, [], backup_rows(snapshot)),
+        MicroscopeSection(UPDATE_HEADING, [], update_rows(story.terms)),
+        MicroscopeSection(BACKUP_HEADING, [], backup_rows(story.world)),
         MicroscopeSection(RETURN_HEADING, [], RETURN_ROWS),
     ]
 

@@ -5,11 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Final
 
-from rl_tui.agents.catalogue import BY_ID
-from rl_tui.agents.last_step import LastStep
-from rl_tui.lab.live.snapshot import Snapshot
+from rl_tui.lab.last_step.story import StepStory
 from rl_tui.tui.draw.pieces import Line, Piece, first_that_fits
-from rl_tui.tui.panels.last_step.loop_text import LoopText
+from rl_tui.tui.panels.last_step.words import StepWords
 from rl_tui.tui.panels.microscope.section import MicroscopeSection
 from rl_tui.tui.theme.look import Look
 
@@ -18,96 +16,83 @@ STEP_ROWS: Final = 5
 _LABEL: Final = 8
 _GAP: Final = "   "
 
+_Form = tuple[str, str, str]  # symbol, value and remark
 
-def step_section(
-    snapshot: Snapshot, last: LastStep, text: LoopText, look: Look, width: int
-) -> MicroscopeSection:
+
+def step_section(words: StepWords, look: Look, width: int) -> MicroscopeSection:
     """Return state, action and why, reward, next state, and what was updated: a line each."""
-    writer = _Writer(snapshot, last, text, look, width)
-    return MicroscopeSection(
-        STEP_HEADING, [getattr(writer, part)() for part in _PARTS], STEP_ROWS, _which(last, text)
-    )
+    parts = {
+        "state": [("s = ", words.state, remark) for remark in (words.place, "")],
+        **(_planned() if words.story.last.planned else _taken(words)),
+        "update": _update(words),
+    }
+    lines = [_line(label, forms, look, width) for label, forms in parts.items()]
+    return MicroscopeSection(STEP_HEADING, lines, STEP_ROWS, _which(words.story))
 
 
-_PARTS: Final = ("state", "action", "reward", "next_state", "update")
+def _planned() -> dict[str, list[_Form]]:
+    return {
+        "action": _remarks("none: every action is tried", "every action"),
+        "reward": _remarks("all of them: see the backup", "all"),
+        "next": _remarks("all of them: see the backup", "all"),
+    }
 
 
-class _Writer:
-    def __init__(self, snapshot: Snapshot, last: LastStep, text: LoopText, look: Look, width: int) -> None:
-        self._algorithm = BY_ID[snapshot.agent.learned_by[0]]
-        self._last = last
-        self._text = text
-        self._look = look
-        self._width = width
-
-    def state(self) -> Line:
-        place = self._text.place
-        return self._line("state", [("s = ", self._text.state, tail) for tail in (place, "")])
-
-    def action(self) -> Line:
-        if self._last.planned:
-            return self._line(
-                "action", [("", "", tail) for tail in ("none: every action is tried", "every action")]
-            )
-        reasons = (self._text.choice, self._text.brief_choice)
-        return self._line("action", [("a = ", self._text.action, reason) for reason in (*reasons, "")])
-
-    def reward(self) -> Line:
-        if self._last.planned:
-            return self._line("reward", [("", "", tail) for tail in ("all of them: see the backup", "all")])
-        return self._line("reward", [("r = ", self._text.reward, "")])
-
-    def next_state(self) -> Line:
-        text = self._text
-        if self._last.planned:
-            return self._line("next", [("", "", tail) for tail in ("all of them: see the backup", "all")])
-        if text.is_bandit:
-            return self._line("next", [("", "", tail) for tail in ("none: every pull is an episode", "none")])
-        tails = [
-            ", ".join(filter(None, (moved, text.landmark, ending)))
-            for ending in (text.endings or ("",))
-            for moved in _moved(text)
-        ]
-        return self._line("next", [("s′ = ", text.next_state, tail) for tail in (*tails, "")])
-
-    def update(self) -> Line:
-        text, names = self._text, (self._algorithm.name, "")
-        if not text.estimate:
-            return self._line("update", [("", "", tail) for tail in (f"none: {text.waiting}", text.waiting)])
-        change = f" {text.update.before} → {text.update.after}"
-        return self._line("update", [(text.estimate, change, name) for name in names])
-
-    def _line(self, label: str, forms: Sequence[tuple[str, str, str]]) -> Line:
-        """Return the first form that fits of symbol, value and remark."""
-        palette = self._look.palette
-        head = Piece(f" {label:<{_LABEL}}", palette.dim)
-        lines = []
-        for symbol, value, remark in forms:
-            gap = _GAP if value else ""
-            tail = [Piece(f"{gap}{remark}", palette.text)] if remark else []
-            lines.append([head, Piece(symbol, palette.dim), Piece(value, palette.strong), *tail])
-        return first_that_fits(lines, self._width, self._look)
-
-
-def _moved(text: LoopText) -> list[str]:
-    """Return what became of the action, the longest form first; empty where there is nothing to tell."""
-    chance = f"p {text.chance}" if text.chance else ""
-    if not text.went:
-        return [chance, ""]
-    verb = "went" if text.went == text.meant else "slipped"
-    return [
-        f"meant {text.meant}, {verb} {text.went} ({chance})",
-        f"{verb} {text.went}, {chance}",
-        f"{verb} {text.went}",
+def _taken(words: StepWords) -> dict[str, list[_Form]]:
+    landings = [
+        ("s′ = ", words.next_state, ", ".join(filter(None, (moved, words.landmark, ending))))
+        for ending in (words.endings or ("",))
+        for moved in _moved(words)
     ]
+    return {
+        "action": [("a = ", words.action, reason) for reason in (*words.choices, "")],
+        "reward": [("r = ", words.reward, "")],
+        "next": _remarks("none: every pull is an episode", "none")
+        if words.story.is_bandit
+        else [*landings, ("s′ = ", words.next_state, "")],
+    }
 
 
-def _which(last: LastStep, text: LoopText) -> tuple[str, ...]:
+def _update(words: StepWords) -> list[_Form]:
+    waiting = words.story.terms.waiting
+    if not words.estimate:
+        return _remarks(f"none: {waiting}", waiting)
+    change = f" {words.update.before} → {words.update.after}"
+    return [(words.estimate, change, remark) for remark in (words.story.algorithm.name, "")]
+
+
+def _remarks(*texts: str) -> list[_Form]:
+    return [("", "", text) for text in texts]
+
+
+def _line(label: str, forms: Sequence[_Form], look: Look, width: int) -> Line:
+    """Return the first of ``forms`` that fits, behind ``label``."""
+    palette = look.palette
+    head = Piece(f" {label:<{_LABEL}}", palette.dim)
+    lines = []
+    for symbol, value, remark in forms:
+        gap = _GAP if value else ""
+        tail = [Piece(f"{gap}{remark}", palette.text)] if remark else []
+        lines.append([head, Piece(symbol, palette.dim), Piece(value, palette.strong), *tail])
+    return first_that_fits(lines, width, look)
+
+
+def _moved(words: StepWords) -> list[str]:
+    """Return what became of the action, the longest form first; empty where there is nothing to tell."""
+    chance = f"p {words.chance}" if words.chance else ""
+    if not words.went:
+        return [chance, ""]
+    return [f"{words.outcome} ({chance})", f"{words.slip}, {chance}", words.slip]
+
+
+def _which(story: StepStory) -> Sequence[str]:
     """Return which step of the run it is, longest form first."""
+    last = story.last
+    step = f"{last.step:,}"
     if last.planned:
-        return f"{last.step:,}, sweep {last.episode:,}", f"{last.step:,}"
-    if text.is_bandit:
-        return (f"{last.step:,}",)
-    episode = f"{last.step:,}, episode {last.episode:,}"
+        return f"{step}, sweep {last.episode:,}", step
+    if story.is_bandit:
+        return (step,)
+    episode = f"{step}, episode {last.episode:,}"
     place = f"{episode}, its step {last.episode_step:,}" if last.episode_step else episode
-    return place, episode, f"{last.step:,}"
+    return place, episode, step

@@ -5,64 +5,49 @@ from __future__ import annotations
 from typing import Final
 
 from rl_tui.agents.update_terms import Lookup
-from rl_tui.lab.live.backup import Backup
-from rl_tui.lab.live.snapshot import Snapshot
+from rl_tui.lab.last_step.backup import Backup
+from rl_tui.lab.last_step.story import StepStory
 from rl_tui.tui.draw import numbers
 from rl_tui.tui.draw.pieces import Line, Piece, first_that_fits, wrapped
 from rl_tui.tui.draw.precision import agrees, column_figure, leading_zeros, parsed
-from rl_tui.tui.panels.last_step.loop_text import LoopText
+from rl_tui.tui.panels.last_step.words import StepWords
 from rl_tui.tui.panels.microscope.section import flowed
 from rl_tui.tui.panels.model.bellman import SECRET
 from rl_tui.tui.theme.look import Look
-from rl_tui.worlds.drawing import Arms
 
 _LABEL: Final = 11
 _FEWEST: Final = 2
 _MORE: Final = 6  # decimals beyond the fewest
 
 
-def target_lines(
-    snapshot: Snapshot, backup: Backup, text: LoopText, look: Look, width: int, *, secret: bool
-) -> list[Line]:
+def target_lines(words: StepWords, backup: Backup, look: Look, width: int, *, secret: bool) -> list[Line]:
     """Return the sampled target, the expected one and their difference, each where it is known."""
-    palette = look.palette
+    palette, planned = look.palette, words.story.last.planned
     if backup.sampled is None:
-        return _said(_no_sample(snapshot, text), look, width)
+        return _said(_no_sample(words), look, width)
     decimals = _decimals(backup.sampled, backup.expected, look)
-    sampled = column_figure(backup.sampled, decimals, look.glyphs)
-    label = "target" if text.sweep else "sampled"
-    lines: list[Line] = [
-        first_that_fits(
-            [
-                [_label(label, look), Piece(each, palette.text), Piece(sampled, palette.strong)]
-                for each in (f"{_symbols(text)} = ", "")
-            ],
-            width,
-            look,
-        )
-    ]
+    label = "target" if planned else "sampled"
+    lines = [_target(label, _symbols(words), backup.sampled, decimals, look, width)]
     if secret:
         hidden = [[_label("expected", look), Piece(each, palette.dim)] for each in (SECRET, "hidden until h")]
         return [*lines, first_that_fits(hidden, width, look)]
     if backup.expected is None:
-        return [*lines, *_said(_not_known(snapshot), look, width)]
-    if text.sweep:
+        return [*lines, *_said(_not_known(words.story), look, width)]
+    if planned:
         return [*lines, *_said("a planner takes the expectation itself: no luck in it", look, width)]
-    symbols = ("mean reward = " if isinstance(snapshot.world.drawing, Arms) else "Σ p (r + γ V(s′)) = ", "")
-    expected = column_figure(backup.expected, decimals, look.glyphs)
-    lines.append(
-        first_that_fits(
-            [
-                [_label("expected", look), Piece(each, palette.text), Piece(expected, palette.strong)]
-                for each in symbols
-            ],
-            width,
-            look,
-        )
-    )
+    symbols = "mean reward" if words.story.is_bandit else "Σ p (r + γ V(s′))"
+    lines.append(_target("expected", symbols, backup.expected, decimals, look, width))
     difference = backup.sampled - backup.expected
-    reason = _drifted(snapshot) or _reason(backup, difference)
+    reason = _drifted(words.story) or _reason(backup, difference)
     return [*lines, *_difference(difference, reason, decimals, look, width)]
+
+
+def _target(label: str, symbols: str, target: float, decimals: int, look: Look, width: int) -> Line:
+    """Return ``target`` behind its ``symbols``, or alone where they do not fit."""
+    number = Piece(column_figure(target, decimals, look.glyphs), look.palette.strong)
+    texts = (f"{symbols} = ", "")
+    forms = [[_label(label, look), Piece(each, look.palette.text), number] for each in texts]
+    return first_that_fits(forms, width, look)
 
 
 def _difference(difference: float, reason: str, decimals: int, look: Look, width: int) -> list[Line]:
@@ -82,9 +67,9 @@ def _difference(difference: float, reason: str, decimals: int, look: Look, width
     )
 
 
-def _drifted(snapshot: Snapshot) -> str:
+def _drifted(story: StepStory) -> str:
     """Return what else there is where the mean is that after the pull; empty elsewhere."""
-    mdp = snapshot.world.mdp
+    mdp = story.world.mdp
     return "luck, and how far the mean drifted since" if mdp is not None and mdp.drift_std else ""
 
 
@@ -100,14 +85,14 @@ def _reason(backup: Backup, difference: float) -> str:
     return "luck of this sample and of A′" if backup.lookup is Lookup.NEXT else "luck of this sample"
 
 
-def _no_sample(snapshot: Snapshot, text: LoopText) -> str:
-    if not text.estimate:
-        return text.waiting
+def _no_sample(words: StepWords) -> str:
+    if not words.estimate:
+        return words.story.terms.waiting
     return "the target spans several steps: one step has no expected target to match it"
 
 
-def _not_known(snapshot: Snapshot) -> str:
-    if snapshot.world.mdp is None:
+def _not_known(story: StepStory) -> str:
+    if story.world.mdp is None:
         return "expected: not known, this world is stepped and nobody wrote its table down"
     return "expected: not known, not all estimates that it needs are at hand"
 
@@ -116,9 +101,9 @@ def _said(text: str, look: Look, width: int) -> list[Line]:
     return list(wrapped(text, width, look.palette.dim, look, " ", " "))
 
 
-def _symbols(text: LoopText) -> str:
-    gathered = text.gathered
-    return f"{gathered} + {text.discount}·{text.bootstrap}" if text.bootstrap else gathered
+def _symbols(words: StepWords) -> str:
+    terms = words.story.terms
+    return f"{terms.gathered} + {terms.discount}·{words.bootstrap}" if words.bootstrap else terms.gathered
 
 
 def _decimals(sampled: float, expected: float | None, look: Look) -> int:

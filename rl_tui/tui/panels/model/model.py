@@ -5,11 +5,12 @@ from __future__ import annotations
 from typing import ClassVar, Final
 
 from textual import events
-from textual.binding import Binding, BindingType
+from textual.binding import BindingType
 from textual.strip import Strip
 
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.draw.pieces import Line, Piece, strips_of
+from rl_tui.tui.panels.bindings import binding
 from rl_tui.tui.panels.model.text import model_lines, pair_lines
 from rl_tui.tui.panels.panel import Panel
 from rl_tui.tui.panels.scrolling import Scrolled
@@ -22,25 +23,12 @@ class ModelPanel(Panel, can_focus=True):
     """⟨S, A, P, R, γ⟩ above one pair (state, action): arrows go through the pairs, pgup and pgdn scroll."""
 
     BINDINGS: ClassVar[list[BindingType]] = [
-        Binding(
-            "up", "move_state(-1)", "Previous state", show=False, id="model.up", tooltip="Previous state"
-        ),
-        Binding("down", "move_state(1)", "Next state", show=False, id="model.down", tooltip="Next state"),
-        Binding(
-            "left",
-            "move_action(-1)",
-            "Previous action",
-            show=False,
-            id="model.left",
-            tooltip="Previous action",
-        ),
-        Binding(
-            "right", "move_action(1)", "Next action", show=False, id="model.right", tooltip="Next action"
-        ),
-        Binding("pageup", "scroll_by(-1)", "Scroll up", show=False, id="model.page_up", tooltip="Scroll up"),
-        Binding(
-            "pagedown", "scroll_by(1)", "Scroll down", show=False, id="model.page_down", tooltip="Scroll down"
-        ),
+        binding("up", "move_state(-1)", "model.up", "Previous state"),
+        binding("down", "move_state(1)", "model.down", "Next state"),
+        binding("left", "move_action(-1)", "model.left", "Previous action"),
+        binding("right", "move_action(1)", "model.right", "Next action"),
+        binding("pageup", "scroll_by(-1)", "model.page_up", "Scroll up"),
+        binding("pagedown", "scroll_by(1)", "model.page_down", "Scroll down"),
     ]
 
     def __init__(self, look: Look, *, id: str | None = None, classes: str | None = None) -> None:  # noqa: A002

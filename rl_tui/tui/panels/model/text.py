@@ -18,6 +18,7 @@ from rl_tui.tui.panels.last_step.update_text import setting
 from rl_tui.tui.panels.model.bellman import SECRET, bellman_lines
 from rl_tui.tui.panels.model.outcomes import outcome_lines
 from rl_tui.tui.panels.model.reward_range import reward_range
+from rl_tui.tui.panels.snapshot_facts import is_secret
 from rl_tui.tui.theme.look import Look
 from rl_tui.worlds.drawing import Arms
 from rl_tui.worlds.mdp.space import FiniteSpace
@@ -27,11 +28,6 @@ from rl_tui.worlds.world import World
 UNKNOWN: Final = "unknown: stepped for real, nobody wrote its table down"
 _MANY_NAMES: Final = 100  # no two lines hold more
 _LABEL: Final = 8
-
-
-def is_secret(snapshot: Snapshot, *, revealed: bool) -> bool:
-    """Return whether true rewards must not be shown: a bandit's, until ``revealed``."""
-    return isinstance(snapshot.world.drawing, Arms) and not revealed
 
 
 def model_lines(snapshot: Snapshot, look: Look, width: int, *, revealed: bool) -> list[Line]:
@@ -79,7 +75,7 @@ def pair_lines(snapshot: Snapshot, pair: int, look: Look, width: int, *, reveale
     """Return the outcomes of ``pair`` and its Bellman optimality equation with numbers put in."""
     world, space, palette, glyphs = snapshot.world, snapshot.world.space, look.palette, look.glyphs
     state, action = space.state_of(pair), int(space.pair_action[pair])
-    secret = is_secret(snapshot, revealed=revealed)
+    secret = is_secret(snapshot, revealed)
     head: list[Piece] = [
         Piece(" state ", palette.dim),
         Piece(space.state_names[state], palette.strong),
@@ -117,7 +113,7 @@ def _rewards(snapshot: Snapshot, mdp: TabularMDP, look: Look, *, revealed: bool)
         known = f", normally distributed around their mean (standard deviation {deviation})"
     if drift:
         known += f"; after every step each mean drifts by a normal step of standard deviation {drift:g}"
-    if is_secret(snapshot, revealed=revealed):
+    if is_secret(snapshot, revealed):
         return SECRET + known
     low, high = (numbers.brief(each, glyphs, decimals=3) for each in (rewards.low, rewards.high))
     text = f"always {low}" if low == high else f"from {low} to {high}"

@@ -36,11 +36,6 @@ class Layer(StrEnum):
 EXACT_LAYERS: Final = (Layer.OPTIMAL, Layer.ERROR)
 
 
-def is_secret(snapshot: Snapshot, revealed: bool) -> bool:
-    """Return whether what is exact must be hidden: the means of a bandit, until they are revealed."""
-    return isinstance(snapshot.world.drawing, Arms) and not revealed
-
-
 def exact_q(snapshot: Snapshot, revealed: bool) -> tuple[FloatArray, BoolArray] | None:
     """Return Q* and the pairs that are greedy for it, [P] each; None while unknown, secret or refused.
 

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from typing import ClassVar, Final
 
 from textual import events
-from textual.binding import Binding, BindingType
+from textual.binding import BindingType
 from textual.message import Message
 from textual.strip import Strip
 
@@ -15,6 +15,7 @@ from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.live.viewport import RowRange, followed_state
 from rl_tui.lab.run.large_worlds import is_large
 from rl_tui.tui.draw.pieces import Piece, strips_of, wrapped
+from rl_tui.tui.panels.bindings import binding
 from rl_tui.tui.panels.panel import Panel
 from rl_tui.tui.panels.pointing import NOWHERE, Pointed
 from rl_tui.tui.panels.q_table.form import Form, Scene
@@ -23,7 +24,6 @@ from rl_tui.tui.panels.q_table.layers import (
     Figures,
     Layer,
     exact_q,
-    is_secret,
     lit_pair,
     other_lane,
 )
@@ -32,6 +32,7 @@ from rl_tui.tui.panels.q_table.matrix import matrix_form
 from rl_tui.tui.panels.q_table.sheet import Sheet, strip_cache
 from rl_tui.tui.panels.q_table.world import NO_ROW, TableWorld
 from rl_tui.tui.panels.scrolling import Scrolled
+from rl_tui.tui.panels.snapshot_facts import is_secret
 from rl_tui.tui.theme.look import Look
 
 WAITING: Final = "the estimates Q(s, a) come with the first step"
@@ -57,24 +58,15 @@ class QTable(Panel, can_focus=True):
     """
 
     BINDINGS: ClassVar[list[BindingType]] = [
-        Binding("up", "move(-1, 0)", "Up", show=False, id="table.up", tooltip="Move the cursor up"),
-        Binding("down", "move(1, 0)", "Down", show=False, id="table.down", tooltip="Move the cursor down"),
-        Binding("left", "move(0, -1)", "Left", show=False, id="table.left", tooltip="Move the cursor left"),
-        Binding(
-            "right", "move(0, 1)", "Right", show=False, id="table.right", tooltip="Move the cursor right"
-        ),
-        Binding("pageup", "page(-1)", "Page up", show=False, id="table.page_up", tooltip="A page up"),
-        Binding("pagedown", "page(1)", "Page down", show=False, id="table.page_down", tooltip="A page down"),
-        Binding("home", "end(False)", "First", show=False, id="table.first", tooltip="Go to the first row"),
-        Binding("end", "end(True)", "Last", show=False, id="table.last", tooltip="Go to the last row"),
-        Binding(
-            "escape,full_stop",
-            "follow",
-            "Follow",
-            show=False,
-            id="table.follow",
-            tooltip="Follow the agent again",
-        ),
+        binding("up", "move(-1, 0)", "table.up", "Move the cursor up"),
+        binding("down", "move(1, 0)", "table.down", "Move the cursor down"),
+        binding("left", "move(0, -1)", "table.left", "Move the cursor left"),
+        binding("right", "move(0, 1)", "table.right", "Move the cursor right"),
+        binding("pageup", "page(-1)", "table.page_up", "A page up"),
+        binding("pagedown", "page(1)", "table.page_down", "A page down"),
+        binding("home", "end(False)", "table.first", "Go to the first row"),
+        binding("end", "end(True)", "table.last", "Go to the last row"),
+        binding("escape,full_stop", "follow", "table.follow", "Follow the agent again"),
     ]
 
     class CursorMoved(Message):

@@ -5,13 +5,14 @@ from __future__ import annotations
 from typing import ClassVar, Final
 
 from textual import events
-from textual.binding import Binding, BindingType
+from textual.binding import BindingType
 from textual.message import Message
 from textual.strip import Strip
 
 from rl_tui.lab.live.snapshot import Phase, Snapshot
 from rl_tui.lab.timeline.branches import Timeline
 from rl_tui.tui.draw.to_ascii import to_ascii
+from rl_tui.tui.panels.bindings import binding
 from rl_tui.tui.panels.draggable import Draggable
 from rl_tui.tui.panels.panel import Panel
 from rl_tui.tui.panels.timeline.picture import (
@@ -35,47 +36,19 @@ _STEP, _CELL, _TENTH = "step", "cell", "tenth"
 class TimelineBar(Draggable, Panel, can_focus=True):
     """Shows the branch in force from step 0 to its end; keys, click and drag ask for another moment.
 
-    The handle goes at once to where it is asked for, and stays there until the run has come to it.
+    The handle goes at once to where it is asked for, and stays there as long as ``sought`` says so.
     """
 
     ALLOW_SELECT = False
     BINDINGS: ClassVar[list[BindingType]] = [
-        Binding("left", "move('cell', -1)", "Earlier", show=False, id="timeline.earlier", tooltip="Earlier"),
-        Binding("right", "move('cell', 1)", "Later", show=False, id="timeline.later", tooltip="Later"),
-        Binding(
-            "shift+left,less_than_sign",
-            "move('step', -1)",
-            "One step back",
-            show=False,
-            id="timeline.step_back",
-            tooltip="One step earlier",
-        ),
-        Binding(
-            "shift+right,greater_than_sign",
-            "move('step', 1)",
-            "One step on",
-            show=False,
-            id="timeline.step_on",
-            tooltip="One step later",
-        ),
-        Binding(
-            "pagedown",
-            "move('tenth', -1)",
-            "Much earlier",
-            show=False,
-            id="timeline.much_earlier",
-            tooltip="A tenth of the run earlier",
-        ),
-        Binding(
-            "pageup",
-            "move('tenth', 1)",
-            "Much later",
-            show=False,
-            id="timeline.much_later",
-            tooltip="A tenth of the run later",
-        ),
-        Binding("home", "end(False)", "Start", show=False, id="timeline.start", tooltip="Go to step 0"),
-        Binding("end", "end(True)", "End", show=False, id="timeline.end", tooltip="Go to the end"),
+        binding("left", "move('cell', -1)", "timeline.earlier", "Earlier"),
+        binding("right", "move('cell', 1)", "timeline.later", "Later"),
+        binding("shift+left,less_than_sign", "move('step', -1)", "timeline.step_back", "One step earlier"),
+        binding("shift+right,greater_than_sign", "move('step', 1)", "timeline.step_on", "One step later"),
+        binding("pagedown", "move('tenth', -1)", "timeline.much_earlier", "A tenth of the run earlier"),
+        binding("pageup", "move('tenth', 1)", "timeline.much_later", "A tenth of the run later"),
+        binding("home", "end(False)", "timeline.start", "Go to step 0"),
+        binding("end", "end(True)", "timeline.end", "Go to the end"),
     ]
 
     class Sought(Message):
@@ -93,24 +66,12 @@ class TimelineBar(Draggable, Panel, can_focus=True):
             f"{glyphs.manual_mark} steps by hand, {glyphs.fork_mark} here the branch begins",
             glyphs,
         )
-        self._sought: int | None = None
+        self.sought: int | None = None
 
     @property
     def at(self) -> int:
         """The step that the handle stands at."""
         return self._at(self._timeline)
-
-    def show(self, snapshot: Snapshot) -> None:
-        """Draw where ``snapshot`` stands, or where the run is still on its way to."""
-        if snapshot.playback.phase is not Phase.SEEKING and snapshot.timeline.current.here == self._sought:
-            self._sought = None
-        super().show(snapshot)
-
-    def forget(self) -> None:
-        """Show where the run stands, wherever it was asked to go: something else came in between."""
-        if self._sought is not None:
-            self._sought = None
-            self.redraw()
 
     def picture(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
         """Return the row, and blank ones below it."""
@@ -166,11 +127,11 @@ class TimelineBar(Draggable, Panel, can_focus=True):
 
     def _at(self, timeline: Timeline) -> int:
         branch = timeline.current
-        return branch.here if self._sought is None else min(self._sought, branch.end)
+        return branch.here if self.sought is None else min(self.sought, branch.end)
 
     def _seek(self, step: int) -> None:
         step = min(max(step, 0), self._timeline.current.end)
         if step != self.at:
-            self._sought = step
+            self.sought = step
             self.redraw()
             self.post_message(self.Sought(step))

@@ -5,13 +5,14 @@ from __future__ import annotations
 from typing import ClassVar, Final
 
 from textual import events
-from textual.binding import Binding, BindingType
+from textual.binding import BindingType
 from textual.strip import Strip
 
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.live.viewport import Cells
 from rl_tui.tui.draw.canvas import Canvas, shortened
 from rl_tui.tui.draw.names import state_name
+from rl_tui.tui.panels.bindings import binding
 from rl_tui.tui.panels.panel import Panel
 from rl_tui.tui.panels.pointing import NOWHERE, Pointed
 from rl_tui.tui.theme.look import Look
@@ -19,12 +20,6 @@ from rl_tui.worlds.world import World
 
 WAITING: Final = "the world is being built"
 _WHEEL: Final = 3
-
-
-def _binding(keys: str, action: str, name: str, tooltip: str) -> Binding:
-    return Binding(
-        keys, action, name.replace("_", " ").capitalize(), show=False, id=f"world.{name}", tooltip=tooltip
-    )
 
 
 class WorldView(Panel, can_focus=True):
@@ -40,16 +35,16 @@ class WorldView(Panel, can_focus=True):
     """
 
     BINDINGS: ClassVar[list[BindingType]] = [
-        _binding("up", "move(-1, 0)", "up", "Move the cursor up"),
-        _binding("down", "move(1, 0)", "down", "Move the cursor down"),
-        _binding("left", "move(0, -1)", "left", "Move the cursor left"),
-        _binding("right", "move(0, 1)", "right", "Move the cursor right"),
-        _binding("pageup", "page(-1, 0)", "page_up", "Move the cursor a page up"),
-        _binding("pagedown", "page(1, 0)", "page_down", "Move the cursor a page down"),
-        _binding("shift+left", "page(0, -1)", "page_left", "Move the cursor a page to the left"),
-        _binding("shift+right", "page(0, 1)", "page_right", "Move the cursor a page to the right"),
-        _binding("home", "follow", "follow", "Follow the agent again"),
-        _binding("escape,full_stop", "back", "back", "Follow the agent again, where a cursor was put"),
+        binding("up", "move(-1, 0)", "world.up", "Move the cursor up"),
+        binding("down", "move(1, 0)", "world.down", "Move the cursor down"),
+        binding("left", "move(0, -1)", "world.left", "Move the cursor left"),
+        binding("right", "move(0, 1)", "world.right", "Move the cursor right"),
+        binding("pageup", "page(-1, 0)", "world.page_up", "Move the cursor a page up"),
+        binding("pagedown", "page(1, 0)", "world.page_down", "Move the cursor a page down"),
+        binding("shift+left", "page(0, -1)", "world.page_left", "Move the cursor a page to the left"),
+        binding("shift+right", "page(0, 1)", "world.page_right", "Move the cursor a page to the right"),
+        binding("home", "follow", "world.follow", "Follow the agent again"),
+        binding("escape,full_stop", "back", "world.back", "Follow the agent again, where a cursor was put"),
     ]
 
     def __init__(
@@ -93,11 +88,6 @@ class WorldView(Panel, can_focus=True):
     def cells(self) -> Cells | None:
         """The cells of the map in view, None where all of it is or there is no map."""
         return None
-
-    @property
-    def is_complete(self) -> bool:
-        """Whether the newest snapshot has all that is in view."""
-        return True
 
     @property
     def is_away(self) -> bool:

@@ -9,10 +9,8 @@ from datetime import UTC, datetime
 from importlib import import_module
 from pathlib import Path
 from threading import Thread
-from typing import ClassVar
 
 from rich.console import RenderableType
-from textual.binding import BindingType
 from textual.containers import Container, Horizontal, Vertical, VerticalScroll
 from textual.content import Content
 from textual.events import DescendantFocus
@@ -29,7 +27,6 @@ from rl_tui.lab.run.library import read_catalogue, recipe_for
 from rl_tui.lab.run.recipe import Recipe
 from rl_tui.lab.sessions.session import SessionError, StoredSession
 from rl_tui.tui.actions.action import Place
-from rl_tui.tui.actions.registry import bindings_of
 from rl_tui.tui.draw.to_ascii import separated, to_ascii
 from rl_tui.tui.screens.catalogue.facts import facts, faults_text
 from rl_tui.tui.screens.catalogue.saved_sessions import SavedSessions
@@ -60,7 +57,6 @@ class CatalogueScreen(SavedSessions):
     """
 
     CSS_PATH = "catalogue.tcss"
-    BINDINGS: ClassVar[list[BindingType]] = bindings_of(Place.CATALOGUE)
     place = Place.CATALOGUE
 
     class Opened(Message):
@@ -284,7 +280,7 @@ class CatalogueScreen(SavedSessions):
         """Show the help."""
         entry = self._current
         notes = entry.notes if isinstance(entry, Scenario) else ""
-        self.app.push_screen(HelpScreen(self.look, self.place, notes))
+        self.app.push_screen(HelpScreen(self.look, self.actions, notes=notes))
 
 
 def preview_rows(world: World, height: int) -> int:

@@ -12,7 +12,7 @@ from textual.content import Content
 from textual.widgets import OptionList
 from textual.widgets.option_list import Option
 
-from rl_tui.agents.catalogue import ALGORITHMS, POLICIES
+from rl_tui.agents.catalogue import BY_ID, POLICY_BY_ID
 from rl_tui.agents.compatibility import check_compatible
 from rl_tui.agents.hyperparameters import PARAMETERS, SAMPLE_AVERAGE, Hyperparameters
 from rl_tui.common.errors import UserError
@@ -84,16 +84,14 @@ def algorithm_choice(space: FiniteSpace, recipe: Recipe, glyphs: Glyphs) -> Choi
             (each.summary, each.equation, f"Sutton & Barto, 2nd ed., {each.source}"),
             _refused(space, each.id, recipe.hyperparameters),
         )
-        for each in ALGORITHMS
+        for each in BY_ID.values()
     )
     return Choice("Algorithm", candidates, recipe.algorithm, glyphs)
 
 
 def policy_choice(space: FiniteSpace, recipe: Recipe, glyphs: Glyphs) -> Choice:
     """Return the choice among all policies; those that cannot work in ``space`` are marked."""
-    values = recipe.hyperparameters
-    if values.sample_average:
-        values = values.changed("alpha", Hyperparameters().alpha).changed("step_size_schedule", "constant")
+    values = recipe.hyperparameters.without_average()
     candidates = (
         Candidate(
             each.id,
@@ -101,7 +99,7 @@ def policy_choice(space: FiniteSpace, recipe: Recipe, glyphs: Glyphs) -> Choice:
             (each.summary, each.equation, f"Sutton & Barto, 2nd ed., {each.source}"),
             _refused(space, recipe.algorithm, values.changed("policy", each.id)),
         )
-        for each in POLICIES
+        for each in POLICY_BY_ID.values()
     )
     return Choice("Policy: how actions are chosen", candidates, recipe.hyperparameters.policy, glyphs)
 

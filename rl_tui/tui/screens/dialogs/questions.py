@@ -2,14 +2,25 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from rl_tui.agents.hyperparameters import PARAMETERS, SAMPLE_AVERAGE, Parameter
 from rl_tui.tui.draw.to_ascii import to_ascii
 from rl_tui.tui.panels.controls.settings import option_text
 from rl_tui.tui.panels.controls.slider_scale import parsed
+from rl_tui.tui.screens.dialogs.choice import word_choice
+from rl_tui.tui.screens.dialogs.dialog import Dialog
 from rl_tui.tui.screens.dialogs.prompt import Prompt
 from rl_tui.tui.theme.glyphs import Glyphs
 
 _EXAMPLES = {"initial_q": "0 or 2.5"}
+
+
+def ask_value(name: str, value: float | str, glyphs: Glyphs, *, another_run: bool = False) -> Dialog[Any]:
+    """Return what asks for a number or a word for ``name``; in all else as :func:`ask_number`."""
+    if PARAMETERS[name].range is None:
+        return word_choice(name, value, glyphs)
+    return ask_number(name, value, glyphs, another_run=another_run)
 
 
 def ask_number(name: str, value: float | str, glyphs: Glyphs, *, another_run: bool = False) -> Prompt:

@@ -1,22 +1,25 @@
-"""Where the panels of the playground stand: a pure function of the size and of what there is to show."""
+"""Where the panels stand: a pure function of the size, of what there is to show and of their table."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Final
 
 from textual.geometry import Region, Size
 
+from rl_tui.tui.panels.catalogue import (
+    BUDGET,
+    CONTROLS,
+    CURVE,
+    LAST_STEP,
+    PANELS,
+    TABLE,
+    TIMELINE,
+    WORLD,
+    PanelRow,
+)
 from rl_tui.worlds.drawing import Arms, Drawing, Grid
-
-WORLD: Final = "world"
-CURVE: Final = "curve"
-TIMELINE: Final = "timeline"
-TABLE: Final = "table"
-BUDGET: Final = "budget"
-CONTROLS: Final = "controls"
-LAST_STEP: Final = "last_step"
-MICROSCOPE: Final = "microscope"
 
 ROOMY_WIDTH: Final = 100
 ROOMY_HEIGHT: Final = 32
@@ -28,7 +31,7 @@ _LINES_BELOW = 3  # compact: sliders, settings, last step; a line each, without 
 _LEAST_CURVE = 12  # with the timeline
 _TIMELINE_ROWS = 1
 _USUAL_TABLE = 15
-_LEAST_MICROSCOPE = 20
+_LEAST_WIDE = 20  # rows of a panel that has the whole width
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,50 +49,60 @@ def is_roomy(size: Size) -> bool:
 
 
 def arrangement(
-    size: Size, shape: Shape, zoomed: str | None = None, *, dissected: bool = False
+    size: Size,
+    shape: Shape,
+    zoomed: str | None = None,
+    opened: str | None = None,
+    panels: Iterable[PanelRow] = PANELS,
 ) -> dict[str, Region]:
-    """Return the region of each panel by its id; panels that are not shown are left out.
+    """Return the region of each of ``panels`` by its id; those that are not shown are left out.
 
-    Where the last step is ``dissected``, the microscope takes the place of what least belongs to it.
+    The one ``zoomed`` covers all others. The one ``opened`` by its key stands as its row says.
     """
     if zoomed in (CURVE, TIMELINE):
         return _curve_and_timeline(0, size.width, size.height)
     if zoomed is not None:
         return {zoomed: Region(0, 0, size.width, size.height)}
-    if dissected:
-        return _dissected(size, shape)
-    return _roomy(size, shape) if is_roomy(size) else _compact(size, shape)
+    rows = {row.id: row for row in panels}
+    budget = _BUDGET_ROWS if rows[BUDGET].needs(shape.drawing) else 0
+    regions = (_roomy if is_roomy(size) else _compact)(size, shape, budget)
+    if opened is None:
+        return regions
+    if rows[opened].is_wide and is_roomy(size):
+        return _above_wide(size, shape, opened)
+    taken = [regions.pop(panel) for panel in rows[opened].in_place_of if panel in regions]
+    return regions | {opened: Region.from_union(taken)} if taken else {opened: size.region}
 
 
-def _compact(size: Size, shape: Shape) -> dict[str, Region]:
+def _compact(size: Size, shape: Shape, budget: int) -> dict[str, Region]:
     width, height = size
     left, body = round(width * 42 / 80), max(0, height - _LINES_BELOW)
     world = _world_rows(shape, body, least_curve=max(6, body * 7 // 19))
-    regions = _left_column(left, world, body) | _right_column(shape, left, width - left, body)
+    regions = _left_column(left, world, body) | _right_column(left, width - left, body, budget)
     regions[CONTROLS] = Region(0, body, width, 2)
     regions[LAST_STEP] = Region(0, body + 2, width, 1)
     return regions
 
 
-def _roomy(size: Size, shape: Shape) -> dict[str, Region]:
+def _roomy(size: Size, shape: Shape, budget: int) -> dict[str, Region]:
     width, height = size
     left = round(width * 62 / 120)
     table = shape.table_rows + 1 + _BORDERS
     if table > height - 2 * _LOOP_ROWS:
         body = height - _LOOP_ROWS
         world = _world_rows(shape, body, least_curve=_LEAST_CURVE)
-        regions = _left_column(left, world, body) | _right_column(shape, left, width - left, body)
+        regions = _left_column(left, world, body) | _right_column(left, width - left, body, budget)
         regions[CONTROLS] = Region(0, body, left, _LOOP_ROWS)
         regions[LAST_STEP] = Region(left, body, width - left, _LOOP_ROWS)
         return regions
     world = _world_rows(shape, height, least_curve=_LEAST_CURVE)
     regions = _left_column(left, world, height)
-    table = min(max(table, min(world, _USUAL_TABLE)), height - 2 * _LOOP_ROWS - _budget_rows(shape))
+    table = min(max(table, min(world, _USUAL_TABLE)), height - 2 * _LOOP_ROWS - budget)
     y = 0
     for panel, rows in (
         (TABLE, table),
         (CONTROLS, _LOOP_ROWS),
-        (BUDGET, _budget_rows(shape)),
+        (BUDGET, budget),
     ):
         if rows:
             regions[panel] = Region(left, y, width - left, rows)
@@ -98,20 +111,15 @@ def _roomy(size: Size, shape: Shape) -> dict[str, Region]:
     return regions
 
 
-def _dissected(size: Size, shape: Shape) -> dict[str, Region]:
-    """Return world and table above the microscope; in a small terminal it takes the left column."""
-    if not is_roomy(size):
-        regions = _compact(size, shape)
-        return regions | {MICROSCOPE: regions.pop(WORLD).union(regions.pop(CURVE))}
+def _above_wide(size: Size, shape: Shape, panel: str) -> dict[str, Region]:
+    """Return world and table side by side above ``panel``, and the timeline below it."""
     width, height = size
-    left, most = round(width * 62 / 120), height - _LEAST_MICROSCOPE
-    top = max(
-        _world_rows(shape, height, least_curve=_LEAST_MICROSCOPE), min(shape.table_rows + 1 + _BORDERS, most)
-    )
+    left, most = round(width * 62 / 120), height - _LEAST_WIDE
+    top = max(_world_rows(shape, height, least_curve=_LEAST_WIDE), min(shape.table_rows + 1 + _BORDERS, most))
     return {
         WORLD: Region(0, 0, left, top),
         TABLE: Region(left, 0, width - left, top),
-        MICROSCOPE: Region(0, top, width, height - top - _TIMELINE_ROWS),
+        panel: Region(0, top, width, height - top - _TIMELINE_ROWS),
         TIMELINE: Region(0, height - _TIMELINE_ROWS, width, _TIMELINE_ROWS),
     }
 
@@ -128,16 +136,12 @@ def _curve_and_timeline(y: int, width: int, height: int) -> dict[str, Region]:
     }
 
 
-def _right_column(shape: Shape, x: int, width: int, height: int) -> dict[str, Region]:
-    budget = min(_budget_rows(shape), height // 2)
+def _right_column(x: int, width: int, height: int, budget: int) -> dict[str, Region]:
+    budget = min(budget, height // 2)
     regions = {TABLE: Region(x, 0, width, height - budget)}
     if budget:
         regions[BUDGET] = Region(x, height - budget, width, budget)
     return regions
-
-
-def _budget_rows(shape: Shape) -> int:
-    return _BUDGET_ROWS if isinstance(shape.drawing, Arms) else 0
 
 
 def _world_rows(shape: Shape, height: int, least_curve: int) -> int:

@@ -2,102 +2,108 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
+from typing import TypeVar
+
 from textual import events
 from textual.app import ComposeResult
 from textual.containers import Container
-from textual.geometry import NULL_OFFSET, NULL_SPACING, Size
+from textual.geometry import NULL_OFFSET, NULL_SPACING, Region, Size
 from textual.layout import ArrangeResult, Layout, WidgetPlacement
+from textual.message import Message
 from textual.widget import Widget
-from textual.widgets import Static
 
 from rl_tui.lab.live.snapshot import Phase, Snapshot
 from rl_tui.lab.live.viewport import Viewport
-from rl_tui.lab.run.recipe import Recipe
-from rl_tui.tui.panels.budget import BudgetPanel
+from rl_tui.tui.panels.catalogue import (
+    CONTROLS,
+    CURVE,
+    MICROSCOPE,
+    PANELS,
+    TABLE,
+    TIMELINE,
+    WORLD,
+    PanelRow,
+)
 from rl_tui.tui.panels.controls.controls import Controls
 from rl_tui.tui.panels.curve.curve import ReturnCurve
-from rl_tui.tui.panels.last_step.last_step import LastStepPanel
 from rl_tui.tui.panels.microscope.microscope import Microscope, lit_sources
+from rl_tui.tui.panels.panel import BoardPanel
 from rl_tui.tui.panels.pointing import Pointed
 from rl_tui.tui.panels.q_table.q_table import QTable
 from rl_tui.tui.panels.timeline.timeline import HINTS, TimelineBar
 from rl_tui.tui.panels.world.make_view import make_world_view
 from rl_tui.tui.panels.world.view import WorldView
-from rl_tui.tui.screens.playground.arrangement import (
-    BUDGET,
-    CONTROLS,
-    CURVE,
-    LAST_STEP,
-    MICROSCOPE,
-    TABLE,
-    TIMELINE,
-    WORLD,
-    Shape,
-    arrangement,
-)
+from rl_tui.tui.screens.playground.arrangement import Shape, arrangement
+from rl_tui.tui.screens.playground.wanted import Wanted
 from rl_tui.tui.theme.look import Look
+
+Kind = TypeVar("Kind", bound=BoardPanel)
 
 
 class Board(Container):
-    """Every panel, each with its name as id; one may be zoomed to cover all others.
+    """One widget for each row of ``panels``, its id that of the row.
 
-    ``show`` draws a snapshot on all of them. The world's view is made for the first one: only then is its
-    kind known.
+    One panel may be zoomed to cover all others, and one of those that have a key of their own may be open.
+    ``show`` draws a snapshot on all of them, and what is ``wanted`` though no snapshot has it yet. The view
+    of the world is made for the first one: only then is its kind known.
     """
 
-    def __init__(self, look: Look, recipe: Recipe) -> None:
+    class Toggled(Message):
+        """A panel was opened or closed."""
+
+    def __init__(self, look: Look, wanted: Wanted, panels: Sequence[PanelRow] = PANELS) -> None:
         super().__init__(id="board")
         self.look = look
-        self.table = QTable(look, id=TABLE, classes="panel")
-        self.curve = ReturnCurve(look, id=CURVE, classes="panel")
-        self.curve.can_focus = True
-        self.timeline = TimelineBar(look, id=TIMELINE)
-        self.budget = BudgetPanel(look, id=BUDGET, classes="panel")
-        self.controls = Controls(look, recipe, id=CONTROLS, classes="panel")
-        self.last_step = LastStepPanel(look, id=LAST_STEP, classes="panel")
-        self.microscope = Microscope(look, id=MICROSCOPE, classes="panel")
-        self.microscope.display = False
+        self.rows = {row.id: row for row in panels}
+        self._panels = {row.id: row.make(look) for row in panels}
         self.world: WorldView | None = None
-        self._arrangement = _BoardLayout()
+        self.table = self._made(TABLE, QTable)
+        self.curve = self._made(CURVE, ReturnCurve)
+        self.timeline = self._made(TIMELINE, TimelineBar)
+        self.controls = self._made(CONTROLS, Controls)
+        self.controls.begin_with(wanted.recipe)
+        self.microscope = self._made(MICROSCOPE, Microscope)
+        self._wanted = wanted
+        self._focused_before: Widget | None = None
+        self._arrangement = _BoardLayout(panels)
+
+    def _made(self, panel: str, kind: type[Kind]) -> Kind:
+        made = self._panels[panel]
+        assert isinstance(made, kind)
+        return made
 
     def compose(self) -> ComposeResult:
         """Yield the panels in the order of the tab key."""
-        preparing = Static(f"preparing {self.look.glyphs.ellipsis}", id=WORLD, classes="panel")
-        preparing.border_title = "World"
-        yield preparing
-        yield self.table
-        yield self.curve
-        yield self.timeline
-        yield self.budget
-        yield self.controls
-        yield self.last_step
-        yield self.microscope
+        yield from self._panels.values()
 
-    def show(self, snapshot: Snapshot, *, revealed: bool) -> None:
-        """Draw ``snapshot``; ``revealed`` shows what a bandit keeps secret."""
+    def panel(self, panel: str) -> BoardPanel:
+        """Return the widget of the row ``panel``."""
+        return self._panels[panel]
+
+    def show(self, snapshot: Snapshot) -> None:
+        """Draw ``snapshot``; what a person can set is drawn as it is wanted."""
         if self.world is None:
-            self.world = make_world_view(snapshot.world, self.look)
-            self.world.id, self.world.can_focus = WORLD, True
-            self.world.add_class("panel")
+            self.world = make_world_view(snapshot.world, self.look, id=WORLD, classes="panel")
+            self._panels[WORLD] = self.world
             self.run_worker(self._replace_placeholder(self.world))
-        self.reveal(revealed or snapshot.playback.phase is Phase.SPENT)
-        self.table.sources = lit_sources(snapshot) if self.dissects else frozenset()
-        for panel in (self.world, self.table, self.curve, self.budget, self.controls, self.last_step):
+        self.table.sources = lit_sources(snapshot) if self.opened == MICROSCOPE else frozenset()
+        self.controls.wanted = self._wanted.recipe.hyperparameters
+        self.timeline.sought = self._wanted.step
+        for panel in self._shown():
+            panel.revealed = self._wanted.revealed or snapshot.playback.phase is Phase.SPENT
             panel.show(snapshot)
-        self.timeline.show(snapshot)
-        if self.dissects:
-            self.microscope.show(snapshot)
         world = snapshot.world
         shape = Shape(world.drawing, self.table.rows, world.space.pairs)
         if shape != self._arrangement.shape:
             self._arrangement.shape = shape
             self._arrange_again()
 
-    def reveal(self, revealed: bool) -> None:
-        """Show or hide what a bandit keeps secret."""
-        for panel in (self.world, self.table, self.curve, self.budget, self.microscope):
-            if panel is not None:
-                panel.revealed = revealed
+    def _shown(self) -> Iterator[BoardPanel]:
+        """Yield the panels that are not closed."""
+        for row in self.rows.values():
+            if row.opened_by is None or row.id == self.opened:
+                yield self._panels[row.id]
 
     def on_descendant_focus(self, event: events.DescendantFocus) -> None:
         """Write the keys of the timeline, which has no border, on the border of the curve above it."""
@@ -122,8 +128,7 @@ class Board(Container):
     @property
     def is_complete(self) -> bool:
         """Whether the newest snapshot has all that is in view."""
-        panels = (self.table, self.world, self.microscope if self.dissects else None)
-        return all(panel is None or panel.is_complete for panel in panels)
+        return all(panel.is_complete for panel in self._shown())
 
     @property
     def zoomed(self) -> str | None:
@@ -136,18 +141,47 @@ class Board(Container):
         self._arrange_again()
 
     @property
-    def dissects(self) -> bool:
-        """Whether the microscope is open."""
-        return self._arrangement.dissected
+    def opened(self) -> str | None:
+        """The id of the panel that was opened by its key."""
+        return self._arrangement.opened
 
-    def dissect(self, *, opened: bool) -> None:
-        """Open or close the microscope; a panel that covers all others goes back to its place."""
-        self._arrangement.dissected = self.microscope.display = opened
+    def toggle(self, panel: str) -> None:
+        """Open ``panel``, which takes the focus, in place of the one that is open; or close it."""
+        was_open = self.opened
+        self.close()
+        row = self.rows[panel]
+        if was_open == panel:
+            return
+        if not row.needs(self._arrangement.shape.drawing):
+            self.notify(f"{row.title}: there is nothing to show of this world", markup=False)
+            return
+        self._focused_before = self.screen.focused
+        self._open(panel)
+        self._panels[panel].focus()
+
+    def close(self) -> None:
+        """Close the panel that is open; if it had the focus, that goes back to where it was."""
+        if self.opened is not None:
+            had_focus = self._panels[self.opened].has_focus_within
+            self._open(None)
+            if had_focus:
+                self.screen.set_focus(self._focused_before)
+            self._focused_before = None
+
+    def _open(self, panel: str | None) -> None:
+        for each, is_open in ((self.opened, False), (panel, True)):
+            if each is not None:
+                self._panels[each].display = is_open
+        self._arrangement.opened = panel
         self.zoom(None)
+        self.post_message(self.Toggled())
 
-    def has_room_for(self, panel: str) -> bool:
-        """Return whether ``panel`` has a place while none is zoomed, beside the microscope if it is open."""
-        return panel in arrangement(self.size, self._arrangement.shape, dissected=self.dissects)
+    def bring_into_view(self, panel: str) -> None:
+        """Show ``panel``: end the zoom, and close the panel that stands in its place."""
+        if self.zoomed not in (None, panel):
+            self.zoom(None)
+        if panel not in self._arrangement.regions(self.size, None):
+            self.close()
 
     def shows(self, panel: str) -> bool:
         """Return whether ``panel`` has a place on the screen."""
@@ -181,16 +215,20 @@ class Board(Container):
 class _BoardLayout(Layout):
     name = "board"
 
-    def __init__(self) -> None:
+    def __init__(self, panels: Sequence[PanelRow]) -> None:
         self.shape = Shape()
         self.zoomed: str | None = None
-        self.dissected = False
+        self.opened: str | None = None
         self.placed: frozenset[str] = frozenset()
+        self._panels = panels
+
+    def regions(self, size: Size, zoomed: str | None) -> dict[str, Region]:
+        return arrangement(size, self.shape, zoomed, self.opened, self._panels)
 
     def arrange(
         self, parent: Widget, children: list[Widget], size: Size, greedy: bool = True
     ) -> ArrangeResult:
-        regions = arrangement(size, self.shape, self.zoomed, dissected=self.dissected)
+        regions = self.regions(size, self.zoomed)
         self.placed = frozenset(regions)
         return [
             WidgetPlacement(regions[child.id], NULL_OFFSET, NULL_SPACING, child)

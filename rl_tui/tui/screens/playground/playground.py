@@ -3,70 +3,61 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from contextlib import suppress
 from typing import ClassVar, Final
 
+from textual import on
 from textual.binding import BindingType
 from textual.message import Message
 from textual.widget import Widget
 
 from rl_tui.common.errors import UserError
-from rl_tui.lab.live.commands import (
-    LOOKING,
-    Command,
-    LookAt,
-    Pause,
-    Play,
-    Restart,
-    RunEpisode,
-    SetSpeed,
-    Step,
-)
+from rl_tui.lab.live.commands import Command
 from rl_tui.lab.live.player import START_SPEED, Player
-from rl_tui.lab.live.snapshot import Phase, Snapshot
+from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.run.recipe import Recipe
+from rl_tui.lab.sessions.autosave import Autosave
+from rl_tui.lab.sessions.session import StoredSession
 from rl_tui.terminal.linked_app import LinkedApp
 from rl_tui.tui.actions.action import Place
-from rl_tui.tui.actions.registry import ORDINALS, bindings_of
+from rl_tui.tui.panels.catalogue import PANELS, PanelRow
 from rl_tui.tui.panels.controls.slider import Slider
+from rl_tui.tui.panels.q_table.q_table import QTable
 from rl_tui.tui.panels.status_line import StatusLine
-from rl_tui.tui.screens.dialogs.model import ModelScreen
+from rl_tui.tui.panels.timeline.timeline import TimelineBar
+from rl_tui.tui.screens.action_screen import ActionScreen
 from rl_tui.tui.screens.help import HelpScreen
-from rl_tui.tui.screens.playground.arrangement import CONTROLS
+from rl_tui.tui.screens.playground.actions.agent import AgentActions
+from rl_tui.tui.screens.playground.actions.export import ExportActions
+from rl_tui.tui.screens.playground.actions.lanes import LaneActions
+from rl_tui.tui.screens.playground.actions.manual import MANUAL_BINDINGS, ManualControl
+from rl_tui.tui.screens.playground.actions.microscope import MicroscopeActions
+from rl_tui.tui.screens.playground.actions.run import RunActions
+from rl_tui.tui.screens.playground.actions.session import SessionActions
+from rl_tui.tui.screens.playground.actions.time import TimeActions
+from rl_tui.tui.screens.playground.actions.until import UntilActions
+from rl_tui.tui.screens.playground.actions.view import ViewActions
 from rl_tui.tui.screens.playground.board import Board
-from rl_tui.tui.screens.playground.environment_watchdog import EnvironmentWatchdog
-from rl_tui.tui.screens.playground.export_actions import ExportActions
+from rl_tui.tui.screens.playground.environment_watchdog import CHECK_EVERY, EnvironmentWatchdog
 from rl_tui.tui.screens.playground.frame_pacing import Pacer
-from rl_tui.tui.screens.playground.lane_actions import LaneActions
-from rl_tui.tui.screens.playground.manual_actions import MANUAL_BINDINGS, ManualActions
-from rl_tui.tui.screens.playground.microscope_actions import MicroscopeActions
-from rl_tui.tui.screens.playground.session_actions import SessionActions
-from rl_tui.tui.screens.playground.speeds import faster, slower
-from rl_tui.tui.screens.playground.time_actions import TimeActions
-from rl_tui.tui.screens.playground.until_actions import UntilActions
+from rl_tui.tui.screens.playground.player_link import PlayerLink
+from rl_tui.tui.screens.playground.wanted import Wanted
 from rl_tui.tui.theme.look import Look
-from rl_tui.worlds.drawing import Arms
 
 _MOST_PICTURES: Final = 100  # until a picture that shows what was asked for
-_UNTIL_SEEN = 3600.0
 _ASKS_AGAIN: Final = 0.25  # seconds
 
 
-class Playground(
-    TimeActions,
-    UntilActions,
-    ManualActions,
-    LaneActions,
-    MicroscopeActions,
-    SessionActions,
-    ExportActions,
-    EnvironmentWatchdog,
-):
-    """One run: what it looks like and what may be done with it."""
+class Playground(ActionScreen):
+    """One run: what it looks like and what may be done with it.
+
+    What may be done is with the objects made in the constructor, one for each subject: a row of the registry
+    names one of them and its method. What is kept besides the newest snapshot is all in ``wanted``.
+    """
 
     CSS_PATH = "playground.tcss"
-    BINDINGS: ClassVar[list[BindingType]] = [*bindings_of(Place.PLAYGROUND), *MANUAL_BINDINGS]
+    BINDINGS: ClassVar[list[BindingType]] = MANUAL_BINDINGS
     AUTO_FOCUS = ""
     place = Place.PLAYGROUND
 
@@ -93,26 +84,80 @@ class Playground(
         player: Player,
         fps: float,
         speed: float | None = START_SPEED,
+        panels: Sequence[PanelRow] = PANELS,
+        autosave: Autosave | None = None,
+        resumed: StoredSession | None = None,
     ) -> None:
-        super().__init__(look, recipe)
+        super().__init__(look, panels)
         self.player = player
-        self._speed = speed
-        self._revealed = False
-        self._asked = 0  # how many had been sent with the last one that is worth keeping
-        self._leaves = False  # whether escape has just been pressed, and nothing done since
+        self.wanted = Wanted(recipe, speed)
+        self.status = StatusLine(look, id="status")
+        self.board = Board(look, self.wanted, panels)
+        self.link = PlayerLink(player, self.wanted, self._note_sent)
+        self.watchdog = EnvironmentWatchdog(player, self.status)
+        of = self, self.board, self.link
+        self.run = RunActions(*of)
+        self.time = TimeActions(*of)
+        self.until = UntilActions(*of)
+        self.agent = AgentActions(*of)
+        self.manual = ManualControl(*of)
+        self.lanes = LaneActions(*of)
+        self.view = ViewActions(*of)
+        self.microscope = MicroscopeActions(*of)
+        self.session = SessionActions(*of, autosave, resumed)
+        self.export = ExportActions(*of)
+        self._left_after: int | None = None
+        """The last deed when escape was pressed, None where it was not."""
         self._pacer = Pacer(fps, self._arrived)
-        self._model: ModelScreen | None = None
         self._framed = asyncio.Event()
-        self._is_over = False  # whether nothing more will be drawn
+        self._is_over = False
+        """Whether nothing more will be drawn."""
+
+    @property
+    def snapshot(self) -> Snapshot | None:
+        """The newest snapshot, None before the first."""
+        return self.link.snapshot
+
+    @property
+    def recipe(self) -> Recipe:
+        """What a restart would start from."""
+        return self.wanted.recipe
+
+    def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
+        """Leave arrows and digits to the panels unless a person is the agent."""
+        if action == "manual_key":
+            return self.manual.takes(str(parameters[0]))
+        return super().check_action(action, parameters)
+
+    def action_manual_key(self, key: str) -> None:
+        """Do what ``key`` means while a person is the agent."""
+        self.manual.press(key)
+
+    @on(Slider.Changed)
+    def set_parameter(self, event: Slider.Changed) -> None:
+        """Set the hyper-parameter of the slider in the running learner."""
+        self.agent.set_parameter(event.name, event.value)
+
+    @on(TimelineBar.Sought)
+    def seek(self, event: TimelineBar.Sought) -> None:
+        """Go where the timeline was pointed at."""
+        self.time.seek(event.step)
+
+    @on(QTable.CursorMoved)
+    def follow_cursor(self) -> None:
+        """Show under the microscope the cell that the cursor of the table went to."""
+        self.microscope.follow_cursor()
 
     def content(self) -> Iterable[Widget]:
         """Yield the status line and the board."""
-        yield StatusLine(self.look, id="status")
-        yield Board(self.look, self.recipe)
+        yield self.status
+        yield self.board
 
     def on_mount(self) -> None:
         """Draw whatever the player publishes; it starts to load once the first paint is done."""
         self.call_after_refresh(self._start_to_follow)
+        self.set_interval(CHECK_EVERY, self.watchdog.check)
+        self.session.listen()
 
     def on_unmount(self) -> None:
         """Let the player's thread end, without waiting for it."""
@@ -121,16 +166,19 @@ class Playground(
 
     def send(self, command: Command) -> None:
         """Ask the player for something; its answer is drawn without waiting for the next frame."""
-        self.sent += 1
-        if not isinstance(command, LOOKING):
-            self._asked = self.sent
-            self._leaves = False
-        self.note_sent(command)
-        self.player.send(command)
+        self.link.send(command)
+
+    def _note_sent(self, command: Command) -> None:
+        self.manual.note(command)
         self._pacer.hurry()
 
     def _start_to_follow(self) -> None:
         self.run_worker(self._follow(), name="follow the player")
+
+    @property
+    def is_here(self) -> bool:
+        """Whether it is one of the screens still: of one that is left, or of an end, the panels go first."""
+        return self.is_attached and self.app.is_running and self in self.app.screen_stack
 
     async def _follow(self) -> None:
         try:
@@ -144,7 +192,7 @@ class Playground(
                 self._framed.set()
                 await self._pacer.wait()
         except UserError as fault:
-            self.post_message(self.Left(self.recipe, self.named(fault)))
+            self.post_message(self.Left(self.recipe, self.session.named(fault)))
         finally:
             self._end()
 
@@ -153,21 +201,28 @@ class Playground(
         self._framed.set()
 
     def _draw(self, snapshot: Snapshot) -> None:
-        before, self.snapshot = self.snapshot, snapshot
-        self.follow_time(before, snapshot)
-        self.follow_last_update()
-        self.compare_with_saved(snapshot)
+        before = self.snapshot
+        self.link.receive(snapshot)
+        self.time.announce_fork(before, snapshot)
+        self.session.compare_with_saved(snapshot)
+        self.redraw()
+
+    @on(Board.Toggled)
+    def redraw(self) -> None:
+        """Draw the newest snapshot on every panel; each refreshes only what came out different."""
+        snapshot = self.snapshot
+        if snapshot is None:
+            return
+        self.microscope.follow_update()
         with self.app.batch_update():
-            self.query_one(StatusLine).show(snapshot)
-            self.show_manual_control(snapshot)
-            self.board.show(snapshot, revealed=self._revealed)
-            if self._model is not None:
-                self._model.show(snapshot)
+            self.status.show(snapshot)
+            self.manual.show(snapshot)
+            self.board.show(snapshot)
+            self.view.show(snapshot)
 
     def on_scrolled(self) -> None:
         """Have the parts of a large world copied that are in view now."""
-        pair = self._model.pair if self._model else None
-        self.send(LookAt(self.board.viewport._replace(pair=pair)))
+        self.view.look_at()
 
     async def settled(self) -> None:
         """Wait until all that was asked for is done and on screen, the exact answer included.
@@ -188,7 +243,7 @@ class Playground(
                 self._framed.clear()
                 await self._framed.wait()
             if not self.board.is_complete:
-                self.on_scrolled()
+                self.view.look_at()
 
     def _is_complete(self, drawn: Snapshot) -> bool:
         return not _lacks_exact(drawn) and self.board.is_complete
@@ -197,7 +252,7 @@ class Playground(
         try:
             return await self.player.carried_out()
         except UserError as fault:
-            raise self.named(fault) from fault
+            raise self.session.named(fault) from fault
 
     async def _arrived(self) -> None:
         if isinstance(self.app, LinkedApp):
@@ -217,119 +272,10 @@ class Playground(
         seen = [each for each in super().focus_chain if self.board.shows(self.board.panel_of(each))]
         return sorted(seen, key=lambda widget: panels.index(self.board.panel_of(widget)))
 
-    # Running
-
-    def action_run(self) -> None:
-        """Run, or pause."""
-        phase = self.snapshot.playback.phase if self.snapshot else Phase.PREPARING
-        if phase is Phase.SPENT:
-            self.tell("the budget is spent; r starts again")
-        elif phase is Phase.DONE and self.snapshot:
-            self.tell(f"{self.snapshot.playback.message}; another γ goes on, r starts again")
-        elif phase is Phase.STOPPED and self.snapshot:
-            self.notify(f"{self.snapshot.playback.message}; r starts again", severity="error", markup=False)
-        else:
-            self.send(Pause() if phase in (Phase.RUNNING, Phase.SEEKING) else Play())
-
-    def rest(self) -> None:
-        """Pause a run that goes on while no key is pressed."""
-        if self.snapshot is not None and self.snapshot.playback.phase in (Phase.RUNNING, Phase.SEEKING):
-            self.send(Pause())
-            self.notify("paused: nobody has pressed a key for some minutes", timeout=_UNTIL_SEEN)
-
-    def action_step(self) -> None:
-        """Take one step."""
-        self.send(Step())
-
-    def action_episode(self) -> None:
-        """Run to the end of the episode."""
-        self.send(RunEpisode())
-
-    def action_faster(self) -> None:
-        """Go to the next higher speed."""
-        self._set_speed(faster(self._speed))
-
-    def action_slower(self) -> None:
-        """Go to the next lower speed."""
-        self._set_speed(slower(self._speed))
-
-    def _set_speed(self, speed: float | None) -> None:
-        self._speed = speed
-        self.send(SetSpeed(speed))
-
-    def action_reset(self) -> None:
-        """Start again with the settings in force and the same seed."""
-        if self.snapshot is not None and self.snapshot.timeline.current.end:
-            kept = "gone: this is a kiosk" if self.in_kiosk else "kept in the catalogue"
-            self.tell(f"the run starts again; the one until now is {kept}")
-        self.restart(self.recipe)
-
-    def restart(self, recipe: Recipe) -> None:
-        """Start again with ``recipe``."""
-        self.recipe = recipe
-        self._revealed = False
-        self.board.controls.forget()
-        self.send(Restart(recipe))
-
-    # The agent
-
-    def on_slider_changed(self, event: Slider.Changed) -> None:
-        """Set the hyper-parameter of the slider in the running learner."""
-        self.set_parameter(event.name, event.value)
-
-    def action_slider(self, number: int) -> None:
-        """Put the focus on a slider, counted from 1; say so if there are not so many."""
-        sliders = list(self.board.controls.query(Slider))
-        if number > len(sliders):
-            self.tell(f"there is no {ORDINALS[number - 1]} slider here")
-            return
-        self.bring_into_view(CONTROLS)
-        sliders[number - 1].focus()
-
-    def show_in_force(self) -> None:
-        """Set every slider to the value in force."""
-        self.board.controls.forget()
-        if self.snapshot is not None:
-            self.board.controls.show(self.snapshot)
-
-    # What is shown
-
-    def action_layer(self) -> None:
-        """Go to the next layer of the table."""
-        self.board.table.next_layer()
-
-    def action_zoom(self) -> None:
-        """Show one panel alone, or all again."""
-        self.board.zoom(None if self.board.zoomed else self.board.panel_of(self.focused))
-
-    def action_reveal(self) -> None:
-        """Show or hide what a bandit keeps secret."""
-        if self.snapshot is None or not isinstance(self.snapshot.world.drawing, Arms):
-            self.tell("nothing is hidden here; h is for bandits, whose true means it shows")
-            return
-        self._revealed = not self._revealed
-        self._draw(self.snapshot)
-
-    def action_model(self) -> None:
-        """Show the model until it is closed."""
-        if self.snapshot is None:
-            return
-        pair, last = self.board.table.cursor_pair, self.snapshot.counters.last_step
-        if pair is None and last is not None and (last.learned or not last.planned):
-            pair = last.updated_pair if last.planned else last.pair
-        self._model = ModelScreen(
-            self.look, self.snapshot, pair, revealed=self._revealed, on_scrolled=self.on_scrolled
-        )
-        self.app.push_screen(self._model, self._model_closed)
-
-    def _model_closed(self, _: None) -> None:
-        self._model = None
-
     def action_help(self) -> None:
         """Show the help."""
-        self.app.push_screen(HelpScreen(self.look, self.place, self.recipe.scenario.notes))
-
-    # Elsewhere
+        notes = self.recipe.scenario.notes
+        self.app.push_screen(HelpScreen(self.look, self.actions, self.panel_rows, notes))
 
     def action_previous_scenario(self) -> None:
         """Go to the previous scenario of the catalogue."""
@@ -340,13 +286,13 @@ class Playground(
         self.post_message(self.NeighbourWanted(self.recipe, 1))
 
     def action_back(self) -> None:
-        """Leave the zoom, or go back to the catalogue."""
+        """Leave the zoom or the panel that is open, or go back to the catalogue."""
         if self.board.zoomed:
             self.board.zoom(None)
-        elif self.board.dissects:
-            self.close_microscope()
-        elif self._was_used() and not self._leaves:
-            self._leaves = True
+        elif self.board.opened is not None:
+            self.board.close()
+        elif self._was_used() and self._left_after != self.wanted.last_deed:
+            self._left_after = self.wanted.last_deed
             kept = "run is then gone" if self.in_kiosk else "session is kept there"
             self.tell(f"esc again goes to the catalogue; this {kept}")
         else:
@@ -355,7 +301,9 @@ class Playground(
     def _was_used(self) -> bool:
         """Return whether there is a run to lose; what was asked for last may not be on screen yet."""
         drawn = self.snapshot
-        return drawn is not None and (drawn.counters.step > 0 or drawn.playback.handled < self._asked)
+        return drawn is not None and (
+            drawn.counters.step > 0 or drawn.playback.handled < self.wanted.last_deed
+        )
 
 
 def _lacks_exact(snapshot: Snapshot) -> bool:

@@ -1,0 +1,202 @@
+"""Writes what the documentation takes from the program: ``make docs``.
+
+A page of this folder says ``<!-- made by make docs: NAME -->`` and ``<!-- end -->``. Between them stands, as
+Markdown, what the function of that name returns. The pictures are drawn by the program too. A test compares.
+"""
+
+from __future__ import annotations
+
+import re
+from collections import defaultdict
+from collections.abc import Iterable, Iterator, Sequence
+from inspect import cleandoc
+from pathlib import Path
+from textwrap import fill
+
+import click
+
+from rl_tui.agents.catalogue import BY_ID, POLICY_BY_ID, Algorithm, Policy
+from rl_tui.agents.hyperparameters import PARAMETERS, Hyperparameters, Parameter
+from rl_tui.cli.main import program
+from rl_tui.cli.options.help_sections import OPTIONS, SOME, TITLES, section_of
+from rl_tui.lab.run.library import listing
+from rl_tui.tui.actions.action import Action, Group, Place
+from rl_tui.tui.actions.registry import ACTIONS
+from rl_tui.worlds.files.catalogue import scenarios as read_scenarios
+from rl_tui.worlds.files.catalogue import shipped_folder
+
+FOLDER = Path(__file__).parent
+BLOCK = re.compile(r"(<!-- made by make docs: (\w+) -->\n).*?(<!-- end -->)", re.DOTALL)
+PLACES = {Place.CATALOGUE: "catalogue", Place.PLAYGROUND: "playground", Place.BOTH: "both"}
+PICTURES = {"playground.svg": "wait:20000", "microscope.svg": "wait:60000,d"}
+
+
+def main() -> None:
+    """Draw the pictures, and write every page anew whose blocks are no longer what the program says."""
+    for name in PICTURES:
+        draw(name, FOLDER / name)
+    for path in sorted(FOLDER.glob("*.md")):
+        before = path.read_text(encoding="utf-8")
+        after = renewed(before)
+        if after != before:
+            path.write_text(after, encoding="utf-8")
+            print(path)
+
+
+def renewed(text: str) -> str:
+    """Return ``text`` with every block as the program is now."""
+    return BLOCK.sub(lambda block: f"{block[1]}\n{BLOCKS[block[2]]()}\n\n{block[3]}", text)
+
+
+def draw(picture: str, path: Path) -> None:
+    """Draw that one of ``PICTURES`` into ``path``."""
+    keys = PICTURES[picture]
+    program(["screenshot", "frozenlake-slippery", "--keys", keys, "--out", str(path)], standalone_mode=False)
+
+
+def keys() -> str:
+    """Return the keys, a table for each heading of the help panel."""
+    parts = []
+    for group in Group:
+        rows = [_key_row(action) for action in ACTIONS if action.group == group]
+        parts += [f"### {group}", _table(("key", "name", "where", "what it does"), rows)]
+    return "\n\n".join(parts)
+
+
+def _key_row(action: Action) -> tuple[str, ...]:
+    where = PLACES[action.place] + (", no kiosk" if action.for_the_owner else "")
+    return f"`{action.shown}`", action.label, where, action.help
+
+
+def scenarios() -> str:
+    """Return the shipped scenarios in the order of the catalogue, with the sizes of their worlds."""
+    rows = []
+    for scenario in read_scenarios():
+        if scenario.source.parent == shipped_folder():
+            world = listing(scenario)
+            limit = str(world["time_limit"] or "none")
+            sizes = str(world["states"]), str(world["actions"]), limit
+            rows.append((f"`{scenario.id}`", scenario.title, *sizes, scenario.summary))
+    return _table(("id", "title", "states", "actions", "limit", "what it is"), rows)
+
+
+def algorithms() -> str:
+    """Return what each algorithm is, how it updates and which settings it alone or with few others has."""
+    return "\n\n".join(
+        _described(algorithm, [name for name in algorithm.parameters if section_of(name) == SOME])
+        for algorithm in BY_ID.values()
+    )
+
+
+def policies() -> str:
+    """Return what each policy is, how it chooses and its settings."""
+    return "\n\n".join(
+        _described(policy, [name for name in policy.parameters if not PARAMETERS[name].schedule])
+        for policy in POLICY_BY_ID.values()
+    )
+
+
+def _described(each: Algorithm | Policy, settings: Iterable[str]) -> str:
+    facts = [f"`{each.id}`", each.source, *(f"`{_option(name)}`" for name in settings)]
+    if isinstance(each, Policy) and each.bandits_only:
+        facts.append("for bandits only")
+    return f"### {each.name}\n\n{_sentence(each.summary)}\n\n    {each.equation}\n\n{' · '.join(facts)}"
+
+
+def settings() -> str:
+    """Return every hyper-parameter with what it may be, in the sections of the help of a command."""
+    parts = []
+    for title in TITLES:
+        rows = [_setting_row(each) for each in PARAMETERS.values() if section_of(each.name) == title]
+        if rows:
+            parts += [f"### {title}", _table(("option", "sign", "values", "default", "meaning"), rows)]
+    return "\n\n".join(parts)
+
+
+def _setting_row(parameter: Parameter) -> tuple[str, ...]:
+    symbol = "" if parameter.symbol == parameter.name else parameter.symbol
+    default = f"{Hyperparameters().value(parameter.name)}"
+    values = parameter.expected.replace(" or ", ", ")
+    return f"`{_option(parameter.name)}`", symbol, values, default, parameter.help
+
+
+def commands() -> str:
+    """Return every command with its own options, and those of several commands once."""
+    root = click.Context(program, info_name="rl-tui")
+    contexts = [root]
+    for name in program.list_commands(root):
+        command = program.get_command(root, name)
+        if command is not None:
+            contexts.append(click.Context(command, info_name=name, parent=root))
+    owners: defaultdict[tuple[str, str], list[str]] = defaultdict(list)
+    for context in contexts:
+        for record in _records(context):
+            owners[record].append(context.command_path)
+    parts = [_command(context, {each for each in owners if len(owners[each]) > 1}) for context in contexts]
+    common = [
+        _item(record, f" ({', '.join(path.removeprefix('rl-tui ') for path in paths)})")
+        for record, paths in owners.items()
+        if len(paths) > 1
+    ]
+    return "\n\n".join([*parts, "### Options of several commands", "\n".join(common)])
+
+
+def _command(context: click.Context, common: set[tuple[str, str]]) -> str:
+    usage = " ".join([context.command_path, *context.command.collect_usage_pieces(context)])
+    paragraphs = cleandoc(context.command.help or "").split("\n\n")
+    records = list(_records(context))
+    own = [_item(record) for record in records if record not in common]
+    shared = [f"`{record[0].split()[0]}`" for record in records if record in common]
+    if "algorithm" in (option.name for option in context.command.params):
+        shared.append("[the settings of a run](agents.md#settings)")
+    parts = [f"### {context.command_path}", f"    {usage}"]
+    for paragraph in paragraphs:
+        is_example = paragraph.startswith("rl-tui ")
+        parts.append(f"    {paragraph}" if is_example else _wrapped(paragraph))
+    if own:
+        parts.append("\n".join(own))
+    if shared:
+        parts.append(_wrapped(f"Takes also {', '.join(shared)}."))
+    return "\n\n".join(parts)
+
+
+def _records(context: click.Context) -> Iterator[tuple[str, str]]:
+    """Yield option and meaning of what a command takes, but for the settings of a run and the help."""
+    options = [each for each in context.command.params if isinstance(each, click.Option)]
+    takes_a_run = any(option.name == "algorithm" for option in options)
+    for option in options:
+        record = option.get_help_record(context)
+        if record is not None and not (takes_a_run and section_of(option.name or "") != OPTIONS):
+            yield record
+
+
+def _item(record: tuple[str, str], more: str = "") -> str:
+    return _wrapped(f"* `{record[0]}`: {record[1]}{more}", indent="  ")
+
+
+def _wrapped(text: str, indent: str = "") -> str:
+    return fill(" ".join(text.split()), 110, subsequent_indent=indent, break_on_hyphens=False)
+
+
+def _option(name: str) -> str:
+    return f"--{name.replace('_', '-')}"
+
+
+def _sentence(text: str) -> str:
+    return f"{text[0].upper()}{text[1:]}."
+
+
+def _table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    """Return a Markdown table whose columns, but for the last, are as wide as their widest cell."""
+    widths = [max(map(len, column)) for column in zip(heads, *rows, strict=True)][:-1]
+    ruler = [*("-" * width for width in widths), "---"]
+    return "\n".join(
+        f"| {' | '.join([*(cell.ljust(width) for cell, width in zip(row, widths, strict=False)), row[-1]])} |"
+        for row in (heads, ruler, *rows)
+    )
+
+
+BLOCKS = {made.__name__: made for made in (keys, scenarios, algorithms, policies, settings, commands)}
+
+if __name__ == "__main__":
+    main()

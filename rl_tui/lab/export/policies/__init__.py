@@ -1,1 +1,0 @@
-"""The text of every policy for exported scripts, one a file."""

@@ -1,0 +1,202 @@
+"""The story of the last step, in numbers: worked out once from a snapshot, told in words by the panels."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Final
+
+import numpy as np
+
+from rl_tui.agents.catalogue import BY_ID, POLICY_BY_ID, Algorithm, Policy
+from rl_tui.agents.hyperparameters import SAMPLE_AVERAGE, Hyperparameters
+from rl_tui.agents.last_step import NOTHING, LastStep
+from rl_tui.agents.update_terms import UpdateTerms
+from rl_tui.lab.last_step.backup import Backup, backup_of, sources
+from rl_tui.lab.last_step.estimates import EstimatesBefore
+from rl_tui.lab.live.snapshot import Snapshot
+from rl_tui.worlds.drawing import Arms
+from rl_tui.worlds.mdp.space import FloatArray
+from rl_tui.worlds.mdp.tabular_mdp import UNKNOWN_ACTION
+from rl_tui.worlds.world import World
+
+_TOLERANCE: Final = 1e-6
+
+
+@dataclass(frozen=True, eq=False)
+class StepStory:
+    """One turn of the agent–environment loop, or one backup of a planner, with all that led to its numbers.
+
+    What only the microscope tells is worked out when it is asked for.
+    """
+
+    world: World
+    """The world of the run."""
+    last: LastStep
+    """State, action, reward, next state, the end of the episode, and the terms of the update."""
+    algorithm: Algorithm
+    """The algorithm that took the step."""
+    hyperparameters: Hyperparameters
+    """The hyper-parameters in force at the step; which ε a schedule had come to is in ``last``."""
+    policy: Policy
+    """The policy that chose the action."""
+    before: EstimatesBefore
+    """The estimates as the update found them."""
+    greedy: Sequence[int]
+    """The pairs that were greedy when the action was chosen; empty where that is not known any more."""
+    chance: float | None
+    """The probability of what the environment drew; None where it is not known."""
+    meant: int | None
+    """The action chosen, where the world may slip and what happened is known; else None."""
+    went: int | None
+    """The action that really happened; None where ``meant`` is."""
+    visits: int
+    """How often the pair taken was taken or updated; 0 for a planner."""
+    planning: str
+    """How a planner's sweep is getting on, in words; empty for an agent that learns."""
+    rewards: Sequence[float]
+    """The rewards of the episode, oldest first; of a long one the last of them; none for a planner."""
+    discounted_return: float
+    """The return of the episode so far, each reward discounted by the γ in force at its step."""
+    mean: FloatArray | None
+    """[P], the mean rewards as they are now, where they drift and are known."""
+
+    @property
+    def terms(self) -> UpdateTerms:
+        """The symbols and words of the algorithm's update."""
+        return self.algorithm.update
+
+    @property
+    def is_bandit(self) -> bool:
+        """Whether every step is a pull of an arm, and an episode of its own."""
+        return isinstance(self.world.drawing, Arms)
+
+    @property
+    def bootstraps(self) -> bool:
+        """Whether the target has an estimate in it."""
+        return self.last.planned or self.last.bootstrap_state != NOTHING
+
+    @property
+    def step_size(self) -> float | str:
+        """The step size that is no fraction 1/N: the one in force, which a schedule may move."""
+        values = self.hyperparameters
+        if values.sample_average:
+            return SAMPLE_AVERAGE
+        moves = values.step_size_schedule != "constant" and values.alpha_decay > 0.0
+        return self.last.step_size if moves else values.alpha
+
+    @property
+    def has_trace(self) -> bool:
+        """Whether the step size is α times the trace of the pair."""
+        return "traces" in self.algorithm.parameters and self.last.step_size != self.hyperparameters.alpha
+
+    @cached_property
+    def backup(self) -> Backup | None:
+        """The update as a tree over all that might have followed; None where there is none."""
+        return backup_of(self.before, self.mean)
+
+    @cached_property
+    def sources(self) -> dict[int, float]:
+        """The pairs that the bootstrap was read from, each with its weight in it; none where not known."""
+        return sources(self.before)
+
+    @property
+    def looked_up(self) -> list[tuple[float, float]]:
+        """The weights of ``sources``, each with the estimate as the update found it."""
+        last, q = self.last, self.before.agent.q
+        return [
+            (weight, last.before if pair == last.updated_pair else float(q[pair]))
+            for pair, weight in self.sources.items()
+        ]
+
+    @property
+    def steps(self) -> int:
+        """How many steps the episode has had, this one included."""
+        return max(self.last.episode_step, len(self.rewards))
+
+    @property
+    def has_one_gamma(self) -> bool:
+        """Whether the return is that of all rewards with the γ in force, as far as they are known."""
+        is_whole = len(self.rewards) == self.steps
+        return not is_whole or self._comes_to(self.rewards, self.discounted_return)
+
+    @property
+    def gathered_rewards(self) -> Sequence[float]:
+        """The rewards, oldest first, whose discounted sum is the target of several steps.
+
+        None for methods of one step, and where they are not known any more.
+        """
+        last, parameters = self.last, self.algorithm.parameters
+        if self.terms.one_step or not last.learned or not self.rewards:
+            return []
+        ended = last.terminated or last.truncated
+        count = last.episode_step if "n" not in parameters else 1 if ended else self.hyperparameters.n
+        rewards = self.rewards[-count:]
+        is_whole = len(rewards) == count and self._comes_to(rewards, last.gathered)
+        return rewards if is_whole and count > 1 else []
+
+    def _comes_to(self, rewards: Sequence[float], total: float) -> bool:
+        worked_out = discounted_sum(rewards, self.last.gamma)
+        return abs(worked_out - total) <= _TOLERANCE * max(1.0, abs(worked_out))
+
+
+def discounted_sum(rewards: Sequence[float], gamma: float) -> float:
+    """Return Σ γᵏ r of ``rewards``, oldest first."""
+    return sum(reward * gamma**place for place, reward in enumerate(rewards))
+
+
+def story_of(snapshot: Snapshot) -> StepStory | None:
+    """Return the story of the last step of ``snapshot``, None before the first."""
+    last, agent, world = snapshot.counters.last_step, snapshot.agent, snapshot.world
+    if last is None:
+        return None
+    taken_by, hyperparameters = agent.learned_by
+    algorithm = BY_ID[taken_by]
+    before = EstimatesBefore(world, agent, last, algorithm.update)
+    solution = snapshot.exact_answer.solution
+    drifts = world.mdp is not None and world.mdp.drift_std and not last.planned
+    chance, meant, went = _drawn(world, last)
+    return StepStory(
+        world=world,
+        last=last,
+        algorithm=algorithm,
+        hyperparameters=hyperparameters,
+        policy=POLICY_BY_ID[hyperparameters.policy],
+        before=before,
+        greedy=_greedy_before(before),
+        chance=chance,
+        meant=meant,
+        went=went,
+        visits=0 if last.planned else int(agent.visits[last.pair]),
+        planning=agent.planning if last.planned and taken_by == agent.algorithm else "",
+        rewards=snapshot.counters.rewards.tolist(),
+        discounted_return=snapshot.counters.discounted_return,
+        mean=solution.q if drifts and solution is not None else None,
+    )
+
+
+def _drawn(world: World, last: LastStep) -> tuple[float | None, int | None, int | None]:
+    """Return the chance of what was drawn and, where the world may slip, what was meant and what happened."""
+    mdp = world.mdp
+    if mdp is None or last.outcome == UNKNOWN_ACTION:
+        return None, None, None
+    chance = float(mdp.probability[last.outcome])
+    meant, went = int(mdp.pair_action[last.pair]), int(mdp.outcome_action[last.outcome])
+    outcomes = mdp.outcomes_of(last.pair)
+    slips = bool((mdp.outcome_action[outcomes.start : outcomes.stop] != meant).any())
+    return (chance, meant, went) if slips and went != UNKNOWN_ACTION else (chance, None, None)
+
+
+def _greedy_before(before: EstimatesBefore) -> list[int]:
+    """Return the pairs that were greedy when the action was chosen, that is before the update.
+
+    None are known where the step changed more than one estimate, or one of two tables.
+    """
+    last = before.last
+    pairs = before.world.space.pairs_of(last.state)
+    estimates = before.of(pairs)
+    if last.planned or last.others or last.table or estimates is None:
+        return []
+    best = [pairs.start + int(each) for each in np.flatnonzero(estimates == estimates.max())]
+    return best if last.explored or last.pair in best else []  # chosen before the last update but one

@@ -1,0 +1,169 @@
+"""The panels of the playground, a row each: board, places, keys, palette and help derive from this table."""
+
+from __future__ import annotations
+
+import pkgutil
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final
+
+from rl_tui.tui.theme.look import Look
+from rl_tui.worlds.drawing import Arms, Drawing
+
+if TYPE_CHECKING:
+    from rl_tui.tui.panels.panel import BoardPanel
+
+WORLD: Final = "world"
+TABLE: Final = "table"
+CURVE: Final = "curve"
+TIMELINE: Final = "timeline"
+BUDGET: Final = "budget"
+CONTROLS: Final = "controls"
+LAST_STEP: Final = "last_step"
+MICROSCOPE: Final = "microscope"
+
+
+@dataclass(frozen=True, slots=True)
+class OpeningKey:
+    """The key that opens a panel and closes it again.
+
+    ``label`` is a word for key line and palette, ``help`` one sentence. ``rank`` orders the key line: a lower
+    one is kept longer where it is narrow; None: not on it.
+    """
+
+    key: str
+    label: str
+    help: str
+    rank: int | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class PanelRow:
+    """One panel. ``widget`` names its class, ``module:Class``, imported when a board is made.
+
+    ``title`` and ``help`` explain it in the help. A panel with an ``opened_by`` is closed at first. Open, it
+    stands where the panels ``in_place_of`` stood, which form one rectangle at any size; where none of them is
+    in view it covers the board. With ``is_wide`` it has the whole width below world and table where there is
+    room for that. The microscope does both. ``needs`` says whether there is anything to show, by how the
+    world is drawn.
+    """
+
+    id: str
+    widget: str
+    title: str
+    help: str
+    opened_by: OpeningKey | None = None
+    in_place_of: tuple[str, ...] = ()
+    is_wide: bool = False
+    has_border: bool = True
+    needs: Callable[[Drawing | None], bool] = lambda _: True
+
+    def make(self, look: Look) -> BoardPanel:
+        """Return the panel, hidden if a key opens it."""
+        panel: BoardPanel = pkgutil.resolve_name(self.widget)(
+            look, id=self.id, classes="panel" if self.has_border else None
+        )
+        if self.opened_by is not None:
+            panel.can_focus, panel.display = True, False
+        return panel
+
+
+def _has_arms(drawing: Drawing | None) -> bool:
+    return isinstance(drawing, Arms)
+
+
+PANELS: Final[tuple[PanelRow, ...]] = (
+    PanelRow(
+        WORLD,
+        "rl_tui.tui.panels.world.make_view:WorldPlaceholder",
+        "World",
+        "The scenario as the agent finds it. In a grid the tint and the number are V(s), the best estimate "
+        "of the state; arrows are the greedy actions, several (or + where there is no room) where they tie, "
+        "none where nothing is known yet, letters where actions have no direction; ◉ is the agent, ● a hole, "
+        "▓ a cliff, ★ the goal, S the start. In a graph each edge names action, "
+        "probability and reward, and the greedy action is bold. An arm of a "
+        "bandit shows its estimate ± its standard error, the standard deviation that the noise of the "
+        "rewards leaves in it. ▸ marks the greedy arm, ◉ the last pull. In focus it has a cursor, as the "
+        "table has; the place where one stands is marked in the other.",
+    ),
+    PanelRow(
+        TABLE,
+        "rl_tui.tui.panels.q_table.q_table:QTable",
+        "Q",
+        "One row a state, one column an action. The frame marks the greedy cell; the cell that the last "
+        "step updated is lit; an unvisited cell looks different from a zero. v turns to the exact Q*, the "
+        "error Q−Q* and visits. It has a cursor: tab to the table, then the arrows; m shows the model of "
+        "the pair under it, and esc follows the agent again.",
+    ),
+    PanelRow(
+        CURVE,
+        "rl_tui.tui.panels.curve.curve:ReturnCurve",
+        "Return",
+        "The return of each episode as band and mean, with the mean of the last 100 beside it; the exact "
+        "expected return of the greedy policy; and dotted what is best for this γ (in short γ-best): the "
+        "undiscounted return of the policy that is best for the γ in force. At a smaller γ another policy "
+        "can collect more undiscounted return than that one. Once something is learned, the gap between "
+        "episodes and greedy policy is mostly what exploring costs. The axis counts finished episodes, the "
+        "top line the one under way: between two it is the next. Where the run cannot keep up with the "
+        "wanted speed, the top line ends with the one measured.",
+    ),
+    PanelRow(
+        TIMELINE,
+        "rl_tui.tui.panels.timeline.timeline:TimelineBar",
+        "Timeline",
+        "The row below the curve is what was run so far, from step 0 to the end of the branch; the handle is "
+        "the moment that every panel shows. b, B and g go back, and so do a click, a drag and, with the row "
+        "in focus (tab), the arrows, < and > by one step, pgup and pgdn by a tenth. g takes a step or, as "
+        "e12, an episode, and goes to where that one begins. To play on from there "
+        "repeats what happened; to change something begins a branch, and j goes back to the other. ◆ is a "
+        "change, ╍ steps taken by hand, ┻ where the branch began.",
+        has_border=False,
+    ),
+    PanelRow(
+        BUDGET,
+        "rl_tui.tui.panels.budget:BudgetPanel",
+        "Budget",
+        "Pulls and winnings of a bandit; revealed or spent, its regret too: over all pulls, the true mean "
+        "of the best arm less that of the arm pulled. Luck is left out, so winnings and regret need not add "
+        "up to the best possible.",
+        needs=_has_arms,
+    ),
+    PanelRow(
+        CONTROLS,
+        "rl_tui.tui.panels.controls.controls:Controls",
+        "Controls",
+        "What the agent is told. Focus a slider with tab or 1, 2, 3, 4: left and right change it, digits "
+        "type a value, the mouse drags it. a chooses the algorithm, p the policy, which is the rule by "
+        "which actions are chosen; o lists everything, schedules and the sample average too. A change acts "
+        "from the next step on; initial Q and seed start again.",
+    ),
+    PanelRow(
+        LAST_STEP,
+        "rl_tui.tui.panels.last_step.last_step:LastStepPanel",
+        "Last step",
+        "One turn of the loop with its real numbers: what was chosen and why, what the world did, and the "
+        "update. δ is the error that the update shrinks. Algorithms that wait for n rewards or for the end "
+        "of the episode say so. Where one step moves many estimates, by their traces (how recently each "
+        "pair was taken) or from a model, one is told in full and the others are counted.",
+    ),
+    PanelRow(
+        MICROSCOPE,
+        "rl_tui.tui.panels.microscope.microscope:Microscope",
+        "Microscope",
+        "d takes the last step apart, live. Numbers that came from a cell of the table look as that cell "
+        "does, which is lit: one was updated, the underlined ones were looked up. The backup hangs from the "
+        "state and its action all that might have followed; ▸ marks what did. The target of this sample "
+        "stands beside the expected one, the mean over all outcomes with the same estimates: what lies "
+        "between them is luck. At the end stands how the cell under the table's cursor went, else the one "
+        "updated last, with its exact value dotted.",
+        opened_by=OpeningKey(
+            "d",
+            "dissect",
+            "Take the last step apart: the loop, the backup, the return, the history of a cell.",
+            rank=5,
+        ),
+        in_place_of=(WORLD, CURVE),
+        is_wide=True,
+    ),
+)
+"""In the order of the tab key."""

@@ -1,0 +1,146 @@
+"""The words of a step: the five parts of the loop (Sutton & Barto, Fig. 3.1) and its update, as written."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from rl_tui.agents.hyperparameters import PARAMETERS
+from rl_tui.lab.last_step.story import StepStory
+from rl_tui.tui.draw import names, numbers
+from rl_tui.tui.panels.last_step.update_text import UpdateText, setting, update_text
+from rl_tui.tui.theme.glyphs import Glyphs
+
+_TABLES = ("", "₁", "₂")
+
+
+@dataclass(frozen=True, slots=True)
+class StepWords:
+    """What both layouts write of ``story``. Empty texts are left out; several forms begin with the longest.
+
+    ``choices`` say how the action came about, ``endings`` how the episode ended. ``meant`` and ``went`` name
+    actions, and are empty where the world does not slip. ``estimate`` is what the update moved, ``Q(6,←)``,
+    ``bootstrap`` the estimate in its target in symbols, and ``others`` tells of its further updates.
+    """
+
+    story: StepStory
+    state: str
+    place: str
+    choices: Sequence[str]
+    action: str
+    meant: str
+    went: str
+    chance: str
+    reward: str
+    next_state: str
+    landmark: str
+    endings: Sequence[str]
+    estimate: str
+    bootstrap: str
+    others: Sequence[str]
+    update: UpdateText
+
+    @property
+    def outcome(self) -> str:
+        """What the environment made of the action: ``meant ←, slipped ↓``, elsewhere ``→ Pass``."""
+        return f"meant {self.meant}, {self.slip}" if self.went else f"→ {self.next_state}"
+
+    @property
+    def slip(self) -> str:
+        """Which action really happened: ``slipped ↓``."""
+        return f"{'went' if self.went == self.meant else 'slipped'} {self.went}"
+
+
+def words_of(story: StepStory, glyphs: Glyphs) -> StepWords:
+    """Return the words of ``story``."""
+    world, last = story.world, story.last
+    update = update_text(last, story.step_size, glyphs, bootstraps=story.bootstraps)
+    reward = numbers.brief(last.reward, glyphs, decimals=4)
+
+    def action(number: int | None) -> str:
+        return "" if number is None else names.action_name(world, number, glyphs)
+
+    return StepWords(
+        story=story,
+        state=names.state_name(world, last.state, glyphs),
+        place=names.place(world, last.state),
+        choices=_choices(story, glyphs),
+        action="" if last.planned else action(int(world.space.pair_action[last.pair])),
+        meant=action(story.meant),
+        went=action(story.went),
+        chance="" if story.chance is None else names.chance(story.chance, glyphs),
+        reward=update.gathered if last.gathered == last.reward else reward,
+        next_state="" if story.is_bandit else names.state_name(world, last.next_state, glyphs),
+        landmark=names.landmark(world, last.next_state),
+        endings=_endings(story),
+        estimate=f"Q{_TABLES[last.table]}({names.pair_name(world, last.updated_pair, glyphs)})"
+        if last.learned
+        else "",
+        bootstrap=_bootstrap(story, glyphs),
+        others=_others(story),
+        update=update,
+    )
+
+
+def _bootstrap(story: StepStory, glyphs: Glyphs) -> str:
+    """Return the estimate behind the reward in symbols; empty where there is none."""
+    last, symbols = story.last, story.terms.bootstrap
+    if last.planned or not story.bootstraps:
+        return symbols if last.planned else ""
+    # of a remembered pair it is another state than the one that the step led to
+    is_next = last.bootstrap_state == last.next_state
+    return symbols.format(
+        next=names.state_name(story.world, last.next_state, glyphs) if is_next else "s′",
+        own=_TABLES[last.table],
+        other=_TABLES[3 - last.table] if last.table else "",
+    )
+
+
+def _endings(story: StepStory) -> Sequence[str]:
+    if story.is_bandit or story.last.planned:
+        return ()
+    if story.last.terminated:
+        return "the episode ends", "ends"
+    if story.last.truncated:
+        return "cut off by the time limit: still bootstraps", "cut off, still bootstraps", "time limit"
+    return ()
+
+
+def _others(story: StepStory) -> Sequence[str]:
+    count = f"{story.last.others:,}"
+    return (
+        (f"and {count} {story.terms.others}", f"and {count} more", f"+{count}") if story.last.others else ()
+    )
+
+
+def _choices(story: StepStory, glyphs: Glyphs) -> Sequence[str]:
+    """Return how the action came about, in full and in short; nothing for a planner."""
+    last, best = story.last, story.greedy
+    if last.planned:
+        return ()
+    if last.by_hand:
+        return "you chose it", "by you"
+    if not story.policy.explores_by_epsilon:
+        return _chosen_by_policy(story, glyphs)
+    epsilon = setting(last.epsilon, glyphs)
+    if last.explored:
+        luck = ", greedy by chance" if last.pair in best else ""
+        return f"random (ε = {epsilon}){luck}", f"explored{luck}"
+    if len(best) > 1:
+        return f"greedy (ε = {epsilon}), one of {len(best)} equal", f"greedy, {len(best)} equal"
+    return f"greedy (ε = {epsilon})", "greedy"
+
+
+def _chosen_by_policy(story: StepStory, glyphs: Glyphs) -> Sequence[str]:
+    policy = story.policy
+    values = {name: story.hyperparameters.value(name) for name in policy.parameters if PARAMETERS[name].slide}
+    if "epsilon" in values:
+        values["epsilon"] = story.last.epsilon  # a schedule may have moved it
+    written = ", ".join(
+        f"{PARAMETERS[name].symbol} = {value if isinstance(value, str) else setting(value, glyphs)}"
+        for name, value in values.items()
+    )
+    full = f"{policy.name} ({written})" if written else policy.name
+    if story.last.explored:
+        return f"{full}, not the greedy one", f"{policy.name}, not greedy"
+    return f"{full}, the greedy one", f"{policy.name}, greedy"

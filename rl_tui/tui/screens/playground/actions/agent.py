@@ -1,0 +1,119 @@
+"""What a person can change about the agent at any step: the dialogs, and the check that it can work."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import partial
+
+from rl_tui.agents.catalogue import BY_ID, POLICY_BY_ID, parameters_of
+from rl_tui.agents.hyperparameters import Hyperparameters
+from rl_tui.common.errors import UserError
+from rl_tui.lab.live.commands import Apply, Restart
+from rl_tui.lab.run.recipe import Recipe, SetParameter, Setting, SwitchAlgorithm, changed_recipe
+from rl_tui.lab.run.settings import settings_for
+from rl_tui.tui.actions.registry import ORDINALS
+from rl_tui.tui.panels.catalogue import CONTROLS
+from rl_tui.tui.panels.controls.slider import Slider
+from rl_tui.tui.screens.dialogs.choice import algorithm_choice, policy_choice
+from rl_tui.tui.screens.dialogs.options import Options
+from rl_tui.tui.screens.dialogs.questions import ask_seed, ask_value
+from rl_tui.tui.screens.playground.actions.subject import Subject
+
+
+class AgentActions(Subject):
+    """Algorithm, policy, hyper-parameters and seed."""
+
+    @property
+    def recipe(self) -> Recipe:
+        """What a restart would start from."""
+        return self.link.wanted.recipe
+
+    def choose_algorithm(self) -> None:
+        """Choose the algorithm."""
+        if self.snapshot is not None:
+            self.ask(algorithm_choice(self.snapshot.world.space, self.recipe, self.glyphs), self.switch)
+
+    def choose_policy(self) -> None:
+        """Choose the policy."""
+        if not self._counts("policy"):
+            self.screen.notify(
+                f"{BY_ID[self.recipe.algorithm].name} tries every action: it follows no policy"
+            )
+        elif self.snapshot is not None:
+            choice = policy_choice(self.snapshot.world.space, self.recipe, self.glyphs)
+            self.ask(choice, partial(self.set_parameter, "policy"))
+
+    def next_ties(self) -> None:
+        """Go to the other way to break ties."""
+        if not self._counts("ties"):
+            self.screen.notify("ties are not broken here: no one action is taken for the best")
+            return
+        ties = self.recipe.hyperparameters.ties
+        self.set_parameter("ties", "first" if ties == "random" else "random")
+
+    def ask_initial_q(self) -> None:
+        """Ask what every estimate starts from, and start again."""
+        self.ask_parameter("initial_q")
+
+    def ask_seed(self) -> None:
+        """Ask for the seed, and start again."""
+
+        def restart(seed: float | str) -> None:
+            self.link.send(Restart(replace(self.recipe, seed=int(seed))))
+
+        self.ask(ask_seed(self.recipe.seed), restart)
+
+    def show_options(self) -> None:
+        """Show every hyper-parameter."""
+        self.screen.app.push_screen(Options(self.screen.look, lambda: self.recipe, self.ask_parameter))
+
+    def ask_parameter(self, name: str) -> None:
+        """Ask for a value of the hyper-parameter ``name``, then set it."""
+        if name == "policy":
+            self.choose_policy()
+        else:
+            value = self.recipe.hyperparameters.value(name)
+            self.ask(ask_value(name, value, self.glyphs), partial(self.set_parameter, name))
+
+    def set_parameter(self, name: str, value: float | str) -> None:
+        """Set ``name`` of the running learner; say why not where it cannot work. Initial Q starts again."""
+        setting = SetParameter(name, value)
+        if name == "initial_q":
+            self.link.send(Restart(changed_recipe(self.recipe, setting)))
+            return
+        try:
+            settings = self._settings_for(setting)
+        except UserError as fault:
+            self.screen.notify(str(fault), severity="warning", markup=False)
+            if self.snapshot is not None:
+                self.board.show(self.snapshot)  # the sliders go back
+            return
+        if name == "policy" and len(settings) > 1:
+            alpha = Hyperparameters().alpha
+            text = f"{POLICY_BY_ID[str(value)].name} needs a step size: α is {alpha:g} from here on"
+            self.screen.notify(text)
+        if changed_recipe(self.recipe, *settings) != self.recipe:
+            for each in settings:
+                self.link.send(Apply(each))
+
+    def _settings_for(self, setting: SetParameter) -> tuple[Setting, ...]:
+        if self.snapshot is None:
+            raise UserError("the world is being built")
+        return settings_for(self.snapshot.world.space, self.recipe, setting)
+
+    def focus_slider(self, number: int) -> None:
+        """Put the focus on a slider, counted from 1; say so if there are not so many."""
+        sliders = list(self.board.controls.query(Slider))
+        if number > len(sliders):
+            self.screen.tell(f"there is no {ORDINALS[number - 1]} slider here")
+            return
+        self.board.bring_into_view(CONTROLS)
+        sliders[number - 1].focus()
+
+    def switch(self, algorithm: str) -> None:
+        """Let ``algorithm`` go on with what was learned."""
+        if algorithm != self.recipe.algorithm:
+            self.link.send(Apply(SwitchAlgorithm(algorithm)))
+
+    def _counts(self, name: str) -> bool:
+        return name in parameters_of(self.recipe.algorithm, self.recipe.hyperparameters.policy)

@@ -1,0 +1,101 @@
+"""Runs side by side."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import Any
+
+from rl_tui.agents.catalogue import BY_ID
+from rl_tui.common.errors import UserError
+from rl_tui.lab.live.commands import AddLane, ChooseLane, DropLane
+from rl_tui.lab.live.snapshot import Snapshot
+from rl_tui.lab.timeline.lane_view import LaneView
+from rl_tui.tui.screens.dialogs.choice import algorithm_choice, policy_choice
+from rl_tui.tui.screens.dialogs.compare import Answer, Compare
+from rl_tui.tui.screens.dialogs.dialog import Dialog
+from rl_tui.tui.screens.dialogs.lane_changes import ALGORITHM, lane_changes
+from rl_tui.tui.screens.dialogs.questions import ask_value
+from rl_tui.tui.screens.playground.actions.subject import Subject
+from rl_tui.tui.screens.playground.wanted import in_force
+from rl_tui.worlds.drawing import Arms
+
+
+class LaneActions(Subject):
+    """Opening, showing and ending lanes."""
+
+    def compare(self) -> None:
+        """Choose what is different in another lane, or which lane to show or to end."""
+        snapshot = self.snapshot
+        if snapshot is None:
+            return
+        hidden = isinstance(snapshot.world.drawing, Arms) and not self.board.curve.tells_all
+        lanes = snapshot.run_group.lanes or (_only_lane(snapshot),)
+        dialog = Compare(self.screen.look, lanes, snapshot.run_group.shown, in_force(snapshot), hidden=hidden)
+        self.ask(dialog, self._compared)
+
+    def next_lane(self) -> None:
+        """Show the next lane."""
+        snapshot = self.snapshot
+        if snapshot is None or not snapshot.run_group.lanes:
+            self.screen.tell("there is one run only; c opens a second one beside it")
+            return
+        self._show_lane((snapshot.run_group.shown + 1) % len(snapshot.run_group.lanes))
+
+    def _compared(self, answer: Answer) -> None:
+        if isinstance(answer, ChooseLane):
+            self._show_lane(answer.lane)
+        elif isinstance(answer, DropLane):
+            self._drop_lane(answer.lane)
+        else:
+            self._ask_difference(answer)
+
+    def _show_lane(self, lane: int) -> None:
+        snapshot = self.snapshot
+        if snapshot is not None and snapshot.run_group.shown != lane:
+            self.link.wanted.take_over(snapshot.run_group.lanes[lane])
+            self.link.send(ChooseLane(lane))
+
+    def _drop_lane(self, lane: int) -> None:
+        snapshot = self.snapshot
+        if snapshot is not None:
+            lanes = snapshot.run_group.lanes
+            if lane == snapshot.run_group.shown:
+                # then the next one is shown, or the one before where it was the last
+                self.link.wanted.take_over(lanes[lane + 1 if lane + 1 < len(lanes) else lane - 1])
+            self.link.send(DropLane(lane))
+
+    def _ask_difference(self, name: str) -> None:
+        """Ask what ``name`` is to be in another lane, and open it."""
+        if self.snapshot is None:
+            return
+        space, recipe, glyphs = self.snapshot.world.space, in_force(self.snapshot), self.glyphs
+        if name == ALGORITHM:
+            dialog: Dialog[Any] = algorithm_choice(space, recipe, glyphs)
+        elif name == "policy":
+            dialog = policy_choice(space, recipe, glyphs)
+        else:
+            dialog = ask_value(name, recipe.hyperparameters.value(name), glyphs, another_run=True)
+        self.ask(dialog, partial(self._open_lane, name))
+
+    def _open_lane(self, name: str, value: float | str) -> None:
+        if self.snapshot is None:
+            return
+        try:
+            changes = lane_changes(self.snapshot.world.space, in_force(self.snapshot), name, value)
+        except UserError as fault:
+            self.screen.notify(str(fault), severity="warning", markup=False)
+        else:
+            self.link.send(AddLane(changes))
+
+
+def _only_lane(snapshot: Snapshot) -> LaneView:
+    """Return a run that stands alone as the lane it would be."""
+    return LaneView(
+        name=BY_ID[snapshot.agent.algorithm].name,
+        algorithm=snapshot.agent.algorithm,
+        hyperparameters=snapshot.agent.hyperparameters,
+        step=snapshot.counters.step,
+        episodes=snapshot.counters.episodes,
+        q=snapshot.agent.q,
+        results=snapshot.results,
+    )

@@ -1,0 +1,77 @@
+"""Running, pausing, stepping, and how fast."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from rl_tui.lab.live.commands import Pause, Play, Restart, RunEpisode, SetSpeed, Step
+from rl_tui.lab.live.snapshot import Phase
+from rl_tui.tui.screens.playground.actions.subject import Subject
+
+_UNTIL_SEEN = 3600.0
+_LADDER: Final[tuple[float | None, ...]] = (
+    *(float(digit * 10**power) for power in range(5) for digit in (1, 3)),
+    100_000.0,
+    None,
+)
+"""The speeds that + and − go through, in steps a second; None is as fast as it goes."""
+
+
+class RunActions(Subject):
+    """The run goes on, stands still, or starts again."""
+
+    def run_or_pause(self) -> None:
+        """Run, or pause."""
+        playback = self.snapshot.playback if self.snapshot else None
+        phase = playback.phase if playback else Phase.PREPARING
+        message = playback.message if playback else ""
+        if phase is Phase.SPENT:
+            self.screen.tell("the budget is spent; r starts again")
+        elif phase is Phase.DONE:
+            self.screen.tell(f"{message}; another γ goes on, r starts again")
+        elif phase is Phase.STOPPED:
+            self.screen.notify(f"{message}; r starts again", severity="error", markup=False)
+        else:
+            self.link.send(Pause() if phase in (Phase.RUNNING, Phase.SEEKING) else Play())
+
+    def rest(self) -> None:
+        """Pause a run that goes on while no key is pressed."""
+        if self.snapshot is not None and self.snapshot.playback.phase in (Phase.RUNNING, Phase.SEEKING):
+            self.link.send(Pause())
+            self.screen.notify("paused: nobody has pressed a key for some minutes", timeout=_UNTIL_SEEN)
+
+    def step(self) -> None:
+        """Take one step."""
+        self.link.send(Step())
+
+    def episode(self) -> None:
+        """Run to the end of the episode."""
+        self.link.send(RunEpisode())
+
+    def faster(self) -> None:
+        """Go to the next higher speed."""
+        self.link.send(SetSpeed(faster(self.link.wanted.speed)))
+
+    def slower(self) -> None:
+        """Go to the next lower speed."""
+        self.link.send(SetSpeed(slower(self.link.wanted.speed)))
+
+    def reset(self) -> None:
+        """Start again with the settings in force and the same seed."""
+        if self.snapshot is not None and self.snapshot.timeline.current.end:
+            kept = "gone: this is a kiosk" if self.screen.in_kiosk else "kept in the catalogue"
+            self.screen.tell(f"the run starts again; the one until now is {kept}")
+        self.link.send(Restart(self.link.wanted.recipe))
+
+
+def faster(speed: float | None) -> float | None:
+    """Return the next higher speed."""
+    if speed is None:
+        return None
+    return next(each for each in _LADDER if each is None or each > speed)
+
+
+def slower(speed: float | None) -> float | None:
+    """Return the next lower speed, the lowest again if there is none."""
+    below = [each for each in _LADDER if each is not None and (speed is None or each < speed)]
+    return below[-1] if below else _LADDER[0]

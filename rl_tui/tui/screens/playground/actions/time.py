@@ -1,0 +1,77 @@
+"""Going through time: steps and episodes back, any moment, other branches."""
+
+from __future__ import annotations
+
+from rl_tui.lab.live.commands import ChooseBranch, EpisodeBack, GoTo, StepBack
+from rl_tui.lab.live.snapshot import Phase, Snapshot
+from rl_tui.tui.screens.dialogs.goto import goto_prompt, parse_goto
+from rl_tui.tui.screens.dialogs.journal import JournalScreen, Moment
+from rl_tui.tui.screens.playground.actions.subject import Subject
+
+
+class TimeActions(Subject):
+    """The run goes back and forth, and from branch to branch."""
+
+    def step_back(self) -> None:
+        """Go one step back."""
+        self._go_back(StepBack())
+
+    def episode_back(self) -> None:
+        """Go back to where the episode began."""
+        self._go_back(EpisodeBack())
+
+    def go_to(self) -> None:
+        """Ask for a step or an episode, and go there."""
+
+        def go(text: float | str) -> None:
+            if self.snapshot is not None:
+                self.link.send(parse_goto(str(text), self.snapshot))
+
+        if self.snapshot is not None:
+            self.ask(goto_prompt(self.snapshot), go)
+
+    def show_branches(self) -> None:
+        """Show the branches of the run."""
+        snapshot = self.snapshot
+        if snapshot is None or (snapshot.playback.phase is Phase.PREPARING and not snapshot.counters.step):
+            self.screen.tell("the run is being prepared: there are no branches yet")
+        else:
+            self.ask(JournalScreen(self.screen.look, snapshot), self._go_to_branch)
+
+    def seek(self, step: int) -> None:
+        """Go where the timeline was pointed at."""
+        self.link.wanted.step = step
+        self.link.send(GoTo(step))
+
+    def announce_fork(self, before: Snapshot | None, now: Snapshot) -> None:
+        """Say so where another branch begins between two snapshots."""
+        if before is not None and _has_forked(before, now):
+            branch = now.timeline.current
+            parent = now.timeline.branches[branch.parent or 0]
+            self.screen.tell(f"{branch.name} begins here; j goes back to {parent.name}")
+
+    def _go_back(self, command: StepBack | EpisodeBack) -> None:
+        now = self.snapshot
+        if now is not None and self.link.wanted.is_taken_in(now) and now.counters.step == 0:
+            self.screen.tell("this is step 0, where the run begins")
+        else:
+            self.link.send(command)
+
+    def _go_to_branch(self, moment: Moment) -> None:
+        if self.snapshot is not None and moment.branch != self.snapshot.timeline.branch:
+            self.link.send(ChooseBranch(moment.branch))
+        if moment.step is not None:
+            self.link.send(GoTo(moment.step))
+
+
+def _has_forked(before: Snapshot, now: Snapshot) -> bool:
+    """Return whether ``now`` is on a branch that ``before``, a moment of the same run, did not have."""
+    is_same_run = before.recipe == now.recipe and before.run_group.shown == now.run_group.shown
+    old, new = before.timeline, now.timeline
+    return (
+        is_same_run
+        and before.playback.phase is not Phase.PREPARING
+        and len(new.branches) > len(old.branches)
+        and new.current.parent is not None
+        and new.branch >= len(old.branches)
+    )

@@ -1,0 +1,60 @@
+"""What is shown: layers of the table, one panel alone, the secrets of a bandit, the model."""
+
+from __future__ import annotations
+
+from rl_tui.lab.live.commands import LookAt
+from rl_tui.lab.live.snapshot import Snapshot
+from rl_tui.tui.screens.dialogs.model import ModelScreen
+from rl_tui.tui.screens.playground.actions.subject import Subject
+from rl_tui.worlds.drawing import Arms
+
+
+class ViewActions(Subject):
+    """Another look at the same snapshot, or at more of the world."""
+
+    _model: ModelScreen | None = None
+
+    def look_at(self) -> None:
+        """Have those parts of a large world copied that are in view now."""
+        pair = self._model.pair if self._model else None
+        self.link.send(LookAt(self.board.viewport._replace(pair=pair)))
+
+    def show(self, snapshot: Snapshot) -> None:
+        """Draw ``snapshot`` in the model, if that is open."""
+        if self._model is not None:
+            self._model.show(snapshot)
+
+    def next_layer(self) -> None:
+        """Go to the next layer of the table."""
+        self.board.table.next_layer()
+
+    def zoom(self) -> None:
+        """Show one panel alone, or all again."""
+        self.board.zoom(None if self.board.zoomed else self.board.panel_of(self.screen.focused))
+
+    def reveal(self) -> None:
+        """Show or hide what a bandit keeps secret."""
+        if self.snapshot is None or not isinstance(self.snapshot.world.drawing, Arms):
+            self.screen.tell("nothing is hidden here; h is for bandits, whose true means it shows")
+            return
+        self.link.wanted.revealed = not self.link.wanted.revealed
+        self.board.show(self.snapshot)
+
+    def model(self) -> None:
+        """Show the model until it is closed."""
+        if self.snapshot is None:
+            return
+        pair, last = self.board.table.cursor_pair, self.snapshot.counters.last_step
+        if pair is None and last is not None and (last.learned or not last.planned):
+            pair = last.updated_pair if last.planned else last.pair
+        self._model = ModelScreen(
+            self.screen.look,
+            self.snapshot,
+            pair,
+            revealed=self.link.wanted.revealed,
+            on_scrolled=self.look_at,
+        )
+        self.screen.app.push_screen(self._model, self._model_closed)
+
+    def _model_closed(self, _: None) -> None:
+        self._model = None

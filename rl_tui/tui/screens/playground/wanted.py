@@ -1,0 +1,64 @@
+"""What a person asked for, from the key press on until a snapshot has caught up with it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from rl_tui.lab.live.commands import LOOKING, Apply, Command, Restart, SetSpeed
+from rl_tui.lab.live.snapshot import Phase, Snapshot
+from rl_tui.lab.run.recipe import Recipe, TakeAction, changed_recipe
+from rl_tui.lab.timeline.lane_view import LaneView
+
+
+class Wanted:
+    """All that the screen keeps besides the newest snapshot. Commands change it, snapshots reconcile it.
+
+    ``recipe`` is what a restart starts from: with every change made, be it in force already or not. ``speed``
+    is in steps a second, None for as fast as it goes. ``revealed`` shows what a bandit keeps secret. ``step``
+    is where the handle of the timeline was put, None once the run has come to it. ``sent`` counts the
+    commands, ``last_deed`` tells how many had been sent with the last one that does more than look.
+    """
+
+    def __init__(self, recipe: Recipe, speed: float | None) -> None:
+        self.recipe = recipe
+        self.speed = speed
+        self.revealed = False
+        self.step: int | None = None
+        self.sent = 0
+        self.last_deed = 0
+
+    def note(self, command: Command) -> None:
+        """Take over what ``command``, which is being sent, asks for."""
+        self.sent += 1
+        if not isinstance(command, LOOKING):
+            self.last_deed = self.sent
+        match command:
+            case SetSpeed(speed):
+                self.speed = speed
+            case Restart(recipe):
+                self.recipe, self.revealed = recipe, False
+            case Apply(change) if not isinstance(change, TakeAction):
+                self.recipe = changed_recipe(self.recipe, change)
+
+    def take_over(self, lane: LaneView) -> None:
+        """Let whatever is changed from here on start from what is in force in ``lane``."""
+        self.recipe = replace(self.recipe, algorithm=lane.algorithm, hyperparameters=lane.hyperparameters)
+
+    def reconcile(self, snapshot: Snapshot) -> None:
+        """Let what is in force count again, once the player has taken in all that was sent."""
+        if self.is_taken_in(snapshot):
+            self.recipe = in_force(snapshot)
+        is_there = snapshot.timeline.current.here == self.step
+        if snapshot.playback.phase is not Phase.SEEKING and (is_there or self.is_taken_in(snapshot)):
+            self.step = None
+
+    def is_taken_in(self, snapshot: Snapshot) -> bool:
+        """Return True if ``snapshot`` comes after all that was sent."""
+        return snapshot.playback.handled == self.sent
+
+
+def in_force(snapshot: Snapshot) -> Recipe:
+    """Return the recipe of the run shown with the settings in force at this moment."""
+    return replace(
+        snapshot.recipe, algorithm=snapshot.agent.algorithm, hyperparameters=snapshot.agent.hyperparameters
+    )

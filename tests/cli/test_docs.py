@@ -1,0 +1,66 @@
+"""What README and docs say of the program is what it is, and their links lead somewhere."""
+
+from __future__ import annotations
+
+import re
+import runpy
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+DOCS = sorted((ROOT / "docs").glob("*.md"))
+PAGES = [*sorted(ROOT.glob("*.md")), *DOCS]
+GENERATOR = runpy.run_path(str(ROOT / "docs" / "generate.py"))
+
+
+def named(path: Path) -> str:
+    return path.relative_to(ROOT).as_posix()
+
+
+def anchors_of(path: Path) -> set[str]:
+    """Return what GitHub lets a link to a heading of ``path`` end in."""
+    headings = re.findall(r"^#+ (.*)$", path.read_text(encoding="utf-8"), re.MULTILINE)
+    return {re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-") for heading in headings}
+
+
+@pytest.mark.parametrize("path", DOCS, ids=named)
+def test_what_comes_from_the_program_is_up_to_date(path: Path) -> None:
+    text = path.read_text(encoding="utf-8")
+    assert GENERATOR["renewed"](text) == text, "run make docs"
+
+
+def test_all_that_is_generated_stands_somewhere_once() -> None:
+    texts = "".join(path.read_text(encoding="utf-8") for path in DOCS)
+    assert sorted(block[2] for block in GENERATOR["BLOCK"].finditer(texts)) == sorted(GENERATOR["BLOCKS"])
+
+
+@pytest.mark.screen
+@pytest.mark.parametrize("picture", GENERATOR["PICTURES"])
+def test_a_picture_is_what_the_program_draws(picture: str, tmp_path: Path) -> None:
+    GENERATOR["draw"](picture, tmp_path / picture)
+    assert (tmp_path / picture).read_bytes() == (ROOT / "docs" / picture).read_bytes(), "run make docs"
+
+
+@pytest.mark.parametrize("path", PAGES, ids=named)
+def test_links_lead_to_what_is_there(path: Path) -> None:
+    for target in re.findall(r"\]\(([^)\s]+)\)", path.read_text(encoding="utf-8")):
+        if not target.startswith(("http://", "https://")):
+            file, _, anchor = target.partition("#")
+            there = path.parent / file if file else path
+            assert there.exists(), target
+            assert not anchor or anchor in anchors_of(there), target
+
+
+def test_the_readme_is_one_page_and_leads_to_all_others() -> None:
+    readme = (ROOT / "README.md").read_text(encoding="utf-8")
+    assert len(readme.splitlines()) <= 150
+    assert [named(path) for path in DOCS if f"]({named(path)})" not in readme] == []
+
+
+@pytest.mark.parametrize("path", DOCS, ids=named)
+def test_a_page_begins_with_whom_it_is_for(path: Path) -> None:
+    heading, empty, first, *_ = path.read_text(encoding="utf-8").splitlines()
+    assert heading.startswith("# ")
+    assert not empty
+    assert first.startswith("For people who ")

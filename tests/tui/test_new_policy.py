@@ -1,0 +1,64 @@
+"""A policy that nobody has heard of is told rightly: one with an ε of its own is not told as ε-greedy."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+from curious_policy import curious
+from samples import lake
+from snapshots import changed
+
+from rl_tui.agents.hyperparameters import Hyperparameters
+from rl_tui.lab.last_step.story import story_of
+from rl_tui.lab.live.snapshot import Snapshot
+from rl_tui.tui.panels.controls.controls import sliders_of
+from rl_tui.tui.panels.controls.settings import settings_of
+from rl_tui.tui.panels.curve.data import curve_data
+from rl_tui.tui.panels.curve.text import remark
+from rl_tui.tui.panels.last_step.words import words_of
+from rl_tui.tui.theme.glyphs import UNICODE
+
+__all__ = ["curious"]
+
+
+def chosen_by(policy: str, *, explored: bool = False) -> Snapshot:
+    """A lake where the last action was chosen by ``policy``; ε has decayed from .5 to .2."""
+    shown = lake()
+    last = shown.counters.last_step
+    assert last is not None
+    values = Hyperparameters(policy=policy, epsilon=0.5, epsilon_decay=0.1)
+    return changed(shown, hyperparameters=values, last_step=replace(last, epsilon=0.2, explored=explored))
+
+
+@pytest.mark.parametrize(
+    ("explored", "words"),
+    [
+        (True, ("curious (ε = .20), not the greedy one", "curious, not greedy")),
+        (False, ("curious (ε = .20), the greedy one", "curious, greedy")),
+    ],
+)
+def test_its_choice_is_told_as_its_own(curious: str, explored: bool, words: tuple[str, str]) -> None:
+    shown = chosen_by(curious, explored=explored)
+    story = story_of(shown)
+    assert story is not None
+    assert words_of(story, UNICODE).choices == words
+
+
+def test_its_settings_are_those_of_its_row(curious: str) -> None:
+    assert [row.name for row in sliders_of("sarsa", curious)] == ["alpha", "gamma", "epsilon"]
+    values = {setting.full: setting.value for setting in settings_of(chosen_by(curious))}
+    assert values["policy"] == "curious"
+    # Its row names no schedule, so the decay that was set for another policy moves nothing
+    assert not {"ties", "ε now"} & set(values)
+
+
+def test_the_gap_is_not_laid_to_its_epsilon(curious: str) -> None:
+    usual, other = (
+        changed(lake(), hyperparameters=Hyperparameters(policy=policy))
+        for policy in ("epsilon-greedy", curious)
+    )
+    assert remark(usual, curve_data(usual, revealed=False), UNICODE, 2)[0].endswith("exploring (ε .10) costs")
+    assert remark(other, curve_data(other, revealed=False), UNICODE, 2)[0].endswith(
+        "mostly what exploring costs"
+    )

@@ -1,0 +1,146 @@
+"""The table of panels: a row and a class are all that a new panel takes."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import partial
+
+import pytest
+from seams import notes
+from test_playground import playground, press
+from textual.strip import Strip
+
+from rl_tui.lab.live.player import Player
+from rl_tui.lab.live.snapshot import Snapshot
+from rl_tui.lab.run.library import recipe_for
+from rl_tui.tui.actions.action import Place
+from rl_tui.tui.actions.registry import all_actions
+from rl_tui.tui.app.app import RlTuiApp
+from rl_tui.tui.app.display import Display
+from rl_tui.tui.app.palette_entries import ActionProvider
+from rl_tui.tui.app.screenshot import settle
+from rl_tui.tui.draw.pieces import Piece, strips_of
+from rl_tui.tui.panels.catalogue import CURVE, MICROSCOPE, PANELS, OpeningKey, PanelRow
+from rl_tui.tui.panels.panel import Panel
+from rl_tui.tui.screens.explained import Explained
+from rl_tui.tui.screens.key_line import KeyLine
+from rl_tui.worlds.drawing import Arms
+from rl_tui.worlds.files.catalogue import find
+
+
+class StepCount(Panel):
+    """A made-up panel: how many steps were taken."""
+
+    def picture(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
+        self.heading = "Steps"
+        text = "" if snapshot is None else f"{snapshot.counters.step} so far"
+        return strips_of([[Piece(text, self.look.palette.text)]], width, height, self.look)
+
+
+STEPS = PanelRow(
+    "step_count",
+    "test_panels:StepCount",
+    "Step count",
+    "z counts the steps of the run.",
+    opened_by=OpeningKey("z", "count steps", "Count the steps.", rank=0),
+    in_place_of=(CURVE,),
+)
+SIZES = [(80, 24), (120, 40)]
+
+
+def app_with(row: PanelRow, scenario: str = "student") -> RlTuiApp:
+    make_player = partial(Player, automatic=False)
+    recipe = recipe_for(find(scenario), {}, 0)
+    return RlTuiApp(Display(fps=1000.0), recipe, make_player, picture=True, panels=(*PANELS, row))
+
+
+@pytest.mark.parametrize("size", SIZES)
+async def test_its_key_opens_and_closes_it_where_its_row_says(size: tuple[int, int]) -> None:
+    async with app_with(STEPS).run_test(size=size) as pilot:
+        await settle(pilot)
+        board = playground(pilot).board
+        place = board.curve.region
+        board.table.focus()
+        await press(pilot, "s", "z")
+        panel = board.panel("step_count")
+        assert panel.region == place
+        assert panel.has_focus
+        assert not board.shows(CURVE)
+        assert isinstance(panel, StepCount)
+        assert panel.render_line(0).text.strip() == "1 so far"
+        await press(pilot, "s")
+        assert panel.render_line(0).text.strip() == "2 so far"
+        assert panel.border_title == "Steps"
+        await press(pilot, "z")
+        assert board.shows(CURVE)
+        assert not board.shows("step_count")
+        assert board.table.has_focus
+
+
+@pytest.mark.parametrize("size", SIZES)
+async def test_escape_closes_it_zoom_covers_all_and_tab_comes_by(size: tuple[int, int]) -> None:
+    async with app_with(STEPS).run_test(size=size) as pilot:
+        await settle(pilot)
+        screen, board = playground(pilot), playground(pilot).board
+        await press(pilot, "z", "f")
+        assert board.panel("step_count").region == board.region
+        await press(pilot, "f", "tab")
+        visited = {board.panel_of(pilot.app.focused)}
+        for _ in range(12):
+            await press(pilot, "tab")
+            visited.add(board.panel_of(pilot.app.focused))
+        assert {"step_count", "table"} <= visited
+        assert CURVE not in visited
+        await press(pilot, "escape")  # leaves the cursor of a table or a world, or closes it
+        screen.set_focus(None)
+        if board.opened:
+            await press(pilot, "escape")
+        assert board.opened is None
+        assert screen.is_attached
+
+
+async def test_one_of_them_is_open_at_a_time() -> None:
+    async with app_with(STEPS).run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        board = playground(pilot).board
+        await press(pilot, "d", "z")
+        assert board.opened == "step_count"
+        assert not board.microscope.display
+        await press(pilot, "d")
+        assert board.opened == MICROSCOPE
+        assert not board.panel("step_count").display
+
+
+async def test_palette_help_and_key_line_list_it() -> None:
+    app = app_with(STEPS)
+    async with app.run_test(size=(120, 40)) as pilot:
+        await settle(pilot)
+        screen = playground(pilot)
+        listed = [str(hit.display) async for hit in ActionProvider(screen).discover()]
+        assert "Count steps (z)" in listed
+        assert "z count steps" in screen.query_one(KeyLine).render_line(0).text
+        await pilot.press("question_mark")
+        await pilot.pause()
+        explained = app.screen.query_one(Explained)
+        lines = [explained.render_line(y).text for y in range(explained.size.height)]
+        assert any("Count the steps." in line for line in lines)
+        assert any(line.startswith("  Step count") for line in lines)
+
+
+async def test_what_has_nothing_to_show_says_so() -> None:
+    row = replace(STEPS, needs=lambda drawing: isinstance(drawing, Arms))
+    async with app_with(row).run_test(size=(80, 24), notifications=True) as pilot:
+        await settle(pilot)
+        await press(pilot, "z")
+        assert playground(pilot).board.opened is None
+        assert "nothing to show" in notes(pilot.app)[-1]
+    async with app_with(row, "bandit").run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        await press(pilot, "z")
+        assert playground(pilot).board.opened == "step_count"
+
+
+def test_the_rows_have_ids_and_keys_of_their_own() -> None:
+    assert len({row.id for row in PANELS}) == len(PANELS)
+    keys = [key for action in all_actions() if Place.PLAYGROUND & action.place for key in action.keys]
+    assert len(set(keys)) == len(keys)

@@ -1,0 +1,117 @@
+"""What a person asked for counts until a snapshot has caught up with it."""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import replace
+
+import pytest
+import samples
+from conftest import MakeApp
+from seams import notes, playground, press
+from snapshots import changed
+
+import rl_tui.agents.learner
+import rl_tui.lab.run.settings
+from rl_tui.agents.compatibility import check_compatible
+from rl_tui.agents.hyperparameters import Hyperparameters
+from rl_tui.lab.live.commands import Apply, Command, LookAt, Restart, SetSpeed, Step
+from rl_tui.lab.live.snapshot import Phase, Snapshot
+from rl_tui.lab.live.viewport import Viewport
+from rl_tui.lab.run.recipe import SetParameter, SwitchAlgorithm, TakeAction
+from rl_tui.lab.timeline.branches import Branch, Timeline
+from rl_tui.tui.app.screenshot import settle
+from rl_tui.tui.panels.controls.slider import Slider
+from rl_tui.tui.screens.playground.wanted import Wanted, in_force
+from rl_tui.worlds.mdp.space import FiniteSpace
+
+BEGINNING = samples.student(0)
+
+
+def shown(handled: int, here: int = 0, phase: Phase = Phase.PAUSED) -> Snapshot:
+    timeline = Timeline((Branch("branch 1", end=100, here=here),))
+    return changed(BEGINNING, handled=handled, timeline=timeline, phase=phase)
+
+
+def wanted(*commands: Command) -> Wanted:
+    made = Wanted(shown(0).recipe, 10.0)
+    for command in commands:
+        made.note(command)
+    return made
+
+
+def test_a_change_counts_until_all_that_was_sent_is_taken_in() -> None:
+    kept = wanted(Apply(SetParameter("alpha", 0.7)), Apply(SwitchAlgorithm("sarsa")))
+    kept.reconcile(shown(1))
+    assert (kept.recipe.hyperparameters.alpha, kept.recipe.algorithm) == (0.7, "sarsa")
+    kept.reconcile(shown(2))
+    assert kept.recipe == in_force(shown(2))
+
+
+def test_an_action_of_a_person_changes_no_recipe() -> None:
+    assert wanted(Apply(TakeAction(1))).recipe == shown(0).recipe
+
+
+def test_a_speed_stays_and_a_restart_hides_what_was_revealed() -> None:
+    kept = wanted(SetSpeed(None))
+    kept.revealed = True
+    kept.reconcile(shown(1))
+    assert kept.speed is None
+    assert kept.revealed
+    recipe = replace(kept.recipe, seed=7)
+    kept.note(Restart(recipe))
+    assert kept.recipe == recipe
+    assert not kept.revealed
+
+
+def test_the_handle_stays_until_the_run_is_there_or_something_else_came_in_between() -> None:
+    kept = wanted(Step())
+    for now in (shown(0, 90), shown(1, 90, Phase.SEEKING)):
+        kept.step = 40
+        kept.reconcile(now)
+        assert kept.step == 40
+    for now in (shown(0, 40), shown(1, 90)):
+        kept.step = 40
+        kept.reconcile(now)
+        assert kept.step is None
+
+
+def test_to_look_is_no_deed() -> None:
+    kept = wanted(Step(), LookAt(Viewport()))
+    assert (kept.sent, kept.last_deed) == (2, 1)
+
+
+async def test_a_tick_of_a_slider_is_checked_once_when_asked_for_and_once_in_the_run(
+    make_app: MakeApp, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    checks: Counter[str] = Counter()
+    async with make_app("student").run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        for module in (rl_tui.lab.run.settings, rl_tui.agents.learner):
+
+            def check(
+                space: FiniteSpace, algorithm: str, values: Hyperparameters, name: str = module.__name__
+            ) -> None:
+                checks[name] += 1
+                check_compatible(space, algorithm, values)
+
+            monkeypatch.setattr(module, "check_compatible", check)
+        playground(pilot).query_one("#alpha", Slider).focus()
+        for ticks in (1, 2, 3):
+            await press(pilot, "right")
+            assert checks == {"rl_tui.lab.run.settings": ticks, "rl_tui.agents.learner": ticks}
+
+
+async def test_a_run_in_preparation_has_no_journal_to_show(
+    make_app: MakeApp, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    app = make_app("student")
+    async with app.run_test(size=(80, 24), notifications=True) as pilot:
+        await settle(pilot)
+        screen = playground(pilot)
+        assert screen.snapshot is not None
+        preparing = changed(screen.snapshot, phase=Phase.PREPARING, step=0)
+        monkeypatch.setattr(screen.link, "snapshot", preparing)
+        await pilot.press("j")
+        assert app.screen is screen
+        assert notes(app)[-1].startswith("the run is being prepared")
