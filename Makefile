@@ -2,7 +2,7 @@
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: check test snapshots docs run measure
+.PHONY: check test test-quick snapshots docs run measure
 
 $(VENV)/ready: pyproject.toml
 	python3 -m venv $(VENV)
@@ -18,6 +18,12 @@ check: $(VENV)/ready
 
 test: $(VENV)/ready
 	$(BIN)/python -m pytest
+
+# In a minute or so: what needs neither an app nor a child process, and a picture of each screen.
+# With FOR=tree-backup the tests about that, slow ones too: the id of an algorithm, a policy or a
+# scenario, a panel, or a module
+test-quick: $(VENV)/ready
+	$(BIN)/python -m pytest $(if $(FOR),-n 0 --for=$(FOR),-n 2 --quick)
 
 # Look at every picture that changed before you keep it: CONTRIBUTING.md says how.
 # Only one process alone deletes pictures that no test draws any more

@@ -8,14 +8,16 @@ import locale
 import os
 import re
 import signal
+import subprocess
 import sys
 import time
 from collections.abc import Iterator
 from contextlib import suppress
 from itertools import count
-from typing import Final
+from typing import Final, NoReturn
 
 import pytest
+from kinds import KINDS, SLOW, about, is_quick, kind_of
 
 _TESTS = count()
 _OF_THE_PROGRAM: Final = re.compile("RL_TUI_.*|TEXTUAL.*|ESCDELAY")
@@ -64,11 +66,21 @@ def _sessions_of_its_own(monkeypatch: pytest.MonkeyPatch, tmp_path_factory: pyte
     monkeypatch.setenv("RL_TUI_SESSIONS_DIR", str(folder))
 
 
-def pytest_configure(config: pytest.Config) -> None:
-    """Let hypothesis try the same examples in every run; ``--hypothesis-profile=default`` looks for others.
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """Add what ``make test-quick`` asks for."""
+    group = parser.getgroup("rl-tui")
+    group.addoption("--quick", action="store_true", help="unit tests, and a picture of each screen")
+    group.addoption("--for", dest="subject", default="", help="tests about an id, a panel or a module")
 
-    A change is then judged by what it changes. Nothing is written down, so the folder may be read-only.
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Register the kinds, and let hypothesis try the same examples in every run.
+
+    ``--hypothesis-profile=default`` looks for others. A change is then judged by what it changes.
+    Nothing is written down, so the folder may be read-only.
     """
+    for line in (*(f"{kind}: {meaning}" for kind, meaning in KINDS.items()), SLOW):
+        config.addinivalue_line("markers", line)
     from hypothesis import settings
 
     settings.register_profile("repeatable", derandomize=True, database=None)
@@ -90,12 +102,36 @@ def pytest_collection_finish() -> None:
     gc.set_threshold(50_000, 20, 20)
 
 
-@pytest.hookimpl(tryfirst=True)
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Keep the tests of an algorithm together, so that its loop is compiled once, and the rest of a file.
+@pytest.fixture(autouse=True)
+def _is_of_its_kind(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Refuse a unit test what would make it slow."""
 
-    A file may name another group, to share it with other files.
+    def refused(*_: object, **__: object) -> NoReturn:
+        raise AssertionError("a unit test starts no app and no process: mark it as screen or process")
+
+    if request.node.get_closest_marker("unit"):
+        monkeypatch.setattr(subprocess, "Popen", refused)
+        monkeypatch.setattr("textual.app.App.run_test", refused)
+        monkeypatch.setattr("textual.app.App.run_async", refused)
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Mark each test with its kind, leave out what was not asked for, and say which share a process.
+
+    The tests of an algorithm do, so that its loop is compiled once, and the rest of a file. A file may name
+    another group, to share it with other files.
     """
+    for item in items:
+        if not any(item.get_closest_marker(kind) for kind in KINDS):
+            item.add_marker(kind_of(item))
+    wanted = about(items, config.option.subject) if config.option.subject else items
+    if config.option.quick:
+        wanted = [item for item in wanted if is_quick(item)]
+    if len(wanted) < len(items):
+        kept = set(wanted)
+        config.hook.pytest_deselected(items=[item for item in items if item not in kept])
+        items[:] = wanted
     for item in items:
         if item.get_closest_marker("xdist_group"):
             continue

@@ -10,6 +10,8 @@ COLOURED = (
     b"\x1b[4;1H\x1b[7mbackwards\x1b[m\x1b]0;title\x07\x1bP1$r0m\x1b\\end\x1b[<u"
 )
 
+pytestmark = pytest.mark.unit
+
 
 def test_sequences_that_pyte_does_not_know_leave_nothing_on_the_screen() -> None:
     emulator = Emulator(20, 4)

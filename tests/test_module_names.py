@@ -20,6 +20,8 @@ from rl_tui.cli.main import RlTui
 from rl_tui.cli.serving.site import PAGE
 from rl_tui.worlds.files.catalogue import shipped_folder
 
+pytestmark = pytest.mark.unit
+
 ROOT: Final = Path(__file__).parents[1]
 PACKAGE: Final = Path(rl_tui.__file__).parent
 DOTTED: Final = re.compile(r"rl_tui(\.\w+)+(:\w+)?")

@@ -9,6 +9,10 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Final
 
+import pytest
+
+pytestmark = pytest.mark.unit
+
 MOST: Final = 20
 WHY: Final = {
     # Textual, for which it has no public name

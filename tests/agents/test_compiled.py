@@ -52,10 +52,12 @@ def filled(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
+@pytest.mark.process
 def test_the_second_process_reads_what_the_first_compiled(filled: Path) -> None:
     assert run_with_cache(filled / "cache", filled / "kernel.py") == "42.0 True 1"
 
 
+@pytest.mark.process
 @pytest.mark.parametrize("ending", ["nbi", "nbc"])
 @pytest.mark.parametrize("damage", [lambda whole: b"", lambda whole: whole[:-9]])
 def test_a_damaged_cache_is_rebuilt(filled: Path, ending: str, damage: Callable[[bytes], bytes]) -> None:
@@ -68,6 +70,7 @@ def test_a_damaged_cache_is_rebuilt(filled: Path, ending: str, damage: Callable[
     assert run_with_cache(cache, script) == "42.0 True 1"
 
 
+@pytest.mark.process
 def test_it_does_without_files_that_are_something_else(filled: Path, tmp_path: Path) -> None:
     cache, script = tmp_path / "cache", filled / "kernel.py"
     shutil.copytree(filled / "cache", cache)
@@ -77,6 +80,7 @@ def test_it_does_without_files_that_are_something_else(filled: Path, tmp_path: P
     assert run_with_cache(cache, script) == "42.0 True 0"
 
 
+@pytest.mark.process
 def test_a_cache_of_another_version_is_not_read(filled: Path) -> None:
     cache, script = filled / "cache", filled / "kernel.py"
     (index,) = cache.rglob("*.nbi")
@@ -120,6 +124,7 @@ def test_where_nobody_has_a_home_it_does_without(tmp_path: Path, monkeypatch: py
     assert cache_folder().is_relative_to(os.devnull)
 
 
+@pytest.mark.process
 def test_it_does_without_a_cache_where_none_can_be_written(tmp_path: Path) -> None:
     occupied = tmp_path / "a file"
     occupied.write_text("")
@@ -127,6 +132,7 @@ def test_it_does_without_a_cache_where_none_can_be_written(tmp_path: Path) -> No
     assert occupied.read_text() == ""
 
 
+@pytest.mark.process
 def test_a_kiosk_reads_the_cache_and_writes_nothing(filled: Path, tmp_path: Path) -> None:
     cache, script = filled / "cache", filled / "kernel.py"
     before = {path: path.stat().st_mtime_ns for path in cache.rglob("*")}

@@ -181,6 +181,7 @@ def files(folder: Path) -> dict[Path, int]:
     return {path: path.stat().st_mtime_ns for path in folder.rglob("*") if path.is_file()}
 
 
+@pytest.mark.process
 def test_another_clone_reads_what_the_first_compiled(clones: list[Path], tmp_path: Path) -> None:
     one, other = clones
     script, cache = tmp_path / "script.py", tmp_path / "cache"
@@ -198,6 +199,7 @@ def test_another_clone_reads_what_the_first_compiled(clones: list[Path], tmp_pat
     assert run(one, str(script), cache).endswith(" 1")
 
 
+@pytest.mark.process
 def test_code_for_other_types_is_not_taken(tmp_path: Path) -> None:
     script, cache = tmp_path / "script.py", tmp_path / "cache"
     script.write_text(TWO_TYPES)

@@ -302,6 +302,7 @@ print(planner.q.tobytes().hex())
 """
 
 
+@pytest.mark.process
 def test_a_planner_works_without_the_compiler() -> None:
     finished = subprocess.run(
         [sys.executable, "-W", "error", "-c", INTERPRETED],

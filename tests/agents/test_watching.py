@@ -108,6 +108,7 @@ def assert_watched_alike(watched: Learner, single: Learner, watching: Watching, 
 @pytest.mark.parametrize("algorithm", BY_ID)
 @examples(20)
 @given(worlds(), any_hyperparameters, st.integers(0, 1000), watchings)
+@pytest.mark.slow
 def test_it_stops_where_a_look_at_every_step_finds_something(
     algorithm: str, mdp: TabularMDP, hyperparameters: Hyperparameters, seed: int, watching: Watching
 ) -> None:

@@ -35,6 +35,7 @@ def test_all_that_is_generated_stands_somewhere_once() -> None:
     assert sorted(block[2] for block in GENERATOR["BLOCK"].finditer(texts)) == sorted(GENERATOR["BLOCKS"])
 
 
+@pytest.mark.screen
 @pytest.mark.parametrize("picture", GENERATOR["PICTURES"])
 def test_a_picture_is_what_the_program_draws(picture: str, tmp_path: Path) -> None:
     GENERATOR["draw"](picture, tmp_path / picture)

@@ -272,6 +272,7 @@ def test_list() -> None:
     assert shipped["frozenlake"]["defaults"]["episodes"] == 10_000
 
 
+@pytest.mark.slow
 def test_bench() -> None:
     figures = document("bench", "--rounds", "1")
     assert list(figures)[:4] == BENCH
@@ -281,6 +282,7 @@ def test_bench() -> None:
     )
 
 
+@pytest.mark.process
 def test_nothing_but_the_document_is_on_stdout() -> None:
     command = [sys.executable, "-m", "rl_tui.cli", "train", "frozenlake", "--runs", "2", "--json"]
     done = subprocess.run(command, capture_output=True, text=True, check=True)

@@ -85,6 +85,7 @@ def test_the_variable(monkeypatch: pytest.MonkeyPatch, value: str, is_one: bool)
     assert in_kiosk() is is_one
 
 
+@pytest.mark.process
 @pytest.mark.parametrize(
     "args", [["--kiosk", "train", "frozenlake"], ["--kiosk", "screenshot", "--out", "a.svg"]]
 )
@@ -116,6 +117,7 @@ print(sorted(name for name in os.environ if name.startswith("TEXTUAL")))
 """
 
 
+@pytest.mark.process
 def test_the_system_holds_it_to_its_word(tmp_path: Path) -> None:
     ended = subprocess.run(
         [sys.executable, "-c", LIMITED],

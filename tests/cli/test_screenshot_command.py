@@ -18,6 +18,7 @@ def picture(tmp_path: Path, name: str, *args: str) -> bytes:
     return file.read_bytes()
 
 
+@pytest.mark.screen
 def test_the_same_call_gives_the_same_bytes(tmp_path: Path) -> None:
     call = ("frozenlake-slippery", "--size", "80x24", "--keys", "wait:20000,v", "--seed", "4")
     first, second = picture(tmp_path, "a.svg", *call), picture(tmp_path, "b.svg", *call)
@@ -25,6 +26,7 @@ def test_the_same_call_gives_the_same_bytes(tmp_path: Path) -> None:
     assert ElementTree.fromstring(first).tag.endswith("svg")
 
 
+@pytest.mark.screen
 def test_training_and_keys_show(tmp_path: Path) -> None:
     start = picture(tmp_path, "a.svg", "student", "--size", "80x24")
     trained = picture(tmp_path, "b.svg", "student", "--size", "80x24", "--keys", "wait:1234")
@@ -34,10 +36,12 @@ def test_training_and_keys_show(tmp_path: Path) -> None:
     assert b"1,234" not in start
 
 
+@pytest.mark.screen
 def test_without_a_scenario_it_is_the_catalogue(tmp_path: Path) -> None:
     assert b"scenarios" in picture(tmp_path, "a.svg", "--size", "80x24").replace(b"&#160;", b" ")
 
 
+@pytest.mark.screen
 def test_stdout_takes_the_picture() -> None:
     result = CliRunner().invoke(program, ["screenshot", "student", "--size", "80x24", "--out", "-"])
     assert result.exit_code == 0

@@ -56,6 +56,7 @@ def said_by_rl_tui(stderr: str) -> list[str]:
     return [line for line in stderr.splitlines() if not line.startswith("a word ")]
 
 
+@pytest.mark.process
 @pytest.mark.parametrize("runs", [(), ("--runs", "1")])
 def test_a_failure_is_one_line_and_the_rows_until_then_are_kept(
     tmp_path: Path, runs: tuple[str, ...]
@@ -69,6 +70,7 @@ def test_a_failure_is_one_line_and_the_rows_until_then_are_kept(
     assert rows.read_text() == "run,episode,return,length\n1,1,5.0,5\n1,2,5.0,5\n"
 
 
+@pytest.mark.process
 @pytest.mark.parametrize("runs", [(), ("--runs", "3")])
 def test_ctrl_c_ends_what_never_answers(tmp_path: Path, runs: tuple[str, ...]) -> None:
     rows = tmp_path / "rows.csv"
@@ -85,6 +87,7 @@ def test_ctrl_c_ends_what_never_answers(tmp_path: Path, runs: tuple[str, ...]) -
     assert rows.read_text() == f"run,episode,return,length\n{finished}"
 
 
+@pytest.mark.process
 def test_what_an_environment_writes_to_descriptor_1_is_no_result() -> None:
     child = started("gym:Odd-v0", "--steps", "3", "--json")
     without_stderr = ["sh", "-c", 'exec "$@" 2>&-', "sh", *child.args]  # type: ignore[misc]

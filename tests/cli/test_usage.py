@@ -168,6 +168,7 @@ def test_a_csv_file_that_cannot_be_written_is_named(tmp_path: Path) -> None:
         assert target in one_line(result)
 
 
+@pytest.mark.screen
 def test_a_picture_that_cannot_be_written_is_named(tmp_path: Path) -> None:
     target = str(tmp_path / "missing" / "picture.svg")
     result = run("screenshot", "student", "--out", target, "--size", "80x24")
@@ -342,6 +343,7 @@ def test_a_bug_is_one_line_too(monkeypatch: pytest.MonkeyPatch) -> None:
     assert isinstance(run("train", "student").exception, ZeroDivisionError)
 
 
+@pytest.mark.process
 def test_a_reader_that_has_gone_is_no_traceback() -> None:
     reading, writing = os.pipe()
     os.close(reading)
@@ -357,6 +359,7 @@ def test_a_reader_that_has_gone_is_no_traceback() -> None:
     assert (done.returncode, done.stderr) == (1, b"")
 
 
+@pytest.mark.process
 @pytest.mark.skipif(not os.path.exists("/dev/full"), reason="needs /dev/full, which Linux has")
 def test_a_full_disk_under_stdout_is_one_line() -> None:
     with open("/dev/full", "wb") as full:
@@ -367,6 +370,7 @@ def test_a_full_disk_under_stdout_is_one_line() -> None:
     assert (done.returncode, done.stderr) == (1, message)
 
 
+@pytest.mark.process
 @pytest.mark.parametrize("name", ["train", "replay"])
 def test_an_interrupt_is_quiet(tmp_path: Path, name: str) -> None:
     pipe, session = tmp_path / "episodes.csv", tmp_path / "session.json"

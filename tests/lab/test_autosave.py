@@ -124,6 +124,7 @@ def test_the_second_program_gets_a_copy(tmp_path: Path) -> None:
     }
 
 
+@pytest.mark.process
 def test_a_killed_program_leaves_no_lock(tmp_path: Path) -> None:
     path = tmp_path / "evening.json"
     hold = (

@@ -15,6 +15,8 @@ from recipes import recipe
 from rl_tui.lab.experiments.many_runs import many_runs
 from rl_tui.lab.experiments.training import Goal
 
+pytestmark = pytest.mark.slow
+
 
 @functools.cache
 def document(scenario: str, runs: int, episodes: int, **overrides: Any) -> dict[str, Any]:

@@ -6,10 +6,13 @@ from pathlib import Path
 from statistics import median
 from typing import Any
 
+import pytest
 from recipes import recipe
 
 from rl_tui.lab.experiments.many_runs import many_runs
 from rl_tui.lab.experiments.training import Goal
+
+pytestmark = pytest.mark.slow
 
 ROOT = Path(__file__).parents[2]
 README, AGENTS = (

@@ -55,6 +55,7 @@ def all_scripts() -> Iterator[tuple[str, str]]:
                     yield f"{name}-{algorithm.id}-{rule.id}-{place}", script_of(name, **changes)
 
 
+@pytest.mark.process
 def test_every_script_is_python_that_imports_no_more_than_it_says(tmp_path: Path) -> None:
     for name, text in all_scripts():
         compile(text, name, "exec")
@@ -267,6 +268,7 @@ DIES_IF_IT_MEETS_US = "\nimport sys\nassert not any(name.startswith('rl_tui') fo
 TELLS_Q = "\nimport json\nprint(json.dumps([list(map(float, row)) for row in Q]))\n"
 
 
+@pytest.mark.process
 @pytest.mark.parametrize(
     ("scenario", "changes", "episodes", "share"),
     [

@@ -52,6 +52,7 @@ def test_every_mark_names_a_flag_that_there_is(path: Path) -> None:
     assert flags <= {*WORDS, "sample average", "time limit", "bernoulli"}
 
 
+@pytest.mark.process
 def test_the_texts_are_python_as_they_stand(tmp_path: Path) -> None:
     for path in TEXTS:
         shutil.copy(path, tmp_path / path.name.removesuffix(".txt"))

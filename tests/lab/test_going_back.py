@@ -89,6 +89,7 @@ COMMANDS = st.one_of(
 @given(
     st.sampled_from(["student", "frozenlake-slippery", "bandit-drifting"]), st.lists(COMMANDS, max_size=14)
 )
+@pytest.mark.slow
 def test_any_sequence_ends_in_the_bits_of_the_straight_replay(scenario: str, deeds: list[Any]) -> None:
     made_from = recipe(scenario)
     playback = begin(made_from)

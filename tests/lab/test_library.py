@@ -146,6 +146,7 @@ def test_a_listing_has_sizes_and_complete_defaults() -> None:
     json.dumps(row)
 
 
+@pytest.mark.process
 def test_what_the_screen_imports_first_loads_neither_numba_nor_gymnasium() -> None:
     program = (
         "import sys, rl_tui.lab.live.player, rl_tui.lab.live.commands, rl_tui.lab.live.snapshot\n"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import pytest
 from playing import Ticking, assert_true_to_the_record, begin, do
 from recipes import recipe
 
@@ -61,6 +62,7 @@ def test_a_lane_that_is_over_waits_while_others_go_on() -> None:
     assert [lane.step for lane in shown.run_group.lanes] == [50, 50]
 
 
+@pytest.mark.slow
 def test_lanes_come_back_where_they_stood_though_the_one_shown_is_over() -> None:
     playback = begin(recipe("frozenlake-slippery", algorithm="value-iteration"))
     do(playback, AddLane((SwitchAlgorithm("q-learning"),)), Train(5_000), ChooseLane(1), Train(5_000))

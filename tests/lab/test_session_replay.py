@@ -225,6 +225,7 @@ def test_a_run_that_does_not_come_so_far(tmp_path: Path) -> None:
     assert replay(path).stderr == line
 
 
+@pytest.mark.screen
 def test_a_change_that_cannot_be_made_names_the_file(tmp_path: Path) -> None:
     path = tmp_path / "a.json"
     path.write_bytes(encoded(after(fresh(recipe("student")), 5, (2, TakeAction(7)))))

@@ -18,6 +18,8 @@ from rl_tui.lab.experiments.many_runs import many_runs
 from rl_tui.lab.experiments.training import Goal
 from rl_tui.worlds.mdp.tabular_mdp import FloatArray
 
+pytestmark = pytest.mark.slow
+
 PULLS = 1_000
 GREEDY = {"epsilon": 0.0}
 HARDLY = {"epsilon": 0.01}

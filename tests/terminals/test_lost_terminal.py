@@ -17,9 +17,9 @@ FAILING = (
     sys.executable,
     "-c",
     "from rl_tui.cli.main import main\n"
-    "from rl_tui.tui.screens.playground.playground import Playground\n"
+    "from rl_tui.tui.screens.playground.actions.run import RunActions\n"
     "def fail(self): raise ZeroDivisionError('of [red]all\\nthings')\n"
-    "Playground.action_episode = fail\n"
+    "RunActions.episode = fail\n"
     "main()",
 )
 

@@ -30,6 +30,7 @@ id = "Nowhere-v0"
 """
 
 
+@pytest.mark.process
 def test_importing_the_app_loads_neither_numba_nor_gymnasium() -> None:
     code = "import sys, rl_tui.tui.app.app; print(sorted({'numba', 'gymnasium', 'scipy'} & set(sys.modules)))"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)

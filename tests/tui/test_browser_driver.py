@@ -50,6 +50,7 @@ def packet(process: subprocess.Popen[bytes]) -> bytes:
     return process.stdout.read(int.from_bytes(length, "big"))
 
 
+@pytest.mark.process
 @pytest.mark.parametrize("way", ["stdin", "stdout"])
 def test_it_ends_when_the_server_is_gone(way: str) -> None:
     with app() as process:
@@ -72,6 +73,7 @@ def send(process: subprocess.Popen[bytes], keys: bytes) -> None:
     process.stdin.flush()
 
 
+@pytest.mark.process
 def test_it_says_that_it_was_left() -> None:
     with app("--no-mouse") as process:
         send(process, b"?\x1bq")  # help, which is closed before it quits

@@ -6,6 +6,7 @@ from dataclasses import replace
 from functools import partial
 
 import pytest
+from seams import notes
 from test_playground import playground, press
 from textual.strip import Strip
 
@@ -115,7 +116,7 @@ async def test_palette_help_and_key_line_list_it() -> None:
     async with app.run_test(size=(120, 40)) as pilot:
         await settle(pilot)
         screen = playground(pilot)
-        listed = [name for name, *_ in ActionProvider(screen)._entries()]
+        listed = [str(hit.display) async for hit in ActionProvider(screen).discover()]
         assert "Count steps (f9)" in listed
         assert "f9 count steps" in screen.query_one(KeyLine).render_line(0).text
         await pilot.press("question_mark")
@@ -132,7 +133,7 @@ async def test_what_has_nothing_to_show_says_so() -> None:
         await settle(pilot)
         await press(pilot, "f9")
         assert playground(pilot).board.opened is None
-        assert "nothing to show" in [note.message for note in pilot.app._notifications][-1]
+        assert "nothing to show" in notes(pilot.app)[-1]
     async with app_with(row, "bandit").run_test(size=(80, 24)) as pilot:
         await settle(pilot)
         await press(pilot, "f9")

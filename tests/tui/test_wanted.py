@@ -8,8 +8,8 @@ from dataclasses import replace
 import pytest
 import samples
 from conftest import MakeApp
+from seams import notes, playground, press
 from snapshots import changed
-from test_playground import playground, press
 
 import rl_tui.agents.learner
 import rl_tui.lab.run.settings
@@ -114,4 +114,4 @@ async def test_a_run_in_preparation_has_no_journal_to_show(
         monkeypatch.setattr(screen.link, "snapshot", preparing)
         await pilot.press("j")
         assert app.screen is screen
-        assert [note.message for note in app._notifications][-1].startswith("the run is being prepared")
+        assert notes(app)[-1].startswith("the run is being prepared")

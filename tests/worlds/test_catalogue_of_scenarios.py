@@ -114,6 +114,7 @@ def test_unknown_names_get_near_ones(name, message):
         catalogue.find(name)
 
 
+@pytest.mark.process
 def test_reading_the_catalogue_loads_nothing_slow():
     code = (
         "import sys; from rl_tui.worlds.files.catalogue import scenarios; scenarios(); "

@@ -76,6 +76,7 @@ def seen_from_outside(mdp, pair):
 
 @settings(deadline=None, max_examples=300)
 @given(random_grids())
+@pytest.mark.slow
 def test_random_maps_agree_with_the_model_cell_by_cell(raw):
     assert list(GridSection.connection_findings(raw)) == []
     world = GridSection.model_validate(raw).build(np.random.default_rng(0))

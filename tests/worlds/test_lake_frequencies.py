@@ -11,6 +11,8 @@ from scipy.special import chdtrc
 
 from rl_tui.worlds.files.catalogue import find
 
+pytestmark = pytest.mark.slow
+
 STEPS_A_PAIR = 300
 LEAST_PLAUSIBLE = 0.001
 

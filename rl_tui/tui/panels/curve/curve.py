@@ -56,16 +56,18 @@ class ReturnCurve(Panel, can_focus=True):
             self.heading = self.fitting(titles(None, self.look.glyphs, 2, width), width)
             return strips_of([[Piece(f" {WAITING}", self.look.palette.dim)]], width, height, self.look)
         data = curve_data(snapshot, revealed=self.tells_all)
-        self.scale = settled(self.scale, *data.range, may_shrink=not snapshot.timeline.in_past)
-        decimals = decimals_for(self.scale.low, self.scale.high)
+        scale = settled(self.scale, *data.range, may_shrink=not snapshot.timeline.in_past)
+        # an axis that nothing stood on yet is not kept: how soon the exact answer comes must not be seen later
+        self.scale = scale if any(data.range) else None
+        decimals = decimals_for(scale.low, scale.high)
         in_border = height < _ROOM_FOR_REMARK
-        heads, words = self._words(snapshot, data, self.scale, width, in_border)
+        heads, words = self._words(snapshot, data, scale, width, in_border)
         self.heading, said = self.fitting(heads, width), self.fitting(words, width)
         self.footing = self.fitting(self.hints, width) or (said if in_border else "")
         if not said or in_border:
-            return draw_chart(data, self.scale, self.look, decimals, width, height)
+            return draw_chart(data, scale, self.look, decimals, width, height)
         line = [Piece(f"    {said}", self.look.palette.dim)]
-        chart = draw_chart(data, self.scale, self.look, decimals, width, height - 1)
+        chart = draw_chart(data, scale, self.look, decimals, width, height - 1)
         return [*chart, *strips_of([line], width, 1, self.look)]
 
     def _words(
