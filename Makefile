@@ -20,7 +20,7 @@ test: $(VENV)/ready
 	$(BIN)/python -m pytest
 
 # In a minute or so: what needs neither an app nor a child process, and a picture of each screen.
-# With FOR=tree-backup the tests about that, slow ones too: the id of an algorithm, a policy or a
+# With FOR=dyna-q the tests about that, slow ones too: the id of an algorithm, a policy or a
 # scenario, a panel, or a module
 test-quick: $(VENV)/ready
 	$(BIN)/python -m pytest $(if $(FOR),-n 0 --for=$(FOR),-n 2 --quick)

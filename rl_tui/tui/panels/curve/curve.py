@@ -57,7 +57,7 @@ class ReturnCurve(Panel, can_focus=True):
             return strips_of([[Piece(f" {WAITING}", self.look.palette.dim)]], width, height, self.look)
         data = curve_data(snapshot, revealed=self.tells_all)
         scale = settled(self.scale, *data.range, may_shrink=not snapshot.timeline.in_past)
-        # an axis that nothing stood on yet is not kept: how soon the exact answer comes must not be seen later
+        # an axis on which nothing stood is not kept: how soon the exact answer came must not be seen later
         self.scale = scale if any(data.range) else None
         decimals = decimals_for(scale.low, scale.high)
         in_border = height < _ROOM_FOR_REMARK
