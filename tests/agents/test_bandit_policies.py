@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 import pytest
 from arms import COINS, NO_VISITS, TESTBED, bandit_of, certain, gaussian, learner, new_rule, pulls
-from scipy import stats
 
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.agents.policies import gradient, thompson
@@ -97,6 +96,8 @@ def test_the_gradient_bandit_prefers_what_paid_by_hand() -> None:
 
 @pytest.mark.parametrize(("successes", "failures"), [(0, 0), (3, 1), (0, 40), (500, 20)])
 def test_draws_of_a_probability_follow_the_beta_distribution(successes: int, failures: int) -> None:
+    from scipy import stats  # slow to import
+
     generator = np.random.default_rng(7)
     drawn = [beta_draw(float(successes), float(failures), generator) for _ in range(4000)]
     assert stats.kstest(drawn, stats.beta(1 + successes, 1 + failures).cdf).pvalue > 1e-3
@@ -104,6 +105,8 @@ def test_draws_of_a_probability_follow_the_beta_distribution(successes: int, fai
 
 @pytest.mark.parametrize(("count", "total", "variance"), [(0, 0.0, 1.0), (4, 8.0, 1.0), (9, -3.0, 4.0)])
 def test_draws_of_a_mean_follow_the_normal_posterior(count: int, total: float, variance: float) -> None:
+    from scipy import stats  # slow to import
+
     # Conjugate prior: precisions add up, and the mean is weighted by them
     precision = 1.0 + count / variance
     posterior = stats.norm(total / variance / precision, 1.0 / math.sqrt(precision))
@@ -148,6 +151,8 @@ def test_thompson_sampling_reads_from_the_table_how_arms_pay(
 
 @pytest.mark.parametrize(("ties", "pulled"), [("first", [True, False]), ("random", [True, True])])
 def test_without_noise_one_pull_settles_an_arm(ties: Any, pulled: list[bool]) -> None:
+    from scipy import stats  # slow to import
+
     # Both arms pay the same: once each is known, every draw is a tie
     ours = learner(gaussian([4.0, 4.0], std=0.0), Hyperparameters(policy="thompson", ties=ties))
     ours.rule.rewards[:] = 1

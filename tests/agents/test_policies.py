@@ -12,7 +12,6 @@ from arms import COINS, NO_VISITS, TESTBED, certain, gaussian, learner, new_rule
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from random_worlds import worlds
-from scipy import stats
 
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.agents.kernels import loop
@@ -139,6 +138,8 @@ def test_compiled_expectations_are_the_same_bits(policy: str) -> None:
 
 @pytest.mark.parametrize("temperature", [0.1, 1.0, 10.0])
 def test_softmax_takes_each_action_as_often_as_the_equation_says(temperature: float) -> None:
+    from scipy import stats  # slow to import
+
     q = np.array([9.0, 0.3, -0.5, 0.1, 0.9])
     rule = new_rule(Hyperparameters(policy="softmax", temperature=temperature))
     generator, counts, draws = np.random.default_rng(1), np.zeros(3), 20_000
@@ -163,6 +164,8 @@ def test_softmax_stays_finite_at_any_temperature(temperature: float) -> None:
 
 
 def test_softmax_of_equals_is_a_fair_draw() -> None:
+    from scipy import stats  # slow to import
+
     ours = learner(gaussian([0.0] * 4, std=0.0), Hyperparameters(policy="softmax", temperature=1e-9))
     ours.advance(8000)
     assert stats.chisquare(ours.visits).pvalue > 1e-3
