@@ -19,7 +19,7 @@ class UnsoundResultError(Exception):
 
 
 def parts_of(result: Any) -> tuple[Any, Any, Any, Any, Any]:
-    """Return observation, reward, terminated, truncated and info. Raises UnsoundAnswerError."""
+    """Return observation, reward, terminated, truncated and info. Raises UnsoundResultError."""
     if not isinstance(result, tuple | list) or len(result) != _VALUES:
         found = f"{len(result)} values" if isinstance(result, tuple | list) else seen(result)
         raise UnsoundResultError(
@@ -37,7 +37,7 @@ def first_observation(result: Any) -> Any:
 
 
 def reward_of(value: Any) -> float:
-    """Return a reward as a finite number. Raises UnsoundAnswerError where it is none."""
+    """Return a reward as a finite number. Raises UnsoundResultError where it is none."""
     if type(value) is float and math.isfinite(value):
         return value
     number = number_of(value)
@@ -57,7 +57,7 @@ def number_of(value: Any) -> float:
 
 
 def truth_of(value: Any, what: str) -> bool:
-    """Return ``what``, terminated or truncated, as true or false. Raises UnsoundAnswerError."""
+    """Return ``what``, terminated or truncated, as true or false. Raises UnsoundResultError."""
     if value is True or value is False:
         return bool(value)
     single = _single(value)

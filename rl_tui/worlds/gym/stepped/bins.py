@@ -84,7 +84,7 @@ class BinsSection(FileSection):
         given = len(self.edges or self.count or ())
         if given != dimensions:
             expected = f"{dimensions}, one for each dimension of {name}"
-            raise _refusal((key,), f"{given} entries", expected)
+            raise WorldRefusedError(("bins", key), f"{given} entries", expected)
         check_sizes(
             name, combinations(self.count or [len(edges) + 1 for edges in self.edges or ()]), 1, "bins"
         )
@@ -97,18 +97,16 @@ class BinsSection(FileSection):
         for dimension, count in enumerate(counts):
             least, most = low[dimension], high[dimension]
             if not least < most:
-                raise _refusal(("high",), f"{most:g}", f"more than {least:g} in dimension {dimension}")
+                expected = f"more than {least:g} in dimension {dimension}"
+                raise WorldRefusedError(("bins", "high"), f"{most:g}", expected)
             width = (most - least) / count
             if width < _FINEST * max(abs(least), abs(most)) or width == 0.0:
                 found = f"{count:,} bins from {least:g} to {most:g}"
-                raise _refusal(("count", dimension), found, "fewer: numbers are not as fine as that")
+                expected = "fewer: numbers are not as fine as that"
+                raise WorldRefusedError(("bins", "count", dimension), found, expected)
             edges.append([least + width * place for place in range(1, count)])
             names.append(_middle_names(least, width, count))
         return BinStates(edges, names)
-
-
-def _refusal(location: tuple[str | int, ...], found: str, expected: str) -> WorldRefusedError:
-    return WorldRefusedError(Finding(("bins", *location), found, expected))
 
 
 def _edge_findings(edges: object) -> Iterator[Finding]:
@@ -135,7 +133,7 @@ def _bounds(name: str, key: str, values: Any, counts: Sequence[int]) -> list[flo
             bounds[dimension] = 0.0 if key == "low" else 1.0
         elif not number().test(bounds[dimension]):
             found = f"nothing, and no bound of its own in dimension {dimension} of {name}"
-            raise _refusal((key,), found, "a number for each dimension")
+            raise WorldRefusedError(("bins", key), found, "a number for each dimension")
     return bounds
 
 
