@@ -13,7 +13,7 @@ from rl_tui.worlds.grid.faults import grid_findings
 from rl_tui.worlds.grid.legend import BUILT_IN, Character, LegendEntry, TruthValue
 from rl_tui.worlds.grid.map import CellMap, RandomMap, draw_map, read_map
 from rl_tui.worlds.grid.moves import MOVES, Slip, slips_of
-from rl_tui.worlds.sections.schema import Expect, Number, is_table, number, whole_number
+from rl_tui.worlds.sections.schema import Expect, Number, is_table, number, sized, whole_number
 from rl_tui.worlds.sections.world_section import WorldSection
 from rl_tui.worlds.world import World
 
@@ -21,19 +21,12 @@ if TYPE_CHECKING:
     from numpy.random import Generator
 
 REWARDS: Final = ("entering", "leaving")
-
-
-def _is_wind(value: object) -> bool:
-    return isinstance(value, list) and len(value) <= LONGEST_SIDE
-
-
-def _is_legend(value: object) -> bool:
-    return isinstance(value, dict) and len(value) <= MOST_CHARACTERS
+_IS_LEGEND: Final = sized(dict, MOST_CHARACTERS)
 
 
 Wind = Annotated[
     list[Annotated[int, whole_number(-STRONGEST_WIND, STRONGEST_WIND)]],
-    Expect(f"a list of at most {LONGEST_SIDE:,} whole numbers", _is_wind),
+    Expect(f"a list of at most {LONGEST_SIDE:,} whole numbers", sized(list, LONGEST_SIDE)),
 ]
 
 
@@ -63,7 +56,7 @@ class GridSection(WorldSection):
     time_limit: Annotated[int, whole_number(0, LONGEST_TIME_LIMIT)] = 0
     legend: Annotated[
         dict[Character, LegendEntry],
-        Expect(f"a table of characters and what they mean, at most {MOST_CHARACTERS}", _is_legend),
+        Expect(f"a table of characters and what they mean, at most {MOST_CHARACTERS}", _IS_LEGEND),
     ] = Field(default_factory=dict)
 
     @classmethod

@@ -21,26 +21,12 @@ if TYPE_CHECKING:
 _IN_LINES: Final = "\n\t"
 _DRAWN_HERE: Final = "no such argument: the world is drawn here"
 _NOT_ITS_OWN: Final = "arguments of the environment itself"
-# What Gymnasium's make takes for itself, or a registration says; the time limit alone may be chosen
+# The time limit alone may be chosen of what Gymnasium's make takes for itself, or a registration says
+_OF_MAKE: Final = ("id", "spec", "env", "env_id", "wrappers", "disable_env_checker", "make_kwargs")
+_OF_A_SPEC: Final = ("entry_point", "vector_entry_point", "additional_wrappers", "order_enforce", "kwargs")
 _REFUSED: Final[Mapping[str, str]] = {
     "render_mode": _DRAWN_HERE,
-    **dict.fromkeys(
-        (
-            "id",
-            "entry_point",
-            "vector_entry_point",
-            "additional_wrappers",
-            "wrappers",
-            "spec",
-            "disable_env_checker",
-            "order_enforce",
-            "kwargs",
-            "env",
-            "env_id",
-            "make_kwargs",
-        ),
-        _NOT_ITS_OWN,
-    ),
+    **dict.fromkeys((*_OF_MAKE, *_OF_A_SPEC), _NOT_ITS_OWN),
 }
 
 

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Final
 from rl_tui.common.findings import Finding, shown
 from rl_tui.common.limits import MOST_BINS, MOST_EDGES, MOST_PARTS
 from rl_tui.worlds.gym.sizes import check_sizes, combinations
-from rl_tui.worlds.sections.schema import Expect, FileSection, Number, is_number, number, whole_number
+from rl_tui.worlds.sections.schema import Expect, FileSection, Number, is_number, number, sized, whole_number
 from rl_tui.worlds.sections.world_section import WorldRefusedError
 
 if TYPE_CHECKING:
@@ -27,19 +27,15 @@ _MOST_DECIMALS: Final = 12
 _FINEST: Final = 1e-14  # of the bounds; a double has 16 digits
 
 
-def _is_list(value: object) -> bool:
-    return isinstance(value, list) and 0 < len(value) <= MOST_PARTS
-
-
 def _is_list_of_edges(value: object) -> bool:
     # of a long list one fault is reported, not one for each entry
-    short = isinstance(value, list) and len(value) <= _MOST_TOLD
-    return short or (
-        isinstance(value, list) and len(value) <= MOST_EDGES and all(is_number(each) for each in value)
+    return isinstance(value, list) and (
+        len(value) <= _MOST_TOLD or (len(value) <= MOST_EDGES and all(map(is_number, value)))
     )
 
 
-_LIST: Final = Expect(f"a list with an entry for each dimension, at most {MOST_PARTS}", _is_list)
+_IS_LIST: Final = sized(list, MOST_PARTS, 1)
+_LIST: Final = Expect(f"a list with an entry for each dimension, at most {MOST_PARTS}", _IS_LIST)
 Count = Annotated[int, whole_number(1, MOST_BINS)]
 Edges = Annotated[list[Number], Expect(f"a list of at most {MOST_EDGES:,} numbers", _is_list_of_edges)]
 
