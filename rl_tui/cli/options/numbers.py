@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import math
 from typing import TYPE_CHECKING
 
 import click
 
-from rl_tui.agents.hyperparameters import Parameter, Range
+from rl_tui.agents.hyperparameters import Parameter
 
 if TYPE_CHECKING:
     from rl_tui.lab.run.changes import ChangeText
@@ -15,22 +14,6 @@ if TYPE_CHECKING:
 
 class OptionValue(click.ParamType):  # type: ignore[type-arg]  # generic in newer versions only
     """A kind of option value."""
-
-
-class RealNumber(OptionValue):
-    """A finite number in a range."""
-
-    name = "number"
-
-    def __init__(self, range_: Range) -> None:
-        self.range = range_
-
-    def convert(self, value: object, param: click.Parameter | None, ctx: click.Context | None) -> float:
-        """Return the number; fails naming the range."""
-        number = number_in(value)
-        if number is None or not math.isfinite(number) or number not in self.range:
-            self.fail(f"{value} is not a number in {self.range}", param, ctx)
-        return number
 
 
 class ParameterValue(OptionValue):
