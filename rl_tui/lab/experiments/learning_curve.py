@@ -74,11 +74,4 @@ def mean_curve(curves: Sequence[RunCurve], bandit: bool) -> dict[str, list[Any]]
 
 def no_curve(bandit: bool) -> dict[str, list[Any]]:
     """Return the curve of runs of which one finished no episode."""
-    names = [
-        "episode",
-        "return_mean",
-        "return_stderr",
-        "length_mean",
-        *(["optimal_action_rate"] if bandit else []),
-    ]
-    return {name: [] for name in names}
+    return {name: [] for name in mean_curve([RunCurve(1)], bandit)}

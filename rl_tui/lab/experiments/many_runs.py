@@ -11,6 +11,7 @@ from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor, wait
 from contextlib import ExitStack
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from shutil import copyfileobj
 from tempfile import TemporaryDirectory
@@ -130,8 +131,7 @@ class _Experiment:
         """Compile everything once, so that no run waits for the compiler while its time is taken."""
         run.warm_up()
         greedy_figures(run, self._optimum or self._optimum_of(run))
-        nothing = run.learner.drain_episodes()
-        RunCurve(1)(*nothing)
+        RunCurve(1)(*run.learner.drain_episodes())
 
     @property
     def figures(self) -> tuple[str, ...]:
@@ -226,12 +226,9 @@ class _Experiment:
             for listener in listeners:
                 listener(*episodes)
 
-        def on_progress(done: int, wanted: int) -> None:
-            self._note_progress(index, done, wanted)
-
         run = Run(recipe, beginning, evaluate=False, on_episodes=on_episodes)
         try:
-            train(run, self._goal, on_progress)
+            train(run, self._goal, partial(self._note_progress, index))
         except UserError as error:
             raise UserError(f"seed {recipe.seed}: {error}") from error
         return run
