@@ -22,7 +22,7 @@ from rl_tui.lab.run.run import Run
 from rl_tui.worlds.gym.env_call import ENVIRONMENT_CALL
 from rl_tui.worlds.gym.registered import reason_of
 from rl_tui.worlds.gym.section import GymnasiumSection
-from rl_tui.worlds.mdp.tabular_mdp import FloatArray
+from rl_tui.worlds.mdp.space import FloatArray
 
 KERNEL_STEPS: Final = 5_000_000
 PLAIN_STEPS: Final = 20_000

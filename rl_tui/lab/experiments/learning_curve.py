@@ -9,7 +9,7 @@ from typing import Any, Final
 import numpy as np
 
 from rl_tui.agents.kernels.episode_bins import CurveSums, collect
-from rl_tui.worlds.mdp.tabular_mdp import BoolArray, FloatArray, IntArray
+from rl_tui.worlds.mdp.space import BoolArray, FloatArray, IntArray
 
 MOST_BINS: Final = 200
 
