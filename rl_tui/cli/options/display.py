@@ -29,13 +29,7 @@ _OPTIONS: Final = (
     ),
     click.option("--no-color", is_flag=True, help="the same as --colors none"),
     click.option("--ascii", is_flag=True, help="draw with ASCII characters only"),
-    click.option(
-        "--fps",
-        type=ParameterValue(_FPS),
-        default=_DEFAULT.fps,
-        show_default=True,
-        help=_FPS.help,
-    ),
+    click.option("--fps", type=ParameterValue(_FPS), default=_DEFAULT.fps, show_default=True, help=_FPS.help),
     click.option("--no-mouse", is_flag=True, help="leave the mouse alone"),
 )
 DISPLAY_OPTIONS: Final = ("theme", "colors", "no_color", "ascii", "fps", "no_mouse")

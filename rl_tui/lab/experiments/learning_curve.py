@@ -31,14 +31,7 @@ class RunCurve:
     def __call__(self, returns: FloatArray, lengths: IntArray, optimal: BoolArray) -> None:
         """Add the next episodes, [n] each; those beyond the end of the curve are left out."""
         part = slice(0, self.episodes - self._done)
-        collect(
-            self.sums,
-            self.width,
-            self._done,
-            returns[part],
-            lengths[part],
-            optimal[part],
-        )
+        collect(self.sums, self.width, self._done, returns[part], lengths[part], optimal[part])
         self._done = min(self.episodes, self._done + len(returns))
 
     @property

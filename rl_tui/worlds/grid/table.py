@@ -171,17 +171,10 @@ class _Block:
 def _terrain(states: GridStates, rules: GridSection) -> Terrain:
     """Return the map with its wind, which blows up where rows are counted down."""
     rows, columns = states.map.codes.shape
-    down = (
-        np.broadcast_to(-np.array(rules.wind, dtype=np.int32), (rows, columns)) if any(rules.wind) else None
-    )
-    right = (
-        np.broadcast_to(np.array(rules.wind_rows, dtype=np.int32)[:, None], (rows, columns))
-        if any(rules.wind_rows)
-        else None
-    )
-    return Terrain(
-        states.open_cells,
-        columns + 2,
-        None if down is None else np.pad(down, 1).ravel(),
-        None if right is None else np.pad(right, 1).ravel(),
-    )
+
+    def everywhere(wind: CellArray) -> CellArray | None:
+        return np.pad(np.broadcast_to(wind, (rows, columns)), 1).ravel() if wind.any() else None
+
+    down = everywhere(-np.array(rules.wind, dtype=np.int32))
+    right = everywhere(np.array(rules.wind_rows, dtype=np.int32)[:, None])
+    return Terrain(states.open_cells, columns + 2, down, right)
