@@ -10,10 +10,10 @@ from pydantic import Field
 from rl_tui.common.findings import Finding
 from rl_tui.common.limits import LONGEST_SIDE, LONGEST_TIME_LIMIT, MOST_CHARACTERS, STRONGEST_WIND
 from rl_tui.worlds.grid.faults import grid_findings
-from rl_tui.worlds.grid.legend import BUILT_IN, Character, LegendEntry, TruthValue
+from rl_tui.worlds.grid.legend import BUILT_IN, Character, LegendEntry
 from rl_tui.worlds.grid.map import CellMap, RandomMap, draw_map, read_map
 from rl_tui.worlds.grid.moves import MOVES, Slip, slips_of
-from rl_tui.worlds.sections.schema import Expect, Number, is_table, number, sized, whole_number
+from rl_tui.worlds.sections.schema import Expect, Number, TruthValue, is_table, number, sized, whole_number
 from rl_tui.worlds.sections.world_section import WorldSection
 from rl_tui.worlds.world import World
 

@@ -18,15 +18,14 @@ class UnsoundResultError(Exception):
     """A result of the wrong form; the message goes on after the environment's name."""
 
 
-def parts_of(result: Any) -> tuple[Any, Any, Any, Any, Any]:
+def parts_of(result: Any) -> tuple[Any, ...]:
     """Return observation, reward, terminated, truncated and info. Raises UnsoundResultError."""
     if not isinstance(result, tuple | list) or len(result) != _VALUES:
         found = f"{len(result)} values" if isinstance(result, tuple | list) else seen(result)
         raise UnsoundResultError(
             f"answered {found} to a step, which is not observation, reward, terminated, truncated and info"
         )
-    observation, reward, terminated, truncated, info = result
-    return observation, reward, terminated, truncated, info
+    return tuple(result)
 
 
 def first_observation(result: Any) -> Any:

@@ -11,13 +11,21 @@ from rl_tui.common.findings import Finding, Location, shown
 from rl_tui.worlds.environment import EnvironmentFailedError
 from rl_tui.worlds.gym.modules import refusal_of
 from rl_tui.worlds.gym.stepped.bins import BinsSection
-from rl_tui.worlds.sections.schema import Expect, is_plain, is_table, text, with_control_character
+from rl_tui.worlds.sections.schema import (
+    Expect,
+    is_plain,
+    is_table,
+    is_truth_value,
+    text,
+    with_control_character,
+)
 from rl_tui.worlds.sections.world_section import WorldRefusedError, WorldSection
 from rl_tui.worlds.world import World
 
 if TYPE_CHECKING:
     from numpy.random import Generator
 
+_TABLE: Final = Expect("true (its transition table) or false (stepped)", is_truth_value)
 _IN_LINES: Final = "\n\t"
 _DRAWN_HERE: Final = "no such argument: the world is drawn here"
 _NOT_ITS_OWN: Final = "arguments of the environment itself"
@@ -39,13 +47,7 @@ class GymnasiumSection(WorldSection):
 
     id: Annotated[str, text(100)]
     kwargs: Annotated[dict[str, Any], Expect("a table of arguments", is_table)] = Field(default_factory=dict)
-    table: (
-        Annotated[
-            bool,
-            Expect("true (its transition table) or false (stepped)", lambda value: isinstance(value, bool)),
-        ]
-        | None
-    ) = None
+    table: Annotated[bool, _TABLE] | None = None
     bins: BinsSection | None = None
 
     @classmethod

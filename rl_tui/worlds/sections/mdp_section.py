@@ -41,6 +41,7 @@ if TYPE_CHECKING:
     from rl_tui.worlds.mdp.tabular_mdp import Outcome
 
 _AT_MOST: Final = f", at most {MOST_STATES_WRITTEN:,}"
+_COLUMN_OR_ROW: Final = whole_number(0, LARGEST_PLACE)
 _STATES: Final = sized(dict, MOST_STATES_WRITTEN)
 
 Deviation = Annotated[float, number(0, LARGEST_STD)]
@@ -79,11 +80,7 @@ def _sums_to_one(distribution: dict[str, Share]) -> dict[str, Share]:
 
 
 def _is_place(value: object) -> bool:
-    return (
-        isinstance(value, list)
-        and len(value) == 2
-        and all(whole_number(0, LARGEST_PLACE).test(each) for each in value)
-    )
+    return isinstance(value, list) and len(value) == 2 and all(map(_COLUMN_OR_ROW.test, value))
 
 
 class TransitionEntry(FileSection):

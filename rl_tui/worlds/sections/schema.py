@@ -148,6 +148,12 @@ def sized(kind: type[list[Any] | dict[Any, Any]], most: int, least: int = 0) -> 
     return lambda value: isinstance(value, kind) and least <= len(value) <= most
 
 
+def is_truth_value(value: object) -> bool:
+    """Return whether a value is true or false."""
+    return isinstance(value, bool)
+
+
+TruthValue = Annotated[bool, Expect("true or false", is_truth_value)]
 Number = Annotated[float, number()]
 Probability = Annotated[float, number(0, 1)]
 Name = Annotated[str, Expect(f"a name of 1 to {LONGEST_NAME} characters", is_name, with_control_character)]
