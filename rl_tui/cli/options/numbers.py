@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 import click
 
-from rl_tui.agents.hyperparameters import Parameter
+from rl_tui.agents.hyperparameters import Parameter, Range
 
 if TYPE_CHECKING:
     from rl_tui.lab.run.changes import ChangeText
@@ -43,20 +44,17 @@ class Whole(OptionValue):
 
     name = "N"
 
-    def __init__(self, low: int, high: int | None = None) -> None:
-        self.low, self.high = low, high
+    def __init__(self, low: int, high: float = math.inf) -> None:
+        self.range = Range(low, high)
 
     def convert(self, value: object, param: click.Parameter | None, ctx: click.Context | None) -> int:
         """Return the number; fails naming the range."""
-        if isinstance(value, int):
-            return value
         try:
-            number = int(str(value))
+            number: int | None = int(str(value))
         except ValueError:
-            number = self.low - 1
-        if number < self.low or (self.high is not None and number > self.high):
-            upper = "∞)" if self.high is None else f"{self.high:g}]"
-            self.fail(f"{value} is not a whole number in [{self.low}, {upper}", param, ctx)
+            number = None
+        if number is None or number not in self.range:
+            self.fail(f"{value} is not a whole number in {self.range}", param, ctx)
         return number
 
 
