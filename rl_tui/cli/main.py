@@ -61,7 +61,7 @@ def main() -> None:
     try:
         program(prog_name="rl-tui")
     except SystemExit as end:
-        if isinstance(end.code, int) and _someone_is_at_work():
+        if isinstance(end.code, int) and threading.active_count() > 1:
             leave_at_once(end.code)
         raise
 
@@ -73,10 +73,6 @@ def calculate_in_one_thread() -> None:
     """
     if "numpy" not in sys.modules and "OMP_NUM_THREADS" not in os.environ:
         os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-
-
-def _someone_is_at_work() -> bool:
-    return any(thread is not threading.main_thread() for thread in threading.enumerate())
 
 
 def leave_at_once(status: int) -> NoReturn:

@@ -22,7 +22,7 @@ def progress(label: str) -> Iterator[Callable[[int, int], None]]:
     if not sys.stderr.isatty():
         yield lambda done, wanted: None
         return
-    how_far = _HowFar()
+    begun: tuple[float, int] | None = None
     with click.progressbar(
         length=_PARTS,
         label=label,
@@ -34,24 +34,18 @@ def progress(label: str) -> Iterator[Callable[[int, int], None]]:
     ) as bar:
 
         def show(done: int, wanted: int) -> None:
-            bar.update(min(done, wanted) * _PARTS // wanted - bar.pos, how_far.in_words(done, wanted))
+            nonlocal begun
+            begun = begun or (time.monotonic(), done)
+            bar.update(min(done, wanted) * _PARTS // wanted - bar.pos, _how_far(begun, done, wanted))
 
         yield show
 
 
-class _HowFar:
-    """How much is done, and how long the rest takes if it goes on like that."""
-
-    def __init__(self) -> None:
-        self._begun: tuple[float, int] | None = None
-
-    def in_words(self, done: int, wanted: int) -> str:
-        """Return ``30.2M of 1000T, 3 years left``."""
-        now = time.monotonic()
-        if self._begun is None:
-            self._begun = now, done
-        start, before = self._begun
-        words = f"{short_count(done)} of {short_count(wanted)}"
-        if now - start < _WORTH_A_FORECAST or not before < done < wanted:
-            return words
-        return f"{words}, {lasting((wanted - done) * (now - start) / (done - before))} left"
+def _how_far(begun: tuple[float, int], done: int, wanted: int) -> str:
+    """Return ``30.2M of 1000T, 3 years left``, if it goes on as it did since the time and count ``begun``."""
+    start, before = begun
+    seconds = time.monotonic() - start
+    words = f"{short_count(done)} of {short_count(wanted)}"
+    if seconds < _WORTH_A_FORECAST or not before < done < wanted:
+        return words
+    return f"{words}, {lasting((wanted - done) * seconds / (done - before))} left"

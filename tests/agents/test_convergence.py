@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from test_every_algorithm import written
 
-from rl_tui.agents.exact.solve import evaluate, solve
+from rl_tui.agents.exact.policy_evaluation import evaluate
+from rl_tui.agents.exact.solve import solve
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.agents.kernels.stop import Stop
 from rl_tui.agents.learner import Learner

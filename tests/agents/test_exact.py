@@ -7,9 +7,9 @@ import pytest
 from exact_reference import lake, student, world
 
 from rl_tui.agents.exact import backward_induction, policy_evaluation
+from rl_tui.agents.exact.policy_evaluation import evaluate
 from rl_tui.agents.exact.solve import (
     best_expected_return,
-    evaluate,
     expected_return,
     figures,
     greedy_policy,

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 from exact_reference import student, world
 
+from rl_tui.agents.exact.policy_evaluation import evaluate
 from rl_tui.agents.exact.solution import NoExactAnswer
-from rl_tui.agents.exact.solve import best_expected_return, evaluate, figures, solve
+from rl_tui.agents.exact.solve import best_expected_return, figures, solve
 
 
 def test_a_state_that_cannot_reach_an_end_is_named() -> None:

@@ -20,8 +20,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from rl_tui.agents.exact.backward_induction import best_values, policy_values
+from rl_tui.agents.exact.policy_evaluation import evaluate
 from rl_tui.agents.exact.solution import NoExactAnswer
-from rl_tui.agents.exact.solve import best_expected_return, evaluate, figures, solve, uniform_over
+from rl_tui.agents.exact.solve import best_expected_return, figures, solve, uniform_over
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
 quick = settings(max_examples=60, deadline=None)

@@ -19,7 +19,8 @@ from rl_tui.agents.kernels.compiled import compiled
 from rl_tui.agents.learner import Learner
 from rl_tui.agents.policies.family import choose, expectation
 from rl_tui.common.streams import streams
-from rl_tui.worlds.mdp.tabular_mdp import FloatArray, IntArray, TabularMDP
+from rl_tui.worlds.mdp.space import FloatArray, IntArray
+from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
 pytestmark = pytest.mark.xdist_group("policies")  # each policy's loop is compiled once
 EVERY_RULE = [

@@ -64,12 +64,6 @@ def test_the_document_of_a_benchmark(monkeypatch: pytest.MonkeyPatch) -> None:
     assert document["ratio_many_runs"] == document["many_runs_steps_per_second"] / plain
 
 
-async def test_the_live_share_is_a_share(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(benchmark, "KERNEL_STEPS", 10_000)
-    monkeypatch.setattr(benchmark, "LIVE_SECONDS", 0.0)
-    assert await benchmark.live_fraction(recipe("frozenlake-slippery"), rounds=1) >= 0.0
-
-
 def test_a_planner_is_not_raced() -> None:
     with pytest.raises(UserError, match="takes no steps"):
         benchmark.benchmark(recipe("frozenlake", algorithm="value-iteration"))

@@ -8,7 +8,7 @@ from rl_tui.agents.hyperparameters import Ties
 from rl_tui.lab.run import evaluation
 from rl_tui.lab.run.evaluation import Evaluation, GreedyReturn
 from rl_tui.lab.run.recipe import begin
-from rl_tui.worlds.mdp.tabular_mdp import FloatArray
+from rl_tui.worlds.mdp.space import FloatArray
 
 STUDENT = begin(recipe("student")).world.space
 

@@ -16,7 +16,7 @@ from recipes import recipe
 
 from rl_tui.lab.experiments.many_runs import many_runs
 from rl_tui.lab.experiments.training import Goal
-from rl_tui.worlds.mdp.tabular_mdp import FloatArray
+from rl_tui.worlds.mdp.space import FloatArray
 
 pytestmark = pytest.mark.slow
 

@@ -15,7 +15,7 @@ from rl_tui.tui.panels.world.grid.form import CellForm
 from rl_tui.tui.panels.world.grid.grid import GridView, draw_grid
 from rl_tui.tui.panels.world.grid.map import GridMap, MapPart
 from rl_tui.worlds.drawing import Grid
-from rl_tui.worlds.mdp.tabular_mdp import FloatArray
+from rl_tui.worlds.mdp.space import FloatArray
 
 
 def q_of(snapshot: Snapshot, values: dict[tuple[int, int], float]) -> FloatArray:

@@ -8,7 +8,8 @@ import numpy as np
 
 from rl_tui.agents.exact.solution import Solution
 from rl_tui.worlds.drawing import Arms, CellKind, Graph, Grid
-from rl_tui.worlds.mdp.tabular_mdp import FloatArray, Outcome, TabularMDP, Transition, tabular_mdp
+from rl_tui.worlds.mdp.space import FloatArray
+from rl_tui.worlds.mdp.tabular_mdp import Outcome, TabularMDP, Transition, tabular_mdp
 from rl_tui.worlds.world import World
 
 LEFT, DOWN, RIGHT, UP = range(4)

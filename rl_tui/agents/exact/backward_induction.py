@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from rl_tui.agents.kernels.compiled import compiled
-from rl_tui.worlds.mdp.tabular_mdp import FloatArray, IntArray, TabularMDP
+from rl_tui.worlds.mdp.space import FloatArray, IntArray
+from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
 
 def policy_values(

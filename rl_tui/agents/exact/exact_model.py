@@ -8,7 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from rl_tui.worlds.mdp.tabular_mdp import BoolArray, IntArray, TabularMDP
+from rl_tui.worlds.mdp.space import BoolArray, IntArray
+from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
 ExtendedArray = npt.NDArray[np.longdouble]
 
@@ -90,10 +91,6 @@ class ExactModel:
                     steps[previous] = steps[state] + 1
                     queue.append(previous)
         return np.array(steps, dtype=np.int64)
-
-    def average_at_start(self, v: ExtendedArray) -> float:
-        """Return the mean of ``v``, [S+1], over the start distribution."""
-        return float(np.dot(self.mdp.start_probability, v[self.mdp.start_state]))
 
 
 def exact_model(mdp: TabularMDP) -> ExactModel:

@@ -10,7 +10,8 @@ import numpy as np
 
 from rl_tui.agents.exact.exact_model import ExactModel, ExtendedArray, exact_model
 from rl_tui.agents.exact.solution import NoExactAnswer
-from rl_tui.worlds.mdp.tabular_mdp import BoolArray, FloatArray, IntArray, TabularMDP
+from rl_tui.worlds.mdp.space import BoolArray, FloatArray, IntArray
+from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
 MOST_ROUNDS: Final = 50
 PRECISION: Final = 1e-10
@@ -49,8 +50,12 @@ def evaluate(mdp: TabularMDP, policy: FloatArray, gamma: float) -> PolicyValue:
 
 def policy_value(model: ExactModel, policy: FloatArray, gamma: float) -> PolicyValue:
     """Return what :func:`evaluate` does, of a model at hand."""
-    v = _undiscounted(model, policy) if gamma == 1.0 else _discounted(model, policy, gamma)
-    at_start = model.average_at_start(v)
+    if gamma == 1.0:
+        v = _undiscounted(model, policy)
+    else:
+        v = np.zeros(model.end + 1, dtype=np.longdouble)
+        solve_chain(model, policy, gamma, model.is_live, v)
+    at_start = model.mdp.average_at_start(v)
     return PolicyValue(v[:-1].astype(np.float64), None if np.isnan(at_start) else at_start)
 
 
@@ -63,13 +68,7 @@ def ending_probability(model: ExactModel, policy: FloatArray) -> float:
     unsure = can_end & may_fail
     chance[unsure] = 0.0
     solve_chain(model, policy, 1.0, unsure, chance, np.zeros_like(model.reward))
-    return min(1.0, max(0.0, model.average_at_start(chance)))
-
-
-def _discounted(model: ExactModel, policy: FloatArray, gamma: float) -> ExtendedArray:
-    v = np.zeros(model.end + 1, dtype=np.longdouble)
-    solve_chain(model, policy, gamma, model.is_live, v)
-    return v
+    return min(1.0, max(0.0, model.mdp.average_at_start(chance)))
 
 
 def _undiscounted(model: ExactModel, policy: FloatArray) -> ExtendedArray:
@@ -137,7 +136,8 @@ def _chain_solver(model: ExactModel, policy: FloatArray, gamma: float, unknown: 
     # Summed from what leaves, the diagonal keeps the digits that 1 − γ p(s | s) would lose
     left = np.bincount(index[source[leaving]], weights=weight[leaving], minlength=size)
     diagonal = np.arange(size)
-    return _solver_of(
+    solver_of = _dense if size <= MOST_DENSE else _sparse
+    return solver_of(
         np.concatenate((rows, diagonal)),
         np.concatenate((columns, diagonal)),
         np.concatenate((-gamma * weight[staying_inside], (1.0 - gamma) + gamma * left)),
@@ -151,17 +151,11 @@ def _too_ill_conditioned(gamma: float) -> NoExactAnswer:
     return NoExactAnswer("γ = 1: an end is too unlikely for an exact answer; choose γ below 1")
 
 
-def _solver_of(rows: IntArray, columns: IntArray, entries: FloatArray, size: int) -> Solver:
+def _dense(rows: IntArray, columns: IntArray, entries: FloatArray, size: int) -> Solver:
     """Return the function b → A⁻¹ b for A, [size, size], with these entries, summed where they meet.
 
     Raises :class:`SingularMatrixError`.
     """
-    if size <= MOST_DENSE:
-        return _dense(rows, columns, entries, size)
-    return _sparse(rows, columns, entries, size)
-
-
-def _dense(rows: IntArray, columns: IntArray, entries: FloatArray, size: int) -> Solver:
     matrix = np.bincount(rows * size + columns, weights=entries, minlength=size * size).reshape(size, size)
     try:
         inverse: FloatArray = np.linalg.inv(matrix)
@@ -171,6 +165,7 @@ def _dense(rows: IntArray, columns: IntArray, entries: FloatArray, size: int) ->
 
 
 def _sparse(rows: IntArray, columns: IntArray, entries: FloatArray, size: int) -> Solver:
+    """Return what :func:`_dense` does, without taking memory for all that is 0."""
     # scipy takes a quarter of a second to import and most worlds never need it
     from scipy.sparse import csc_matrix
     from scipy.sparse.linalg import splu

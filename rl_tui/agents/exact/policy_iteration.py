@@ -11,7 +11,7 @@ from rl_tui.agents.exact.backward_induction import best_values
 from rl_tui.agents.exact.exact_model import ExactModel, ExtendedArray
 from rl_tui.agents.exact.policy_evaluation import solve_chain
 from rl_tui.agents.exact.solution import NoExactAnswer
-from rl_tui.worlds.mdp.tabular_mdp import BoolArray, FloatArray, IntArray
+from rl_tui.worlds.mdp.space import BoolArray, FloatArray, IntArray
 
 SMALLEST_GAIN: Final = 1e-12
 NOISE: Final = 32 * float(np.finfo(np.longdouble).eps)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from rl_tui.common.errors import UserError
-from rl_tui.worlds.mdp.tabular_mdp import BoolArray, FloatArray
+from rl_tui.worlds.mdp.space import BoolArray, FloatArray
 
 
 class NoExactAnswer(UserError):  # noqa: N818 - it is an answer

@@ -10,24 +10,12 @@ import numpy as np
 
 from rl_tui.agents.exact.backward_induction import best_values, policy_values
 from rl_tui.agents.exact.exact_model import ExactModel, exact_model
-from rl_tui.agents.exact.policy_evaluation import PolicyValue, ending_probability, evaluate, policy_value
+from rl_tui.agents.exact.policy_evaluation import ending_probability, evaluate, policy_value
 from rl_tui.agents.exact.policy_iteration import Optimum, policy_iteration
 from rl_tui.agents.exact.solution import NoExactAnswer, Solution
 from rl_tui.agents.hyperparameters import Ties
 from rl_tui.worlds.mdp.space import BoolArray, FiniteSpace, FloatArray, IntArray
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
-
-__all__ = [
-    "PolicyFigures",
-    "PolicyValue",
-    "best_expected_return",
-    "evaluate",
-    "expected_return",
-    "figures",
-    "greedy_policy",
-    "solve",
-    "uniform_over",
-]
 
 TIE: Final = 1e-9
 
@@ -65,7 +53,7 @@ def solve(mdp: TabularMDP, gamma: float) -> Solution:
         v=optimum.v[:-1].astype(np.float64),
         q=(optimum.v[model.pair_state] + advantage).astype(np.float64),
         greedy=tied,
-        value_at_start=model.average_at_start(optimum.v),
+        value_at_start=mdp.average_at_start(optimum.v),
         expected_return=expected_return(mdp, uniform_over(mdp, tied)),
         best_expected_return=_best_expected_return(model, optimum if discounts_nothing else None),
         iterations=optimum.iterations,
@@ -93,7 +81,7 @@ def expected_return(mdp: TabularMDP, policy: FloatArray) -> float | None:
     it never leaves and that goes on paying, or where rounding would spoil the answer.
     """
     if mdp.time_limit:
-        return _average_at_start(mdp, policy_values(mdp, policy, mdp.time_limit))
+        return mdp.average_at_start(policy_values(mdp, policy, mdp.time_limit))
     return _if_exact(lambda: evaluate(mdp, policy, 1.0).at_start)
 
 
@@ -127,12 +115,12 @@ def _best_expected_return(model: ExactModel, undiscounted: Optimum | None) -> fl
     """Return :func:`best_expected_return`; ``undiscounted`` is the optimum at γ = 1 if it is at hand."""
     mdp = model.mdp
     if mdp.time_limit:
-        return _average_at_start(mdp, best_values(mdp, 1.0, mdp.time_limit))
+        return mdp.average_at_start(best_values(mdp, 1.0, mdp.time_limit))
     try:
         optimum = undiscounted or policy_iteration(model, 1.0)
     except NoExactAnswer:
         return None
-    return model.average_at_start(optimum.v)
+    return mdp.average_at_start(optimum.v)
 
 
 def _if_exact(answer: Callable[[], float | None]) -> float | None:
@@ -144,12 +132,8 @@ def _if_exact(answer: Callable[[], float | None]) -> float | None:
 
 def _ends_in_time(mdp: TabularMDP, policy: FloatArray) -> float:
     ends = mdp.terminated.astype(np.float64)
-    chance = _average_at_start(mdp, policy_values(mdp, policy, mdp.time_limit, ends))
+    chance = mdp.average_at_start(policy_values(mdp, policy, mdp.time_limit, ends))
     return min(1.0, max(0.0, chance))
-
-
-def _average_at_start(mdp: TabularMDP, v: FloatArray) -> float:
-    return float(np.dot(mdp.start_probability, v[mdp.start_state]))
 
 
 def _first_of(space: FiniteSpace, chosen: BoolArray) -> FloatArray:

@@ -32,24 +32,13 @@ def command(scenario: str, rounds: int, overrides: dict[str, object], seed: int,
     if as_json:
         print_json(figures)
         return
-    rows = [
-        ("", "steps/s", "we are"),
-        ("rl-tui", f"{figures['kernel_steps_per_second']:,.0f}", ""),
-        (
-            "rl-tui, 64 runs",
-            f"{figures['many_runs_steps_per_second']:,.0f}",
-            "on all cores",
-        ),
-        (
-            "plain loop, argmax",
-            f"{figures['gymnasium_steps_per_second']:,.0f}",
-            f"{figures['ratio']:,.0f} times as fast, {figures['ratio_many_runs']:,.0f} with 64 runs",
-        ),
-        (
-            "plain loop, random ties",
-            f"{figures['gymnasium_random_ties_steps_per_second']:,.0f}",
-            f"{figures['ratio_random_ties']:,.0f} times as fast",
-        ),
-    ]
+    first, random, many = (figures[f"ratio{which}"] for which in ("", "_random_ties", "_many_runs"))
+    timed = (
+        ("rl-tui", "kernel", ""),
+        ("rl-tui, 64 runs", "many_runs", "on all cores"),
+        ("plain loop, argmax", "gymnasium", f"{first:,.0f} times as fast, {many:,.0f} with 64 runs"),
+        ("plain loop, random ties", "gymnasium_random_ties", f"{random:,.0f} times as fast"),
+    )
+    rows = [(name, f"{figures[f'{which}_steps_per_second']:,.0f}", we_are) for name, which, we_are in timed]
     click.echo(f"{figures['scenario']}, median of {rounds}")
-    click.echo(columns(rows, right=(1,)))
+    click.echo(columns([("", "steps/s", "we are"), *rows], right=(1,)))

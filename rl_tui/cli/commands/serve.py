@@ -178,21 +178,16 @@ def is_interactive() -> bool:
 
 
 def _app_command(context: click.Context, scenario: str | None, display: dict[str, Any]) -> tuple[str, ...]:
+    """Return the command line of an app, with the display options that were given to this one."""
     from rl_tui.cli.serving.app_process import command_line
 
-    start = [] if scenario is None else ["play", scenario]
-    return command_line(sys.executable, [*start, *_given(context, display)])
-
-
-def _given(context: click.Context, display: dict[str, Any]) -> list[str]:
-    """Return the display options that were given, as they are written on a command line."""
-    arguments = []
+    arguments = [] if scenario is None else ["play", scenario]
     for name in DISPLAY_OPTIONS:
         if context.get_parameter_source(name) is click.core.ParameterSource.COMMANDLINE:
             value = display[name]
             option = f"--{name.replace('_', '-')}"
             arguments.append(option if value is True else f"{option}={value}")
-    return arguments
+    return command_line(sys.executable, arguments)
 
 
 def _is_url(text: str) -> bool:

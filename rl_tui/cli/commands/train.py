@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable
 from contextlib import nullcontext
 from typing import TYPE_CHECKING, Any, Final
 
@@ -28,13 +27,11 @@ from rl_tui.common.words import counted
 if TYPE_CHECKING:
     from rl_tui.lab.experiments.training import Goal
     from rl_tui.lab.run.changes import ChangeText
-    from rl_tui.lab.run.recipe import JournalEntry, Recipe
+    from rl_tui.lab.run.recipe import Recipe
     from rl_tui.lab.run.run import Run
 
 MOST: Final = 10**15
 MOST_RUNS: Final = 100_000
-
-Outcome = tuple[dict[str, Any], Callable[[], str]]
 
 
 @click.command("train", cls=SectionedCommand)
@@ -88,18 +85,19 @@ def command(
     _warn_of_no_effect(recipe, overrides, changes)
     _warn_beyond_budget(recipe, goal)
     if runs is None:
-        figures, report = _train_once(recipe, goal, csv, changes)
+        run, figures = _train_once(recipe, goal, csv, changes)
     else:
-        figures, report = _train_many(recipe, runs, goal, csv)
+        figures = _train_many(recipe, runs, goal, csv)
     if as_json:
         print_json(figures)
-    else:
-        click.echo(report(), err=csv is sys.stdout)
+        return
+    from rl_tui.cli.reports.training import one_run, several_runs
+
+    report = one_run(run, figures) if runs is None else several_runs(recipe, figures)
+    click.echo(report, err=csv is sys.stdout)
 
 
-def _warn_of_no_effect(
-    recipe: Recipe, overrides: dict[str, object], changes: tuple[ChangeText, ...] = ()
-) -> None:
+def _warn_of_no_effect(recipe: Recipe, overrides: dict[str, object], changes: tuple[ChangeText, ...]) -> None:
     from rl_tui.agents.catalogue import BY_ID
     from rl_tui.lab.run.library import without_effect
 
@@ -121,39 +119,19 @@ def _warn_beyond_budget(recipe: Recipe, goal: Goal) -> None:
         click.echo(f"the budget of this bandit is {pulls_in_budget}; on screen the run ends there", err=True)
 
 
-def _train_once(recipe: Recipe, goal: Goal, csv: CsvTarget, changes: tuple[ChangeText, ...]) -> Outcome:
-    from rl_tui.lab.run.figures import training_figures
-
-    run, seconds, left_out = _trained(recipe, goal, csv, changes)
-    for change in left_out:
-        click.echo(f"--change {change} has no effect: the run ends after {run.step:,} steps", err=True)
-    figures = training_figures(run, seconds)
-    if changes:
-        from rl_tui.lab.run.changes import as_json
-
-        figures["journal"] = as_json(run.journal, run.world.space.action_names)
-
-    def report() -> str:
-        from rl_tui.cli.reports.training import one_run
-
-        return one_run(run, figures)
-
-    return figures, report
-
-
-def _trained(
+def _train_once(
     recipe: Recipe, goal: Goal, csv: CsvTarget, changes: tuple[ChangeText, ...]
-) -> tuple[Run, float, list[str]]:
-    """Return the run, the seconds it took, and the changes that it ended before."""
+) -> tuple[Run, dict[str, Any]]:
     from rl_tui.lab.experiments.episode_rows import EpisodeRows, csv_file
     from rl_tui.lab.experiments.training import train
-    from rl_tui.lab.run.changes import journal_of, written_change
+    from rl_tui.lab.run.changes import as_json, journal_of, written_change
+    from rl_tui.lab.run.figures import training_figures
     from rl_tui.lab.run.recipe import begin
     from rl_tui.lab.run.run import Run
 
     beginning = begin(recipe)
     names = beginning.world.space.action_names
-    journal: tuple[JournalEntry, ...] = journal_of(changes, names)
+    journal = journal_of(changes, names)
     with (
         progress(recipe.scenario.id) as on_progress,
         nullcontext() if csv is None else csv_file(csv) as stream,
@@ -161,18 +139,17 @@ def _trained(
         rows = None if stream is None else EpisodeRows(stream, 1)
         run = Run(recipe, beginning, evaluate=False, on_episodes=rows)
         seconds = train(run, goal, on_progress, journal)
-    return run, seconds, [written_change(entry, names) for entry in journal[len(run.journal) :]]
+    for left_out in journal[len(run.journal) :]:
+        change = written_change(left_out, names)
+        click.echo(f"--change {change} has no effect: the run ends after {run.step:,} steps", err=True)
+    figures = training_figures(run, seconds)
+    if changes:
+        figures["journal"] = as_json(run.journal, names)
+    return run, figures
 
 
-def _train_many(recipe: Recipe, runs: int, goal: Goal, csv: CsvTarget) -> Outcome:
+def _train_many(recipe: Recipe, runs: int, goal: Goal, csv: CsvTarget) -> dict[str, Any]:
     from rl_tui.lab.experiments.many_runs import many_runs
 
     with progress(f"{recipe.scenario.id}, {counted(runs, 'run')}") as on_progress:
-        figures: dict[str, Any] = many_runs(recipe, runs, goal, csv, on_progress)
-
-    def report() -> str:
-        from rl_tui.cli.reports.training import several_runs
-
-        return several_runs(recipe, figures)
-
-    return figures, report
+        return many_runs(recipe, runs, goal, csv, on_progress)

@@ -7,12 +7,15 @@ from typing import Any, Final, get_args
 
 import click
 
-from rl_tui.agents.hyperparameters import Range
-from rl_tui.cli.options.numbers import RealNumber
+from rl_tui.agents.hyperparameters import Parameter, Range
+from rl_tui.cli.options.numbers import ParameterValue
 from rl_tui.cli.options.run import Command
 from rl_tui.tui.app.display import Colours, Display
 
 _DEFAULT: Final = Display()
+_FPS: Final = Parameter(
+    "fps", "fps", "most frames drawn a second; fewer suit a slow link", Range(0, 60, open_low=True)
+)
 _OPTIONS: Final = (
     click.option(
         "--theme", default=_DEFAULT.theme, show_default=True, help="dark, light or one of Textual's themes"
@@ -26,13 +29,7 @@ _OPTIONS: Final = (
     ),
     click.option("--no-color", is_flag=True, help="the same as --colors none"),
     click.option("--ascii", is_flag=True, help="draw with ASCII characters only"),
-    click.option(
-        "--fps",
-        type=RealNumber(Range(0, 60, open_low=True)),
-        default=_DEFAULT.fps,
-        show_default=True,
-        help="most frames drawn a second; fewer suit a slow link",
-    ),
+    click.option("--fps", type=ParameterValue(_FPS), default=_DEFAULT.fps, show_default=True, help=_FPS.help),
     click.option("--no-mouse", is_flag=True, help="leave the mouse alone"),
 )
 DISPLAY_OPTIONS: Final = ("theme", "colors", "no_color", "ascii", "fps", "no_mouse")

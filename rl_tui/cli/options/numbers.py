@@ -17,22 +17,6 @@ class OptionValue(click.ParamType):  # type: ignore[type-arg]  # generic in newe
     """A kind of option value."""
 
 
-class RealNumber(OptionValue):
-    """A finite number in a range."""
-
-    name = "number"
-
-    def __init__(self, range_: Range) -> None:
-        self.range = range_
-
-    def convert(self, value: object, param: click.Parameter | None, ctx: click.Context | None) -> float:
-        """Return the number; fails naming the range."""
-        number = number_in(value)
-        if number is None or not math.isfinite(number) or number not in self.range:
-            self.fail(f"{value} is not a number in {self.range}", param, ctx)
-        return number
-
-
 class ParameterValue(OptionValue):
     """A value of a hyper-parameter: a number in its range or one of its words."""
 
@@ -60,20 +44,17 @@ class Whole(OptionValue):
 
     name = "N"
 
-    def __init__(self, low: int, high: int | None = None) -> None:
-        self.low, self.high = low, high
+    def __init__(self, low: int, high: float = math.inf) -> None:
+        self.range = Range(low, high)
 
     def convert(self, value: object, param: click.Parameter | None, ctx: click.Context | None) -> int:
         """Return the number; fails naming the range."""
-        if isinstance(value, int):
-            return value
         try:
-            number = int(str(value))
+            number: int | None = int(str(value))
         except ValueError:
-            number = self.low - 1
-        if number < self.low or (self.high is not None and number > self.high):
-            upper = "∞)" if self.high is None else f"{self.high:g}]"
-            self.fail(f"{value} is not a whole number in [{self.low}, {upper}", param, ctx)
+            number = None
+        if number is None or number not in self.range:
+            self.fail(f"{value} is not a whole number in {self.range}", param, ctx)
         return number
 
 

@@ -24,14 +24,6 @@ MOST_NAMES: Final = 8
 MOST_CHANGES: Final = 20
 EXACT: Final = ("value_at_start", "expected_return", "max_error")
 _WHOLE: Final = ("episodes", "steps")
-_OF_SCHEDULES: Final = {
-    "step_size_schedule": "alpha_decay",
-    "alpha_min": "alpha_decay",
-    "alpha_decay": "alpha_decay",
-    "epsilon_schedule": "epsilon_decay",
-    "epsilon_min": "epsilon_decay",
-    "epsilon_decay": "epsilon_decay",
-}
 
 
 def one_run(run: Run, figures: Figures) -> str:
@@ -191,8 +183,8 @@ def _head(recipe: Recipe, seeds: str = "") -> str:
 
 def _counts(name: str, hyperparameters: Hyperparameters) -> bool:
     """Return True if the head names the parameter: not the policy, nor a schedule without decay."""
-    if name in _OF_SCHEDULES:
-        return hyperparameters.value(_OF_SCHEDULES[name]) != 0.0
+    if PARAMETERS[name].schedule:
+        return hyperparameters.value("epsilon_decay" if name.startswith("epsilon") else "alpha_decay") != 0.0
     return name != "policy"
 
 

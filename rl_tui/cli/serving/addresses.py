@@ -67,8 +67,6 @@ class Doorkeeper:
         Addresses in digits always do: they cannot be made to point elsewhere. A name must be ours.
         """
         name = _name(asked_for)
-        if not name:
-            return False
         return name in self._names() or _is_address(name)
 
     def lets_in(self, origin: str, asked_for: str) -> bool:

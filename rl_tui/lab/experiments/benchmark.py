@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
@@ -18,22 +17,17 @@ from rl_tui.agents.catalogue import BY_ID
 from rl_tui.common.errors import UserError
 from rl_tui.common.interrupts import is_interrupt
 from rl_tui.lab.experiments.many_runs import cores
-from rl_tui.lab.live.commands import Pause, Play, Train
-from rl_tui.lab.live.player import Player
 from rl_tui.lab.run.recipe import Recipe
 from rl_tui.lab.run.run import Run
 from rl_tui.worlds.gym.env_call import ENVIRONMENT_CALL
 from rl_tui.worlds.gym.registered import reason_of
 from rl_tui.worlds.gym.section import GymnasiumSection
-from rl_tui.worlds.mdp.tabular_mdp import FloatArray
+from rl_tui.worlds.mdp.space import FloatArray
 
 KERNEL_STEPS: Final = 5_000_000
 PLAIN_STEPS: Final = 20_000
 ROUNDS: Final = 5
 RUNS: Final = 64
-FRAMES_A_SECOND: Final = 20
-LIVE_SECONDS: Final = 0.5
-LIVE_ROUNDS: Final = 5
 
 
 class PlainLoop:
@@ -114,8 +108,8 @@ class PlainLoop:
 class Together:
     """Many runs of one recipe, each with a seed of its own, on all cores as ``train --runs`` has them."""
 
-    def __init__(self, recipe: Recipe, runs: int = RUNS) -> None:
-        self._runs = [Run(replace(recipe, seed=recipe.seed + n), evaluate=False) for n in range(runs)]
+    def __init__(self, recipe: Recipe) -> None:
+        self._runs = [Run(replace(recipe, seed=recipe.seed + n), evaluate=False) for n in range(RUNS)]
 
     def take_steps(self, steps: int) -> None:
         """Take ``steps`` steps in all, as many in each run."""
@@ -162,36 +156,3 @@ def _speed(take_steps: Callable[[int], None], steps: int) -> float:
     start = time.perf_counter()
     take_steps(steps)
     return steps / (time.perf_counter() - start)
-
-
-async def live_fraction(recipe: Recipe, rounds: int = LIVE_ROUNDS) -> float:
-    """Return which share of the headless speed a player keeps while somebody reads 20 snapshots a second.
-
-    Both are timed in turns, once they are well under way, and the medians compared.
-    """
-    run = Run(recipe, evaluate=False)
-    run.warm_up()
-    run.advance(KERNEL_STEPS)
-    player = Player(recipe, speed=None)
-    try:
-        player.send(Train(KERNEL_STEPS))
-        live, headless = [], []
-        for _ in range(rounds):
-            headless.append(_speed(run.advance, KERNEL_STEPS))
-            live.append(await _live_speed(player))
-        return median(live) / median(headless)
-    finally:
-        player.close()
-
-
-async def _live_speed(player: Player) -> float:
-    before = await player.carried_out()
-    player.send(Play())
-    start = time.perf_counter()
-    async for _ in player.snapshots():
-        if time.perf_counter() - start >= LIVE_SECONDS:
-            break
-        await asyncio.sleep(1 / FRAMES_A_SECOND)
-    player.send(Pause())
-    after = await player.carried_out()
-    return (after.counters.step - before.counters.step) / (time.perf_counter() - start)

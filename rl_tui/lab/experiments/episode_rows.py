@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Final, TextIO
 
 from rl_tui.lab.experiments.whole_file import whole_file
-from rl_tui.worlds.mdp.tabular_mdp import BoolArray, FloatArray, IntArray
+from rl_tui.worlds.mdp.space import BoolArray, FloatArray, IntArray
 
 HEADER: Final = "run,episode,return,length\n"
 

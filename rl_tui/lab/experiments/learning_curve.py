@@ -9,7 +9,7 @@ from typing import Any, Final
 import numpy as np
 
 from rl_tui.agents.kernels.episode_bins import CurveSums, collect
-from rl_tui.worlds.mdp.tabular_mdp import BoolArray, FloatArray, IntArray
+from rl_tui.worlds.mdp.space import BoolArray, FloatArray, IntArray
 
 MOST_BINS: Final = 200
 
@@ -31,14 +31,7 @@ class RunCurve:
     def __call__(self, returns: FloatArray, lengths: IntArray, optimal: BoolArray) -> None:
         """Add the next episodes, [n] each; those beyond the end of the curve are left out."""
         part = slice(0, self.episodes - self._done)
-        collect(
-            self.sums,
-            self.width,
-            self._done,
-            returns[part],
-            lengths[part],
-            optimal[part],
-        )
+        collect(self.sums, self.width, self._done, returns[part], lengths[part], optimal[part])
         self._done = min(self.episodes, self._done + len(returns))
 
     @property
@@ -74,11 +67,4 @@ def mean_curve(curves: Sequence[RunCurve], bandit: bool) -> dict[str, list[Any]]
 
 def no_curve(bandit: bool) -> dict[str, list[Any]]:
     """Return the curve of runs of which one finished no episode."""
-    names = [
-        "episode",
-        "return_mean",
-        "return_stderr",
-        "length_mean",
-        *(["optimal_action_rate"] if bandit else []),
-    ]
-    return {name: [] for name in names}
+    return {name: [] for name in mean_curve([RunCurve(1)], bandit)}

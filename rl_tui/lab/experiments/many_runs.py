@@ -11,6 +11,7 @@ from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor, wait
 from contextlib import ExitStack
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from shutil import copyfileobj
 from tempfile import TemporaryDirectory
@@ -130,8 +131,7 @@ class _Experiment:
         """Compile everything once, so that no run waits for the compiler while its time is taken."""
         run.warm_up()
         greedy_figures(run, self._optimum or self._optimum_of(run))
-        nothing = run.learner.drain_episodes()
-        RunCurve(1)(*nothing)
+        RunCurve(1)(*run.learner.drain_episodes())
 
     @property
     def figures(self) -> tuple[str, ...]:
@@ -147,11 +147,11 @@ class _Experiment:
             parts = Path(stack.enter_context(TemporaryDirectory()))
 
             def append(index: int) -> None:
-                if not (parts / str(index)).exists():
-                    return  # it could not even begin
-                with (parts / str(index)).open(encoding="utf-8", newline="") as part:
-                    copyfileobj(part, target)
-                (parts / str(index)).unlink()
+                part = parts / str(index)
+                if part.exists():  # or it could not even begin
+                    with part.open(encoding="utf-8", newline="") as rows:
+                        copyfileobj(rows, target)
+                    part.unlink()
 
             return self._in_parallel(lambda index: self._row(index, parts / str(index)), append)
 
@@ -220,28 +220,21 @@ class _Experiment:
     def _train(self, index: int, *also: OnEpisodes) -> Run:
         recipe = self._recipes[index]
         beginning = begin(recipe, self._world)
-        listeners = [*also, *self._curve_of(index)]
+        listeners: list[OnEpisodes] = [*also]
+        if self._goal.episodes and not self._planner:
+            curve = self._curves[index] = RunCurve(self._goal.episodes)
+            listeners.append(curve)
 
         def on_episodes(*episodes: Any) -> None:
             for listener in listeners:
                 listener(*episodes)
 
-        def on_progress(done: int, wanted: int) -> None:
-            self._note_progress(index, done, wanted)
-
         run = Run(recipe, beginning, evaluate=False, on_episodes=on_episodes)
         try:
-            train(run, self._goal, on_progress)
+            train(run, self._goal, partial(self._note_progress, index))
         except UserError as error:
             raise UserError(f"seed {recipe.seed}: {error}") from error
         return run
-
-    def _curve_of(self, index: int) -> list[OnEpisodes]:
-        if not self._goal.episodes or self._planner:
-            return []
-        curve = RunCurve(self._goal.episodes)
-        self._curves[index] = curve
-        return [curve]
 
     def _note_progress(self, index: int, done: int, wanted: int) -> None:
         if self._given_up:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import textwrap
 from collections.abc import Iterable, Mapping
 from typing import Any, Final
 
@@ -41,13 +42,15 @@ def packed(items: Iterable[str], before: str) -> str:
     line = f"{before}[{', '.join(items)}]"
     if len(line) <= WIDEST:
         return line
-    lines, current = [f"{before}["], _INDENT.rstrip("\n")
-    for item in items:
-        if len(current) + len(item) + 2 > WIDEST and current.strip():
-            lines.append(current.rstrip())
-            current = _INDENT
-        current += f"{item}, "
-    return "\n".join([*lines, current.rstrip(), "]"])
+    lines = textwrap.wrap(
+        ", ".join(items) + ",",
+        WIDEST - 1,
+        initial_indent=_INDENT,
+        subsequent_indent=_INDENT,
+        break_long_words=False,
+        break_on_hyphens=False,
+    )
+    return "\n".join([f"{before}[", *lines, "]"])
 
 
 def table(entries: Mapping[str, Any], before: str) -> str:

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rl_tui.worlds.drawing import Arms
-from rl_tui.worlds.mdp.tabular_mdp import BoolArray, FloatArray, IntArray, TabularMDP
+from rl_tui.worlds.mdp.space import BoolArray, FloatArray, IntArray
+from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 from rl_tui.worlds.world import World
 
 if TYPE_CHECKING:

@@ -13,7 +13,8 @@ from rl_tui.agents.exact.solve import expected_return, greedy_policy
 from rl_tui.agents.hyperparameters import Ties
 from rl_tui.lab.run.exact_answers import visits_of
 from rl_tui.lab.run.results import Marks
-from rl_tui.worlds.mdp.tabular_mdp import FloatArray, IntArray, TabularMDP
+from rl_tui.worlds.mdp.space import FloatArray, IntArray
+from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
 MOST_MARKS: Final = 256
 FIRST_SPACING: Final = 16

@@ -10,7 +10,7 @@ import numpy as np
 
 from rl_tui.agents.kernels.episode_bins import empty_bins, fold
 from rl_tui.lab.run.results import Curve
-from rl_tui.worlds.mdp.tabular_mdp import FloatArray, IntArray
+from rl_tui.worlds.mdp.space import FloatArray, IntArray
 
 BINS: Final = 512
 RECENT: Final = 100

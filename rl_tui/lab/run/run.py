@@ -27,7 +27,7 @@ from rl_tui.lab.run.recipe import (
     changed_parameter,
 )
 from rl_tui.lab.run.results import RunResults
-from rl_tui.worlds.mdp.tabular_mdp import BoolArray, FloatArray, IntArray
+from rl_tui.worlds.mdp.space import BoolArray, FloatArray, IntArray
 
 OnEpisodes = Callable[[FloatArray, IntArray, BoolArray], None]
 

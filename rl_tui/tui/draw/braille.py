@@ -6,7 +6,7 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from rl_tui.worlds.mdp.tabular_mdp import BoolArray, FloatArray, IntArray
+from rl_tui.worlds.mdp.space import BoolArray, FloatArray, IntArray
 
 DOTS_ACROSS: Final = 2
 DOTS_DOWN: Final = 4

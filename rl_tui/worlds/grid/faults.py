@@ -54,9 +54,14 @@ def grid_findings(raw: Mapping[str, Any]) -> Iterator[Finding]:
         yield Finding(("map",), "nothing", "a map of characters, or random")
         return
     key = "map" if "map" in raw else "random"
-    findings = list(_form_findings(raw["map"])) if key == "map" else []
-    yield from findings
-    shape = None if findings else _shape(raw, key)
+    if key == "map":
+        if not isinstance(raw["map"], str):
+            return  # a fault of form, reported already; it ends the search here
+        findings = list(_form_findings(raw["map"]))
+        if findings:
+            yield from findings
+            return
+    shape = _shape(raw, key)
     if shape is None:
         return
     yield from _size_findings(key, shape, raw, known_moves)
@@ -80,14 +85,13 @@ def _slip_findings(raw: Mapping[str, Any], moves: Sequence[str] | None) -> Itera
     for key, given in (("noise", noisy), ("slippery", slippery)):
         if given and moves not in (None, MOVES["four"]):
             yield Finding((key,), f"{key} with moves = {shown(raw['moves'])}", 'moves = "four", or no slips')
-    if raw.get("gusts") is True and not any(_wind(raw, key) for key in ("wind", "wind_rows")):
+    if raw.get("gusts") is True and not _winds(raw):
         yield Finding(("gusts",), "gusts without wind", "wind or wind_rows")
 
 
-def _wind(raw: Mapping[str, Any], key: str) -> list[Any]:
-    """Return the wind, empty where it blows nowhere."""
-    wind = raw.get(key)
-    return wind if isinstance(wind, list) and any(wind) else []
+def _winds(raw: Mapping[str, Any]) -> int:
+    """Return along how many axes wind blows anywhere."""
+    return sum(isinstance(wind, list) and any(wind) for wind in (raw.get("wind"), raw.get("wind_rows")))
 
 
 def _legend_findings(
@@ -100,10 +104,7 @@ def _legend_findings(
                 yield finding.inside("legend", character)
 
 
-def _form_findings(text: object) -> Iterator[Finding]:
-    if not isinstance(text, str):
-        # a fault of form, reported already; it ends the search here
-        return
+def _form_findings(text: str) -> Iterator[Finding]:
     lines = lines_of(text)
     if not any(lines):
         yield Finding(("map",), "an empty map", "a line of characters for each row")
@@ -118,10 +119,7 @@ def _form_findings(text: object) -> Iterator[Finding]:
 def _shape(raw: Mapping[str, Any], key: str) -> _Shape | None:
     """Return the size of the map, None where it cannot be read."""
     if key == "map":
-        text = raw["map"]
-        if not isinstance(text, str):
-            return None
-        lines = lines_of(text)
+        lines = lines_of(raw["map"])
         return _Shape(len(lines), len(lines[0]), Counter("".join(lines)))
     wanted, _ = parsed(RandomMap, raw["random"])
     if wanted is None:
@@ -144,7 +142,7 @@ def _size_findings(
         yield Finding((key,), size, "a start and a goal: at least 2 cells")
     ways = 3 if raw.get("slippery") is True or raw.get("noise") not in (None, 0) else 1
     if raw.get("gusts") is True:
-        ways *= 3 ** sum(bool(_wind(raw, each)) for each in ("wind", "wind_rows"))
+        ways *= 3 ** _winds(raw)
     outcomes = rows * columns * len(moves or ()) * ways
     if outcomes > MOST_OUTCOMES:
         yield Finding((key,), f"{size} with {outcomes:,} outcomes", f"at most {MOST_OUTCOMES:,} outcomes")
@@ -176,9 +174,8 @@ def _meeting_findings(
     for character, entry in sorted(on_map.items()):
         where = ("legend", character)
         if key == "random" and entry.is_wall and character in WAY_CHARACTERS:
-            yield Finding(
-                (*where, "kind"), "wall", "a cell to walk on: a map that is drawn has a way to its goal"
-            )
+            expected = "a cell to walk on: a map that is drawn has a way to its goal"
+            yield Finding((*where, "kind"), "wall", expected)
         if entry.jump is not None:
             yield from _jump_findings((*where, "jump"), entry.jump, shape, legend)
         if entry.back and starts > 1:

@@ -8,7 +8,14 @@ from typing import Annotated, Any, Final
 from rl_tui.common.findings import Finding, shown
 from rl_tui.worlds.drawing import CellKind
 from rl_tui.worlds.grid.moves import STEPS
-from rl_tui.worlds.sections.schema import Expect, FileSection, Number, is_plain, with_control_character
+from rl_tui.worlds.sections.schema import (
+    Expect,
+    FileSection,
+    Number,
+    TruthValue,
+    is_plain,
+    with_control_character,
+)
 
 KINDS: Final = tuple(kind.value for kind in CellKind)
 _GOAL_REWARD: Final = 1.0
@@ -24,7 +31,6 @@ def _are_moves(value: object) -> bool:
 
 
 Character = Annotated[str, Expect("one character", is_character, with_control_character)]
-TruthValue = Annotated[bool, Expect("true or false", lambda value: isinstance(value, bool))]
 
 
 class LegendEntry(FileSection):

@@ -6,7 +6,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Final
 
-from rl_tui.common.findings import Finding
 from rl_tui.common.limits import LONGEST_SIDE
 from rl_tui.worlds.grid.legend import LegendEntry
 from rl_tui.worlds.grid.moves import MOVES, STEPS, Terrain
@@ -89,7 +88,7 @@ def draw_map(
             entries = tuple(legend[each] for each in RANDOM_CHARACTERS)
             return CellMap(codes.astype(np.uint8), tuple(RANDOM_CHARACTERS), entries)
     found = f"holes in {wanted.holes:g} of the cells, and no way to the goal on {attempts:,} maps drawn"
-    raise WorldRefusedError(Finding(("random", "holes"), found, "fewer holes"))
+    raise WorldRefusedError(("random", "holes"), found, "fewer holes")
 
 
 def with_border(cells: BoolArray) -> BoolArray:

@@ -108,14 +108,8 @@ class Terrain:
         if allowed is not None:
             down *= allowed
             right *= allowed
-        push_down, push_right = (
-            _wind(self.wind_down, cells, gust.down),
-            _wind(self.wind_right, cells, gust.right),
-        )
-        if push_down is not None:
-            down, push_down = _cancelled(down, push_down)
-        if push_right is not None:
-            right, push_right = _cancelled(right, push_right)
+        down, push_down = _cancelled(down, _wind(self.wind_down, cells, gust.down))
+        right, push_right = _cancelled(right, _wind(self.wind_right, cells, gust.right))
         target = cells + down * np.int32(self.width) + right
         bumped = ~self.open_cells[target]
         landed = np.where(bumped, cells, target)
@@ -148,9 +142,11 @@ def _wind(wind: CellArray | None, cells: CellArray, gust: int) -> CellArray | No
     return here + np.int32(gust) * (here != 0) if gust else here
 
 
-def _cancelled(step: CellArray, wind: CellArray) -> tuple[CellArray, CellArray]:
+def _cancelled(step: CellArray, wind: CellArray | None) -> tuple[CellArray, CellArray | None]:
     """Return what is left of both along one axis, where a step is of one cell at most."""
     import numpy as np
 
+    if wind is None:
+        return step, None
     against = step * wind < 0
     return np.where(against, np.int32(0), step), np.where(against, wind + step, wind)

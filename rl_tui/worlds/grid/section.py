@@ -10,32 +10,23 @@ from pydantic import Field
 from rl_tui.common.findings import Finding
 from rl_tui.common.limits import LONGEST_SIDE, LONGEST_TIME_LIMIT, MOST_CHARACTERS, STRONGEST_WIND
 from rl_tui.worlds.grid.faults import grid_findings
-from rl_tui.worlds.grid.legend import BUILT_IN, Character, LegendEntry, TruthValue
-from rl_tui.worlds.grid.map import RandomMap, draw_map, read_map
-from rl_tui.worlds.grid.moves import MOVES, slips_of
-from rl_tui.worlds.sections.schema import Expect, Number, is_table, number, whole_number
+from rl_tui.worlds.grid.legend import BUILT_IN, Character, LegendEntry
+from rl_tui.worlds.grid.map import CellMap, RandomMap, draw_map, read_map
+from rl_tui.worlds.grid.moves import MOVES, Slip, slips_of
+from rl_tui.worlds.sections.schema import Expect, Number, TruthValue, is_table, number, sized, whole_number
 from rl_tui.worlds.sections.world_section import WorldSection
 from rl_tui.worlds.world import World
 
 if TYPE_CHECKING:
     from numpy.random import Generator
 
-    from rl_tui.worlds.grid.table import GridRules
-
 REWARDS: Final = ("entering", "leaving")
-
-
-def _is_wind(value: object) -> bool:
-    return isinstance(value, list) and len(value) <= LONGEST_SIDE
-
-
-def _is_legend(value: object) -> bool:
-    return isinstance(value, dict) and len(value) <= MOST_CHARACTERS
+_IS_LEGEND: Final = sized(dict, MOST_CHARACTERS)
 
 
 Wind = Annotated[
     list[Annotated[int, whole_number(-STRONGEST_WIND, STRONGEST_WIND)]],
-    Expect(f"a list of at most {LONGEST_SIDE:,} whole numbers", _is_wind),
+    Expect(f"a list of at most {LONGEST_SIDE:,} whole numbers", sized(list, LONGEST_SIDE)),
 ]
 
 
@@ -65,7 +56,7 @@ class GridSection(WorldSection):
     time_limit: Annotated[int, whole_number(0, LONGEST_TIME_LIMIT)] = 0
     legend: Annotated[
         dict[Character, LegendEntry],
-        Expect(f"a table of characters and what they mean, at most {MOST_CHARACTERS}", _is_legend),
+        Expect(f"a table of characters and what they mean, at most {MOST_CHARACTERS}", _IS_LEGEND),
     ] = Field(default_factory=dict)
 
     @classmethod
@@ -78,33 +69,26 @@ class GridSection(WorldSection):
         """Whether the map is drawn."""
         return self.random is not None
 
+    @property
+    def slips(self) -> tuple[Slip, ...]:
+        """What may happen when a move is meant."""
+        return slips_of(self.noise, self.slippery)
+
     def build(self, generator: Generator) -> World:
         """Return the world; a random map is the first draws from ``generator``.
 
         Raises WorldRefusedError where none with a way to the goal is found.
         """
         from rl_tui.worlds.grid.states import GridStates, grid_drawing
-        from rl_tui.worlds.grid.table import action_names, grid_table
+        from rl_tui.worlds.grid.table import grid_table
 
+        states = GridStates(self.cells(generator))
+        mdp = grid_table(states, self)
+        return World(mdp, grid_drawing(states, mdp.action_names))
+
+    def cells(self, generator: Generator) -> CellMap:
+        """Return the map, drawn from ``generator`` where it is random, as :meth:`build` does."""
         legend = {**BUILT_IN, **self.legend}
         if self.random is not None:
-            cells = draw_map(self.random, legend, self.moves, generator)
-        else:
-            cells = read_map(self.map, legend)
-        states, rules = GridStates(cells), self._rules()
-        return World(grid_table(states, rules), grid_drawing(states, action_names(states, rules)))
-
-    def _rules(self) -> GridRules:
-        from rl_tui.worlds.grid.table import GridRules
-
-        return GridRules(
-            moves=self.moves,
-            step_reward=self.step_reward,
-            bump_reward=self.bump_reward,
-            pays_on_leaving=self.rewards == "leaving",
-            slips=slips_of(self.noise, self.slippery),
-            wind=tuple(self.wind),
-            wind_rows=tuple(self.wind_rows),
-            gusts=self.gusts,
-            time_limit=self.time_limit,
-        )
+            return draw_map(self.random, legend, self.moves, generator)
+        return read_map(self.map, legend)

@@ -110,8 +110,7 @@ class GridStates:
 def grid_drawing(states: GridStates, actions: Sequence[str]) -> Grid:
     """Return the drawing of a map; ``actions`` are the names of its actions."""
     rows, columns = states.map.codes.shape
-    kinds = np.empty(len(states.map.entries), dtype=object)
-    kinds[:] = [entry.kind for entry in states.map.entries]
+    kinds = np.array([entry.kind for entry in states.map.entries], dtype=object)
     steps = [STEPS.get(name, (0, 0)) for name in actions]
     return Grid(
         rows=rows,

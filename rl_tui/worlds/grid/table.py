@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from itertools import product
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
@@ -17,27 +16,10 @@ from rl_tui.worlds.mdp.tabular_mdp import TabularMDP, TransitionArrays, mdp_of_a
 
 if TYPE_CHECKING:
     from rl_tui.worlds.grid.moves import CellArray
+    from rl_tui.worlds.grid.section import GridSection
 
 EXIT: Final = "exit"
 _GUST_SHARE: Final = 1.0 / 3.0
-
-
-@dataclass(frozen=True, slots=True)
-class GridRules:
-    """How one moves on a map and what it pays, as the ``[grid]`` table says it.
-
-    ``wind`` has an element for each column, ``wind_rows`` for each row; they are empty where there is none.
-    """
-
-    moves: str = "four"
-    step_reward: float = 0.0
-    bump_reward: float = 0.0
-    pays_on_leaving: bool = False
-    slips: tuple[Slip, ...] = (Slip(0, 1.0),)
-    wind: tuple[int, ...] = ()
-    wind_rows: tuple[int, ...] = ()
-    gusts: bool = False
-    time_limit: int = 0
 
 
 class Variant(NamedTuple):
@@ -47,20 +29,20 @@ class Variant(NamedTuple):
     gust: Gust
 
 
-def variants_of(rules: GridRules) -> list[Variant]:
+def variants_of(rules: GridSection) -> list[Variant]:
     """Return the ways in which moves may turn out, at most 27."""
     down = (0, -1, 1) if rules.gusts and any(rules.wind) else (0,)
     right = (0, -1, 1) if rules.gusts and any(rules.wind_rows) else (0,)
     return [Variant(slip, Gust(*gust)) for slip, *gust in product(rules.slips, down, right)]
 
 
-def action_names(states: GridStates, rules: GridRules) -> tuple[str, ...]:
+def action_names(states: GridStates, rules: GridSection) -> tuple[str, ...]:
     """Return the moves, and "exit" where a cell has it."""
     moves = MOVES[rules.moves]
     return (*moves, EXIT) if states.exits.any() else moves
 
 
-def grid_table(states: GridStates, rules: GridRules) -> TabularMDP:
+def grid_table(states: GridStates, rules: GridSection) -> TabularMDP:
     """Return the table of a map without faults.
 
     Every move from every cell that is not terminal is worked out, for all cells at once; the pairs of cells
@@ -80,7 +62,7 @@ def grid_table(states: GridStates, rules: GridRules) -> TabularMDP:
 class _Block:
     """The outcomes of n acting cells × A actions × V variants; not all of them are possible everywhere."""
 
-    def __init__(self, states: GridStates, rules: GridRules) -> None:
+    def __init__(self, states: GridStates, rules: GridSection) -> None:
         self.states, self.rules = states, rules
         self.acting: IntArray = np.flatnonzero(~states.ends)
         self.moves, self.variants = MOVES[rules.moves], variants_of(rules)
@@ -175,7 +157,7 @@ class _Block:
     def _reward(self) -> FloatArray:
         """Return what each outcome pays, [n, 1 or A, 1 or V]."""
         states, rules = self.states, self.rules
-        if rules.pays_on_leaving:
+        if rules.rewards == "leaving":
             reward = (states.rewards[self.acting] + rules.step_reward)[:, None, None]
         else:
             reward = np.where(states.exits, 0.0, states.rewards)[self.entered] + rules.step_reward
@@ -186,20 +168,13 @@ class _Block:
         return reward
 
 
-def _terrain(states: GridStates, rules: GridRules) -> Terrain:
+def _terrain(states: GridStates, rules: GridSection) -> Terrain:
     """Return the map with its wind, which blows up where rows are counted down."""
     rows, columns = states.map.codes.shape
-    down = (
-        np.broadcast_to(-np.array(rules.wind, dtype=np.int32), (rows, columns)) if any(rules.wind) else None
-    )
-    right = (
-        np.broadcast_to(np.array(rules.wind_rows, dtype=np.int32)[:, None], (rows, columns))
-        if any(rules.wind_rows)
-        else None
-    )
-    return Terrain(
-        states.open_cells,
-        columns + 2,
-        None if down is None else np.pad(down, 1).ravel(),
-        None if right is None else np.pad(right, 1).ravel(),
-    )
+
+    def everywhere(wind: CellArray) -> CellArray | None:
+        return np.pad(np.broadcast_to(wind, (rows, columns)), 1).ravel() if wind.any() else None
+
+    down = everywhere(-np.array(rules.wind, dtype=np.int32))
+    right = everywhere(np.array(rules.wind_rows, dtype=np.int32)[:, None])
+    return Terrain(states.open_cells, columns + 2, down, right)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import sys
 import threading
 import time
-from types import TracebackType
 from typing import Final, TextIO
 
 # Reentrant: garbage collection may close an environment, which is a call, in the middle of another
@@ -14,11 +13,11 @@ _LOCK: Final = threading.RLock()
 _SINCE: Final = dict[int, float]()
 
 
-class _StdoutAside:
-    """Sends all that environments print to stderr: stdout is for results.
+class EnvironmentCall:
+    """A context for one call into an environment. May not be entered again inside itself.
 
-    Several threads may call environments at once, and the driver of a terminal may exchange the streams
-    meanwhile: then they stay as it left them.
+    All that environments print goes to stderr: stdout is for results. Several threads may call environments
+    at once, and the driver of a terminal may exchange the streams meanwhile: then they stay as it left them.
     """
 
     def __init__(self) -> None:
@@ -26,34 +25,19 @@ class _StdoutAside:
         self._before: TextIO | None = None
         self._instead: TextIO | None = None
 
-    def begin(self) -> None:
+    def __enter__(self) -> None:
+        _SINCE[threading.get_ident()] = time.perf_counter()
         with _LOCK:
             self._calls += 1
             if self._calls == 1:
                 self._before, self._instead = sys.stdout, sys.stderr
                 sys.stdout = self._instead
 
-    def end(self) -> None:
+    def __exit__(self, *_: object) -> None:
         with _LOCK:
             if self._calls == 1 and sys.stdout is self._instead:
                 sys.stdout = self._before
             self._calls -= 1
-
-
-_STDOUT_ASIDE: Final = _StdoutAside()
-
-
-class EnvironmentCall:
-    """A context for one call into an environment. May not be entered again inside itself."""
-
-    def __enter__(self) -> None:
-        _SINCE[threading.get_ident()] = time.perf_counter()
-        _STDOUT_ASIDE.begin()
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        _STDOUT_ASIDE.end()
         _SINCE.pop(threading.get_ident(), None)
 
 

@@ -18,15 +18,14 @@ class UnsoundResultError(Exception):
     """A result of the wrong form; the message goes on after the environment's name."""
 
 
-def parts_of(result: Any) -> tuple[Any, Any, Any, Any, Any]:
-    """Return observation, reward, terminated, truncated and info. Raises UnsoundAnswerError."""
+def parts_of(result: Any) -> tuple[Any, ...]:
+    """Return observation, reward, terminated, truncated and info. Raises UnsoundResultError."""
     if not isinstance(result, tuple | list) or len(result) != _VALUES:
         found = f"{len(result)} values" if isinstance(result, tuple | list) else seen(result)
         raise UnsoundResultError(
             f"answered {found} to a step, which is not observation, reward, terminated, truncated and info"
         )
-    observation, reward, terminated, truncated, info = result
-    return observation, reward, terminated, truncated, info
+    return tuple(result)
 
 
 def first_observation(result: Any) -> Any:
@@ -37,7 +36,7 @@ def first_observation(result: Any) -> Any:
 
 
 def reward_of(value: Any) -> float:
-    """Return a reward as a finite number. Raises UnsoundAnswerError where it is none."""
+    """Return a reward as a finite number. Raises UnsoundResultError where it is none."""
     if type(value) is float and math.isfinite(value):
         return value
     number = number_of(value)
@@ -57,7 +56,7 @@ def number_of(value: Any) -> float:
 
 
 def truth_of(value: Any, what: str) -> bool:
-    """Return ``what``, terminated or truncated, as true or false. Raises UnsoundAnswerError."""
+    """Return ``what``, terminated or truncated, as true or false. Raises UnsoundResultError."""
     if value is True or value is False:
         return bool(value)
     single = _single(value)

@@ -53,7 +53,7 @@ def registered_id(id_: str) -> str:
     """
     refusal = refusal_of(id_)
     if refusal is not None:
-        raise WorldRefusedError(refusal)
+        raise WorldRefusedError(*refusal)
     module = module_of(id_)
     if module:
         try:
@@ -64,7 +64,7 @@ def registered_id(id_: str) -> str:
                 raise
             reason = one_line(f"{type(error).__name__}: {error}", _LONGEST_REASON)
             found = f"{module}, which cannot be imported ({reason})"
-            raise WorldRefusedError(Finding(("id",), found, "a module of this Python's")) from error
+            raise WorldRefusedError(("id",), found, "a module of this Python's") from error
     return id_.partition(":")[2] if module else id_
 
 

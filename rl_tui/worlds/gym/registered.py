@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from rl_tui.common.findings import Finding, near, one_line, shown
+from rl_tui.common.findings import near, one_line, shown
 from rl_tui.common.interrupts import is_interrupt
 from rl_tui.common.limits import LARGEST_ARGUMENTS, LONGEST_TIME_LIMIT
 from rl_tui.worlds.gym.env_call import ENVIRONMENT_CALL
@@ -42,10 +42,10 @@ def made(name: str, kwargs: Mapping[str, Any]) -> Env[Any, Any]:
     if name not in gymnasium.registry:
         known = (id_ for id_, spec in gymnasium.registry.items() if _may_serve(spec.entry_point))
         expected = f"the id of a registered environment{near(name, known)}"
-        raise WorldRefusedError(Finding(("id",), shown(name), expected))
+        raise WorldRefusedError(("id",), shown(name), expected)
     if size_of(kwargs) > LARGEST_ARGUMENTS:
         expected = f"at most {LARGEST_ARGUMENTS:,} characters and values in all"
-        raise WorldRefusedError(Finding(("kwargs",), f"{size_of(kwargs):,} characters and values", expected))
+        raise WorldRefusedError(("kwargs",), f"{size_of(kwargs):,} characters and values", expected)
     try:
         with ENVIRONMENT_CALL, _MAKING, warnings.catch_warnings():
             warnings.simplefilter("ignore")
@@ -58,12 +58,11 @@ def made(name: str, kwargs: Mapping[str, Any]) -> Env[Any, Any]:
         if is_interrupt(error):
             raise
         reason = reason_of(error)
-        finding = (
-            Finding(("kwargs",), f"what makes {name} fail ({reason})", f"what {name} takes")
-            if kwargs
-            else Finding(("id",), f"{name}, which cannot be made ({reason})", "one that can be made here")
-        )
-        raise WorldRefusedError(finding) from error
+        if kwargs:
+            found = f"what makes {name} fail ({reason})"
+            raise WorldRefusedError(("kwargs",), found, f"what {name} takes") from error
+        found = f"{name}, which cannot be made ({reason})"
+        raise WorldRefusedError(("id",), found, "one that can be made here") from error
 
 
 @contextmanager
@@ -81,7 +80,7 @@ def looked_at(name: str, kwargs: Mapping[str, Any]) -> Iterator[Env[Any, Any]]:
         if is_interrupt(error):
             raise
         found = f"{name}, which cannot be read ({reason_of(error)})"
-        raise WorldRefusedError(Finding(("id",), found, "one that tells its states and actions")) from error
+        raise WorldRefusedError(("id",), found, "one that tells its states and actions") from error
     finally:
         close(environment)
 
@@ -142,5 +141,5 @@ def time_limit_of(environment: Env[Any, Any]) -> int:
     limit = 0 if most_steps is None else most_steps
     if not isinstance(limit, int) or isinstance(limit, bool) or not 0 <= limit <= LONGEST_TIME_LIMIT:
         expected = f"a whole number from 0 to {LONGEST_TIME_LIMIT:,}"
-        raise WorldRefusedError(Finding(("kwargs", "max_episode_steps"), shown(limit), expected))
+        raise WorldRefusedError(("kwargs", "max_episode_steps"), shown(limit), expected)
     return limit

@@ -11,36 +11,30 @@ from rl_tui.common.findings import Finding, Location, shown
 from rl_tui.worlds.environment import EnvironmentFailedError
 from rl_tui.worlds.gym.modules import refusal_of
 from rl_tui.worlds.gym.stepped.bins import BinsSection
-from rl_tui.worlds.sections.schema import Expect, is_plain, is_table, text, with_control_character
+from rl_tui.worlds.sections.schema import (
+    Expect,
+    is_plain,
+    is_table,
+    is_truth_value,
+    text,
+    with_control_character,
+)
 from rl_tui.worlds.sections.world_section import WorldRefusedError, WorldSection
 from rl_tui.worlds.world import World
 
 if TYPE_CHECKING:
     from numpy.random import Generator
 
+_TABLE: Final = Expect("true (its transition table) or false (stepped)", is_truth_value)
 _IN_LINES: Final = "\n\t"
 _DRAWN_HERE: Final = "no such argument: the world is drawn here"
 _NOT_ITS_OWN: Final = "arguments of the environment itself"
-# What Gymnasium's make takes for itself, or a registration says; the time limit alone may be chosen
+# The time limit alone may be chosen of what Gymnasium's make takes for itself, or a registration says
+_OF_MAKE: Final = ("id", "spec", "env", "env_id", "wrappers", "disable_env_checker", "make_kwargs")
+_OF_A_SPEC: Final = ("entry_point", "vector_entry_point", "additional_wrappers", "order_enforce", "kwargs")
 _REFUSED: Final[Mapping[str, str]] = {
     "render_mode": _DRAWN_HERE,
-    **dict.fromkeys(
-        (
-            "id",
-            "entry_point",
-            "vector_entry_point",
-            "additional_wrappers",
-            "wrappers",
-            "spec",
-            "disable_env_checker",
-            "order_enforce",
-            "kwargs",
-            "env",
-            "env_id",
-            "make_kwargs",
-        ),
-        _NOT_ITS_OWN,
-    ),
+    **dict.fromkeys((*_OF_MAKE, *_OF_A_SPEC), _NOT_ITS_OWN),
 }
 
 
@@ -53,13 +47,7 @@ class GymnasiumSection(WorldSection):
 
     id: Annotated[str, text(100)]
     kwargs: Annotated[dict[str, Any], Expect("a table of arguments", is_table)] = Field(default_factory=dict)
-    table: (
-        Annotated[
-            bool,
-            Expect("true (its transition table) or false (stepped)", lambda value: isinstance(value, bool)),
-        ]
-        | None
-    ) = None
+    table: Annotated[bool, _TABLE] | None = None
     bins: BinsSection | None = None
 
     @classmethod

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Final
 
-from rl_tui.common.findings import Finding
 from rl_tui.common.limits import MOST_ACTIONS, MOST_PAIRS, MOST_STATES
 from rl_tui.worlds.sections.world_section import WorldRefusedError
 
@@ -32,4 +31,4 @@ def check_sizes(name: str, states: int, actions: int, key: str) -> None:
         if count > most:
             number = f"{count:,}" if count < _FAR_TOO_MANY else "more than 10^15"
             found = f"{number} {what} of {name}"
-            raise WorldRefusedError(Finding((key,), found, f"at most {most:,}"))
+            raise WorldRefusedError((key,), found, f"at most {most:,}")

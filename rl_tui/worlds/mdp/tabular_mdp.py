@@ -8,25 +8,12 @@ from dataclasses import dataclass, fields
 from typing import NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 
 from rl_tui.worlds.mdp.consistency import check_consistency
 from rl_tui.worlds.mdp.reachable import reachable
 from rl_tui.worlds.mdp.space import BoolArray, FiniteSpace, FloatArray, IntArray
 from rl_tui.worlds.mdp.tolerance import PROBABILITY_TOLERANCE
-
-__all__ = [
-    "UNKNOWN_ACTION",
-    "BoolArray",
-    "FloatArray",
-    "IntArray",
-    "Outcome",
-    "TabularMDP",
-    "Transition",
-    "TransitionArrays",
-    "cumulative_inside",
-    "mdp_of_arrays",
-    "tabular_mdp",
-]
 
 UNKNOWN_ACTION = -1
 
@@ -106,6 +93,10 @@ class TabularMDP(FiniteSpace):
     def start_probability(self) -> FloatArray:
         """The probability of each of ``start_state``, [K]."""
         return np.diff(self.start_cumulative, prepend=0.0)
+
+    def average_at_start(self, values: npt.NDArray[np.floating]) -> float:
+        """Return the mean of the ``values`` of states, [S] or more, over the start distribution."""
+        return float(np.dot(self.start_probability, values[self.start_state]))
 
     def outcomes_of(self, pair: int) -> range:
         """Return the outcomes that ``pair`` owns."""

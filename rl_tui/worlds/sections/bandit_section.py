@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
-from typing import TYPE_CHECKING, Annotated, Any, Final, Literal, TypeGuard
-
-from pydantic import BeforeValidator
+from typing import TYPE_CHECKING, Annotated, Any, Final, TypeGuard
 
 from rl_tui.common.findings import Finding, shown
 from rl_tui.common.limits import LARGEST_STD, MOST_ARMS, MOST_PULLS
@@ -19,7 +17,7 @@ from rl_tui.worlds.sections.schema import (
     is_number,
     is_table,
     number,
-    refused,
+    sized,
     whole_number,
 )
 from rl_tui.worlds.sections.world_section import WorldSection
@@ -31,8 +29,8 @@ if TYPE_CHECKING:
     from rl_tui.worlds.mdp.tabular_mdp import Outcome
 
 STATE_NAME: Final = "bandit"
-GAUSSIAN: Final = "gaussian"
 BERNOULLI: Final = "bernoulli"
+REWARDS: Final = ("gaussian", BERNOULLI)
 _PROBABILITY: Final = "means from 0 to 1, since they are probabilities"
 
 
@@ -67,10 +65,7 @@ class MeanDistribution(FileSection):
     ) = None
 
 
-def _number_of_means(means: object) -> object:
-    if not isinstance(means, list) or not 0 < len(means) <= MOST_ARMS:
-        raise refused(shown(means), f"1 to {MOST_ARMS:,} numbers")
-    return means
+_MEANS: Final = Expect(f"1 to {MOST_ARMS:,} numbers", sized(list, MOST_ARMS, 1))
 
 
 class BanditSection(WorldSection):
@@ -83,15 +78,12 @@ class BanditSection(WorldSection):
     """
 
     arms: Annotated[int, whole_number(1, MOST_ARMS)] = 0
-    rewards: Annotated[
-        Literal["gaussian", "bernoulli"],
-        Expect(f"{GAUSSIAN} or {BERNOULLI}", lambda value: value in (GAUSSIAN, BERNOULLI)),
-    ] = "gaussian"
+    rewards: Annotated[str, Expect(" or ".join(REWARDS), lambda value: value in REWARDS)] = REWARDS[0]
     mean: Annotated[
         MeanDistribution,
         Expect("a table, { normal = [mean, std] } or { uniform = [low, high] }", is_table),
     ] = MeanDistribution()
-    means: Annotated[list[Number], BeforeValidator(_number_of_means)] | None = None
+    means: Annotated[list[Number], _MEANS] | None = None
     std: Annotated[float, number(0, LARGEST_STD)] = 1.0
     drift: Annotated[float, number(0, LARGEST_STD)] = 0.0
     budget: Annotated[int, whole_number(1, MOST_PULLS)] = 1_000
@@ -103,11 +95,8 @@ class BanditSection(WorldSection):
         if "means" not in raw and "arms" not in raw:
             yield Finding(("arms",), "nothing", f"a whole number from 1 to {MOST_ARMS:,}, or means")
         if isinstance(means, list) and is_number(arms) and len(means) != arms:
-            yield Finding(
-                ("means",),
-                counted(len(means), "mean"),
-                f"as many as there are arms ({shown(arms)})",
-            )
+            expected = f"as many as there are arms ({shown(arms)})"
+            yield Finding(("means",), counted(len(means), "mean"), expected)
         if "means" in raw and "mean" in raw:
             yield Finding(("mean",), "mean beside means", "either the distribution or the means themselves")
         if isinstance(mean, dict) and "normal" in mean and "uniform" in mean:

@@ -9,7 +9,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from rl_tui.common.findings import Finding, near, shown
+from rl_tui.common.findings import Finding, Location, near, shown
 from rl_tui.common.limits import MOST_ACTIONS_WRITTEN, MOST_STATES_WRITTEN
 from rl_tui.worlds.sections.schema import is_name, is_number
 
@@ -125,11 +125,12 @@ def _unknown_destinations(arrows: Sequence[Arrows], places: Mapping[str, Any]) -
     for each in arrows:
         for name in each.to:
             if name not in known and (places or _loosely(name) in alike):
-                yield Finding(
-                    ("transition", each.index, "to"),
-                    f"unknown state {shown(name)}",
-                    f"a state with transitions, or a terminal one named in mdp.place{near(name, known)}",
-                )
+                expected = "a state with transitions, or a terminal one named in mdp.place"
+                yield _unknown(("transition", each.index, "to"), name, expected, known)
+
+
+def _unknown(location: Location, name: str, expected: str, known: Iterable[str]) -> Finding:
+    return Finding(location, f"unknown state {shown(name)}", f"{expected}{near(name, known)}")
 
 
 def _loosely(name: str) -> str:
@@ -141,9 +142,7 @@ def _unknown_starts(start: object, arrows: Sequence[Arrows]) -> Iterator[Finding
     mentioned = acting.union(*(each.to for each in arrows))
     for name, possible in _weights(start).items():
         if name not in mentioned:
-            yield Finding(
-                ("start",), f"unknown state {shown(name)}", f"a state with transitions{near(name, acting)}"
-            )
+            yield _unknown(("start",), name, "a state with transitions", acting)
         elif possible and name not in acting:
             yield Finding(("start",), f"terminal state {shown(name)}", "a state with transitions")
 
@@ -152,11 +151,7 @@ def _unknown_places(arrows: Sequence[Arrows], places: Mapping[str, Any]) -> Iter
     mentioned = {name for each in arrows for name in (each.state or "", *each.to)}
     for name in places:
         if name not in mentioned:
-            yield Finding(
-                ("place", name),
-                f"unknown state {shown(name)}",
-                f"a state that a transition mentions{near(name, mentioned)}",
-            )
+            yield _unknown(("place", name), name, "a state that a transition mentions", mentioned)
 
 
 def _unreachable(start: object, arrows: Sequence[Arrows]) -> Iterator[Finding]:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Iterator, Mapping
-from typing import TYPE_CHECKING, Annotated, Any, Final
+from typing import TYPE_CHECKING, Annotated, Any, Final, TypeVar
 
 from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
@@ -16,6 +17,7 @@ from rl_tui.common.limits import (
     MOST_TRANSITIONS,
 )
 from rl_tui.worlds.drawing import Graph
+from rl_tui.worlds.mdp.tolerance import PROBABILITY_TOLERANCE
 from rl_tui.worlds.sections.mdp_connections import connection_findings
 from rl_tui.worlds.sections.schema import (
     Expect,
@@ -27,7 +29,7 @@ from rl_tui.worlds.sections.schema import (
     is_table,
     number,
     refused,
-    sums_to_one,
+    sized,
     whole_number,
 )
 from rl_tui.worlds.sections.world_section import WorldSection
@@ -39,6 +41,8 @@ if TYPE_CHECKING:
     from rl_tui.worlds.mdp.tabular_mdp import Outcome
 
 _AT_MOST: Final = f", at most {MOST_STATES_WRITTEN:,}"
+_COLUMN_OR_ROW: Final = whole_number(0, LARGEST_PLACE)
+_STATES: Final = sized(dict, MOST_STATES_WRITTEN)
 
 Deviation = Annotated[float, number(0, LARGEST_STD)]
 
@@ -60,34 +64,23 @@ class Destination(FileSection):
         raise refused(shown(value), "a probability from 0 to 1, or { p = …, reward = …, std = … }")
 
 
+Share = TypeVar("Share", float, Destination)
+
+
 def _certain(value: object) -> object:
     return {value: 1.0} if isinstance(value, str) else value
 
 
-def _destinations_sum_to_one(to: dict[str, Destination]) -> dict[str, Destination]:
-    sums_to_one(destination.p for destination in to.values())
-    return to
-
-
-def _start_sums_to_one(start: dict[str, float]) -> dict[str, float]:
-    sums_to_one(start.values())
-    return start
+def _sums_to_one(distribution: dict[str, Share]) -> dict[str, Share]:
+    chances = (each.p if isinstance(each, Destination) else each for each in distribution.values())
+    total = math.fsum(chances)
+    if not abs(total - 1.0) <= PROBABILITY_TOLERANCE:
+        raise refused(f"{total:.12g}", "probabilities that sum to 1 (±1e-9)")
+    return distribution
 
 
 def _is_place(value: object) -> bool:
-    return (
-        isinstance(value, list)
-        and len(value) == 2
-        and all(whole_number(0, LARGEST_PLACE).test(each) for each in value)
-    )
-
-
-def _is_table_of_states(value: object) -> bool:
-    return isinstance(value, dict) and len(value) <= MOST_STATES_WRITTEN
-
-
-def _is_list_of_tables(value: object) -> bool:
-    return isinstance(value, list) and 0 < len(value) <= MOST_TRANSITIONS
+    return isinstance(value, list) and len(value) == 2 and all(map(_COLUMN_OR_ROW.test, value))
 
 
 class TransitionEntry(FileSection):
@@ -102,8 +95,8 @@ class TransitionEntry(FileSection):
     std: Deviation = 0.0
     to: Annotated[
         dict[Name, Destination],
-        AfterValidator(_destinations_sum_to_one),
-        Expect(f"a table of states and probabilities{_AT_MOST}", _is_table_of_states),
+        AfterValidator(_sums_to_one),
+        Expect(f"a table of states and probabilities{_AT_MOST}", _STATES),
         BeforeValidator(_certain),
     ]
 
@@ -129,8 +122,8 @@ class MDPSection(WorldSection):
 
     start: Annotated[
         dict[Name, Probability],
-        AfterValidator(_start_sums_to_one),
-        Expect(f"the name of a state, or a table of states and probabilities{_AT_MOST}", _is_table_of_states),
+        AfterValidator(_sums_to_one),
+        Expect(f"the name of a state, or a table of states and probabilities{_AT_MOST}", _STATES),
         BeforeValidator(_certain),
     ]
     time_limit: Annotated[int, whole_number(0, LONGEST_TIME_LIMIT)] = 0
@@ -142,11 +135,11 @@ class MDPSection(WorldSection):
                 Expect(f"[column, row], whole numbers from 0 to {LARGEST_PLACE}", _is_place),
             ],
         ],
-        Expect(f"a table of states and their [column, row]{_AT_MOST}", _is_table_of_states),
+        Expect(f"a table of states and their [column, row]{_AT_MOST}", _STATES),
     ] = Field(default_factory=dict)
     transition: Annotated[
         list[TransitionEntry],
-        Expect(f"1 to {MOST_TRANSITIONS:,} tables [[mdp.transition]]", _is_list_of_tables),
+        Expect(f"1 to {MOST_TRANSITIONS:,} tables [[mdp.transition]]", sized(list, MOST_TRANSITIONS, 1)),
     ]
 
     @classmethod

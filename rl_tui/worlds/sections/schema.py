@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import typing
 import unicodedata
 from collections.abc import Callable, Iterable, Iterator
@@ -15,7 +14,6 @@ from pydantic_core import CoreSchema, ErrorDetails, PydanticCustomError, core_sc
 
 from rl_tui.common.findings import Finding, near, shown
 from rl_tui.common.limits import LARGEST_NUMBER, LONGEST_NAME, MOST_FINDINGS, MOST_KEYS
-from rl_tui.worlds.mdp.tolerance import PROBABILITY_TOLERANCE
 
 _IN_LINES: Final = "\n\t"
 _BIDIRECTIONAL: Final = frozenset("\u061c\u200e\u200f\u202a\u202b\u202c\u202d\u202e\u2066\u2067\u2068\u2069")
@@ -145,16 +143,20 @@ def is_table(value: object) -> bool:
     return isinstance(value, dict)
 
 
+def sized(kind: type[list[Any] | dict[Any, Any]], most: int, least: int = 0) -> Callable[[object], bool]:
+    """Return the test whether a value is a list or a table of ``least`` to ``most`` entries."""
+    return lambda value: isinstance(value, kind) and least <= len(value) <= most
+
+
+def is_truth_value(value: object) -> bool:
+    """Return whether a value is true or false."""
+    return isinstance(value, bool)
+
+
+TruthValue = Annotated[bool, Expect("true or false", is_truth_value)]
 Number = Annotated[float, number()]
 Probability = Annotated[float, number(0, 1)]
 Name = Annotated[str, Expect(f"a name of 1 to {LONGEST_NAME} characters", is_name, with_control_character)]
-
-
-def sums_to_one(probabilities: Iterable[float]) -> None:
-    """Refuse probabilities whose sum is not 1 (±1e-9)."""
-    total = math.fsum(probabilities)
-    if not abs(total - 1.0) <= PROBABILITY_TOLERANCE:
-        raise refused(f"{total:.12g}", "probabilities that sum to 1 (±1e-9)")
 
 
 def parsed(section: type[AnySection], raw: object) -> tuple[AnySection | None, list[Finding]]:

@@ -6,7 +6,7 @@ from abc import abstractmethod
 from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
-from rl_tui.common.findings import Finding
+from rl_tui.common.findings import Finding, Location
 from rl_tui.worlds.sections.schema import FileSection
 from rl_tui.worlds.world import World
 
@@ -39,6 +39,6 @@ class WorldSection(FileSection):
 class WorldRefusedError(Exception):
     """The world cannot be built; ``finding`` says why, located inside its table."""
 
-    def __init__(self, finding: Finding) -> None:
-        super().__init__(finding.found)
-        self.finding = finding
+    def __init__(self, location: Location, found: str, expected: str) -> None:
+        super().__init__(found)
+        self.finding = Finding(location, found, expected)

@@ -13,9 +13,9 @@ from rl_tui.lab.export.literals import literal, table
 from rl_tui.lab.export.template import fill, sections
 from rl_tui.lab.export.worlds.text import TEXTS, WorldText, arrow, between, environment
 from rl_tui.worlds.drawing import CellKind
-from rl_tui.worlds.grid.legend import BUILT_IN, LegendEntry
-from rl_tui.worlds.grid.map import draw_map, lines_of, read_map
-from rl_tui.worlds.grid.moves import MOVES, STEPS, slips_of
+from rl_tui.worlds.grid.legend import LegendEntry
+from rl_tui.worlds.grid.map import lines_of
+from rl_tui.worlds.grid.moves import MOVES, STEPS
 
 if TYPE_CHECKING:
     from numpy.random import Generator
@@ -32,9 +32,10 @@ def grid_text(section: GridSection, generator: Generator) -> WorldText:
     Raises UserError where the map is too large to be read.
     """
     _check_size(section)
-    legend = {**BUILT_IN, **section.legend}
-    rows = _rows(section, legend, generator)
-    there = {each: legend[each] for each in sorted(set("".join(rows)))}
+    cells = section.cells(generator)
+    rows = ["".join(cells.characters[code] for code in row) for row in cells.codes]
+    meaning = dict(zip(cells.characters, cells.entries, strict=True))
+    there = {each: meaning[each] for each in sorted(set("".join(rows)))}
     starts = _characters(there, lambda entry: entry.kind is CellKind.START)
     moves = {name: STEPS[name] for name in MOVES[section.moves]}
     arrows = [arrow(step, name) for name, step in moves.items()]
@@ -88,22 +89,13 @@ def _check_size(section: GridSection) -> None:
         )
 
 
-def _rows(section: GridSection, legend: Mapping[str, LegendEntry], generator: Generator) -> list[str]:
-    """Return the map, a text a row; one that is random is drawn."""
-    if section.random is not None:
-        cells = draw_map(section.random, legend, section.moves, generator)
-    else:
-        cells = read_map(section.map, legend)
-    return ["".join(cells.characters[code] for code in row) for row in cells.codes]
-
-
 def _characters(there: Mapping[str, LegendEntry], quality: Callable[[LegendEntry], bool]) -> str:
     return "".join(each for each, entry in there.items() if quality(entry))
 
 
 def _rules(section: GridSection, there: Mapping[str, LegendEntry]) -> dict[str, Any]:
     """Return the rules that a grid may have, as the constants of the script; empty or 0 where it has not."""
-    turns = [(slip.turn, slip.probability) for slip in slips_of(section.noise, section.slippery)]
+    turns = [(slip.turn, slip.probability) for slip in section.slips]
     paying = {each: entry for each, entry in there.items() if not entry.is_wall and entry.pays}
     return {
         "walls": _characters(there, lambda entry: entry.is_wall),

@@ -21,8 +21,8 @@ from rl_tui.tui.panels.model.reward_range import reward_range
 from rl_tui.tui.panels.snapshot_facts import is_secret
 from rl_tui.tui.theme.look import Look
 from rl_tui.worlds.drawing import Arms
-from rl_tui.worlds.mdp.space import FiniteSpace
-from rl_tui.worlds.mdp.tabular_mdp import IntArray, TabularMDP
+from rl_tui.worlds.mdp.space import FiniteSpace, IntArray
+from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 from rl_tui.worlds.world import World
 
 UNKNOWN: Final = "unknown: stepped for real, nobody wrote its table down"

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Final
 from rl_tui.common.findings import Finding, shown
 from rl_tui.common.limits import MOST_BINS, MOST_EDGES, MOST_PARTS
 from rl_tui.worlds.gym.sizes import check_sizes, combinations
-from rl_tui.worlds.sections.schema import Expect, FileSection, Number, is_number, number, whole_number
+from rl_tui.worlds.sections.schema import Expect, FileSection, Number, is_number, number, sized, whole_number
 from rl_tui.worlds.sections.world_section import WorldRefusedError
 
 if TYPE_CHECKING:
@@ -27,19 +27,15 @@ _MOST_DECIMALS: Final = 12
 _FINEST: Final = 1e-14  # of the bounds; a double has 16 digits
 
 
-def _is_list(value: object) -> bool:
-    return isinstance(value, list) and 0 < len(value) <= MOST_PARTS
-
-
 def _is_list_of_edges(value: object) -> bool:
     # of a long list one fault is reported, not one for each entry
-    short = isinstance(value, list) and len(value) <= _MOST_TOLD
-    return short or (
-        isinstance(value, list) and len(value) <= MOST_EDGES and all(is_number(each) for each in value)
+    return isinstance(value, list) and (
+        len(value) <= _MOST_TOLD or (len(value) <= MOST_EDGES and all(map(is_number, value)))
     )
 
 
-_LIST: Final = Expect(f"a list with an entry for each dimension, at most {MOST_PARTS}", _is_list)
+_IS_LIST: Final = sized(list, MOST_PARTS, 1)
+_LIST: Final = Expect(f"a list with an entry for each dimension, at most {MOST_PARTS}", _IS_LIST)
 Count = Annotated[int, whole_number(1, MOST_BINS)]
 Edges = Annotated[list[Number], Expect(f"a list of at most {MOST_EDGES:,} numbers", _is_list_of_edges)]
 
@@ -84,7 +80,7 @@ class BinsSection(FileSection):
         given = len(self.edges or self.count or ())
         if given != dimensions:
             expected = f"{dimensions}, one for each dimension of {name}"
-            raise _refusal((key,), f"{given} entries", expected)
+            raise WorldRefusedError(("bins", key), f"{given} entries", expected)
         check_sizes(
             name, combinations(self.count or [len(edges) + 1 for edges in self.edges or ()]), 1, "bins"
         )
@@ -97,18 +93,16 @@ class BinsSection(FileSection):
         for dimension, count in enumerate(counts):
             least, most = low[dimension], high[dimension]
             if not least < most:
-                raise _refusal(("high",), f"{most:g}", f"more than {least:g} in dimension {dimension}")
+                expected = f"more than {least:g} in dimension {dimension}"
+                raise WorldRefusedError(("bins", "high"), f"{most:g}", expected)
             width = (most - least) / count
             if width < _FINEST * max(abs(least), abs(most)) or width == 0.0:
                 found = f"{count:,} bins from {least:g} to {most:g}"
-                raise _refusal(("count", dimension), found, "fewer: numbers are not as fine as that")
+                expected = "fewer: numbers are not as fine as that"
+                raise WorldRefusedError(("bins", "count", dimension), found, expected)
             edges.append([least + width * place for place in range(1, count)])
             names.append(_middle_names(least, width, count))
         return BinStates(edges, names)
-
-
-def _refusal(location: tuple[str | int, ...], found: str, expected: str) -> WorldRefusedError:
-    return WorldRefusedError(Finding(("bins", *location), found, expected))
 
 
 def _edge_findings(edges: object) -> Iterator[Finding]:
@@ -135,7 +129,7 @@ def _bounds(name: str, key: str, values: Any, counts: Sequence[int]) -> list[flo
             bounds[dimension] = 0.0 if key == "low" else 1.0
         elif not number().test(bounds[dimension]):
             found = f"nothing, and no bound of its own in dimension {dimension} of {name}"
-            raise _refusal((key,), found, "a number for each dimension")
+            raise WorldRefusedError(("bins", key), found, "a number for each dimension")
     return bounds
 
 

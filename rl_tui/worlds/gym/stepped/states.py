@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, overload
 import numpy as np
 
 from rl_tui.common.limits import MOST_PARTS
+from rl_tui.worlds.mdp.number_names import NumberNames
 
 if TYPE_CHECKING:
     from gymnasium import Space
@@ -62,9 +63,14 @@ class ProductNames(Sequence[str]):
 
 
 class States(Protocol):
-    """How observations become states: ``part_names[i]`` are the names of the values of part i, in order."""
+    """How observations become states; ``sizes[i]`` says how many values part i has."""
 
-    part_names: Sequence[Sequence[str]]
+    sizes: Sequence[int]
+
+    @property
+    def part_names(self) -> Sequence[Sequence[str]]:
+        """The names of the values of each part, in order."""
+        ...
 
     def state_of(self, observation: Any) -> int:
         """Return the state of an observation; raises OutsideError, TypeError or ValueError if it has none."""
@@ -74,9 +80,14 @@ class DiscreteStates:
     """Every combination of the discrete parts of a space is a state."""
 
     def __init__(self, parts: Sequence[ObservationPart], read: Reader) -> None:
-        self.part_names: Sequence[Sequence[str]] = [_Numbers(range(first, first + n)) for first, n in parts]
+        self.sizes: Sequence[int] = [part.size for part in parts]
         self._parts = tuple(parts)
         self._read = read
+
+    @property
+    def part_names(self) -> Sequence[Sequence[str]]:
+        """The numbers of each part, eight bytes for each: the sizes are to be checked first."""
+        return [NumberNames(np.arange(first, first + size)) for first, size in self._parts]
 
     def state_of(self, observation: Any) -> int:
         """Return the number of this combination."""
@@ -94,6 +105,7 @@ class BinStates:
 
     def __init__(self, edges: Sequence[Sequence[float]], names: Sequence[Sequence[str]]) -> None:
         self.part_names = names
+        self.sizes: Sequence[int] = [len(part) for part in names]
         self._bins = [(each, len(each) + 1) for each in edges]
 
     def state_of(self, observation: Any) -> int:
@@ -105,27 +117,6 @@ class BinStates:
                 raise OutsideError
             state = state * count + bisect_right(edges, value)
         return state
-
-
-class _Numbers(Sequence[str]):
-    """A range of whole numbers as names."""
-
-    def __init__(self, numbers: range) -> None:
-        self._numbers = numbers
-
-    def __len__(self) -> int:
-        return len(self._numbers)
-
-    @overload
-    def __getitem__(self, index: int) -> str: ...
-
-    @overload
-    def __getitem__(self, index: slice) -> Sequence[str]: ...
-
-    def __getitem__(self, index: int | slice) -> str | Sequence[str]:
-        if isinstance(index, slice):
-            return _Numbers(self._numbers[index])
-        return str(self._numbers[index])
 
 
 def discrete_states(space: Space[Any]) -> DiscreteStates | None:

@@ -7,7 +7,6 @@ import weakref
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from rl_tui.common.findings import Finding
 from rl_tui.common.interrupts import is_interrupt
 from rl_tui.worlds.environment import EnvironmentFailedError, StepResult
 from rl_tui.worlds.gym.env_call import ENVIRONMENT_CALL
@@ -94,10 +93,9 @@ def stepped_world(name: str, kwargs: Mapping[str, Any], bins: BinsSection | None
         spaces = environment.observation_space, environment.action_space
         first_action, actions = _actions_of(name, environment)
         states = _states_of(name, environment, bins)
-        count = combinations(len(part) for part in states.part_names)
-        check_sizes(name, count, actions, "bins" if bins else "id")
+        check_sizes(name, combinations(states.sizes), actions, "bins" if bins else "id")
         names = action_names(environment.unwrapped, first_action, actions)
-        known_names = known_part_names(environment.unwrapped, [len(part) for part in states.part_names])
+        known_names = known_part_names(environment.unwrapped, states.sizes)
         terms = part_terms(environment.unwrapped)
         limit = time_limit_of(environment)
     part_names = [given or part for given, part in zip(known_names, states.part_names, strict=True)]
@@ -114,7 +112,7 @@ def stepped_world(name: str, kwargs: Mapping[str, Any], bins: BinsSection | None
 
     return World(
         all_pairs(ProductNames(part_names), names, limit),
-        product_grid([len(part) for part in part_names], actions, terms),
+        product_grid(states.sizes, actions, terms),
         new_environment=new_environment,
     )
 
@@ -126,17 +124,16 @@ def _states_of(name: str, environment: Env[Any, Any], bins: BinsSection | None) 
     if isinstance(space, Box):
         if bins is None:
             found = f"{name}, whose states are Box: {math.prod(space.shape)} real numbers"
-            raise WorldRefusedError(
-                Finding(("id",), found, "[gymnasium.bins] in a scenario file, which cuts them into states")
-            )
+            expected = "[gymnasium.bins] in a scenario file, which cuts them into states"
+            raise WorldRefusedError(("id",), found, expected)
         return bins.states(name, space)
     if bins is not None:
         found = f"bins for {name}, whose states are {type(space).__name__}"
-        raise WorldRefusedError(Finding(("bins",), found, "no bins: they cut a Box of real numbers"))
+        raise WorldRefusedError(("bins",), found, "no bins: they cut a Box of real numbers")
     states = discrete_states(space)
     if states is None:
         found = f"{name}, whose states are {type(space).__name__}"
-        raise WorldRefusedError(Finding(("id",), found, "states made of discrete parts"))
+        raise WorldRefusedError(("id",), found, "states made of discrete parts")
     return states
 
 
@@ -147,5 +144,5 @@ def _actions_of(name: str, environment: Env[Any, Any]) -> tuple[int, int]:
     space = environment.action_space
     if not isinstance(space, Discrete):
         found = f"{name}, whose actions are {type(space).__name__}"
-        raise WorldRefusedError(Finding(("id",), found, "discrete actions"))
+        raise WorldRefusedError(("id",), found, "discrete actions")
     return int(space.start), int(space.n)

@@ -138,28 +138,20 @@ def _transitions(
         rewards: defaultdict[float, float] = defaultdict(float)
         for dealer, probability in dealer_showing(showing).items():
             rewards[_reward(rules, hand, dealer)] += probability
-        yield Transition(
-            state,
-            STICK,
-            [
-                Outcome(
-                    probability, end[WON if reward > 0.0 else DREW if reward == 0.0 else LOST], reward, True
-                )
-                for reward, probability in sorted(rewards.items(), reverse=True)
-            ],
-        )
+        stick = [
+            Outcome(probability, end[WON if reward > 0.0 else DREW if reward == 0.0 else LOST], reward, True)
+            for reward, probability in sorted(rewards.items(), reverse=True)
+        ]
+        yield Transition(state, STICK, stick)
         reached: defaultdict[int, float] = defaultdict(float)
         for card, probability in CARDS.items():
             drawn = hand.with_card(card)
             reached[number[drawn, showing] if drawn.sum <= BEST else end[LOST]] += probability
-        yield Transition(
-            state,
-            HIT,
-            [
-                Outcome(probability, after, -1.0 if after == end[LOST] else 0.0, after == end[LOST])
-                for after, probability in reached.items()
-            ],
-        )
+        hit = [
+            Outcome(probability, after, -1.0 if after == end[LOST] else 0.0, after == end[LOST])
+            for after, probability in reached.items()
+        ]
+        yield Transition(state, HIT, hit)
 
 
 def _table_drawing(states: list[tuple[Hand, int]]) -> Grid:

@@ -60,24 +60,17 @@ class Layout:
         On a compass Gymnasium lists the actions beside the meant one in the order a − 1, a, a + 1 (modulo 4),
         or the meant one alone. The answer is −1 where that does not explain ``next_state`` on this grid.
         """
-        if not self.compass:
+        if not self.compass or count not in (1, 3):
             return UNKNOWN_ACTION
-        if count == 1:
-            candidate = action
-        elif count == 3:
-            candidate = (action + place - 1) % len(self.action_names)
-        else:
-            return UNKNOWN_ACTION
+        candidate = action if count == 1 else (action + place - 1) % len(self.action_names)
         return candidate if self._landing(state, candidate) == next_state else UNKNOWN_ACTION
 
-    def _landing(self, state: int, action: int) -> int | None:
-        """Return the cell that a step from ``state`` leads to, staying at the edge; None if no direction."""
-        direction = self.grid.directions[action]
-        if direction is None:
-            return None
+    def _landing(self, state: int, action: int) -> int:
+        """Return the cell that a step from ``state`` leads to on a compass, staying at the edge."""
+        down, right = _STEPS[self.action_names[action]]
         row, column = divmod(state, self.grid.columns)
-        row = min(max(row + direction[0], 0), self.grid.rows - 1)
-        column = min(max(column + direction[1], 0), self.grid.columns - 1)
+        row = min(max(row + down, 0), self.grid.rows - 1)
+        column = min(max(column + right, 0), self.grid.columns - 1)
         return row * self.grid.columns + column
 
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from rl_tui.common.findings import Finding, one_line
+from rl_tui.common.findings import one_line
 from rl_tui.worlds.gym.registered import looked_at, time_limit_of
 from rl_tui.worlds.gym.sizes import check_sizes
 from rl_tui.worlds.gym.tables.blackjack import blackjack_world, is_blackjack
@@ -31,14 +31,6 @@ _OR_STEPPED: Final = "or table = false in a scenario file, which steps it all th
 
 class NoTableError(WorldRefusedError):
     """The environment may be sound, but has no transition table that can be read."""
-
-
-def _refusal(key: str, found: str, expected: str) -> WorldRefusedError:
-    return WorldRefusedError(Finding((key,), found, expected))
-
-
-def _no_table(found: str, expected: str) -> NoTableError:
-    return NoTableError(Finding(("id",), found, expected))
 
 
 def world_of(name: str, kwargs: Mapping[str, Any], *, computed: bool = False) -> World:
@@ -76,12 +68,12 @@ def world_of(name: str, kwargs: Mapping[str, Any], *, computed: bool = False) ->
         # not "no table": to step what contradicts itself would only hide that
         found = f"{name}, whose table has {fault.found}"
         stepped = "" if isinstance(fault, UnusableRewardError) else f", {_OR_STEPPED}"
-        raise _refusal(place, found, f"{fault.expected}{stepped}") from fault
+        raise WorldRefusedError((place,), found, f"{fault.expected}{stepped}") from fault
     except NoEntriesError as fault:
-        raise _no_table(f"{name}, whose table has {fault.found}", fault.expected) from fault
+        raise NoTableError(("id",), f"{name}, whose table has {fault.found}", fault.expected) from fault
     except ValueError as fault:
         found = f"{name}, in whose table {one_line(str(fault), 200)}"
-        raise _refusal(place, found, f"a sound transition table, {_OR_STEPPED}") from fault
+        raise WorldRefusedError((place,), found, f"a sound transition table, {_OR_STEPPED}") from fault
     return World(mdp, layout.grid)
 
 
@@ -92,7 +84,7 @@ def _sizes(name: str, environment: Env[Any, Any]) -> tuple[int, int]:
     for what, space in (("states", environment.observation_space), ("actions", environment.action_space)):
         if not isinstance(space, Discrete) or space.start != 0:
             found = f"{name}, whose {what} are {type(space).__name__}"
-            raise _no_table(found, f"discrete {what}, counted from 0")
+            raise NoTableError(("id",), found, f"discrete {what}, counted from 0")
         sizes.append(int(space.n))
     return sizes[0], sizes[1]
 
@@ -100,19 +92,19 @@ def _sizes(name: str, environment: Env[Any, Any]) -> tuple[int, int]:
 def _table(name: str, environment: Env[Any, Any]) -> Any:
     table = getattr(environment.unwrapped, "P", None)
     if table is None:
-        raise _no_table(f"{name}, which has no transition table", "one that has")
+        raise NoTableError(("id",), f"{name}, which has no transition table", "one that has")
     return table
 
 
 def _start(name: str, environment: Env[Any, Any], states: int, place: str) -> dict[int, float]:
     distribution = getattr(environment.unwrapped, "initial_state_distrib", None)
     if distribution is None:
-        raise _no_table(f"{name}, which does not tell its start", "initial_state_distrib")
+        raise NoTableError(("id",), f"{name}, which does not tell its start", "initial_state_distrib")
     start = np.asarray(distribution, dtype=np.float64)
     sound = start.shape == (states,) and bool(np.all(start >= 0.0))
     if not sound or not abs(start.sum() - 1.0) <= PROBABILITY_TOLERANCE:
         found = f"{name}, a world without a start"
-        raise _refusal(place, found, f"probabilities to start in the {states} states")
+        raise WorldRefusedError((place,), found, f"probabilities to start in the {states} states")
     return {state: float(probability) for state, probability in enumerate(start) if probability > 0.0}
 
 
@@ -120,6 +112,6 @@ def _outcomes(table: Any, layout: Layout, state: int, action: int) -> list[Outco
     """Return the outcomes of one pair, kept apart even where they land alike."""
     entries = read_entries(table, state, action, len(layout.state_names))
     return [
-        Outcome(*entry, action=layout.happened(state, action, number, len(entries), entry.next_state))
+        entry._replace(action=layout.happened(state, action, number, len(entries), entry.next_state))
         for number, entry in enumerate(entries)
     ]

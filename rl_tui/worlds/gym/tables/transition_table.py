@@ -3,23 +3,15 @@
 from __future__ import annotations
 
 import math
-from typing import Any, Final, NamedTuple
+from typing import Any, Final
 
 from rl_tui.common.limits import LARGEST_NUMBER
 from rl_tui.worlds.gym.env_result import UnsoundResultError, number_of, seen, truth_of
 from rl_tui.worlds.gym.registered import reason_of
+from rl_tui.worlds.mdp.tabular_mdp import Outcome
 from rl_tui.worlds.mdp.tolerance import PROBABILITY_TOLERANCE
 
 _FORM: Final = "(probability, next state, reward, terminated)"
-
-
-class TableEntry(NamedTuple):
-    """One outcome of a pair (state, action), as Gymnasium lists it."""
-
-    probability: float
-    next_state: int
-    reward: float
-    terminated: bool
 
 
 class NoEntriesError(Exception):
@@ -38,8 +30,8 @@ class UnusableRewardError(UnsoundTableError):
     """A reward that is unusable in steps too."""
 
 
-def read_entries(table: Any, state: int, action: int, states: int) -> list[TableEntry]:
-    """Return the entries of ``table[state][action]``, of a world with so many ``states``.
+def read_entries(table: Any, state: int, action: int, states: int) -> list[Outcome]:
+    """Return the outcomes that ``table[state][action]`` lists, of a world with so many ``states``.
 
     Probabilities are at least 0 and sum to 1 (±1e-9), rewards lie within ±1e12. Raises NoEntriesError where
     there are none, or they have another form, UnsoundTableError where one of them is out of its range.
@@ -60,7 +52,7 @@ def read_entries(table: Any, state: int, action: int, states: int) -> list[Table
     return entries
 
 
-def _entry(listed: Any, where: str, states: int) -> TableEntry:
+def _entry(listed: Any, where: str, states: int) -> Outcome:
     try:
         probability, next_state, reward, terminated = listed
     except Exception as error:  # unpacking a foreign object may raise anything
@@ -83,4 +75,4 @@ def _entry(listed: Any, where: str, states: int) -> TableEntry:
         ends = truth_of(terminated, "terminated")
     except UnsoundResultError as error:
         raise UnsoundTableError(f"terminated = {seen(terminated)} for {where}", "true or false") from error
-    return TableEntry(chance, int(place), earned, ends)
+    return Outcome(chance, int(place), earned, ends)

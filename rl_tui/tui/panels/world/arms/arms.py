@@ -19,7 +19,8 @@ from rl_tui.tui.panels.world.arms.scale import NO_SCALE, ArmsScale, bound_text, 
 from rl_tui.tui.panels.world.view import WorldView
 from rl_tui.tui.theme.look import Look
 from rl_tui.worlds.drawing import Arms
-from rl_tui.worlds.mdp.tabular_mdp import FloatArray, TabularMDP
+from rl_tui.worlds.mdp.space import FloatArray
+from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 from rl_tui.worlds.world import World
 
 HEADINGS: Final = ("Arms · estimate ± standard error", "Arms · estimate ± error", "Arms")  # the longest first
