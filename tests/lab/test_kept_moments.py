@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 from playing import begin, do
-from recipes import recipe
+from recipes import recipe, replay
 
 from rl_tui.lab.live.commands import Apply, FollowCell, GoTo, Take, Train
 from rl_tui.lab.run.recipe import SetParameter
-from rl_tui.lab.run.run import Run, replay
+from rl_tui.lab.run.run import Run
 from rl_tui.lab.timeline.checkpoints import MOST, MOST_LEFT, Checkpoints
 from rl_tui.lab.timeline.memory_limits import USUAL
 from rl_tui.lab.timeline.table_samples import TableSamples

@@ -5,7 +5,7 @@ from typing import get_args
 
 import pytest
 from playing import busy
-from recipes import bandit, recipe
+from recipes import bandit, recipe, replay
 
 from rl_tui.agents import learner
 from rl_tui.lab.live.commands import Apply, Command, Pause, Play, Restart, RunEpisode, SetSpeed, Step, Train
@@ -14,7 +14,6 @@ from rl_tui.lab.live.pacing import FIRST_CHUNK
 from rl_tui.lab.live.playback import Playback
 from rl_tui.lab.live.snapshot import Phase
 from rl_tui.lab.run.recipe import JournalEntry, Recipe, SetParameter, SwitchAlgorithm
-from rl_tui.lab.run.run import replay
 
 
 class Clock:

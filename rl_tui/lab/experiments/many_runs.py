@@ -31,7 +31,7 @@ from rl_tui.lab.run.figures import (
     optimum_of,
     pulls,
 )
-from rl_tui.lab.run.recipe import Recipe, begin, drawn_from_seed
+from rl_tui.lab.run.recipe import Recipe, begin
 from rl_tui.lab.run.run import OnEpisodes, Run
 from rl_tui.worlds.drawing import Arms
 
@@ -120,7 +120,7 @@ class _Experiment:
         first = Run(recipe, evaluate=False)
         self._planner = first.learner.plans
         self._bandit = isinstance(first.world.drawing, Arms)
-        self._world = None if drawn_from_seed(recipe.scenario) else first.world
+        self._world = None if recipe.scenario.section.drawn_from_seed else first.world
         # Where the world drifts, each run comes to other means, and so to another exact answer
         self._shared = self._world is not None and first.learner.drifted is None
         self._optimum = self._optimum_of(first) if self._shared else None

@@ -281,7 +281,7 @@ class Playback:
     def _end(self, run: Run) -> None:
         """Rest for good, since the run shown is over."""
         self.rest()
-        self._enter(State.DONE if run.converged else State.SPENT if run.spent else State.STOPPED)
+        self._enter(State.DONE if run.learner.converged else State.SPENT if run.spent else State.STOPPED)
 
     def watch(self) -> None:
         """Let the run shown stop by itself where it should."""

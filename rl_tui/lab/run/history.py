@@ -3,31 +3,17 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
 from rl_tui.agents.kernels.episode_bins import empty_bins, fold
+from rl_tui.agents.learner_state import Arrays, copies, put_back
 from rl_tui.lab.run.results import Curve
 from rl_tui.worlds.mdp.tabular_mdp import FloatArray, IntArray
 
 BINS: Final = 512
 RECENT: Final = 100
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class HistoryState:
-    """A copy of a history, for checkpoints."""
-
-    arrays: tuple[IntArray | FloatArray, ...]
-    recent_returns: FloatArray
-    recent_lengths: IntArray
-
-    @property
-    def nbytes(self) -> int:
-        """How much memory it takes."""
-        return sum(each.nbytes for each in (*self.arrays, self.recent_returns, self.recent_lengths))
 
 
 class History:
@@ -51,11 +37,6 @@ class History:
     def warm_up(self) -> None:
         """Compile what is compiled, or read it from its cache."""
         self.add(np.empty(0), np.empty(0, np.int64))
-
-    @property
-    def episodes(self) -> int:
-        """How many episodes were added."""
-        return int(self._bins.episodes[: self._bins.used[0]].sum())
 
     @property
     def total_return(self) -> float:
@@ -84,20 +65,14 @@ class History:
             length_mean=self._bins.length_sum[used] / count,
         )
 
-    def checkpoint(self) -> HistoryState:
-        """Return a copy of all that is kept."""
-        return HistoryState(
-            tuple(array.copy() for array in self._bins),
-            self._recent_returns.copy(),
-            self._recent_lengths.copy(),
-        )
+    def checkpoint(self) -> Arrays:
+        """Return copies of all that is kept: the bins, and then the last episodes."""
+        return copies((*self._bins, self._recent_returns, self._recent_lengths))
 
-    def restore(self, state: HistoryState) -> None:
+    def restore(self, state: Arrays) -> None:
         """Go back to what :meth:`checkpoint` returned, from a history of as many bins."""
-        for array, saved in zip(self._bins, state.arrays, strict=True):
-            array[:] = saved
-        self._recent_returns = state.recent_returns.copy()
-        self._recent_lengths = state.recent_lengths.copy()
+        *bins, self._recent_returns, self._recent_lengths = state  # the last two are never written to
+        put_back(self._bins, tuple(bins))
 
 
 def _mean(values: FloatArray | IntArray) -> float | None:
