@@ -15,7 +15,6 @@ from rl_tui.common.errors import UserError
 from rl_tui.lab.run.large_worlds import is_large
 from rl_tui.lab.run.recipe import (
     UNLIMITED,
-    Beginning,
     Change,
     JournalEntry,
     Recipe,
@@ -23,7 +22,6 @@ from rl_tui.lab.run.recipe import (
     Setting,
     SwitchAlgorithm,
     TakeAction,
-    begin,
     changed_recipe,
 )
 from rl_tui.lab.run.run import Run
@@ -51,7 +49,7 @@ class RunGroup:
         shown: int = 0,
         clock: Callable[[], float] = time.perf_counter,
     ) -> None:
-        self.shown = shown
+        self.shown: int
         """The number of the run shown."""
         self.step = 0
         """The step at which all are to stand."""
@@ -220,10 +218,7 @@ class RunGroup:
         return lane.seek is not None or lane.step > self.step or (lane.step < self.step and not lane.run.over)
 
     def _new_run(self, record: RunRecord) -> BranchingRun:
-        beginning = Beginning(self._world, begin(record.recipe, self._world).streams)
-        return BranchingRun(
-            record.recipe, beginning, branches=record.branches, branch=record.branch, clock=self._clock
-        )
+        return BranchingRun(record, self._world, self._clock)
 
 
 def _subject(change: Change) -> str:
