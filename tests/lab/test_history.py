@@ -36,8 +36,7 @@ def test_how_episodes_are_delivered_does_not_show(delivery: tuple[np.ndarray, np
     at_once, in_parts = filled(returns, lengths, []), filled(returns, lengths, cuts)
     for one, other in zip(at_once.checkpoint(), in_parts.checkpoint(), strict=True):
         assert one.tobytes() == other.tobytes()
-    assert at_once.return_last_100 == in_parts.return_last_100
-    assert at_once.length_last_100 == in_parts.length_last_100
+    assert at_once.last_100 == in_parts.last_100
 
 
 @settings(deadline=None)
@@ -60,15 +59,12 @@ def test_bins_hold_what_numpy_says(delivery: tuple[np.ndarray, np.ndarray, list[
 
 def test_the_last_hundred_are_exact() -> None:
     history = History()
-    assert history.return_last_100 is None
-    assert history.length_last_100 is None
+    assert history.last_100 == (None, None)
     returns = np.random.default_rng(3).normal(size=1000)
     history.add(returns[:30], np.full(30, 7))
-    assert history.return_last_100 == math.fsum(returns[:30]) / 30
-    assert history.length_last_100 == 7.0
+    assert history.last_100 == (math.fsum(returns[:30]) / 30, 7.0)
     history.add(returns[30:], np.arange(970))
-    assert history.return_last_100 == math.fsum(returns[-100:]) / 100
-    assert history.length_last_100 == np.arange(870, 970).mean()
+    assert history.last_100 == (math.fsum(returns[-100:]) / 100, np.arange(870, 970).mean())
 
 
 def test_a_million_episodes_take_no_more_memory_than_ten() -> None:
@@ -90,4 +86,4 @@ def test_a_restored_history_goes_on_as_the_first_did() -> None:
     other.add(returns[200:], lengths[200:])
     for one, two in zip(history.checkpoint(), other.checkpoint(), strict=True):
         assert one.tobytes() == two.tobytes()
-    assert history.return_last_100 == other.return_last_100
+    assert history.last_100 == other.last_100

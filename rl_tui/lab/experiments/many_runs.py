@@ -204,6 +204,7 @@ class _Experiment:
                 run = self._train(index, EpisodeRows(stream, index + 1))
         optimum = self._optimum if self._shared else self._optimum_of(run)
         exact = greedy_figures(run, optimum)
+        mean_return, mean_length = run.history.last_100
         return {
             "seed": run.recipe.seed,
             "steps": run.step,
@@ -211,8 +212,8 @@ class _Experiment:
             "value_at_start": exact.value_at_start,
             "expected_return": exact.expected_return,
             "max_error": exact.max_error,
-            "return_last_100": run.history.return_last_100,
-            "length_last_100": run.history.length_last_100,
+            "return_last_100": mean_return,
+            "length_last_100": mean_length,
             "first_reward_episode": run.learner.first_reward_episode or None,
             **pulls(run),
         }

@@ -44,14 +44,15 @@ class History:
         return float(self._bins.total_return[0])
 
     @property
-    def return_last_100(self) -> float | None:
-        """The mean return of the last 100 episodes (of all, while there are fewer); None before the first."""
-        return _mean(self._recent_returns)
+    def last_100(self) -> tuple[float, float] | tuple[None, None]:
+        """The mean return and the mean length in steps of the last 100 episodes, or of as many as there are.
 
-    @property
-    def length_last_100(self) -> float | None:
-        """The mean length of the last 100 episodes in steps; None before the first."""
-        return _mean(self._recent_lengths)
+        None before the first has ended.
+        """
+        count = len(self._recent_returns)
+        if not count:
+            return None, None
+        return math.fsum(self._recent_returns) / count, math.fsum(self._recent_lengths) / count
 
     def curve(self) -> Curve:
         """Return the bins in use."""
@@ -73,7 +74,3 @@ class History:
         """Go back to what :meth:`checkpoint` returned, from a history of as many bins."""
         *bins, self._recent_returns, self._recent_lengths = state  # the last two are never written to
         put_back(self._bins, tuple(bins))
-
-
-def _mean(values: FloatArray | IntArray) -> float | None:
-    return math.fsum(values) / len(values) if len(values) else None

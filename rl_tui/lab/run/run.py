@@ -124,11 +124,12 @@ class Run:
         """What it has achieved so far."""
         learner, history = self.learner, self.history
         is_evaluated = self._is_evaluated_live and not self.stop_reason
+        mean_return, mean_length = history.last_100
         return RunResults(
             curve=history.curve(),
             marks=self._evaluation.marks(),
-            return_last_100=history.return_last_100,
-            length_last_100=history.length_last_100,
+            return_last_100=mean_return,
+            length_last_100=mean_length,
             greedy_return=(
                 self._greedy_return(learner.q, learner.hyperparameters.ties) if is_evaluated else None
             ),
