@@ -61,27 +61,19 @@ def _step_back(playback: Playback, _: commands.StepBack) -> None:
     current = playback.group.current
     target = None if current.seek is None else current.seek.target.step
     here = current.run.step if target is None else target
-    playback.rest()
-    playback.group.seek_to(step=here - 1)
-    playback.seek()
+    _seek_to(playback, step=here - 1)
 
 
 def _episode_back(playback: Playback, _: commands.EpisodeBack) -> None:
     run = playback.group.current.run
+    _seek_to(playback, episode=max(1, run.learner.episodes + (not run.begins_episode)))
+
+
+def _seek_to(
+    playback: Playback, *, step: int | None = None, episode: int | None = None, branch: int | None = None
+) -> None:
     playback.rest()
-    playback.group.seek_to(episode=max(1, run.learner.episodes + (not run.begins_episode)))
-    playback.seek()
-
-
-def _go_to(playback: Playback, command: commands.GoTo) -> None:
-    playback.rest()
-    playback.group.seek_to(step=command.step, episode=command.episode)
-    playback.seek()
-
-
-def _choose_branch(playback: Playback, command: commands.ChooseBranch) -> None:
-    playback.rest()
-    playback.group.seek_to(branch=command.branch)
+    playback.group.seek_to(step=step, episode=episode, branch=branch)
     playback.seek()
 
 
@@ -117,8 +109,8 @@ HANDLERS: Final[Mapping[type, Callable[[Playback, Any], None]]] = {
     commands.ClearBreakpoints: lambda playback, _: playback.set_breakpoints(Breakpoints()),
     commands.StepBack: _step_back,
     commands.EpisodeBack: _episode_back,
-    commands.GoTo: _go_to,
-    commands.ChooseBranch: _choose_branch,
+    commands.GoTo: lambda playback, command: _seek_to(playback, step=command.step, episode=command.episode),
+    commands.ChooseBranch: lambda playback, command: _seek_to(playback, branch=command.branch),
     commands.AddLane: _add_lane,
     commands.ChooseLane: lambda playback, command: _show_another(playback, playback.group.show, command.lane),
     commands.DropLane: lambda playback, command: _show_another(playback, playback.group.drop, command.lane),
