@@ -115,7 +115,7 @@ def lane_of(session: Path | None) -> BranchingRun:
     """Return what the program should have in its memory when it has begun."""
     if session is None:
         recipe = recipe_for(find(SCENARIO))
-        return BranchingRun(RunRecord(recipe, ()), begin(recipe).world)
+        return BranchingRun(RunRecord(recipe), begin(recipe).world)
     record = read_session(session).record().lanes[0]
     lane = BranchingRun(record, begin(record.recipe).world)
     lane.seek_to(step=record.step)

@@ -67,4 +67,4 @@ def test_changes_are_so_many(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def _lane() -> BranchingRun:
     made_from = recipe("student")
-    return BranchingRun(RunRecord(made_from, ()), begin(made_from).world)
+    return BranchingRun(RunRecord(made_from), begin(made_from).world)

@@ -77,7 +77,7 @@ class Playback:
         self._steps_to_train = 0
         self._announced = False
         self._recipe = recipe
-        self._record = record or Record((RunRecord(recipe, ()),), speed=speed)
+        self._record = record or Record((RunRecord(recipe),), speed=speed)
         self._automatic = automatic
         self._clock = clock
         self._on_exact = on_exact

@@ -11,7 +11,7 @@ from rl_tui.agents.kernels.watching import Watching
 from rl_tui.common.errors import UserError
 from rl_tui.lab.run.recipe import UNLIMITED, Beginning, Change, begin
 from rl_tui.lab.run.run import Run, RunState
-from rl_tui.lab.timeline.branches import FIRST, Branch, RunRecord, Timeline
+from rl_tui.lab.timeline.branches import Branch, RunRecord, Timeline
 from rl_tui.lab.timeline.checkpoints import Checkpoints
 from rl_tui.lab.timeline.memory_limits import limits
 from rl_tui.lab.timeline.seek import Seek, Target
@@ -57,8 +57,8 @@ class BranchingRun:
         """The run as it stands."""
         self.seek: Seek | None = None
         """The way to another step or episode, None where the run is where it has to be."""
-        known, pairs = record.branches or (FIRST,), world.space.pairs
-        self._branches = [KeptBranch(each, Checkpoints(), TableSamples(pairs)) for each in known]
+        pairs = world.space.pairs
+        self._branches = [KeptBranch(each, Checkpoints(), TableSamples(pairs)) for each in record.branches]
         self._number = record.branch
         self.kept = self._branches[self._number]
         """The branch in force."""

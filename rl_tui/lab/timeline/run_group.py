@@ -110,8 +110,7 @@ class RunGroup:
     def resume(self, records: Sequence[RunRecord]) -> None:
         """Begin to seek where the runs of ``records`` stood, of which these were made."""
         for each, record in zip(self._runs, records, strict=True):
-            if record.branches:
-                each.seek_to(step=record.step)
+            each.seek_to(step=record.step)
         self._resumes = True
         self.step = max(record.step for record in records)
         self._lead_if_there()
@@ -120,7 +119,7 @@ class RunGroup:
         """Return runs that begin again: the one shown with ``recipe``, the others as they are now."""
         recipes = [replace(_recipe_now(each), seed=recipe.seed) for each in self._runs]
         recipes[self.shown] = recipe
-        return tuple(RunRecord(each, ()) for each in recipes)
+        return tuple(RunRecord(each) for each in recipes)
 
     def seek_to(
         self, *, step: int | None = None, episode: int | None = None, branch: int | None = None
