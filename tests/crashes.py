@@ -115,10 +115,9 @@ def lane_of(session: Path | None) -> BranchingRun:
     """Return what the program should have in its memory when it has begun."""
     if session is None:
         recipe = recipe_for(find(SCENARIO))
-        return BranchingRun(recipe, begin(recipe))
+        return BranchingRun(RunRecord(recipe), begin(recipe).world)
     record = read_session(session).record().lanes[0]
-    beginning = begin(record.recipe)
-    lane = BranchingRun(record.recipe, beginning, branches=record.branches, branch=record.branch)
+    lane = BranchingRun(record, begin(record.recipe).world)
     lane.seek_to(step=record.step)
     arrive(lane)
     return lane

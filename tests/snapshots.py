@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import defaultdict
 from dataclasses import fields, is_dataclass, replace
+from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from rl_tui.lab.live.snapshot import Phase, PlaybackView, Snapshot
@@ -28,16 +29,9 @@ def snapshot_of(
     viewport: Viewport | None = None,
 ) -> Snapshot:
     """What a player would show of ``run``."""
+    alone: Any = SimpleNamespace(current=SimpleNamespace(run=run, timeline=Timeline()), view=RunGroupView())
     playback = PlaybackView(phase, message)
-    return SnapshotBuilder().build(
-        run,
-        playback,
-        viewport=viewport,
-        exact_answer=exact_answer,
-        timeline=Timeline(),
-        run_group=RunGroupView(),
-        cell=None,
-    )
+    return SnapshotBuilder().build(alone, playback, exact_answer, viewport=viewport, cell=None)
 
 
 def changed(picture: Picture, **changes: Any) -> Picture:

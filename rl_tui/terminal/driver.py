@@ -147,7 +147,7 @@ class TerminalDriver(LinuxDriver):
     def _sigcont_application(self, *_: object) -> None:
         self._continued += 1
         if not self._is_away:  # stopped without being asked: another program may have used the terminal
-            self._soon(self._pause, _go_on)
+            self._soon(self._pause, lambda: None)  # it need not stop
 
     async def _leave(self, stop: Callable[[], None]) -> None:
         if isinstance(self._app, LinkedApp) and not self._is_away:
@@ -178,10 +178,6 @@ class TerminalDriver(LinuxDriver):
     def _draw_anew(self) -> None:
         self._app.app_resume_signal.publish(self._app)
         self._app.refresh(layout=True)
-
-
-def _go_on() -> None:
-    """Do not stop."""
 
 
 def _stop() -> None:

@@ -52,11 +52,6 @@ class Link:
         self._seconds_a_byte = 0.0
 
     @property
-    def is_free(self) -> bool:
-        """Whether a frame may be sent now."""
-        return self.wait <= 0.0
-
-    @property
     def is_idle(self) -> bool:
         """Whether no answer is to be expected."""
         return not self._under_way or self.is_silent

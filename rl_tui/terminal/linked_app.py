@@ -134,22 +134,22 @@ class LinkedApp(App[ReturnType]):
         return self._output
 
     def _draw_on(self, output: Output, screen: Screen[object], update: _Lines | _Pieces) -> None:
-        lines = _lines_of_dialog(screen)
+        buffer, lines = output.buffer, _lines_of_dialog(screen)
         if screen is not self._drawn:  # a dialog has come or gone: that is what was asked for
-            output.begin_with(lines or self._in_front)
+            buffer.begin_with(lines or self._in_front)
         self._drawn, self._in_front = screen, lines
         output.synchronises = self.synchronises
-        output.place_cursor(*self.screen.outer_size.clamp_offset(self.cursor_position))
+        output.cursor = self.screen.outer_size.clamp_offset(self.cursor_position)
         if isinstance(update, _Lines):
             for y, strips in enumerate(update.strips, update.region.y):
-                output.put(update.region.x, y, (segment for strip in strips for segment in strip))
+                buffer.put(update.region.x, y, (segment for strip in strips for segment in strip))
         else:
             for y, start, end in update.spans:
                 # what Textual would write: pieces that begin in the span, cut at its end
                 for (x, strip), piece_end in zip(update.chops[y].items(), update.chop_ends[y], strict=True):
                     if strip is not None and x <= end and piece_end > start:
                         is_inside = start <= x and piece_end <= end
-                        output.put(x, y, strip if is_inside else strip.crop(0, min(piece_end, end) - x))
+                        buffer.put(x, y, strip if is_inside else strip.crop(0, min(piece_end, end) - x))
         output.send()
 
     def post_message(self, message: Message) -> bool:

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from contextlib import suppress
 from time import monotonic
 from typing import Final
 
 from rich.color import ColorSystem
-from rich.segment import Segment
 
 from rl_tui.terminal.cells import Cutter
 from rl_tui.terminal.encoder import Encoder, move_to
@@ -39,12 +38,14 @@ class Output:
     ) -> None:
         pens, cutter = Pens(system), Cutter()
         self.link = Link(clock)
+        self.buffer = ScreenBuffer(pens, cutter)
+        """Where it is drawn what is to be sent."""
+        self.cursor = (0, 0)
+        """Where the cursor, which is hidden, belongs: input methods show there what is typed."""
         self.synchronises = False
         self._write = write
         self._waiting = waiting
-        self._buffer = ScreenBuffer(pens, cutter)
         self._encoder = Encoder(pens, cutter)
-        self._cursor = (0, 0)
         self._timer: asyncio.TimerHandle | None = None
         self._arrived = asyncio.Event()
         self._rests = False
@@ -55,11 +56,11 @@ class Output:
         If that is the size it had, all that was drawn will be sent again. Nothing is until :meth:`wake`.
         """
         self._rests = True
-        if (width, height) == (self._buffer.width, self._buffer.height):
-            self._buffer.forget()
+        if (width, height) == (self.buffer.width, self.buffer.height):
+            self.buffer.forget()
             self.link.restart()
         else:
-            self._buffer.resize(width, height)
+            self.buffer.resize(width, height)
 
     def stop(self) -> None:
         """Send nothing until :meth:`wake`."""
@@ -72,31 +73,19 @@ class Output:
 
     def draw_again(self) -> None:
         """Send all that was drawn, whatever the terminal shows."""
-        self._buffer.forget()
+        self.buffer.forget()
         self.send()
-
-    def put(self, x: int, y: int, segments: Iterable[Segment]) -> None:
-        """Draw ``segments`` from column ``x`` of line ``y`` on."""
-        self._buffer.put(x, y, segments)
-
-    def begin_with(self, lines: range) -> None:
-        """Send ``lines`` before all others, once."""
-        self._buffer.begin_with(lines)
-
-    def place_cursor(self, x: int, y: int) -> None:
-        """Have the cursor, which is hidden, where text is entered: input methods show there what is typed."""
-        self._cursor = (x, y)
 
     def send(self) -> None:
         """Send what has changed, now or when the frame before has arrived."""
         if self._timer is not None:
             self._timer.cancel()
             self._timer = None
-        while self._buffer.is_touched and not self._rests:
+        while self.buffer.is_touched and not self._rests:
             if (wait := self._wait) > 0.0:
                 self._timer = asyncio.get_running_loop().call_later(wait, self.send)
                 return
-            if text := self._encoder.frame(self._buffer.changed(), self.link.room):
+            if text := self._encoder.frame(self.buffer.changed(), self.link.room):
                 self._write(self._framed(text))
 
     def answer(self, column: int, line: int) -> None:
@@ -136,10 +125,10 @@ class Output:
 
     def _framed(self, text: str) -> str:
         frame = f"{SYNC_BEGIN}{text}{SYNC_END}" if self.synchronises else text
-        if self._buffer.height > ANSWER_LINE:
-            column = self.link.send(len(frame.encode()), self._buffer.width)
+        if self.buffer.height > ANSWER_LINE:
+            column = self.link.send(len(frame.encode()), self.buffer.width)
             if column is not None:
                 frame += move_to(column, ANSWER_LINE) + _ASK
-        if self._cursor != (0, 0):
-            frame += move_to(*self._cursor)
+        if self.cursor != (0, 0):
+            frame += move_to(*self.cursor)
         return frame

@@ -32,9 +32,6 @@ class Pen:
         self.background = background
         self.blank = self
 
-    def __repr__(self) -> str:
-        return f"Pen({self.attributes:b}, {self.foreground!r}, {self.background!r})"
-
 
 class Pens:
     """The pens of a terminal with the colours of ``system``."""

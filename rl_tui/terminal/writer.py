@@ -27,31 +27,27 @@ class TerminalWriter:
         self._on_lost = on_lost
         self._changed = threading.Condition()  # guards everything below
         self._pieces: deque[bytes] = deque()
-        self._waiting = 0
+        self.waiting = 0
+        """Bytes that the system has not taken yet."""
         self._leaving = 0  # of those waiting: bytes that the thread has taken
         self._closing = False
         self._lost = False
         self._thread = threading.Thread(target=self._live, name="terminal-output", daemon=True)
         self._thread.start()
 
-    @property
-    def waiting(self) -> int:
-        """Bytes that the system has not taken yet."""
-        return self._waiting
-
     def write(self, data: bytes) -> None:
         """Put ``data`` behind what is waiting; never waits itself."""
         with self._changed:
             if data and not self._lost:
                 self._pieces.append(data)
-                self._waiting += len(data)
+                self.waiting += len(data)
                 self._changed.notify_all()
 
     def forget(self) -> None:
         """Drop what is waiting, but for what has begun to leave."""
         with self._changed:
             self._pieces.clear()
-            self._waiting = self._leaving
+            self.waiting = self._leaving
             self._changed.notify_all()
 
     def drain(self, seconds: float) -> bool:
@@ -59,11 +55,11 @@ class TerminalWriter:
         deadline = monotonic() + seconds
         before = -1
         with self._changed:
-            while self._waiting and not self._lost:
+            while self.waiting and not self._lost:
                 patience = min(_PATIENCE, deadline - monotonic())
-                if self._waiting == before or patience <= 0.0:
+                if self.waiting == before or patience <= 0.0:
                     return False
-                before = self._waiting
+                before = self.waiting
                 self._changed.wait(patience)
             return not self._lost
 
@@ -90,7 +86,7 @@ class TerminalWriter:
             except OSError:
                 with self._changed:
                     self._pieces.clear()
-                    self._waiting, self._lost = 0, True
+                    self.waiting, self._lost = 0, True
                     self._changed.notify_all()
                 self._on_lost()
                 return
@@ -113,5 +109,5 @@ class TerminalWriter:
             left = left[written:]
             with self._changed:
                 self._leaving -= written
-                self._waiting -= written
+                self.waiting -= written
                 self._changed.notify_all()

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
 from rl_tui.lab.experiments.training import Goal, train
 from rl_tui.lab.run.figures import training_figures
 from rl_tui.lab.run.library import find, recipe_for
-from rl_tui.lab.run.recipe import Recipe
+from rl_tui.lab.run.recipe import JournalEntry, Recipe
 from rl_tui.lab.run.run import Run
 
 
@@ -21,6 +22,13 @@ def bandit(budget: int, seed: int = 0, **overrides: Any) -> Recipe:
     scenario = find("bandit")
     section = scenario.section.model_copy(update={"budget": budget})
     return recipe_for(replace(scenario, section=section), overrides, seed)
+
+
+def replay(made_from: Recipe, journal: Sequence[JournalEntry], step: int) -> Run:
+    """The run of a recipe and a journal at ``step``."""
+    run = Run(made_from)
+    run.follow(journal, step)
+    return run
 
 
 def one_run(made_from: Recipe, goal: Goal) -> dict[str, Any]:

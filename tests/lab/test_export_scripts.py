@@ -226,7 +226,7 @@ def check_same(scenario: str, changes: dict[str, object], episodes: int) -> None
     run.advance(episodes=episodes)
     names = ran(script(recipe, episodes))
     assert len(names["returns"]) == episodes
-    assert np.mean(names["returns"][-100:]) == pytest.approx(run.history.return_last_100, abs=1e-9)
+    assert np.mean(names["returns"][-100:]) == pytest.approx(run.history.last_100[0], abs=1e-9)
     np.testing.assert_allclose(q_of(names, table_of(recipe)), run.learner.q, rtol=0, atol=1e-9)
 
 

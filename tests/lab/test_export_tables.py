@@ -67,7 +67,7 @@ def test_returns_are_those_of_every_episode_also_after_changes(run: Run, tmp_pat
     assert len(rows) == run.learner.episodes
     assert [int(row["episode"]) for row in rows] == list(range(1, len(rows) + 1))
     last = [float(row["return"]) for row in rows[-100:]]
-    assert np.mean(last) == pytest.approx(run.history.return_last_100, abs=1e-12)
+    assert np.mean(last) == pytest.approx(run.history.last_100[0], abs=1e-12)
     assert seen[-1] == (500, 500)
 
 

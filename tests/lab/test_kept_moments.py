@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 from playing import begin, do
-from recipes import recipe
+from recipes import recipe, replay
 
 from rl_tui.lab.live.commands import Apply, FollowCell, GoTo, Take, Train
 from rl_tui.lab.run.recipe import SetParameter
-from rl_tui.lab.run.run import Run, replay
+from rl_tui.lab.run.run import Run
 from rl_tui.lab.timeline.checkpoints import MOST, MOST_LEFT, Checkpoints
 from rl_tui.lab.timeline.memory_limits import USUAL
+from rl_tui.lab.timeline.seek import Target
 from rl_tui.lab.timeline.table_samples import TableSamples
 
 
@@ -62,10 +63,10 @@ def test_checkpoints_keep_within_their_bounds() -> None:
         run.advance(steps=3)
         kept.add(run.checkpoint())
     assert MOST // 2 < len(kept) <= MOST
-    found = kept.before_step(1000)
+    found = kept.last_before(Target(0, 10**9, step=1000))
     assert found is not None
     assert 1000 - 3 * 16 < found.step <= 1000
-    assert kept.before_step(0) is None
+    assert kept.last_before(Target(0, 10**9, step=0)) is None
     one, many = kept.up_to(10**9, 0), kept.up_to(10**9, 0)
     one.thin_out(1)
     many.thin_out(2_000)

@@ -9,6 +9,7 @@ from recipes import recipe
 
 from rl_tui.common.errors import UserError
 from rl_tui.lab.run.recipe import SetParameter, begin
+from rl_tui.lab.timeline.branches import RunRecord
 from rl_tui.lab.timeline.branching_run import BranchingRun
 from rl_tui.lab.timeline.checkpoints import Checkpoints
 from rl_tui.lab.timeline.memory_limits import KIOSK, USUAL, limits
@@ -66,4 +67,4 @@ def test_changes_are_so_many(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def _lane() -> BranchingRun:
     made_from = recipe("student")
-    return BranchingRun(made_from, begin(made_from))
+    return BranchingRun(RunRecord(made_from), begin(made_from).world)

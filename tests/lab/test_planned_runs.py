@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 from playing import begin, do
-from recipes import bandit, one_run, recipe
+from recipes import bandit, one_run, recipe, replay
 from snapshots import snapshot_of
 
 from rl_tui.lab.experiments.many_runs import many_runs
@@ -12,7 +12,7 @@ from rl_tui.lab.experiments.training import Goal
 from rl_tui.lab.live.commands import ChooseBranch, Pause, Train
 from rl_tui.lab.live.snapshot import Phase
 from rl_tui.lab.run.recipe import Recipe, SetParameter, SwitchAlgorithm
-from rl_tui.lab.run.run import Run, replay
+from rl_tui.lab.run.run import Run
 
 PLAN = SwitchAlgorithm("value-iteration")
 LEARN = SwitchAlgorithm("q-learning")
@@ -41,7 +41,7 @@ def test_what_was_pulled_stays_the_same_while_a_planner_is_at_work(scenario: str
     before = run.bandit
     run.apply(PLAN)
     run.advance()
-    assert run.converged
+    assert run.learner.converged
     assert run.bandit == before
     assert before is not None
     assert before.pulls == 100
@@ -53,7 +53,7 @@ def test_sweeps_are_not_taken_from_the_budget() -> None:
     run.apply(LEARN)
     run.advance()
     assert run.bandit is not None
-    assert (run.bandit.pulls, run.history.episodes, run.spent) == (50, 50, True)
+    assert (run.bandit.pulls, run.history.curve().episode[-1], run.spent) == (50, 50, True)
 
 
 def test_a_planner_says_how_many_sweeps_were_its_own() -> None:

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from recipes import bandit, recipe
+from recipes import bandit, recipe, replay
 
 from rl_tui.common.errors import UserError
 from rl_tui.lab.live.commands import Apply, Pause, Play, Restart, RunEpisode, SetSpeed, Step, Train
@@ -20,7 +20,6 @@ from rl_tui.lab.live.player import Player, PlayerClosedError
 from rl_tui.lab.live.record import Record
 from rl_tui.lab.live.snapshot import Phase, Snapshot
 from rl_tui.lab.run.recipe import SetParameter
-from rl_tui.lab.run.run import replay
 from rl_tui.lab.timeline.branches import Branch, RunRecord
 
 

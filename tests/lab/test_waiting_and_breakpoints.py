@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 from playing import begin, do
-from recipes import recipe
+from recipes import recipe, replay
 
 from rl_tui.lab.live.commands import (
     Apply,
@@ -20,7 +20,6 @@ from rl_tui.lab.live.commands import (
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.live.until import Event, Until
 from rl_tui.lab.run.recipe import SetParameter
-from rl_tui.lab.run.run import replay
 
 
 def test_a_run_pauses_at_breakpoints_and_at_what_was_waited_for() -> None:

@@ -32,7 +32,7 @@ class FarTerminal:
         self.emulator.feed(text.encode())
 
     def show(self, text: str, y: int = 0) -> None:
-        self.output.put(0, y, [Segment(text.ljust(20), Style())])
+        self.output.buffer.put(0, y, [Segment(text.ljust(20), Style())])
         self.output.send()
 
     def answer(self, number: int = -1) -> None:
@@ -102,7 +102,7 @@ async def test_frames_are_held_together_where_the_terminal_can() -> None:
 
 async def test_the_cursor_ends_where_text_is_entered() -> None:
     terminal = FarTerminal()
-    terminal.output.place_cursor(7, 3)
+    terminal.output.cursor = (7, 3)
     terminal.show("goto")
     assert (terminal.emulator.cursor.x, terminal.emulator.cursor.y) == (7, 3)
 
@@ -187,8 +187,8 @@ async def test_lines_that_were_asked_for_are_in_the_first_frame_on_a_slow_link()
         terminal.answer()
     assert terminal.output.link.is_slow
     for y in range(12):
-        terminal.output.put(0, y, [Segment(chr(ord("a") + y) * 400, Style())])
-    terminal.output.begin_with(range(8, 10))
+        terminal.output.buffer.put(0, y, [Segment(chr(ord("a") + y) * 400, Style())])
+    terminal.output.buffer.begin_with(range(8, 10))
     before = len(terminal.written)
     terminal.output.send()
     shown = [row[:1] for row in terminal.emulator.text.split("\n")]

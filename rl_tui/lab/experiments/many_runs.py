@@ -32,7 +32,7 @@ from rl_tui.lab.run.figures import (
     optimum_of,
     pulls,
 )
-from rl_tui.lab.run.recipe import Recipe, begin, drawn_from_seed
+from rl_tui.lab.run.recipe import Recipe, begin
 from rl_tui.lab.run.run import OnEpisodes, Run
 from rl_tui.worlds.drawing import Arms
 
@@ -121,7 +121,7 @@ class _Experiment:
         first = Run(recipe, evaluate=False)
         self._planner = first.learner.plans
         self._bandit = isinstance(first.world.drawing, Arms)
-        self._world = None if drawn_from_seed(recipe.scenario) else first.world
+        self._world = None if recipe.scenario.section.drawn_from_seed else first.world
         # Where the world drifts, each run comes to other means, and so to another exact answer
         self._shared = self._world is not None and first.learner.drifted is None
         self._optimum = self._optimum_of(first) if self._shared else None
@@ -204,6 +204,7 @@ class _Experiment:
                 run = self._train(index, EpisodeRows(stream, index + 1))
         optimum = self._optimum if self._shared else self._optimum_of(run)
         exact = greedy_figures(run, optimum)
+        mean_return, mean_length = run.history.last_100
         return {
             "seed": run.recipe.seed,
             "steps": run.step,
@@ -211,8 +212,8 @@ class _Experiment:
             "value_at_start": exact.value_at_start,
             "expected_return": exact.expected_return,
             "max_error": exact.max_error,
-            "return_last_100": run.history.return_last_100,
-            "length_last_100": run.history.length_last_100,
+            "return_last_100": mean_return,
+            "length_last_100": mean_length,
             "first_reward_episode": run.learner.first_reward_episode or None,
             **pulls(run),
         }

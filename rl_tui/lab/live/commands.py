@@ -10,73 +10,79 @@ from rl_tui.lab.live.viewport import Viewport
 from rl_tui.lab.run.recipe import Change, Recipe, Setting
 
 
+class Command:
+    """What a screen asks of the player."""
+
+    __slots__ = ()
+
+
 @dataclass(frozen=True, slots=True)
-class Play:
+class Play(Command):
     """Run on at the wanted speed."""
 
 
 @dataclass(frozen=True, slots=True)
-class Pause:
+class Pause(Command):
     """Stand still; also breaks off an episode under way."""
 
 
 @dataclass(frozen=True, slots=True)
-class Step:
+class Step(Command):
     """Pause if running, and take one step."""
 
 
 @dataclass(frozen=True, slots=True)
-class RunEpisode:
+class RunEpisode(Command):
     """Run to the end of the episode under way, as fast as it goes, and pause there."""
 
 
 @dataclass(frozen=True, slots=True)
-class Train:
+class Train(Command):
     """Take exactly ``steps`` steps (fewer only where the run ends) before any other command counts."""
 
     steps: int
 
 
 @dataclass(frozen=True, slots=True)
-class SetSpeed:
+class SetSpeed(Command):
     """Steps a second to aim at from now on; None for as fast as it goes."""
 
     speed: float | None
 
 
 @dataclass(frozen=True, slots=True)
-class Apply:
+class Apply(Command):
     """Change a hyper-parameter or the algorithm before the next step."""
 
     change: Change
 
 
 @dataclass(frozen=True, slots=True)
-class Restart:
+class Restart(Command):
     """Start again from ``recipe``, paused."""
 
     recipe: Recipe
 
 
 @dataclass(frozen=True, slots=True)
-class LookAt:
+class LookAt(Command):
     """Copy no more than ``viewport`` shows of a world that is too large to be copied whole."""
 
     viewport: Viewport
 
 
 @dataclass(frozen=True, slots=True)
-class StepBack:
+class StepBack(Command):
     """Pause, one step earlier."""
 
 
 @dataclass(frozen=True, slots=True)
-class EpisodeBack:
+class EpisodeBack(Command):
     """Pause where the episode under way began, or the one before it if it has only begun."""
 
 
 @dataclass(frozen=True, slots=True)
-class GoTo:
+class GoTo(Command):
     """Pause at ``step``, or where ``episode`` (from 1) begins; at most as far as the branch has come."""
 
     step: int | None = None
@@ -84,21 +90,21 @@ class GoTo:
 
 
 @dataclass(frozen=True, slots=True)
-class ChooseBranch:
+class ChooseBranch(Command):
     """Go to another branch, where it was left, and pause there."""
 
     branch: int
 
 
 @dataclass(frozen=True, slots=True)
-class RunUntil:
+class RunUntil(Command):
     """Run as fast as it goes until something happens, and pause there."""
 
     until: Until
 
 
 @dataclass(frozen=True, slots=True)
-class ToggleBreakpoint:
+class ToggleBreakpoint(Command):
     """Set a breakpoint on a state or on a state–action pair, or take it away."""
 
     state: int | None = None
@@ -106,68 +112,44 @@ class ToggleBreakpoint:
 
 
 @dataclass(frozen=True, slots=True)
-class ClearBreakpoints:
+class ClearBreakpoints(Command):
     """Take all breakpoints away."""
 
 
 @dataclass(frozen=True, slots=True)
-class Take:
+class Take(Command):
     """Pause if running, and take one step with this action (its number) in place of the agent."""
 
     action: int
 
 
 @dataclass(frozen=True, slots=True)
-class AddLane:
+class AddLane(Command):
     """Begin another run beside the one shown, the same but for ``changes``, and let it catch up."""
 
     changes: tuple[Setting, ...]
 
 
 @dataclass(frozen=True, slots=True)
-class ChooseLane:
+class ChooseLane(Command):
     """Show another lane, counted from 0: what is changed from now on is changed there."""
 
     lane: int
 
 
 @dataclass(frozen=True, slots=True)
-class DropLane:
+class DropLane(Command):
     """End a lane, counted from 0, unless it is the only one."""
 
     lane: int
 
 
 @dataclass(frozen=True, slots=True)
-class FollowCell:
+class FollowCell(Command):
     """Tell in every snapshot how Q of ``pair`` went; None: of no pair."""
 
     pair: int | None
 
-
-Command = (
-    Play
-    | Pause
-    | Step
-    | RunEpisode
-    | Train
-    | SetSpeed
-    | Apply
-    | Restart
-    | LookAt
-    | StepBack
-    | EpisodeBack
-    | GoTo
-    | ChooseBranch
-    | RunUntil
-    | ToggleBreakpoint
-    | ClearBreakpoints
-    | Take
-    | AddLane
-    | ChooseLane
-    | DropLane
-    | FollowCell
-)
 
 LOOKING: Final = (LookAt, FollowCell, SetSpeed)
 """Commands that leave nothing behind that is worth keeping."""

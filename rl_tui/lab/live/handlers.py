@@ -1,4 +1,4 @@
-"""What each command does: one function a command, and the table of them."""
+"""What each command does: a table, and a function for each that does more than ask for one thing."""
 
 from __future__ import annotations
 
@@ -12,10 +12,6 @@ from rl_tui.lab.run.recipe import TakeAction
 
 if TYPE_CHECKING:
     from rl_tui.lab.live.playback import Playback
-
-
-def _play(playback: Playback, _: commands.Play) -> None:
-    playback.run()
 
 
 def _pause(playback: Playback, _: commands.Pause) -> None:
@@ -40,22 +36,6 @@ def _take(playback: Playback, command: commands.Take) -> None:
     playback.stop_if_due()
 
 
-def _run_episode(playback: Playback, _: commands.RunEpisode) -> None:
-    playback.run_until(Until(Event.EPISODE_END))
-
-
-def _run_until(playback: Playback, command: commands.RunUntil) -> None:
-    playback.run_until(command.until)
-
-
-def _train(playback: Playback, command: commands.Train) -> None:
-    playback.train(command.steps)
-
-
-def _set_speed(playback: Playback, command: commands.SetSpeed) -> None:
-    playback.transport.set_speed(command.speed)
-
-
 def _apply(playback: Playback, command: commands.Apply) -> None:
     group = playback.group
     group.current.apply(command.change)
@@ -63,10 +43,6 @@ def _apply(playback: Playback, command: commands.Apply) -> None:
     playback.take_in_change()
     if group.seeking:
         playback.seek()
-
-
-def _restart(playback: Playback, command: commands.Restart) -> None:
-    playback.restart(command.recipe)
 
 
 def _look_at(playback: Playback, command: commands.LookAt) -> None:
@@ -81,35 +57,23 @@ def _toggle_breakpoint(playback: Playback, command: commands.ToggleBreakpoint) -
     playback.set_breakpoints(playback.breakpoints.toggled(state=command.state, pair=command.pair))
 
 
-def _clear_breakpoints(playback: Playback, _: commands.ClearBreakpoints) -> None:
-    playback.set_breakpoints(Breakpoints())
-
-
 def _step_back(playback: Playback, _: commands.StepBack) -> None:
     current = playback.group.current
     target = None if current.seek is None else current.seek.target.step
     here = current.run.step if target is None else target
-    playback.rest()
-    playback.group.seek_to(step=here - 1)
-    playback.seek()
+    _seek_to(playback, step=here - 1)
 
 
 def _episode_back(playback: Playback, _: commands.EpisodeBack) -> None:
     run = playback.group.current.run
+    _seek_to(playback, episode=max(1, run.learner.episodes + (not run.begins_episode)))
+
+
+def _seek_to(
+    playback: Playback, *, step: int | None = None, episode: int | None = None, branch: int | None = None
+) -> None:
     playback.rest()
-    playback.group.seek_to(episode=max(1, run.learner.episodes + (not run.begins_episode)))
-    playback.seek()
-
-
-def _go_to(playback: Playback, command: commands.GoTo) -> None:
-    playback.rest()
-    playback.group.seek_to(step=command.step, episode=command.episode)
-    playback.seek()
-
-
-def _choose_branch(playback: Playback, command: commands.ChooseBranch) -> None:
-    playback.rest()
-    playback.group.seek_to(branch=command.branch)
+    playback.group.seek_to(step=step, episode=episode, branch=branch)
     playback.seek()
 
 
@@ -117,14 +81,6 @@ def _add_lane(playback: Playback, command: commands.AddLane) -> None:
     playback.group.add(command.changes)
     playback.take_in_change()
     playback.seek()
-
-
-def _choose_lane(playback: Playback, command: commands.ChooseLane) -> None:
-    _show_another(playback, playback.group.show, command.lane)
-
-
-def _drop_lane(playback: Playback, command: commands.DropLane) -> None:
-    _show_another(playback, playback.group.drop, command.lane)
 
 
 def _show_another(playback: Playback, show: Callable[[int], None], lane: int) -> None:
@@ -137,26 +93,26 @@ def _show_another(playback: Playback, show: Callable[[int], None], lane: int) ->
 
 
 HANDLERS: Final[Mapping[type, Callable[[Playback, Any], None]]] = {
-    commands.Play: _play,
+    commands.Play: lambda playback, _: playback.run(),
     commands.Pause: _pause,
     commands.Step: _step,
     commands.Take: _take,
-    commands.RunEpisode: _run_episode,
-    commands.RunUntil: _run_until,
-    commands.Train: _train,
-    commands.SetSpeed: _set_speed,
+    commands.RunEpisode: lambda playback, _: playback.run_until(Until(Event.EPISODE_END)),
+    commands.RunUntil: lambda playback, command: playback.run_until(command.until),
+    commands.Train: lambda playback, command: playback.train(command.steps),
+    commands.SetSpeed: lambda playback, command: playback.transport.set_speed(command.speed),
     commands.Apply: _apply,
-    commands.Restart: _restart,
+    commands.Restart: lambda playback, command: playback.restart(command.recipe),
     commands.LookAt: _look_at,
     commands.FollowCell: _follow_cell,
     commands.ToggleBreakpoint: _toggle_breakpoint,
-    commands.ClearBreakpoints: _clear_breakpoints,
+    commands.ClearBreakpoints: lambda playback, _: playback.set_breakpoints(Breakpoints()),
     commands.StepBack: _step_back,
     commands.EpisodeBack: _episode_back,
-    commands.GoTo: _go_to,
-    commands.ChooseBranch: _choose_branch,
+    commands.GoTo: lambda playback, command: _seek_to(playback, step=command.step, episode=command.episode),
+    commands.ChooseBranch: lambda playback, command: _seek_to(playback, branch=command.branch),
     commands.AddLane: _add_lane,
-    commands.ChooseLane: _choose_lane,
-    commands.DropLane: _drop_lane,
+    commands.ChooseLane: lambda playback, command: _show_another(playback, playback.group.show, command.lane),
+    commands.DropLane: lambda playback, command: _show_another(playback, playback.group.drop, command.lane),
 }
 """What a playback does with a command of each type."""

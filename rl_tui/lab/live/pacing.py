@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
+from dataclasses import dataclass
 from typing import Final
 
 TICK: Final = 1 / 60
@@ -53,11 +54,11 @@ class Pace:
         return 0.0 if ahead < -TICK else max(ahead, TICK)
 
 
+@dataclass(slots=True)
 class ChunkSize:
     """How many steps fit into one chunk, as measured, so that commands never wait long."""
 
-    def __init__(self) -> None:
-        self.steps = FIRST_CHUNK
+    steps: int = FIRST_CHUNK
 
     def measured(self, steps: int, seconds: float) -> None:
         """Learn from a full chunk of ``steps`` that took ``seconds``."""

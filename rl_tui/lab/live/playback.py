@@ -13,7 +13,7 @@ from rl_tui.lab.live.record import Record
 from rl_tui.lab.live.snapshot import PHASES, Phase, PlaybackView, Snapshot
 from rl_tui.lab.live.snapshot_builder import SnapshotBuilder
 from rl_tui.lab.live.state import BUSY, ENDED, PASSING, UNFINISHED, State
-from rl_tui.lab.live.stop_condition import StopCondition, breakpoint_in_words, watching_for
+from rl_tui.lab.live.stop_condition import StopCondition, breakpoint_in_words, until_in_words, watching_for
 from rl_tui.lab.live.until import Breakpoints, Event, Until
 from rl_tui.lab.live.viewport import Viewport
 from rl_tui.lab.run.exact_answers import AT_ONCE_STATES, Answer, ExactAnswers, exact_now
@@ -77,7 +77,7 @@ class Playback:
         self._steps_to_train = 0
         self._announced = False
         self._recipe = recipe
-        self._record = record or Record((RunRecord(recipe, ()),), speed=speed)
+        self._record = record or Record((RunRecord(recipe),), speed=speed)
         self._automatic = automatic
         self._clock = clock
         self._on_exact = on_exact
@@ -164,25 +164,23 @@ class Playback:
                 raise RuntimeError("there is no world yet")
             preparing = PlaybackView(message=PREPARING, speed=self._record.speed)
             return self._builder.before(self._recipe, self._beginning.world, preparing)
-        current, run = self.group.current, self.group.current.run
+        run = self.group.current.run
         seeks, loads = self.state is State.SEEKING, self.state is State.LOADING
         return self._builder.build(
-            run,
+            self.group,
             PlaybackView(
                 phase=self.phase,
                 message=self.transport.seek_message if seeks else PREPARING if loads else run.message,
                 speed=self.transport.speed,
                 steps_per_second=self.transport.meter.steps_per_second,
-                until="" if self.condition is None else self.condition.describe(run.world),
+                until="" if self.condition is None else until_in_words(self.condition.until, run.world),
                 paused_by=self.paused_by,
                 breakpoints=self.breakpoints,
                 handled=self.handled,
             ),
+            self._answer(),
             viewport=self.viewport,
-            exact_answer=self._answer(),
-            timeline=current.timeline,
-            run_group=self.group.view,
-            cell=None if self.cell is None else current.cell_history(self.cell),
+            cell=self.cell,
         )
 
     def _answer(self) -> Answer:
@@ -281,7 +279,7 @@ class Playback:
     def _end(self, run: Run) -> None:
         """Rest for good, since the run shown is over."""
         self.rest()
-        self._enter(State.DONE if run.converged else State.SPENT if run.spent else State.STOPPED)
+        self._enter(State.DONE if run.learner.converged else State.SPENT if run.spent else State.STOPPED)
 
     def watch(self) -> None:
         """Let the run shown stop by itself where it should."""
@@ -382,7 +380,7 @@ class Playback:
             if run.step > before and condition.is_over(run) and not run.over:
                 self.rest()
                 if condition.until.event is not Event.EPISODE_END:
-                    self.paused_by = condition.describe(run.world)
+                    self.paused_by = until_in_words(condition.until, run.world)
             if self._clock() >= until:
                 return
 

@@ -14,14 +14,12 @@ from rl_tui.lab.run.exact_answers import NO_TABLE, PENDING, Answer
 from rl_tui.lab.run.large_worlds import is_large
 from rl_tui.lab.run.recipe import Recipe
 from rl_tui.lab.run.results import RunResults
-from rl_tui.lab.timeline.branches import Timeline
-from rl_tui.lab.timeline.lane_view import RunGroupView
-from rl_tui.lab.timeline.table_samples import CellHistory
 from rl_tui.worlds.mdp.space import IntArray
 from rl_tui.worlds.world import World
 
 if TYPE_CHECKING:
     from rl_tui.lab.run.run import Run
+    from rl_tui.lab.timeline.run_group import RunGroup
 
 
 class SnapshotBuilder:
@@ -48,16 +46,18 @@ class SnapshotBuilder:
 
     def build(
         self,
-        run: Run,
+        group: RunGroup,
         playback: PlaybackView,
+        exact_answer: Answer,
         *,
         viewport: Viewport | None,
-        exact_answer: Answer,
-        timeline: Timeline,
-        run_group: RunGroupView,
-        cell: CellHistory | None,
+        cell: int | None,
     ) -> Snapshot:
-        """Return the snapshot of ``run``; of a large world with what ``viewport`` shows, None: everything."""
+        """Return the snapshot of the run that ``group`` shows, with how Q of the pair ``cell`` went.
+
+        Of a large world it has what ``viewport`` shows, None: everything.
+        """
+        current, run, run_group = group.current, group.current.run, group.view
         counters = run.learner.counters
         return Snapshot(
             world=run.world,
@@ -67,34 +67,27 @@ class SnapshotBuilder:
             results=run_group.lanes[run_group.shown].results if run_group.lanes else run.results,
             exact_answer=exact_answer,
             playback=playback,
-            timeline=timeline,
+            timeline=current.timeline,
             run_group=run_group,
-            cell=cell,
+            cell=None if cell is None else current.cell_history(cell),
         )
 
     def _agent(self, run: Run, counters: Counters, viewport: Viewport | None) -> AgentView:
         """Return the agent with copies of all that it has learned, of a large world of what is in view."""
         learner = run.learner
-        if viewport is None or not is_large(run.world):
-            return AgentView(
-                learner.algorithm,
-                learner.hyperparameters,
-                learner.q.copy(),
-                learner.visits.copy(),
-                tables=learner.remembered("q1", "q2"),
-                values=next(iter(learner.remembered("v")), np.empty(0)),
-                planning=learner.planning,
-                author=learner.author,
-            )
-        if self._copier is None or self._copier.world is not run.world:
-            self._copier = PartCopier(run.world)
-        part = self._copier.copy(viewport, counters.state, counters.last_step, learner.q, learner.visits)
+        part = None
+        if viewport is not None and is_large(run.world):
+            if self._copier is None or self._copier.world is not run.world:
+                self._copier = PartCopier(run.world)
+            part = self._copier.copy(viewport, counters.state, counters.last_step, learner.q, learner.visits)
         return AgentView(
             learner.algorithm,
             learner.hyperparameters,
-            part.q,
-            part.visits,
+            part.q if part else learner.q.copy(),
+            part.visits if part else learner.visits.copy(),
             part=part,
+            tables=() if part else learner.remembered("q1", "q2"),
+            values=np.empty(0) if part else next(iter(learner.remembered("v")), np.empty(0)),
             planning=learner.planning,
             author=learner.author,
         )

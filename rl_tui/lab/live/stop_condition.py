@@ -67,15 +67,14 @@ class StopCondition:
                 if not 0 <= until.pair < run.world.space.pairs:
                     raise UserError(f"there is no pair {until.pair} here")
             case Event.OPTIMAL:
-                _check_answer(answer)
+                if answer.refused:
+                    raise UserError(f"no policy can be told to be optimal: {answer.refused}")
+                if answer.solution is None:
+                    raise UserError("the exact answer is still being worked out: try again in a moment")
                 if run.learner.drifted:
                     self.stride = 1  # what is best changes with every step, whatever the policy does
                 if self._is_optimal(run):
                     raise UserError("the greedy policy is optimal already")
-
-    def describe(self, world: World) -> str:
-        """Return what is waited for, in words."""
-        return until_in_words(self.until, world)
 
     def is_over(self, run: Run) -> bool:
         """Tell whether it has happened with the last step of ``run``."""
@@ -156,13 +155,6 @@ def breakpoint_in_words(run: Run) -> str:
 def _pair_in_words(space: FiniteSpace, pair: int) -> str:
     """Return the names of state and action of ``pair``; an only state goes without saying."""
     return space.action_names[int(space.pair_action[pair])] if space.states == 1 else space.pair_name(pair)
-
-
-def _check_answer(answer: Answer) -> None:
-    if answer.refused:
-        raise UserError(f"no policy can be told to be optimal: {answer.refused}")
-    if answer.solution is None:
-        raise UserError("the exact answer is still being worked out: try again in a moment")
 
 
 def _check_ahead(is_ahead: bool, wanted: str, here: str) -> None:

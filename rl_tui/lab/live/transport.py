@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Final
 
 from rl_tui.common.words import lasting
 from rl_tui.lab.live.pacing import CHUNK, ChunkSize, Pace, SpeedMeter
+from rl_tui.lab.run.recipe import UNLIMITED
 
 if TYPE_CHECKING:
     from rl_tui.lab.timeline.run_group import RunGroup
@@ -62,16 +63,13 @@ class Transport:
             self._pace.took(self.take_steps(due))
         return self._pace.wait(self._clock())
 
-    def take_steps(self, steps: int, episodes: int | None = None) -> int:
+    def take_steps(self, steps: int, episodes: int = UNLIMITED) -> int:
         """Take at most ``steps`` steps, or ``episodes`` episodes, within a chunk; return how many steps."""
         run, steps = self.group.current.run, min(steps, self._chunk.steps)
         before, start = run.step, self._clock()
         if self._automatic:
             run.learner.set_time_budget(CHUNK)
-        if episodes is None:
-            self.group.advance(steps)
-        else:
-            self.group.advance(steps, episodes)
+        self.group.advance(steps, episodes)
         now = self._clock()
         taken = run.step - before
         if taken == self._chunk.steps:

@@ -108,7 +108,7 @@ class PartCopier:
 
     def _pairs_in(self, viewport: Viewport, state: int, last: LastStep | None) -> IntArray:
         states = [np.array(self._met(viewport, state, last), dtype=np.int64)]
-        if viewport.cells is not None and self._cells is not None:
+        if viewport.cells is not None:
             states += self._states_in(viewport.cells, state)
         parts = [pairs_of_states(self._space, np.concatenate(states))]
         if viewport.rows is not None:

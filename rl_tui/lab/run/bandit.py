@@ -56,21 +56,17 @@ def bandit_figures(
         return None
     pulls = int(visits.sum())
     if drifted is not None:
-        return BanditFigures(
-            pulls=pulls,
-            budget=world.budget,
-            winnings=winnings,
-            regret=drifted.regret,
-            best_arm_rate=drifted.optimal_pulls / pulls if pulls else None,
-            best_possible=drifted.best_total,
-        )
-    means = true_means(world.mdp)
-    best = float(means.max())
+        regret, best_possible, best_pulls = drifted
+    else:
+        means = true_means(world.mdp)
+        best = float(means.max())
+        regret, best_possible = float(np.dot(visits, best - means)), best * pulls
+        best_pulls = int(visits[means == best].sum())
     return BanditFigures(
         pulls=pulls,
         budget=world.budget,
         winnings=winnings,
-        regret=float(np.dot(visits, best - means)),
-        best_arm_rate=int(visits[means == best].sum()) / pulls if pulls else None,
-        best_possible=best * pulls,
+        regret=regret,
+        best_arm_rate=best_pulls / pulls if pulls else None,
+        best_possible=best_possible,
     )

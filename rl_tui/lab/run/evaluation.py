@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 
 from rl_tui.agents.exact.solve import expected_return, greedy_policy
 from rl_tui.agents.hyperparameters import Ties
+from rl_tui.agents.learner_state import put_back
 from rl_tui.lab.run.exact_answers import visits_of
 from rl_tui.lab.run.results import Marks
 from rl_tui.worlds.mdp.space import FloatArray, IntArray
@@ -46,20 +46,12 @@ class GreedyReturn:
         return self._value
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class MarksState:
-    """A copy of all marks, for checkpoints."""
+class MarksState(NamedTuple):
+    """A copy of all marks, for checkpoints: how far they are apart, and two numbers of each, [M]."""
 
     spacing: int
-    used: int
-    step: IntArray
     episode: IntArray
     value: FloatArray
-
-    @property
-    def nbytes(self) -> int:
-        """How much memory it takes."""
-        return self.step.nbytes + self.episode.nbytes + self.value.nbytes
 
 
 class Evaluation:
@@ -77,7 +69,6 @@ class Evaluation:
         while mdp is not None and self._spacing * VISITS_A_STEP < visits_of(mdp):
             self._spacing *= 2
         self._used = 0
-        self._step: IntArray = np.zeros(most, np.int64)
         self._episode: IntArray = np.zeros(most, np.int64)
         self._value: FloatArray = np.zeros(most)
         self.next_step = 0 if self._active else None
@@ -86,17 +77,16 @@ class Evaluation:
     def mark(self, episodes: int, q: FloatArray, ties: Ties) -> None:
         """Take the mark that is due, after ``episodes`` finished ones, with the estimates ``q``, [P]."""
         value = self._greedy_return(q, ties)
-        self._step[self._used] = self._used * self._spacing
         self._episode[self._used] = episodes
         self._value[self._used] = math.nan if value is None else value
         self._used += 1
-        if self._used == len(self._step):
+        if self._used == len(self._value):
             self._thin_out()
         self.next_step = self._used * self._spacing
 
     def _thin_out(self) -> None:
         kept = (self._used + 1) // 2
-        for array in (self._step, self._episode, self._value):
+        for array in (self._episode, self._value):
             array[:kept] = array[: self._used : 2].copy()
         self._used = kept
         self._spacing *= 2
@@ -104,16 +94,15 @@ class Evaluation:
     def marks(self) -> Marks:
         """Return the marks taken so far."""
         used = slice(0, self._used)
-        return Marks(self._step[used].copy(), self._episode[used].copy(), self._value[used].copy())
+        step = np.arange(self._used) * self._spacing
+        return Marks(step, self._episode[used].copy(), self._value[used].copy())
 
     def checkpoint(self) -> MarksState:
         """Return a copy of all that is kept."""
-        return MarksState(
-            self._spacing, self._used, self._step.copy(), self._episode.copy(), self._value.copy()
-        )
+        return MarksState(self._spacing, self._episode[: self._used].copy(), self._value[: self._used].copy())
 
     def restore(self, state: MarksState) -> None:
         """Go back to what :meth:`checkpoint` returned."""
-        self._spacing, self._used = state.spacing, state.used
-        self._step[:], self._episode[:], self._value[:] = state.step, state.episode, state.value
+        self._spacing, self._used = state.spacing, len(state.value)
+        put_back((self._episode, self._value), state[1:])
         self.next_step = self._used * self._spacing if self._active else None

@@ -36,11 +36,15 @@ NO_TABLE: Final = "this environment has no transition table to work it out from"
 PENDING: Final = Answer(None, "")
 
 
-def exact_now(mdp: TabularMDP | None, gamma: float) -> Answer:
-    """Return the exact answer of a small world that is another one after every step."""
+def _solve(mdp: TabularMDP, gamma: float) -> Solution:
     from rl_tui.agents.exact.solve import solve
 
-    return Answer(None, NO_TABLE) if mdp is None else Answer(solve(mdp, gamma), "")
+    return solve(mdp, gamma)
+
+
+def exact_now(mdp: TabularMDP | None, gamma: float) -> Answer:
+    """Return the exact answer of a small world that is another one after every step."""
+    return Answer(None, NO_TABLE) if mdp is None else Answer(_solve(mdp, gamma), "")
 
 
 class ExactAnswers:
@@ -54,13 +58,9 @@ class ExactAnswers:
         self,
         mdp: TabularMDP | None,
         on_ready: Callable[[], None],
-        solve: Callable[[TabularMDP, float], Solution] | None = None,
+        solve: Callable[[TabularMDP, float], Solution] = _solve,
         at_once_states: int = AT_ONCE_STATES,
     ) -> None:
-        if solve is None:
-            from rl_tui.agents.exact.solve import solve as solve_exactly
-
-            solve = solve_exactly
         self.mdp = mdp
         self._on_ready = on_ready
         self._solve = solve
@@ -73,9 +73,7 @@ class ExactAnswers:
 
     def answer(self, gamma: float) -> Answer:
         """Return the answer for ``gamma`` if it is known, and see to it that it will be."""
-        if self.mdp is None:
-            return Answer(None, NO_TABLE)
-        if self.mdp.states > LIVE_STATES:
+        if self.mdp is not None and self.mdp.states > LIVE_STATES:
             return Answer(None, f"more than {LIVE_STATES:,} states: rl-tui solve has the exact answer")
         with self._lock:
             if self._failure is not None:

@@ -88,6 +88,7 @@ def head(recipe: Recipe) -> dict[str, Any]:
 def training_figures(run: Run, seconds: float) -> dict[str, Any]:
     """Return what ``run`` came to in ``seconds`` of learning: the document of ``train --json``."""
     space, learner = run.world.space, run.learner
+    mean_return, mean_length = run.history.last_100
     exact = greedy_figures(run, optimum_of(exact_world(run), learner.hyperparameters.gamma))
     document: dict[str, Any] = finite(
         {
@@ -105,8 +106,8 @@ def training_figures(run: Run, seconds: float) -> dict[str, Any]:
             "optimal_value_at_start": exact.optimal_value_at_start,
             "expected_return": exact.expected_return,
             "max_error": exact.max_error,
-            "return_last_100": run.history.return_last_100,
-            "length_last_100": run.history.length_last_100,
+            "return_last_100": mean_return,
+            "length_last_100": mean_length,
             "greedy_ends": exact.greedy_ends,
             "first_reward_episode": learner.first_reward_episode or None,
             **pulls(run),

@@ -3,31 +3,17 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
 from rl_tui.agents.kernels.episode_bins import empty_bins, fold
+from rl_tui.agents.learner_state import Arrays, copies, put_back
 from rl_tui.lab.run.results import Curve
 from rl_tui.worlds.mdp.space import FloatArray, IntArray
 
 BINS: Final = 512
 RECENT: Final = 100
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class HistoryState:
-    """A copy of a history, for checkpoints."""
-
-    arrays: tuple[IntArray | FloatArray, ...]
-    recent_returns: FloatArray
-    recent_lengths: IntArray
-
-    @property
-    def nbytes(self) -> int:
-        """How much memory it takes."""
-        return sum(each.nbytes for each in (*self.arrays, self.recent_returns, self.recent_lengths))
 
 
 class History:
@@ -53,24 +39,20 @@ class History:
         self.add(np.empty(0), np.empty(0, np.int64))
 
     @property
-    def episodes(self) -> int:
-        """How many episodes were added."""
-        return int(self._bins.episodes[: self._bins.used[0]].sum())
-
-    @property
     def total_return(self) -> float:
         """The sum of all returns: the winnings of a bandit."""
         return float(self._bins.total_return[0])
 
     @property
-    def return_last_100(self) -> float | None:
-        """The mean return of the last 100 episodes (of all, while there are fewer); None before the first."""
-        return _mean(self._recent_returns)
+    def last_100(self) -> tuple[float, float] | tuple[None, None]:
+        """The mean return and the mean length in steps of the last 100 episodes, or of as many as there are.
 
-    @property
-    def length_last_100(self) -> float | None:
-        """The mean length of the last 100 episodes in steps; None before the first."""
-        return _mean(self._recent_lengths)
+        None before the first has ended.
+        """
+        count = len(self._recent_returns)
+        if not count:
+            return None, None
+        return math.fsum(self._recent_returns) / count, math.fsum(self._recent_lengths) / count
 
     def curve(self) -> Curve:
         """Return the bins in use."""
@@ -84,21 +66,11 @@ class History:
             length_mean=self._bins.length_sum[used] / count,
         )
 
-    def checkpoint(self) -> HistoryState:
-        """Return a copy of all that is kept."""
-        return HistoryState(
-            tuple(array.copy() for array in self._bins),
-            self._recent_returns.copy(),
-            self._recent_lengths.copy(),
-        )
+    def checkpoint(self) -> Arrays:
+        """Return copies of all that is kept: the bins, and then the last episodes."""
+        return copies((*self._bins, self._recent_returns, self._recent_lengths))
 
-    def restore(self, state: HistoryState) -> None:
+    def restore(self, state: Arrays) -> None:
         """Go back to what :meth:`checkpoint` returned, from a history of as many bins."""
-        for array, saved in zip(self._bins, state.arrays, strict=True):
-            array[:] = saved
-        self._recent_returns = state.recent_returns.copy()
-        self._recent_lengths = state.recent_lengths.copy()
-
-
-def _mean(values: FloatArray | IntArray) -> float | None:
-    return math.fsum(values) / len(values) if len(values) else None
+        *bins, self._recent_returns, self._recent_lengths = state  # the last two are never written to
+        put_back(self._bins, tuple(bins))

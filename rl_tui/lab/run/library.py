@@ -19,6 +19,7 @@ DEFAULT_ALGORITHM: Final = "q-learning"
 DEFAULT_EPISODES: Final = 1_000
 MOST_EPISODES: Final = 10**15
 _KEYS: Final = ("algorithm", "episodes", *PARAMETERS)
+_ALGORITHMS: Final = f"one of {', '.join(BY_ID)}"
 
 
 def read_catalogue() -> catalogue.Catalogue:
@@ -100,7 +101,7 @@ def _recipe(scenario: Scenario, overrides: Mapping[str, object], seed: int) -> R
     algorithm = chosen.pop("algorithm", DEFAULT_ALGORITHM)
     if algorithm not in BY_ID:
         raise UserError(
-            f"algorithm is {shown(algorithm)}; expected {_algorithms()}{near(str(algorithm), BY_ID)}"
+            f"algorithm is {shown(algorithm)}; expected {_ALGORITHMS}{near(str(algorithm), BY_ID)}"
         )
     if isinstance(seed, bool) or not isinstance(seed, int) or seed < 0:
         raise UserError(f"seed is {shown(seed)}; expected a whole number, 0 or more")
@@ -167,7 +168,7 @@ def _default_finding(key: str, value: object) -> Finding | None:
         return unknown_key((key,), _KEYS)
     if key == "algorithm":
         known = isinstance(value, str) and value in BY_ID
-        return None if known else Finding((key,), shown(value), f"{_algorithms()}{near(str(value), BY_ID)}")
+        return None if known else Finding((key,), shown(value), f"{_ALGORITHMS}{near(str(value), BY_ID)}")
     if key == "episodes":
         whole = isinstance(value, int) and not isinstance(value, bool)
         if whole and 1 <= value <= MOST_EPISODES:  # type: ignore[operator]
@@ -175,7 +176,3 @@ def _default_finding(key: str, value: object) -> Finding | None:
         return Finding((key,), shown(value), "a whole number, 1 or more")
     parameter = PARAMETERS[key]
     return None if parameter.accepts(value) else Finding((key,), shown(value), parameter.expected)
-
-
-def _algorithms() -> str:
-    return f"one of {', '.join(BY_ID)}"

@@ -38,14 +38,9 @@ def begin(recipe: Recipe, known: World | None = None) -> Beginning:
     Raises UserError where the world cannot be built.
     """
     drawn = streams(recipe.seed)
-    if known is not None and not drawn_from_seed(recipe.scenario):
+    if known is not None and not recipe.scenario.section.drawn_from_seed:
         return Beginning(known, drawn)
     return Beginning(recipe.scenario.build(drawn.world), drawn)
-
-
-def drawn_from_seed(scenario: Scenario) -> bool:
-    """Tell whether another seed makes another world of ``scenario``: drawn arms, a random map."""
-    return scenario.section.drawn_from_seed
 
 
 @dataclass(frozen=True, slots=True)

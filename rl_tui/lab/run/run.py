@@ -13,7 +13,7 @@ from rl_tui.common.errors import UserError
 from rl_tui.lab.run.bandit import BanditFigures, bandit_figures
 from rl_tui.lab.run.evaluation import MOST_STATES, Evaluation, GreedyReturn, MarksState
 from rl_tui.lab.run.exact_answers import DEAREST_LIVE, visits_of
-from rl_tui.lab.run.history import History, HistoryState
+from rl_tui.lab.run.history import History
 from rl_tui.lab.run.recipe import (
     UNLIMITED,
     Beginning,
@@ -40,7 +40,7 @@ class RunState:
     episodes: int
     begins_episode: bool
     learner: LearnerState
-    history: HistoryState
+    history: tuple[IntArray | FloatArray, ...]
     marks: MarksState
     journal: tuple[JournalEntry, ...]
     stop_reason: str
@@ -48,7 +48,8 @@ class RunState:
     @property
     def nbytes(self) -> int:
         """How much memory it takes."""
-        return self.learner.nbytes + self.history.nbytes + self.marks.nbytes
+        arrays = (*self.history, self.marks.episode, self.marks.value)
+        return self.learner.nbytes + sum(array.nbytes for array in arrays)
 
 
 class Run:
@@ -121,12 +122,17 @@ class Run:
     @property
     def results(self) -> RunResults:
         """What it has achieved so far."""
+        learner, history = self.learner, self.history
+        is_evaluated = self._is_evaluated_live and not self.stop_reason
+        mean_return, mean_length = history.last_100
         return RunResults(
-            curve=self.history.curve(),
+            curve=history.curve(),
             marks=self._evaluation.marks(),
-            return_last_100=self.history.return_last_100,
-            length_last_100=self.history.length_last_100,
-            greedy_return=self.greedy_return,
+            return_last_100=mean_return,
+            length_last_100=mean_length,
+            greedy_return=(
+                self._greedy_return(learner.q, learner.hyperparameters.ties) if is_evaluated else None
+            ),
             bandit=self.bandit,
         )
 
@@ -148,11 +154,6 @@ class Run:
     def noticed(self) -> bool:
         """Whether the last step is one of those that the learner watches for."""
         return self.learner.noticed != NOTHING_NOTICED
-
-    @property
-    def converged(self) -> bool:
-        """Whether a planner is done."""
-        return self.learner.converged
 
     @property
     def message(self) -> str:
@@ -285,13 +286,6 @@ class Run:
             ties = self.learner.hyperparameters.ties
             self._evaluation.mark(self.learner.episodes, self.learner.q, ties)
 
-    @property
-    def greedy_return(self) -> float | None:
-        """The exact expected return of the greedy policy; None where it has none or it is too dear."""
-        if not self._is_evaluated_live or self.stop_reason:
-            return None
-        return self._greedy_return(self.learner.q, self.learner.hyperparameters.ties)
-
     def _take_in(self, stop: Stop) -> None:
         """Take in the episodes that ended, and why the learner came back."""
         returns, lengths, optimal = self.learner.drain_episodes()
@@ -301,10 +295,3 @@ class Run:
                 self._on_episodes(returns, lengths, optimal)
         if stop is not Stop.DONE:
             self.stop_reason = self.learner.stop_reason
-
-
-def replay(recipe: Recipe, journal: Sequence[JournalEntry], step: int) -> Run:
-    """Return the run of ``recipe`` and ``journal`` at ``step``."""
-    run = Run(recipe)
-    run.follow(journal, step)
-    return run

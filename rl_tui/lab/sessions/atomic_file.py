@@ -39,6 +39,12 @@ def draft_of(path: Path) -> Path:
     return path.with_name(f".{path.name}.new")
 
 
+def remove_with_draft(path: Path) -> None:
+    """Remove ``path`` and its draft, where they are there. Raises OSError."""
+    for each in (path, draft_of(path)):
+        each.unlink(missing_ok=True)
+
+
 def _settle(folder: Path) -> None:
     """Bring the name itself to the disk, where the system lets a folder be opened."""
     with suppress(OSError):

@@ -14,7 +14,7 @@ from rl_tui.lab.run.recipe import Recipe
 from rl_tui.lab.sessions.folder import settled
 from rl_tui.lab.sessions.session import MOST_PAIRS_DIGESTED, StoredSession, digest_of
 from rl_tui.lab.sessions.writer import SessionWriter, reason
-from rl_tui.lab.timeline.branches import FIRST, RunRecord
+from rl_tui.lab.timeline.branches import RunRecord
 
 if TYPE_CHECKING:
     from rl_tui.worlds.mdp.space import FloatArray
@@ -29,7 +29,7 @@ OnNotice = Callable[[str], None]
 
 def untouched(recipe: Recipe) -> Record:
     """Return the record of a run that has only just begun."""
-    return Record((RunRecord(recipe, (FIRST,)),))
+    return Record((RunRecord(recipe),))
 
 
 class Autosave:
@@ -90,7 +90,7 @@ class Autosave:
                 same_session = old
             else:
                 self._left.append(old)
-                before = tuple(RunRecord(lane.recipe, (FIRST,)) for lane in old.newest.record.lanes)
+                before = tuple(RunRecord(lane.recipe) for lane in old.newest.record.lanes)
                 opened = replace(record, lanes=before)
                 same_session = _Session(opened, SessionWriter(self.folder, None, self._tell))
                 self._session = same_session

@@ -27,7 +27,7 @@ from rl_tui.lab.sessions.document import (
     StoredLane,
     StoredScenario,
 )
-from rl_tui.lab.timeline.branches import FIRST, Branch, RunRecord
+from rl_tui.lab.timeline.branches import Branch, RunRecord
 from rl_tui.worlds.files.gymnasium_ids import PREFIX, environment_scenario
 from rl_tui.worlds.files.scenario import Scenario, scenario_of
 
@@ -73,7 +73,7 @@ def _stored_lane(lane: RunRecord) -> dict[str, Any]:
         "seed": lane.recipe.seed,
         "algorithm": lane.recipe.algorithm,
         "hyperparameters": lane.recipe.hyperparameters.as_dict(),
-        "branches": [_stored_branch(branch, lane.branches) for branch in lane.branches or (FIRST,)],
+        "branches": [_stored_branch(branch, lane.branches) for branch in lane.branches],
         "branch": lane.branch,
     }
 

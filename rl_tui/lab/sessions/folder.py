@@ -12,7 +12,7 @@ from typing import Final
 import platformdirs
 
 from rl_tui.common.errors import UserError
-from rl_tui.lab.sessions.atomic_file import draft_of
+from rl_tui.lab.sessions.atomic_file import remove_with_draft
 from rl_tui.lab.sessions.document import LONGEST_NAME
 from rl_tui.lab.sessions.file_lock import FileLock
 from rl_tui.lab.sessions.session import SUFFIX, SessionError, StoredSession, read_session, signature
@@ -79,7 +79,7 @@ def prune(folder: Path) -> None:
         with suppress(OSError):
             # it may have been gone on with, or named, since it was read
             if lock.acquire() and signature(session.path.stat()) == session.written:
-                _unlink(session.path)
+                remove_with_draft(session.path)
         lock.release()
 
 
@@ -89,7 +89,7 @@ def remove(session: StoredSession) -> None:
     try:
         if not lock.acquire():
             raise UserError(f"{session.title} is open in another program; close it there first")
-        _unlink(session.path)
+        remove_with_draft(session.path)
     except OSError as error:
         raise UserError(f"{session.path}: cannot be removed ({error.strerror or error})") from error
     finally:
@@ -120,8 +120,3 @@ def file_stem(name: str) -> str:
     """Return ``name`` with nothing but letters, digits and dashes: harmless in every file system."""
     words = re.sub(r"[\W_]+", "-", name.lower()).strip("-")
     return words.encode()[:_LONGEST_STEM].decode(errors="ignore") or "session"
-
-
-def _unlink(path: Path) -> None:
-    for each in (path, draft_of(path)):
-        each.unlink(missing_ok=True)

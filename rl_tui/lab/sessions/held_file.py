@@ -7,7 +7,7 @@ import os
 from pathlib import Path
 from typing import Final
 
-from rl_tui.lab.sessions.atomic_file import draft_of, write_atomically
+from rl_tui.lab.sessions.atomic_file import remove_with_draft, write_atomically
 from rl_tui.lab.sessions.file_lock import FileLock
 from rl_tui.lab.sessions.folder import VARIABLE, is_homeless
 from rl_tui.lab.sessions.session import StoredSession, signature
@@ -43,8 +43,7 @@ class HeldFile:
 
     def remove(self) -> None:
         """Remove the file, and let it go. Raises OSError."""
-        for each in (self.path, draft_of(self.path)):
-            each.unlink(missing_ok=True)
+        remove_with_draft(self.path)
         self.release()
 
     def release(self) -> None:

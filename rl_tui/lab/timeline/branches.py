@@ -36,15 +36,15 @@ class RunRecord:
 
     recipe: Recipe
     """What the run was made from."""
-    branches: tuple[Branch, ...]
-    """Every branch of it; none before it begins."""
+    branches: tuple[Branch, ...] = (FIRST,)
+    """Every branch of it, at least one."""
     branch: int = 0
     """The number of the branch in force."""
 
     @property
     def step(self) -> int:
         """Where the run stands."""
-        return self.branches[self.branch].here if self.branches else 0
+        return self.branches[self.branch].here
 
 
 @dataclass(frozen=True, slots=True, eq=False)

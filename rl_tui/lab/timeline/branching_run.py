@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Sequence
-from dataclasses import replace
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from typing import Final
 
 from rl_tui.agents.kernels.watching import Watching
 from rl_tui.common.errors import UserError
-from rl_tui.lab.run.recipe import UNLIMITED, Beginning, Change, Recipe, begin
+from rl_tui.lab.run.recipe import UNLIMITED, Beginning, Change, begin
 from rl_tui.lab.run.run import Run, RunState
-from rl_tui.lab.timeline.branches import FIRST, Branch, RunRecord, Timeline
+from rl_tui.lab.timeline.branches import Branch, RunRecord, Timeline
 from rl_tui.lab.timeline.checkpoints import Checkpoints
 from rl_tui.lab.timeline.memory_limits import limits
 from rl_tui.lab.timeline.seek import Seek, Target
@@ -22,20 +22,22 @@ from rl_tui.worlds.world import World
 _COPY_SHARE: Final = 4
 
 
+@dataclass(slots=True, eq=False)
 class KeptBranch:
     """A branch with all that is kept of it."""
 
-    def __init__(self, branch: Branch, checkpoints: Checkpoints, samples: TableSamples) -> None:
-        self.branch = branch
-        """Its journal, and how far it has come."""
-        self.checkpoints = checkpoints
-        """States to come back to."""
-        self.samples = samples
-        """Copies of Q along the branch."""
+    branch: Branch
+    """Its journal, and how far it has come."""
+    checkpoints: Checkpoints
+    """States to come back to."""
+    samples: TableSamples
+    """Copies of Q along the branch."""
 
 
 class BranchingRun:
     """One recipe's run, every branch of it, and the way back.
+
+    It begins at the seed, on the branch that ``record`` has in force.
 
     It advances along the journal of the branch in force; a change where the run has been further begins a new
     branch. :meth:`seek_to` begins to seek another step or episode, and :meth:`continue_seek` goes on with
@@ -45,27 +47,20 @@ class BranchingRun:
     """
 
     def __init__(
-        self,
-        recipe: Recipe,
-        beginning: Beginning,
-        *,
-        branches: Sequence[Branch] = (),
-        branch: int = 0,
-        clock: Callable[[], float] = time.perf_counter,
+        self, record: RunRecord, world: World, clock: Callable[[], float] = time.perf_counter
     ) -> None:
-        self.recipe = recipe
+        self.recipe = record.recipe
         """What the run was made from."""
-        self.world: World = beginning.world
+        self.world = world
         """The world of every branch."""
-        self.run = self._new_run(beginning)
+        self.run = self._run_from_seed()
         """The run as it stands."""
         self.seek: Seek | None = None
         """The way to another step or episode, None where the run is where it has to be."""
-        known = branches or (FIRST,)
-        pairs = self.world.space.pairs
-        self._branches = [KeptBranch(each, Checkpoints(), TableSamples(pairs)) for each in known]
-        self._number = branch
-        self.kept = self._branches[branch]
+        pairs = world.space.pairs
+        self._branches = [KeptBranch(each, Checkpoints(), TableSamples(pairs)) for each in record.branches]
+        self._number = record.branch
+        self.kept = self._branches[self._number]
         """The branch in force."""
         self._clock = clock
         self._spent = 0.0
@@ -82,22 +77,19 @@ class BranchingRun:
     @property
     def timeline(self) -> Timeline:
         """Where the run stands, or is to stand once a seek is done, among all that it has been through."""
-        return Timeline(*self._where())
-
-    @property
-    def record(self) -> RunRecord:
-        """What is needed to come back to here."""
-        return RunRecord(self.recipe, *self._where())
-
-    def _where(self) -> tuple[tuple[Branch, ...], int]:
-        """Return all branches and the number of the one in force, as they are once a seek is done."""
         seek, step, number = self.seek, self.run.step, self._number
         if seek is not None:
             target = seek.target
             step, number = step if target.step is None else target.step, target.branch
         branches = [each.branch for each in self._branches]
         branches[number] = replace(branches[number], here=step)
-        return tuple(branches), number
+        return Timeline(tuple(branches), number)
+
+    @property
+    def record(self) -> RunRecord:
+        """What is needed to come back to here."""
+        timeline = self.timeline
+        return RunRecord(self.recipe, timeline.branches, timeline.branch)
 
     def watch(self, watching: Watching | None) -> None:
         """Let :meth:`advance` stop right after what is watched for."""
@@ -157,13 +149,13 @@ class BranchingRun:
         if step is None and episode is None:
             step = kept.branch.here
         target = Target(number, kept.branch.end, step=step, episode=episode)
-        start = target.best_of(kept.checkpoints)
+        start = kept.checkpoints.last_before(target)
         stays = number == self._number and (start is None or start.step <= run.step)
-        if not (stays and target.is_ahead_of(run)):
+        if not (stays and target.is_ahead_of(run.step, run.learner.episodes, run.begins_episode)):
             run = self._run_at(start)
         run.learner.watch(None)
         self._sought = 0.0
-        self.seek = Seek(run, target)
+        self.seek = Seek(run, target, run.step)
         if self.seek.done:
             self._arrive(self.seek)
 
@@ -196,16 +188,17 @@ class BranchingRun:
             return None
         return self.kept.samples.history(pair, self.run.step, self.run.learner.q)
 
-    def _new_run(self, beginning: Beginning) -> Run:
+    def _run_from_seed(self) -> Run:
+        # whatever the seed shapes is drawn again, but the same world need not be known twice
+        beginning = Beginning(self.world, begin(self.recipe, self.world).streams)
         run = Run(self.recipe, beginning, episode_limit=self.world.budget)
         run.advance(steps=0)  # the mark of the beginning is taken before anything is shown
         return run
 
     def _run_at(self, state: RunState | None) -> Run:
         if state is None:
-            # whatever the seed shapes is drawn again, but the same world need not be known twice
-            return self._new_run(Beginning(self.world, begin(self.recipe, self.world).streams))
-        run = self._spare or self._run_at(None)
+            return self._run_from_seed()
+        run = self._spare or self._run_from_seed()
         self._spare = None
         run.restore(state)
         return run

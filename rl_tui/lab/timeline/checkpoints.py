@@ -11,6 +11,7 @@ from rl_tui.lab.timeline.memory_limits import limits
 
 if TYPE_CHECKING:
     from rl_tui.lab.run.run import RunState
+    from rl_tui.lab.timeline.seek import Target
 
 MOST: Final = 512
 MOST_LEFT: Final = 32  # of a branch that is not in force
@@ -45,7 +46,8 @@ class Checkpoints:
     def add(self, state: RunState) -> None:
         """Keep ``state``; some others may go for it."""
         insort(self._states, state, key=_step)
-        if len(self._states) > self._room(state):
+        room = max(_LEAST, min(MOST, limits().checkpoints // max(1, state.nbytes)))
+        if len(self._states) > room:
             self._states = self._states[::2]
             self.spacing *= 2
 
@@ -60,19 +62,11 @@ class Checkpoints:
             self._near.clear()
         self._near.append(state)
 
-    def before_step(self, step: int) -> RunState | None:
-        """Return the last state that is not beyond ``step``, None if there is none."""
-        place = bisect_right(self._states, step, key=_step)
-        found = [
-            *self._states[max(0, place - 1) : place],
-            *(each for each in self._near if each.step <= step),
-        ]
-        return max(found, key=_step, default=None)
-
-    def before_episode(self, episode: int) -> RunState | None:
-        """Return the last state from which the beginning of ``episode`` (from 1) is still ahead."""
-        found = (each for each in (*self._states, *self._near) if _is_before(each, episode))
-        return max(found, key=_step, default=None)
+    def last_before(self, target: Target) -> RunState | None:
+        """Return the last state from which ``target`` is still ahead, None for the seed."""
+        known = (*self._states, *self._near)
+        ahead = (each for each in known if target.is_ahead_of(each.step, each.episodes, each.begins_episode))
+        return max(ahead, key=_step, default=None)
 
     def up_to(self, step: int, entries: int) -> Checkpoints:
         """Return those not beyond ``step`` to which at most so many journal entries were applied."""
@@ -87,12 +81,3 @@ class Checkpoints:
         while len(self._states) > MOST_LEFT or self.nbytes > limits().checkpoints_left // branches:
             self._states = self._states[::2] if len(self._states) > 1 else []
             self.spacing *= 2
-
-    @staticmethod
-    def _room(state: RunState) -> int:
-        return max(_LEAST, min(MOST, limits().checkpoints // max(1, state.nbytes)))
-
-
-def _is_before(state: RunState, episode: int) -> bool:
-    finished = episode - 1
-    return state.episodes < finished or (state.episodes == finished and state.begins_episode)

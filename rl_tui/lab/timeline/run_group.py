@@ -15,7 +15,6 @@ from rl_tui.common.errors import UserError
 from rl_tui.lab.run.large_worlds import is_large
 from rl_tui.lab.run.recipe import (
     UNLIMITED,
-    Beginning,
     Change,
     JournalEntry,
     Recipe,
@@ -23,7 +22,6 @@ from rl_tui.lab.run.recipe import (
     Setting,
     SwitchAlgorithm,
     TakeAction,
-    begin,
     changed_recipe,
 )
 from rl_tui.lab.run.run import Run
@@ -51,7 +49,7 @@ class RunGroup:
         shown: int = 0,
         clock: Callable[[], float] = time.perf_counter,
     ) -> None:
-        self.shown = shown
+        self.shown: int
         """The number of the run shown."""
         self.step = 0
         """The step at which all are to stand."""
@@ -112,8 +110,7 @@ class RunGroup:
     def resume(self, records: Sequence[RunRecord]) -> None:
         """Begin to seek where the runs of ``records`` stood, of which these were made."""
         for each, record in zip(self._runs, records, strict=True):
-            if record.branches:
-                each.seek_to(step=record.step)
+            each.seek_to(step=record.step)
         self._resumes = True
         self.step = max(record.step for record in records)
         self._lead_if_there()
@@ -122,7 +119,7 @@ class RunGroup:
         """Return runs that begin again: the one shown with ``recipe``, the others as they are now."""
         recipes = [replace(_recipe_now(each), seed=recipe.seed) for each in self._runs]
         recipes[self.shown] = recipe
-        return tuple(RunRecord(each, ()) for each in recipes)
+        return tuple(RunRecord(each) for each in recipes)
 
     def seek_to(
         self, *, step: int | None = None, episode: int | None = None, branch: int | None = None
@@ -220,10 +217,7 @@ class RunGroup:
         return lane.seek is not None or lane.step > self.step or (lane.step < self.step and not lane.run.over)
 
     def _new_run(self, record: RunRecord) -> BranchingRun:
-        beginning = Beginning(self._world, begin(record.recipe, self._world).streams)
-        return BranchingRun(
-            record.recipe, beginning, branches=record.branches, branch=record.branch, clock=self._clock
-        )
+        return BranchingRun(record, self._world, self._clock)
 
 
 def _subject(change: Change) -> str:

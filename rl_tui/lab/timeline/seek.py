@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from rl_tui.lab.run.recipe import UNLIMITED
 
 if TYPE_CHECKING:
-    from rl_tui.lab.run.run import Run, RunState
-    from rl_tui.lab.timeline.checkpoints import Checkpoints
+    from rl_tui.lab.run.run import Run
 
 
 class Target:
@@ -27,30 +27,23 @@ class Target:
         self.last_episode = UNLIMITED if episode is None else max(0, episode - 1)
         """How many episodes are finished there."""
 
-    def best_of(self, checkpoints: Checkpoints) -> RunState | None:
-        """Return the checkpoint that is nearest before the target, None for the seed."""
+    def is_ahead_of(self, step: int, episodes: int, begins_episode: bool) -> bool:
+        """Return True if a run that stands there is at the target, or comes there when it advances."""
         if self.step is not None:
-            return checkpoints.before_step(self.step)
-        return checkpoints.before_episode(self.last_episode + 1)
-
-    def is_ahead_of(self, run: Run) -> bool:
-        """Return True if ``run`` stands at the target, or comes there when it advances."""
-        if self.step is not None:
-            return run.step <= self.step
-        episodes = run.learner.episodes
-        return episodes < self.last_episode or (episodes == self.last_episode and run.begins_episode)
+            return step <= self.step
+        return episodes < self.last_episode or (episodes == self.last_episode and begins_episode)
 
 
+@dataclass(frozen=True, slots=True, eq=False)
 class Seek:
-    """The way of ``run``, from where it stands, to ``target``."""
+    """The way of a run to another place."""
 
-    def __init__(self, run: Run, target: Target) -> None:
-        self.run = run
-        """The run that is brought to the target."""
-        self.target = target
-        """Where it is brought."""
-        self.origin = run.step
-        """The step from which it started."""
+    run: Run
+    """The run that is brought to the target."""
+    target: Target
+    """Where it is brought."""
+    origin: int
+    """The step from which it started."""
 
     @property
     def done(self) -> bool:
