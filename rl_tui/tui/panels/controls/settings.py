@@ -94,6 +94,11 @@ def option_text(value: float | str) -> str:
     return value if isinstance(value, str) else f"{value:g}"
 
 
+def called(name: str, value: float | str) -> str:
+    """Return a value of the parameter ``name`` as people call it: policies have names."""
+    return POLICY_BY_ID[str(value)].name if name == "policy" else option_text(value)
+
+
 def speed_text(speed: float | None) -> str:
     """Return a wanted speed as people read it: ``10/s``, ``max``."""
     return "max" if speed is None else f"{speed:,.0f}/s"
