@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import dataclass
 from typing import ClassVar, Final
 
 from textual import events
@@ -69,12 +70,11 @@ class QTable(Panel, can_focus=True):
         binding("escape,full_stop", "follow", "table.follow", "Follow the agent again"),
     ]
 
+    @dataclass
     class CursorMoved(Message):
         """The user moved the cursor to ``pair``; None where the table follows the agent again."""
 
-        def __init__(self, pair: int | None) -> None:
-            super().__init__()
-            self.pair = pair
+        pair: int | None
 
     def __init__(self, look: Look, *, id: str | None = None, classes: str | None = None) -> None:  # noqa: A002
         super().__init__(look, id=id, classes=classes)

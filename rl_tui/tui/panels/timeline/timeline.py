@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import ClassVar, Final
 
 from textual import events
@@ -51,12 +52,11 @@ class TimelineBar(Draggable, Panel, can_focus=True):
         binding("end", "end(True)", "timeline.end", "Go to the end"),
     ]
 
+    @dataclass
     class Sought(Message):
         """The user wants to see the moment after ``step`` steps."""
 
-        def __init__(self, step: int) -> None:
-            super().__init__()
-            self.step = step
+        step: int
 
     def __init__(self, look: Look, *, id: str | None = None, classes: str | None = None) -> None:  # noqa: A002
         super().__init__(look, id=id, classes=classes)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from contextlib import suppress
+from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
 from threading import Thread
@@ -26,20 +27,18 @@ class SavedSessions(ActionScreen):
     ``sessions`` is their folder, None where none are kept.
     """
 
+    @dataclass
     class Resumed(Message):
         """The user wants to go on with a session; ``record`` is what it says."""
 
-        def __init__(self, session: StoredSession, record: Record) -> None:
-            super().__init__()
-            self.session = session
-            self.record = record
+        session: StoredSession
+        record: Record
 
+    @dataclass
     class SessionsRead(Message):
         """The files of the sessions are read."""
 
-        def __init__(self, entries: list[StoredSession | SessionError]) -> None:
-            super().__init__()
-            self.entries = entries
+        entries: list[StoredSession | SessionError]
 
     def __init__(self, look: Look, sessions: Path | None) -> None:
         super().__init__(look)

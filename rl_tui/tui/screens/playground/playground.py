@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 from collections.abc import Iterable, Sequence
 from contextlib import suppress
+from dataclasses import dataclass
 from typing import ClassVar, Final
 
 from textual import on
@@ -61,21 +62,19 @@ class Playground(ActionScreen):
     AUTO_FOCUS = ""
     place = Place.PLAYGROUND
 
+    @dataclass
     class Left(Message):
         """The user goes back to the catalogue, or a fault ended the run."""
 
-        def __init__(self, recipe: Recipe, fault: UserError | None = None) -> None:
-            super().__init__()
-            self.recipe = recipe
-            self.fault = fault
+        recipe: Recipe
+        fault: UserError | None = None
 
+    @dataclass
     class NeighbourWanted(Message):
         """The user wants the scenario that stands ``offset`` places further in the catalogue."""
 
-        def __init__(self, recipe: Recipe, offset: int) -> None:
-            super().__init__()
-            self.recipe = recipe
-            self.offset = offset
+        recipe: Recipe
+        offset: int
 
     def __init__(
         self,
