@@ -58,15 +58,8 @@ class KeyLine(Widget):
     ``hints`` are keys and words to show in their place, as many as fit, while a mode has keys of its own.
     """
 
-    def __init__(
-        self,
-        look: Look,
-        actions: Sequence[Action],
-        *,
-        id: str | None = None,  # noqa: A002
-        classes: str | None = None,
-    ) -> None:
-        super().__init__(id=id, classes=classes)
+    def __init__(self, look: Look, actions: Sequence[Action], *, id: str | None = None) -> None:  # noqa: A002
+        super().__init__(id=id)
         self.look = look
         self._actions = actions
         self._hints: tuple[tuple[str, str], ...] = ()

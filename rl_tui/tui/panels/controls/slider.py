@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import ClassVar, Final
 
 from textual import events
@@ -43,32 +44,22 @@ class Slider(Draggable, can_focus=True):
         binding("enter", "type", "slider.type", "Type a value"),
     ]
 
+    @dataclass
     class Changed(Message):
         """The user set the parameter ``name`` to ``value``."""
 
-        def __init__(self, name: str, value: float | str) -> None:
-            super().__init__()
-            self.name = name
-            self.value = value
+        name: str
+        value: float | str
 
+    @dataclass
     class Refused(Message):
         """The user typed ``text``, which is no value of the parameter ``name``."""
 
-        def __init__(self, name: str, text: str) -> None:
-            super().__init__()
-            self.name = name
-            self.text = text
+        name: str
+        text: str
 
-    def __init__(
-        self,
-        look: Look,
-        parameter: Parameter,
-        value: float | str,
-        *,
-        id: str | None = None,  # noqa: A002
-        classes: str | None = None,
-    ) -> None:
-        super().__init__(id=id, classes=classes)
+    def __init__(self, look: Look, parameter: Parameter, value: float | str) -> None:
+        super().__init__(id=parameter.name)
         self.look = look
         self.parameter = parameter
         self.scale = scale_of(parameter)
