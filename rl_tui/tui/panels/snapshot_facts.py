@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Final
 
 from rl_tui.lab.live.snapshot import Phase, Snapshot
+from rl_tui.worlds.drawing import Arms
 
 _FASTEST_FOLLOWED: Final = 30.0  # steps a second; above it single steps would only flicker
 
@@ -18,6 +19,11 @@ def is_new_run(before: Snapshot | None, now: Snapshot) -> bool:
         return False
     first, was = now.timeline.branches[0], before.timeline.branches[0]
     return before.recipe != now.recipe or first.end < was.end
+
+
+def is_secret(snapshot: Snapshot, *, revealed: bool) -> bool:
+    """Return whether what is exact must be hidden: the true means of a bandit, until they are revealed."""
+    return isinstance(snapshot.world.drawing, Arms) and not revealed
 
 
 def passes_too_fast(snapshot: Snapshot) -> bool:

@@ -18,6 +18,7 @@ from rl_tui.tui.panels.last_step.update_text import setting
 from rl_tui.tui.panels.model.bellman import SECRET, bellman_lines
 from rl_tui.tui.panels.model.outcomes import outcome_lines
 from rl_tui.tui.panels.model.reward_range import reward_range
+from rl_tui.tui.panels.snapshot_facts import is_secret
 from rl_tui.tui.theme.look import Look
 from rl_tui.worlds.drawing import Arms
 from rl_tui.worlds.mdp.space import FiniteSpace
@@ -27,11 +28,6 @@ from rl_tui.worlds.world import World
 UNKNOWN: Final = "unknown: stepped for real, nobody wrote its table down"
 _MANY_NAMES: Final = 100  # no two lines hold more
 _LABEL: Final = 8
-
-
-def is_secret(snapshot: Snapshot, *, revealed: bool) -> bool:
-    """Return whether true rewards must not be shown: a bandit's, until ``revealed``."""
-    return isinstance(snapshot.world.drawing, Arms) and not revealed
 
 
 def model_lines(snapshot: Snapshot, look: Look, width: int, *, revealed: bool) -> list[Line]:
