@@ -26,7 +26,7 @@ class Slider(Draggable, can_focus=True):
     """Shows and sets the value of ``parameter``, which needs a finite range (ValueError otherwise).
 
     ``value`` is a number, or one of the parameter's words (sample-average). Changed is posted for what the
-    user does, not for :meth:`set_value`; Refused for a text that is no value.
+    user does, not for :meth:`set_value`; a text that is no value is refused on the slider itself.
     """
 
     ALLOW_SELECT = False
@@ -50,13 +50,6 @@ class Slider(Draggable, can_focus=True):
 
         name: str
         value: float | str
-
-    @dataclass
-    class Refused(Message):
-        """The user typed ``text``, which is no value of the parameter ``name``."""
-
-        name: str
-        text: str
 
     def __init__(self, look: Look, parameter: Parameter, value: float | str) -> None:
         super().__init__(id=parameter.name)
@@ -154,7 +147,6 @@ class Slider(Draggable, can_focus=True):
         except ValueError:
             self._refused = True
             self.app.bell()
-            self.post_message(self.Refused(self.parameter.name, text))
         else:
             self._set(value)
 

@@ -75,16 +75,12 @@ class TimelineBar(Draggable, Panel, can_focus=True):
 
     def picture(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
         """Return the row, and blank ones below it."""
-        blank = Strip.blank(width, self.look.palette.text)
-        rows = [blank] * height
-        if snapshot is not None and not (
-            snapshot.playback.phase is Phase.PREPARING and not snapshot.counters.step
-        ):
-            is_bandit = isinstance(snapshot.world.drawing, Arms)
-            unit = "pull" if is_bandit else "step"
-            state = TimelineState(snapshot.timeline, self._at(snapshot.timeline), self.has_focus, unit)
-            rows[0] = timeline_strip(state, self.look, width)
-        return rows
+        rows = [Strip.blank(width, self.look.palette.text)] * height
+        if snapshot is None or (snapshot.playback.phase is Phase.PREPARING and not snapshot.counters.step):
+            return rows
+        unit = "pull" if isinstance(snapshot.world.drawing, Arms) else "step"
+        state = TimelineState(snapshot.timeline, self._at(snapshot.timeline), self.has_focus, unit)
+        return [timeline_strip(state, self.look, width), *rows[1:]]
 
     # Keys
 

@@ -62,12 +62,11 @@ class SavedSessions(ActionScreen):
         await self._sessions_read.wait()
 
     def _read_sessions(self) -> None:
-        self._sessions_read.clear()
         if self._sessions is None:
             self._sessions_read.set()
             return
-        arguments = (self._sessions,)
-        Thread(target=self._read, args=arguments, name="read sessions", daemon=True).start()
+        self._sessions_read.clear()
+        Thread(target=self._read, args=(self._sessions,), name="read sessions", daemon=True).start()
 
     def _read(self, folder: Path) -> None:
         """In the thread: only messages leave it."""
