@@ -23,7 +23,9 @@ from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.app.app import RlTuiApp
 from rl_tui.tui.app.display import Display
 from rl_tui.tui.app.screenshot import settle
-from rl_tui.tui.screens.dialogs.export import AskNewFile, BrokenOffError, CommandLine, ExportChoice, Working
+from rl_tui.tui.screens.dialogs.choice import Choice
+from rl_tui.tui.screens.dialogs.export import BrokenOffError, CommandLine, Working
+from rl_tui.tui.screens.dialogs.prompt import Prompt
 from rl_tui.tui.screens.playground.playground import Playground
 
 
@@ -69,7 +71,7 @@ async def test_a_script_is_written_under_the_name_offered(make_app: MakeApp, fol
     async with make_app("frozenlake").run_test(size=(80, 24), notifications=True) as pilot:
         await train(pilot, 50)
         await choose(pilot, "script")
-        assert isinstance(pilot.app.screen, AskNewFile)
+        assert isinstance(pilot.app.screen, Prompt)
         assert pilot.app.screen.query_one(Input).value == "frozenlake-q-learning.py"
         await press(pilot, "enter")
         text = (folder / "frozenlake-q-learning.py").read_text(encoding="utf-8")
@@ -88,7 +90,7 @@ async def test_what_is_there_already_is_never_written_over(make_app: MakeApp, fo
         fault = pilot.app.screen.query_one(".error", Static)
         assert str(fault.render()) == "mine.py is there already: type another name"
         await press(pilot, "enter")
-        assert isinstance(pilot.app.screen, AskNewFile)
+        assert isinstance(pilot.app.screen, Prompt)
         await press(pilot, "escape")
     assert (folder / "mine.py").read_text(encoding="utf-8") == "mine"
     assert [path.name for path in folder.iterdir()] == ["mine.py"]
@@ -176,7 +178,7 @@ async def test_without_an_episode_there_are_no_returns(make_app: MakeApp) -> Non
     async with make_app("student").run_test(size=(80, 24)) as pilot:
         await settle(pilot)
         await press(pilot, "x")
-        assert isinstance(pilot.app.screen, ExportChoice)
+        assert isinstance(pilot.app.screen, Choice)
         option = pilot.app.screen.query_one(OptionList).get_option("returns")
         assert option.disabled
         assert "no episode is finished yet" in str(option.prompt)

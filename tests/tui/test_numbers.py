@@ -63,8 +63,8 @@ def test_the_minus_sign_is_the_one_of_the_glyphs() -> None:
 
 def test_a_number_that_rounds_to_zero_has_no_sign() -> None:
     assert numbers.fixed(-0.001, 2) == "0.00"
-    assert numbers.signed(-0.001, 2, leading_zero=False) == "+.00"
-    assert numbers.signed(-0.25, 2, leading_zero=False) == "−.25"
+    assert numbers.fixed(-0.001, 2, leading_zero=False) == ".00"
+    assert numbers.fixed(-0.25, 2, leading_zero=False) == "−.25"
 
 
 @pytest.mark.parametrize(

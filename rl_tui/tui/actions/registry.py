@@ -325,23 +325,22 @@ def actions_of(place: Place, panels: Iterable[PanelRow] = PANELS) -> tuple[Actio
     )
 
 
-def bindings_of(actions: Iterable[Action]) -> list[BindingType]:
-    """Return the key bindings of ``actions``."""
-    return [_binding(action) for action in actions]
-
-
 def bindings_everywhere() -> list[BindingType]:
     """Return the key bindings of the app that count before those of any screen, dialogs included."""
-    return [_binding(action, priority=True) for action in _ACTIONS if action.everywhere]
+    return bindings_of((action for action in _ACTIONS if action.everywhere), priority=True)
 
 
-def _binding(action: Action, *, priority: bool = False) -> Binding:
-    return Binding(
-        action.key,
-        action.textual_action,
-        action.label,
-        key_display=action.shown,
-        tooltip=action.help,
-        id=action.id,
-        priority=priority,
-    )
+def bindings_of(actions: Iterable[Action], *, priority: bool = False) -> list[BindingType]:
+    """Return the key bindings of ``actions``; with ``priority`` they count before all others."""
+    return [
+        Binding(
+            action.key,
+            action.textual_action,
+            action.label,
+            key_display=action.shown,
+            tooltip=action.help,
+            id=action.id,
+            priority=priority,
+        )
+        for action in actions
+    ]

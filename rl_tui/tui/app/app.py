@@ -99,7 +99,8 @@ class RlTuiApp(LinkedApp[UserError]):
         self._opener = Opener(make_player, options.fps, sessions, kiosk=kiosk, panels=panels)
         self._kiosk = kiosk
         self._idleness = Idleness()
-        self._bug: Exception | None = None
+        self.bug: Exception | None = None
+        """The unexpected fault that ended the program, with what became of the session; None if none did."""
         self._key_queue = KeyQueue(self, super().on_event)
         has_ascii_only = self.look.glyphs is ASCII
         self.set_class(has_ascii_only, "-ascii")
@@ -233,11 +234,6 @@ class RlTuiApp(LinkedApp[UserError]):
         self._opener.close()  # what was done is kept first: there may be little time
         self.exit(return_code=status)
 
-    @property
-    def bug(self) -> Exception | None:
-        """The unexpected fault that ended the program, with what became of the session; None if none did."""
-        return self._bug
-
     def _handle_exception(self, error: Exception) -> None:
         if getattr(self, "_exit", False) and isinstance(error, NoMatches):
             return  # of a screen that opens while the program ends, the widgets may be gone already
@@ -245,9 +241,9 @@ class RlTuiApp(LinkedApp[UserError]):
 
     def _fatal_error(self) -> None:
         # Textual would print pages here; the command line says in one line what has happened
-        if self._bug is None:
+        if self.bug is None:
             self._opener.close()
-            self._bug = bug_of(getattr(self, "_exception", None), self._opener.autosave)
+            self.bug = bug_of(getattr(self, "_exception", None), self._opener.autosave)
         super().exit(return_code=1)
 
     def _follow_theme(self, _: Theme) -> None:

@@ -7,6 +7,7 @@ catalogue not for numpy and a dozen widgets.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Protocol
 
@@ -39,6 +40,7 @@ def live_player(recipe: Recipe, *, record_sink: RecordSink | None, record: Recor
     return Player(recipe, record_sink=record_sink, record=record)
 
 
+@dataclass
 class Opener:
     """Makes catalogues and playgrounds, which draw at most ``fps`` frames a second.
 
@@ -46,30 +48,22 @@ class Opener:
     nothing that has to do with files. Playgrounds have these ``panels``.
     """
 
-    def __init__(
-        self,
-        make_player: MakePlayer,
-        fps: float,
-        sessions: Path | None,
-        *,
-        kiosk: bool,
-        panels: Sequence[PanelRow],
-    ) -> None:
-        self._make_player = make_player
-        self._fps = fps
-        self._sessions = sessions
-        self._kiosk = kiosk
-        self._panels = panels
-        self._player: Player | None = None
-        self.autosave: Autosave | None = None
-        """What keeps the newest playground's session, if anything does."""
+    make_player: MakePlayer
+    fps: float
+    sessions: Path | None
+    kiosk: bool
+    panels: Sequence[PanelRow]
+    player: Player | None = None
+    """That of the newest playground."""
+    autosave: Autosave | None = None
+    """What keeps the newest playground's session, if anything does."""
 
     def catalogue(self, look: Look, start_at: str = "", fault: UserError | None = None) -> CatalogueScreen:
         """Return the catalogue with its cursor on the scenario ``start_at``; it tells the ``fault``."""
         from rl_tui.tui.screens.catalogue.catalogue import CatalogueScreen
 
-        catalogue = CatalogueScreen(look, start_at, fault, self._sessions)
-        if self._kiosk:
+        catalogue = CatalogueScreen(look, start_at, fault, self.sessions)
+        if self.kiosk:
             catalogue.place |= Place.KIOSK
         return catalogue
 
@@ -78,21 +72,21 @@ class Opener:
         from rl_tui.lab.live.player import START_SPEED
         from rl_tui.lab.sessions.autosave import Autosave, untouched
 
-        autosave = None if self._sessions is None else Autosave(untouched(recipe), self._sessions)
+        autosave = None if self.sessions is None else Autosave(untouched(recipe), self.sessions)
         return self._playground(look, recipe, autosave, None, START_SPEED)
 
     def resumed(self, look: Look, session: StoredSession, record: Record) -> Playground:
         """Return the playground in which ``session``, which holds ``record``, goes on."""
         from rl_tui.lab.sessions.autosave import Autosave
 
-        autosave = None if self._sessions is None else Autosave(record, self._sessions, session)
+        autosave = None if self.sessions is None else Autosave(record, self.sessions, session)
         recipe = record.lanes[record.shown].recipe
         return self._playground(look, recipe, autosave, record, record.speed, session)
 
     def close(self) -> None:
         """End the newest player; what was done is on the disk then."""
-        if self._player is not None:
-            self._player.close()
+        if self.player is not None:
+            self.player.close()
 
     def _playground(
         self,
@@ -106,8 +100,8 @@ class Opener:
         from rl_tui.tui.screens.playground.playground import Playground
 
         self.autosave = autosave
-        self._player = self._make_player(recipe, record_sink=autosave, record=record)
-        playground = Playground(look, recipe, self._player, self._fps, speed, self._panels, autosave, resumed)
-        if self._kiosk:
+        self.player = self.make_player(recipe, record_sink=autosave, record=record)
+        playground = Playground(look, recipe, self.player, self.fps, speed, self.panels, autosave, resumed)
+        if self.kiosk:
             playground.place |= Place.KIOSK
         return playground

@@ -27,6 +27,9 @@ class Steps(NamedTuple):
     high: FloatArray
 
 
+NO_STEPS: Final = Steps(*(np.empty(0) for _ in Steps._fields))
+
+
 class Span(NamedTuple):
     """The dots from row ``top`` down to ``bottom`` of each dot column, [C]; none if top > bottom."""
 

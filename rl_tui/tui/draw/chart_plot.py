@@ -4,9 +4,12 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+import numpy as np
+
 from rl_tui.tui.draw import braille
 from rl_tui.tui.draw.braille import Steps
 from rl_tui.tui.draw.scale import Scale
+from rl_tui.worlds.mdp.space import BoolArray, IntArray
 
 
 class Plot(NamedTuple):
@@ -38,7 +41,26 @@ class Plot(NamedTuple):
         dot = round((self.top - value) / (self.top - self.scale.low) * last)
         return min(max(dot, 0), last) // braille.DOTS_DOWN
 
-    def span(self, line: Steps, columns: int, rows: int) -> braille.Span:
-        """Return the dots of ``line`` where there are columns × rows of them."""
+    def braille_line(self, line: Steps) -> IntArray:
+        """Return the characters of ``line``, [rows, columns], braille.BLANK where it does not go."""
+        columns, rows = self.columns * braille.DOTS_ACROSS, self.rows * braille.DOTS_DOWN
+        return braille.braille_codes(self.line_dots(line, columns, rows))
+
+    def braille_band(self, band: Steps) -> IntArray:
+        """Return the characters of a shade, [rows, columns], braille.BLANK where there is none."""
+        columns, rows = self.columns * braille.DOTS_ACROSS, self.rows * braille.DOTS_DOWN
+        dots = braille.dots_of(self._span(band, columns, rows), rows)
+        return braille.braille_codes(braille.stipple(dots))
+
+    def halves(self, line: Steps) -> IntArray:
+        """Return which half of a cell ``line`` takes, [rows, columns]: 1 the upper, 2 the lower, 3 both."""
+        dots = self.line_dots(line, self.columns, 2 * self.rows).astype(np.int64)
+        return dots[::2] + 2 * dots[1::2]
+
+    def line_dots(self, line: Steps, columns: int, rows: int) -> BoolArray:
+        """Return the dots of ``line`` where there are columns × rows of them, [rows, columns]."""
+        return braille.dots_of(braille.joined(self._span(line, columns, rows)), rows)
+
+    def _span(self, line: Steps, columns: int, rows: int) -> braille.Span:
         low, high = braille.decimated(line, self.right, columns)
         return braille.span(low, high, self.scale.low, self.top, rows)

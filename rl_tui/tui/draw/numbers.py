@@ -30,7 +30,7 @@ def value(x: float, width: int, glyphs: Glyphs = UNICODE, decimals: int = DECIMA
     plain = _widest_that_fits(
         (fixed(x, each, glyphs, leading_zero) for each in range(decimals, -1, -1)), width
     )
-    if plain and (x == 0.0 or _has_digits(plain)):
+    if plain and (x == 0.0 or has_digits(plain)):
         return plain
     forms = _with_exponent(x, glyphs) if abs(x) < 1.0 else _in_short(x, glyphs)
     return _widest_that_fits(forms, width) or plain or "#" * width
@@ -39,19 +39,10 @@ def value(x: float, width: int, glyphs: Glyphs = UNICODE, decimals: int = DECIMA
 def fixed(x: float, decimals: int, glyphs: Glyphs = UNICODE, leading_zero: bool = True) -> str:
     """Return ``x`` with so many decimals; without ``leading_zero`` fractions are ``.54``. Never ``−0``."""
     text = f"{x:.{decimals}f}"
-    negative = text.startswith("-")
-    digits = text.removeprefix("-")
-    if not _has_digits(digits):
-        negative = False
-    if not leading_zero and digits.startswith("0."):
-        digits = digits[1:]
-    return glyphs.minus + digits if negative else digits
-
-
-def signed(x: float, decimals: int, glyphs: Glyphs = UNICODE, leading_zero: bool = True) -> str:
-    """Return ``x`` like :func:`fixed`, with a + where it is not negative."""
-    text = fixed(x, decimals, glyphs, leading_zero)
-    return text if text.startswith(glyphs.minus) else f"+{text}"
+    if not has_digits(text):
+        text = text.removeprefix("-")
+    text = text.replace("-", glyphs.minus)
+    return text if leading_zero else _without_leading_zero(text)
 
 
 def brief(x: float, glyphs: Glyphs = UNICODE, leading_zero: bool = False, decimals: int = 6) -> str:
@@ -139,5 +130,6 @@ def _widest_that_fits(forms: Iterable[str], width: int) -> str:
     return next((form for form in forms if len(form) <= width), "")
 
 
-def _has_digits(text: str) -> bool:
+def has_digits(text: str) -> bool:
+    """Return whether ``text`` shows more than zeros."""
     return any(digit in text for digit in "123456789")

@@ -42,7 +42,7 @@ def column_figure(x: float, decimals: int, glyphs: Glyphs) -> str:
     if abs(x) >= _LARGEST:
         return numbers.value(x, 8, glyphs)
     text = numbers.fixed(x, decimals, glyphs, leading_zero=False)
-    return text if any(digit in text for digit in "123456789") else numbers.value(x, 6, glyphs)
+    return text if numbers.has_digits(text) else numbers.value(x, 6, glyphs)
 
 
 def parsed(text: str, glyphs: Glyphs) -> float:

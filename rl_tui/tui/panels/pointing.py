@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Final
 
 from textual.message import Message
@@ -10,13 +11,12 @@ from textual.widget import Widget
 NOWHERE: Final = range(0)
 
 
+@dataclass
 class Pointed(Message):
     """The cursor of ``panel`` was moved to what ``pairs`` are: those of a state, or one by itself.
 
     They are empty where there is no cursor any more, or where it stands on no pair.
     """
 
-    def __init__(self, panel: Widget, pairs: range) -> None:
-        super().__init__()
-        self.panel = panel
-        self.pairs = pairs
+    panel: Widget
+    pairs: range

@@ -21,8 +21,8 @@ def is_new_run(before: Snapshot | None, now: Snapshot) -> bool:
     return before.recipe != now.recipe or first.end < was.end
 
 
-def is_secret(snapshot: Snapshot, revealed: bool) -> bool:
-    """Return whether what is exact must be hidden: the means of a bandit, until they are revealed."""
+def is_secret(snapshot: Snapshot, *, revealed: bool) -> bool:
+    """Return whether what is exact must be hidden: the true means of a bandit, until they are revealed."""
     return isinstance(snapshot.world.drawing, Arms) and not revealed
 
 

@@ -9,7 +9,7 @@ from typing import ClassVar, Final
 from rich.text import Text
 from textual.app import ComposeResult
 from textual.binding import Binding, BindingType
-from textual.containers import Vertical, VerticalScroll
+from textual.containers import VerticalScroll
 from textual.widgets import Static
 
 from rl_tui.tui.actions.action import Action
@@ -82,11 +82,8 @@ class HelpScreen(Dialog[None]):
 
     def compose(self) -> ComposeResult:
         """Yield the keys."""
-        box = Vertical(id="box", classes="tall")
-        with box, VerticalScroll():
+        with self.box("Help", "arrows: scroll   ? or q: close", classes="tall"), VerticalScroll():
             yield Explained(list(self._explanations()), self._look.glyphs)
-        box.border_title = "Help"
-        box.border_subtitle = "arrows: scroll   ? or q: close"
 
     def on_mount(self) -> None:
         """Let the arrows scroll."""

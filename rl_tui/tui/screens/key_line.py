@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from rich.cells import cell_len
 from rich.segment import Segment
 from textual import events
+from textual.reactive import reactive
 from textual.strip import Strip
 from textual.widget import Widget
 
@@ -58,29 +59,12 @@ class KeyLine(Widget):
     ``hints`` are keys and words to show in their place, as many as fit, while a mode has keys of its own.
     """
 
-    def __init__(
-        self,
-        look: Look,
-        actions: Sequence[Action],
-        *,
-        id: str | None = None,  # noqa: A002
-        classes: str | None = None,
-    ) -> None:
-        super().__init__(id=id, classes=classes)
+    hints: reactive[tuple[tuple[str, str], ...]] = reactive(())
+
+    def __init__(self, look: Look, actions: Sequence[Action], *, id: str | None = None) -> None:  # noqa: A002
+        super().__init__(id=id)
         self.look = look
         self._actions = actions
-        self._hints: tuple[tuple[str, str], ...] = ()
-
-    @property
-    def hints(self) -> tuple[tuple[str, str], ...]:
-        """What is shown in place of the screen's own hints; empty: those."""
-        return self._hints
-
-    @hints.setter
-    def hints(self, hints: tuple[tuple[str, str], ...]) -> None:
-        if hints != self._hints:
-            self._hints = hints
-            self.refresh()
 
     def render_line(self, y: int) -> Strip:
         """Draw the line."""

@@ -18,8 +18,8 @@ _ASCII_BULLETS = ["* "]
 class Notes(Vertical):
     """Draws Markdown in the characters of ``glyphs``."""
 
-    def __init__(self, glyphs: Glyphs, *, id: str | None = None, classes: str | None = None) -> None:  # noqa: A002
-        super().__init__(id=id, classes=classes)
+    def __init__(self, glyphs: Glyphs, *, id: str | None = None) -> None:  # noqa: A002
+        super().__init__(id=id)
         self._glyphs = glyphs
         self._shown: str | None = None
 

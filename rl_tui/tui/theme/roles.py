@@ -77,6 +77,28 @@ class Palette:
         return _at(self.signed, 0.5 if math.isnan(fraction) else (fraction + 1.0) / 2.0)
 
 
+def dark_and_light(
+    depth: str,
+    values: Sequence[tuple[str, str]],
+    signed: Sequence[tuple[str, str]],
+    **roles: tuple[str, str],
+) -> tuple[Palette, Palette]:
+    """Return the palettes of ``depth`` for a dark and a light background.
+
+    In every row of every role the style of the dark one stands first, then that of the light one.
+    """
+
+    def palette(name: str, column: int) -> Palette:
+        return Palette(
+            name=f"{depth} {name}",
+            values=styles(*(row[column] for row in values)),
+            signed=styles(*(row[column] for row in signed)),
+            **{role: Style.parse(row[column]) for role, row in roles.items()},
+        )
+
+    return palette("dark", 0), palette("light", 1)
+
+
 def styles(*texts: str) -> tuple[Style, ...]:
     """Return the styles written as ``foreground on background``."""
     return tuple(Style.parse(text) for text in texts)

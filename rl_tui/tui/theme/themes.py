@@ -4,156 +4,92 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import Final
+from typing import Any, Final
 
 from rich.terminal_theme import TerminalTheme
 from textual.theme import BUILTIN_THEMES, Theme
 
 from rl_tui.tui.theme.palette import Depth
 
-DARK: Final = Theme(
-    name="dark",
-    primary="#6cb6eb",
-    secondary="#8fb8b0",
-    accent="#f0b45f",
-    foreground="#dde3e8",
-    background="#0e1318",
-    surface="#151c23",
-    panel="#1f2932",
-    success="#7fc8a9",
-    warning="#e8c267",
-    error="#f08a7a",
-    dark=True,
+
+def _dark_and_light(
+    *, variables: Mapping[str, tuple[str, str]], ansi: bool = False, **colours: tuple[str, str]
+) -> tuple[Theme, Theme]:
+    """Return the two themes out of rows that have the colour of the dark one, then that of the light one.
+
+    Borders have the primary colour. Colours that are ``ansi`` are those of the terminal, by their names.
+    """
+
+    def theme(name: str, column: int) -> Theme:
+        chosen: dict[str, Any] = {role: row[column] for role, row in colours.items()}
+        own = {variable: row[column] for variable, row in variables.items()}
+        usual = BUILTIN_THEMES[f"ansi-{name}"].variables if ansi else {}
+        own_and_usual = usual | {"border": chosen["primary"]} | own
+        return Theme(name=name, dark=name == "dark", ansi=ansi, variables=own_and_usual, **chosen)
+
+    return theme("dark", 0), theme("light", 1)
+
+
+DARK, LIGHT = _dark_and_light(
+    primary=("#6cb6eb", "#00629b"),
+    secondary=("#8fb8b0", "#3d6b64"),
+    accent=("#f0b45f", "#9a5b00"),
+    foreground=("#dde3e8", "#1d242a"),
+    background=("#0e1318", "#fbfbf9"),
+    surface=("#151c23", "#f2f2ee"),
+    panel=("#1f2932", "#e4e5e0"),
+    success=("#7fc8a9", "#1c7a52"),
+    warning=("#e8c267", "#8a6400"),
+    error=("#f08a7a", "#b3261e"),
     variables={
-        "border": "#6cb6eb",
-        "border-blurred": "#3d4a56",
-        "scrollbar": "#4a5a68",
-        "scrollbar-background": "#151c23",
+        "border-blurred": ("#3d4a56", "#a8b0b6"),
+        "scrollbar": ("#4a5a68", "#a8b0b6"),
+        "scrollbar-background": ("#151c23", "#e9eae5"),
     },
 )
 
-LIGHT: Final = Theme(
-    name="light",
-    primary="#00629b",
-    secondary="#3d6b64",
-    accent="#9a5b00",
-    foreground="#1d242a",
-    background="#fbfbf9",
-    surface="#f2f2ee",
-    panel="#e4e5e0",
-    success="#1c7a52",
-    warning="#8a6400",
-    error="#b3261e",
-    dark=False,
+DARK_256, LIGHT_256 = _dark_and_light(
+    primary=("#5fafff", "#005faf"),
+    secondary=("#87afaf", "#005f5f"),
+    accent=("#ffaf5f", "#875f00"),
+    foreground=("#ffffff", "#000000"),
+    background=("#121212", "#ffffff"),
+    surface=("#1c1c1c", "#eeeeee"),
+    panel=("#262626", "#dadada"),
+    success=("#5fd7af", "#005f5f"),
+    warning=("#ffd75f", "#875f00"),
+    error=("#ff875f", "#af0000"),
     variables={
-        "border": "#00629b",
-        "border-blurred": "#a8b0b6",
-        "scrollbar": "#a8b0b6",
-        "scrollbar-background": "#e9eae5",
+        "border-blurred": ("#585858", "#949494"),
+        "scrollbar": ("#626262", "#949494"),
+        "scrollbar-background": ("#1c1c1c", "#eeeeee"),
     },
 )
 
-DARK_256: Final = Theme(
-    name=DARK.name,
-    primary="#5fafff",
-    secondary="#87afaf",
-    accent="#ffaf5f",
-    foreground="#ffffff",
-    background="#121212",
-    surface="#1c1c1c",
-    panel="#262626",
-    success="#5fd7af",
-    warning="#ffd75f",
-    error="#ff875f",
-    dark=True,
-    variables={
-        "border": "#5fafff",
-        "border-blurred": "#585858",
-        "scrollbar": "#626262",
-        "scrollbar-background": "#1c1c1c",
-    },
-)
-
-LIGHT_256: Final = Theme(
-    name=LIGHT.name,
-    primary="#005faf",
-    secondary="#005f5f",
-    accent="#875f00",
-    foreground="#000000",
-    background="#ffffff",
-    surface="#eeeeee",
-    panel="#dadada",
-    success="#005f5f",
-    warning="#875f00",
-    error="#af0000",
-    dark=False,
-    variables={
-        "border": "#005faf",
-        "border-blurred": "#949494",
-        "scrollbar": "#949494",
-        "scrollbar-background": "#eeeeee",
-    },
-)
-
-DARK_16: Final = Theme(
-    name=DARK.name,
+DARK_16, LIGHT_16 = _dark_and_light(
     ansi=True,
-    primary="ansi_bright_cyan",
-    secondary="ansi_cyan",
-    accent="ansi_bright_yellow",
-    foreground="ansi_default",
-    background="ansi_default",
-    surface="ansi_default",
-    panel="ansi_default",
-    boost="ansi_default",
-    success="ansi_bright_green",
-    warning="ansi_bright_yellow",
-    error="ansi_bright_red",
-    dark=True,
-    variables=BUILTIN_THEMES["ansi-dark"].variables
-    | {
-        "border": "ansi_bright_cyan",
-        "border-blurred": "ansi_white",
-        "text-muted": "ansi_default",
-        "block-cursor-foreground": "ansi_black",
-        "block-cursor-background": "ansi_bright_yellow",
-        "input-cursor-foreground": "ansi_black",
-        "input-cursor-background": "ansi_white",
-        "input-selection-foreground": "ansi_black",
-        "input-selection-background": "ansi_cyan",
-        "scrollbar": "ansi_white",
-        "scrollbar-background": "ansi_default",
-    },
-)
-
-LIGHT_16: Final = Theme(
-    name=LIGHT.name,
-    ansi=True,
-    primary="ansi_blue",
-    secondary="ansi_blue",
-    accent="ansi_magenta",
-    foreground="ansi_default",
-    background="ansi_default",
-    surface="ansi_default",
-    panel="ansi_default",
-    boost="ansi_default",
-    success="ansi_blue",
-    warning="ansi_magenta",
-    error="ansi_red",
-    dark=False,
-    variables=BUILTIN_THEMES["ansi-light"].variables
-    | {
-        "border": "ansi_blue",
-        "border-blurred": "ansi_bright_black",
-        "text-muted": "ansi_default",
-        "block-cursor-foreground": "ansi_black",
-        "block-cursor-background": "ansi_bright_yellow",
-        "input-cursor-foreground": "ansi_bright_white",
-        "input-cursor-background": "ansi_black",
-        "input-selection-foreground": "ansi_bright_white",
-        "input-selection-background": "ansi_blue",
-        "scrollbar": "ansi_bright_black",
-        "scrollbar-background": "ansi_default",
+    primary=("ansi_bright_cyan", "ansi_blue"),
+    secondary=("ansi_cyan", "ansi_blue"),
+    accent=("ansi_bright_yellow", "ansi_magenta"),
+    foreground=("ansi_default", "ansi_default"),
+    background=("ansi_default", "ansi_default"),
+    surface=("ansi_default", "ansi_default"),
+    panel=("ansi_default", "ansi_default"),
+    boost=("ansi_default", "ansi_default"),
+    success=("ansi_bright_green", "ansi_blue"),
+    warning=("ansi_bright_yellow", "ansi_magenta"),
+    error=("ansi_bright_red", "ansi_red"),
+    variables={
+        "border-blurred": ("ansi_white", "ansi_bright_black"),
+        "text-muted": ("ansi_default", "ansi_default"),
+        "block-cursor-foreground": ("ansi_black", "ansi_black"),
+        "block-cursor-background": ("ansi_bright_yellow", "ansi_bright_yellow"),
+        "input-cursor-foreground": ("ansi_black", "ansi_bright_white"),
+        "input-cursor-background": ("ansi_white", "ansi_black"),
+        "input-selection-foreground": ("ansi_black", "ansi_bright_white"),
+        "input-selection-background": ("ansi_cyan", "ansi_blue"),
+        "scrollbar": ("ansi_white", "ansi_bright_black"),
+        "scrollbar-background": ("ansi_default", "ansi_default"),
     },
 )
 
@@ -197,27 +133,12 @@ def themes_for(depth: Depth, *, picture: bool = False) -> tuple[Theme, Theme]:
 
 def _in_rgb(theme: Theme, terminal: TerminalTheme) -> Theme:
     colours, background = _rgb_of_names(terminal), terminal.background_color.hex
-
-    def rgb(name: str | None) -> str:
-        return colours[name or "ansi_default"]
-
-    return replace(
-        theme,
-        ansi=False,
-        primary=rgb(theme.primary),
-        secondary=rgb(theme.secondary),
-        accent=rgb(theme.accent),
-        foreground=rgb(theme.foreground),
-        success=rgb(theme.success),
-        warning=rgb(theme.warning),
-        error=rgb(theme.error),
-        background=background,
-        surface=background,
-        panel=background,
-        boost=background,
-        variables={name: colours.get(value, value) for name, value in theme.variables.items()}
-        | {"scrollbar-background": background},
-    )
+    drawn = ("primary", "secondary", "accent", "foreground", "success", "warning", "error")
+    replaced: dict[str, Any] = {role: colours[getattr(theme, role)] for role in drawn}
+    replaced |= dict.fromkeys(("background", "surface", "panel", "boost"), background)
+    variables = {name: colours.get(value, value) for name, value in theme.variables.items()}
+    variables["scrollbar-background"] = background
+    return replace(theme, ansi=False, variables=variables, **replaced)
 
 
 def _rgb_of_names(terminal: TerminalTheme) -> Mapping[str, str]:

@@ -67,7 +67,7 @@ class Controls(Container, BoardPanel):
 
     def _sliders(self) -> Iterable[Slider]:
         for parameter in self._parameters:
-            yield Slider(self._look, parameter, in_force(self.wanted, parameter), id=parameter.name)
+            yield Slider(self._look, parameter, in_force(self.wanted, parameter))
 
     async def _replace_sliders(self) -> None:
         box = self.query_one("#sliders")

@@ -94,6 +94,11 @@ def option_text(value: float | str) -> str:
     return value if isinstance(value, str) else f"{value:g}"
 
 
+def called(name: str, value: float | str) -> str:
+    """Return a value of the parameter ``name`` as people call it: policies have names."""
+    return POLICY_BY_ID[str(value)].name if name == "policy" else option_text(value)
+
+
 def speed_text(speed: float | None) -> str:
     """Return a wanted speed as people read it: ``10/s``, ``max``."""
     return "max" if speed is None else f"{speed:,.0f}/s"
@@ -116,9 +121,9 @@ def laid_out(settings: Sequence[Setting], width: int, height: int, glyphs: Glyph
 
     Where they do not all fit, those that matter least are left out.
     """
-    full, short = [_in_full(each) for each in settings], [_in_short(each) for each in settings]
-    for texts, columns in ((full, 2), (short, 3), (short, 2)):
-        lines = _in_columns(settings, texts, columns, width, height, glyphs)
+    for write, columns in ((_in_full, 2), (_in_short, 3), (_in_short, 2)):
+        texts = [(each, write(each)) for each in settings]
+        lines = _in_columns(texts, columns, width, height, glyphs)
         if lines:
             return lines
     kept = list(settings)
@@ -141,12 +146,7 @@ def _in_short(setting: Setting) -> Texts:
 
 
 def _in_columns(
-    settings: Sequence[Setting],
-    texts: Sequence[Texts],
-    columns: int,
-    width: int,
-    height: int,
-    glyphs: Glyphs,
+    settings: Sequence[tuple[Setting, Texts]], columns: int, width: int, height: int, glyphs: Glyphs
 ) -> list[list[Cell]]:
     """Return nothing where there are not lines enough, or one setting is too long for its column."""
     lines, room = -(-len(settings) // columns), width // columns
@@ -154,7 +154,7 @@ def _in_columns(
         return []
     cells = [
         _cell(1 + number // lines * room, setting, text, glyphs)
-        for number, (setting, text) in enumerate(zip(settings, texts, strict=True))
+        for number, (setting, text) in enumerate(settings)
     ]
     if any(cell.end - cell.start >= room - 1 for cell in cells):
         return []

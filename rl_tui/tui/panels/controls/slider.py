@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import ClassVar, Final
 
 from textual import events
@@ -25,7 +26,7 @@ class Slider(Draggable, can_focus=True):
     """Shows and sets the value of ``parameter``, which needs a finite range (ValueError otherwise).
 
     ``value`` is a number, or one of the parameter's words (sample-average). Changed is posted for what the
-    user does, not for :meth:`set_value`; Refused for a text that is no value.
+    user does, not for :meth:`set_value`; a text that is no value is refused on the slider itself.
     """
 
     ALLOW_SELECT = False
@@ -43,32 +44,15 @@ class Slider(Draggable, can_focus=True):
         binding("enter", "type", "slider.type", "Type a value"),
     ]
 
+    @dataclass
     class Changed(Message):
         """The user set the parameter ``name`` to ``value``."""
 
-        def __init__(self, name: str, value: float | str) -> None:
-            super().__init__()
-            self.name = name
-            self.value = value
+        name: str
+        value: float | str
 
-    class Refused(Message):
-        """The user typed ``text``, which is no value of the parameter ``name``."""
-
-        def __init__(self, name: str, text: str) -> None:
-            super().__init__()
-            self.name = name
-            self.text = text
-
-    def __init__(
-        self,
-        look: Look,
-        parameter: Parameter,
-        value: float | str,
-        *,
-        id: str | None = None,  # noqa: A002
-        classes: str | None = None,
-    ) -> None:
-        super().__init__(id=id, classes=classes)
+    def __init__(self, look: Look, parameter: Parameter, value: float | str) -> None:
+        super().__init__(id=parameter.name)
         self.look = look
         self.parameter = parameter
         self.scale = scale_of(parameter)
@@ -163,7 +147,6 @@ class Slider(Draggable, can_focus=True):
         except ValueError:
             self._refused = True
             self.app.bell()
-            self.post_message(self.Refused(self.parameter.name, text))
         else:
             self._set(value)
 

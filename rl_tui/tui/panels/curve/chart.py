@@ -128,14 +128,9 @@ class _Codes(NamedTuple):
 
 
 def _braille(plot: Plot, data: CurveData) -> _Codes:
-    columns, rows = plot.columns * braille.DOTS_ACROSS, plot.rows * braille.DOTS_DOWN
-    band = braille.stipple(braille.dots_of(plot.span(data.band, columns, rows), rows))
-    episodes, greedy = (
-        braille.braille_codes(braille.dots_of(braille.joined(plot.span(line, columns, rows)), rows))
-        for line in (data.episodes, data.greedy)
-    )
+    episodes, greedy = plot.braille_line(data.episodes), plot.braille_line(data.greedy)
     yielded = taking_turns(greedy - braille.BLANK, episodes - braille.BLANK)
-    return _Codes(braille.braille_codes(band), episodes, greedy, yielded)
+    return _Codes(plot.braille_band(data.band), episodes, greedy, yielded)
 
 
 def _ascii(plot: Plot, data: CurveData) -> _Codes:
@@ -143,14 +138,7 @@ def _ascii(plot: Plot, data: CurveData) -> _Codes:
 
     The band is left out: without colour it would look like a line.
     """
-    rows = plot.rows * 2
-    episodes, greedy = (
-        dots[::2] + 2 * dots[1::2]
-        for dots in (
-            braille.dots_of(braille.joined(plot.span(line, plot.columns, rows)), rows).astype(np.int64)
-            for line in (data.episodes, data.greedy)
-        )
-    )
+    episodes, greedy = plot.halves(data.episodes), plot.halves(data.greedy)
     codes = np.array([0, ord("'"), ord("."), ord(":")])[episodes]
     stars = np.where(greedy > 0, ord("*"), 0)
     return _Codes(np.zeros_like(codes), codes, stars, taking_turns(greedy, episodes))
@@ -211,11 +199,8 @@ def _put_message(canvas: Canvas, plot: Plot, words: Sequence[str], look: Look, t
     parts = (whole,) if len(whole) <= room else words
     lines = [line for part in parts for line in wrapped(part, room, look.palette.text, look)]
     middle = (plot.rows - len(lines)) / 2
-    free = [
-        row
-        for row in range(max(0, plot.rows - len(lines)) + 1)
-        if not taken.intersection(range(row, row + len(lines)))
-    ]
+    begins = range(max(0, plot.rows - len(lines)) + 1)
+    free = [row for row in begins if not taken.intersection(range(row, row + len(lines)))]
     if not free:
         return
     first = min(free, key=lambda row: abs(row - middle))

@@ -44,23 +44,13 @@ def lane_cells(plot: Plot, data: CurveData, look: Look) -> LaneCells:
 
 def _braille(plot: Plot, data: CurveData) -> tuple[_Codes, _Codes]:
     """Return the characters of greedy line and lanes, [1 + lanes, rows, columns], and those of the band."""
-    columns, rows = plot.columns * braille.DOTS_ACROSS, plot.rows * braille.DOTS_DOWN
-    layers = [
-        _blank_as_none(braille.braille_codes(braille.dots_of(braille.joined(span), rows)))
-        for span in (plot.span(line, columns, rows) for line in _lines(data))
-    ]
-    band = braille.stipple(braille.dots_of(plot.span(data.band, columns, rows), rows))
-    return np.stack(layers), _blank_as_none(braille.braille_codes(band))
+    layers = [_blank_as_none(plot.braille_line(line)) for line in _lines(data)]
+    return np.stack(layers), _blank_as_none(plot.braille_band(data.band))
 
 
 def _ascii(plot: Plot, data: CurveData) -> tuple[_Codes, _Codes]:
     """Return a star for the greedy line and for each lane its number; no band, as in a single run's chart."""
-    dots = np.stack(
-        [
-            braille.dots_of(braille.joined(plot.span(line, plot.columns, plot.rows)), plot.rows)
-            for line in _lines(data)
-        ]
-    )
+    dots = np.stack([plot.line_dots(line, plot.columns, plot.rows) for line in _lines(data)])
     signs = np.array([ord("*"), *(ord(str(lane.number)) for lane in data.lanes)])
     return dots * signs[:, None, None], np.zeros(dots.shape[1:], dtype=np.int64)
 
@@ -68,8 +58,7 @@ def _ascii(plot: Plot, data: CurveData) -> tuple[_Codes, _Codes]:
 def _lines(data: CurveData) -> list[braille.Steps]:
     """Return the greedy line of the lane shown, a gap where that is the lane's own line, then the lanes."""
     has_greedy = not any(lane.shown and lane.is_exact for lane in data.lanes)
-    nothing = braille.Steps(np.empty(0), np.empty(0), np.empty(0), np.empty(0))
-    return [data.greedy if has_greedy else nothing, *(lane.line for lane in data.lanes)]
+    return [data.greedy if has_greedy else braille.NO_STEPS, *(lane.line for lane in data.lanes)]
 
 
 def _blank_as_none(codes: _Codes) -> _Codes:

@@ -15,7 +15,6 @@ from rl_tui.tui.panels.curve.lane_text import lane_remark, lane_titles
 from rl_tui.tui.panels.curve.text import decimals_for, remark, titles
 from rl_tui.tui.panels.panel import Panel
 from rl_tui.tui.panels.snapshot_facts import is_new_run, passes_too_fast
-from rl_tui.tui.theme.look import Look
 
 WAITING: Final = "the world is being built"
 Words = tuple[str, ...]
@@ -28,18 +27,16 @@ class ReturnCurve(Panel, can_focus=True):
     ``hints`` are ways to write keys, the longest first, that stand on the border in place of all else.
     """
 
-    def __init__(self, look: Look, *, id: str | None = None, classes: str | None = None) -> None:  # noqa: A002
-        super().__init__(look, id=id, classes=classes)
-        self.scale: Scale | None = None
-        self._hints: tuple[str, ...] = ()
+    scale: Scale | None = None
+    _hints: Words = ()
 
     @property
-    def hints(self) -> tuple[str, ...]:
+    def hints(self) -> Words:
         """The keys on the border, empty for none."""
         return self._hints
 
     @hints.setter
-    def hints(self, hints: tuple[str, ...]) -> None:
+    def hints(self, hints: Words) -> None:
         if hints != self._hints:
             self._hints = hints
             self.redraw()

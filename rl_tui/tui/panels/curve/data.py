@@ -11,8 +11,9 @@ from rl_tui.agents.catalogue import BY_ID
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.run.results import RunResults
 from rl_tui.lab.timeline.lane_view import LaneView
-from rl_tui.tui.draw.braille import Steps
+from rl_tui.tui.draw.braille import NO_STEPS, Steps
 from rl_tui.tui.panels.model.reward_range import reward_range
+from rl_tui.tui.panels.snapshot_facts import is_secret
 from rl_tui.worlds.drawing import Arms
 from rl_tui.worlds.mdp.space import FloatArray
 
@@ -106,22 +107,18 @@ def _numbers(*arrays: FloatArray) -> FloatArray:
 
 def curve_data(snapshot: Snapshot, *, revealed: bool) -> CurveData:
     """Return what there is to draw; of a bandit's greedy arm and optimum only if ``revealed``."""
-    is_bandit = isinstance(snapshot.world.drawing, Arms)
-    plans = BY_ID[snapshot.agent.algorithm].planner
-    hidden = is_bandit and not revealed
+    is_bandit, hidden = isinstance(snapshot.world.drawing, Arms), is_secret(snapshot, revealed=revealed)
+    plans, solution = BY_ID[snapshot.agent.algorithm].planner, snapshot.exact_answer.solution
     episodes, curve = _episodes(snapshot.results), snapshot.results.curve
-    nothing = Steps(np.empty(0), np.empty(0), np.empty(0), np.empty(0))
     return CurveData(
         finished=snapshot.counters.episodes,
         limit=None if plans else snapshot.world.budget,
         episodes=episodes,
         band=Steps(episodes.start, episodes.end, curve.return_low, curve.return_high),
-        greedy=nothing if hidden else _greedy(snapshot.results, snapshot.counters.episodes),
+        greedy=NO_STEPS if hidden else _greedy(snapshot.results, snapshot.counters.episodes),
         greedy_now=None if hidden else snapshot.results.greedy_return,
         mean_now=snapshot.results.return_last_100,
-        optimum=None
-        if hidden or snapshot.exact_answer.solution is None
-        else snapshot.exact_answer.solution.expected_return,
+        optimum=None if hidden or solution is None else solution.expected_return,
         is_bandit=is_bandit,
         unit="sweep" if plans else "pull" if is_bandit else "episode",
         hidden=hidden,

@@ -140,16 +140,16 @@ def remark(
     by_epsilon = POLICY_BY_ID[values.policy].explores_by_epsilon
     epsilon = values.epsilon_at(snapshot.counters.episodes) if by_epsilon else None
     cost = amount(gap, decimals, glyphs)
-    if not any(digit in cost for digit in "123456789") or gap < 0.0 or epsilon == 0.0:
+    if not numbers.has_digits(cost) or gap < 0.0 or epsilon == 0.0:
         return ()
     if not _has_learned(data):
         return ()
-    if epsilon is None or not with_figures:
-        if with_figures:
-            what = "a pull" if data.is_bandit else "a return"
-            return f"gap {cost} {what}: mostly what exploring costs", f"gap {cost}: mostly exploring"
+    if not with_figures:
         return "gap: mostly what exploring costs", "gap: mostly exploring"
-    what, rate = ("a pull" if data.is_bandit else "a return"), setting(round(epsilon, 3), glyphs)
+    what = "a pull" if data.is_bandit else "a return"
+    if epsilon is None:
+        return f"gap {cost} {what}: mostly what exploring costs", f"gap {cost}: mostly exploring"
+    rate = setting(round(epsilon, 3), glyphs)
     return (
         f"gap {cost} {what}: mostly what exploring (ε {rate}) costs",
         f"gap {cost}: mostly exploring (ε {rate})",

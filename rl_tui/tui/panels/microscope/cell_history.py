@@ -6,7 +6,6 @@ from itertools import groupby
 from typing import Final
 
 import numpy as np
-import numpy.typing as npt
 from textual.strip import Strip
 
 from rl_tui.lab.live.snapshot import Snapshot
@@ -30,6 +29,8 @@ LEAST_HEIGHT: Final = 4
 _LEAST_WIDTH: Final = 16
 _TICK_COLUMNS: Final = 9
 _UNIT: Final = " step"
+# What stands for a cell of which the line takes neither half, the upper one, the lower one, both
+_HALVES: Final = np.array([ord(each) for each in " '.:"])
 
 
 def history_strips(
@@ -106,7 +107,9 @@ def draw_history(cell: CellHistory, exact: float | None, look: Look, width: int,
 
 def _draw_line(canvas: Canvas, plot: Plot, cell: CellHistory, look: Look) -> None:
     """Draw the estimate over what is there."""
-    codes = _braille(plot, cell) if look.glyphs.braille else _ascii(plot, cell)
+    begins = cell.step.astype(np.float64)
+    steps = Steps(begins, np.append(begins[1:], begins[-1]), cell.value, cell.value)
+    codes = plot.braille_line(steps) if look.glyphs.braille else _HALVES[plot.halves(steps)]
     blank = braille.BLANK if look.glyphs.braille else ord(" ")
     for row, line in enumerate(codes.tolist()):
         start = 0
@@ -115,20 +118,3 @@ def _draw_line(canvas: Canvas, plot: Plot, cell: CellHistory, look: Look) -> Non
             if not is_blank:
                 canvas.put(plot.left + start, row, text, look.palette.episodes)
             start += len(text)
-
-
-def _dots(plot: Plot, cell: CellHistory, columns: int, rows: int) -> npt.NDArray[np.bool_]:
-    start = cell.step.astype(np.float64)
-    line = Steps(start, np.append(start[1:], start[-1]), cell.value, cell.value)
-    return braille.dots_of(braille.joined(plot.span(line, columns, rows)), rows)
-
-
-def _braille(plot: Plot, cell: CellHistory) -> npt.NDArray[np.int64]:
-    dots = _dots(plot, cell, plot.columns * braille.DOTS_ACROSS, plot.rows * braille.DOTS_DOWN)
-    return braille.braille_codes(dots)
-
-
-def _ascii(plot: Plot, cell: CellHistory) -> npt.NDArray[np.int64]:
-    """Return ``'`` ``.`` ``:`` for the upper and lower half of each cell of the line."""
-    dots = _dots(plot, cell, plot.columns, plot.rows * 2).astype(np.int64)
-    return np.asarray(np.array([ord(" "), ord("'"), ord("."), ord(":")])[dots[::2] + 2 * dots[1::2]])

@@ -146,7 +146,7 @@ def page(
     if snapshot is None or story is None:
         nothing: list[Line] = [[Piece(f" {NOTHING_YET}", look.palette.dim)]]
         return strips_of(nothing, width, 1, look)
-    sections = _sections(snapshot, story, look, room, secret=is_secret(snapshot, not secret))
+    sections = _sections(snapshot, story, look, room, secret=is_secret(snapshot, revealed=not secret))
     parts = (sections,) if columns == 1 else (sections[:2] + sections[3:], sections[2:3])
     least = _HISTORY_ROWS if columns == 1 else _HISTORY_ROWS - 1
     sides = [

@@ -14,7 +14,6 @@ from rl_tui.tui.panels.bindings import binding
 from rl_tui.tui.panels.model.text import model_lines, pair_lines
 from rl_tui.tui.panels.panel import Panel
 from rl_tui.tui.panels.scrolling import Scrolled
-from rl_tui.tui.theme.look import Look
 
 WAITING: Final = "the world is being built"
 
@@ -31,11 +30,9 @@ class ModelPanel(Panel, can_focus=True):
         binding("pagedown", "scroll_by(1)", "model.page_down", "Scroll down"),
     ]
 
-    def __init__(self, look: Look, *, id: str | None = None, classes: str | None = None) -> None:  # noqa: A002
-        super().__init__(look, id=id, classes=classes)
-        self._pair: int | None = None
-        self._first = 0
-        self._lines = 0
+    _pair: int | None = None
+    _first = 0
+    _lines = 0
 
     @property
     def pair(self) -> int | None:

@@ -75,7 +75,7 @@ def pair_lines(snapshot: Snapshot, pair: int, look: Look, width: int, *, reveale
     """Return the outcomes of ``pair`` and its Bellman optimality equation with numbers put in."""
     world, space, palette, glyphs = snapshot.world, snapshot.world.space, look.palette, look.glyphs
     state, action = space.state_of(pair), int(space.pair_action[pair])
-    secret = is_secret(snapshot, revealed)
+    secret = is_secret(snapshot, revealed=revealed)
     head: list[Piece] = [
         Piece(" state ", palette.dim),
         Piece(space.state_names[state], palette.strong),
@@ -113,7 +113,7 @@ def _rewards(snapshot: Snapshot, mdp: TabularMDP, look: Look, *, revealed: bool)
         known = f", normally distributed around their mean (standard deviation {deviation})"
     if drift:
         known += f"; after every step each mean drifts by a normal step of standard deviation {drift:g}"
-    if is_secret(snapshot, revealed):
+    if is_secret(snapshot, revealed=revealed):
         return SECRET + known
     low, high = (numbers.brief(each, glyphs, decimals=3) for each in (rewards.low, rewards.high))
     text = f"always {low}" if low == high else f"from {low} to {high}"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Final, Protocol
+from typing import Final
 
 from rich.cells import cell_len
 from rich.segment import Segment
@@ -49,43 +49,6 @@ class Scene:
         if state in self.breakpoints.states:
             return Segment(glyphs.agent if state == self.state else glyphs.breakpoint, palette.breakpoint)
         return Segment(glyphs.agent, palette.agent) if state == self.state else Segment(" ", palette.text)
-
-
-class Form(Protocol):
-    """A scene laid out for one width. An entry is a row of the table, counted from 0."""
-
-    @property
-    def blocks(self) -> int:
-        """How many columns of entries stand side by side."""
-
-    @property
-    def block_width(self) -> int:
-        """The cells from one block to the next."""
-
-    @property
-    def entries(self) -> int:
-        """How many entries there are."""
-
-    def heads(self) -> Pieces:
-        """Return the row of column heads."""
-
-    def entry(self, entry: int, is_first: bool) -> Pieces:
-        """Return one row; ``is_first`` says that none is shown above it."""
-
-    def pairs_in(self, entry: int) -> range:
-        """Return the pairs that stand in a row."""
-
-    def entry_of(self, state: int) -> int:
-        """Return the (first) entry of ``state``, ``NO_ROW`` if it has none."""
-
-    def entry_of_pair(self, pair: int) -> int:
-        """Return the entry in which ``pair`` stands."""
-
-    def moved(self, pair: int, rows: int, columns: int) -> int:
-        """Return the pair so many rows below and columns right of ``pair``, as far as the table goes."""
-
-    def pair_at(self, entry: int, x: int) -> int | None:
-        """Return the pair drawn at column ``x`` of a row, None between the cells."""
 
 
 def boxed(scene: Scene, figures: Figures, pair: int, width: int, digits: int, is_greedy: bool) -> Pieces:

@@ -48,19 +48,14 @@ def exact_q(snapshot: Snapshot, revealed: bool) -> tuple[FloatArray, BoolArray] 
             return None
         if mdp.drift_std == 0.0 or snapshot.counters.step == 0:
             return true_means(mdp), best_arms(mdp)
-    return (
-        None
-        if snapshot.exact_answer.solution is None
-        else (snapshot.exact_answer.solution.q, snapshot.exact_answer.solution.greedy)
-    )
+    solution = snapshot.exact_answer.solution
+    return None if solution is None else (solution.q, solution.greedy)
 
 
 def other_lane(snapshot: Snapshot) -> LaneView | None:
     """Return the first of the other runs side by side, None where there is none or its table is too large."""
-    others = (
-        lane for number, lane in enumerate(snapshot.run_group.lanes) if number != snapshot.run_group.shown
-    )
-    other = next(others, None)
+    group = snapshot.run_group
+    other = next((lane for number, lane in enumerate(group.lanes) if number != group.shown), None)
     return other if other is not None and len(other.q) else None
 
 
@@ -126,25 +121,22 @@ class Figures:
 
     def style(self, pair: int) -> Style:
         """Return the style of the cell of ``pair``: its tint, or that of a pair never or just updated."""
-        palette = self._look.palette
         if not self.holds(pair):
-            return palette.text
-        if pair == self._lit:
-            return palette.updated
-        if pair in self._sources:
-            return palette.source
-        if self._is_new(pair):
-            return palette.unvisited
-        return self._tint(self._values[pair].item())
+            return self._look.palette.text
+        return self._special_style(pair) or self._tint(self._values[pair].item())
 
     def plain_style(self, pair: int) -> Style:
         """Return the style of the number of ``pair`` where another layer is the tinted one."""
+        return self._special_style(pair) or self._look.palette.text
+
+    def _special_style(self, pair: int) -> Style | None:
+        """Return the style of a pair that was updated, looked up or never visited; None of any other."""
         palette = self._look.palette
         if pair == self._lit:
             return palette.updated
         if pair in self._sources:
             return palette.source
-        return palette.unvisited if self._is_new(pair) else palette.text
+        return palette.unvisited if self._is_new(pair) else None
 
     def share(self, pair: int) -> float:
         """Return how much of all visits went to ``pair``, 0 to 1."""

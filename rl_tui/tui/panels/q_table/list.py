@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Final
+from typing import ClassVar, Final
 
 from rich.cells import cell_len
 from rich.segment import Segment
@@ -48,11 +48,8 @@ class ListForm:
 
     scene: Scene
     columns: tuple[Column, ...]
-
-    @property
-    def blocks(self) -> int:
-        """How many blocks stand side by side: always one."""
-        return 1
+    blocks: ClassVar[int] = 1
+    """How many blocks stand side by side."""
 
     @property
     def block_width(self) -> int:
@@ -73,7 +70,7 @@ class ListForm:
     def entry(self, entry: int, is_first: bool) -> Pieces:
         """Return the row of a pair; the state is named in its first row and in the first of all."""
         world = self.scene.world
-        is_new = is_first or entry == int(world.space.first_pair[world.state_of(entry)])
+        is_new = is_first or entry == int(world.space.first_pair[world.space.state_of(entry)])
         return [segment for column in self.columns for segment in column.draw(entry, is_new)]
 
     def pairs_in(self, entry: int) -> range:
@@ -136,10 +133,10 @@ def _pair_columns(scene: Scene, width: int) -> list[Column]:
     action += _widening(len("action") - action, room - state - action)
 
     def mark(pair: int, is_new: bool) -> Pieces:
-        return [scene.state_mark(world.state_of(pair)) if is_new else Segment(" ", look.palette.text)]
+        return [scene.state_mark(world.space.state_of(pair)) if is_new else Segment(" ", look.palette.text)]
 
     def state_name(pair: int, is_new: bool) -> Pieces:
-        name = world.state_name(world.state_of(pair), state) if is_new else ""
+        name = world.state_name(world.space.state_of(pair), state) if is_new else ""
         pointed = bool(name) and pair in scene.pointed
         style = look.palette.focus if pointed else look.palette.strong
         return [
@@ -225,9 +222,8 @@ def _value_columns(scene: Scene, layers: Sequence[Layer]) -> list[Column]:
     columns = []
     for layer in layers:
         head = _ARM_HEADS.get(layer, layer) if scene.world.is_bandit else layer
-        columns.append(
-            Column(head, BOX, rank if layer is main else 2, _value(scene, layer, layer is main), _right)
-        )
+        is_main = layer is main
+        columns.append(Column(head, BOX, rank if is_main else 2, _value(scene, layer, is_main), _right))
     return columns
 
 
@@ -236,7 +232,7 @@ def _value(scene: Scene, layer: Layer, is_main: bool) -> Draw:
 
     def draw(pair: int, _: bool) -> Pieces:
         if is_main or layer is scene.layer:
-            greedy = is_main and pair in figures.greedy(world.space.pairs_of(world.state_of(pair)))
+            greedy = is_main and pair in figures.greedy(world.space.pairs_of(world.space.state_of(pair)))
             return boxed(scene, figures, pair, DIGITS, DIGITS, greedy)
         return [Segment(_right(figures.text(pair, DIGITS), BOX), figures.plain_style(pair))]
 

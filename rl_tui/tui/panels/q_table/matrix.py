@@ -97,11 +97,11 @@ class MatrixForm:
 
     def entry_of_pair(self, pair: int) -> int:
         """Return the row of the state that owns ``pair``."""
-        return self._world.row_of(self._world.state_of(pair))
+        return self._world.row_of(self._world.space.state_of(pair))
 
     def moved(self, pair: int, rows: int, columns: int) -> int:
         """Return the nearest pair so many rows below, or so many legal actions to the right."""
-        world, state = self._world, self._world.state_of(pair)
+        world, state = self._world, self._world.space.state_of(pair)
         if rows:
             row = max(0, min(self.entries - 1, world.row_of(state) + rows))
             return world.pair_near(int(world.live[row]), world.action_of(pair))

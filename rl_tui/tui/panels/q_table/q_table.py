@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import dataclass
 from typing import ClassVar, Final
 
 from textual import events
@@ -18,7 +19,7 @@ from rl_tui.tui.draw.pieces import Piece, strips_of, wrapped
 from rl_tui.tui.panels.bindings import binding
 from rl_tui.tui.panels.panel import Panel
 from rl_tui.tui.panels.pointing import NOWHERE, Pointed
-from rl_tui.tui.panels.q_table.form import Form, Scene
+from rl_tui.tui.panels.q_table.form import Scene
 from rl_tui.tui.panels.q_table.layers import (
     EXACT_LAYERS,
     Figures,
@@ -29,7 +30,7 @@ from rl_tui.tui.panels.q_table.layers import (
 )
 from rl_tui.tui.panels.q_table.list import ListForm, list_form
 from rl_tui.tui.panels.q_table.matrix import matrix_form
-from rl_tui.tui.panels.q_table.sheet import Sheet, strip_cache
+from rl_tui.tui.panels.q_table.sheet import Form, Sheet, strip_cache
 from rl_tui.tui.panels.q_table.world import NO_ROW, TableWorld
 from rl_tui.tui.panels.scrolling import Scrolled
 from rl_tui.tui.panels.snapshot_facts import is_secret
@@ -69,20 +70,18 @@ class QTable(Panel, can_focus=True):
         binding("escape,full_stop", "follow", "table.follow", "Follow the agent again"),
     ]
 
+    @dataclass
     class CursorMoved(Message):
         """The user moved the cursor to ``pair``; None where the table follows the agent again."""
 
-        def __init__(self, pair: int | None) -> None:
-            super().__init__()
-            self.pair = pair
+        pair: int | None
 
     def __init__(self, look: Look, *, id: str | None = None, classes: str | None = None) -> None:  # noqa: A002
         super().__init__(look, id=id, classes=classes)
         self.lights = True
         self.sources: frozenset[int] = frozenset()
-        self.cursor_pair: int | None = (
-            None  # where the user put the cursor; None while the table follows the agent
-        )
+        # where the user put the cursor; None while the table follows the agent
+        self.cursor_pair: int | None = None
         self.heading = "Q"
         self._layer = Layer.Q
         self._following = True
@@ -110,11 +109,11 @@ class QTable(Panel, can_focus=True):
         The difference from another run is there while runs are side by side.
         """
         snapshot = self.snapshot
-        missing: tuple[Layer, ...] = ()
+        missing: set[Layer] = set()
         if snapshot is None or other_lane(snapshot) is None:
-            missing = (Layer.LANES,)
-        if snapshot is not None and is_secret(snapshot, self.revealed):
-            missing = (*missing, *EXACT_LAYERS)
+            missing.add(Layer.LANES)
+        if snapshot is not None and is_secret(snapshot, revealed=self.revealed):
+            missing.update(EXACT_LAYERS)
         return tuple(layer for layer in Layer if layer not in missing)
 
     def next_layer(self) -> None:
@@ -307,22 +306,16 @@ class QTable(Panel, can_focus=True):
             state=snapshot.counters.state,
             last_pair=None if snapshot.counters.last_step is None else snapshot.counters.last_step.pair,
             cursor=self.shown_cursor if self.has_focus else None,
-            is_secret=is_secret(snapshot, self.revealed),
+            is_secret=is_secret(snapshot, revealed=self.revealed),
             look=self.look,
             breakpoints=snapshot.playback.breakpoints,
             pointed=self.pointed,
         )
 
     def _message(self, snapshot: Snapshot, width: int, height: int) -> list[Strip]:
-        palette = self.look.palette
-        text = (
-            f"No exact answer: {snapshot.exact_answer.refused}"
-            if snapshot.exact_answer.refused
-            else COMPUTING
-        )
-        lines = wrapped(
-            text, max(1, width - 2), palette.text if snapshot.exact_answer.refused else palette.dim, self.look
-        )
+        palette, refused = self.look.palette, snapshot.exact_answer.refused
+        text = f"No exact answer: {refused}" if refused else COMPUTING
+        lines = wrapped(text, max(1, width - 2), palette.text if refused else palette.dim, self.look)
         return strips_of([[Piece(" ", palette.text), *line] for line in lines], width, height, self.look)
 
     def _heading(self, snapshot: Snapshot, size: str, width: int) -> str:

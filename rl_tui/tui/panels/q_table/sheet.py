@@ -9,14 +9,18 @@ from textual.cache import LRUCache
 from textual.strip import Strip
 
 from rl_tui.tui.draw.to_ascii import separated
-from rl_tui.tui.panels.q_table.form import Form, Pieces, Scene
+from rl_tui.tui.panels.q_table.form import Pieces, Scene
 from rl_tui.tui.panels.q_table.list import ListForm, greedy_line
+from rl_tui.tui.panels.q_table.matrix import MatrixForm
 from rl_tui.tui.panels.q_table.world import NO_ROW
 from rl_tui.tui.panels.scrolling import kept_in_view
 
 _MOST_CACHED: Final = 512
 _STATES_IN_GREEDY_LINE: Final = 12
 REVEAL_HINT: Final = "show the true means q*"
+
+Form = MatrixForm | ListForm
+"""A scene laid out for one width. An entry is a row of the table, counted from 0."""
 
 
 class Sheet:
@@ -78,11 +82,7 @@ class Sheet:
 
     def strips(self, cache: LRUCache[tuple[Segment, ...], Strip]) -> list[Strip]:
         """Return the rows; those that were drawn before come from ``cache``."""
-        rows = (
-            [[segment for _ in range(self.form.blocks) for segment in self.form.heads()]]
-            if self._head_rows
-            else []
-        )
+        rows = [self.form.heads() * self.form.blocks] * self._head_rows
         rows += [self._row(line) for line in range(self._lines)]
         rows += self._notes(self._height - len(rows))
         rows += [[]] * (self._height - len(rows))

@@ -60,10 +60,6 @@ class TableWorld:
         """Return the name of ``state``, shortened to ``width`` cells."""
         return shortened(to_ascii(self.space.state_names[state], self.glyphs), width, self.glyphs.ellipsis)
 
-    def state_of(self, pair: int) -> int:
-        """Return the state that owns ``pair``."""
-        return self.space.state_of(pair)
-
     def action_of(self, pair: int) -> int:
         """Return the action of ``pair``."""
         return int(self.space.pair_action[pair])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import ClassVar, Final
 
 from textual import events
@@ -51,12 +52,11 @@ class TimelineBar(Draggable, Panel, can_focus=True):
         binding("end", "end(True)", "timeline.end", "Go to the end"),
     ]
 
+    @dataclass
     class Sought(Message):
         """The user wants to see the moment after ``step`` steps."""
 
-        def __init__(self, step: int) -> None:
-            super().__init__()
-            self.step = step
+        step: int
 
     def __init__(self, look: Look, *, id: str | None = None, classes: str | None = None) -> None:  # noqa: A002
         super().__init__(look, id=id, classes=classes)
@@ -75,16 +75,12 @@ class TimelineBar(Draggable, Panel, can_focus=True):
 
     def picture(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
         """Return the row, and blank ones below it."""
-        blank = Strip.blank(width, self.look.palette.text)
-        rows = [blank] * height
-        if snapshot is not None and not (
-            snapshot.playback.phase is Phase.PREPARING and not snapshot.counters.step
-        ):
-            is_bandit = isinstance(snapshot.world.drawing, Arms)
-            unit = "pull" if is_bandit else "step"
-            state = TimelineState(snapshot.timeline, self._at(snapshot.timeline), self.has_focus, unit)
-            rows[0] = timeline_strip(state, self.look, width)
-        return rows
+        rows = [Strip.blank(width, self.look.palette.text)] * height
+        if snapshot is None or (snapshot.playback.phase is Phase.PREPARING and not snapshot.counters.step):
+            return rows
+        unit = "pull" if isinstance(snapshot.world.drawing, Arms) else "step"
+        state = TimelineState(snapshot.timeline, self._at(snapshot.timeline), self.has_focus, unit)
+        return [timeline_strip(state, self.look, width), *rows[1:]]
 
     # Keys
 

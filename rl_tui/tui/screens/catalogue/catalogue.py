@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 from collections.abc import Iterable
 from contextlib import suppress
+from dataclasses import dataclass
 from datetime import UTC, datetime
 from importlib import import_module
 from pathlib import Path
@@ -59,27 +60,24 @@ class CatalogueScreen(SavedSessions):
     CSS_PATH = "catalogue.tcss"
     place = Place.CATALOGUE
 
+    @dataclass
     class Opened(Message):
         """The user wants to play."""
 
-        def __init__(self, recipe: Recipe) -> None:
-            super().__init__()
-            self.recipe = recipe
+        recipe: Recipe
 
+    @dataclass
     class WorldBuilt(Message):
         """A world is ready, or could not be built."""
 
-        def __init__(self, scenario: Scenario, world: World | UserError) -> None:
-            super().__init__()
-            self.scenario = scenario
-            self.world = world
+        scenario: Scenario
+        world: World | UserError
 
+    @dataclass
     class NotImported(Message):
         """What the playground needs cannot be imported."""
 
-        def __init__(self, reason: str) -> None:
-            super().__init__()
-            self.reason = reason
+        reason: str
 
     def __init__(
         self,

@@ -26,13 +26,19 @@ _SHORT: Final = 24
 
 def facts(scenario: Scenario, world: World | UserError | None, look: Look) -> RenderableType:
     """Return the lines above the notes; ``world`` is None while it is being built."""
-    palette, glyphs = look.palette, look.glyphs
+    lines = {"sizes": sizes(world), "defaults": defaults(scenario.defaults)}
+    table = labelled({label: _Parts(line, look) for label, line in lines.items()}, look)
+    return Group(Text(to_ascii(scenario.summary, look.glyphs), look.palette.text), table)
+
+
+def labelled(rows: Mapping[str, RenderableType], look: Look) -> Table:
+    """Return a table of ``rows``, each after its label."""
     table = Table.grid(padding=(0, 1, 0, 0))
-    table.add_column(no_wrap=True, style=palette.dim)
-    table.add_column(style=palette.text)
-    for label, line in (("sizes", sizes(world)), ("defaults", defaults(scenario.defaults))):
-        table.add_row(label, _Parts(line, look))
-    return Group(Text(to_ascii(scenario.summary, glyphs), palette.text), table)
+    table.add_column(no_wrap=True, style=look.palette.dim)
+    table.add_column(style=look.palette.text)
+    for label, what in rows.items():
+        table.add_row(label, what)
+    return table
 
 
 def sizes(world: World | UserError | None) -> str:

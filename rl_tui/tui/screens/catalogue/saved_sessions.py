@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from contextlib import suppress
+from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
 from threading import Thread
@@ -26,20 +27,18 @@ class SavedSessions(ActionScreen):
     ``sessions`` is their folder, None where none are kept.
     """
 
+    @dataclass
     class Resumed(Message):
         """The user wants to go on with a session; ``record`` is what it says."""
 
-        def __init__(self, session: StoredSession, record: Record) -> None:
-            super().__init__()
-            self.session = session
-            self.record = record
+        session: StoredSession
+        record: Record
 
+    @dataclass
     class SessionsRead(Message):
         """The files of the sessions are read."""
 
-        def __init__(self, entries: list[StoredSession | SessionError]) -> None:
-            super().__init__()
-            self.entries = entries
+        entries: list[StoredSession | SessionError]
 
     def __init__(self, look: Look, sessions: Path | None) -> None:
         super().__init__(look)
@@ -63,12 +62,11 @@ class SavedSessions(ActionScreen):
         await self._sessions_read.wait()
 
     def _read_sessions(self) -> None:
-        self._sessions_read.clear()
         if self._sessions is None:
             self._sessions_read.set()
             return
-        arguments = (self._sessions,)
-        Thread(target=self._read, args=arguments, name="read sessions", daemon=True).start()
+        self._sessions_read.clear()
+        Thread(target=self._read, args=(self._sessions,), name="read sessions", daemon=True).start()
 
     def _read(self, folder: Path) -> None:
         """In the thread: only messages leave it."""

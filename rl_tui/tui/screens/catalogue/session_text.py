@@ -8,7 +8,6 @@ from typing import Final
 from rich.cells import cell_len
 from rich.console import Console, ConsoleOptions, Group, RenderableType, RenderResult
 from rich.measure import Measurement
-from rich.table import Table
 from rich.text import Text
 
 from rl_tui.agents.catalogue import BY_ID
@@ -18,6 +17,7 @@ from rl_tui.lab.sessions.session import SessionError, StoredSession
 from rl_tui.tui.draw import numbers
 from rl_tui.tui.draw.canvas import shortened
 from rl_tui.tui.draw.to_ascii import separated, to_ascii
+from rl_tui.tui.screens.catalogue.facts import labelled
 from rl_tui.tui.theme.look import Look
 
 _MINUTE: Final = 60
@@ -63,24 +63,21 @@ def session_facts(session: StoredSession, now: datetime, look: Look) -> Renderab
         stands = f"{stands} · lane {document.shown + 1} of {len(document.lanes)}"
     if len(lane.branches) > 1:
         stands = f"{stands} · branch {branch.name} of {len(lane.branches)}"
-    table = Table.grid(padding=(0, 1, 0, 0))
-    table.add_column(no_wrap=True, style=palette.dim)
-    table.add_column(style=palette.text)
-    for label, line in (
-        ("scenario", world),
-        ("algorithm", f"{algorithm_name(session.algorithm)} · seed {lane.seed}"),
-        ("stands at", stands),
-        ("changes", f"{session.changes:,}" if session.changes else "none so far"),
-        ("saved", f"{long_age(now - session.saved)} · {_local(session.saved)}"),
-        ("file", one_line(str(session.path), _LONGEST_PATH)),
-    ):
-        table.add_row(label, Text(separated(line, glyphs), overflow="fold"))
+    lines = {
+        "scenario": world,
+        "algorithm": f"{algorithm_name(session.algorithm)} · seed {lane.seed}",
+        "stands at": stands,
+        "changes": f"{session.changes:,}" if session.changes else "none so far",
+        "saved": f"{long_age(now - session.saved)} · {_local(session.saved)}",
+        "file": one_line(str(session.path), _LONGEST_PATH),
+    }
+    rows = {label: Text(separated(line, glyphs), overflow="fold") for label, line in lines.items()}
     kept = (
         "Saved under a name: it stays until you delete it."
         if document.kept
         else "Kept by itself. Only the newest 50 of these stay; w in the playground gives it a name."
     )
-    return Group(table, Text(""), Text(kept, palette.dim))
+    return Group(labelled(rows, look), Text(""), Text(kept, palette.dim))
 
 
 def session_fault(error: SessionError, look: Look) -> Text:
@@ -98,24 +95,18 @@ def algorithm_name(algorithm: str) -> str:
 def short_age(age: timedelta, moment: datetime) -> str:
     """Return how long ago it was, in a few letters; after two weeks the date."""
     seconds = int(age.total_seconds())
-    if seconds < _MINUTE:
-        return "now"
-    if seconds < _HOUR:
-        return f"{seconds // _MINUTE} min"
-    if seconds < _DAY:
-        return f"{seconds // _HOUR} h"
-    if seconds < _MOST_DAYS * _DAY:
-        return f"{seconds // _DAY} d"
-    return moment.astimezone().strftime("%Y-%m-%d")
+    if seconds >= _MOST_DAYS * _DAY:
+        return moment.astimezone().strftime("%Y-%m-%d")
+    units = ((_DAY, "d"), (_HOUR, "h"), (_MINUTE, "min"))
+    return next((f"{seconds // length} {unit}" for length, unit in units if seconds >= length), "now")
 
 
 def long_age(age: timedelta) -> str:
     """Return how long ago it was, in words."""
     seconds = int(age.total_seconds())
     for length, word in ((_DAY, "day"), (_HOUR, "hour"), (_MINUTE, "minute")):
-        count = seconds // length
-        if count >= 1:
-            return f"{counted(count, word)} ago"
+        if seconds >= length:
+            return f"{counted(seconds // length, word)} ago"
     return "less than a minute ago"
 
 

@@ -7,12 +7,10 @@ from dataclasses import dataclass
 
 from rich.text import Text
 from textual.app import ComposeResult
-from textual.containers import Vertical
-from textual.content import Content
 from textual.widgets import OptionList
 from textual.widgets.option_list import Option
 
-from rl_tui.agents.catalogue import BY_ID, POLICY_BY_ID
+from rl_tui.agents.catalogue import BY_ID, POLICY_BY_ID, Algorithm, Policy
 from rl_tui.agents.compatibility import check_compatible
 from rl_tui.agents.hyperparameters import PARAMETERS, SAMPLE_AVERAGE, Hyperparameters
 from rl_tui.common.errors import UserError
@@ -34,7 +32,10 @@ class Candidate:
 
 
 class Choice(Dialog[str]):
-    """A list of candidates. Answers the id of the one chosen; escape answers None."""
+    """A list of candidates. Answers the id of the one chosen; escape answers None.
+
+    ``current`` is the id of the one in force, empty where none is.
+    """
 
     def __init__(self, title: str, candidates: Iterable[Candidate], current: str, glyphs: Glyphs) -> None:
         super().__init__()
@@ -45,20 +46,18 @@ class Choice(Dialog[str]):
 
     def compose(self) -> ComposeResult:
         """Yield the list."""
-        with Vertical(id="box") as box:
+        with self.box(to_ascii(self._title, self._glyphs), "enter: choose   esc: close"):
             yield OptionList(
                 *(
                     Option(self.describe(each), id=each.id, disabled=bool(each.refused))
                     for each in self.candidates
                 )
             )
-        box.border_title = Content(to_ascii(self._title, self._glyphs))
-        box.border_subtitle = "enter: choose   esc: close"
 
     def on_mount(self) -> None:
-        """Start on the one in force."""
+        """Start on the one in force, else on the first."""
         choices = self.query_one(OptionList)
-        choices.highlighted = choices.get_option_index(self._current)
+        choices.highlighted = choices.get_option_index(self._current) if self._current else 0
         choices.focus()
 
     def on_option_list_option_selected(self, event: OptionList.OptionSelected) -> None:
@@ -78,13 +77,7 @@ class Choice(Dialog[str]):
 def algorithm_choice(space: FiniteSpace, recipe: Recipe, glyphs: Glyphs) -> Choice:
     """Return the choice among all algorithms; those that cannot work in ``space`` are marked."""
     candidates = (
-        Candidate(
-            each.id,
-            each.name,
-            (each.summary, each.equation, f"Sutton & Barto, 2nd ed., {each.source}"),
-            _refused(space, each.id, recipe.hyperparameters),
-        )
-        for each in BY_ID.values()
+        _candidate(each, _refused(space, each.id, recipe.hyperparameters)) for each in BY_ID.values()
     )
     return Choice("Algorithm", candidates, recipe.algorithm, glyphs)
 
@@ -93,12 +86,7 @@ def policy_choice(space: FiniteSpace, recipe: Recipe, glyphs: Glyphs) -> Choice:
     """Return the choice among all policies; those that cannot work in ``space`` are marked."""
     values = recipe.hyperparameters.without_average()
     candidates = (
-        Candidate(
-            each.id,
-            each.name,
-            (each.summary, each.equation, f"Sutton & Barto, 2nd ed., {each.source}"),
-            _refused(space, recipe.algorithm, values.changed("policy", each.id)),
-        )
+        _candidate(each, _refused(space, recipe.algorithm, values.changed("policy", each.id)))
         for each in POLICY_BY_ID.values()
     )
     return Choice("Policy: how actions are chosen", candidates, recipe.hyperparameters.policy, glyphs)
@@ -121,6 +109,11 @@ _MEANINGS = {
     ),
     SAMPLE_AVERAGE: ("1/N(s, a): the mean of all targets so far",),
 }
+
+
+def _candidate(row: Algorithm | Policy, refused: str) -> Candidate:
+    lines = (row.summary, row.equation, f"Sutton & Barto, 2nd ed., {row.source}")
+    return Candidate(row.id, row.name, lines, refused)
 
 
 def _refused(space: FiniteSpace, algorithm: str, values: Hyperparameters) -> str:

@@ -8,11 +8,10 @@ from typing import ClassVar, Final
 from rich.text import Text
 from textual.app import ComposeResult
 from textual.binding import Binding, BindingType
-from textual.containers import Vertical
 from textual.widgets import OptionList, Static
 from textual.widgets.option_list import Option
 
-from rl_tui.agents.catalogue import BY_ID, POLICY_BY_ID
+from rl_tui.agents.catalogue import BY_ID
 from rl_tui.agents.hyperparameters import PARAMETERS
 from rl_tui.lab.live.commands import ChooseLane, DropLane
 from rl_tui.lab.run.recipe import Recipe
@@ -20,7 +19,7 @@ from rl_tui.lab.timeline.lane_view import LaneView
 from rl_tui.tui.draw import numbers
 from rl_tui.tui.draw.canvas import shortened
 from rl_tui.tui.draw.to_ascii import to_ascii
-from rl_tui.tui.panels.controls.settings import option_text
+from rl_tui.tui.panels.controls.settings import called
 from rl_tui.tui.panels.curve.text import amount, decimals_for
 from rl_tui.tui.screens.dialogs.dialog import Dialog
 from rl_tui.tui.screens.dialogs.lane_changes import ALGORITHM, what_may_differ
@@ -64,11 +63,9 @@ class Compare(Dialog[Answer]):
 
     def compose(self) -> ComposeResult:
         """Yield the list and the sentence about the entry under the cursor."""
-        with Vertical(id="box") as box:
+        with self.box("Compare", "enter: choose   del: end lane   esc: close"):
             yield OptionList()
             yield Static(classes="hint", markup=False)
-        box.border_title = "Compare"
-        box.border_subtitle = "enter: choose   del: end lane   esc: close"
 
     def on_mount(self) -> None:
         """Start on the run shown, or on what may be different where there is only one."""
@@ -168,12 +165,7 @@ class Compare(Dialog[Answer]):
 
     def _entry(self, name: str, columns: int) -> Text:
         values = self._recipe.hyperparameters
-        if name == ALGORITHM:
-            now = BY_ID[self._recipe.algorithm].name
-        elif name == "policy":
-            now = POLICY_BY_ID[values.policy].name
-        else:
-            now = option_text(values.value(name))
+        now = BY_ID[self._recipe.algorithm].name if name == ALGORITHM else called(name, values.value(name))
         glyphs = self._look.glyphs
         text = Text(f"  {self._symbol(name):<{columns}} ")
         return text.append(to_ascii(f"instead of {now}", glyphs))

@@ -6,8 +6,6 @@ from typing import ClassVar
 
 from textual.app import ComposeResult
 from textual.binding import Binding, BindingType
-from textual.containers import Vertical
-from textual.content import Content
 from textual.widgets import Static
 
 from rl_tui.tui.draw.to_ascii import to_ascii
@@ -31,10 +29,8 @@ class Confirm(Dialog[bool]):
 
     def compose(self) -> ComposeResult:
         """Yield the question."""
-        with Vertical(id="box") as box:
+        with self.box(to_ascii(self._title, self._glyphs), f"enter: {self._verb}   esc: close"):
             yield Static(to_ascii(self._question, self._glyphs), markup=False)
-        box.border_title = Content(to_ascii(self._title, self._glyphs))
-        box.border_subtitle = f"enter: {self._verb}   esc: close"
 
     def action_confirm(self) -> None:
         """Answer yes."""

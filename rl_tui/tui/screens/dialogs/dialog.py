@@ -6,6 +6,8 @@ from pathlib import Path
 from typing import ClassVar, TypeVar
 
 from textual.binding import Binding, BindingType
+from textual.containers import Vertical
+from textual.content import Content
 from textual.screen import ModalScreen
 
 from rl_tui.terminal.linked_app import LinkedApp
@@ -25,6 +27,13 @@ class Dialog(ModalScreen[Result | None]):
     def on_mount(self) -> None:
         """Leave what lies behind as it is where to darken it, and undo that, would take long."""
         self.set_class(isinstance(self.app, LinkedApp) and self.app.has_slow_link, "-slow")
+
+    @staticmethod
+    def box(title: str, keys: str, classes: str | None = None) -> Vertical:
+        """Return the box, with ``title`` above it and the ``keys`` below."""
+        box = Vertical(id="box", classes=classes)
+        box.border_title, box.border_subtitle = Content(title), keys
+        return box
 
     def action_cancel(self) -> None:
         """Close without an answer."""

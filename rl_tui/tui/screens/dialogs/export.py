@@ -9,15 +9,14 @@ from typing import ClassVar, Final
 from rich.text import Text
 from textual.app import ComposeResult
 from textual.binding import Binding, BindingType
-from textual.containers import Vertical, VerticalScroll
-from textual.content import Content
-from textual.widgets import OptionList, Static
-from textual.widgets.option_list import Option
+from textual.containers import VerticalScroll
+from textual.widgets import Static
 
 from rl_tui.common.errors import UserError
 from rl_tui.lab.experiments.training import OnProgress
 from rl_tui.lab.export.files import new_path
 from rl_tui.tui.draw.to_ascii import to_ascii
+from rl_tui.tui.screens.dialogs.choice import Candidate, Choice
 from rl_tui.tui.screens.dialogs.dialog import Dialog
 from rl_tui.tui.screens.dialogs.prompt import Prompt
 from rl_tui.tui.theme.glyphs import Glyphs
@@ -35,58 +34,22 @@ _KINDS: Final = {
 _LOOKS_AT_PROGRESS: Final = 0.1
 
 
-class ExportChoice(Dialog[str]):
-    """What to write. Answers its id; escape answers None.
+def export_choice(glyphs: Glyphs, *, bandit: bool, no_returns: str) -> Choice:
+    """Return the choice of what to write.
 
     For a ``bandit`` the script shows what is hidden from the agent; the dialog warns of that. ``no_returns``
     says why there are no returns, empty if there are.
     """
-
-    def __init__(self, glyphs: Glyphs, *, bandit: bool, no_returns: str) -> None:
-        super().__init__()
-        self._glyphs = glyphs
-        secret = {SCRIPT: _SECRET} if bandit else {}
-        refused = {RETURNS: f"Not here: {no_returns}."} if no_returns else {}
-        self._options = [
-            Option(self._described(name, [sentence, secret.get(what, ""), refused.get(what, "")]), id=what)
-            for what, (name, sentence) in _KINDS.items()
-        ]
-        for option in self._options:
-            option.disabled = option.id in refused
-
-    def compose(self) -> ComposeResult:
-        """Yield the list."""
-        with Vertical(id="box") as box:
-            yield OptionList(*self._options)
-        box.border_title = "Export"
-        box.border_subtitle = "enter: choose   esc: close"
-
-    def on_mount(self) -> None:
-        """Start on the first."""
-        choices = self.query_one(OptionList)
-        choices.highlighted = 0
-        choices.focus()
-
-    def on_option_list_option_selected(self, event: OptionList.OptionSelected) -> None:
-        """Answer the chosen one."""
-        self.dismiss(event.option_id)
-
-    def _described(self, name: str, sentences: list[str]) -> Text:
-        text = Text(name, "bold")
-        for sentence in filter(None, sentences):
-            text.append(to_ascii(f"\n{sentence}", self._glyphs), "not bold")
-        return text
+    secret = {SCRIPT: (_SECRET,)} if bandit else {}
+    refused = {RETURNS: f"{no_returns}."} if no_returns else {}
+    candidates = (
+        Candidate(what, name, (sentence, *secret.get(what, ())), refused.get(what, ""))
+        for what, (name, sentence) in _KINDS.items()
+    )
+    return Choice("Export", candidates, "", glyphs)
 
 
-class AskNewFile(Prompt):
-    """One line to type the name of a new file into."""
-
-    def on_mount(self) -> None:
-        """Write in the border what enter does."""
-        self.query_one("#box").border_subtitle = "enter: write   esc: close"
-
-
-def ask_new_file(title: str, name: str, glyphs: Glyphs) -> AskNewFile:
+def ask_new_file(title: str, name: str, glyphs: Glyphs) -> Prompt:
     """Return the prompt for the name of a new file; ``name`` is offered."""
 
     def read(text: str) -> str:
@@ -95,9 +58,8 @@ def ask_new_file(title: str, name: str, glyphs: Glyphs) -> AskNewFile:
         except UserError as fault:
             raise ValueError(str(fault)) from fault
 
-    return AskNewFile(
-        to_ascii(title, glyphs), "where to write it: a new file, here if no folder is named", name, read
-    )
+    hint = "where to write it: a new file, here if no folder is named"
+    return Prompt(to_ascii(title, glyphs), hint, name, read, "write")
 
 
 class CommandLine(Dialog[str]):
@@ -124,12 +86,10 @@ class CommandLine(Dialog[str]):
 
     def compose(self) -> ComposeResult:
         """Yield the command and what may be done with it."""
-        with Vertical(id="box") as box:
+        with self.box("Command", "c: copy   w: write to a file   esc: close"):
             with VerticalScroll(id="command"):
                 yield Static(Text(self._line, overflow="fold"), markup=False)
             yield Static(self._hint, classes="hint", markup=False)
-        box.border_title = "Command"
-        box.border_subtitle = "c: copy   w: write to a file   esc: close"
 
     def on_mount(self) -> None:
         """Let the arrow keys scroll a long one."""
@@ -168,10 +128,8 @@ class Working(Dialog[str]):
 
     def compose(self) -> ComposeResult:
         """Yield how far it has come."""
-        with Vertical(id="box") as box:
+        with self.box(self._title, "esc: break off"):
             yield Static("0 %", id="progress", markup=False)
-        box.border_title = Content(self._title)
-        box.border_subtitle = "esc: break off"
 
     def on_mount(self) -> None:
         """Begin to work, and to show how far it has come."""

@@ -10,12 +10,11 @@ from typing import NamedTuple
 from rich.text import Text
 from textual import events
 from textual.app import ComposeResult
-from textual.containers import Vertical
 from textual.content import Content
 from textual.widgets import OptionList, Static
 from textual.widgets.option_list import Option
 
-from rl_tui.agents.catalogue import BY_ID, POLICY_BY_ID
+from rl_tui.agents.catalogue import BY_ID
 from rl_tui.agents.hyperparameters import PARAMETERS
 from rl_tui.common.words import counted
 from rl_tui.lab.live.snapshot import Snapshot
@@ -23,13 +22,14 @@ from rl_tui.lab.run.recipe import (
     JournalEntry,
     Recipe,
     SetParameter,
+    Setting,
     SwitchAlgorithm,
     TakeAction,
     changed_recipe,
 )
 from rl_tui.tui.draw.names import action_name
 from rl_tui.tui.draw.to_ascii import to_ascii
-from rl_tui.tui.panels.controls.settings import option_text
+from rl_tui.tui.panels.controls.settings import called
 from rl_tui.tui.screens.dialogs.dialog import Dialog
 from rl_tui.tui.theme.glyphs import Glyphs
 from rl_tui.tui.theme.look import Look
@@ -63,13 +63,11 @@ class JournalScreen(Dialog[Moment]):
 
     def compose(self) -> ComposeResult:
         """Yield the two lists, and how to make a branch."""
-        with Vertical(id="box") as box:
+        with self.box("Journal", "enter: go there   tab: changes   esc: close"):
             yield OptionList(*map(self._described, range(len(self._lines))), id="branches")
             yield Static(classes="hint", id="whose", markup=False)
             yield OptionList(id="entries")
             yield Static(HOW_TO_BRANCH, classes="hint", id="how", markup=False)
-        box.border_title = "Journal"
-        box.border_subtitle = "enter: go there   tab: changes   esc: close"
 
     def on_mount(self) -> None:
         """Start on the branch in force."""
@@ -159,18 +157,18 @@ def journal_lines(
 ) -> list[JournalLine]:
     """Return ``journal`` in lines: one a setting and step, one for steps by hand in a row."""
     lines: list[JournalLine] = []
-    before = _Before(recipe)
     for (kind, _), group in groupby(_keyed(journal), key=lambda each: each[0]):
         entries = [entry for _, entry in group]
-        first, last = entries[0], entries[-1]
-        if isinstance(first.change, TakeAction):
+        first, last = entries[0].step, entries[-1]
+        if isinstance(last.change, TakeAction):
             what = f"{len(entries)} by hand"
             if len(entries) == 1:
-                what = f"by hand {action_name(world, first.change.action, glyphs)}"
-            lines.append(JournalLine(first.step, last.step + 1, what, len(entries)))
+                what = f"by hand {action_name(world, last.change.action, glyphs)}"
+            lines.append(JournalLine(first, last.step + 1, what, len(entries)))
         else:
-            was, is_now = before.change(last.change)
-            lines.append(JournalLine(first.step, first.step, f"{kind} {was} → {is_now}".strip()))
+            before, recipe = recipe, changed_recipe(recipe, last.change)
+            was, is_now = _in_force(before, last.change), _in_force(recipe, last.change)
+            lines.append(JournalLine(first, first, f"{kind} {was} → {is_now}".strip()))
     return lines
 
 
@@ -191,22 +189,8 @@ def _keyed(journal: Sequence[JournalEntry]) -> Iterator[tuple[tuple[str, int], J
         previous = entry
 
 
-class _Before:
-    """What was in force before each change, from the recipe on."""
-
-    def __init__(self, recipe: Recipe) -> None:
-        self._recipe = recipe
-
-    def change(self, change: SetParameter | SwitchAlgorithm | TakeAction) -> tuple[str, str]:
-        """Return how what is changed was called before, and is called from there on."""
-        if isinstance(change, TakeAction):
-            return "", ""
-        before, self._recipe = self._recipe, changed_recipe(self._recipe, change)
-        if isinstance(change, SwitchAlgorithm):
-            return BY_ID[before.algorithm].name, BY_ID[change.algorithm].name
-        was = before.hyperparameters.value(change.name)
-        return _called(change.name, was), _called(change.name, change.value)
-
-
-def _called(name: str, value: float | str) -> str:
-    return POLICY_BY_ID[str(value)].name if name == "policy" else option_text(value)
+def _in_force(recipe: Recipe, change: Setting) -> str:
+    """Return how that which ``change`` sets is called as it is in ``recipe``."""
+    if isinstance(change, SwitchAlgorithm):
+        return BY_ID[recipe.algorithm].name
+    return called(change.name, recipe.hyperparameters.value(change.name))

@@ -6,15 +6,14 @@ from collections.abc import Callable
 
 from rich.text import Text
 from textual.app import ComposeResult
-from textual.containers import Vertical
 from textual.widgets import OptionList, Static
 from textual.widgets.option_list import Option
 
-from rl_tui.agents.catalogue import POLICY_BY_ID, parameters_of
+from rl_tui.agents.catalogue import parameters_of
 from rl_tui.agents.hyperparameters import PARAMETERS
 from rl_tui.lab.run.recipe import Recipe
 from rl_tui.tui.draw.to_ascii import to_ascii
-from rl_tui.tui.panels.controls.settings import option_text
+from rl_tui.tui.panels.controls.settings import called
 from rl_tui.tui.screens.dialogs.dialog import Dialog
 from rl_tui.tui.theme.look import Look
 
@@ -36,11 +35,9 @@ class Options(Dialog[None]):
 
     def compose(self) -> ComposeResult:
         """Yield the list and the sentence about the entry under the cursor."""
-        with Vertical(id="box") as box:
+        with self.box("Options", "enter: change   esc: close"):
             yield OptionList()
             yield Static(classes="hint", markup=False)
-        box.border_title = "Options"
-        box.border_subtitle = "enter: change   esc: close"
 
     def on_mount(self) -> None:
         """Let the arrows choose."""
@@ -78,8 +75,7 @@ class Options(Dialog[None]):
 
     def _row(self, name: str, columns: int) -> Text:
         parameter, value = PARAMETERS[name], self._recipe().hyperparameters.value(name)
-        shown = POLICY_BY_ID[str(value)].name if name == "policy" else option_text(value)
         glyphs = self._look.glyphs
         text = Text(f"{to_ascii(parameter.symbol, glyphs):<{columns}} ")
-        text.append(f"{to_ascii(shown, glyphs):<{_VALUE}} ", "bold")
+        text.append(f"{to_ascii(called(name, value), glyphs):<{_VALUE}} ", "bold")
         return text.append(name.replace("_", " "))

@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from textual.app import ComposeResult
-from textual.containers import Vertical
-from textual.content import Content
 from textual.widgets import Input, Static
 
 from rl_tui.tui.screens.dialogs.dialog import Dialog
@@ -34,12 +32,10 @@ class Prompt(Dialog[float | str]):
 
     def compose(self) -> ComposeResult:
         """Yield the line, the sentence about it, and room for a fault."""
-        with Vertical(id="box") as box:
+        with self.box(self._title, f"enter: {self._does}   esc: close"):
             yield Input(self.value, select_on_focus=True, compact=True, max_length=_LONGEST)
             yield Static(self.hint, classes="hint", markup=False)
             yield Static("", classes="error", markup=False)
-        box.border_title = Content(self._title)
-        box.border_subtitle = f"enter: {self._does}   esc: close"
 
     def on_input_changed(self, event: Input.Changed) -> None:
         """Show what is wrong while it is typed."""

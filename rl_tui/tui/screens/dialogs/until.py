@@ -8,7 +8,6 @@ from typing import ClassVar
 from rich.text import Text
 from textual.app import ComposeResult
 from textual.binding import Binding, BindingType
-from textual.containers import Vertical
 from textual.widgets import OptionList, Static
 from textual.widgets.option_list import Option
 
@@ -49,12 +48,10 @@ class UntilChoice(Dialog[UntilOption]):
 
     def compose(self) -> ComposeResult:
         """Yield the list, the sentence and the breakpoints."""
-        with Vertical(id="box") as box:
+        with self.box("Run until", "enter: run   esc: close"):
             yield OptionList(*(Option(self._row(each), id=each.id) for each in self._options.values()))
             yield Static(classes="hint", id="about", markup=False)
             yield Static(self._about_breakpoints(), classes="hint", id="breakpoints", markup=False)
-        box.border_title = "Run until"
-        box.border_subtitle = "enter: run   esc: close"
 
     def on_mount(self) -> None:
         """Start on the one that was chosen last."""

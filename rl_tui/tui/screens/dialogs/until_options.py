@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from enum import Enum, auto
+from enum import Enum
 
 from rl_tui.agents.catalogue import BY_ID
 from rl_tui.lab.live.snapshot import Snapshot
@@ -22,11 +22,15 @@ _VALUE_COLUMNS = 8
 
 
 class Kind(Enum):
-    """Whether an agent, a bandit or a planner is on screen: their steps and episodes have other names."""
+    """Whether an agent, a bandit or a planner is on screen, and what its steps and episodes are called."""
 
-    AGENT = auto()
-    BANDIT = auto()
-    PLANNER = auto()
+    AGENT = "step", "episode"
+    BANDIT = "pull", "episode"
+    PLANNER = "backup", "sweep"
+
+    def __init__(self, step: str, episode: str) -> None:
+        self.step = step
+        self.episode = episode
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,9 +71,9 @@ def until_options(snapshot: Snapshot, cursor: int | None, glyphs: Glyphs) -> tup
     """Return all that a run can be run until; ``cursor`` is the pair under a cursor, None without one."""
     kind = kind_of(snapshot)
     rewards = "A planner takes no steps in the world: nothing pays." if kind is Kind.PLANNER else ""
-    step = {Kind.AGENT: "step", Kind.BANDIT: "pull", Kind.PLANNER: "backup"}[kind]
+    whose = f"A {kind.step} whose reward is not 0."
     found = [
-        UntilOption("reward", Event.REWARD, "the next reward", f"A {step} whose reward is not 0.", rewards),
+        UntilOption("reward", Event.REWARD, "the next reward", whose, rewards),
         *([] if kind is Kind.BANDIT else [_end(kind)]),
         UntilOption(
             "policy",
@@ -80,25 +84,19 @@ def until_options(snapshot: Snapshot, cursor: int | None, glyphs: Glyphs) -> tup
             else "In some state other actions have the highest estimate than before.",
         ),
         _optimal(snapshot, kind),
-        UntilOption("step", Event.STEP, f"a {step} by its number …", f"Asks for the {step}."),
+        UntilOption("step", Event.STEP, f"a {kind.step} by its number …", f"Asks for the {kind.step}."),
     ]
     if kind is not Kind.BANDIT:
-        episode = "sweep" if kind is Kind.PLANNER else "episode"
-        article = "a" if kind is Kind.PLANNER else "an"
-        name = f"{article} {episode} by its number …"
-        found.append(
-            UntilOption("episode", Event.EPISODE, name, f"Asks for the {episode}, and stops where it begins.")
-        )
+        name = f"{'a' if kind is Kind.PLANNER else 'an'} {kind.episode} by its number …"
+        hint = f"Asks for the {kind.episode}, and stops where it begins."
+        found.append(UntilOption("episode", Event.EPISODE, name, hint))
     return (*found, *_values(snapshot, cursor, glyphs))
 
 
 def _end(kind: Kind) -> UntilOption:
-    if kind is Kind.PLANNER:
-        return UntilOption(
-            "end", Event.EPISODE_END, "the end of the sweep", "Every state was backed up once more."
-        )
-    hint = "A terminal state, or the time limit."
-    return UntilOption("end", Event.EPISODE_END, "the end of the episode", hint)
+    backed_up, ended = "Every state was backed up once more.", "A terminal state, or the time limit."
+    hint = backed_up if kind is Kind.PLANNER else ended
+    return UntilOption("end", Event.EPISODE_END, f"the end of the {kind.episode}", hint)
 
 
 def _optimal(snapshot: Snapshot, kind: Kind) -> UntilOption:
@@ -114,11 +112,8 @@ def _optimal(snapshot: Snapshot, kind: Kind) -> UntilOption:
 
 def _values(snapshot: Snapshot, cursor: int | None, glyphs: Glyphs) -> list[UntilOption]:
     """Return the options on values: that under the cursor, and the one updated last."""
-    last = (
-        snapshot.counters.last_step.updated_pair
-        if snapshot.counters.last_step is not None and snapshot.counters.last_step.learned
-        else None
-    )
+    step = snapshot.counters.last_step
+    last = step.updated_pair if step is not None and step.learned else None
     found = []
     for id, pair, where in (("cursor", cursor, "under the cursor"), ("last", last, "updated last")):  # noqa: A001
         if pair is not None and (id == "cursor" or pair != cursor):
@@ -136,21 +131,15 @@ def ask_number(option: UntilOption, snapshot: Snapshot, glyphs: Glyphs) -> Promp
     """Return the prompt for the number of ``option``, one of the options that ask."""
     if option.event is Event.VALUE:
         return _ask_value(option, snapshot, glyphs)
-    kind = kind_of(snapshot)
+    kind, step = kind_of(snapshot), snapshot.counters.step
     if option.event is Event.STEP:
-        noun = {Kind.AGENT: "step", Kind.BANDIT: "pull", Kind.PLANNER: "backup"}[kind]
-        now, least = f"after {noun} {snapshot.counters.step:,}", snapshot.counters.step + 1
-        example = snapshot.counters.step + 1_000
+        noun, now, least, example = kind.step, f"after {kind.step} {step:,}", step + 1, step + 1_000
     else:
-        noun = "sweep" if kind is Kind.PLANNER else "episode"
         under_way = episode_under_way(snapshot)
-        now, least = f"in {noun} {under_way:,}", under_way + 1
+        noun, now, least = kind.episode, f"in {kind.episode} {under_way:,}", under_way + 1
         example = snapshot.counters.episodes + 100
-    most = (
-        snapshot.results.bandit.budget
-        if kind is Kind.BANDIT and snapshot.results.bandit is not None
-        else _LARGEST
-    )
+    bandit = snapshot.results.bandit
+    most = bandit.budget if kind is Kind.BANDIT and bandit is not None else _LARGEST
     expected = f"type a whole number, {least:,} or more"
     if most < _LARGEST:
         expected = f"type a whole number from {least:,} to {most:,}"

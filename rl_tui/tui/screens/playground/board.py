@@ -200,9 +200,8 @@ class Board(Container):
         return self._arrangement
 
     def _arrange_again(self) -> None:
-        self.table.refresh(
-            layout=True
-        )  # a child's, since a container forgets its arrangement only for a child
+        # a child's, since a container forgets its arrangement only for a child
+        self.table.refresh(layout=True)
 
     async def _replace_placeholder(self, view: WorldView) -> None:
         if not self.is_attached:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 from collections.abc import Iterable, Sequence
 from contextlib import suppress
+from dataclasses import dataclass
 from typing import ClassVar, Final
 
 from textual import on
@@ -39,7 +40,6 @@ from rl_tui.tui.screens.playground.actions.time import TimeActions
 from rl_tui.tui.screens.playground.actions.until import UntilActions
 from rl_tui.tui.screens.playground.actions.view import ViewActions
 from rl_tui.tui.screens.playground.board import Board
-from rl_tui.tui.screens.playground.environment_watchdog import CHECK_EVERY, EnvironmentWatchdog
 from rl_tui.tui.screens.playground.frame_pacing import Pacer
 from rl_tui.tui.screens.playground.player_link import PlayerLink
 from rl_tui.tui.screens.playground.wanted import Wanted
@@ -47,6 +47,8 @@ from rl_tui.tui.theme.look import Look
 
 _MOST_PICTURES: Final = 100  # until a picture that shows what was asked for
 _ASKS_AGAIN: Final = 0.25  # seconds
+_CHECKS_ENVIRONMENT: Final = 0.5  # seconds
+_WORTH_SHOWING: Final = 3.0  # seconds without an answer
 
 
 class Playground(ActionScreen):
@@ -61,21 +63,19 @@ class Playground(ActionScreen):
     AUTO_FOCUS = ""
     place = Place.PLAYGROUND
 
+    @dataclass
     class Left(Message):
         """The user goes back to the catalogue, or a fault ended the run."""
 
-        def __init__(self, recipe: Recipe, fault: UserError | None = None) -> None:
-            super().__init__()
-            self.recipe = recipe
-            self.fault = fault
+        recipe: Recipe
+        fault: UserError | None = None
 
+    @dataclass
     class NeighbourWanted(Message):
         """The user wants the scenario that stands ``offset`` places further in the catalogue."""
 
-        def __init__(self, recipe: Recipe, offset: int) -> None:
-            super().__init__()
-            self.recipe = recipe
-            self.offset = offset
+        recipe: Recipe
+        offset: int
 
     def __init__(
         self,
@@ -94,7 +94,6 @@ class Playground(ActionScreen):
         self.status = StatusLine(look, id="status")
         self.board = Board(look, self.wanted, panels)
         self.link = PlayerLink(player, self.wanted, self._note_sent)
-        self.watchdog = EnvironmentWatchdog(player, self.status)
         of = self, self.board, self.link
         self.run = RunActions(*of)
         self.time = TimeActions(*of)
@@ -156,13 +155,18 @@ class Playground(ActionScreen):
     def on_mount(self) -> None:
         """Draw whatever the player publishes; it starts to load once the first paint is done."""
         self.call_after_refresh(self._start_to_follow)
-        self.set_interval(CHECK_EVERY, self.watchdog.check)
+        self.set_interval(_CHECKS_ENVIRONMENT, self._check_environment)
         self.session.listen()
 
     def on_unmount(self) -> None:
         """Let the player's thread end, without waiting for it."""
         self.player.close()
         self._end()
+
+    def _check_environment(self) -> None:
+        """Show for how long an environment has not answered, if that is long: only the run waits for it."""
+        seconds = self.player.unanswered
+        self.status.show_unanswered(int(seconds) if seconds >= _WORTH_SHOWING else 0)
 
     def send(self, command: Command) -> None:
         """Ask the player for something; its answer is drawn without waiting for the next frame."""

@@ -17,7 +17,6 @@ from rl_tui.tui.panels.snapshot_facts import is_new_run
 from rl_tui.tui.panels.world.arms.bars import Arm, draw_arms, names_width, rows_an_arm, true_mean_glyph
 from rl_tui.tui.panels.world.arms.scale import NO_SCALE, ArmsScale, bound_text, grown, shown_scale
 from rl_tui.tui.panels.world.view import WorldView
-from rl_tui.tui.theme.look import Look
 from rl_tui.worlds.drawing import Arms
 from rl_tui.worlds.mdp.space import FloatArray
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
@@ -32,19 +31,9 @@ class ArmsView(WorldView):
     What the agent has not learned, the true means and the best arm, is drawn only while ``revealed``.
     """
 
-    def __init__(
-        self,
-        world: World,
-        look: Look,
-        *,
-        id: str | None = None,  # noqa: A002
-        classes: str | None = None,
-    ) -> None:
-        super().__init__(world, look, id=id, classes=classes)
-        self.scale = NO_SCALE
-        self._top = 0
-        self._shown = self._each = 1
-        self.heading = HEADINGS[0]
+    scale = NO_SCALE
+    _top = 0
+    _shown = _each = 1
 
     def enter(self, world: World) -> None:
         """Take ``world`` for the one that is drawn: its arms have means of their own."""
@@ -52,6 +41,7 @@ class ArmsView(WorldView):
             raise TypeError("an ArmsView draws worlds that have a table and whose drawing is Arms")
         super().enter(world)
         self._mdp = world.mdp
+        self.heading = HEADINGS[0]
 
     def show(self, snapshot: Snapshot) -> None:
         """Draw ``snapshot``. The scale only ever widens, until another run starts."""
@@ -85,11 +75,8 @@ class ArmsView(WorldView):
 
     def agent_place(self, snapshot: Snapshot) -> int:
         """Return the arm pulled last, the first before any pull."""
-        return (
-            snapshot.counters.last_step.pair
-            if snapshot.counters.last_step is not None and not snapshot.counters.last_step.planned
-            else 0
-        )
+        last = snapshot.counters.last_step
+        return last.pair if last is not None and not last.planned else 0
 
     def moved(self, place: int, rows: int, columns: int) -> int:
         """Return the arm so many rows below."""
@@ -184,10 +171,8 @@ def arms_of(mdp: TabularMDP, snapshot: Snapshot, means: FloatArray | None) -> tu
     noise, values = noise_of_rewards(mdp, snapshot.agent.q), snapshot.agent.hyperparameters
     alpha: StepSize = SAMPLE_AVERAGE if values.sample_average else values.alpha
     anything = any(visits)
-    best_estimate, last = (
-        max(q),
-        snapshot.counters.last_step.pair if snapshot.counters.last_step is not None else None,
-    )
+    best_estimate = max(q)
+    last = None if snapshot.counters.last_step is None else snapshot.counters.last_step.pair
     best_mean = float(means.max()) if means is not None else None
     return tuple(
         Arm(

@@ -17,11 +17,6 @@ _VALUE_WIDTH: Final = 6
 _LEAST_TEXT: Final = 20  # of an edge, below which names and values are left out
 
 
-def edge_list_rows(shape: GraphShape) -> int:
-    """Return how many lines the whole list has."""
-    return len(shape.actions)
-
-
 def draw_edge_list(
     shape: GraphShape, values: StateValues, signs: Signs, look: Look, width: int, height: int, top: int
 ) -> list[Strip]:

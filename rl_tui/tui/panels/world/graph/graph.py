@@ -11,7 +11,7 @@ from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.draw import numbers
 from rl_tui.tui.draw.canvas import Canvas, centred, shortened
 from rl_tui.tui.panels.scrolling import scrolled_to
-from rl_tui.tui.panels.world.graph.edge_list import draw_edge_list, edge_list_rows
+from rl_tui.tui.panels.world.graph.edge_list import draw_edge_list
 from rl_tui.tui.panels.world.graph.layout import GraphLayout, graph_layout
 from rl_tui.tui.panels.world.graph.routing import Box
 from rl_tui.tui.panels.world.graph.shape import GraphShape, Node, Signs, graph_shape
@@ -30,25 +30,15 @@ BOLD: Final = 2
 
 # index: up + 3·right + 9·down + 27·left, each 0 (nothing), 1 (thin) or 2 (bold)
 _JOINTS: Final = " ╵╹╶└┖╺┕┗╷│╿┌├┞┍┝┡╻╽┃┎┟┠┏┢┣╴┘┚─┴┸╼┶┺┐┤┦┬┼╀┮┾╄┒┧┨┰╁╂┲╆╊╸┙┛╾┵┹━┷┻┑┥┩┭┽╃┯┿╇┓┪┫┱╅╉┳╈╋"
-_ROUND: Final = {"╭": "┌", "╮": "┐", "╰": "└", "╯": "┘"}
-_ROUNDED: Final = {square: rounded for rounded, square in _ROUND.items()}
+_ROUNDED: Final = {"┌": "╭", "┐": "╮", "└": "╰", "┘": "╯"}
 
 
 class GraphView(WorldView):
     """A graph, laid out once for each size. Where it does not fit, a list of its edges that scrolls."""
 
-    def __init__(
-        self,
-        world: World,
-        look: Look,
-        *,
-        id: str | None = None,  # noqa: A002
-        classes: str | None = None,
-    ) -> None:
-        super().__init__(world, look, id=id, classes=classes)
-        self._top = 0
-        self._layout: GraphLayout | None = None
-        self._height = 1
+    _top = 0
+    _layout: GraphLayout | None = None
+    _height = 1
 
     def enter(self, world: World) -> None:
         """Take ``world`` for the one that is drawn."""
@@ -71,7 +61,7 @@ class GraphView(WorldView):
         if layout is not None:
             self.footing = ""
             return draw_graph(self._shape, layout, values, signs, self.look, width, height)
-        rows = edge_list_rows(self._shape)
+        rows = len(self._shape.actions)
         self._height = height
         self._top = max(0, min(self._top, rows - height))
         self.footing = f"↑↓ {self._top + 1}–{self._top + height} of {rows}" if rows > height else ""

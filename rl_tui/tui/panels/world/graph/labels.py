@@ -124,12 +124,8 @@ def _choices(obstacles: Obstacles, wanted: WantedLabel) -> Iterator[tuple[float,
                 )
                 if all(_is_free(obstacles, label) for label in block):
                     yield cost + _ANOTHER_LINE * (len(lines) - 1), block
-            if (
-                wanted.inline
-                and run.horizontal
-                and len(lines) == 1
-                and len(run.cells) >= len(wanted.text) + 3
-            ):
+            has_room = run.horizontal and len(run.cells) >= len(wanted.text) + 3
+            if wanted.inline and has_room and len(lines) == 1:
                 yield from _inline(obstacles, wanted, run)
 
 
@@ -176,12 +172,8 @@ def _inline(obstacles: Obstacles, wanted: WantedLabel, run: LineRun) -> Iterator
 
 
 def _is_free(obstacles: Obstacles, label: EdgeLabel) -> bool:
-    if (
-        label.y < 0
-        or label.y >= obstacles.height
-        or label.x < 0
-        or label.x + len(label.text) > obstacles.width
-    ):
+    is_inside = 0 <= label.x <= obstacles.width - len(label.text) and 0 <= label.y < obstacles.height
+    if not is_inside:
         return False
     cells = [(label.x + i, label.y) for i in range(len(label.text))]
     return not any(cell in obstacles.solid or cell in obstacles.lines for cell in cells)

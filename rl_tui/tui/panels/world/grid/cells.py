@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import lru_cache, partial
 from typing import Final, NamedTuple
 
 from rich.segment import Segment
@@ -64,10 +65,11 @@ class CellArtist:
             CellKind.GOAL: glyphs.goal,
             CellKind.CLIFF: glyphs.cliff,
         }
-        self._faces: dict[Face, Drawn] = {}
-        self._texts: dict[float, str] = {}
         self._has_table = has_table
-        self._signs: dict[tuple[Sign, ...], str] = {}
+        # what looks the same is drawn once
+        self._drawn = lru_cache(_MOST_KEPT)(partial(_drawn, form=form, look=look))
+        self._text = lru_cache(_MOST_KEPT)(partial(_value_text, width=form.digits, look=look))
+        self._signs = lru_cache(_MOST_KEPT)(partial(_signs, look=look))
 
     def drawn(self, cells: Sequence[CellContent], low: float, high: float) -> list[Drawn]:
         """Return the rows of each of ``cells``, tinted by its value from ``low`` to ``high``."""
@@ -82,36 +84,18 @@ class CellArtist:
         style = palette.value(fraction(value, low, high)) if known else palette.unvisited
         is_dot = not known and value == 0.0 and not self._has_table
         text = self.look.glyphs.stay if is_dot else self._text(value)
-        return Face(kind, agent, text, self._signs_of(greedy), style, reward, stops, cursor)
-
-    def _drawn(self, face: Face) -> Drawn:
-        drawn = self._faces.get(face)
-        if drawn is None:
-            _make_room(self._faces)
-            canvas = Canvas(self.form.width, self.form.height, self.look.palette.text)
-            _draw_cell(canvas, face, self.form, self.look)
-            drawn = self._faces[face] = [list(strip) for strip in canvas.strips()]
-        return drawn
-
-    def _text(self, value: float) -> str:
-        text = self._texts.get(value)
-        if text is None:
-            _make_room(self._texts)
-            text = self._texts[value] = _value_text(value, self.form.digits, self.look)
-        return text
-
-    def _signs_of(self, greedy: tuple[Sign, ...]) -> str:
-        signs = self._signs.get(greedy)
-        if signs is None:
-            direction = self.look.glyphs.direction
-            signs = "".join(direction(each) if isinstance(each, tuple) else each for each in greedy)
-            self._signs[greedy] = signs
-        return signs
+        return Face(kind, agent, text, self._signs(greedy), style, reward, stops, cursor)
 
 
-def _make_room(kept: dict[Face, Drawn] | dict[float, str]) -> None:
-    if len(kept) >= _MOST_KEPT:
-        kept.clear()
+def _drawn(face: Face, form: CellForm, look: Look) -> Drawn:
+    canvas = Canvas(form.width, form.height, look.palette.text)
+    _draw_cell(canvas, face, form, look)
+    return [list(strip) for strip in canvas.strips()]
+
+
+def _signs(greedy: tuple[Sign, ...], look: Look) -> str:
+    direction = look.glyphs.direction
+    return "".join(direction(each) if isinstance(each, tuple) else each for each in greedy)
 
 
 def _draw_cell(canvas: Canvas, face: Face, form: CellForm, look: Look) -> None:

@@ -19,7 +19,6 @@ from rl_tui.tui.panels.world.grid.cells import CellArtist
 from rl_tui.tui.panels.world.grid.form import LEAST_DIGITS, CellForm, cell_form, digits_needed
 from rl_tui.tui.panels.world.grid.map import CellContent, GridMap, MapPart
 from rl_tui.tui.panels.world.view import WorldView
-from rl_tui.tui.theme.look import Look
 from rl_tui.worlds.drawing import Grid
 from rl_tui.worlds.world import World
 
@@ -36,22 +35,12 @@ class GridView(WorldView):
     Where the map is larger than the panel, the part around the agent is drawn, or that around the cursor.
     """
 
-    def __init__(
-        self,
-        world: World,
-        look: Look,
-        *,
-        id: str | None = None,  # noqa: A002
-        classes: str | None = None,
-    ) -> None:
-        super().__init__(world, look, id=id, classes=classes)
-        self._part: MapPart | None = None
-        self._form: CellForm | None = None
-        self._origin = (0, 0)  # column and row of the first cell's first character
-        self._requested: Cells | None = None
-        self._artist: CellArtist | None = None
-        self._digits = LEAST_DIGITS
-        self.heading = HEADING
+    _part: MapPart | None = None
+    _form: CellForm | None = None
+    _origin = (0, 0)  # column and row of the first cell's first character
+    _requested: Cells | None = None
+    _artist: CellArtist | None = None
+    _digits = LEAST_DIGITS
 
     def enter(self, world: World) -> None:
         """Take ``world`` for the one that is drawn, and follow the agent in it."""
@@ -61,6 +50,7 @@ class GridView(WorldView):
         self._map = GridMap(world.space, world.drawing)
         self._top = self._left = 0
         self._following = True
+        self.heading = HEADING
 
     @property
     def cells(self) -> Cells | None:
@@ -134,10 +124,8 @@ class GridView(WorldView):
         """Return the map, or the part of it that fits."""
         grid = self._map.grid
         form = cell_form(grid.rows, grid.columns, width, height, self._digits)
-        rows, columns = (
-            min(grid.rows, max(1, height // form.height)),
-            min(grid.columns, max(1, width // form.width)),
-        )
+        rows = min(grid.rows, max(1, height // form.height))
+        columns = min(grid.columns, max(1, width // form.width))
         row, column = divmod(self.agent_place(snapshot), grid.columns)
         self._top = kept_in_view(self._top, row if self._following else None, rows, grid.rows)
         self._left = kept_in_view(self._left, column if self._following else None, columns, grid.columns)

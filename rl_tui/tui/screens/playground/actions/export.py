@@ -22,9 +22,9 @@ from rl_tui.tui.screens.dialogs.export import (
     RETURNS,
     SCRIPT,
     CommandLine,
-    ExportChoice,
     Working,
     ask_new_file,
+    export_choice,
 )
 from rl_tui.tui.screens.playground.actions.subject import Subject
 from rl_tui.tui.screens.playground.wanted import in_force
@@ -46,11 +46,8 @@ class ExportActions(Subject):
             return
         if snapshot is None:
             return
-        choice = ExportChoice(
-            self.glyphs,
-            bandit=isinstance(snapshot.world.drawing, Arms),
-            no_returns=_without_returns(snapshot),
-        )
+        is_bandit = isinstance(snapshot.world.drawing, Arms)
+        choice = export_choice(self.glyphs, bandit=is_bandit, no_returns=_without_returns(snapshot))
         self.ask(choice, partial(self._export, snapshot))
 
     def _export(self, snapshot: Snapshot, what: str) -> None:

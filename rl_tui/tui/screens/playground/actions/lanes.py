@@ -10,6 +10,7 @@ from rl_tui.common.errors import UserError
 from rl_tui.lab.live.commands import AddLane, ChooseLane, DropLane
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.timeline.lane_view import LaneView
+from rl_tui.tui.panels.snapshot_facts import is_secret
 from rl_tui.tui.screens.dialogs.choice import algorithm_choice, policy_choice
 from rl_tui.tui.screens.dialogs.compare import Answer, Compare
 from rl_tui.tui.screens.dialogs.dialog import Dialog
@@ -17,7 +18,6 @@ from rl_tui.tui.screens.dialogs.lane_changes import ALGORITHM, lane_changes
 from rl_tui.tui.screens.dialogs.questions import ask_value
 from rl_tui.tui.screens.playground.actions.subject import Subject
 from rl_tui.tui.screens.playground.wanted import in_force
-from rl_tui.worlds.drawing import Arms
 
 
 class LaneActions(Subject):
@@ -28,7 +28,7 @@ class LaneActions(Subject):
         snapshot = self.snapshot
         if snapshot is None:
             return
-        hidden = isinstance(snapshot.world.drawing, Arms) and not self.board.curve.tells_all
+        hidden = is_secret(snapshot, revealed=self.board.curve.tells_all)
         lanes = snapshot.run_group.lanes or (_only_lane(snapshot),)
         dialog = Compare(self.screen.look, lanes, snapshot.run_group.shown, in_force(snapshot), hidden=hidden)
         self.ask(dialog, self._compared)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+from dataclasses import dataclass
 
 from rl_tui.common.errors import UserError
 from rl_tui.lab.live.snapshot import Phase, Snapshot
@@ -10,30 +11,19 @@ from rl_tui.lab.sessions.autosave import Autosave
 from rl_tui.lab.sessions.folder import named_path
 from rl_tui.lab.sessions.session import OTHER_BITS, SessionError, StoredSession, digest_of
 from rl_tui.tui.draw.to_ascii import to_ascii
-from rl_tui.tui.screens.action_screen import ActionScreen
 from rl_tui.tui.screens.dialogs.prompt import Prompt
 from rl_tui.tui.screens.playground.actions.subject import Subject
-from rl_tui.tui.screens.playground.board import Board
-from rl_tui.tui.screens.playground.player_link import PlayerLink
 
 
+@dataclass(eq=False)
 class SessionActions(Subject):
     """The session keeps itself by ``autosave``, None where none is kept.
 
     ``resumed`` is what it went on with, until that has come out as it was saved.
     """
 
-    def __init__(
-        self,
-        screen: ActionScreen,
-        board: Board,
-        link: PlayerLink,
-        autosave: Autosave | None,
-        resumed: StoredSession | None,
-    ) -> None:
-        super().__init__(screen, board, link)
-        self.autosave = autosave
-        self.resumed = resumed
+    autosave: Autosave | None
+    resumed: StoredSession | None
 
     def listen(self) -> None:
         """Show from now on what there is to know about the session; it comes from any thread."""
@@ -62,11 +52,8 @@ class SessionActions(Subject):
         document, self.resumed = self.resumed.document, None
         lane = document.lanes[document.shown]
         left = (document.shown, lane.branch, lane.branches[lane.branch].here)
-        if (
-            snapshot.run_group.shown,
-            snapshot.timeline.branch,
-            snapshot.counters.step,
-        ) != left or snapshot.agent.part is not None:
+        here = (snapshot.run_group.shown, snapshot.timeline.branch, snapshot.counters.step)
+        if here != left or snapshot.agent.part is not None:
             return
         if document.digest and digest_of(snapshot.agent.q) != document.digest:
             if self.autosave is not None:

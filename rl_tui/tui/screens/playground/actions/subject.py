@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import TypeVar
 
 from rl_tui.lab.live.snapshot import Snapshot
@@ -15,6 +16,7 @@ from rl_tui.tui.theme.glyphs import Glyphs
 Answer = TypeVar("Answer")
 
 
+@dataclass(eq=False)
 class Subject:
     """One subject of which a person can ask something; a row of the registry names object and method.
 
@@ -22,10 +24,9 @@ class Subject:
     ``screen``. It shares nothing else with the others.
     """
 
-    def __init__(self, screen: ActionScreen, board: Board, link: PlayerLink) -> None:
-        self.screen = screen
-        self.board = board
-        self.link = link
+    screen: ActionScreen
+    board: Board
+    link: PlayerLink
 
     @property
     def snapshot(self) -> Snapshot | None:
