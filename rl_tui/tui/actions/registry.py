@@ -233,7 +233,7 @@ _ACTIONS: Final[tuple[Action, ...]] = (
         "back",
         "escape",
         "back",
-        "Leave the zoom or the microscope, else go back to the catalogue: twice, once a step was taken.",
+        "Leave the zoom or an opened panel, else go back to the catalogue: twice, once a step was taken.",
         Group.SCENARIO,
         symbol="esc",
         rank=18,
