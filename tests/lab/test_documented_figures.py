@@ -28,6 +28,7 @@ def test_when_the_lake_pays_for_the_first_time() -> None:
     made = trained(200, 400)
     first = made["summary"]["first_reward_episode"]
     assert first["count"] == 200
+    assert f"it takes until episode {made['runs'][0]['first_reward_episode']}" in README  # seed 0
     half = median(run["first_reward_episode"] for run in made["runs"])
     assert f"episode {first['mean']:.0f} ± {first['stderr']:.0f}" in README
     assert f"half of them by episode {half:.0f}" in README
