@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 def command(scenario: str, gamma: float | None, seed: int, as_json: bool) -> None:
     """Print the optimal values and policy, exact to 1e-9.
 
-    The seed counts only where the world depends on it: the arms of a bandit.
+    The seed counts only where the world depends on it: the arms of a bandit, a random map.
     """
     from rl_tui.agents.exact.solve import solve
     from rl_tui.common.errors import UserError
