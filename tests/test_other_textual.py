@@ -25,7 +25,7 @@ OTHER_TEXTUAL: Final = (sys.executable, str(Path(__file__).parent / "other_textu
         "_display,_driver",  # Textual draws
         "chops",  # Textual draws from the second frame on
         "_batch_count,_running,_post_message,_process_messages_loop"
-        ",_build_driver,_handle_exception,_fatal_error,_exception,_exit",
+        ",_build_driver,_handle_exception,_fatal_error,_exception,_exit,_bindings",
     ],
 )
 def test_it_works_without_a_private_name(names: str) -> None:

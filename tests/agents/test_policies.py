@@ -13,6 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from random_worlds import worlds
 
+from rl_tui.agents.catalogue import POLICY_BY_ID
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.agents.kernels import loop
 from rl_tui.agents.kernels.compiled import compiled
@@ -23,17 +24,16 @@ from rl_tui.worlds.mdp.space import FloatArray, IntArray
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
 pytestmark = pytest.mark.xdist_group("policies")  # each policy's loop is compiled once
+SPECIAL = [
+    Hyperparameters(policy="softmax", temperature=0.5),
+    Hyperparameters(policy="ucb", alpha="sample-average"),
+    Hyperparameters(policy="ucb", ties="first", confidence=0.0),
+    Hyperparameters(policy="gradient", baseline="none"),
+]
 EVERY_RULE = [
     (mdp, hyperparameters)
     for mdp in (TESTBED, COINS)
-    for hyperparameters in (
-        Hyperparameters(policy="softmax", temperature=0.5),
-        Hyperparameters(policy="ucb", alpha="sample-average"),
-        Hyperparameters(policy="ucb", ties="first", confidence=0.0),
-        Hyperparameters(policy="gradient"),
-        Hyperparameters(policy="gradient", baseline="none"),
-        Hyperparameters(policy="thompson"),
-    )
+    for hyperparameters in (*(Hyperparameters(policy=policy) for policy in POLICY_BY_ID), *SPECIAL)
 ]
 
 

@@ -43,6 +43,9 @@ def test_version() -> None:
 def test_help_lists_every_command() -> None:
     result = run("--help")
     assert result.exit_code == 0
+    listed = re.findall(r"^  ([a-z]+) {2,}", result.stdout.partition("Commands:")[2], re.MULTILINE)
+    assert listed[:5] == ["play", "train", "replay", "solve", "list"]
+    assert set(listed) == set(RlTui.modules)
     for name in RlTui.modules:
         assert f"\n  {name} " in result.stdout
         assert run(name, "--help").exit_code == 0
@@ -298,7 +301,7 @@ def test_check_warns_where_an_agent_may_learn_never_to_end(
     result = run("check", str(file))
     assert (result.exit_code, result.stdout) == (0, f"{file}: ok\n")
     expected = (
-        "warning: episode 2 of SARSA with seed 0 had not ended after 50,000 steps and there is no "
+        "warning: in a trial of SARSA episode 2 had not ended after 50,000 steps and there is no "
         "time limit: an episode may take very long, or never end"
     )
     assert result.stderr == (f"{file}: {expected}\n" if warned else "")

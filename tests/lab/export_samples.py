@@ -3,17 +3,27 @@
 from __future__ import annotations
 
 import ast
+from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
 
+import rl_tui
+from rl_tui.agents.catalogue import Algorithm, Policy
 from rl_tui.lab.export.script import script
+from rl_tui.lab.export.template import ENDING
 from rl_tui.lab.run.library import recipe_for
 from rl_tui.lab.run.recipe import Recipe, begin
 from rl_tui.worlds.files.catalogue import find
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
+PACKAGE: Final = Path(rl_tui.__file__).parent
 ALLOWED: Final = {"gymnasium", "numpy", "bisect", "collections"}
+
+
+def has_script(row: Algorithm | Policy) -> bool:
+    """Return whether there is a text beside its module that writes it down as a script."""
+    return (PACKAGE.parent / row.module.replace(".", "/")).with_suffix(ENDING).is_file()
 
 
 def recipe_of(scenario: str, **overrides: object) -> Recipe:

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from export_samples import ALLOWED, imported, q_of, ran, recipe_of, script_of, table_of
+from export_samples import ALLOWED, has_script, imported, q_of, ran, recipe_of, script_of, table_of
 from shipped import SHIPPED
 
 from rl_tui.agents.catalogue import BY_ID, POLICY_BY_ID
@@ -29,7 +29,7 @@ from rl_tui.worlds.files.scenario import read_scenario
 WITH_MODEL = [
     name for name in SHIPPED if name not in ("blackjack", "blackjack-table", "cartpole", "mountain-car")
 ]
-LEARNERS = [algorithm.id for algorithm in BY_ID.values() if not algorithm.planner]
+LEARNERS = [each.id for each in BY_ID.values() if not each.planner and has_script(each)]
 # These draw nothing but for actions
 WITHOUT_DICE = [name for name in LEARNERS if name not in ("double-q-learning", "dyna-q")]
 VARIANTS: list[dict[str, object]] = [
@@ -44,8 +44,8 @@ def all_scripts() -> Iterator[tuple[str, str]]:
         scenario = find(name)
         yield name, script(recipe_for(scenario), episodes_of(scenario))
     for name in ("frozenlake", "student", "bandit"):
-        for algorithm in BY_ID.values():
-            for rule in POLICY_BY_ID.values():
+        for algorithm in filter(has_script, BY_ID.values()):
+            for rule in filter(has_script, POLICY_BY_ID.values()):
                 for place, variant in enumerate(VARIANTS):
                     if rule.bandits_only and name != "bandit":
                         continue
@@ -253,7 +253,7 @@ def test_policies_choose_as_often_as_they_should(changes: dict[str, object], exp
     assert names["expected_value"](0) == pytest.approx(float(values @ expected), abs=2e-4)
 
 
-@pytest.mark.parametrize("policy", list(POLICY_BY_ID))
+@pytest.mark.parametrize("policy", [each.id for each in POLICY_BY_ID.values() if has_script(each)])
 @pytest.mark.parametrize("scenario", ["bandit", "bandit-bernoulli"])
 def test_a_bandit_finds_an_arm_that_pays(scenario: str, policy: str) -> None:
     recipe = recipe_of(scenario, policy=policy)

@@ -2,24 +2,34 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import astuple, replace
 
 import pytest
 from curious_policy import curious
 from samples import lake
 from snapshots import changed
 
+from rl_tui.agents.catalogue import BY_ID, POLICY_BY_ID, Algorithm, Policy
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.lab.last_step.story import story_of
 from rl_tui.lab.live.snapshot import Snapshot
+from rl_tui.tui.draw.to_ascii import to_ascii
 from rl_tui.tui.panels.controls.controls import sliders_of
 from rl_tui.tui.panels.controls.settings import settings_of
 from rl_tui.tui.panels.curve.data import curve_data
 from rl_tui.tui.panels.curve.text import remark
 from rl_tui.tui.panels.last_step.words import words_of
-from rl_tui.tui.theme.glyphs import UNICODE
+from rl_tui.tui.theme.glyphs import ASCII, UNICODE
 
 __all__ = ["curious"]
+
+
+@pytest.mark.parametrize("row", [*BY_ID.values(), *POLICY_BY_ID.values()], ids=lambda row: row.id)
+def test_what_a_row_says_can_be_spelled_in_ascii(row: Algorithm | Policy) -> None:
+    said = [row.name, row.summary, row.equation, row.source]
+    if isinstance(row, Algorithm):
+        said += [each for each in astuple(row.update) if isinstance(each, str)]
+    assert "?" not in to_ascii(" ".join(said), ASCII)
 
 
 def chosen_by(policy: str, *, explored: bool = False) -> Snapshot:

@@ -223,3 +223,14 @@ async def test_a_way_back_keeps_the_axes_and_a_new_start_forgets_them(make_app: 
         assert arms.scale == scale
         await press(pilot, "r")
         assert arms.scale == NO_SCALE
+
+
+async def test_the_axis_stays_where_the_past_has_nothing_on_it(make_app: MakeApp) -> None:
+    async with make_app("bandit").run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        await train(pilot, 60)
+        curve = playground(pilot).board.curve
+        before = curve.scale
+        for keys in (("g", "0", "enter"), ("s",)):
+            await press(pilot, *keys)
+            assert curve.scale == before

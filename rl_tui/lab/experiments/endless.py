@@ -7,6 +7,7 @@ from typing import Final
 
 import numpy as np
 
+from rl_tui.agents.catalogue import POLICY_BY_ID
 from rl_tui.agents.exact.exact_model import exact_model
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.agents.kernels.stop import LARGEST_ESTIMATE, LONGEST_EPISODE
@@ -19,7 +20,7 @@ EPISODES: Final = 100
 LONG_EPISODE: Final = 50_000
 """So many steps without an end are worth a warning."""
 MOST_STEPS: Final = 200_000
-"""After so many in all no further episode is begun: well below a second."""
+"""After so many in all no further episode is begun: half a second where there are two actions."""
 # In a larger world an agent that knows nothing yet may wander about for as long, or take longer to choose
 _MOST_STATES, _MOST_ACTIONS = 1_000, 50
 
@@ -38,11 +39,14 @@ def endless_warning(scenario: Scenario) -> str:
             f"state {mdp.state_names[state]} can never reach an end and there is no time limit: "
             f"training stops after {LONGEST_EPISODE:,} steps of one episode"
         )
-    episode = long_episode(mdp, recipe_for(scenario).hyperparameters)
+    hyperparameters = recipe_for(scenario).hyperparameters
+    if not POLICY_BY_ID[hyperparameters.policy].explores_by_epsilon:
+        return ""
+    episode = long_episode(mdp, hyperparameters)
     if episode is None:
         return ""
     return (
-        f"episode {episode} of SARSA with seed 0 had not ended after {LONG_EPISODE:,} steps and there is no "
+        f"in a trial of SARSA episode {episode} had not ended after {LONG_EPISODE:,} steps and there is no "
         f"time limit: an episode may take very long, or never end"
     )
 

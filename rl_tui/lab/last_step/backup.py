@@ -152,15 +152,16 @@ def sources(before: EstimatesBefore) -> dict[int, float]:
     last, lookup = before.last, before.terms.lookup
     if last.planned:
         return _planned_sources(before)
-    if last.bootstrap_state != last.next_state:  # none, or that of a remembered pair, which is not on screen
+    if last.bootstrap_state != last.next_state:  # none, or that of a remembered pair that led elsewhere
         return {}
     pairs = before.world.space.pairs_of(last.bootstrap_state)
-    found, estimates = before.looked_up(pairs), before.of(pairs)
+    estimates = before.of(pairs)
     if lookup in (Lookup.BEST, Lookup.NEXT) and estimates is not None:
         equal = estimates == last.bootstrap
         if equal.any():
             return _positive(pairs, equal_shares(equal))
-    return {} if found is None or lookup is Lookup.NEXT else _positive(pairs, found[0])
+    found = None if lookup is Lookup.NEXT else before.looked_up(pairs)
+    return {} if found is None else _positive(pairs, found[0])
 
 
 def _planned_sources(before: EstimatesBefore) -> dict[int, float]:

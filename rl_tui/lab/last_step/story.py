@@ -125,7 +125,7 @@ class StepStory:
     def gathered_rewards(self) -> Sequence[float]:
         """The rewards, oldest first, whose discounted sum is the target of several steps.
 
-        None for methods of one step, and where they are not known any more.
+        Nothing for methods of one step, and where they are not known any more.
         """
         last, parameters = self.last, self.algorithm.parameters
         if self.terms.one_step or not last.learned or not self.rewards:

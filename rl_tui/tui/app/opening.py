@@ -101,7 +101,8 @@ class Opener:
 
         self.autosave = autosave
         self.player = self.make_player(recipe, record_sink=autosave, record=record)
-        playground = Playground(look, recipe, self.player, self.fps, speed, self.panels, autosave, resumed)
+        screen = Playground.with_keys_of(self.panels)
+        playground = screen(look, recipe, self.player, self.fps, speed, self.panels, autosave, resumed)
         if self.kiosk:
             playground.place |= Place.KIOSK
         return playground

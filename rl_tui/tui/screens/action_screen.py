@@ -7,13 +7,12 @@ from typing import Final
 
 from textual.actions import parse
 from textual.app import ComposeResult
-from textual.binding import BindingsMap
 from textual.screen import Screen
 from textual.widget import Widget
 from textual.widgets import Static
 
 from rl_tui.tui.actions.action import Action, Place
-from rl_tui.tui.actions.registry import actions_of, bindings_of
+from rl_tui.tui.actions.registry import actions_of
 from rl_tui.tui.draw.to_ascii import to_ascii
 from rl_tui.tui.panels.catalogue import PANELS, PanelRow
 from rl_tui.tui.screens.key_line import KeyLine
@@ -66,8 +65,6 @@ class ActionScreen(Screen[None]):
         super().__init__()
         self.look = look
         self.panel_rows = panels
-        # what stands in BINDINGS is the same for all screens of a class, whatever their panels
-        self._bindings = BindingsMap.merge((self._bindings, BindingsMap(bindings_of(self.actions))))
 
     @property
     def actions(self) -> tuple[Action, ...]:

@@ -54,8 +54,9 @@ class ReturnCurve(Panel, can_focus=True):
             return strips_of([[Piece(f" {WAITING}", self.look.palette.dim)]], width, height, self.look)
         data = curve_data(snapshot, revealed=self.tells_all)
         scale = settled(self.scale, *data.range, may_shrink=not snapshot.timeline.in_past)
-        # an axis on which nothing stood is not kept: how soon the exact answer came must not be seen later
-        self.scale = scale if any(data.range) else None
+        if any(data.range):
+            # else nothing stood on it, and how soon the exact answer came must not be seen later
+            self.scale = scale
         decimals = decimals_for(scale.low, scale.high)
         in_border = height < _ROOM_FOR_REMARK
         heads, words = self._words(snapshot, data, scale, width, in_border)

@@ -12,7 +12,7 @@ from textual.message import Message
 from textual.strip import Strip
 
 from rl_tui.common.words import counted
-from rl_tui.lab.live.snapshot import Snapshot
+from rl_tui.lab.live.snapshot import Phase, Snapshot
 from rl_tui.lab.live.viewport import RowRange, followed_state
 from rl_tui.lab.run.large_worlds import is_large
 from rl_tui.tui.draw.pieces import Piece, strips_of, wrapped
@@ -87,6 +87,7 @@ class QTable(Panel, can_focus=True):
         self._following = True
         self.pointed = NOWHERE
         self._first = 0
+        self._height = 0  # of the picture drawn last
         self._world: TableWorld | None = None
         self._sheet: Sheet | None = None
         self._cache = strip_cache()
@@ -161,6 +162,8 @@ class QTable(Panel, can_focus=True):
         """Draw ``snapshot``; in another world the table starts at its top and follows the agent."""
         if self.snapshot is not None and self.snapshot.world.space is not snapshot.world.space:
             self.cursor_pair, self._following, self._first, self.pointed = None, True, 0, NOWHERE
+        if self._following and self.snapshot is not None and self.snapshot.playback.phase is Phase.PREPARING:
+            self._first = 0  # while a run was prepared there was no step to follow
         super().show(snapshot)
 
     def picture(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
@@ -173,6 +176,9 @@ class QTable(Panel, can_focus=True):
             self.footing = self._footing(width, is_scrolled=False)
             return self._message(snapshot, width, height)
         form, scene = self._form(snapshot, width, height)
+        if self._following and height != self._height:
+            self._first = 0  # where it came to stand while the layout was not done must not be seen later
+        self._height = height
         self._sheet = sheet = Sheet(form, scene, width, height)
         if self.pointed:
             sheet.scroll_to(self._first, self.pointed.start)

@@ -10,8 +10,10 @@ from datetime import UTC, datetime
 from importlib import import_module
 from pathlib import Path
 from threading import Thread
+from typing import ClassVar
 
 from rich.console import RenderableType
+from textual.binding import BindingType
 from textual.containers import Container, Horizontal, Vertical, VerticalScroll
 from textual.content import Content
 from textual.events import DescendantFocus
@@ -28,6 +30,7 @@ from rl_tui.lab.run.library import read_catalogue, recipe_for
 from rl_tui.lab.run.recipe import Recipe
 from rl_tui.lab.sessions.session import SessionError, StoredSession
 from rl_tui.tui.actions.action import Place
+from rl_tui.tui.actions.registry import actions_of, bindings_of
 from rl_tui.tui.draw.to_ascii import separated, to_ascii
 from rl_tui.tui.screens.catalogue.facts import facts, faults_text
 from rl_tui.tui.screens.catalogue.saved_sessions import SavedSessions
@@ -58,6 +61,7 @@ class CatalogueScreen(SavedSessions):
     """
 
     CSS_PATH = "catalogue.tcss"
+    BINDINGS: ClassVar[list[BindingType]] = bindings_of(actions_of(Place.CATALOGUE))
     place = Place.CATALOGUE
 
     @dataclass

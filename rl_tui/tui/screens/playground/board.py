@@ -147,13 +147,12 @@ class Board(Container):
 
     def toggle(self, panel: str) -> None:
         """Open ``panel``, which takes the focus, in place of the one that is open; or close it."""
-        was_open = self.opened
-        self.close()
-        row = self.rows[panel]
-        if was_open == panel:
-            return
-        if not row.needs(self._arrangement.shape.drawing):
+        was_open, row = self.opened, self.rows[panel]
+        if was_open != panel and not row.needs(self._arrangement.shape.drawing):
             self.notify(f"{row.title}: there is nothing to show of this world", markup=False)
+            return
+        self.close()
+        if was_open == panel:
             return
         self._focused_before = self.screen.focused
         self._open(panel)

@@ -6,7 +6,7 @@ import asyncio
 from collections.abc import Iterable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
-from typing import ClassVar, Final
+from typing import ClassVar, Final, Self
 
 from textual import on
 from textual.binding import BindingType
@@ -22,6 +22,7 @@ from rl_tui.lab.sessions.autosave import Autosave
 from rl_tui.lab.sessions.session import StoredSession
 from rl_tui.terminal.linked_app import LinkedApp
 from rl_tui.tui.actions.action import Place
+from rl_tui.tui.actions.registry import actions_of, bindings_of
 from rl_tui.tui.panels.catalogue import PANELS, PanelRow
 from rl_tui.tui.panels.controls.slider import Slider
 from rl_tui.tui.panels.q_table.q_table import QTable
@@ -59,7 +60,7 @@ class Playground(ActionScreen):
     """
 
     CSS_PATH = "playground.tcss"
-    BINDINGS: ClassVar[list[BindingType]] = MANUAL_BINDINGS
+    BINDINGS: ClassVar[list[BindingType]] = [*bindings_of(actions_of(Place.PLAYGROUND)), *MANUAL_BINDINGS]
     AUTO_FOCUS = ""
     place = Place.PLAYGROUND
 
@@ -111,6 +112,14 @@ class Playground(ActionScreen):
         self._framed = asyncio.Event()
         self._is_over = False
         """Whether nothing more will be drawn."""
+
+    @classmethod
+    def with_keys_of(cls, panels: Sequence[PanelRow]) -> type[Self]:
+        """Return the class with the keys that open ``panels``: Textual binds keys class by class."""
+        if panels is PANELS:
+            return cls
+        keys = bindings_of(actions_of(cls.place, panels))
+        return type(cls.__name__, (cls,), {"BINDINGS": keys, "__module__": cls.__module__})
 
     @property
     def snapshot(self) -> Snapshot | None:

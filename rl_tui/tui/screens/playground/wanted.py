@@ -1,4 +1,4 @@
-"""What a person asked for, from the key press on until a snapshot has caught up with it."""
+"""What a person asked for: settings until a snapshot has caught up with them, and how all is shown."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from rl_tui.lab.timeline.lane_view import LaneView
 
 
 class Wanted:
-    """All that the screen keeps besides the newest snapshot. Commands change it, snapshots reconcile it.
+    """What commands ask for, beside the newest snapshot, which reconciles ``recipe`` and ``step``.
 
     ``recipe`` is what a restart starts from: with every change made, be it in force already or not. ``speed``
     is in steps a second, None for as fast as it goes. ``revealed`` shows what a bandit keeps secret. ``step``
