@@ -279,7 +279,7 @@ async def test_the_key_line_is_drawn_again_only_where_its_keys_change(
         await press(pilot, "y")
         line = playground(pilot).query_one(KeyLine)
         drawn: list[object] = []
-        monkeypatch.setattr(line, "refresh", lambda *regions: drawn.append(regions))
+        monkeypatch.setattr(line, "refresh", lambda *regions, **options: drawn.append(regions))
         await press(pilot, "down", "down")
         assert not drawn
         await press(pilot, "y")
