@@ -29,7 +29,8 @@ class Notes(Vertical):
             return
         self._shown = markdown
         await self.remove_children()
-        await self.mount(notes_markdown(markdown, self._glyphs))
+        if self.is_attached:  # the app may have ended meanwhile
+            await self.mount(notes_markdown(markdown, self._glyphs))
 
 
 def notes_markdown(markdown: str, glyphs: Glyphs) -> Markdown:

@@ -231,6 +231,8 @@ class CatalogueScreen(SavedSessions):
         drawing = self.query_one("#preview")
         drawing.display = not isinstance(world, UserError)
         await drawing.remove_children()
+        if not drawing.is_attached:
+            return  # the app ended meanwhile
         if isinstance(world, World):
             from rl_tui.lab.live.snapshot import PlaybackView
             from rl_tui.lab.live.snapshot_builder import SnapshotBuilder
