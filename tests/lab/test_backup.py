@@ -213,3 +213,12 @@ def test_of_a_world_without_a_table_only_the_sample_is_known() -> None:
     assert backup.leaves[0].probability is None
     assert backup.expected is None
     assert backup.sampled is not None
+
+
+def test_every_panel_of_a_frame_is_told_the_same_story() -> None:
+    run = Run(recipe("frozenlake"), evaluate=False)
+    run.advance(steps=3)
+    first = snapshot_of(run)
+    assert story_of(first) is story_of(first)
+    run.advance(steps=1)
+    assert story_of(snapshot_of(run)) is not story_of(first)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Final
 
 import numpy as np
@@ -146,8 +146,12 @@ def discounted_sum(rewards: Sequence[float], gamma: float) -> float:
     return sum(reward * gamma**place for place, reward in enumerate(rewards))
 
 
+@lru_cache(maxsize=1)
 def story_of(snapshot: Snapshot) -> StepStory | None:
-    """Return the story of the last step of ``snapshot``, None before the first."""
+    """Return the story of the last step of ``snapshot``, None before the first.
+
+    It is kept until that of another snapshot is asked for: every panel of a frame tells the same one.
+    """
     last, agent, world = snapshot.counters.last_step, snapshot.agent, snapshot.world
     if last is None:
         return None

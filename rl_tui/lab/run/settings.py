@@ -36,9 +36,9 @@ def _checked(space: FiniteSpace, recipe: Recipe, *settings: Setting) -> tuple[Se
 
 def _step_size(values: Hyperparameters) -> tuple[SetParameter, ...]:
     """Return what makes the step size a number where it is the sample average."""
-    usual = Hyperparameters()
+    number = values.without_average()
     return tuple(
-        SetParameter(name, usual.value(name))
+        SetParameter(name, number.value(name))
         for name in ("step_size_schedule", "alpha")
-        if values.value(name) == SAMPLE_AVERAGE
+        if number.value(name) != values.value(name)
     )

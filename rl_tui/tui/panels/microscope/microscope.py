@@ -80,7 +80,7 @@ class Microscope(Panel, can_focus=True):
         """Return all rows, and whether they need a bar beside them; mostly as it was the last time."""
         for has_bar in (self._has_bar, not self._has_bar):
             room = width - 1 if has_bar else width
-            rows = page(snapshot, self.pair, self.look, room, height, secret=not self.tells_all)
+            rows = page(snapshot, self.pair, self.look, room, height, revealed=self.tells_all)
             self._has_bar = len(rows) > height
             if self._has_bar is has_bar:
                 break
@@ -134,11 +134,11 @@ def _keys(*, is_scrolled: bool) -> list[str]:
 
 
 def page(
-    snapshot: Snapshot | None, pair: int | None, look: Look, width: int, height: int, *, secret: bool
+    snapshot: Snapshot | None, pair: int | None, look: Look, width: int, height: int, *, revealed: bool
 ) -> list[Strip]:
     """Return all rows of the microscope, at least ``height`` where the history may grow.
 
-    ``pair`` is the one whose history is shown; ``secret`` says that a bandit's means are not shown.
+    ``pair`` is the one whose history is shown; ``revealed`` says that a bandit's means are shown.
     """
     columns = 2 if width >= ROOM_FOR_TWO else 1
     room = (width - _GAP * (columns - 1)) // columns
@@ -146,7 +146,7 @@ def page(
     if snapshot is None or story is None:
         nothing: list[Line] = [[Piece(f" {NOTHING_YET}", look.palette.dim)]]
         return strips_of(nothing, width, 1, look)
-    sections = _sections(snapshot, story, look, room, secret=is_secret(snapshot, revealed=not secret))
+    sections = _sections(snapshot, story, look, room, secret=is_secret(snapshot, revealed=revealed))
     parts = (sections,) if columns == 1 else (sections[:2] + sections[3:], sections[2:3])
     least = _HISTORY_ROWS if columns == 1 else _HISTORY_ROWS - 1
     sides = [
@@ -154,7 +154,7 @@ def page(
         for part, below in zip(parts, (0, least + 1)[-columns:], strict=True)
     ]
     left = max(least, height - len(sides[-1]))
-    sides[-1] = [*sides[-1], *history_strips(snapshot, pair, look, room, left, revealed=not secret)]
+    sides[-1] = [*sides[-1], *history_strips(snapshot, pair, look, room, left, revealed=revealed)]
     return sides[0] if columns == 1 else _beside(sides[0], sides[1], room, width, look)
 
 
