@@ -17,7 +17,11 @@ from itertools import count
 from typing import Final, NoReturn
 
 import pytest
-from kinds import KINDS, SLOW, about, is_quick, kind_of
+from kinds import INTERPRETED, KINDS, SLOW, about, is_quick, kind_of
+
+from rl_tui.agents.compiling.loops import compile_what_all_share
+from rl_tui.agents.kernels.machine_code import COMPILED_LOOPS
+from rl_tui.agents.learner import Learner
 
 _TESTS = count()
 _OF_THE_PROGRAM: Final = re.compile("RL_TUI_.*|TEXTUAL.*|ESCDELAY")
@@ -79,7 +83,7 @@ def pytest_configure(config: pytest.Config) -> None:
     ``--hypothesis-profile=default`` looks for others. A change is then judged by what it changes.
     Nothing is written down, so the folder may be read-only.
     """
-    for line in (*(f"{kind}: {meaning}" for kind, meaning in KINDS.items()), SLOW):
+    for line in (*(f"{kind}: {meaning}" for kind, meaning in KINDS.items()), SLOW, INTERPRETED):
         config.addinivalue_line("markers", line)
     from hypothesis import settings
 
@@ -113,6 +117,27 @@ def _is_of_its_kind(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPa
         monkeypatch.setattr(subprocess, "Popen", refused)
         monkeypatch.setattr("textual.app.App.run_test", refused)
         monkeypatch.setattr("textual.app.App.run_async", refused)
+
+
+@pytest.fixture(autouse=True, scope="session")
+def _what_all_share_is_compiled() -> None:
+    compile_what_all_share()
+
+
+@pytest.fixture(autouse=True)
+def _is_compiled_first(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Have a loop compiled, or read from the cache, before its first step, unless a test says otherwise.
+
+    Interpreted the tests would take hours. Child processes do as the program does.
+    """
+
+    def is_compiled(learner: Learner) -> bool:
+        if learner.loop not in COMPILED_LOOPS:
+            learner.compile()
+        return True
+
+    if not request.node.get_closest_marker("interpreted"):
+        monkeypatch.setattr(Learner, "is_compiled", property(is_compiled))
 
 
 @pytest.hookimpl(tryfirst=True)

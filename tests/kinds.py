@@ -20,6 +20,7 @@ KINDS: Final = {
     "process": "starts a real program: in a terminal, in a browser, or alone",
 }
 SLOW: Final = "slow: takes seconds, and is left out of the quick tests"
+INTERPRETED: Final = "interpreted: runs go on interpreted until machine code comes, as they do for people"
 
 
 def kind_of(item: pytest.Item) -> str:

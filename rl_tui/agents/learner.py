@@ -14,6 +14,7 @@ from rl_tui.agents.compatibility import check_compatible
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.agents.kernels.drift import Drifted, drifted_by, new_drift
 from rl_tui.agents.kernels.loop import advance, start_state
+from rl_tui.agents.kernels.machine_code import COMPILED_LOOPS, Loop, interpreted, machine_code
 from rl_tui.agents.kernels.parameters import kernel_parameters, schedules_of
 from rl_tui.agents.kernels.planning_loop import sweep
 from rl_tui.agents.kernels.position import NOT_FORCED
@@ -32,8 +33,6 @@ from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray, IntArray
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
 UNLIMITED: Final = 2**60
-# Which loops this process has loaded
-WARM: Final = set[tuple[str, str, bool]]()
 _FOR_GOOD: Final = (Stop.DIVERGED, Stop.ENDLESS_EPISODE, Stop.MEMORY_FULL, Stop.WORLD_FAILED)
 
 
@@ -233,7 +232,7 @@ class Learner(LearnerCounters):
         if self._log.finished[0] == EPISODES_LOGGED:
             return Stop.EPISODES_FULL
         before = self.step
-        stop = Stop(self._advance(steps, episodes))
+        stop = Stop(self._advance(steps, episodes, compiled=self.is_compiled))
         # What is watched must leave no trace in where it stands
         self._stop = Stop.DONE if stop is Stop.NOTICED else stop
         if self.step > before:
@@ -248,19 +247,21 @@ class Learner(LearnerCounters):
         if self._stepped is not None:
             self._stepped.time_budget = seconds
 
-    def _advance(self, steps: int, episodes: int) -> int:
+    def _advance(self, steps: int, episodes: int, *, compiled: bool) -> int:
         if self.plans:
-            return self._plan(steps, episodes)
+            return self._plan(steps, episodes, compiled)
         args = (self._memory, self.rule, self._params, self._schedules, self._tables)
         moved = (self._position, self._log, self._record, self._watch)
         if self._stepped is not None:
-            return self._stepped.advance(*args, *moved, self.streams.learner, steps, episodes)
-        return advance(*args, self._drift, *moved, *self.streams, steps, episodes)
+            return self._stepped.advance(*args, *moved, self.streams.learner, steps, episodes, compiled)
+        take = (machine_code if compiled else interpreted)(advance)
+        return take(*args, self._drift, *moved, *self.streams, steps, episodes)
 
-    def _plan(self, steps: int, sweeps: int) -> int:
+    def _plan(self, steps: int, sweeps: int, compiled: bool) -> int:
         before, swept = self.step, self.episodes
         moved = (self._position, self._record, self._watch)
-        stop = sweep(self._memory, self._params, self._tables_now(), *moved, steps, sweeps)
+        take = (machine_code if compiled else interpreted)(sweep)
+        stop = take(self._memory, self._params, self._tables_now(), *moved, steps, sweeps)
         backups, done = self.planned
         self.planned = Planned(backups + self.step - before, done + self.episodes - swept)
         return stop
@@ -273,19 +274,23 @@ class Learner(LearnerCounters):
         return self._tables._replace(reward=mdp.reward)
 
     @property
-    def is_warm(self) -> bool:
-        """Whether the loop of this algorithm and policy is compiled, or read from the cache, already."""
-        return self._loop in WARM
-
-    def warm_up(self) -> None:
-        """Compile the loop, or read it from the cache, without taking a step."""
-        self.advance(0)
-        WARM.add(self._loop)
+    def loop(self) -> Loop:
+        """Which loop it runs: each has machine code of its own."""
+        policy = "" if self.plans else self.hyperparameters.policy
+        return Loop(self.algorithm, policy, self._stepped is not None)
 
     @property
-    def _loop(self) -> tuple[str, str, bool]:
-        policy = "" if self.plans else self.hyperparameters.policy
-        return self.algorithm, policy, self._stepped is not None
+    def is_compiled(self) -> bool:
+        """Whether it runs as machine code; else it is interpreted, with the same bits but far more slowly."""
+        return self.loop in COMPILED_LOOPS
+
+    def compile(self) -> None:
+        """Compile the loop, or read it from the cache, without taking a step.
+
+        It holds for all learners of this process that run the same loop.
+        """
+        self._advance(0, UNLIMITED, compiled=True)
+        COMPILED_LOOPS.add(self.loop)
 
     def checkpoint(self) -> LearnerState:
         """Return all there is to come back to; episodes must have been drained.

@@ -16,12 +16,12 @@ from autosaving import OPENED, at, kept, notices_of, only
 from recipes import recipe
 from session_samples import after, fresh
 
+from rl_tui.common.file_lock import FileLock
 from rl_tui.lab.live.record import Record
 from rl_tui.lab.run.recipe import SetParameter
 from rl_tui.lab.sessions import held_file
 from rl_tui.lab.sessions.atomic_file import draft_of, write_atomically
 from rl_tui.lab.sessions.autosave import Autosave
-from rl_tui.lab.sessions.file_lock import FileLock
 from rl_tui.lab.sessions.folder import session_folder, sessions_in
 from rl_tui.lab.sessions.session import digest_of, encoded, read_session
 
@@ -128,7 +128,7 @@ def test_the_second_program_gets_a_copy(tmp_path: Path) -> None:
 def test_a_killed_program_leaves_no_lock(tmp_path: Path) -> None:
     path = tmp_path / "evening.json"
     hold = (
-        "import sys, time; from pathlib import Path; from rl_tui.lab.sessions.file_lock import FileLock\n"
+        "import sys, time; from pathlib import Path; from rl_tui.common.file_lock import FileLock\n"
         "lock = FileLock(Path(sys.argv[1])); print(lock.acquire(), flush=True); time.sleep(600)"
     )
     with subprocess.Popen(

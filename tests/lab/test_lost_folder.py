@@ -8,8 +8,8 @@ from pathlib import Path
 
 from autosaving import OPENED, at, notices_of, only
 
+from rl_tui.common.file_lock import FileLock
 from rl_tui.lab.sessions.autosave import Autosave
-from rl_tui.lab.sessions.file_lock import FileLock
 from rl_tui.lab.sessions.folder import sessions_in
 from rl_tui.lab.sessions.session import encoded, read_session
 

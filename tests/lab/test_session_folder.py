@@ -9,9 +9,9 @@ import pytest
 from autosaving import OPENED, at, kept, notices_of, only
 
 from rl_tui.common.errors import UserError
+from rl_tui.common.file_lock import FileLock
 from rl_tui.lab.sessions import folder
 from rl_tui.lab.sessions.autosave import Autosave
-from rl_tui.lab.sessions.file_lock import FileLock
 from rl_tui.lab.sessions.folder import MOST_UNNAMED, file_stem, named_path, prune, remove, sessions_in
 from rl_tui.lab.sessions.session import encoded, read_session
 

@@ -2,11 +2,28 @@
 
 from __future__ import annotations
 
+from typing import Any, NamedTuple
+
 import numpy as np
 
-from rl_tui.agents.kernels.compiled import compiled
+from rl_tui.agents.kernels.compiled import compiled_for
+from rl_tui.agents.kernels.machine_code import fastest
+from rl_tui.worlds.mdp.smallest import smallest_mdp
 from rl_tui.worlds.mdp.space import FloatArray, IntArray
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
+
+
+class Model(NamedTuple):
+    """What a sweep over all states reads: the expected reward of each pair, [P], and outcomes' weights, [O].
+
+    The ``weight`` of an outcome is that of the value of the state it leads to: 0 where the episode ends.
+    """
+
+    first_pair: IntArray
+    first_outcome: IntArray
+    next_state: IntArray
+    pair_reward: FloatArray
+    weight: FloatArray
 
 
 def policy_values(
@@ -16,9 +33,8 @@ def policy_values(
 
     ``reward``, [O], takes the place of the world's own.
     """
-    pair_reward, weight = _expectation(mdp, mdp.reward if reward is None else reward)
     v, later = np.zeros((2, mdp.states))
-    _follow(mdp.first_pair, mdp.first_outcome, mdp.next_state, pair_reward, weight, policy, steps, v, later)
+    fastest(_follow)(_model(mdp, mdp.reward if reward is None else reward), policy, steps, v, later)
     return v
 
 
@@ -27,29 +43,36 @@ def best_values(mdp: TabularMDP, gamma: float, steps: int) -> FloatArray:
 
     It is that of the best policy that may look at the clock.
     """
-    pair_reward, weight = _expectation(mdp, mdp.reward)
     v, later = np.zeros((2, mdp.states))
-    _optimise(mdp.first_pair, mdp.first_outcome, mdp.next_state, pair_reward, gamma * weight, steps, v, later)
+    fastest(_optimise)(_model(mdp, mdp.reward, gamma), steps, v, later)
     return v
 
 
-def _expectation(mdp: TabularMDP, reward: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return the expected reward of each pair, [P], and the weight of each outcome's next value, [O]."""
+def _model(mdp: TabularMDP, reward: FloatArray, gamma: float = 1.0) -> Model:
     total = np.add.reduceat(mdp.probability, mdp.first_outcome[:-1])
     probability = mdp.probability / total[mdp.outcome_pair]
-    return (
+    return Model(
+        mdp.first_pair,
+        mdp.first_outcome,
+        mdp.next_state,
         np.add.reduceat(probability * reward, mdp.first_outcome[:-1]),
-        np.where(mdp.terminated, 0.0, probability),
+        gamma * np.where(mdp.terminated, 0.0, probability),
     )
 
 
-@compiled
+def _no_policy() -> tuple[Any, ...]:
+    mdp = smallest_mdp()
+    return _model(mdp, mdp.reward), np.zeros(mdp.pairs), 0, *np.zeros((2, mdp.states))
+
+
+def _no_steps() -> tuple[Any, ...]:
+    mdp = smallest_mdp()
+    return _model(mdp, mdp.reward), 0, *np.zeros((2, mdp.states))
+
+
+@compiled_for(_no_policy)
 def _follow(
-    first_pair: IntArray,
-    first_outcome: IntArray,
-    next_state: IntArray,
-    pair_reward: FloatArray,
-    weight: FloatArray,
+    model: Model,
     policy: FloatArray,
     steps: int,
     v: FloatArray,
@@ -60,11 +83,11 @@ def _follow(
         moved = False
         for state in range(len(v)):
             value = 0.0
-            for pair in range(first_pair[state], first_pair[state + 1]):
+            for pair in range(model.first_pair[state], model.first_pair[state + 1]):
                 if policy[pair] > 0.0:
-                    total = pair_reward[pair]
-                    for outcome in range(first_outcome[pair], first_outcome[pair + 1]):
-                        total += weight[outcome] * later[next_state[outcome]]
+                    total = model.pair_reward[pair]
+                    for outcome in range(model.first_outcome[pair], model.first_outcome[pair + 1]):
+                        total += model.weight[outcome] * later[model.next_state[outcome]]
                     value += policy[pair] * total
             v[state] = value
             moved = moved or value != later[state]
@@ -75,13 +98,9 @@ def _follow(
             later[state] = v[state]
 
 
-@compiled
+@compiled_for(_no_steps)
 def _optimise(
-    first_pair: IntArray,
-    first_outcome: IntArray,
-    next_state: IntArray,
-    pair_reward: FloatArray,
-    weight: FloatArray,
+    model: Model,
     steps: int,
     v: FloatArray,
     later: FloatArray,
@@ -91,11 +110,11 @@ def _optimise(
         moved = False
         for state in range(len(v)):
             highest = 0.0
-            for pair in range(first_pair[state], first_pair[state + 1]):
-                total = pair_reward[pair]
-                for outcome in range(first_outcome[pair], first_outcome[pair + 1]):
-                    total += weight[outcome] * later[next_state[outcome]]
-                if pair == first_pair[state] or total > highest:
+            for pair in range(model.first_pair[state], model.first_pair[state + 1]):
+                total = model.pair_reward[pair]
+                for outcome in range(model.first_outcome[pair], model.first_outcome[pair + 1]):
+                    total += model.weight[outcome] * later[model.next_state[outcome]]
+                if pair == model.first_pair[state] or total > highest:
                     highest = total
             v[state] = highest
             moved = moved or highest != later[state]

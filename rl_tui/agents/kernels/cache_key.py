@@ -11,10 +11,10 @@ import hashlib
 import os
 import re
 from collections.abc import Iterator
+from importlib.metadata import version
 from pathlib import Path
 from typing import Final
 
-import numba
 import numpy as np
 
 PACKAGE: Final = Path(__file__).parents[2]
@@ -40,7 +40,7 @@ def cache_key(package: Path = PACKAGE) -> str:
     for module, source in sorted(kernel_sources(package).items()):
         digest.update(f"{module} {len(source)} ".encode())
         digest.update(source)
-    return f"{numba.__version__}-{digest.hexdigest()[:16]}"
+    return f"{version('numba')}-{digest.hexdigest()[:16]}"
 
 
 def kernel_sources(package: Path = PACKAGE) -> dict[str, bytes]:

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from rl_tui.agents.kernels.compiled import compiled
+from rl_tui.agents.kernels.compiled import compiled_for
 from rl_tui.worlds.mdp.space import BoolArray, FloatArray, IntArray
 
 
@@ -24,7 +24,11 @@ class EpisodeBins(NamedTuple):
     total_return: FloatArray
 
 
-@compiled
+def _no_episodes() -> tuple[Any, ...]:
+    return empty_bins(2), np.empty(0), np.empty(0, np.int64)
+
+
+@compiled_for(_no_episodes)
 def fold(bins: EpisodeBins, returns: FloatArray, lengths: IntArray) -> None:
     """Add finished episodes one after the other, merging bins in pairs whenever all are full."""
     width, used = bins.width[0], bins.used[0]
@@ -89,7 +93,12 @@ class CurveSums(NamedTuple):
     optimal: IntArray
 
 
-@compiled
+def _nothing_to_collect() -> tuple[Any, ...]:
+    sums = CurveSums(np.zeros(1), np.zeros(1, np.int64), np.zeros(1, np.int64))
+    return sums, 1, 0, np.empty(0), np.empty(0, np.int64), np.empty(0, np.bool_)
+
+
+@compiled_for(_nothing_to_collect)
 def collect(
     sums: CurveSums,
     width: int,

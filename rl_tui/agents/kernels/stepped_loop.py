@@ -12,7 +12,8 @@ from numpy.random import Generator
 
 from rl_tui.agents.algorithms.family import Experience, act, has_room, learn, on_override
 from rl_tui.agents.kernels.after_update import StepRecord, after_update, record_step
-from rl_tui.agents.kernels.compiled import compiled, entry
+from rl_tui.agents.kernels.compiled import compiled
+from rl_tui.agents.kernels.machine_code import interpreted, machine_code
 from rl_tui.agents.kernels.parameters import KernelParameters, Schedules, scheduled, with_alpha
 from rl_tui.agents.kernels.position import (
     REWARDS_KEPT,
@@ -164,8 +165,8 @@ class SteppedLoop:
         self._environment = environment
         self._pair_action = pair_action
         self._chosen = Chosen(np.zeros(1, np.int64), np.zeros(1, np.int64))
-        self._entry_for: tuple[type, ...] = ()
-        self._take_turn: Callable[..., int] = turn
+        self._compiled_for: tuple[type, ...] = ()
+        self._machine_code: Callable[..., int] = turn
 
     def advance(
         self,
@@ -181,6 +182,7 @@ class SteppedLoop:
         learner: Generator,
         steps: int,
         episodes: int,
+        in_machine_code: bool,
     ) -> Stop:
         """Take at most ``steps`` steps, or until ``episodes`` more have ended, or ``time_budget`` has.
 
@@ -190,15 +192,17 @@ class SteppedLoop:
         args = (memory, rule, params, schedules, tables, position, log, record, watch, self._chosen, learner)
         last_step = int(position.step[0]) + steps
         last_episode = int(position.episodes[0]) + episodes
-        nothing = (0, 0.0, False, False, 0)
-        numbers = (*rule, *params, *schedules.epsilon, *schedules.alpha)
-        types = (type(memory), type(rule), *map(type, numbers))
-        if types != self._entry_for:
-            self._take_turn = entry(turn, *args, False, *nothing, last_step, last_episode)
-            self._entry_for = types
-        take_turn = self._take_turn
+        nothing = (False, 0, 0.0, False, False, 0)
+        take_turn: Callable[..., int] = interpreted(turn)
+        if in_machine_code:
+            numbers = (*rule, *params, *schedules.epsilon, *schedules.alpha)
+            types = (type(memory), type(rule), *map(type, numbers))
+            if types != self._compiled_for:
+                self._machine_code = machine_code(turn, *args, *nothing, last_step, last_episode)
+                self._compiled_for = types
+            take_turn = self._machine_code
         until = time.perf_counter() + self.time_budget
-        pair = take_turn(*args, False, *nothing, last_step, last_episode)
+        pair = take_turn(*args, *nothing, last_step, last_episode)
         while pair >= 0:
             step = int(position.step[0]) + 1
             try:

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from rl_tui.agents.algorithms.family import Experience, Update
-from rl_tui.agents.kernels.compiled import compiled, inlined
+from rl_tui.agents.kernels.compiled import compiled, compiled_for, inlined
+from rl_tui.agents.kernels.machine_code import fastest
 from rl_tui.agents.kernels.stop import DONE, EPISODES_FULL, NOTICED
-from rl_tui.agents.kernels.tables import Tables, pairs_of, state_of
+from rl_tui.agents.kernels.tables import Tables, pairs_of, state_of, tables_of
 from rl_tui.agents.kernels.watching import WatchedEvents, Watching
+from rl_tui.worlds.mdp.smallest import smallest_mdp
 from rl_tui.worlds.mdp.space import BoolArray, FiniteSpace, FloatArray, IntArray
 
 NONE = -1
@@ -64,7 +66,7 @@ def new_watch(
         noticed=np.array([0, 0, 0, NONE, NONE], dtype=np.int64),
     )
     if watching.policy:
-        policy_changed(watch.greedy, q, tables, random_ties, 0, space.states)
+        fastest(policy_changed)(watch.greedy, q, tables, random_ties, 0, space.states)
     return watch
 
 
@@ -184,7 +186,12 @@ def _marked_pair(marked: BoolArray, tables: Tables, pair: int, state: int) -> in
     return NONE
 
 
-@compiled
+def _no_change() -> tuple[Any, ...]:
+    space = smallest_mdp()
+    return np.zeros(space.pairs, np.uint8), np.zeros(space.pairs), tables_of(space), True, 0, space.states
+
+
+@compiled_for(_no_change)
 def policy_changed(
     greedy: npt.NDArray[np.uint8],
     q: FloatArray,

@@ -9,6 +9,7 @@ from typing import Any, Final
 import numpy as np
 
 from rl_tui.agents.kernels.episode_bins import CurveSums, collect
+from rl_tui.agents.kernels.machine_code import fastest
 from rl_tui.worlds.mdp.space import BoolArray, FloatArray, IntArray
 
 MOST_BINS: Final = 200
@@ -31,7 +32,7 @@ class RunCurve:
     def __call__(self, returns: FloatArray, lengths: IntArray, optimal: BoolArray) -> None:
         """Add the next episodes, [n] each; those beyond the end of the curve are left out."""
         part = slice(0, self.episodes - self._done)
-        collect(self.sums, self.width, self._done, returns[part], lengths[part], optimal[part])
+        fastest(collect)(self.sums, self.width, self._done, returns[part], lengths[part], optimal[part])
         self._done = min(self.episodes, self._done + len(returns))
 
     @property

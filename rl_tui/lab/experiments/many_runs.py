@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import os
 import statistics
 import threading
 import time
@@ -17,10 +16,12 @@ from shutil import copyfileobj
 from tempfile import TemporaryDirectory
 from typing import Any, Final, TextIO, TypeVar
 
+from rl_tui.agents.compiling.loops import compile_here
 from rl_tui.agents.exact.solution import Solution
 from rl_tui.common.errors import UserError
 from rl_tui.lab.experiments.episode_rows import EpisodeRows, csv_file
 from rl_tui.lab.experiments.learning_curve import RunCurve, mean_curve, no_curve
+from rl_tui.lab.experiments.patience import WORTH_READING, cores, seconds_interpreted
 from rl_tui.lab.experiments.training import Goal, OnProgress, no_progress, train
 from rl_tui.lab.experiments.whole_file import whole_file
 from rl_tui.lab.run.figures import (
@@ -97,11 +98,6 @@ def summary(values: Sequence[float | None]) -> dict[str, float | int | None]:
     }
 
 
-def cores() -> int:
-    """Return how many cores this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-
-
 class _GivenUpError(Exception):
     """Another run failed or the user broke off: this one need not go on."""
 
@@ -125,13 +121,10 @@ class _Experiment:
         # Where the world drifts, each run comes to other means, and so to another exact answer
         self._shared = self._world is not None and first.learner.drifted is None
         self._optimum = self._optimum_of(first) if self._shared else None
-        self._compile(first)
-
-    def _compile(self, run: Run) -> None:
-        """Compile everything once, so that no run waits for the compiler while its time is taken."""
-        run.warm_up()
-        greedy_figures(run, self._optimum or self._optimum_of(run))
-        RunCurve(1)(*run.learner.drain_episodes())
+        # Interpreted, all runs together have one core
+        wanted, by_episodes = goal.steps or goal.episodes or 0, goal.steps is None
+        if runs * seconds_interpreted(first.learner, wanted, episodes=by_episodes) > WORTH_READING:
+            compile_here(first.learner.loop)
 
     @property
     def figures(self) -> tuple[str, ...]:

@@ -8,10 +8,10 @@ from dataclasses import dataclass
 from typing import Final
 
 from rl_tui.common.errors import UserError
+from rl_tui.lab.experiments.patience import Patience
 from rl_tui.lab.run.recipe import UNLIMITED, JournalEntry
 from rl_tui.lab.run.run import Run
 
-CHUNK: Final = 2_000_000
 # So long an environment that is stepped for real goes on without a word about how far it has come
 TIME_BUDGET: Final = 0.2
 
@@ -45,24 +45,22 @@ def train(
     A run that is over before, its budget spent or its values converged, goes no further.
     Raises UserError where the run broke down, or a change does not fit.
     """
-    run.warm_up()
     start = time.perf_counter()
+    patience = Patience()
     run.learner.set_time_budget(TIME_BUDGET)
     until = run.step  # at first no further than to what is set at the very start
     while True:
         run.follow(journal, until, UNLIMITED if goal.steps is not None else goal.episodes or 0)
         if run.stop_reason:
             raise UserError(f"{run.recipe.scenario.id}: {run.stop_reason}")
-        before = time.perf_counter()
-        if not run.learner.is_warm:  # another algorithm has a loop of its own
-            run.warm_up()
-        start += time.perf_counter() - before
         done, wanted = goal.reached_by(run)
         on_progress(done, wanted)
+        start += patience.look(run.learner, done, wanted)
         ahead = journal[len(run.journal) :]
         if done < wanted and run.over and ahead and ahead[0].step <= run.step:
             run.apply(ahead[0].change)  # an action after the end, which is refused
         if done >= wanted or run.over:
             return time.perf_counter() - start
-        end = run.step + CHUNK if goal.steps is None else min(run.step + CHUNK, goal.steps)
+        chunk = patience.chunk(run.learner)
+        end = run.step + chunk if goal.steps is None else min(run.step + chunk, goal.steps)
         until = min(end, next((entry.step for entry in ahead if entry.step > run.step), end))

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Final
 
 from rl_tui.common.errors import UserError
 from rl_tui.lab.live.commands import FROM_HERE, LOOKING, MOVES, WHILE_SEEKING, Command, Restart, StepBack
+from rl_tui.lab.live.compilation import LOOK_AGAIN, Compilation
 from rl_tui.lab.live.handlers import HANDLERS
 from rl_tui.lab.live.pacing import AT_ONCE, CHUNK
 from rl_tui.lab.live.record import Record
@@ -26,7 +27,8 @@ if TYPE_CHECKING:
     from rl_tui.lab.timeline.run_group import RunGroup
     from rl_tui.worlds.mdp.space import FloatArray
 
-PREPARING: Final = "loading the learner, which on first use takes some seconds"
+PREPARING: Final = "building the world"
+WAITING: Final = "{steps:,} steps to replay: waiting for the compiler, which takes some seconds"
 
 
 class Playback:
@@ -75,7 +77,8 @@ class Playback:
         """What moves them on."""
         self._next = State.PAUSED  # what it does once it has loaded, sought or trained
         self._steps_to_train = 0
-        self._announced = False
+        self.compilation = Compilation(automatic=automatic)
+        """Whether runs are interpreted still."""
         self._recipe = recipe
         self._record = record or Record((RunRecord(recipe),), speed=speed)
         self._automatic = automatic
@@ -84,6 +87,11 @@ class Playback:
         self._beginning: Beginning | None = None
         self._exact: ExactAnswers | None = None
         self._builder = SnapshotBuilder()
+
+    @property
+    def loaded(self) -> tuple[bool, bool]:
+        """Whether the world is there, and whether runs are interpreted: libraries are loaded in between."""
+        return self.state is not State.BUILDING, self.compilation.interpreted
 
     @property
     def on_the_way(self) -> bool:
@@ -139,15 +147,16 @@ class Playback:
 
     def work(self) -> float | None:
         """Do what is due, for some milliseconds; return in how many seconds to call again, None for never."""
+        if self.compilation.interpreted and self.compilation.has_just_ended(self.group):
+            self.transport.measure_anew()
+            self.changed = True
         match self.state:
             case State.BUILDING:
                 self._build()
-            case State.LOADING:
-                self._load()
             case State.SEEKING:
-                self._continue_seek()
+                return self._continue_seek()
             case State.TRAINING:
-                self._continue_training()
+                return self._continue_training()
             case State.UNTIL:
                 self._continue_until()
             case State.RUNNING if self._automatic:
@@ -165,14 +174,14 @@ class Playback:
             preparing = PlaybackView(message=PREPARING, speed=self._record.speed)
             return self._builder.before(self._recipe, self._beginning.world, preparing)
         run = self.group.current.run
-        seeks, loads = self.state is State.SEEKING, self.state is State.LOADING
         return self._builder.build(
             self.group,
             PlaybackView(
                 phase=self.phase,
-                message=self.transport.seek_message if seeks else PREPARING if loads else run.message,
+                message=self._seek_message if self.state is State.SEEKING else run.message,
                 speed=self.transport.speed,
                 steps_per_second=self.transport.meter.steps_per_second,
+                interpreted=self.compilation.interpreted,
                 until="" if self.condition is None else until_in_words(self.condition.until, run.world),
                 paused_by=self.paused_by,
                 breakpoints=self.breakpoints,
@@ -212,7 +221,7 @@ class Playback:
         self.changed = True
 
     def _go_on(self) -> None:
-        """Do again what was done before the runs were loaded or sought."""
+        """Do again what was done before the runs were sought."""
         self._return()
         if self.phase is Phase.RUNNING:
             self.transport.start(at_once=False)
@@ -256,10 +265,9 @@ class Playback:
 
     def seek(self) -> None:
         """Bring all runs to where they have to be: at once as far as no one would notice, then bit by bit."""
-        if self.state is not State.LOADING:
-            self.transport.start_seek()
-            self._enter(State.SEEKING)
-            self._continue_seek()
+        self.transport.start_seek()
+        self._enter(State.SEEKING)
+        self._continue_seek()
 
     def stop_if_due(self) -> None:
         """Rest where the run shown is over or has met a breakpoint."""
@@ -300,12 +308,12 @@ class Playback:
             self._enter(State.PAUSED)  # what was changed may give a planner something to do again
             if self.group.current.run.over:
                 self._end(self.group.current.run)
-        self._load_what_is_cold()
+        self.compilation.begin(self.group)
 
     # What is done in each state
 
     def _build(self) -> None:
-        """Build the world; at the next call, load what learns in it."""
+        """Build the world; at the next call, what learns in it."""
         if self._beginning is None:
             self._beginning = begin(self._recipe)
         else:
@@ -317,12 +325,12 @@ class Playback:
         from rl_tui.lab.timeline.run_group import RunGroup
 
         self.group = RunGroup(record.lanes, beginning.world, shown=record.shown, clock=self._clock)
-        self.group.current.run.warm_up()
         self.transport = Transport(
             self.group, speed=record.speed, automatic=self._automatic, clock=self._clock
         )
         self.condition, self.paused_by = None, ""
         self._enter(State.PAUSED)
+        self.compilation.begin(self.group)
         self._answer()  # it may take a while, so that it had better begin at once
         self.group.resume(record.lanes)
         self.set_breakpoints(record.breakpoints)
@@ -338,35 +346,37 @@ class Playback:
             Record(group.restarted(recipe), group.shown, breakpoints, self.transport.speed), beginning
         )
 
-    def _load_what_is_cold(self) -> None:
-        if any(True for _ in self.group.cold_runs):
-            self._announced = False
-            self._enter(State.LOADING)
-
-    def _load(self) -> None:
-        """Say that another algorithm is being loaded, which may take seconds; at the next call, load it."""
-        if not self._announced:
-            self._announced = True
-            return
-        for run in self.group.cold_runs:
-            run.warm_up()
-        self._go_on()
-        if self.group.seeking:
-            self.seek()
-
-    def _continue_seek(self) -> None:
+    def _continue_seek(self) -> float:
+        if self.compilation.waits(self.group, self._steps_to_seek):
+            self.changed = self.changed or self.transport.has_news()
+            return LOOK_AGAIN
         if self.transport.continue_seek(AT_ONCE):
             self._go_on()
-            self._load_what_is_cold()
+            self.compilation.begin(self.group)  # on the way the algorithm may have changed
         elif self.transport.has_news():
             self.changed = True
+        return 0.0
 
-    def _continue_training(self) -> None:
+    @property
+    def _steps_to_seek(self) -> int:
+        done, steps = self.group.progress
+        return steps - done
+
+    @property
+    def _seek_message(self) -> str:
+        steps = self._steps_to_seek
+        waits = self.compilation.waits(self.group, steps)
+        return WAITING.format(steps=steps) if waits else self.transport.seek_message
+
+    def _continue_training(self) -> float:
+        if self.compilation.waits(self.group, self._steps_to_train):
+            return LOOK_AGAIN
         self._steps_to_train -= self.transport.take_steps(self._steps_to_train)
         if self._steps_to_train == 0 or self.group.current.run.over:
             self._return()
             self.watch()
             self.stop_if_due()
+        return 0.0
 
     def _continue_until(self) -> None:
         """Go on until what is waited for has happened, or some milliseconds are over."""

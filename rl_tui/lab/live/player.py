@@ -161,9 +161,9 @@ class Player:
         try:
             while not self._closing:
                 self._take_commands()
-                was_preparing = playback.phase is Phase.PREPARING
+                loaded = playback.loaded
                 wait = playback.work()
-                if self._automatic and was_preparing and playback.phase is not Phase.PREPARING:
+                if self._automatic and playback.loaded != loaded:
                     leave_out_of_collections()
                 if self._record_sink is not None:
                     self._offer_record(self._record_sink)

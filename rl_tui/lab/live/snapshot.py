@@ -27,7 +27,7 @@ from rl_tui.worlds.world import World
 class Phase(StrEnum):
     """What the run is doing."""
 
-    PREPARING = "preparing"  # the world is built, the kernels are compiled or read from their cache
+    PREPARING = "preparing"  # the world is built
     PAUSED = "paused"
     RUNNING = "running"
     SEEKING = "seeking"  # another step is sought; until it is there, the last one is shown
@@ -38,7 +38,6 @@ class Phase(StrEnum):
 
 PHASES: Final = {
     State.BUILDING: Phase.PREPARING,
-    State.LOADING: Phase.PREPARING,
     State.UNTIL: Phase.RUNNING,
     **{state: Phase[state.name] for state in (State.SEEKING, State.RUNNING, State.PAUSED, *ENDED)},
 }
@@ -90,6 +89,8 @@ class PlaybackView:
     """The wanted steps a second; None: as fast as it goes."""
     steps_per_second: float | None = None
     """The measured steps a second; None while unknown."""
+    interpreted: bool = False
+    """Whether a run goes on interpreted, far more slowly, until its machine code is there."""
     until: str = ""
     """What the run is on its way to, in words; mostly empty."""
     paused_by: str = ""

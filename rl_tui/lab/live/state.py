@@ -11,8 +11,6 @@ class State(Enum):
 
     BUILDING = auto()
     """The world is built, and then the learner."""
-    LOADING = auto()
-    """Another algorithm is compiled or read from its cache; then it seeks, or goes on."""
     SEEKING = auto()
     """Runs are brought to another step; then it goes on."""
     TRAINING = auto()
@@ -34,11 +32,11 @@ class State(Enum):
 ENDED: Final = frozenset({State.SPENT, State.DONE, State.STOPPED})
 """The run shown takes no further step, unless something is changed."""
 
-PASSING: Final = frozenset({State.LOADING, State.SEEKING, State.TRAINING})
+PASSING: Final = frozenset({State.SEEKING, State.TRAINING})
 """After these a playback goes on with what it did before."""
 
 UNFINISHED: Final = frozenset({State.BUILDING, State.UNTIL, *PASSING})
 """Something that was asked for and has an end is not done yet."""
 
-BUSY: Final = frozenset({State.BUILDING, State.LOADING, State.TRAINING})
+BUSY: Final = frozenset({State.BUILDING, State.TRAINING})
 """No command at all can be taken."""

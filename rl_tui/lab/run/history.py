@@ -8,6 +8,7 @@ from typing import Final
 import numpy as np
 
 from rl_tui.agents.kernels.episode_bins import empty_bins, fold
+from rl_tui.agents.kernels.machine_code import fastest
 from rl_tui.agents.learner_state import Arrays, copies, put_back
 from rl_tui.lab.run.results import Curve
 from rl_tui.worlds.mdp.space import FloatArray, IntArray
@@ -30,13 +31,9 @@ class History:
 
     def add(self, returns: FloatArray, lengths: IntArray) -> None:
         """Add finished episodes, [n] each, in order."""
-        fold(self._bins, returns, lengths)
+        fastest(fold)(self._bins, returns, lengths)
         self._recent_returns = np.concatenate((self._recent_returns, returns[-RECENT:]))[-RECENT:]
         self._recent_lengths = np.concatenate((self._recent_lengths, lengths[-RECENT:]))[-RECENT:]
-
-    def warm_up(self) -> None:
-        """Compile what is compiled, or read it from its cache."""
-        self.add(np.empty(0), np.empty(0, np.int64))
 
     @property
     def total_return(self) -> float:

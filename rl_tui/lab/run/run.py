@@ -168,12 +168,6 @@ class Run:
         """Whether it takes no further step."""
         return bool(self.stop_reason) or self.learner.converged or self.spent
 
-    def warm_up(self) -> None:
-        """Compile all that is compiled, or read it from its cache, without taking a step."""
-        self.learner.warm_up()
-        self.history.warm_up()
-        self._mark_if_due()
-
     def advance(self, steps: int = UNLIMITED, episodes: int = UNLIMITED) -> None:
         """Take ``steps`` steps or finish ``episodes`` episodes, whichever is first, unless it is over."""
         learner = self.learner

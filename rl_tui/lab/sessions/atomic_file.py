@@ -7,7 +7,8 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Final
 
-OURS_ALONE: Final = 0o600
+from rl_tui.common.file_lock import OURS_ALONE
+
 # Whoever may write in the folder must not have us write elsewhere by a link in the draft's place
 _FLAGS: Final = (
     os.O_WRONLY | os.O_CREAT | os.O_TRUNC | getattr(os, "O_BINARY", 0) | getattr(os, "O_NOFOLLOW", 0)

@@ -12,9 +12,9 @@ from typing import Final
 import platformdirs
 
 from rl_tui.common.errors import UserError
+from rl_tui.common.file_lock import FileLock
 from rl_tui.lab.sessions.atomic_file import remove_with_draft
 from rl_tui.lab.sessions.document import LONGEST_NAME
-from rl_tui.lab.sessions.file_lock import FileLock
 from rl_tui.lab.sessions.session import SUFFIX, SessionError, StoredSession, read_session, signature
 from rl_tui.worlds.sections.schema import is_plain
 

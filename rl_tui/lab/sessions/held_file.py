@@ -7,8 +7,8 @@ import os
 from pathlib import Path
 from typing import Final
 
+from rl_tui.common.file_lock import FileLock
 from rl_tui.lab.sessions.atomic_file import remove_with_draft, write_atomically
-from rl_tui.lab.sessions.file_lock import FileLock
 from rl_tui.lab.sessions.folder import VARIABLE, is_homeless
 from rl_tui.lab.sessions.session import StoredSession, signature
 

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Final
 
 import numpy as np
 
 from rl_tui.agents.compatibility import check_compatible
+from rl_tui.agents.kernels.machine_code import Loop
 from rl_tui.common.errors import UserError
 from rl_tui.lab.run.large_worlds import is_large
 from rl_tui.lab.run.recipe import (
@@ -24,7 +25,6 @@ from rl_tui.lab.run.recipe import (
     TakeAction,
     changed_recipe,
 )
-from rl_tui.lab.run.run import Run
 from rl_tui.lab.timeline.branches import Branch, RunRecord
 from rl_tui.lab.timeline.branching_run import BranchingRun
 from rl_tui.lab.timeline.lane_view import LaneView, RunGroupView
@@ -73,9 +73,10 @@ class RunGroup:
         return tuple(each.record for each in self._runs)
 
     @property
-    def cold_runs(self) -> Iterator[Run]:
-        """The runs whose loop is not loaded yet."""
-        return (each.run for each in self._runs if not each.run.learner.is_warm)
+    def interpreted_loops(self) -> list[Loop]:
+        """Which loops of its runs are not there as machine code yet, that of the run shown first."""
+        learners = [each.run.learner for each in (self.current, *self._others)]
+        return [each.loop for each in learners if not each.is_compiled]
 
     @property
     def seeking(self) -> bool:

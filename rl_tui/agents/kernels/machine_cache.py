@@ -1,18 +1,15 @@
-"""The cache of machine code on disk, which clones of the program and its images can share."""
+"""How numba keeps machine code in the cache, and reads it from there."""
 
 from __future__ import annotations
 
-import os
-import re
-import shutil
+import threading
 import time
-from collections.abc import Callable
-from contextlib import suppress
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any, ClassVar, Final
 
 import numba
-import platformdirs
 from numba.core.caching import (
     CompileResultCacheImpl,
     FunctionCache,
@@ -22,65 +19,38 @@ from numba.core.caching import (
 from numba.core.compiler import CompileResult
 from numba.core.sigutils import normalize_signature
 
-from rl_tui.agents.kernels.cache_key import NAME, cache_key
-from rl_tui.common.kiosk import in_kiosk
-
-LONGEST_UNUSED: Final = 30 * 24 * 3600.0
-_OURS: Final = re.compile(r"\d[\w.+]*-[0-9a-f]{16}")
-
-
-def cache_folder() -> Path:
-    """Return the folder of compiled code, one for each state of what the code comes from, numba and NumPy.
-
-    Numba itself only watches the file of the function it compiles, so that an edited helper in another file
-    would leave stale code behind. Within the folder it keeps machine code for other processors and other
-    versions of Python apart.
-    """
-    return _base() / "kernels" / cache_key()
-
-
-def _base() -> Path:
-    chosen = os.environ.get("RL_TUI_CACHE_DIR")
-    if chosen:
-        return Path(chosen)
-    try:
-        return platformdirs.user_cache_path("rl-tui", appauthor=False)
-    except RuntimeError:  # there is no home
-        return Path(os.devnull)
-
-
-def _writable(folder: Path) -> bool:
-    """Tell whether ``folder``, made where it is missing, can be written; its time is then that of now."""
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        probe = folder / f"writable-{os.getpid()}"
-        probe.touch()
-        probe.unlink()
-    except OSError:
-        return False
-    return True
-
-
-def prune(kernels: Path, current: Path, now: float) -> None:
-    """Remove the folders in ``kernels`` that no program has started from for thirty days, but ``current``.
-
-    ``now`` is in seconds, as file systems count. A program that runs on an old one for longer has its code in
-    memory, and compiles what else it needs.
-    """
-    with suppress(OSError):
-        for folder in kernels.iterdir():
-            is_ours = _OURS.fullmatch(folder.name) and folder.is_dir() and not folder.is_symlink()
-            if is_ours and folder != current and now - folder.stat().st_mtime > LONGEST_UNUSED:
-                shutil.rmtree(folder, ignore_errors=True)
-
+from rl_tui.agents.kernels.cache_folder import cache_folder, prune, takes_code
+from rl_tui.agents.kernels.cache_key import NAME
 
 FOLDER: Final = cache_folder()
-# What a kiosk reads, somebody else has compiled before
-READ_ONLY: Final = in_kiosk() or not _writable(FOLDER)
+READ_ONLY: Final = not takes_code()
 CACHED: Final = FOLDER.is_dir()
 if CACHED:
     numba.config.CACHE_DIR = str(FOLDER)
     prune(FOLDER.parent, FOLDER, time.time())
+
+
+class NotCachedError(Exception):
+    """The cache has no such machine code, and it is not to be compiled here."""
+
+
+class _Thread(threading.local):
+    """What one thread is about."""
+
+    only_loads = False
+
+
+_THREAD: Final = _Thread()
+
+
+@contextmanager
+def only_loading() -> Iterator[None]:
+    """Let this thread raise NotCachedError in place of compiling anything that is cached."""
+    _THREAD.only_loads = True
+    try:
+        yield
+    finally:
+        _THREAD.only_loads = False
 
 
 class _Shared(_CacheLocator):  # type: ignore[misc]
@@ -131,11 +101,12 @@ class _ForgivingCache(FunctionCache):  # type: ignore[misc]
 
     def load_overload(self, sig: Any, target_context: Any) -> CompileResult | None:
         try:
-            return _for_types(sig, super().load_overload(sig, target_context))
+            found = super().load_overload(sig, target_context)
         except Exception:  # a damaged file raises whatever its bytes happen to spell
             with suppress(OSError):
                 self.flush()  # so that the next save starts a new index
-            return None
+            found = None
+        return _for_types(sig, found)
 
     def save_overload(self, sig: Any, data: CompileResult) -> None:
         try:
@@ -151,22 +122,25 @@ class _FinishedCache(FunctionCache):  # type: ignore[misc]
 
     def load_overload(self, sig: Any, target_context: Any) -> CompileResult | None:
         try:
-            return _for_types(sig, super().load_overload(sig, target_context))
+            found = super().load_overload(sig, target_context)
         except Exception:  # damaged, as above
-            return None
+            found = None
+        return _for_types(sig, found)
 
     def save_overload(self, sig: Any, data: CompileResult) -> None:
         return
 
 
 def _for_types(sig: Any, found: CompileResult | None) -> CompileResult | None:
-    """Return what was ``found`` if it is for the types of ``sig``.
+    """Return what was ``found`` if it is for the types of ``sig``; raise NotCachedError where it must be.
 
     Two programs that save at the same moment may give the same number to code for different types.
     """
-    if found is None or tuple(found.signature.args) != tuple(normalize_signature(sig)[0]):
-        return None
-    return found
+    if found is not None and tuple(found.signature.args) == tuple(normalize_signature(sig)[0]):
+        return found
+    if _THREAD.only_loads:
+        raise NotCachedError
+    return None
 
 
 def cache_of(function: Callable[..., Any]) -> FunctionCache:

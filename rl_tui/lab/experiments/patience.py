@@ -1,0 +1,96 @@
+"""Whether training waits for machine code, goes on interpreted meanwhile, or never needs any."""
+
+from __future__ import annotations
+
+import math
+import os
+import time
+from typing import Final
+
+from rl_tui.agents.compiling.background import BACKGROUND
+from rl_tui.agents.compiling.loops import compile_here, load
+from rl_tui.agents.kernels.cache_folder import was_compiled
+from rl_tui.agents.kernels.machine_code import Loop
+from rl_tui.agents.learner import Learner
+
+# Seconds of interpreted training. To import numba and read machine code from the cache takes half a second,
+# to compile it some six
+FIRST_LOOK: Final = 0.15
+WORTH_READING: Final = 0.5
+WORTH_COMPILING: Final = 2.0
+_SMALLEST_CHUNK: Final = 64
+_COMPILED_CHUNK: Final = 2_000_000
+
+
+def cores() -> int:
+    """Return how many cores this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+class Patience:
+    """Looks, as training goes on, how long the rest will take, and gets machine code where that pays."""
+
+    def __init__(self) -> None:
+        self._loop: Loop | None = None
+        self._start = self._last = 0.0
+        self._done = 0
+        self._chunk = _SMALLEST_CHUNK
+        self._waits = False
+
+    def chunk(self, learner: Learner) -> int:
+        """Return how many steps to take before the next look."""
+        return _COMPILED_CHUNK if learner.is_compiled else self._chunk
+
+    def look(self, learner: Learner, done: int, wanted: int) -> float:
+        """Look, with ``done`` of ``wanted`` steps or episodes; return for how many seconds training waited.
+
+        The first look only notes where it began.
+        """
+        now = time.perf_counter()
+        if learner.is_compiled:
+            return 0.0
+        if learner.loop != self._loop:  # each has machine code of its own
+            self._loop, self._start, self._done, self._waits = learner.loop, now, done, False
+            self._chunk = _SMALLEST_CHUNK
+        elif now - self._last < FIRST_LOOK / 4:
+            self._chunk *= 2
+        if not self._waits and now - self._start >= FIRST_LOOK:
+            self._waits = self._get_what_pays(learner.loop, self._seconds_left(now, done, wanted))
+        self._last = time.perf_counter()
+        return self._last - now
+
+    def _seconds_left(self, now: float, done: int, wanted: int) -> float:
+        if done == self._done:
+            return math.inf
+        return (wanted - done) * (now - self._start) / (done - self._done)
+
+    @staticmethod
+    def _get_what_pays(loop: Loop, seconds: float) -> bool:
+        """Get machine code if the rest takes so many ``seconds`` interpreted; return whether it comes."""
+        if seconds > WORTH_READING and was_compiled(loop) and load(loop):
+            return True
+        if seconds <= WORTH_COMPILING:
+            return False
+        if cores() == 1:  # a compiler beside it would take its time away
+            compile_here(loop)
+        else:
+            BACKGROUND.want([loop])
+        return True
+
+
+def seconds_interpreted(learner: Learner, wanted: int, *, episodes: bool) -> float:
+    """Return how long ``wanted`` steps or episodes of a fresh ``learner`` will take interpreted, roughly.
+
+    It takes some steps of it to see, in at most about ``FIRST_LOOK`` seconds.
+    """
+    start = time.perf_counter()
+    chunk = _SMALLEST_CHUNK
+    while (spent := time.perf_counter() - start) < FIRST_LOOK:
+        done = learner.episodes if episodes else learner.step
+        if done >= wanted or learner.stop_reason:
+            return spent
+        learner.advance(chunk)
+        learner.drain_episodes()
+        chunk *= 2
+    done = learner.episodes if episodes else learner.step
+    return wanted * spent / done if done else math.inf
