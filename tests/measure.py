@@ -9,6 +9,7 @@ from __future__ import annotations
 import argparse
 import asyncio
 import json
+import os
 import re
 import subprocess
 import sys
@@ -32,9 +33,11 @@ LAYERS: Final = (r"Q\*", r"Q−Q\*", "visits", "Q")  # in the order of the key v
 STEPS: Final = re.compile(r"step +([\d,]+)\s")
 MEMORY: Final = """
 import os, sys
+from rl_tui.agents.compiling.loops import compile_here
 from rl_tui.lab.run.library import find, recipe_for
 from rl_tui.lab.run.run import Run
 run = Run(recipe_for(find({scenario!r})))
+compile_here(run.learner.loop)
 page = os.sysconf("SC_PAGE_SIZE") / 1e6
 for steps in ({first}, {last}):
     while run.step < steps:
@@ -60,6 +63,23 @@ map = '''
 '''
 """
 
+BEGINNINGS: Final = {
+    "solve student": "solve student",
+    "train, 10 episodes": "train frozenlake --episodes 10",
+    "train, 10 episodes, cold": "train frozenlake --episodes 10",
+    "train": "train frozenlake",
+    "train, cold": "train frozenlake",
+}
+FIRST_STEP: Final = "play to the first step, cold"
+WANTED_BEGINNINGS: Final = {
+    "solve student": "at most 1.3 times",
+    "train, 10 episodes": "at most 1.6 times",
+    "train, 10 episodes, cold": "at most 1.6 times",
+    "train": "",
+    "train, cold": "at most 5 times",
+    FIRST_STEP: "at most 2.5 times",
+}
+
 Rows = Iterator[tuple[str, str, str]]
 
 
@@ -71,6 +91,36 @@ def start_up(rounds: int) -> Rows:
         subprocess.run([*RL_TUI, "--version"], check=True, capture_output=True)
         taken.append(time.perf_counter() - start)
     yield "rl-tui --version", f"{median(taken):.3f} s", "at most 0.25 s"
+
+
+def beginnings(rounds: int) -> Rows:
+    """How soon something comes of a command, as a multiple of importing the libraries, in turns."""
+    times: dict[str, list[float]] = {what: [] for what in ("import", *BEGINNINGS, FIRST_STEP)}
+    for _ in range(rounds):
+        start = time.perf_counter()
+        subprocess.run([sys.executable, "-c", "import numpy, numba, gymnasium"], check=True)
+        times["import"].append(time.perf_counter() - start)
+        with TemporaryDirectory() as empty:
+            for what, command in BEGINNINGS.items():
+                cache = {"RL_TUI_CACHE_DIR": empty} if what.endswith("cold") else {}
+                start = time.perf_counter()
+                subprocess.run(
+                    [*RL_TUI, *command.split()], env=os.environ | cache, check=True, capture_output=True
+                )
+                times[what].append(time.perf_counter() - start)
+        with TemporaryDirectory() as empty:
+            command = [*RL_TUI, "play", "frozenlake"]
+            with PseudoTerminal(command, {"RL_TUI_CACHE_DIR": empty}) as terminal:
+                terminal.wait_for("no step yet")
+                terminal.press("s")
+                terminal.wait_for(r"step\s+1\s")
+                times[FIRST_STEP].append(time.perf_counter() - terminal.started)
+                terminal.press("q")
+                terminal.wait_for_end()
+    unit = median(times.pop("import"))
+    yield "import numpy, numba, gymnasium", f"{unit:.2f} s", ""
+    for what, taken in times.items():
+        yield what, f"{median(taken):.2f} s, {median(taken) / unit:.1f} times", WANTED_BEGINNINGS[what]
 
 
 def bench(rounds: int) -> Rows:
@@ -241,7 +291,7 @@ def main() -> None:
     parser.add_argument(
         "what",
         nargs="*",
-        help="start-up, bench, algorithms, sizes, frames, first-paint, live, travel, player, memory; "
+        help="start-up, beginnings, bench, algorithms, sizes, frames, first-paint, live, travel, player, memory; "
         "default: all",
     )
     parser.add_argument("--rounds", type=int, default=5)
@@ -249,6 +299,7 @@ def main() -> None:
     options = parser.parse_args()
     measures: dict[str, Callable[[], Rows]] = {
         "start-up": lambda: start_up(options.rounds),
+        "beginnings": lambda: beginnings(options.rounds),
         "bench": lambda: bench(options.rounds),
         "algorithms": lambda: algorithms(options.rounds),
         "sizes": lambda: sizes(options.rounds),
