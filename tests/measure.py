@@ -291,8 +291,8 @@ def main() -> None:
     parser.add_argument(
         "what",
         nargs="*",
-        help="start-up, beginnings, bench, algorithms, sizes, frames, first-paint, live, travel, player, memory; "
-        "default: all",
+        help="start-up, beginnings, bench, algorithms, sizes, frames, first-paint, live, travel, player, "
+        "memory; default: all",
     )
     parser.add_argument("--rounds", type=int, default=5)
     parser.add_argument("--memory-steps", type=int, default=1_000_000_000)

@@ -1,1 +1,1 @@
-"""The agents: policies, algorithms, planners and their compiled kernels."""
+"""The agents: policies, algorithms, planners and their kernels."""

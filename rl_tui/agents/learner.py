@@ -14,7 +14,7 @@ from rl_tui.agents.compatibility import check_compatible
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.agents.kernels.drift import Drifted, drifted_by, new_drift
 from rl_tui.agents.kernels.loop import advance, start_state
-from rl_tui.agents.kernels.machine_code import COMPILED_LOOPS, Loop, interpreted, machine_code
+from rl_tui.agents.kernels.machine_code import COMPILED_LOOPS, Loop, fastest, interpreted, use_machine_code
 from rl_tui.agents.kernels.parameters import kernel_parameters, schedules_of
 from rl_tui.agents.kernels.planning_loop import sweep
 from rl_tui.agents.kernels.position import NOT_FORCED
@@ -254,13 +254,13 @@ class Learner(LearnerCounters):
         moved = (self._position, self._log, self._record, self._watch)
         if self._stepped is not None:
             return self._stepped.advance(*args, *moved, self.streams.learner, steps, episodes, compiled)
-        take = (machine_code if compiled else interpreted)(advance)
+        take = (fastest if compiled else interpreted)(advance)
         return take(*args, self._drift, *moved, *self.streams, steps, episodes)
 
     def _plan(self, steps: int, sweeps: int, compiled: bool) -> int:
         before, swept = self.step, self.episodes
         moved = (self._position, self._record, self._watch)
-        take = (machine_code if compiled else interpreted)(sweep)
+        take = (fastest if compiled else interpreted)(sweep)
         stop = take(self._memory, self._params, self._tables_now(), *moved, steps, sweeps)
         backups, done = self.planned
         self.planned = Planned(backups + self.step - before, done + self.episodes - swept)
@@ -289,6 +289,7 @@ class Learner(LearnerCounters):
 
         It holds for all learners of this process that run the same loop.
         """
+        use_machine_code(sweep if self.plans else advance)
         self._advance(0, UNLIMITED, compiled=True)
         COMPILED_LOOPS.add(self.loop)
 

@@ -61,6 +61,9 @@ def machine_code(function: Callable[Parameters, Result], *example: Any) -> Calla
 
 
 def use_machine_code(function: Callable[..., Any], *example: Any) -> None:
-    """Let :func:`fastest` return machine code from now on; it is compiled, or read, for these arguments."""
+    """Let :func:`fastest` return machine code from now on.
+
+    With an ``example`` of its arguments it is compiled, or read from the cache, at once.
+    """
     machine_code(function, *example)
     _MACHINE_CODE[function] = machine_code(function)
