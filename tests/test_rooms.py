@@ -69,6 +69,7 @@ def test_a_world_that_is_written_out_is_solved_without_other_worlds() -> None:
     assert "rl_tui.worlds.sections.mdp_section" in loaded
     assert not loaded & {"gymnasium", "textual"}
     assert not loaded & {"rl_tui.worlds.grid", "rl_tui.worlds.gym", "rl_tui.worlds.sections.bandit_section"}
+    assert "rl_tui.agents.learner" not in loaded
 
 
 @pytest.mark.parametrize(
