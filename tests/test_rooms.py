@@ -59,9 +59,17 @@ def test_a_lower_room_neither_draws_nor_looks_up(room: str, above: tuple[str, ..
 
 
 def test_the_screen_comes_up_without_what_is_slow() -> None:
-    loaded = loaded_by("import rl_tui.tui.app.app")
+    loaded = loaded_by("import rl_tui.tui.app.app, rl_tui.tui.screens.catalogue.catalogue")
     assert "textual" in loaded
-    assert not loaded & {"numba", "gymnasium"}
+    assert not loaded & {"numba", "gymnasium", "scipy", "numpy"}
+
+
+def test_a_world_that_is_written_out_is_solved_without_other_worlds() -> None:
+    loaded = loaded_by(COMMAND_LINE.format(args=["solve", "student", "--json"]))
+    assert "rl_tui.worlds.sections.mdp_section" in loaded
+    assert not loaded & {"gymnasium", "textual"}
+    assert not loaded & {"rl_tui.worlds.grid", "rl_tui.worlds.gym", "rl_tui.worlds.sections.bandit_section"}
+    assert "rl_tui.agents.learner" not in loaded
 
 
 @pytest.mark.parametrize(

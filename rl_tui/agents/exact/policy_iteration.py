@@ -60,7 +60,7 @@ def _improved(model: ExactModel, policy: IntArray, advantage: ExtendedArray, lea
     """Return the greedy policy, [N] pairs; keep those of ``policy`` that gain no more than the least."""
     highest = model.best(advantage)
     best = np.flatnonzero(advantage == np.repeat(highest, model.pairs_each))
-    _, first = np.unique(model.pair_state[best], return_index=True)
+    first = np.flatnonzero(np.diff(model.pair_state[best], prepend=-1))
     return np.where(highest - advantage[policy] > least_gain, best[first], policy)
 
 

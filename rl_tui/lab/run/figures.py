@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 import numpy.typing as npt
@@ -13,9 +13,11 @@ from rl_tui.agents.exact.solution import NoExactAnswer, Solution
 from rl_tui.agents.exact.solve import figures, greedy_policy, solve
 from rl_tui.lab.run.exact_answers import NO_TABLE
 from rl_tui.lab.run.recipe import Recipe
-from rl_tui.lab.run.run import Run
 from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
+
+if TYPE_CHECKING:
+    from rl_tui.lab.run.run import Run
 
 MOST_STATES: Final = 50_000
 BANDIT_FIGURES: Final = ("winnings", "regret", "best_arm_rate")

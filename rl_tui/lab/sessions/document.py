@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Annotated, Final, Literal
 
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, FailFast, Field, model_validator
@@ -99,6 +98,20 @@ class StoredLane(Part):
                 raise ValueError(f"branch {number} has a parent that does not stand before it")
         return self
 
+    @property
+    def algorithm_in_force(self) -> str:
+        """The algorithm at work where it stands; switches of its branch's ancestors included."""
+        branch: StoredBranch | None = self.branches[self.branch]
+        here, own = self.branches[self.branch].here, MOST_ENTRIES
+        while branch is not None:
+            left = max(0, own - branch.shared)
+            for entry in reversed(branch.journal[:left]):
+                if entry.algorithm is not None and entry.step <= here:
+                    return entry.algorithm
+            own = min(own, branch.shared)
+            branch = None if branch.parent is None else self.branches[branch.parent]
+        return self.algorithm
+
 
 class StoredScenario(Part):
     """The world: the whole text of its file, or where Gymnasium makes it its id alone."""
@@ -140,21 +153,7 @@ class Document(Part):
             raise ValueError(f"there is no lane {self.shown}")
         return self
 
-
-def algorithm_in_force(lane: StoredLane) -> str:
-    """Return the algorithm at work where ``lane`` stands; switches of its branch's ancestors included."""
-    branch: StoredBranch | None = lane.branches[lane.branch]
-    here, own = lane.branches[lane.branch].here, MOST_ENTRIES
-    while branch is not None:
-        left = max(0, own - branch.shared)
-        for entry in reversed(branch.journal[:left]):
-            if entry.algorithm is not None and entry.step <= here:
-                return entry.algorithm
-        own = min(own, branch.shared)
-        branch = None if branch.parent is None else lane.branches[branch.parent]
-    return lane.algorithm
-
-
-def changes_in(lanes: Sequence[StoredLane]) -> int:
-    """Return how many changes were made, those that branches share counted once."""
-    return sum(len(branch.journal) for lane in lanes for branch in lane.branches)
+    @property
+    def changes(self) -> int:
+        """How many changes were made in all lanes, those that branches share counted once."""
+        return sum(len(branch.journal) for lane in self.lanes for branch in lane.branches)

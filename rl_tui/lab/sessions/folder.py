@@ -14,7 +14,6 @@ import platformdirs
 from rl_tui.common.errors import UserError
 from rl_tui.common.file_lock import FileLock
 from rl_tui.lab.sessions.atomic_file import remove_with_draft
-from rl_tui.lab.sessions.document import LONGEST_NAME
 from rl_tui.lab.sessions.session import SUFFIX, SessionError, StoredSession, read_session, signature
 from rl_tui.worlds.sections.schema import is_plain
 
@@ -109,6 +108,8 @@ def new_path(folder: Path, scenario: str) -> Path:
 
 def named_path(folder: Path, name: str) -> Path:
     """Return the path of the session called ``name``. Raises UserError where that cannot be a name."""
+    from rl_tui.lab.sessions.document import LONGEST_NAME
+
     if not name.strip():
         raise UserError("type a name")
     if len(name) > LONGEST_NAME or not is_plain(name):

@@ -1,4 +1,8 @@
-"""Sessions in files: one JSON file each, told from every file that is none, or no longer one."""
+"""Sessions in files: one JSON file each, told from every file that is none, or no longer one.
+
+What a document may be, and what it means, is imported when one is read or written: the catalogue comes up
+before.
+"""
 
 from __future__ import annotations
 
@@ -12,16 +16,16 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, NoReturn
 
 from pydantic import ValidationError
-from pydantic_core import ErrorDetails
 
 from rl_tui.common.errors import UserError
 from rl_tui.common.findings import one_line, place
 from rl_tui.common.kiosk import in_kiosk
-from rl_tui.lab.live.record import Record
-from rl_tui.lab.sessions.document import FORMAT, VERSION, Document, algorithm_in_force, changes_in
-from rl_tui.lab.sessions.encoding import document_of, record_of
 
 if TYPE_CHECKING:
+    from pydantic_core import ErrorDetails
+
+    from rl_tui.lab.live.record import Record
+    from rl_tui.lab.sessions.document import Document
     from rl_tui.worlds.mdp.space import FloatArray
 
 SUFFIX: Final = ".json"
@@ -70,16 +74,18 @@ class StoredSession:
     @property
     def algorithm(self) -> str:
         """The id of the algorithm at work there."""
-        return algorithm_in_force(self.document.lanes[self.document.shown])
+        return self.document.lanes[self.document.shown].algorithm_in_force
 
     @property
     def changes(self) -> int:
         """How many changes were made in all lanes and branches."""
-        return changes_in(self.document.lanes)
+        return self.document.changes
 
     @lru_cache(maxsize=1)  # noqa: B019  # one is opened at a time: checked first, then put on the screen
     def record(self) -> Record:
         """Return what to resume. Raises SessionError where its scenario or a change cannot be used here."""
+        from rl_tui.lab.sessions.encoding import record_of
+
         try:
             return record_of(self.document)
         except UserError as fault:
@@ -118,6 +124,8 @@ def encoded(record: Record, *, title: str = "", kept: bool = False, digest: str 
     ``digest`` is that of Q where the lane shown stands, empty where it is not known. Raises UserError where
     the session is too large, or of a scenario whose file is not known.
     """
+    from rl_tui.lab.sessions.encoding import document_of
+
     fields = document_of(record, title=title, kept=kept, digest=digest)
     try:
         content = json.dumps({**fields, _CHECKSUM: checksum_of(fields)}, allow_nan=False).encode()
@@ -143,7 +151,9 @@ def signature(status: os.stat_result) -> tuple[int, ...]:
 
 
 def _document(path: Path, content: bytes) -> Document:
-    fields = _fields(path, content)
+    from rl_tui.lab.sessions.document import FORMAT, VERSION, Document
+
+    fields = _fields(path, content, FORMAT)
     if fields.get("format") != FORMAT:
         raise SessionError(path, "is not a session of rl-tui; sessions are the files that rl-tui saves")
     version = fields.get("version")
@@ -174,14 +184,14 @@ def _reason(error: ErrorDetails) -> str:
     return error["msg"].lower()
 
 
-def _fields(path: Path, content: bytes) -> dict[str, Any]:
-    """Return the object in ``content``; otherwise tell half a session from what never was one."""
+def _fields(path: Path, content: bytes, mark: str) -> dict[str, Any]:
+    """Return the object in ``content``; otherwise tell by its ``mark`` half a session from another file."""
     if not content:
         raise SessionError(path, "is empty; nothing can be resumed from it")
     try:
         fields = json.loads(content.decode("utf-8"), parse_constant=_refuse_constant)
     except (ValueError, RecursionError) as error:
-        if FORMAT.encode() in content[:100]:
+        if mark.encode() in content[:100]:
             raise SessionError(
                 path, "is cut off or damaged, and cannot be resumed; go back to a copy of it"
             ) from error

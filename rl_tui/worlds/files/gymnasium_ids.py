@@ -9,7 +9,6 @@ from rl_tui.common.errors import UserError
 from rl_tui.common.findings import one_line, shown
 from rl_tui.common.streams import streams
 from rl_tui.worlds.files.scenario import Scenario
-from rl_tui.worlds.gym.section import GymnasiumSection
 from rl_tui.worlds.sections.schema import parsed
 
 if TYPE_CHECKING:
@@ -45,6 +44,8 @@ def environment_scenario(name: str) -> Scenario:
     Imports gymnasium and makes the environment once. Raises UserError, with near ids, where it is not
     registered or its states and actions are not discrete.
     """
+    from rl_tui.worlds.gym.section import GymnasiumSection
+
     section, findings = parsed(GymnasiumSection, {"id": name.removeprefix(PREFIX)})
     if section is not None and not findings:
         findings = [*section.connection_findings({"id": section.id}), *section.environment_findings()]

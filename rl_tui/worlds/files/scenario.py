@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pkgutil
 from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import islice
@@ -14,10 +15,6 @@ from rl_tui.common.errors import Fault, ScenarioError
 from rl_tui.common.findings import Finding, in_file_order, place, shown
 from rl_tui.common.limits import MOST_FINDINGS
 from rl_tui.worlds.files.toml_file import UnreadableError, read_text, tables_in
-from rl_tui.worlds.grid.section import GridSection
-from rl_tui.worlds.gym.section import GymnasiumSection
-from rl_tui.worlds.sections.bandit_section import BanditSection
-from rl_tui.worlds.sections.mdp_section import MDPSection
 from rl_tui.worlds.sections.schema import (
     Expect,
     FileSection,
@@ -35,12 +32,13 @@ from rl_tui.worlds.world import World
 if TYPE_CHECKING:
     from numpy.random import Generator
 
-WORLD_KINDS: Final[Mapping[str, type[WorldSection]]] = {
-    "gymnasium": GymnasiumSection,
-    "mdp": MDPSection,
-    "grid": GridSection,
-    "bandit": BanditSection,
+WORLD_KINDS: Final[Mapping[str, str]] = {
+    "gymnasium": "rl_tui.worlds.gym.section:GymnasiumSection",
+    "mdp": "rl_tui.worlds.sections.mdp_section:MDPSection",
+    "grid": "rl_tui.worlds.grid.section:GridSection",
+    "bandit": "rl_tui.worlds.sections.bandit_section:BanditSection",
 }
+"""The class of each kind of table, ``module:Class``, imported when a file has such a table."""
 
 
 class ScenarioHead(FileSection):
@@ -158,9 +156,10 @@ def _read_head(raw: Mapping[str, Any]) -> tuple[ScenarioHead | None, list[Findin
 
 
 def _read_world(kind: str, raw: object, ask_environment: bool) -> tuple[WorldSection | None, list[Finding]]:
-    section, findings = parsed(WORLD_KINDS[kind], raw)
+    section_class: type[WorldSection] = pkgutil.resolve_name(WORLD_KINDS[kind])
+    section, findings = parsed(section_class, raw)
     if isinstance(raw, dict):
-        findings += islice(WORLD_KINDS[kind].connection_findings(raw), MOST_FINDINGS)
+        findings += islice(section_class.connection_findings(raw), MOST_FINDINGS)
     if section is not None and not findings and ask_environment:
         findings += section.environment_findings()
     return section, findings

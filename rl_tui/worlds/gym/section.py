@@ -81,15 +81,16 @@ class GymnasiumSection(WorldSection):
         return self._world()
 
     def _world(self) -> World:
-        from rl_tui.worlds.gym.stepped.tabular_environment import stepped_world
-        from rl_tui.worlds.gym.tables.toy_text import NoTableError, world_of
-
         if self.table is not False and self.bins is None:
+            from rl_tui.worlds.gym.tables.toy_text import NoTableError, world_of
+
             try:
                 return world_of(self.id, self.kwargs, computed=self.table is True)
             except NoTableError:
                 if self.table:
                     raise
+        from rl_tui.worlds.gym.stepped.tabular_environment import stepped_world
+
         return stepped_world(self.id, self.kwargs, self.bins)
 
 

@@ -118,7 +118,7 @@ def _check_start(mdp: TabularMDP) -> None:
     if not len(state):
         raise ValueError("start_state: expected at least one state")
     _require((state >= 0) & (state < mdp.states), "start_state", "a state that has a name")
-    if len(np.unique(state)) != len(state):
+    if len(set(state.tolist())) != len(state):  # np.unique would import numpy.ma
         raise ValueError("start_state: expected no state twice")
     _require(np.diff(mdp.first_pair)[state] > 0, "start_state", "a state in which something can be done")
     if cumulative[-1] != 1.0:

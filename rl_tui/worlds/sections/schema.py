@@ -92,7 +92,7 @@ def control_character(text: str, also: str = "") -> str:
 
     What turns the direction of writing or ends a line counts as one, and so does half a character.
     """
-    for letter in text:
+    for letter in dict.fromkeys(text):  # each character once: notes are long
         if letter not in also and (
             unicodedata.category(letter) in ("Cc", "Cs", "Zl", "Zp") or letter in _BIDIRECTIONAL
         ):

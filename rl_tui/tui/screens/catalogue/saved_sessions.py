@@ -8,17 +8,20 @@ from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
 from threading import Thread
+from typing import TYPE_CHECKING
 
 from textual.message import Message
 
 from rl_tui.common.errors import UserError
-from rl_tui.lab.live.record import Record
 from rl_tui.lab.sessions.folder import files_in, remove, sessions_in
 from rl_tui.lab.sessions.session import SessionError, StoredSession
 from rl_tui.tui.screens.action_screen import ActionScreen
 from rl_tui.tui.screens.catalogue.session_list import SessionList
 from rl_tui.tui.screens.dialogs.confirm import Confirm
 from rl_tui.tui.theme.look import Look
+
+if TYPE_CHECKING:
+    from rl_tui.lab.live.record import Record
 
 
 class SavedSessions(ActionScreen):
