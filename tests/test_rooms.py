@@ -67,7 +67,7 @@ def test_the_screen_comes_up_without_what_is_slow() -> None:
 def test_a_world_that_is_written_out_is_solved_without_other_worlds() -> None:
     loaded = loaded_by(COMMAND_LINE.format(args=["solve", "student", "--json"]))
     assert "rl_tui.worlds.sections.mdp_section" in loaded
-    assert not loaded & {"gymnasium", "textual"}
+    assert not loaded & {*SLOW, "scipy"}
     assert not loaded & {"rl_tui.worlds.grid", "rl_tui.worlds.gym", "rl_tui.worlds.sections.bandit_section"}
     assert "rl_tui.agents.learner" not in loaded
 
@@ -87,7 +87,7 @@ def test_version_and_help_load_nothing_slow(args: list[str]) -> None:
     assert not loaded & {*SLOW, "numpy", "pydantic"}
 
 
-def test_commands_without_a_screen_do_not_load_it() -> None:
+def test_a_short_training_loads_neither_a_screen_nor_a_compiler() -> None:
     loaded = loaded_by(COMMAND_LINE.format(args=["train", "student", "--steps", "10"]))
-    assert "numba" in loaded
-    assert not loaded & {"textual", "gymnasium"}
+    assert "rl_tui.agents.learner" in loaded
+    assert not loaded & {*SLOW, "scipy"}

@@ -56,7 +56,7 @@ def long_episode(mdp: TabularMDP, hyperparameters: Hyperparameters) -> int | Non
 
     None where each ends, where a time limit cuts them off, where estimates grow beyond all bounds, and in
     large worlds, which are not tried. It is the box on page 130 of Sutton & Barto (2nd ed.) with an ε-greedy
-    policy, in plain Python: interpreted the loop of the agents takes ten times as long, and longer to compile.
+    policy, in plain Python: the loop of the agents takes ten times as long interpreted, and more to compile.
     """
     if mdp.time_limit or mdp.states > _MOST_STATES or len(mdp.action_names) > _MOST_ACTIONS:
         return None
