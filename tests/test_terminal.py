@@ -64,13 +64,6 @@ def test_it_may_be_told_to_end_while_it_takes_the_terminal() -> None:
         terminal.process.terminate()
 
 
-def test_it_quits_while_compiling(tmp_path: Path) -> None:
-    with rl_tui("play", "frozenlake", cache=tmp_path) as terminal:
-        terminal.wait_for("preparing:")
-        terminal.press("q")
-    assert not list(tmp_path.rglob("loop.advance*.nbc"))  # it did not wait for the compiler
-
-
 def test_from_the_catalogue_to_a_run_and_back() -> None:
     with rl_tui() as terminal:
         terminal.wait_for("FrozenLake")
