@@ -117,14 +117,18 @@ class CatalogueScreen(SavedSessions):
         yield Horizontal(lists, details, id="columns")
 
     def on_mount(self) -> None:
-        """Put the cursor where the user came from; build the worlds once the first paint is done."""
+        """Put the cursor where the user came from."""
         ids = [scenario.id for scenario in self._scenarios]
         scenarios = self.query_one("#scenarios", OptionList)
         scenarios.highlighted = ids.index(self._start_at) if self._start_at in ids else 0
         scenarios.focus()
         if self._fault is not None:
             self.notify(str(self._fault), severity="error", timeout=15, markup=False)
-        self.call_after_refresh(Thread(target=self._build_worlds, name="build worlds", daemon=True).start)
+
+    def begin(self) -> None:
+        """Begin to read the sessions and to build the worlds."""
+        super().begin()
+        Thread(target=self._build_worlds, name="build worlds", daemon=True).start()
 
     def _options(self) -> Iterable[Option]:
         for scenario in self._scenarios:
