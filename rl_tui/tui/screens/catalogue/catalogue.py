@@ -36,7 +36,6 @@ from rl_tui.tui.screens.catalogue.facts import facts, faults_text
 from rl_tui.tui.screens.catalogue.saved_sessions import SavedSessions
 from rl_tui.tui.screens.catalogue.session_list import SessionList
 from rl_tui.tui.screens.catalogue.session_text import session_facts, session_fault
-from rl_tui.tui.screens.help import HelpScreen
 from rl_tui.tui.screens.notes import Notes
 from rl_tui.tui.theme.look import Look
 from rl_tui.worlds.drawing import Arms, Grid
@@ -286,6 +285,8 @@ class CatalogueScreen(SavedSessions):
 
     def action_help(self) -> None:
         """Show the help."""
+        from rl_tui.tui.screens.help import HelpScreen
+
         entry = self._current
         notes = entry.notes if isinstance(entry, Scenario) else ""
         self.app.push_screen(HelpScreen(self.look, self.actions, notes=notes))

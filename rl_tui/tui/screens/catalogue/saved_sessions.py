@@ -18,7 +18,6 @@ from rl_tui.lab.sessions.session import SessionError, StoredSession
 from rl_tui.terminal.linked_app import LinkedApp
 from rl_tui.tui.screens.action_screen import ActionScreen
 from rl_tui.tui.screens.catalogue.session_list import SessionList
-from rl_tui.tui.screens.dialogs.confirm import Confirm
 from rl_tui.tui.theme.look import Look
 
 if TYPE_CHECKING:
@@ -112,6 +111,7 @@ class SavedSessions(ActionScreen):
 
     def ask_to_delete(self, session: StoredSession) -> None:
         """Delete ``session`` once that is confirmed."""
+        from rl_tui.tui.screens.dialogs.confirm import Confirm
 
         def delete(answer: bool | None) -> None:
             if not answer:
