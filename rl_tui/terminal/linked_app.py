@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import partial
 from typing import Any, Final, Protocol, TypeVar, runtime_checkable
@@ -56,6 +57,7 @@ class LinkedApp(App[ReturnType]):
         self._arranging: Timer | None = None
         self._drawn: Screen[object] | None = None
         self._in_front = range(0)  # the lines of the dialog that was open when it was drawn
+        self._painted = asyncio.Event()
 
     def set_timer(self, delay: float, callback: Callable[[], object] | None = None, **options: Any) -> Timer:
         """Have ``callback`` called once after ``delay`` seconds, or later where the machine is busy.
@@ -71,6 +73,14 @@ class LinkedApp(App[ReturnType]):
     def has_slow_link(self) -> bool:
         """Whether what changes on screen takes its time to arrive, so that it should be little."""
         return self._output is not None and self._output.link.is_slow
+
+    async def painted(self) -> None:
+        """Wait until something was drawn, where there is a terminal: what is slow begins after that.
+
+        Textual's ``call_after_refresh`` comes before it where widgets are still being mounted.
+        """
+        if self._draws and not self.is_headless and not self.is_inline:
+            await self._painted.wait()
 
     async def arrived(self) -> None:
         """Wait until the terminal shows what was drawn until now."""
@@ -114,6 +124,7 @@ class LinkedApp(App[ReturnType]):
                 self.post_display_hook()
                 return
             self._draws = False  # this Textual draws in another way, and then has to draw everything
+            self._painted.set()
             if self._output is not None:
                 self._output.stop()
                 self._output = None
@@ -151,6 +162,7 @@ class LinkedApp(App[ReturnType]):
                         is_inside = start <= x and piece_end <= end
                         buffer.put(x, y, strip if is_inside else strip.crop(0, min(piece_end, end) - x))
         output.send()
+        self._painted.set()
 
     def post_message(self, message: Message) -> bool:
         """Put ``message`` into the queue, unless it is an answer of the terminal."""

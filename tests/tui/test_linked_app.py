@@ -19,3 +19,9 @@ async def test_on_a_machine_that_stalls_it_happens_though_late(monkeypatch: pyte
         app.set_timer(0.001, happened.set)
         async with asyncio.timeout(60):
             await happened.wait()
+
+
+async def test_without_a_terminal_no_first_paint_is_waited_for() -> None:
+    app = LinkedApp[None]()
+    async with app.run_test(), asyncio.timeout(60):
+        await app.painted()

@@ -17,7 +17,6 @@ from rl_tui.worlds.files.gymnasium_ids import PREFIX
 from rl_tui.worlds.files.scenario import Scenario
 from rl_tui.worlds.files.toml_file import UnreadableError, read_text
 from rl_tui.worlds.gym.modules import OPTION, module_of
-from rl_tui.worlds.gym.section import GymnasiumSection
 
 MOST_CHANGES: Final = 200
 
@@ -106,6 +105,8 @@ def _name_of(scenario: Scenario) -> str:
 
 def _allowance(scenario: Scenario) -> list[str]:
     """Return the option without which the environment of ``scenario`` would be refused, if there is one."""
+    from rl_tui.worlds.gym.section import GymnasiumSection
+
     section = scenario.section
     module = module_of(section.id) if isinstance(section, GymnasiumSection) else ""
     return [OPTION, module] if module else []

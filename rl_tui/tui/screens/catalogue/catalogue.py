@@ -36,7 +36,6 @@ from rl_tui.tui.screens.catalogue.facts import facts, faults_text
 from rl_tui.tui.screens.catalogue.saved_sessions import SavedSessions
 from rl_tui.tui.screens.catalogue.session_list import SessionList
 from rl_tui.tui.screens.catalogue.session_text import session_facts, session_fault
-from rl_tui.tui.screens.help import HelpScreen
 from rl_tui.tui.screens.notes import Notes
 from rl_tui.tui.theme.look import Look
 from rl_tui.worlds.drawing import Arms, Grid
@@ -117,14 +116,18 @@ class CatalogueScreen(SavedSessions):
         yield Horizontal(lists, details, id="columns")
 
     def on_mount(self) -> None:
-        """Put the cursor where the user came from; build the worlds once the first paint is done."""
+        """Put the cursor where the user came from."""
         ids = [scenario.id for scenario in self._scenarios]
         scenarios = self.query_one("#scenarios", OptionList)
         scenarios.highlighted = ids.index(self._start_at) if self._start_at in ids else 0
         scenarios.focus()
         if self._fault is not None:
             self.notify(str(self._fault), severity="error", timeout=15, markup=False)
-        self.call_after_refresh(Thread(target=self._build_worlds, name="build worlds", daemon=True).start)
+
+    def begin(self) -> None:
+        """Begin to read the sessions and to build the worlds."""
+        super().begin()
+        Thread(target=self._build_worlds, name="build worlds", daemon=True).start()
 
     def _options(self) -> Iterable[Option]:
         for scenario in self._scenarios:
@@ -282,6 +285,8 @@ class CatalogueScreen(SavedSessions):
 
     def action_help(self) -> None:
         """Show the help."""
+        from rl_tui.tui.screens.help import HelpScreen
+
         entry = self._current
         notes = entry.notes if isinstance(entry, Scenario) else ""
         self.app.push_screen(HelpScreen(self.look, self.actions, notes=notes))

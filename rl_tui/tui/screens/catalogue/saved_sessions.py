@@ -15,9 +15,9 @@ from textual.message import Message
 from rl_tui.common.errors import UserError
 from rl_tui.lab.sessions.folder import files_in, remove, sessions_in
 from rl_tui.lab.sessions.session import SessionError, StoredSession
+from rl_tui.terminal.linked_app import LinkedApp
 from rl_tui.tui.screens.action_screen import ActionScreen
 from rl_tui.tui.screens.catalogue.session_list import SessionList
-from rl_tui.tui.screens.dialogs.confirm import Confirm
 from rl_tui.tui.theme.look import Look
 
 if TYPE_CHECKING:
@@ -57,8 +57,17 @@ class SavedSessions(ActionScreen):
         raise NotImplementedError
 
     def on_mount(self) -> None:
-        """Begin to read the files once the first paint is done."""
-        self.call_after_refresh(self._read_sessions)
+        """Begin what is slow once the first paint is done."""
+        self.run_worker(self._begin_when_painted, name="begin", group="begin")  # type: ignore[arg-type]
+
+    async def _begin_when_painted(self) -> None:
+        if isinstance(self.app, LinkedApp):
+            await self.app.painted()
+        self.begin()
+
+    def begin(self) -> None:
+        """Begin to read the files."""
+        self._read_sessions()
 
     async def sessions_read(self) -> None:
         """Wait until the files are read and listed."""
@@ -102,6 +111,7 @@ class SavedSessions(ActionScreen):
 
     def ask_to_delete(self, session: StoredSession) -> None:
         """Delete ``session`` once that is confirmed."""
+        from rl_tui.tui.screens.dialogs.confirm import Confirm
 
         def delete(answer: bool | None) -> None:
             if not answer:
