@@ -12,6 +12,8 @@ from typing import Any, Final, NamedTuple, ParamSpec, TypeVar
 
 import numpy as np
 
+from rl_tui.agents.kernels.compiled import CALLED_FROM_PYTHON
+
 Parameters = ParamSpec("Parameters")
 Result = TypeVar("Result")
 
@@ -60,7 +62,8 @@ def machine_code(function: Callable[Parameters, Result], *example: Any) -> Calla
     return entry(function, *example) if example else dispatcher_of(function)
 
 
-def use_machine_code(function: Callable[..., Any], *example: Any) -> None:
-    """Let :func:`fastest` return machine code from now on; it is compiled, or read, for these arguments."""
-    machine_code(function, *example)
-    _MACHINE_CODE[function] = machine_code(function)
+def use_machine_code_from_python() -> None:
+    """Let :func:`fastest` return machine code from now on, of all that Python calls and has been imported."""
+    for function, example in CALLED_FROM_PYTHON.items():
+        machine_code(function, *example())
+        _MACHINE_CODE[function] = machine_code(function)
