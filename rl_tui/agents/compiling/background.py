@@ -6,7 +6,7 @@ import threading
 from collections.abc import Iterable
 
 from rl_tui.agents.compiling.worker_process import GONE, WorkerProcess
-from rl_tui.agents.kernels.machine_code import COMPILED_LOOPS, Loop
+from rl_tui.agents.kernels.machine_code import COMPILED_LOOPS, SHARED, Loop
 
 
 class BackgroundCompiler:
@@ -93,7 +93,7 @@ class BackgroundCompiler:
 
     def _is_compiled_elsewhere(self, loop: Loop) -> bool:
         """Have the worker compile ``loop``, and read what it has kept; False where that fails."""
-        from rl_tui.agents.compiling.loops import LOOKED_FOR_EVERY, SHARED, Outcome, load
+        from rl_tui.agents.compiling.loops import LOOKED_FOR_EVERY, Outcome, load
         from rl_tui.agents.kernels.cache_folder import was_compiled
 
         # Our worker keeps one before the other, and another process either, while ours waits for its turn

@@ -21,6 +21,7 @@ from rl_tui.agents.kernels.cache_folder import (
 from rl_tui.agents.kernels.machine_code import (
     ALWAYS_INTERPRETED,
     COMPILED_LOOPS,
+    SHARED,
     Loop,
     use_machine_code_from_python,
 )
@@ -34,9 +35,6 @@ LOOKED_FOR_EVERY: Final = 0.1
 """Seconds after which a process that waits for another one's machine code looks for it again."""
 LONGEST_WAIT: Final = 120.0
 """Seconds after which a process that compiles is taken for stopped, as by Ctrl+Z; the others go on."""
-
-SHARED: Final = Loop("shared", "", stepped=False)
-"""What every run needs besides its loop, as if it were one: it is in the cache some seconds before that."""
 
 # Marks count once their module is imported. One program may have imported more than another, but in the cache
 # all must find the same

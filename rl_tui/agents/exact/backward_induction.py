@@ -2,15 +2,23 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from collections.abc import Callable
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 
+from rl_tui.agents.kernels.cache_folder import was_compiled
 from rl_tui.agents.kernels.compiled import compiled_for
-from rl_tui.agents.kernels.machine_code import fastest
+from rl_tui.agents.kernels.machine_code import SHARED, fastest, machine_code
 from rl_tui.worlds.mdp.smallest import smallest_mdp
 from rl_tui.worlds.mdp.space import FloatArray, IntArray
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
+
+# Outcomes that are looked at: interpreted, some 1.2 million a second. To import numba takes half a second,
+# and to compile a sweep two more
+FIRST_VISITS: Final = 150_000
+WORTH_READING: Final = 500_000
+WORTH_COMPILING: Final = 3_000_000
 
 
 class Model(NamedTuple):
@@ -33,9 +41,7 @@ def policy_values(
 
     ``reward``, [O], takes the place of the world's own.
     """
-    v, later = np.zeros((2, mdp.states))
-    fastest(_follow)(_model(mdp, mdp.reward if reward is None else reward), policy, steps, v, later)
-    return v
+    return _swept(_follow, (_model(mdp, mdp.reward if reward is None else reward), policy), mdp, steps)
 
 
 def best_values(mdp: TabularMDP, gamma: float, steps: int) -> FloatArray:
@@ -43,9 +49,29 @@ def best_values(mdp: TabularMDP, gamma: float, steps: int) -> FloatArray:
 
     It is that of the best policy that may look at the clock.
     """
+    return _swept(_optimise, (_model(mdp, mdp.reward, gamma),), mdp, steps)
+
+
+def _swept(kernel: Callable[..., Any], args: tuple[Any, ...], mdp: TabularMDP, steps: int) -> FloatArray:
+    """Return what ``kernel`` leaves in ``v`` after ``steps`` sweeps, the first of them interpreted.
+
+    Where much is left then, and the values still move, machine code does the rest. The bits are the same.
+    """
     v, later = np.zeros((2, mdp.states))
-    fastest(_optimise)(_model(mdp, mdp.reward, gamma), steps, v, later)
+    outcomes = len(mdp.next_state)
+    first = min(steps, FIRST_VISITS // outcomes + 1)
+    fastest(kernel)(*args, first - 1, v, later)
+    before = v.copy()
+    fastest(kernel)(*args, min(first, 1), v, later)
+    left = steps - first
+    if left and not np.array_equal(before, v):
+        (machine_code if _pays(left * outcomes) else fastest)(kernel)(*args, left, v, later)
     return v
+
+
+def _pays(visits: int) -> bool:
+    """Return whether machine code is worth what it takes to come by, for so many ``visits`` of outcomes."""
+    return visits > WORTH_COMPILING or (visits > WORTH_READING and was_compiled(SHARED))
 
 
 def _model(mdp: TabularMDP, reward: FloatArray, gamma: float = 1.0) -> Model:

@@ -29,6 +29,9 @@ class Loop(NamedTuple):
     stepped: bool
 
 
+SHARED: Final = Loop("shared", "", stepped=False)
+"""What every run needs besides its loop, as if it were one: it is in the cache some seconds before that."""
+
 COMPILED_LOOPS: Final = set[Loop]()
 """Those that this process has as machine code."""
 
