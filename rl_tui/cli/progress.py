@@ -16,13 +16,31 @@ _PARTS: Final = 1000
 _WORTH_A_FORECAST: Final = 0.5  # seconds
 
 
+class Progress:
+    """Shows how far it has come: call it with how much is done, and how much there is to do."""
+
+    def __init__(self, advance_bar: Callable[[int, str], object]) -> None:
+        self._advance_bar = advance_bar
+        self._parts = 0
+        self._begun: tuple[float, int] | None = None
+
+    def __call__(self, done: int, wanted: int) -> None:
+        """Show that ``done`` of ``wanted`` is done."""
+        self._begun = self._begun or (time.monotonic(), done)
+        before, self._parts = self._parts, min(done, wanted) * _PARTS // wanted
+        self._advance_bar(self._parts - before, _how_far(self._begun, done, wanted))
+
+    def say(self, text: str) -> None:
+        """Show ``text`` in place of how much is done, until there is more."""
+        self._advance_bar(0, text)
+
+
 @contextmanager
-def progress(label: str) -> Iterator[Callable[[int, int], None]]:
-    """Yield what is to be called with how much is done and how much there is to do."""
+def progress(label: str) -> Iterator[Progress]:
+    """Yield what shows how far it has come."""
     if not sys.stderr.isatty():
-        yield lambda done, wanted: None
+        yield Progress(lambda parts, text: None)
         return
-    begun: tuple[float, int] | None = None
     with click.progressbar(
         length=_PARTS,
         label=label,
@@ -32,13 +50,7 @@ def progress(label: str) -> Iterator[Callable[[int, int], None]]:
         update_min_steps=0,
         item_show_func=lambda text: text,
     ) as bar:
-
-        def show(done: int, wanted: int) -> None:
-            nonlocal begun
-            begun = begun or (time.monotonic(), done)
-            bar.update(min(done, wanted) * _PARTS // wanted - bar.pos, _how_far(begun, done, wanted))
-
-        yield show
+        yield Progress(bar.update)
 
 
 def _how_far(begun: tuple[float, int], done: int, wanted: int) -> str:

@@ -4,16 +4,28 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from enum import StrEnum
+from importlib import import_module
 from typing import Final
 
 from rl_tui.agents.catalogue import BY_ID, POLICY_BY_ID
+from rl_tui.agents.compiling.compiler_lock import CompilerLock
 from rl_tui.agents.hyperparameters import Hyperparameters
-from rl_tui.agents.kernels.cache_folder import cache_folder, note_compiled
-from rl_tui.agents.kernels.compiled import CALLED_FROM_PYTHON
-from rl_tui.agents.kernels.machine_code import ALWAYS_INTERPRETED, COMPILED_LOOPS, Loop, use_machine_code
+from rl_tui.agents.kernels.cache_folder import (
+    cache_folder,
+    note_compiled,
+    remove_unfinished,
+    takes_code,
+    was_compiled,
+)
+from rl_tui.agents.kernels.machine_code import (
+    ALWAYS_INTERPRETED,
+    COMPILED_LOOPS,
+    SHARED,
+    Loop,
+    use_machine_code_from_python,
+)
 from rl_tui.agents.learner import Learner
-from rl_tui.common.file_lock import FileLock
 from rl_tui.common.streams import streams
 from rl_tui.worlds.environment import StepResult
 from rl_tui.worlds.mdp.smallest import smallest_mdp
@@ -21,6 +33,27 @@ from rl_tui.worlds.mdp.space import all_pairs
 
 LOOKED_FOR_EVERY: Final = 0.1
 """Seconds after which a process that waits for another one's machine code looks for it again."""
+LONGEST_WAIT: Final = 120.0
+"""Seconds after which a process that compiles is taken for stopped, as by Ctrl+Z; the others go on."""
+
+# Marks count once their module is imported. One program may have imported more than another, but in the cache
+# all must find the same
+_CALLED_FROM_PYTHON: Final = (
+    "rl_tui.agents.exact.backward_induction",
+    "rl_tui.agents.kernels.episode_bins",
+    "rl_tui.agents.kernels.watch",
+)
+
+
+class Outcome(StrEnum):
+    """How a process came by machine code."""
+
+    FOUND = "found"
+    """It was read from the cache."""
+    COMPILED = "compiled"
+    """It was compiled, and is in the cache now."""
+    NOT_KEPT = "not kept"
+    """The cache did not take what was compiled."""
 
 
 def all_loops() -> Iterator[Loop]:
@@ -35,20 +68,44 @@ def all_loops() -> Iterator[Loop]:
                 yield Loop(algorithm.id, policy.id, stepped=True)
 
 
-def compile_here(loop: Loop) -> None:
+def compile_here(loop: Loop) -> Outcome:
     """Have machine code for ``loop``: read from the cache, or compiled here.
 
     Machine code does not depend on the world: it is compiled for the smallest one. Of many processes that
-    share a cache one compiles, and the others wait for what it keeps there. Raises KeyError where the
-    catalogue has no such algorithm or policy.
+    share a cache one compiles; the others wait for what it keeps there, and do without numba until then.
+    Raises KeyError where the catalogue has no such algorithm or policy.
     """
-    if loop in COMPILED_LOOPS or load(loop):
-        return
-    with _compiling_alone():
-        compile_what_all_share()
-        learner_of(loop).compile()
-    if not ALWAYS_INTERPRETED:
-        note_compiled(loop)
+    if loop in COMPILED_LOOPS:
+        return Outcome.FOUND
+    was_noted = False
+    longest = time.monotonic() + LONGEST_WAIT
+    with CompilerLock() as lock:
+        while True:
+            if not was_noted and was_compiled(loop):
+                was_noted = True
+                if load(loop):
+                    return Outcome.FOUND
+            if lock.acquire() or time.monotonic() > longest:
+                return compile_alone(loop)
+            time.sleep(LOOKED_FOR_EVERY)
+
+
+def compile_alone(loop: Loop) -> Outcome:
+    """Do as :func:`compile_here`, in a process that knows that no other one compiles the same."""
+    if ALWAYS_INTERPRETED:
+        _make(loop)
+        return Outcome.NOT_KEPT
+    from rl_tui.agents.kernels.machine_cache import SAVES
+
+    remove_unfinished(time.time())
+    kept = SAVES.kept
+    for each in (SHARED, loop):
+        _make(each)
+        if not SAVES.failed:
+            note_compiled(each)
+    if SAVES.failed or not takes_code():
+        return Outcome.NOT_KEPT
+    return Outcome.COMPILED if SAVES.kept > kept else Outcome.FOUND
 
 
 def load(loop: Loop) -> bool:
@@ -59,32 +116,26 @@ def load(loop: Loop) -> bool:
 
     try:
         with only_loading():
-            compile_what_all_share()
-            learner_of(loop).compile()
+            for each in (SHARED, loop):
+                _make(each)
     except NotCachedError:
         return False
     return True
 
 
+def _make(loop: Loop) -> None:
+    if loop == SHARED:
+        compile_what_all_share()
+    else:
+        learner_of(loop).compile()
+
+
 def compile_what_all_share() -> None:
     """Have machine code for what every run needs besides its loop."""
-    for function, example in CALLED_FROM_PYTHON.items():
-        use_machine_code(function, *example())
-
-
-@contextmanager
-def _compiling_alone() -> Iterator[None]:
-    """Wait until no other process compiles for this cache, and keep them waiting meanwhile."""
-    lock = FileLock(cache_folder() / "compiling")
-    try:
-        while not lock.acquire():
-            time.sleep(LOOKED_FOR_EVERY)
-    except OSError:  # nothing can be kept there: then nobody waits for it either
-        pass
-    try:
-        yield
-    finally:
-        lock.release()
+    for module in _CALLED_FROM_PYTHON:
+        import_module(module)
+    use_machine_code_from_python()
+    COMPILED_LOOPS.add(SHARED)
 
 
 def learner_of(loop: Loop) -> Learner:

@@ -1,7 +1,7 @@
-"""A process that compiles for another one: ``python -m rl_tui.agents.compiling.worker``.
+"""A process that compiles for another one, and knows nothing but the loops of the catalogue.
 
-On stdin it reads which loops to compile, each a line of JSON, and answers each with a line on stdout. It
-knows the loops of the catalogue and imports nothing of a user's. It ends with its stdin.
+On stdin it reads which to compile, each a line of JSON, and answers each with a line on stdout. It ends with
+its stdin, and imports nothing of a user's.
 """
 
 from __future__ import annotations
@@ -10,24 +10,31 @@ import json
 import os
 import sys
 import threading
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from contextlib import suppress
 from queue import SimpleQueue
-from typing import Final, TextIO
+from typing import TYPE_CHECKING, Final, TextIO
 
-COMPILED: Final = "compiled"
-"""The answer once machine code is in the cache."""
+if TYPE_CHECKING:
+    from rl_tui.agents.compiling.loops import Outcome
+    from rl_tui.agents.kernels.machine_code import Loop
+
 NICENESS: Final = 5
 """How much lower its priority is while somebody waits."""
 
 
-def main() -> None:
-    """Compile what stdin asks for until that ends, be it in the middle of compiling."""
+def main(*, alone: bool) -> None:
+    """Compile what stdin asks for until that ends, be it in the middle of compiling.
+
+    With ``alone`` on it does not wait while another process compiles for the same cache.
+    """
     with suppress(AttributeError, OSError):
         os.nice(NICENESS)
     asked = SimpleQueue[str]()
     threading.Thread(target=_read, args=(sys.stdin, asked), daemon=True).start()
-    work(iter(asked.get, ""), sys.stdout)
+    from rl_tui.agents.compiling.loops import compile_alone, compile_here
+
+    work(iter(asked.get, ""), sys.stdout, compile_alone if alone else compile_here)
 
 
 def _read(stdin: TextIO, asked: SimpleQueue[str]) -> None:
@@ -36,15 +43,9 @@ def _read(stdin: TextIO, asked: SimpleQueue[str]) -> None:
     os._exit(0)
 
 
-def work(lines: Iterable[str], stdout: TextIO) -> None:
-    """Compile the loop of each of ``lines`` and answer it on ``stdout``."""
+def work(lines: Iterable[str], stdout: TextIO, come_by: Callable[[Loop], Outcome]) -> None:
+    """Have ``come_by`` called with the loop of each of ``lines``, and write its outcome to ``stdout``."""
+    from rl_tui.agents.kernels.machine_code import Loop
+
     for line in lines:
-        from rl_tui.agents.compiling.loops import compile_here
-        from rl_tui.agents.kernels.machine_code import Loop
-
-        compile_here(Loop(*json.loads(line)))
-        print(COMPILED, file=stdout, flush=True)
-
-
-if __name__ == "__main__":
-    main()
+        print(come_by(Loop(*json.loads(line))), file=stdout, flush=True)

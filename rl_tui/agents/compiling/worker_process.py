@@ -8,55 +8,76 @@ import subprocess
 import sys
 import threading
 from contextlib import suppress
-from pathlib import Path
 from queue import Empty, SimpleQueue
 from typing import IO, Final
 
-import rl_tui
 from rl_tui.agents.compiling import worker
+from rl_tui.agents.kernels.cache_folder import base_folder
 from rl_tui.agents.kernels.machine_code import Loop
 
 IDLE_NICENESS: Final = 19
 """How much lower its priority is once nobody waits."""
 GONE: Final = ""
 """In place of an answer, from a worker that has ended."""
+_SCRIPT: Final = """\
+import sys
+sys.path[:] = {path!r}
+from {module} import main
+main(alone={alone!r})
+"""
 
 
 class WorkerProcess:
     """A process that compiles into the cache.
 
     It has a session of its own and no terminal, so that no key and no hang-up reaches it, and ends with this
-    process, however that ends. Raises OSError where no process can be started.
+    process, however that ends. It imports what this process would, but nothing from the current folder, which
+    may be anybody's or gone. With ``alone`` on it does not wait while another process compiles.
+
+    Raises OSError where no process can be started.
     """
 
-    def __init__(self) -> None:
-        home = str(Path(rl_tui.__file__).parents[1])
-        paths = [path for path in (os.environ.get("PYTHONPATH"), home) if path]
+    def __init__(self, *, alone: bool = False) -> None:
+        if not sys.executable:
+            raise FileNotFoundError("which Python this is is not known")
+        path = [folder for folder in sys.path if folder]
+        script = _SCRIPT.format(path=path, module=worker.__name__, alone=alone)
         self._process = subprocess.Popen(
-            # -P: the folder it is started in is not looked into for modules
-            [sys.executable, "-P", "-m", worker.__name__],
+            [sys.executable, "-P", "-c", script],
+            bufsize=0,
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=subprocess.DEVNULL,
-            env=os.environ | {"PYTHONPATH": os.pathsep.join(paths)},
-            text=True,
+            cwd=os.path.abspath(os.sep),
+            env=os.environ | {"RL_TUI_CACHE_DIR": str(base_folder().absolute())},
             start_new_session=True,
         )
         assert self._process.stdin is not None
         assert self._process.stdout is not None
         self._stdin, stdout = self._process.stdin, self._process.stdout
         self._answers = SimpleQueue[str]()
-        threading.Thread(target=self._read, args=(stdout,), name="compiler's answers", daemon=True).start()
+        reader = threading.Thread(target=self._read, args=(stdout,), name="compiler's answers", daemon=True)
+        try:
+            reader.start()
+        except RuntimeError as error:  # there may be only so many threads
+            stdout.close()
+            self.end()
+            raise OSError(str(error)) from error
+        self.is_idle = False
+        """Whether it has been told that nobody waits for it."""
 
-    def _read(self, stdout: IO[str]) -> None:
-        for line in stdout:
-            self._answers.put(line.strip())
+    def _read(self, stdout: IO[bytes]) -> None:
+        with stdout:
+            for line in stdout:
+                self._answers.put(line.decode().strip())
         self._answers.put(GONE)
 
     def ask(self, loop: Loop) -> None:
         """Ask for ``loop``. Raises OSError where the worker has ended."""
-        self._stdin.write(json.dumps(loop) + "\n")
-        self._stdin.flush()
+        try:
+            self._stdin.write(json.dumps(loop).encode() + b"\n")
+        except ValueError as error:  # by our hand
+            raise BrokenPipeError(str(error)) from error
 
     def answer(self, seconds: float) -> str | None:
         """Return its next answer, GONE where it has ended; None if there is none within so many seconds."""
@@ -67,6 +88,7 @@ class WorkerProcess:
 
     def let_others_go_first(self) -> None:
         """Lower its priority as far as it goes: nobody waits for it any more. Nothing raises it again."""
+        self.is_idle = True
         with suppress(AttributeError, OSError):
             os.setpriority(os.PRIO_PROCESS, self._process.pid, IDLE_NICENESS)
 

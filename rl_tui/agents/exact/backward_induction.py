@@ -2,15 +2,23 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from collections.abc import Callable
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 
+from rl_tui.agents.kernels.cache_folder import was_compiled
 from rl_tui.agents.kernels.compiled import compiled_for
-from rl_tui.agents.kernels.machine_code import fastest
+from rl_tui.agents.kernels.machine_code import COMPILED_LOOPS, SHARED, fastest, machine_code
 from rl_tui.worlds.mdp.smallest import smallest_mdp
 from rl_tui.worlds.mdp.space import FloatArray, IntArray
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
+
+# Outcomes that are looked at: interpreted, some 1.2 million a second. To import numba takes half a second,
+# and to compile a sweep two more
+FIRST_VISITS: Final = 150_000
+WORTH_READING: Final = 500_000
+WORTH_COMPILING: Final = 3_000_000
 
 
 class Model(NamedTuple):
@@ -33,9 +41,7 @@ def policy_values(
 
     ``reward``, [O], takes the place of the world's own.
     """
-    v, later = np.zeros((2, mdp.states))
-    fastest(_follow)(_model(mdp, mdp.reward if reward is None else reward), policy, steps, v, later)
-    return v
+    return _swept(_follow, (_model(mdp, mdp.reward if reward is None else reward), policy), mdp, steps)
 
 
 def best_values(mdp: TabularMDP, gamma: float, steps: int) -> FloatArray:
@@ -43,9 +49,28 @@ def best_values(mdp: TabularMDP, gamma: float, steps: int) -> FloatArray:
 
     It is that of the best policy that may look at the clock.
     """
+    return _swept(_optimise, (_model(mdp, mdp.reward, gamma),), mdp, steps)
+
+
+def _swept(kernel: Callable[..., Any], args: tuple[Any, ...], mdp: TabularMDP, steps: int) -> FloatArray:
+    """Return what ``kernel`` leaves in ``v`` after ``steps`` sweeps.
+
+    Interpreted it takes the first of them. Where much is left then, and the values still move, machine code
+    does the rest, with the same bits.
+    """
     v, later = np.zeros((2, mdp.states))
-    fastest(_optimise)(_model(mdp, mdp.reward, gamma), steps, v, later)
+    outcomes = len(mdp.next_state)
+    first = steps if SHARED in COMPILED_LOOPS else min(steps, FIRST_VISITS // outcomes + 1)
+    moves = fastest(kernel)(*args, first, v, later)
+    left = steps - first
+    if moves and left:
+        (machine_code if _pays(left * outcomes) else fastest)(kernel)(*args, left, v, later)
     return v
+
+
+def _pays(visits: int) -> bool:
+    """Return whether machine code is worth what it takes to come by, for so many ``visits`` of outcomes."""
+    return visits > WORTH_COMPILING or (visits > WORTH_READING and was_compiled(SHARED))
 
 
 def _model(mdp: TabularMDP, reward: FloatArray, gamma: float = 1.0) -> Model:
@@ -77,8 +102,12 @@ def _follow(
     steps: int,
     v: FloatArray,
     later: FloatArray,
-) -> None:
-    """Leave the values of ``policy`` in ``v``; ``v`` and ``later``, both [S], come as zeros."""
+) -> bool:
+    """Leave the values of ``policy`` in ``v`` and return whether they moved in the last step.
+
+    ``v`` and ``later``, both [S], come as zeros, or as a call for earlier steps has left them.
+    """
+    moved = False
     for _ in range(steps):
         moved = False
         for state in range(len(v)):
@@ -96,6 +125,7 @@ def _follow(
             break
         for state in range(len(v)):
             later[state] = v[state]
+    return moved
 
 
 @compiled_for(_no_steps)
@@ -104,8 +134,9 @@ def _optimise(
     steps: int,
     v: FloatArray,
     later: FloatArray,
-) -> None:
-    """Leave the best values in ``v``; ``v`` and ``later``, both [S], come as zeros."""
+) -> bool:
+    """Leave the best values in ``v`` and return whether they moved in the last step, as :func:`_follow`."""
+    moved = False
     for _ in range(steps):
         moved = False
         for state in range(len(v)):
@@ -122,3 +153,4 @@ def _optimise(
             break
         for state in range(len(v)):
             later[state] = v[state]
+    return moved

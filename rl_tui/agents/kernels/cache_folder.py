@@ -18,6 +18,7 @@ from rl_tui.agents.kernels.machine_code import Loop
 from rl_tui.common.kiosk import in_kiosk
 
 LONGEST_UNUSED: Final = 30 * 24 * 3600.0
+LONGEST_WRITTEN: Final = 3600.0
 _OURS: Final = re.compile(r"\d[\w.+]*-[0-9a-f]{16}")
 
 
@@ -29,10 +30,11 @@ def cache_folder() -> Path:
     would leave stale code behind. Within the folder it keeps machine code for other processors and other
     versions of Python apart.
     """
-    return _base() / "kernels" / cache_key()
+    return base_folder() / "kernels" / cache_key()
 
 
-def _base() -> Path:
+def base_folder() -> Path:
+    """Return the folder of what is cached: that of RL_TUI_CACHE_DIR, else the platform's for this user."""
     chosen = os.environ.get("RL_TUI_CACHE_DIR")
     if chosen:
         return Path(chosen)
@@ -62,8 +64,9 @@ def _writable(folder: Path) -> bool:
 
 def note_compiled(loop: Loop) -> None:
     """Note that machine code of ``loop`` is in the cache, where that can be written."""
-    with suppress(OSError):
-        _note_of(loop).touch()
+    if takes_code():
+        with suppress(OSError):
+            _note_of(loop).touch()
 
 
 def was_compiled(loop: Loop) -> bool:
@@ -77,6 +80,18 @@ def was_compiled(loop: Loop) -> bool:
 def _note_of(loop: Loop) -> Path:
     where = "environment" if loop.stepped else "table"
     return cache_folder() / ".".join([loop.algorithm, loop.policy, where, sys.implementation.cache_tag or ""])
+
+
+def remove_unfinished(now: float) -> None:
+    """Remove what killed processes had begun to write into the cache more than an hour before ``now``.
+
+    ``now`` is in seconds, as file systems count.
+    """
+    if takes_code():
+        for file in (*cache_folder().glob("*/*.tmp.*"), *cache_folder().glob("writable-*")):
+            with suppress(OSError):
+                if now - file.stat().st_mtime > LONGEST_WRITTEN:
+                    file.unlink()
 
 
 def prune(kernels: Path, current: Path, now: float) -> None:

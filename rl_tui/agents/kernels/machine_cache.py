@@ -21,7 +21,9 @@ from numba.core.sigutils import normalize_signature
 
 from rl_tui.agents.kernels.cache_folder import cache_folder, prune, takes_code
 from rl_tui.agents.kernels.cache_key import NAME
+from rl_tui.common.file_lock import FileLock
 
+_LONGEST_SAVE: Final = 5.0  # seconds
 FOLDER: Final = cache_folder()
 READ_ONLY: Final = not takes_code()
 CACHED: Final = FOLDER.is_dir()
@@ -32,6 +34,18 @@ if CACHED:
 
 class NotCachedError(Exception):
     """The cache has no such machine code, and it is not to be compiled here."""
+
+
+class Saves:
+    """What became of the machine code that this process compiled."""
+
+    kept = 0
+    """How many functions, each for some types of arguments, are in the cache."""
+    failed = False
+    """Whether the cache did not take some."""
+
+
+SAVES: Final = Saves()
 
 
 class _Thread(threading.local):
@@ -110,9 +124,11 @@ class _ForgivingCache(FunctionCache):  # type: ignore[misc]
 
     def save_overload(self, sig: Any, data: CompileResult) -> None:
         try:
-            super().save_overload(sig, data)
+            with _saving_alone():
+                super().save_overload(sig, data)
+            SAVES.kept += 1
         except Exception:  # unreadable index, full disk, folder gone: the code in memory is all we need
-            return
+            SAVES.failed = True
 
 
 class _FinishedCache(FunctionCache):  # type: ignore[misc]
@@ -141,6 +157,23 @@ def _for_types(sig: Any, found: CompileResult | None) -> CompileResult | None:
     if _THREAD.only_loads:
         raise NotCachedError
     return None
+
+
+@contextmanager
+def _saving_alone() -> Iterator[None]:
+    """Wait until no other process saves: the index of a function would lose what one of two adds at once.
+
+    A process that was stopped while it saves is not waited for, and neither is any where there are no locks.
+    """
+    lock = FileLock(FOLDER / "saving")
+    try:
+        with suppress(OSError):
+            longest = time.monotonic() + _LONGEST_SAVE
+            while not lock.acquire() and time.monotonic() < longest:
+                time.sleep(_LONGEST_SAVE / 1000)
+        yield
+    finally:
+        lock.release()
 
 
 def cache_of(function: Callable[..., Any]) -> FunctionCache:

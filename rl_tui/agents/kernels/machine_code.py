@@ -12,6 +12,8 @@ from typing import Any, Final, NamedTuple, ParamSpec, TypeVar
 
 import numpy as np
 
+from rl_tui.agents.kernels.compiled import CALLED_FROM_PYTHON
+
 Parameters = ParamSpec("Parameters")
 Result = TypeVar("Result")
 
@@ -26,6 +28,9 @@ class Loop(NamedTuple):
     policy: str
     stepped: bool
 
+
+SHARED: Final = Loop("shared", "", stepped=False)
+"""What every run needs besides its loop, as if it were one: it is in the cache some seconds before that."""
 
 COMPILED_LOOPS: Final = set[Loop]()
 """Those that this process has as machine code."""
@@ -67,3 +72,9 @@ def use_machine_code(function: Callable[..., Any], *example: Any) -> None:
     """
     machine_code(function, *example)
     _MACHINE_CODE[function] = machine_code(function)
+
+
+def use_machine_code_from_python() -> None:
+    """Let :func:`fastest` return machine code of all that Python calls, of what has been imported."""
+    for function, example in CALLED_FROM_PYTHON.items():
+        use_machine_code(function, *example())

@@ -152,4 +152,6 @@ def _train_many(recipe: Recipe, runs: int, goal: Goal, csv: CsvTarget) -> dict[s
     from rl_tui.lab.experiments.many_runs import many_runs
 
     with progress(f"{recipe.scenario.id}, {counted(runs, 'run')}") as on_progress:
-        return many_runs(recipe, runs, goal, csv, on_progress)
+        return many_runs(
+            recipe, runs, goal, csv, on_progress, on_compiling=lambda: on_progress.say("compiling")
+        )

@@ -21,7 +21,7 @@ from rl_tui.agents.exact.solution import Solution
 from rl_tui.common.errors import UserError
 from rl_tui.lab.experiments.episode_rows import EpisodeRows, csv_file
 from rl_tui.lab.experiments.learning_curve import RunCurve, mean_curve, no_curve
-from rl_tui.lab.experiments.patience import WORTH_READING, cores, seconds_interpreted
+from rl_tui.lab.experiments.patience import cores, pays, seconds_interpreted
 from rl_tui.lab.experiments.training import Goal, OnProgress, no_progress, train
 from rl_tui.lab.experiments.whole_file import whole_file
 from rl_tui.lab.run.figures import (
@@ -53,6 +53,10 @@ FIGURES: Final = (
 )
 
 
+def no_compiling() -> None:
+    """Ignore that runs wait for machine code."""
+
+
 def many_runs(
     recipe: Recipe,
     runs: int,
@@ -60,14 +64,15 @@ def many_runs(
     csv: Path | TextIO | None = None,
     on_progress: OnProgress = no_progress,
     workers: int | None = None,
+    on_compiling: Callable[[], None] = no_compiling,
 ) -> dict[str, Any]:
     """Train ``runs`` times, with the seed of ``recipe`` and those that follow, and return what came of it.
 
     It is the document of ``train --runs --json``. ``csv``, a path or a stream, takes one row an episode, in
-    the order of the runs. ``on_progress`` is called from several threads, one at a time. Raises UserError as
-    one run does.
+    the order of the runs. ``on_progress`` is called from several threads, one at a time; ``on_compiling``
+    where they wait for machine code. Raises UserError as one run does.
     """
-    experiment = _Experiment(recipe, runs, goal, on_progress, workers or cores())
+    experiment = _Experiment(recipe, runs, goal, on_progress, workers or cores(), on_compiling)
     start = time.perf_counter()
     rows = experiment.rows(csv)
     seconds = time.perf_counter() - start
@@ -105,7 +110,15 @@ class _GivenUpError(Exception):
 class _Experiment:
     """The runs and what they share: a world that no seed shapes, and its exact answer."""
 
-    def __init__(self, recipe: Recipe, runs: int, goal: Goal, on_progress: OnProgress, workers: int) -> None:
+    def __init__(
+        self,
+        recipe: Recipe,
+        runs: int,
+        goal: Goal,
+        on_progress: OnProgress,
+        workers: int,
+        on_compiling: Callable[[], None],
+    ) -> None:
         self._recipes = [replace(recipe, seed=recipe.seed + index) for index in range(runs)]
         self._goal = goal
         self._on_progress = on_progress
@@ -123,7 +136,9 @@ class _Experiment:
         self._optimum = self._optimum_of(first) if self._shared else None
         # Interpreted, all runs together have one core
         wanted, by_episodes = goal.steps or goal.episodes or 0, goal.steps is None
-        if runs * seconds_interpreted(first.learner, wanted, episodes=by_episodes) > WORTH_READING:
+        seconds = runs * seconds_interpreted(first.learner, wanted, episodes=by_episodes)
+        if pays(first.learner.loop, seconds):
+            on_compiling()
             compile_here(first.learner.loop)
 
     @property

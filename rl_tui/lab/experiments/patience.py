@@ -14,10 +14,10 @@ from rl_tui.agents.kernels.machine_code import Loop
 from rl_tui.agents.learner import Learner
 
 # Seconds of interpreted training. To import numba and read machine code from the cache takes half a second,
-# to compile it some six
+# to compile it some eight: a worker that is ended before has done nothing
 FIRST_LOOK: Final = 0.15
 WORTH_READING: Final = 0.5
-WORTH_COMPILING: Final = 2.0
+WORTH_COMPILING: Final = 5.0
 _SMALLEST_CHUNK: Final = 64
 _COMPILED_CHUNK: Final = 2_000_000
 
@@ -76,6 +76,11 @@ class Patience:
         else:
             BACKGROUND.want([loop])
         return True
+
+
+def pays(loop: Loop, seconds: float) -> bool:
+    """Return whether machine code is worth the wait where all there is to do takes so long interpreted."""
+    return seconds > WORTH_COMPILING or (seconds > WORTH_READING and was_compiled(loop))
 
 
 def seconds_interpreted(learner: Learner, wanted: int, *, episodes: bool) -> float:

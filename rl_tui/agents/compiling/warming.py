@@ -1,0 +1,97 @@
+"""Machine code of every loop there is, kept in the cache before anybody needs it."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator
+from contextlib import suppress
+from itertools import groupby
+from typing import NamedTuple
+
+from rl_tui.agents.compiling.compiler_lock import CompilerLock
+from rl_tui.agents.compiling.loops import LOOKED_FOR_EVERY, Outcome, all_loops, compile_alone
+from rl_tui.agents.compiling.worker_process import GONE, WorkerProcess
+from rl_tui.agents.kernels.cache_folder import cache_folder, takes_code, was_compiled
+from rl_tui.agents.kernels.machine_code import ALWAYS_INTERPRETED, Loop
+from rl_tui.common.errors import UserError
+
+
+class Warmed(NamedTuple):
+    """How many loops this process has compiled, and how many were in the cache, or came from another one."""
+
+    compiled: int
+    found: int
+
+
+def warm(workers: int, on_progress: Callable[[int, int], None]) -> Warmed:
+    """Have every loop in the cache, compiled by so many processes at once; each is read to see that it is.
+
+    Of several programs that do this for one cache the first compiles, and the others wait for it.
+    ``on_progress`` is told how many loops are done, of how many. Raises UserError where the cache does not
+    keep them.
+    """
+    if ALWAYS_INTERPRETED:
+        raise UserError("NUMBA_DISABLE_JIT is set: unset it to have machine code")
+    if not takes_code():
+        raise UserError(f"{cache_folder()}: machine code cannot be kept there: the folder cannot be written")
+    loops = list(all_loops())
+    noted = set(filter(was_compiled, loops))
+    with CompilerLock() as lock:
+        while not lock.acquire():
+            on_progress(sum(map(was_compiled, loops)), len(loops))
+            time.sleep(LOOKED_FOR_EVERY)
+        # What another process has compiled meanwhile is there
+        missing = [loop for loop in loops if loop in noted or not was_compiled(loop)]
+        outcomes = [Outcome.FOUND] * (len(loops) - len(missing))
+        on_progress(len(outcomes), len(loops))
+        for outcome in _compiled(missing, workers):
+            if outcome is Outcome.NOT_KEPT:
+                raise UserError(f"{cache_folder()}: machine code is not kept there: the disk may be full")
+            outcomes.append(outcome)
+            on_progress(len(outcomes), len(loops))
+    compiled = outcomes.count(Outcome.COMPILED)
+    return Warmed(compiled, len(outcomes) - compiled)
+
+
+def _compiled(loops: list[Loop], workers: int) -> Iterator[Outcome]:
+    """Yield how each of ``loops`` was come by, as soon as it is.
+
+    Each algorithm has a worker of its own, which takes its memory with it. Where there can be none, or it
+    dies, this process compiles.
+    """
+    waiting = [list(group) for _, group in groupby(loops, key=lambda loop: loop.algorithm)]
+    busy = dict[WorkerProcess, list[Loop]]()
+    try:
+        while waiting or busy:
+            if waiting and len(busy) < workers:
+                asked = waiting.pop(0)
+                worker = _worker_asked_for(asked)
+                if worker is not None:
+                    busy[worker] = asked
+                else:
+                    yield from map(compile_alone, asked)
+            for worker, asked in list(busy.items()):
+                answer = worker.answer(LOOKED_FOR_EVERY)
+                if answer == GONE:
+                    yield from map(compile_alone, asked)
+                    asked.clear()
+                elif answer is not None:
+                    del asked[0]
+                    yield Outcome(answer)
+                if not asked:
+                    worker.end()
+                    del busy[worker]
+    finally:
+        for worker in busy:
+            worker.end()
+
+
+def _worker_asked_for(loops: list[Loop]) -> WorkerProcess | None:
+    try:
+        worker = WorkerProcess(alone=True)
+    except OSError:
+        return None
+    with suppress(OSError):  # it has ended already, and will say so
+        for loop in loops:
+            worker.ask(loop)
+    return worker
