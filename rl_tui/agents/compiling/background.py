@@ -20,6 +20,8 @@ class BackgroundCompiler:
     def __init__(self) -> None:
         self.failed: dict[Loop, Exception] = {}
         """What there is no machine code for, and why: it stays interpreted, and is not tried again."""
+        self.is_loading = False
+        """Whether it reads machine code now: for half a second, if nothing else wants the interpreter."""
         self._lock = threading.Lock()  # guards everything below
         self._wanted: list[Loop] = []
         self._thread: threading.Thread | None = None
@@ -51,6 +53,18 @@ class BackgroundCompiler:
                 self._worker_helps = False  # it takes one too
         self._work()
 
+    @property
+    def is_busy(self) -> bool:
+        """Whether something is being compiled or read."""
+        return self._thread is not None
+
+    def finish(self) -> None:
+        """Wait until what is being compiled is in the cache, for others: this process wants nothing any more."""
+        self.want(())
+        thread = self._thread
+        if thread is not None:
+            thread.join()
+
     def _is_missing(self, loop: Loop) -> bool:
         return loop not in COMPILED_LOOPS and loop not in self.failed
 
@@ -81,19 +95,29 @@ class BackgroundCompiler:
 
     def _come_by(self, loop: Loop) -> None:
         # Imports all that learns: not before something is wanted
-        from rl_tui.agents.compiling.loops import compile_here, load
+        from rl_tui.agents.compiling.loops import compile_here
         from rl_tui.agents.kernels.cache_folder import takes_code, was_compiled
 
-        if was_compiled(loop) and load(loop):
+        if was_compiled(loop) and self._load(loop):
             return
         if self._worker_helps and takes_code() and self._is_compiled_elsewhere(loop):
             return
         if self._is_wanted(loop):
             compile_here(loop)
 
+    def _load(self, loop: Loop) -> bool:
+        """Read ``loop`` from the cache; False where that does not have it."""
+        from rl_tui.agents.compiling.loops import load
+
+        self.is_loading = True
+        try:
+            return load(loop)
+        finally:
+            self.is_loading = False
+
     def _is_compiled_elsewhere(self, loop: Loop) -> bool:
         """Have the worker compile ``loop``, and read what it has kept; False where that fails."""
-        from rl_tui.agents.compiling.loops import LOOKED_FOR_EVERY, Outcome, load
+        from rl_tui.agents.compiling.loops import LOOKED_FOR_EVERY, Outcome
         from rl_tui.agents.kernels.cache_folder import was_compiled
 
         # Our worker keeps one before the other, and another process either, while ours waits for its turn
@@ -107,7 +131,7 @@ class BackgroundCompiler:
                 for each in filter(was_compiled, hoped_for.copy()):
                     hoped_for.remove(each)
                     if self._is_wanted(loop):
-                        load(each)
+                        self._load(each)
                 if loop in COMPILED_LOOPS:
                     break
         except OSError:
@@ -118,7 +142,7 @@ class BackgroundCompiler:
         if answer == Outcome.NOT_KEPT:
             self._worker_helps = False
         if answer in (Outcome.FOUND, Outcome.COMPILED) and self._is_wanted(loop):
-            load(loop)
+            self._load(loop)
         return loop in COMPILED_LOOPS
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from contextlib import nullcontext
+from contextlib import nullcontext, suppress
 from typing import TYPE_CHECKING, Any, Final
 
 import click
@@ -90,11 +90,24 @@ def command(
         figures = _train_many(recipe, runs, goal, csv)
     if as_json:
         print_json(figures)
-        return
-    from rl_tui.cli.reports.training import one_run, several_runs
+    else:
+        from rl_tui.cli.reports.training import one_run, several_runs
 
-    report = one_run(run, figures) if runs is None else several_runs(recipe, figures)
-    click.echo(report, err=csv is sys.stdout)
+        report = one_run(run, figures) if runs is None else several_runs(recipe, figures)
+        click.echo(report, err=csv is sys.stdout)
+    _finish_compiling()
+
+
+def _finish_compiling() -> None:
+    """Let a compiler that was too late for this run finish, or it is too late for all others like it."""
+    from rl_tui.agents.compiling.background import BACKGROUND
+
+    if BACKGROUND.is_busy:
+        sys.stdout.flush()
+        if sys.stderr.isatty():
+            click.echo("finishing to compile, so that the next time is quick; ctrl+c leaves it", err=True)
+        with suppress(KeyboardInterrupt):
+            BACKGROUND.finish()
 
 
 def _warn_of_no_effect(recipe: Recipe, overrides: dict[str, object], changes: tuple[ChangeText, ...]) -> None:

@@ -15,10 +15,11 @@ from rl_tui.agents.learner import Learner
 
 # Seconds of interpreted training. To import numba and read machine code from the cache takes half a second,
 # to compile it some eight: a worker that is ended before has done nothing
-FIRST_LOOK: Final = 0.15
+FIRST_LOOK: Final = 0.08
 WORTH_READING: Final = 0.5
 WORTH_COMPILING: Final = 5.0
 _SMALLEST_CHUNK: Final = 64
+_SHORT_WAIT: Final = 0.005
 _COMPILED_CHUNK: Final = 2_000_000
 
 
@@ -54,6 +55,8 @@ class Patience:
             self._chunk = _SMALLEST_CHUNK
         elif now - self._last < FIRST_LOOK / 4:
             self._chunk *= 2
+        while BACKGROUND.is_loading:
+            time.sleep(_SHORT_WAIT)
         if not self._waits and now - self._start >= FIRST_LOOK:
             self._waits = self._get_what_pays(learner.loop, self._seconds_left(now, done, wanted))
         self._last = time.perf_counter()
