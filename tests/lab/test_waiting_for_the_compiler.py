@@ -125,6 +125,8 @@ def test_a_far_replay_waits_and_shows_what_was_learned(tmp_path: Path, wanted: l
     assert meanwhile.playback.message.startswith(f"{FAR:,} steps to replay: waiting for the compiler")
     assert meanwhile.playback.interpreted
     assert meanwhile.timeline.current.here == FAR
+    assert (meanwhile.results.greedy_return, meanwhile.counters.last_step) == (None, None)
+    assert meanwhile.exact_answer.solution is None  # it is worked out for the γ of step 0
     assert (wanted, playback.table) == ([[Q_LEARNING]], None)
     compile_here(Q_LEARNING)
     there = arrived(playback)
@@ -142,6 +144,17 @@ def test_a_near_replay_does_not_wait_and_shows_what_was_learned_too(tmp_path: Pa
     assert "waiting" not in meanwhile.playback.message
     assert shows(meanwhile, run)
     assert shows(arrived(playback), run)
+
+
+def test_of_lanes_the_one_shown_is_shown_as_it_was_left(tmp_path: Path) -> None:
+    run = run_to(recipe("student"), FAR)
+    record = left(tmp_path, run).record()
+    other = after(fresh(replace(record.lanes[0].recipe, algorithm="sarsa")), FAR).lanes[0]
+    meanwhile = opened(replace(record, lanes=(other, *record.lanes), shown=1)).snapshot()
+    assert shows(meanwhile, run)
+    first, second = meanwhile.run_group.lanes
+    assert (first.step, second.step, second.episodes) == (0, FAR, run.learner.episodes)
+    assert second.q.tobytes() == run.learner.q.tobytes()
 
 
 def test_without_a_table_step_0_is_shown(tmp_path: Path) -> None:

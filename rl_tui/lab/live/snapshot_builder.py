@@ -99,8 +99,9 @@ class SnapshotBuilder:
 def as_left(snapshot: Snapshot, record: Record) -> Snapshot:
     """Return ``snapshot`` with what its run had learned where ``record`` was left.
 
-    It is returned as it is where that is not known or does not fit the world. So is that of a bandit: its
-    pulls are replayed within a second, and what they won is not known.
+    What the run has achieved is left out: it is not known before the replay is done. ``snapshot`` is returned
+    as it is where the table is not known or does not fit the world, and of a bandit, since panels tell what
+    its pulls have won.
     """
     table, space = record.table, snapshot.world.space
     if table is None or snapshot.results.bandit is not None:
@@ -112,11 +113,27 @@ def as_left(snapshot: Snapshot, record: Record) -> Snapshot:
     settings = [e.change for e in journal if e.step <= lane.step and not isinstance(e.change, TakeAction)]
     now = changed_recipe(lane.recipe, *settings)
     is_same_gamma = now.hyperparameters.gamma == snapshot.agent.hyperparameters.gamma
+    views = [
+        replace(
+            view,
+            algorithm=now.algorithm,
+            hyperparameters=now.hyperparameters,
+            step=lane.step,
+            episodes=table.episodes,
+            q=table.q,
+            results=RunResults(),
+        )
+        if number == record.shown
+        else view
+        for number, view in enumerate(snapshot.run_group.lanes)
+    ]
     return replace(
         snapshot,
         agent=AgentView(now.algorithm, now.hyperparameters, table.q, table.visits),
         counters=Counters(state=table.state, step=lane.step, episodes=table.episodes),
+        results=RunResults(),
         exact_answer=snapshot.exact_answer if is_same_gamma or snapshot.world.mdp is None else PENDING,
         timeline=Timeline(lane.branches, lane.branch),
+        run_group=replace(snapshot.run_group, lanes=tuple(views)),
         cell=None,
     )
