@@ -17,7 +17,7 @@ from recipes import recipe
 from session_samples import after, fresh
 
 from rl_tui.common.file_lock import FileLock
-from rl_tui.lab.live.record import Record
+from rl_tui.lab.live.record import LearnedTable, Record
 from rl_tui.lab.run.recipe import SetParameter
 from rl_tui.lab.sessions import held_file
 from rl_tui.lab.sessions.atomic_file import draft_of, write_atomically
@@ -257,6 +257,10 @@ def test_without_a_home_it_is_told(tmp_path: Path) -> None:
     assert "Not a directory" in notice or "File exists" in notice
 
 
+def learned(q: np.ndarray) -> LearnedTable:
+    return LearnedTable(q, np.zeros(len(q), np.int64), episodes=0, state=0)
+
+
 def digest(folder: Path) -> str:
     return only(folder).document.digest
 
@@ -270,7 +274,7 @@ def test_the_table_is_taken_as_it_was_when_offered(tmp_path: Path, monkeypatch: 
 
     monkeypatch.setattr("rl_tui.lab.sessions.autosave.digest_of", digest_later)
     autosave = Autosave(OPENED, tmp_path)
-    autosave.offer(at(1), q)
+    autosave.offer(at(1), learned(q))
     q[:] = 1.0
     is_changed.set()
     autosave.close()
@@ -280,10 +284,21 @@ def test_the_table_is_taken_as_it_was_when_offered(tmp_path: Path, monkeypatch: 
 def test_a_table_that_comes_later_is_told_too(tmp_path: Path) -> None:
     autosave = Autosave(OPENED, tmp_path)
     autosave.offer(at(1))
-    autosave.offer(at(1), np.ones(5))
-    autosave.offer(at(1), np.ones(5))
+    autosave.offer(at(1), learned(np.ones(5)))
+    autosave.offer(at(1), learned(np.ones(5)))
     autosave.close()
     assert digest(tmp_path) == digest_of(np.ones(5))
+    table = only(tmp_path).record().table
+    assert table is not None
+    assert table.q.tolist() == [1.0] * 5
+
+
+def test_a_table_goes_with_the_record_that_it_is_of(tmp_path: Path) -> None:
+    autosave = Autosave(OPENED, tmp_path)
+    autosave.offer(at(1), learned(np.ones(5)))
+    autosave.offer(at(2))
+    autosave.close()
+    assert (digest(tmp_path), only(tmp_path).record().table) == ("", None)
 
 
 def test_starting_again_begins_another_session(tmp_path: Path) -> None:

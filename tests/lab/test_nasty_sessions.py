@@ -31,6 +31,7 @@ def changed(place: str = "", value: Any = None) -> str:
 LANE = "lanes.0"
 BRANCH = f"{LANE}.branches.0"
 SOUND = json.loads(session_seeds()[0])
+TABLE = {"q": [0.0] * 5, "visits": [0] * 5, "episodes": 0, "state": 0}
 
 # Made when a test wants it: some take megabytes
 REFUSED = {
@@ -81,6 +82,17 @@ REFUSED = {
     "a byte order mark": (lambda: "\ufeff" + changed(), "damaged"),
     "a null character": (lambda: changed() + "\0", "damaged"),
     "a list": (lambda: "[" + changed() + "]", "not a session"),
+    "a table of fewer visits": (lambda: changed("table", {**TABLE, "visits": [0] * 4}), "Q of 5 pairs, but visits of 4"),
+    "a table of too many pairs": (lambda: changed("table", {**TABLE, "q": [0.0] * 2_501}), "at most 2500"),
+    "a table of words": (lambda: changed("table", {**TABLE, "q": ["nan"] * 5}), "table.q[0]"),
+    "a table of no numbers": (lambda: changed("table", {**TABLE, "q": [math.nan] * 5}), "damaged"),
+    "a table beyond all numbers": (lambda: changed("table", {**TABLE, "q": [10**400] * 5}), "table.q[0]"),
+    "visits before the first": (lambda: changed("table", {**TABLE, "visits": [-1] * 5}), "table.visits[0]"),
+    "visits without end": (lambda: changed("table", {**TABLE, "visits": [10**18] * 5}), "table.visits[0]"),
+    "parts of visits": (lambda: changed("table", {**TABLE, "visits": [0.5] * 5}), "table.visits[0]"),
+    "a table without Q": (lambda: changed("table", {"visits": [0] * 5, "episodes": 0, "state": 0}), "table.q"),
+    "a table with more": (lambda: changed("table", {**TABLE, "v": [0.0]}), "table.v"),
+    "a table that is none": (lambda: changed("table", [0.0] * 5), "table"),
     "bytes": (lambda: "x" * (LARGEST_FILE + 1), "at most 64 MB"),
 }  # fmt: skip
 

@@ -6,14 +6,13 @@ import pytest
 from playing import busy
 from recipes import bandit, recipe, replay
 
-from rl_tui.agents import learner
 from rl_tui.lab.live import commands
 from rl_tui.lab.live.commands import Apply, Command, Pause, Play, Restart, RunEpisode, SetSpeed, Step, Train
 from rl_tui.lab.live.handlers import HANDLERS
 from rl_tui.lab.live.pacing import FIRST_CHUNK
 from rl_tui.lab.live.playback import Playback
 from rl_tui.lab.live.snapshot import Phase
-from rl_tui.lab.run.recipe import JournalEntry, Recipe, SetParameter, SwitchAlgorithm
+from rl_tui.lab.run.recipe import JournalEntry, Recipe, SetParameter
 
 
 class Clock:
@@ -248,26 +247,6 @@ def test_restarting_keeps_a_world_that_no_seed_shapes_and_draws_one_that_it_does
     playback.handle(Restart(Recipe(arms.scenario, arms.algorithm, arms.hyperparameters, seed=2)))
     second = playback.snapshot().world
     assert first.mdp.reward.tolist() != second.mdp.reward.tolist()
-
-
-def test_loading_another_algorithm_is_announced_and_then_goes_on(monkeypatch: pytest.MonkeyPatch) -> None:
-    playback = ready(recipe("frozenlake"), speed=None)
-    playback.handle(Play())
-    monkeypatch.setattr(learner, "WARM", set())
-    playback.handle(Apply(SwitchAlgorithm("value-iteration")))
-    assert playback.work() == 0.0
-    shown = playback.snapshot()
-    assert (shown.playback.phase, shown.agent.algorithm, shown.counters.step) == (
-        Phase.PREPARING,
-        "value-iteration",
-        0,
-    )
-    assert "first use" in shown.playback.message
-    assert busy(playback)
-    playback.work()
-    assert (playback.phase, busy(playback)) == (Phase.RUNNING, False)
-    playback.handle(Apply(SwitchAlgorithm("value-iteration")))
-    assert playback.phase is Phase.RUNNING  # loaded already
 
 
 def test_a_planner_that_is_done_goes_on_with_another_discount() -> None:

@@ -81,7 +81,7 @@ class Kept:
         self.steps: list[int] = []
         self.left_at: list[int] = []
 
-    def offer(self, record: Record, q: Any = None) -> None:
+    def offer(self, record: Record, table: Any = None) -> None:
         self.steps.append(record.lanes[0].step)
 
     def begin_anew(self, record: Record) -> None:

@@ -12,14 +12,16 @@ from typing import Any
 import numpy as np
 import pytest
 from hypothesis import given, settings
+from hypothesis import strategies as st
 from recipes import recipe
 from session_samples import after, fresh, records
 
 from rl_tui.common.errors import UserError
-from rl_tui.lab.live.record import Record
+from rl_tui.lab.live.record import LearnedTable, Record
 from rl_tui.lab.run.recipe import JournalEntry, SetParameter, SwitchAlgorithm, TakeAction
 from rl_tui.lab.sessions import atomic_file
 from rl_tui.lab.sessions.atomic_file import write_atomically
+from rl_tui.lab.sessions.document import MOST_PAIRS_KEPT
 from rl_tui.lab.sessions.session import (
     LARGEST_FILE,
     SessionError,
@@ -86,6 +88,44 @@ def fault(path: Path) -> str:
 def test_what_goes_in_comes_out(tmp_path_factory: pytest.TempPathFactory, record: Record) -> None:
     path = tmp_path_factory.getbasetemp() / "any.json"
     assert same_scenario(stored(path, record).record(), record) == record
+
+
+@settings(max_examples=60, deadline=None)
+@given(
+    st.lists(st.tuples(st.floats(allow_nan=False, allow_infinity=False), st.integers(0, 10**15)), max_size=9),
+    st.integers(0, 10**15),
+    st.integers(0, 10**12),
+)
+def test_a_table_comes_out_to_the_last_bit(
+    tmp_path_factory: pytest.TempPathFactory, pairs: list[tuple[float, int]], episodes: int, state: int
+) -> None:
+    path = tmp_path_factory.getbasetemp() / "any.json"
+    q, visits = np.array([each[0] for each in pairs]), np.array([each[1] for each in pairs], np.int64)
+    record = replace(SOUND, table=LearnedTable(q, visits, episodes, state))
+    table = stored(path, record).record().table
+    assert table is not None
+    assert (table.q.dtype, table.q.tobytes()) == (np.dtype(float), q.tobytes())
+    assert (table.visits.dtype, table.visits.tolist()) == (np.dtype(np.int64), visits.tolist())
+    assert (table.episodes, table.state) == (episodes, state)
+
+
+def test_a_session_need_not_have_a_table(tmp_path: Path) -> None:
+    assert "table" not in json.loads(encoded(SOUND))
+    assert stored(tmp_path / "a.json").record().table is None
+
+
+@pytest.mark.parametrize("q", [np.zeros(MOST_PAIRS_KEPT + 1), np.array([1.0, np.nan]), np.array([np.inf])])
+def test_a_large_table_and_one_that_ran_away_are_left_out(tmp_path: Path, q: np.ndarray) -> None:
+    record = replace(SOUND, table=LearnedTable(q, np.zeros(len(q), np.int64), 0, 0))
+    assert stored(tmp_path / "a.json", record).document.table is None
+
+
+def test_the_largest_table_that_is_kept_can_be_read(tmp_path: Path) -> None:
+    q = np.full(MOST_PAIRS_KEPT, -1.2345678901234567e-300)
+    table = LearnedTable(q, np.full(len(q), 10**15), episodes=10**15, state=MOST_PAIRS_KEPT)
+    session = stored(tmp_path / "a.json", replace(SOUND, table=table))
+    assert session.path.stat().st_size < 150_000
+    assert session.record().table is not None
 
 
 def test_the_world_comes_out_of_the_file_alone(tmp_path: Path) -> None:

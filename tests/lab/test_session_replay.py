@@ -17,7 +17,7 @@ from session_samples import after, fresh
 
 from rl_tui.cli.main import program
 from rl_tui.common.errors import UserError
-from rl_tui.lab.experiments import training
+from rl_tui.lab.experiments.patience import Patience
 from rl_tui.lab.experiments.training import Goal, train
 from rl_tui.lab.live.record import Record
 from rl_tui.lab.run.recipe import JournalEntry, SetParameter, TakeAction
@@ -99,7 +99,7 @@ def test_how_it_is_cut_makes_no_difference(steps: list[int], step: int, chunk: i
         JournalEntry(at, SetParameter("alpha", 0.1 + number / 10)) for number, at in enumerate(sorted(steps))
     ]
     run, straight = Run(recipe("student")), Run(recipe("student"))
-    with patch.object(training, "CHUNK", chunk):
+    with patch.object(Patience, "chunk", lambda *_: chunk):
         train(run, Goal(steps=step), journal=journal)
     straight.follow(journal, step)
     assert (run.step, run.journal) == (straight.step, straight.journal)

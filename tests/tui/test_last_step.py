@@ -255,6 +255,12 @@ def test_before_the_first_step_it_says_what_to_press() -> None:
     assert drawn(None)[0].strip() == "no step yet: s takes one"
 
 
+def test_while_a_session_is_replayed_its_last_step_is_not_known() -> None:
+    left = lake(0)
+    left = replace(left, counters=replace(left.counters, step=2_000_000))
+    assert drawn(left)[0].strip() == "the last step is told once it is replayed"
+
+
 def test_the_border_names_the_step() -> None:
     widget = LastStepPanel(look())
     widget.picture(lake_step(), 56, 8)

@@ -3,7 +3,7 @@ from __future__ import annotations
 import pytest
 from samples import bandit, lake, look, planning, student
 
-from rl_tui.lab.live.playback import PREPARING
+from rl_tui.lab.live.playback import PREPARING, WAITING
 from rl_tui.lab.live.snapshot import Phase, Snapshot
 from rl_tui.lab.timeline.branches import Branch, Timeline
 from rl_tui.tui.panels.status_line import StatusLine
@@ -70,12 +70,10 @@ def test_a_bandit_counts_pulls() -> None:
 
 
 def test_preparing_tells_what_it_waits_for() -> None:
-    text = drawn(lake(0, phase=Phase.PREPARING, message="loading the learner"))
-    assert "FrozenLake 4×4 slippery" in text
-    assert "preparing: loading the learner" in text
-    learner = lake(0, phase=Phase.PREPARING, message=PREPARING)
-    assert f"preparing: {PREPARING}" in drawn(learner)
-    assert PREPARING in drawn(learner, 60)
+    preparing = lake(0, phase=Phase.PREPARING, message=PREPARING)
+    assert "FrozenLake 4×4 slippery" in drawn(preparing)
+    for width in (60, 120):
+        assert f"preparing: {PREPARING}" in drawn(preparing, width)
 
 
 def test_a_breakdown_takes_the_row() -> None:
@@ -199,6 +197,15 @@ def test_the_way_to_another_moment_is_told() -> None:
     for width in (60, 80, 120):
         assert message in drawn(lake(phase=Phase.SEEKING, message=message), width)
     assert "FrozenLake" in drawn(lake(phase=Phase.SEEKING, message=message))
+
+
+def test_what_a_replay_waits_for_is_told() -> None:
+    message = WAITING.format(steps=2_000_000)
+    for width in (80, 120):
+        assert message in drawn(lake(phase=Phase.SEEKING, message=message), width)
+    assert "2,000,000 steps to replay: waiting for the compiler" in drawn(
+        lake(phase=Phase.SEEKING, message=message), 60
+    )
 
 
 def test_a_short_way_changes_nothing() -> None:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Final
 from rl_tui.agents.compiling.background import BACKGROUND
 
 if TYPE_CHECKING:
+    from rl_tui.agents.kernels.machine_code import Loop
     from rl_tui.lab.timeline.run_group import RunGroup
 
 MOST_INTERPRETED: Final = 20_000
@@ -22,27 +23,27 @@ class Compilation:
     """
 
     def __init__(self, *, automatic: bool) -> None:
-        self.interpreted = False
-        """Whether a run is interpreted, as far as was looked."""
         self._automatic = automatic
+        self._loops: list[Loop] = []
 
-    def begin(self, group: RunGroup) -> None:
-        """Have machine code come for what ``group`` interprets."""
+    @property
+    def interpreted(self) -> bool:
+        """Whether a run is interpreted, as far as was looked."""
+        return bool(self._loops)
+
+    def has_changed(self, group: RunGroup) -> bool:
+        """Look what ``group`` interprets and have machine code come for it; True if it is not as before."""
         loops = group.interpreted_loops
-        self.interpreted = bool(loops)
+        if loops == self._loops:
+            return False
+        self._loops = loops
         if self._automatic:
             BACKGROUND.want(loops)
-
-    def has_just_ended(self, group: RunGroup) -> bool:
-        """Return True once, when no run of ``group`` is interpreted any more."""
-        if not self.interpreted or group.interpreted_loops:
-            return False
-        self.interpreted = False
         return True
 
-    def waits(self, group: RunGroup, steps: int) -> bool:
-        """Return True if so many steps had better wait for machine code; it comes then in any case."""
-        loops = group.interpreted_loops if self.interpreted and steps > MOST_INTERPRETED else []
-        if loops and not self._automatic:
-            BACKGROUND.want(loops)
-        return bool(loops)
+    def waits(self, steps: int) -> bool:
+        """Return True if so many steps had better wait for machine code; it comes then, unless that fails."""
+        is_worth_it = self.interpreted and steps > MOST_INTERPRETED and BACKGROUND.failure is None
+        if is_worth_it and not self._automatic:
+            BACKGROUND.want(self._loops)
+        return is_worth_it

@@ -34,9 +34,11 @@ def leave_out_of_collections() -> None:
     gc.freeze()
 
 
-def as_usual(player: object) -> None:
-    """Undo both when the last player has ended; ``player`` has."""
+def as_usual(player: object) -> bool:
+    """Undo both when the last player has ended; ``player`` has. Return whether it was the last."""
     _PLAYERS.discard(id(player))
-    if not _PLAYERS:
-        sys.setswitchinterval(USUAL_SWITCH_INTERVAL)
-        gc.unfreeze()
+    if _PLAYERS:
+        return False
+    sys.setswitchinterval(USUAL_SWITCH_INTERVAL)
+    gc.unfreeze()
+    return True

@@ -10,9 +10,9 @@ from rl_tui.lab.live.commands import FROM_HERE, LOOKING, MOVES, WHILE_SEEKING, C
 from rl_tui.lab.live.compilation import LOOK_AGAIN, Compilation
 from rl_tui.lab.live.handlers import HANDLERS
 from rl_tui.lab.live.pacing import AT_ONCE, CHUNK
-from rl_tui.lab.live.record import Record
+from rl_tui.lab.live.record import LearnedTable, Record
 from rl_tui.lab.live.snapshot import PHASES, Phase, PlaybackView, Snapshot
-from rl_tui.lab.live.snapshot_builder import SnapshotBuilder
+from rl_tui.lab.live.snapshot_builder import SnapshotBuilder, as_left
 from rl_tui.lab.live.state import BUSY, ENDED, PASSING, UNFINISHED, State
 from rl_tui.lab.live.stop_condition import StopCondition, breakpoint_in_words, until_in_words, watching_for
 from rl_tui.lab.live.until import Breakpoints, Event, Until
@@ -25,7 +25,6 @@ if TYPE_CHECKING:
     from rl_tui.lab.live.transport import Transport
     from rl_tui.lab.run.run import Run
     from rl_tui.lab.timeline.run_group import RunGroup
-    from rl_tui.worlds.mdp.space import FloatArray
 
 PREPARING: Final = "building the world"
 WAITING: Final = "{steps:,} steps to replay: waiting for the compiler, which takes some seconds"
@@ -118,11 +117,12 @@ class Playback:
         return Record(self.group.records, self.group.shown, self.breakpoints, self.transport.speed)
 
     @property
-    def q(self) -> FloatArray | None:
-        """The live estimates of the run shown, [P], None while it is not where the record says."""
+    def table(self) -> LearnedTable | None:
+        """The live table of the run shown, None while it is not where the record says."""
         if self.state is State.BUILDING or self.group.seeking:
             return None
-        return self.group.current.run.learner.q
+        learner = self.group.current.run.learner
+        return LearnedTable(learner.q, learner.visits, learner.episodes, learner.state)
 
     def handle(self, command: Command) -> None:
         """Carry out ``command``, or begin to. Raises UserError where the world of a restart cannot be built.
@@ -147,8 +147,8 @@ class Playback:
 
     def work(self) -> float | None:
         """Do what is due, for some milliseconds; return in how many seconds to call again, None for never."""
-        if self.compilation.interpreted and self.compilation.has_just_ended(self.group):
-            self.transport.measure_anew()
+        if self.state is not State.BUILDING and self.compilation.has_changed(self.group):
+            self.transport.measure_anew()  # a step may now take a thousand times as long, or as short
             self.changed = True
         match self.state:
             case State.BUILDING:
@@ -172,9 +172,9 @@ class Playback:
             if self._beginning is None:
                 raise RuntimeError("there is no world yet")
             preparing = PlaybackView(message=PREPARING, speed=self._record.speed)
-            return self._builder.before(self._recipe, self._beginning.world, preparing)
+            return as_left(self._builder.before(self._recipe, self._beginning.world, preparing), self._record)
         run = self.group.current.run
-        return self._builder.build(
+        snapshot = self._builder.build(
             self.group,
             PlaybackView(
                 phase=self.phase,
@@ -191,6 +191,8 @@ class Playback:
             viewport=self.viewport,
             cell=self.cell,
         )
+        returns = self.state is State.SEEKING and self.group.current.seek is not None and not self.touched
+        return as_left(snapshot, self._record) if returns else snapshot
 
     def _answer(self) -> Answer:
         """Return the exact answer for the γ in force, as far as it is known."""
@@ -308,7 +310,6 @@ class Playback:
             self._enter(State.PAUSED)  # what was changed may give a planner something to do again
             if self.group.current.run.over:
                 self._end(self.group.current.run)
-        self.compilation.begin(self.group)
 
     # What is done in each state
 
@@ -330,7 +331,7 @@ class Playback:
         )
         self.condition, self.paused_by = None, ""
         self._enter(State.PAUSED)
-        self.compilation.begin(self.group)
+        self.compilation.has_changed(self.group)
         self._answer()  # it may take a while, so that it had better begin at once
         self.group.resume(record.lanes)
         self.set_breakpoints(record.breakpoints)
@@ -347,15 +348,12 @@ class Playback:
         )
 
     def _continue_seek(self) -> float:
-        if self.compilation.waits(self.group, self._steps_to_seek):
-            self.changed = self.changed or self.transport.has_news()
-            return LOOK_AGAIN
-        if self.transport.continue_seek(AT_ONCE):
+        waits = self.compilation.waits(self._steps_to_seek)
+        if not waits and self.transport.continue_seek(AT_ONCE):
             self._go_on()
-            self.compilation.begin(self.group)  # on the way the algorithm may have changed
         elif self.transport.has_news():
             self.changed = True
-        return 0.0
+        return LOOK_AGAIN if waits else 0.0
 
     @property
     def _steps_to_seek(self) -> int:
@@ -364,12 +362,11 @@ class Playback:
 
     @property
     def _seek_message(self) -> str:
-        steps = self._steps_to_seek
-        waits = self.compilation.waits(self.group, steps)
-        return WAITING.format(steps=steps) if waits else self.transport.seek_message
+        waits = self.compilation.waits(self._steps_to_seek)
+        return WAITING.format(steps=self._steps_to_seek) if waits else self.transport.seek_message
 
     def _continue_training(self) -> float:
-        if self.compilation.waits(self.group, self._steps_to_train):
+        if self.compilation.waits(self._steps_to_train):
             return LOOK_AGAIN
         self._steps_to_train -= self.transport.take_steps(self._steps_to_train)
         if self._steps_to_train == 0 or self.group.current.run.over:

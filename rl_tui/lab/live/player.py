@@ -9,6 +9,7 @@ from collections import deque
 from collections.abc import AsyncIterator, Callable
 from typing import Final
 
+from rl_tui.agents.compiling.background import BACKGROUND
 from rl_tui.common.errors import UserError
 from rl_tui.lab.live.commands import Command, Restart
 from rl_tui.lab.live.interpreter import as_usual, leave_out_of_collections, switch_often
@@ -118,7 +119,9 @@ class Player:
             self._wake_reader()
         if self._thread is not None:
             self._thread.join(LONGEST_GOODBYE)
-            as_usual(self)
+            is_last = as_usual(self)
+            if is_last and self._automatic:
+                BACKGROUND.want(())
         if self._record_sink is not None:
             self._record_sink.close()
         self._refuse_questions(PlayerClosedError())
@@ -191,7 +194,7 @@ class Player:
         goes_on = playback.phase is Phase.RUNNING and now - self._offered_at >= OFFERED_EVERY
         if last != self._offered or goes_on or ends or self._closing:
             self._offered, self._offered_at = last, now
-            sink.offer(playback.record, playback.q)
+            sink.offer(playback.record, playback.table)
 
     def _take_commands(self) -> None:
         """Carry out what was sent until now; what is sent meanwhile must not hold up the run."""

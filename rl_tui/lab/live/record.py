@@ -1,4 +1,4 @@
-"""All that is needed to come back to where a playground was, small and free of arrays; and what keeps it."""
+"""All that is needed to come back to where a playground was, small; and what keeps it."""
 
 from __future__ import annotations
 
@@ -7,7 +7,21 @@ from typing import Protocol
 
 from rl_tui.lab.live.until import Breakpoints
 from rl_tui.lab.timeline.branches import RunRecord
-from rl_tui.worlds.mdp.space import FloatArray
+from rl_tui.worlds.mdp.space import FloatArray, IntArray
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LearnedTable:
+    """What a run has learned at one step."""
+
+    q: FloatArray
+    """[P], the estimates."""
+    visits: IntArray
+    """[P], how often each pair was updated or taken."""
+    episodes: int
+    """Finished episodes."""
+    state: int
+    """The state in which the agent is."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -22,6 +36,9 @@ class Record:
     """Where the run shown is to stop."""
     speed: float | None = None
     """The wanted steps a second, None for as fast as it goes."""
+    table: LearnedTable | None = field(default=None, compare=False)
+    """What the run shown had learned where it was left, None where that is not known. It is shown until the
+    run is there again; nothing is learned from it, and it need not fit the world."""
 
 
 class RecordSink(Protocol):
@@ -30,8 +47,8 @@ class RecordSink(Protocol):
     It is offered the newest record again and again, from the player's thread, and must not hold it up.
     """
 
-    def offer(self, record: Record, q: FloatArray | None = None) -> None:
-        """Take ``record`` as the newest; ``q``, [P], is the table where it stands, if that is at hand."""
+    def offer(self, record: Record, table: LearnedTable | None = None) -> None:
+        """Take ``record`` as the newest; ``table`` is the live one where it stands, if that is at hand."""
 
     def begin_anew(self, record: Record) -> None:
         """Take ``record`` as the beginning of another session; the one until now stays as it is."""

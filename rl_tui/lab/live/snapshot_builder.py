@@ -1,19 +1,22 @@
-"""Where snapshots are made: of a run, and of one that is about to begin."""
+"""Where snapshots are made: of a run, of one that is about to begin, and of one as it was left."""
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from rl_tui.agents.counters import Counters
+from rl_tui.lab.live.record import Record
 from rl_tui.lab.live.snapshot import AgentView, PlaybackView, Snapshot
 from rl_tui.lab.live.viewport import PartCopier, Viewport
 from rl_tui.lab.run.bandit import bandit_figures
 from rl_tui.lab.run.exact_answers import NO_TABLE, PENDING, Answer
 from rl_tui.lab.run.large_worlds import is_large
-from rl_tui.lab.run.recipe import Recipe
+from rl_tui.lab.run.recipe import Recipe, TakeAction, changed_recipe
 from rl_tui.lab.run.results import RunResults
+from rl_tui.lab.timeline.branches import Timeline
 from rl_tui.worlds.mdp.space import IntArray
 from rl_tui.worlds.world import World
 
@@ -91,3 +94,46 @@ class SnapshotBuilder:
             planning=learner.planning,
             author=learner.author,
         )
+
+
+def as_left(snapshot: Snapshot, record: Record) -> Snapshot:
+    """Return ``snapshot`` with what its run had learned where ``record`` was left.
+
+    What the run has achieved is left out: it is not known before the replay is done. ``snapshot`` is returned
+    as it is where the table is not known or does not fit the world, and of a bandit, since panels tell what
+    its pulls have won.
+    """
+    table, space = record.table, snapshot.world.space
+    if table is None or snapshot.results.bandit is not None:
+        return snapshot
+    if len(table.q) != space.pairs or table.state >= space.states:
+        return snapshot
+    lane = record.lanes[record.shown]
+    journal = lane.branches[lane.branch].journal
+    settings = [e.change for e in journal if e.step <= lane.step and not isinstance(e.change, TakeAction)]
+    now = changed_recipe(lane.recipe, *settings)
+    is_same_gamma = now.hyperparameters.gamma == snapshot.agent.hyperparameters.gamma
+    views = [
+        replace(
+            view,
+            algorithm=now.algorithm,
+            hyperparameters=now.hyperparameters,
+            step=lane.step,
+            episodes=table.episodes,
+            q=table.q,
+            results=RunResults(),
+        )
+        if number == record.shown
+        else view
+        for number, view in enumerate(snapshot.run_group.lanes)
+    ]
+    return replace(
+        snapshot,
+        agent=AgentView(now.algorithm, now.hyperparameters, table.q, table.visits),
+        counters=Counters(state=table.state, step=lane.step, episodes=table.episodes),
+        results=RunResults(),
+        exact_answer=snapshot.exact_answer if is_same_gamma or snapshot.world.mdp is None else PENDING,
+        timeline=Timeline(lane.branches, lane.branch),
+        run_group=replace(snapshot.run_group, lanes=tuple(views)),
+        cell=None,
+    )

@@ -97,7 +97,9 @@ class Transport:
             now = self._clock()
             if taken == wanted:
                 self._chunk.measured(taken, now - before)
-        self._chunk = ChunkSize()  # a step may now take a thousand times as long
+            else:
+                self._chunk = ChunkSize()  # in another run or loop a step may take a thousand times as long
+        self._chunk = ChunkSize()
         return True
 
     def has_news(self) -> bool:

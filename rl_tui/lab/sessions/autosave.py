@@ -7,17 +7,14 @@ import time
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
-from rl_tui.lab.live.record import Record
+from rl_tui.lab.live.record import LearnedTable, Record
 from rl_tui.lab.run.recipe import Recipe
 from rl_tui.lab.sessions.folder import settled
 from rl_tui.lab.sessions.session import MOST_PAIRS_DIGESTED, StoredSession, digest_of
 from rl_tui.lab.sessions.writer import SessionWriter, reason
 from rl_tui.lab.timeline.branches import RunRecord
-
-if TYPE_CHECKING:
-    from rl_tui.worlds.mdp.space import FloatArray
 
 INTERVAL: Final = 0.3
 AGAIN: Final = 2.0  # seconds until it is tried again what could not be written
@@ -65,17 +62,17 @@ class Autosave:
         """The name that a person gave to the session, empty without one."""
         return self._session.writer.title
 
-    def offer(self, record: Record, q: FloatArray | None = None) -> None:
+    def offer(self, record: Record, table: LearnedTable | None = None) -> None:
         """Take ``record`` as the newest; never waits for the disk.
 
-        ``q``, [P], is the table of the lane shown where ``record`` says that it stands, None where that is
-        not at hand; it is copied.
+        ``table`` is that of the lane shown where ``record`` says that it stands, None where that is not at
+        hand; it is copied.
         """
         with self._changed:
             newest = self._session.newest
-            is_news = record != newest.record or (q is not None and not newest.has_table)
+            is_news = record != newest.record or (table is not None and not newest.has_table)
             if is_news and not self._closing:
-                self._session.take(_Offer(record, q))
+                self._session.take(_Offer(record, table))
                 self._start_or_wake()
 
     def begin_anew(self, record: Record) -> None:
@@ -237,16 +234,20 @@ class _Session:
 
 
 class _Offer:
-    """A record, and a copy of Q where it stands."""
+    """A record, and a copy of the table where it stands, unless that is large."""
 
-    def __init__(self, record: Record, q: FloatArray | None) -> None:
-        self.record = record
-        self.has_table = q is not None
-        self._q = None if q is None or len(q) > MOST_PAIRS_DIGESTED else q.copy()
+    def __init__(self, record: Record, table: LearnedTable | None) -> None:
+        self.has_table = table is not None
+        self._copy = None if table is None or len(table.q) > MOST_PAIRS_DIGESTED else _copied(table)
+        self.record = record if self._copy is None else replace(record, table=self._copy)
 
     @property
     def digest(self) -> str:
-        return "" if self._q is None else digest_of(self._q)
+        return "" if self._copy is None else digest_of(self._copy.q)
+
+
+def _copied(table: LearnedTable) -> LearnedTable:
+    return replace(table, q=table.q.copy(), visits=table.visits.copy())
 
 
 def _is_blank(record: Record) -> bool:

@@ -7,12 +7,14 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from rl_tui import __version__
 from rl_tui.agents.catalogue import BY_ID
 from rl_tui.agents.hyperparameters import PARAMETERS, Hyperparameters
 from rl_tui.common.errors import UserError
 from rl_tui.common.findings import near, shown
-from rl_tui.lab.live.record import Record
+from rl_tui.lab.live.record import LearnedTable, Record
 from rl_tui.lab.live.until import Breakpoints
 from rl_tui.lab.run.recipe import Change, JournalEntry, Recipe, SetParameter, SwitchAlgorithm, TakeAction
 from rl_tui.lab.sessions.document import (
@@ -20,12 +22,14 @@ from rl_tui.lab.sessions.document import (
     MOST_BRANCHES,
     MOST_ENTRIES,
     MOST_IN_ALL,
+    MOST_PAIRS_KEPT,
     VERSION,
     Document,
     Entry,
     StoredBranch,
     StoredLane,
     StoredScenario,
+    StoredTable,
 )
 from rl_tui.lab.timeline.branches import Branch, RunRecord
 from rl_tui.worlds.files.gymnasium_ids import PREFIX, environment_scenario
@@ -39,7 +43,7 @@ def document_of(record: Record, *, title: str, kept: bool, digest: str) -> dict[
     it is larger than what is read again.
     """
     scenario = record.lanes[0].recipe.scenario
-    return {
+    fields = {
         "format": FORMAT,
         "version": VERSION,
         "program": __version__,
@@ -56,6 +60,8 @@ def document_of(record: Record, *, title: str, kept: bool, digest: str) -> dict[
         "speed": record.speed,
         "digest": digest,
     }
+    table = None if record.table is None else _stored_table(record.table)
+    return fields if table is None else {**fields, "table": table}
 
 
 def _stored_scenario(scenario: Scenario) -> dict[str, str]:
@@ -108,6 +114,18 @@ def _stored_entry(entry: JournalEntry) -> dict[str, Any]:
             return {"step": entry.step, "take": action}
 
 
+def _stored_table(table: LearnedTable) -> dict[str, Any] | None:
+    """Return ``table`` as JSON; None where it is large, or holds what JSON has no number for."""
+    if len(table.q) > MOST_PAIRS_KEPT or not np.isfinite(table.q).all():
+        return None
+    return {
+        "q": table.q.tolist(),
+        "visits": table.visits.tolist(),
+        "episodes": table.episodes,
+        "state": table.state,
+    }
+
+
 # To a record
 
 
@@ -122,7 +140,13 @@ def record_of(document: Document) -> Record:
             frozenset(document.breakpoints.states), frozenset(document.breakpoints.pairs)
         ),
         speed=document.speed,
+        table=None if document.table is None else _table(document.table),
     )
+
+
+def _table(stored: StoredTable) -> LearnedTable:
+    q, visits = np.array(stored.q, np.float64), np.array(stored.visits, np.int64)
+    return LearnedTable(q, visits, stored.episodes, stored.state)
 
 
 def _scenario(stored: StoredScenario) -> Scenario:

@@ -3,13 +3,21 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
 from rl_tui.agents.kernels.watching import Watching
 from rl_tui.common.errors import UserError
-from rl_tui.lab.run.recipe import UNLIMITED, Beginning, Change, begin
+from rl_tui.lab.run.recipe import (
+    UNLIMITED,
+    Beginning,
+    Change,
+    JournalEntry,
+    SetParameter,
+    SwitchAlgorithm,
+    begin,
+)
 from rl_tui.lab.run.run import Run, RunState
 from rl_tui.lab.timeline.branches import Branch, RunRecord, Timeline
 from rl_tui.lab.timeline.checkpoints import Checkpoints
@@ -160,7 +168,7 @@ class BranchingRun:
             self._arrive(self.seek)
 
     def continue_seek(self, steps: int) -> int:
-        """Go on seeking by at most ``steps``; return how many were taken."""
+        """Go on seeking by at most ``steps``, all of one loop; return how many were taken."""
         seek = self.seek
         if seek is None:
             return 0
@@ -168,7 +176,8 @@ class BranchingRun:
         before, start = run.step, self._clock()
         if before > seek.origin and run is not self.run:
             self._keep_near(run, kept)
-        self._follow(run, kept, min(before + steps, target.last_step), target.last_episode)
+        until = min(before + steps, target.last_step, _end_of_loop(run, kept.branch.journal))
+        self._follow(run, kept, until, target.last_episode)
         self._sought += self._clock() - start
         taken, done = run.step - before, seek.done
         if taken == 0 and not done:  # the run is over before it is there
@@ -254,3 +263,15 @@ class BranchingRun:
         kept.checkpoints.add_near(run.checkpoint())
         self._copying = self._clock() - start
         self._sought = -self._copying  # it is counted with what comes next
+
+
+def _end_of_loop(run: Run, journal: Sequence[JournalEntry]) -> int:
+    """Return the step at which ``run`` goes on in another loop, which may not be there as machine code."""
+    for entry in journal[len(run.journal) :]:
+        change = entry.change
+        is_other = isinstance(change, SwitchAlgorithm) or (
+            isinstance(change, SetParameter) and change.name == "policy"
+        )
+        if is_other and entry.step > run.step:
+            return entry.step
+    return UNLIMITED

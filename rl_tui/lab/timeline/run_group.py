@@ -75,8 +75,8 @@ class RunGroup:
     @property
     def interpreted_loops(self) -> list[Loop]:
         """Which loops of its runs are not there as machine code yet, that of the run shown first."""
-        learners = [each.run.learner for each in (self.current, *self._others)]
-        return [each.loop for each in learners if not each.is_compiled]
+        runs = [each.run if each.seek is None else each.seek.run for each in (self.current, *self._others)]
+        return [run.learner.loop for run in runs if not run.learner.is_compiled]
 
     @property
     def seeking(self) -> bool:

@@ -17,6 +17,7 @@ from rl_tui.tui.theme.look import Look
 from rl_tui.worlds.drawing import Arms
 
 NOTHING_YET: Final = "no step yet: s takes one"
+NOT_REPLAYED_YET: Final = "the last step is told once it is replayed"
 _LEAST_ROWS: Final = 4  # below this the loop has no lines of its own
 
 
@@ -44,10 +45,15 @@ def _which(snapshot: Snapshot | None) -> str:
     return f"pull {step:,}" if is_bandit else f"step {step:,} · episode {episode:,}"
 
 
+def nothing_yet(snapshot: Snapshot | None) -> str:
+    """Return why there is no last step to tell of."""
+    return NOTHING_YET if snapshot is None or snapshot.counters.step == 0 else NOT_REPLAYED_YET
+
+
 def last_step_lines(snapshot: Snapshot | None, look: Look, width: int, height: int) -> list[Line]:
     """Return what the panel says in ``height`` rows of ``width`` cells, at most so many lines."""
     story = None if snapshot is None else story_of(snapshot)
     if story is None:
-        return [[Piece(" ", look.palette.text), Piece(NOTHING_YET, look.palette.dim)]]
+        return [[Piece(" ", look.palette.text), Piece(nothing_yet(snapshot), look.palette.dim)]]
     writer = StepWriter(words_of(story, look.glyphs), look, width)
     return (writer.tall(height) if height >= _LEAST_ROWS else writer.short(height))[:height]

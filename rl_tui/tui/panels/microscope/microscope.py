@@ -14,7 +14,7 @@ from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.draw.canvas import Canvas
 from rl_tui.tui.draw.pieces import KEPT_BLANK, Line, Piece, strips_of, wrapped
 from rl_tui.tui.panels.bindings import binding
-from rl_tui.tui.panels.last_step.last_step import NOTHING_YET
+from rl_tui.tui.panels.last_step.last_step import nothing_yet
 from rl_tui.tui.panels.last_step.words import words_of
 from rl_tui.tui.panels.microscope.backup_tree import BACKUP_HEADING, backup_rows, backup_section
 from rl_tui.tui.panels.microscope.cell_history import history_strips
@@ -144,7 +144,7 @@ def page(
     room = (width - _GAP * (columns - 1)) // columns
     story = None if snapshot is None else story_of(snapshot)
     if snapshot is None or story is None:
-        nothing: list[Line] = [[Piece(f" {NOTHING_YET}", look.palette.dim)]]
+        nothing: list[Line] = [[Piece(f" {nothing_yet(snapshot)}", look.palette.dim)]]
         return strips_of(nothing, width, 1, look)
     sections = _sections(snapshot, story, look, room, secret=is_secret(snapshot, revealed=revealed))
     parts = (sections,) if columns == 1 else (sections[:2] + sections[3:], sections[2:3])
