@@ -59,7 +59,7 @@ class BackgroundCompiler:
         return self._thread is not None
 
     def finish(self) -> None:
-        """Wait until what is being compiled is in the cache, for others: this process wants nothing any more."""
+        """Wait until what is being compiled is in the cache, for others: here nothing is wanted any more."""
         self.want(())
         thread = self._thread
         if thread is not None:

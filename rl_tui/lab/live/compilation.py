@@ -31,6 +31,11 @@ class Compilation:
         """Whether a run is interpreted, as far as was looked."""
         return bool(self._loops)
 
+    @property
+    def is_being_read(self) -> bool:
+        """Whether machine code is about to be there; it comes the sooner, the less else is done."""
+        return self.interpreted and BACKGROUND.is_loading
+
     def has_changed(self, group: RunGroup) -> bool:
         """Look what ``group`` interprets and have machine code come for it; True if it is not as before."""
         loops = group.interpreted_loops
@@ -43,7 +48,8 @@ class Compilation:
 
     def waits(self, steps: int) -> bool:
         """Return True if so many steps had better wait for machine code; it comes then, unless that fails."""
-        is_worth_it = self.interpreted and steps > MOST_INTERPRETED and BACKGROUND.failure is None
+        comes = any(loop not in BACKGROUND.failed for loop in self._loops)
+        is_worth_it = comes and steps > MOST_INTERPRETED
         if is_worth_it and not self._automatic:
             BACKGROUND.want(self._loops)
         return is_worth_it

@@ -150,6 +150,8 @@ class Playback:
         if self.state is not State.BUILDING and self.compilation.has_changed(self.group):
             self.transport.measure_anew()  # a step may now take a thousand times as long, or as short
             self.changed = True
+        if self.compilation.is_being_read and self._takes_all_it_can:
+            return LOOK_AGAIN
         match self.state:
             case State.BUILDING:
                 self._build()
@@ -215,6 +217,11 @@ class Playback:
                 return
         self.state = state
         self.phase = PHASES[self._next if state is State.TRAINING else state]
+
+    @property
+    def _takes_all_it_can(self) -> bool:
+        is_running = self.state is State.RUNNING and self.transport.speed is None
+        return is_running or self.state in (State.SEEKING, State.TRAINING, State.UNTIL)
 
     def _return(self) -> None:
         """Leave a state that passes, for what was done before it."""
