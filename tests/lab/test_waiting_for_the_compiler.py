@@ -239,7 +239,7 @@ def test_where_nothing_can_be_compiled_it_replays_interpreted(
 ) -> None:
     run = run_to(recipe("student"), FAR)
     playback = opened(left(tmp_path, run).record())
-    monkeypatch.setattr(BACKGROUND, "failure", OSError("no compiler"))
+    monkeypatch.setitem(BACKGROUND.failed, run.learner.loop, OSError("no compiler"))
     there = arrived(playback)
     assert shows(there, run)
     assert there.playback.interpreted

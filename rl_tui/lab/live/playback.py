@@ -27,7 +27,6 @@ if TYPE_CHECKING:
     from rl_tui.lab.timeline.run_group import RunGroup
 
 PREPARING: Final = "building the world"
-WAITING: Final = "{steps:,} steps to replay: waiting for the compiler, which takes some seconds"
 
 
 class Playback:
@@ -355,7 +354,7 @@ class Playback:
         )
 
     def _continue_seek(self) -> float:
-        waits = self.compilation.waits(self._steps_to_seek)
+        waits = self.compilation.waits(self.transport.steps_to_seek)
         if not waits and self.transport.continue_seek(AT_ONCE):
             self._go_on()
         elif self.transport.has_news():
@@ -363,14 +362,9 @@ class Playback:
         return LOOK_AGAIN if waits else 0.0
 
     @property
-    def _steps_to_seek(self) -> int:
-        done, steps = self.group.progress
-        return steps - done
-
-    @property
     def _seek_message(self) -> str:
-        waits = self.compilation.waits(self._steps_to_seek)
-        return WAITING.format(steps=self._steps_to_seek) if waits else self.transport.seek_message
+        waits = self.compilation.waits(self.transport.steps_to_seek)
+        return self.transport.seek_message(waits=waits)
 
     def _continue_training(self) -> float:
         if self.compilation.waits(self._steps_to_train):

@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from rl_tui.lab.timeline.run_group import RunGroup
 
 NEWS_EVERY: Final = 0.25
+WAITING: Final = "{steps:,} steps to replay: waiting for the compiler, which takes some seconds"
 _WORTH_A_FORECAST: Final = 0.5
 
 
@@ -111,8 +112,18 @@ class Transport:
         return True
 
     @property
-    def seek_message(self) -> str:
-        """How far a seek has come and how long it will take, as far as that is known."""
+    def steps_to_seek(self) -> int:
+        """How many steps are left until the run that is seeking now is where it has to be."""
+        done, steps = self.group.progress
+        return steps - done
+
+    def seek_message(self, *, waits: bool) -> str:
+        """Return how far a seek has come and how long it will take, as far as that is known.
+
+        Where it ``waits`` for machine code it says so.
+        """
+        if waits:
+            return WAITING.format(steps=self.steps_to_seek)
         done, steps = self.group.progress
         begins = "" if self.group.current.run.learner.rewindable else " from the seed"
         words = f"replaying{begins}: {done:,} of {steps:,} steps"
