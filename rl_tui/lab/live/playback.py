@@ -363,8 +363,7 @@ class Playback:
 
     @property
     def _seek_message(self) -> str:
-        waits = self.compilation.waits(self.transport.steps_to_seek)
-        return self.transport.seek_message(waits=waits)
+        return self.transport.seek_message(waits=self.compilation.waits(self.transport.steps_to_seek))
 
     def _continue_training(self) -> float:
         if self.compilation.waits(self._steps_to_train):
