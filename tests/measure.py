@@ -15,6 +15,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable, Iterator, Sequence
+from compileall import compile_dir
 from pathlib import Path
 from statistics import median, quantiles
 from tempfile import TemporaryDirectory
@@ -25,6 +26,9 @@ from journeys import journeys
 from player_calls import player_calls
 from pseudo_terminal import RL_TUI, PseudoTerminal
 
+import rl_tui
+
+PACKAGE: Final = Path(rl_tui.__file__).parent
 SCENARIO: Final = "frozenlake-slippery"
 IMPORTS: Final = (sys.executable, "-c", "import numpy, numba, gymnasium")
 BRIEF: Final = {
@@ -314,6 +318,7 @@ def main() -> None:
     parser.add_argument("--rounds", type=int, default=5)
     parser.add_argument("--memory-steps", type=int, default=1_000_000_000)
     options = parser.parse_args()
+    compile_dir(PACKAGE, quiet=1)  # as where it is installed, also where Python may not write bytecode itself
     measures: dict[str, Callable[[], Rows]] = {
         "start-up": lambda: start_up(options.rounds),
         "beginnings": lambda: beginnings(options.rounds),
