@@ -33,7 +33,7 @@ from rl_tui.worlds.mdp.space import all_pairs
 
 LOOKED_FOR_EVERY: Final = 0.1
 """Seconds after which a process that waits for another one's machine code looks for it again."""
-LONGEST_WAIT: Final = 120.0
+LONGEST_WAIT: Final = 300.0
 """Seconds after which a process that compiles is taken for stopped, as by Ctrl+Z; the others go on."""
 
 # Marks count once their module is imported. One program may have imported more than another, but in the cache
