@@ -13,9 +13,9 @@ import numba
 import pytest
 from numba.core import event
 from numba.core.typing.templates import _OverloadFunctionTemplate
+from rl_tui.agents.kernels.cache import LONGEST_UNUSED, cache_folder, prune
 
 from rl_tui.agents.kernels import compiled as decorators
-from rl_tui.agents.kernels.cache import LONGEST_UNUSED, cache_folder, prune
 from rl_tui.agents.kernels.compiled import compiled, inlined, inlined_by_type, member_of
 
 SCRIPT = """

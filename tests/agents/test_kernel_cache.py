@@ -14,9 +14,9 @@ from pathlib import Path
 
 import pytest
 from numba.core.dispatcher import Dispatcher
+from rl_tui.agents.kernels.cache import cache_folder
 
 from rl_tui.agents.catalogue import BY_ID, POLICY_BY_ID
-from rl_tui.agents.kernels.cache import cache_folder
 from rl_tui.agents.kernels.cache_key import DECORATORS, PACKAGE, cache_key, imports, kernel_sources
 
 MODULES = {

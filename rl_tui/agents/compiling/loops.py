@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from enum import StrEnum
 from importlib import import_module
 from typing import Final
@@ -33,7 +33,7 @@ from rl_tui.worlds.mdp.space import all_pairs
 
 LOOKED_FOR_EVERY: Final = 0.1
 """Seconds after which a process that waits for another one's machine code looks for it again."""
-LONGEST_WAIT: Final = 120.0
+LONGEST_WAIT: Final = 300.0
 """Seconds after which a process that compiles is taken for stopped, as by Ctrl+Z; the others go on."""
 
 # Marks count once their module is imported. One program may have imported more than another, but in the cache
@@ -78,16 +78,26 @@ def compile_here(loop: Loop) -> Outcome:
     if loop in COMPILED_LOOPS:
         return Outcome.FOUND
     was_noted = False
+
+    def is_there() -> bool:
+        nonlocal was_noted
+        if was_noted or not was_compiled(loop):
+            return False
+        was_noted = True  # by a process of another processor, if it cannot be read
+        return load(loop)
+
+    return compile_in_turn(loop, is_there)
+
+
+def compile_in_turn(loop: Loop, is_there: Callable[[], bool] = lambda: False) -> Outcome:
+    """Do as :func:`compile_here` once no other process compiles, unless it ``is_there`` before."""
     longest = time.monotonic() + LONGEST_WAIT
     with CompilerLock() as lock:
-        while True:
-            if not was_noted and was_compiled(loop):
-                was_noted = True
-                if load(loop):
-                    return Outcome.FOUND
+        while not is_there():
             if lock.acquire() or time.monotonic() > longest:
                 return compile_alone(loop)
             time.sleep(LOOKED_FOR_EVERY)
+    return Outcome.FOUND
 
 
 def compile_alone(loop: Loop) -> Outcome:

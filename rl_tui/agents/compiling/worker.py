@@ -32,9 +32,10 @@ def main(*, alone: bool) -> None:
         os.nice(NICENESS)
     asked = SimpleQueue[str]()
     threading.Thread(target=_read, args=(sys.stdin, asked), daemon=True).start()
-    from rl_tui.agents.compiling.loops import compile_alone, compile_here
+    from rl_tui.agents.compiling.loops import compile_alone, compile_in_turn
 
-    work(iter(asked.get, ""), sys.stdout, compile_alone if alone else compile_here)
+    # What another process keeps meanwhile, the one that asks reads by itself
+    work(iter(asked.get, ""), sys.stdout, compile_alone if alone else compile_in_turn)
 
 
 def _read(stdin: TextIO, asked: SimpleQueue[str]) -> None:
