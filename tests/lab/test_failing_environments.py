@@ -162,7 +162,7 @@ def test_what_cannot_be_made_again_stays_where_it_is(willing: type[Willing]) -> 
     assert "Willing-v0 cannot be made: " in refused.playback.message + refused.playback.paused_by
     assert "OSError: no more of these" in refused.playback.message + refused.playback.paused_by
     assert refused.playback.phase is Phase.STOPPED
-    assert playback.q is not None
+    assert playback.table is not None
     (lane,) = playback.record.lanes
     assert lane.step == 7
     changed = do(playback, Apply(SetParameter("alpha", 0.25)))
