@@ -14,7 +14,7 @@ import re
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from compileall import compile_dir
 from pathlib import Path
 from statistics import median, quantiles
@@ -31,10 +31,6 @@ import rl_tui
 PACKAGE: Final = Path(rl_tui.__file__).parent
 SCENARIO: Final = "frozenlake-slippery"
 IMPORTS: Final = (sys.executable, "-c", "import numpy, numba, gymnasium")
-BRIEF: Final = {
-    ("solve", "student"): "at most 1.3 times",
-    ("train", "frozenlake", "--episodes", "10"): "at most 1.6 times",
-}
 EMPTY_APP: Final = (sys.executable, "-c", "from textual.app import App; App().run()")
 FULL_SPEED: Final = " " + "+" * 9
 LIVE_SECONDS: Final = 6.0
@@ -73,75 +69,57 @@ map = '''
 """
 
 BEGINNINGS: Final = {
-    "solve student": "solve student",
-    "train, 10 episodes": "train frozenlake --episodes 10",
-    "train, 10 episodes, cold": "train frozenlake --episodes 10",
-    "train": "train frozenlake",
-    "train, cold": "train frozenlake",
+    "solve student": ("solve student", "at most 1.3 times"),
+    "train, 10 episodes": ("train frozenlake --episodes 10", "at most 1.6 times"),
+    "train, 10 episodes, cold": ("train frozenlake --episodes 10", "at most 1.6 times"),
+    "train": ("train frozenlake", ""),
+    "train, cold": ("train frozenlake", "at most 5 times"),
 }
 FIRST_STEP: Final = "play to the first step, cold"
-WANTED_BEGINNINGS: Final = {
-    "solve student": "at most 1.3 times",
-    "train, 10 episodes": "at most 1.6 times",
-    "train, 10 episodes, cold": "at most 1.6 times",
-    "train": "",
-    "train, cold": "at most 5 times",
-    FIRST_STEP: "at most 2.5 times",
-}
 
 Rows = Iterator[tuple[str, str, str]]
 
 
 def start_up(rounds: int) -> Rows:
-    """How long short commands take, some as multiples of the time that the slow imports take in turns."""
-    version, imports = [], []
-    brief: dict[tuple[str, ...], list[float]] = {command: [] for command in BRIEF}
-    for _ in range(rounds):
-        version.append(_time_of((*RL_TUI, "--version")))
-        imports.append(_time_of(IMPORTS))
-        for command, taken in brief.items():
-            taken.append(_time_of((*RL_TUI, *command)))
-    yield "rl-tui --version", f"{median(version):.3f} s", "at most 0.25 s"
-    yield "import numpy, numba, gymnasium", f"{median(imports):.2f} s", ""
-    for command, taken in brief.items():
-        times = median(mine / other for mine, other in zip(taken, imports, strict=True))
-        yield f"rl-tui {' '.join(command)}", f"{median(taken):.2f} s, {times:.2f} times", BRIEF[command]
-
-
-def _time_of(command: Sequence[str]) -> float:
-    start = time.perf_counter()
-    subprocess.run(command, check=True, capture_output=True)
-    return time.perf_counter() - start
+    """How long ``rl-tui --version`` takes."""
+    taken = [_time_of((*RL_TUI, "--version")) for _ in range(rounds)]
+    yield "rl-tui --version", f"{median(taken):.3f} s", "at most 0.25 s"
 
 
 def beginnings(rounds: int) -> Rows:
-    """How soon something comes of a command, as a multiple of importing the libraries, in turns."""
-    times: dict[str, list[float]] = {what: [] for what in ("import", *BEGINNINGS, FIRST_STEP)}
+    """How soon something comes of a command, as a multiple of the slow imports, in turns."""
+    imports: list[float] = []
+    times: dict[str, list[float]] = {what: [] for what in (*BEGINNINGS, FIRST_STEP)}
     for _ in range(rounds):
-        start = time.perf_counter()
-        subprocess.run([sys.executable, "-c", "import numpy, numba, gymnasium"], check=True)
-        times["import"].append(time.perf_counter() - start)
+        imports.append(_time_of(IMPORTS))
         with TemporaryDirectory() as empty:
-            for what, command in BEGINNINGS.items():
+            for what, (command, _) in BEGINNINGS.items():
                 cache = {"RL_TUI_CACHE_DIR": empty} if what.endswith("cold") else {}
-                start = time.perf_counter()
-                subprocess.run(
-                    [*RL_TUI, *command.split()], env=os.environ | cache, check=True, capture_output=True
-                )
-                times[what].append(time.perf_counter() - start)
+                times[what].append(_time_of((*RL_TUI, *command.split()), cache))
         with TemporaryDirectory() as empty:
-            command = [*RL_TUI, "play", "frozenlake"]
-            with PseudoTerminal(command, {"RL_TUI_CACHE_DIR": empty}) as terminal:
-                terminal.wait_for("no step yet")
-                terminal.press("s")
-                terminal.wait_for(r"step\s+1\s")
-                times[FIRST_STEP].append(time.perf_counter() - terminal.started)
-                terminal.press("q")
-                terminal.wait_for_end()
-    unit = median(times.pop("import"))
-    yield "import numpy, numba, gymnasium", f"{unit:.2f} s", ""
+            times[FIRST_STEP].append(_time_to_first_step({"RL_TUI_CACHE_DIR": empty}))
+    yield "import numpy, numba, gymnasium", f"{median(imports):.2f} s", ""
+    wanted = {what: most for what, (_, most) in BEGINNINGS.items()} | {FIRST_STEP: "at most 2.5 times"}
     for what, taken in times.items():
-        yield what, f"{median(taken):.2f} s, {median(taken) / unit:.1f} times", WANTED_BEGINNINGS[what]
+        ratio = median(mine / other for mine, other in zip(taken, imports, strict=True))
+        yield what, f"{median(taken):.2f} s, {ratio:.2f} times", wanted[what]
+
+
+def _time_of(command: Sequence[str], variables: Mapping[str, str] | None = None) -> float:
+    start = time.perf_counter()
+    subprocess.run(command, env=os.environ | (variables or {}), check=True, capture_output=True)
+    return time.perf_counter() - start
+
+
+def _time_to_first_step(variables: Mapping[str, str]) -> float:
+    with PseudoTerminal([*RL_TUI, "play", "frozenlake"], variables) as terminal:
+        terminal.wait_for("no step yet")
+        terminal.press("s")
+        terminal.wait_for(r"step\s+1\s")
+        taken = time.perf_counter() - terminal.started
+        terminal.press("q")
+        terminal.wait_for_end()
+    return taken
 
 
 def bench(rounds: int) -> Rows:
