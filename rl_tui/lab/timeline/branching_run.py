@@ -105,8 +105,13 @@ class BranchingRun:
         self.run.learner.watch(watching)
 
     def advance(self, steps: int = UNLIMITED, episodes: int = UNLIMITED) -> None:
-        """Advance by ``steps`` or ``episodes``, whichever is first, along what is known of the branch."""
-        self._follow(self.run, self.kept, self.run.step + steps, self.run.learner.episodes + episodes)
+        """Advance by ``steps`` or ``episodes``, whichever is first, along what is known of the branch.
+
+        It comes back earlier where another loop takes over: there a step may take a thousand times as long.
+        """
+        run, kept = self.run, self.kept
+        until = min(run.step + steps, _end_of_loop(run, kept.branch.journal))
+        self._follow(run, kept, until, run.learner.episodes + episodes)
 
     def apply(self, change: Change) -> None:
         """Change something before the next step; where the run has been further, on a branch of its own.

@@ -104,8 +104,8 @@ class RunGroup:
         """Let the others come to where the one shown stands now."""
         self.step = self.current.run.step
         for each in self._others:
-            if each.step < self.step:
-                each.run.learner.set_time_budget(math.inf)
+            each.run.learner.set_time_budget(math.inf)
+            while each.step < self.step and not each.run.over:
                 each.advance(self.step - each.step)
 
     def resume(self, records: Sequence[RunRecord]) -> None:
