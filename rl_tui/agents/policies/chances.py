@@ -9,6 +9,7 @@ import numpy as np
 
 from rl_tui.agents.catalogue import POLICY_BY_ID
 from rl_tui.agents.hyperparameters import Hyperparameters
+from rl_tui.agents.policies.family import in_force, learns, probability_of
 from rl_tui.worlds.mdp.space import FloatArray, IntArray, all_pairs
 
 MOST_ACTIONS: Final = 100
@@ -23,9 +24,6 @@ def action_chances(
     ``epsilon`` is the one in force. None for more than ``MOST_ACTIONS``, and for policies that learn, as
     those for bandits do: what they have learned is not at hand here.
     """
-    # Imports numba, which no first paint waits for; where a step was taken it is there already
-    from rl_tui.agents.policies.family import in_force, learns, probability_of
-
     actions = len(q)
     if actions > MOST_ACTIONS:
         return None
