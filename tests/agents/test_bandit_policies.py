@@ -12,6 +12,7 @@ import pytest
 from arms import COINS, NO_VISITS, TESTBED, bandit_of, certain, gaussian, learner, new_rule, pulls
 
 from rl_tui.agents.hyperparameters import Hyperparameters
+from rl_tui.agents.kernels.machine_code import machine_code
 from rl_tui.agents.policies import gradient, thompson
 from rl_tui.agents.policies.family import expectation
 from rl_tui.agents.policies.thompson import beta_draw, gamma_draw, normal_draw
@@ -118,7 +119,8 @@ def test_draws_of_a_mean_follow_the_normal_posterior(count: int, total: float, v
 def test_gamma_draws_are_the_same_bits_interpreted() -> None:
     one, other = np.random.default_rng(9), np.random.default_rng(9)
     shapes = [1.0, 1.5, 2.0, 30.0, 1e6] * 200
-    assert [gamma_draw(each, one) for each in shapes] == [gamma_draw.py_func(each, other) for each in shapes]
+    compiled = machine_code(gamma_draw)
+    assert [compiled(each, one) for each in shapes] == [gamma_draw(each, other) for each in shapes]
 
 
 def test_thompson_sampling_counts_what_its_arms_paid() -> None:

@@ -10,15 +10,15 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from plain_world import PlainWorld, Table, as_array
 from random_worlds import worlds
+from two_forms import advance, examples
 
 from rl_tui.agents.algorithms.family import NO_STATE
 from rl_tui.agents.catalogue import BY_ID
 from rl_tui.agents.hyperparameters import Hyperparameters
-from rl_tui.agents.kernels import loop, planning_loop
 from rl_tui.agents.learner import Learner
 from rl_tui.common.streams import streams
 from rl_tui.worlds.mdp.tabular_mdp import Outcome, TabularMDP, Transition, tabular_mdp
@@ -60,10 +60,6 @@ any_hyperparameters = st.builds(
     ties=st.sampled_from(["random", "first"]),
 )
 SEEDS = st.integers(0, 1000)
-
-
-def examples(count: int) -> Callable[[Any], Any]:
-    return settings(max_examples=count, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 
 
 def learner(mdp: TabularMDP, algorithm: str, hyperparameters: Hyperparameters, seed: int = 0) -> Learner:
@@ -109,10 +105,7 @@ def test_interpreted_and_compiled_give_the_same_bits(
 ) -> None:
     compiled, interpreted = (learner(mdp, algorithm, hyperparameters, seed) for _ in range(2))
     compiled.advance(steps)
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("rl_tui.agents.learner.advance", loop.advance.py_func)
-        patch.setattr("rl_tui.agents.learner.sweep", planning_loop.sweep.py_func)
-        interpreted.advance(steps)
+    advance(interpreted, steps, is_interpreted=True)
     assert everything(compiled) == everything(interpreted)
 
 

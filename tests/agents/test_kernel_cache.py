@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import inspect
 import os
 import shutil
 import subprocess
@@ -13,11 +14,19 @@ from importlib import import_module
 from pathlib import Path
 
 import pytest
-from numba.core.dispatcher import Dispatcher
-from rl_tui.agents.kernels.cache import cache_folder
 
 from rl_tui.agents.catalogue import BY_ID, POLICY_BY_ID
-from rl_tui.agents.kernels.cache_key import DECORATORS, PACKAGE, cache_key, imports, kernel_sources
+from rl_tui.agents.kernels import compiled
+from rl_tui.agents.kernels.cache_folder import cache_folder
+from rl_tui.agents.kernels.cache_key import (
+    COMPILER,
+    DECORATORS,
+    PACKAGE,
+    cache_key,
+    imports,
+    kernel_sources,
+)
+from rl_tui.agents.kernels.compiled import COMPILED, FAMILIES, INLINED
 
 MODULES = {
     ".".join(("rl_tui", *file.relative_to(PACKAGE).with_suffix("").parts)).removesuffix(".__init__"): file
@@ -28,22 +37,26 @@ MODULES = {
 SCRIPT = """
 from pathlib import Path
 import rl_tui
+from rl_tui.agents.kernels.jit import dispatcher_of
 from rl_tui.agents.kernels.position import discount_rewards, new_position
 
 position = new_position(0)
 position.rewards[:3] = 8.0, 4.0, 2.0
-discount_rewards(position, 0.5, 3, 3)
-print(Path(rl_tui.__file__).parent, position.discounted, sum(discount_rewards.stats.cache_hits.values()))
+machine_code = dispatcher_of(discount_rewards)
+machine_code(position, 0.5, 3, 3)
+print(Path(rl_tui.__file__).parent, position.discounted, sum(machine_code.stats.cache_hits.values()))
 """
 
 TWO_TYPES = """
 from rl_tui.agents.kernels.compiled import compiled
+from rl_tui.agents.kernels.jit import dispatcher_of
 
 @compiled
 def half(x):
     return x / 2
 
-print(half(3.0), half(3), sum(half.stats.cache_hits.values()))
+machine_code = dispatcher_of(half)
+print(machine_code(3.0), machine_code(3), sum(machine_code.stats.cache_hits.values()))
 """
 
 
@@ -71,8 +84,15 @@ def imported(file: Path) -> set[str]:
 
 def test_the_key_covers_what_kernels_import_and_no_more() -> None:
     reached = set[str]()
-    waiting = [module for module, file in MODULES.items() if DECORATORS in imported(file)]
+    marks = {f"{DECORATORS}.{name}" for name, each in vars(compiled).items() if inspect.isfunction(each)}
+    marks.remove(f"{DECORATORS}.has_member")
+    waiting = [
+        module
+        for module, file in MODULES.items()
+        if marks & set(parsed_imports(ast.parse(file.read_bytes())))
+    ]
     assert waiting
+    waiting.append(COMPILER)
     while waiting:
         module = waiting.pop()
         if module not in reached:
@@ -84,17 +104,15 @@ def test_the_key_covers_what_kernels_import_and_no_more() -> None:
     assert all(source == MODULES[module].read_bytes() for module, source in kernel_sources().items())
 
 
-def test_every_compiled_function_is_in_the_key() -> None:
-    modules = [import_module(module) for module in MODULES if module.startswith("rl_tui.agents")]
-    compiled = {
-        each.py_func.__module__
-        for module in modules
-        for each in vars(module).values()
-        if isinstance(each, Dispatcher)
-    }
-    assert compiled
+def test_everything_marked_is_in_the_key() -> None:
+    for module in MODULES:
+        if module.startswith("rl_tui.agents"):
+            import_module(module)
+    members = [each for family in FAMILIES for each in (family.otherwise, *family.members.values())]
+    marked = MODULES.keys() & {each.__module__ for each in (*COMPILED, *INLINED, *members)}
+    assert marked
     chosen = {each.module for each in (*BY_ID.values(), *POLICY_BY_ID.values())}
-    assert compiled | chosen | {DECORATORS} <= kernel_sources().keys()
+    assert marked | chosen | {DECORATORS, COMPILER} <= kernel_sources().keys()
 
 
 @pytest.mark.parametrize(
@@ -137,6 +155,8 @@ def test_the_key_is_the_same_wherever_the_package_stands(clones: list[Path]) -> 
         ("rl_tui.lab.run.run", "def advance", "def advance ", False),
         ("rl_tui.tui.app.app", "import", "import ", False),
         ("rl_tui.agents.learner", "def advance", "def advance ", False),
+        ("rl_tui.agents.compiling.loops", "def", "def ", False),
+        ("rl_tui.agents.kernels.jit", "nogil=True", "nogil=False", True),
         ("rl_tui", "__version__", "__version__ ", False),
         ("rl_tui.agents.kernels.stop", "DIVERGED = 2", "DIVERGED = 9", True),
         ("rl_tui.agents.kernels.parameters", "def step_size", "def step_size ", True),

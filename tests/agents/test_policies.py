@@ -12,11 +12,12 @@ from arms import COINS, NO_VISITS, TESTBED, certain, gaussian, learner, new_rule
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from random_worlds import worlds
+from two_forms import advance
 
 from rl_tui.agents.catalogue import POLICY_BY_ID
 from rl_tui.agents.hyperparameters import Hyperparameters
-from rl_tui.agents.kernels import loop
 from rl_tui.agents.kernels.compiled import compiled
+from rl_tui.agents.kernels.machine_code import machine_code
 from rl_tui.agents.learner import Learner
 from rl_tui.agents.policies.family import choose, expectation
 from rl_tui.common.streams import streams
@@ -49,12 +50,11 @@ def assert_same(one: Learner, other: Learner) -> None:
 
 @pytest.mark.parametrize(("mdp", "hyperparameters"), EVERY_RULE)
 def test_interpreted_and_compiled_give_the_same_bits(
-    mdp: TabularMDP, hyperparameters: Hyperparameters, monkeypatch: pytest.MonkeyPatch
+    mdp: TabularMDP, hyperparameters: Hyperparameters
 ) -> None:
     ours, interpreted = learner(mdp, hyperparameters, 3), learner(mdp, hyperparameters, 3)
     ours.advance(400)
-    monkeypatch.setattr("rl_tui.agents.learner.advance", loop.advance.py_func)
-    interpreted.advance(400)
+    advance(interpreted, 400, is_interpreted=True)
     assert_same(ours, interpreted)
 
 
@@ -64,9 +64,7 @@ def test_the_same_bits_in_any_world(mdp: TabularMDP, policy: str, seed: int) -> 
     hyperparameters = Hyperparameters(policy=policy, temperature=0.3)
     ours, interpreted = learner(mdp, hyperparameters, seed), learner(mdp, hyperparameters, seed)
     ours.advance(150)
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("rl_tui.agents.learner.advance", loop.advance.py_func)
-        interpreted.advance(150)
+    advance(interpreted, 150, is_interpreted=True)
     assert_same(ours, interpreted)
 
 
@@ -130,8 +128,9 @@ def expected(rule: Any, q: FloatArray, visits: IntArray, first: int, last: int) 
 def test_compiled_expectations_are_the_same_bits(policy: str) -> None:
     q, visits = np.array([0.3, -2.0, 0.7, 0.1]), np.array([3, 1, 4, 1])
     rule = new_rule(Hyperparameters(policy=policy))
-    assert expected(rule, q, visits, 0, 4) == expected.py_func(rule, q, visits, 0, 4)
-    assert expected(rule, q, visits, 2, 2) == 0.0
+    compiled_form = machine_code(expected)
+    assert compiled_form(rule, q, visits, 0, 4) == expected(rule, q, visits, 0, 4)
+    assert compiled_form(rule, q, visits, 2, 2) == expected(rule, q, visits, 2, 2) == 0.0
 
 
 # Softmax

@@ -13,8 +13,8 @@ from hypothesis import strategies as st
 
 from rl_tui.agents.catalogue import POLICY_BY_ID, Policy
 from rl_tui.agents.hyperparameters import Hyperparameters
-from rl_tui.agents.kernels import loop
 from rl_tui.agents.kernels.compiled import compiled
+from rl_tui.agents.kernels.machine_code import machine_code
 from rl_tui.agents.learner import Learner
 from rl_tui.agents.policies.chances import action_chances
 from rl_tui.agents.policies.family import choose, expectation, in_force, learns, probability_of
@@ -117,14 +117,14 @@ def probabilities(rule: Any, q: FloatArray, visits: IntArray, weights: FloatArra
 def test_compiled_probabilities_are_the_same_bits(policy: str) -> None:
     rule = rule_of(Hyperparameters(policy=policy, temperature=0.7), 4)
     both = np.zeros(4), np.zeros(4)
-    probabilities(rule, Q, np.array([3, 1, 4, 1]), both[0])
-    probabilities.py_func(rule, Q, np.array([3, 1, 4, 1]), both[1])
+    machine_code(probabilities)(rule, Q, np.array([3, 1, 4, 1]), both[0])
+    probabilities(rule, Q, np.array([3, 1, 4, 1]), both[1])
     assert both[0].tobytes() == both[1].tobytes()
 
 
 def test_a_new_policy_is_its_module_and_its_row(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(POLICY_BY_ID, CURIOUS.id, CURIOUS)
-    monkeypatch.setattr("rl_tui.agents.learner.advance", loop.advance.py_func)
+    monkeypatch.setattr(Learner, "is_compiled", False)
     ours = Learner(COINS, "expected-sarsa", Hyperparameters(policy=CURIOUS.id, epsilon=1.0), streams(0))
     ours.advance(4)
     assert ours.visits.tolist() == [1, 1, 1, 1]

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 from rl_tui.agents.hyperparameters import SCHEDULES, Hyperparameters
 from rl_tui.agents.kernels.compiled import compiled
+from rl_tui.agents.kernels.machine_code import machine_code
 from rl_tui.agents.kernels.parameters import Schedule, scheduled, schedules_of
 from rl_tui.agents.learner import Learner
 from rl_tui.common.streams import streams
@@ -43,8 +44,8 @@ def test_compiled_exploration_is_exactly_as_scheduled(
     hyperparameters = Hyperparameters(
         epsilon=start, epsilon_schedule=schedule, epsilon_min=least, epsilon_decay=decay
     )
-    assert now(schedules_of(hyperparameters).epsilon, episode) == hyperparameters.epsilon_at(episode)
-    assert now.py_func(schedules_of(hyperparameters).epsilon, episode) == hyperparameters.epsilon_at(episode)
+    for form in (now, machine_code(now)):
+        assert form(schedules_of(hyperparameters).epsilon, episode) == hyperparameters.epsilon_at(episode)
 
 
 @settings(deadline=None)
@@ -55,7 +56,8 @@ def test_compiled_step_sizes_are_exactly_as_scheduled(
     hyperparameters = Hyperparameters(
         alpha=start, step_size_schedule=schedule, alpha_min=least, alpha_decay=decay
     )
-    assert now(schedules_of(hyperparameters).alpha, episode) == hyperparameters.alpha_at(episode)
+    for form in (now, machine_code(now)):
+        assert form(schedules_of(hyperparameters).alpha, episode) == hyperparameters.alpha_at(episode)
 
 
 def test_the_schedules_at_known_episodes() -> None:

@@ -2,21 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any
-
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from random_worlds import worlds
 from test_every_algorithm import any_hyperparameters, everything, learner
 from test_stepped_loop import HYPERPARAMETERS, Line, Table, facts, lake, untabled
+from two_forms import examples, interpreted
 
 from rl_tui.agents.catalogue import BY_ID
 from rl_tui.agents.exact.solve import greedy_policy
 from rl_tui.agents.hyperparameters import Hyperparameters
-from rl_tui.agents.kernels import loop, planning_loop, watch
 from rl_tui.agents.kernels.stop import Stop
 from rl_tui.agents.kernels.watching import NOTHING_NOTICED, WatchedEvents, Watching
 from rl_tui.agents.learner import EPISODES_LOGGED, UNLIMITED, Learner
@@ -35,10 +32,6 @@ watchings = st.builds(
     states=marks,
     pairs=marks,
 )
-
-
-def examples(count: int) -> Callable[[Any], Any]:
-    return settings(max_examples=count, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 
 
 def known(watching: Watching, ours: Learner) -> Watching:
@@ -138,19 +131,15 @@ def test_a_stepped_environment_is_watched_alike(algorithm: str, seed: int, watch
 def test_interpreted_watches_as_compiled_does(
     algorithm: str, mdp: TabularMDP, hyperparameters: Hyperparameters, watching: Watching
 ) -> None:
-    compiled, interpreted = (learner(mdp, algorithm, hyperparameters) for _ in range(2))
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("rl_tui.agents.learner.advance", loop.advance.py_func)
-        patch.setattr("rl_tui.agents.learner.sweep", planning_loop.sweep.py_func)
-        for name in ("notice", "policy_changed"):
-            patch.setattr(watch, name, getattr(watch, name).py_func)
-        interpreted.watch(known(watching, interpreted))
-        stops = [interpreted.advance(20) for _ in range(5)]
-        noticed, step = interpreted.noticed, interpreted.step
+    compiled, in_python = (learner(mdp, algorithm, hyperparameters) for _ in range(2))
+    with interpreted():
+        in_python.watch(known(watching, in_python))
+        stops = [in_python.advance(20) for _ in range(5)]
+        noticed, step = in_python.noticed, in_python.step
     compiled.watch(known(watching, compiled))
     assert [compiled.advance(20) for _ in range(5)] == stops
     assert (compiled.noticed, compiled.step) == (noticed, step)
-    assert everything(compiled) == everything(interpreted)
+    assert everything(compiled) == everything(in_python)
 
 
 def corridor(*rewards: float) -> TabularMDP:

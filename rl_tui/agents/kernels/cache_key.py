@@ -1,8 +1,9 @@
 """What the machine code of the kernels comes from: the modules that can have put something into it.
 
 Numba freezes what a kernel reads from a module, its own or one it imports: a helper's code, a number of
-``stop.py``, a place in ``SCHEDULES``. So the key is a hash over every module that compiles or inlines
-something and all that these import, in turn. It is a superset: a few of them only prepare arrays.
+``stop.py``, a place in ``SCHEDULES``. So the key is a hash over every module that marks something as compiled
+or inlined, the one that compiles it, and all that these import, in turn. It is a superset: a few of them only
+prepare arrays.
 """
 
 from __future__ import annotations
@@ -19,8 +20,12 @@ import numpy as np
 
 PACKAGE: Final = Path(__file__).parents[2]
 NAME: Final = PACKAGE.name
-# Who imports this has kernels, or what they inline
 DECORATORS: Final = "rl_tui.agents.kernels.compiled"
+COMPILER: Final = "rl_tui.agents.kernels.jit"
+# Who imports one of these has kernels, or what they inline
+MARKS: Final = frozenset(
+    f"{DECORATORS}.{mark}" for mark in ("compiled", "compiled_for", "inlined", "inlined_by_type", "member_of")
+)
 
 # To parse the sources would take ten times as long; the tests hold this against it. The package's name comes
 # first, since what begins with a fixed text is found quickly
@@ -49,7 +54,10 @@ def kernel_sources(package: Path = PACKAGE) -> dict[str, bytes]:
     room = ".".join(DECORATORS.split(".")[:2])
     read = {module: Path(file).read_bytes() for module, file in files.items() if module.startswith(room)}
     found = dict[str, bytes]()
-    waiting = [module for module, source in read.items() if DECORATORS in imports(source)]
+    waiting = [
+        COMPILER,
+        *(module for module, source in read.items() if not MARKS.isdisjoint(imports(source))),
+    ]
     while waiting:
         module = waiting.pop()
         if module in files and module not in found:

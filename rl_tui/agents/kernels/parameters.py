@@ -83,33 +83,39 @@ def step_size(params: KernelParameters, count: int) -> float:
 
 
 def kernel_parameters(hyperparameters: Hyperparameters) -> KernelParameters:
-    """Return the hyper-parameters that the update rules read."""
+    """Return the hyper-parameters that the update rules read.
+
+    Each is of the same type whatever was written: machine code is compiled for types.
+    """
     return KernelParameters(
-        alpha=hyperparameters.alpha_at(0) or 0.0,
+        alpha=float(hyperparameters.alpha_at(0) or 0.0),
         sample_average=hyperparameters.sample_average,
-        gamma=hyperparameters.gamma,
-        trace_decay=hyperparameters.lambda_,
+        gamma=float(hyperparameters.gamma),
+        trace_decay=float(hyperparameters.lambda_),
         accumulating=hyperparameters.traces == "accumulating",
-        steps=hyperparameters.n,
-        planning_steps=hyperparameters.planning_steps,
-        threshold=hyperparameters.threshold,
-        accuracy=hyperparameters.accuracy,
+        steps=int(hyperparameters.n),
+        planning_steps=int(hyperparameters.planning_steps),
+        threshold=float(hyperparameters.threshold),
+        accuracy=float(hyperparameters.accuracy),
         random_ties=hyperparameters.ties == "random",
     )
 
 
 def schedules_of(hyperparameters: Hyperparameters) -> Schedules:
-    """Return the schedules of ε and α."""
+    """Return the schedules of ε and α, of the same types whatever was written."""
     alpha = 0.0 if isinstance(hyperparameters.alpha, str) else hyperparameters.alpha
     step_size_kind = "constant" if hyperparameters.sample_average else hyperparameters.step_size_schedule
     return Schedules(
         Schedule(
             SCHEDULES.index(hyperparameters.epsilon_schedule),
-            hyperparameters.epsilon,
-            hyperparameters.epsilon_min,
-            hyperparameters.epsilon_decay,
+            float(hyperparameters.epsilon),
+            float(hyperparameters.epsilon_min),
+            float(hyperparameters.epsilon_decay),
         ),
         Schedule(
-            SCHEDULES.index(step_size_kind), alpha, hyperparameters.alpha_min, hyperparameters.alpha_decay
+            SCHEDULES.index(step_size_kind),
+            float(alpha),
+            float(hyperparameters.alpha_min),
+            float(hyperparameters.alpha_decay),
         ),
     )

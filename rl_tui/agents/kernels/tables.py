@@ -50,8 +50,8 @@ def tables_of(space: FiniteSpace) -> Tables:
             probability=space.probability,
             start_state=_indices(space.start_state),
             start_cumulative=space.start_cumulative,
-            time_limit=space.time_limit,
-            drift_std=space.drift_std,
+            time_limit=int(space.time_limit),
+            drift_std=float(space.drift_std),
         )
     none, nothing, never = np.empty(0, np.int64), np.empty(0), np.empty(0, np.bool_)
     for array in (nothing, never):
@@ -67,7 +67,7 @@ def tables_of(space: FiniteSpace) -> Tables:
         probability=nothing,
         start_state=_indices(none),
         start_cumulative=nothing,
-        time_limit=space.time_limit,
+        time_limit=int(space.time_limit),
         drift_std=0.0,
     )
 

@@ -21,7 +21,7 @@ class Rule(NamedTuple):
 
 def new_rule(space: FiniteSpace, hyperparameters: Hyperparameters) -> Rule:
     """Return the rule of these hyper-parameters."""
-    return Rule(hyperparameters.epsilon, hyperparameters.ties == "random")
+    return Rule(float(hyperparameters.epsilon), hyperparameters.ties == "random")
 
 
 @member_of(in_force, Rule)

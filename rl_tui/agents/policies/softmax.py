@@ -23,7 +23,7 @@ class Rule(NamedTuple):
 
 def new_rule(space: FiniteSpace, hyperparameters: Hyperparameters) -> Rule:
     """Return the rule of these hyper-parameters."""
-    return Rule(hyperparameters.temperature, np.zeros(len(space.action_names)))
+    return Rule(float(hyperparameters.temperature), np.zeros(len(space.action_names)))
 
 
 @member_of(choose, Rule)

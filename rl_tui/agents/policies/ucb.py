@@ -22,7 +22,7 @@ class Rule(NamedTuple):
 
 def new_rule(space: FiniteSpace, hyperparameters: Hyperparameters) -> Rule:
     """Return the rule of these hyper-parameters."""
-    return Rule(hyperparameters.confidence, hyperparameters.ties == "random")
+    return Rule(float(hyperparameters.confidence), hyperparameters.ties == "random")
 
 
 @inlined

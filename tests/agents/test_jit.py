@@ -13,19 +13,23 @@ import numba
 import pytest
 from numba.core import event
 from numba.core.typing.templates import _OverloadFunctionTemplate
-from rl_tui.agents.kernels.cache import LONGEST_UNUSED, cache_folder, prune
 
-from rl_tui.agents.kernels import compiled as decorators
+from rl_tui.agents.kernels import jit
+from rl_tui.agents.kernels.cache_folder import LONGEST_UNUSED, cache_folder, prune
 from rl_tui.agents.kernels.compiled import compiled, inlined, inlined_by_type, member_of
+from rl_tui.agents.kernels.jit import dispatcher_of
 
 SCRIPT = """
-from rl_tui.agents.kernels.compiled import CACHED, compiled
+from rl_tui.agents.kernels.compiled import compiled
+from rl_tui.agents.kernels.jit import dispatcher_of
+from rl_tui.agents.kernels.machine_cache import CACHED
 
 @compiled
 def double(x):
     return 2.0 * x
 
-print(double(21.0), CACHED, sum(double.stats.cache_hits.values()))
+machine_code = dispatcher_of(double)
+print(machine_code(21.0), CACHED, sum(machine_code.stats.cache_hits.values()))
 """
 
 
@@ -119,9 +123,9 @@ def test_where_nobody_has_a_home_it_does_without(tmp_path: Path, monkeypatch: py
     def homeless(*_: object, **__: object) -> None:
         raise RuntimeError("could not determine the home directory")
 
-    monkeypatch.setattr("rl_tui.agents.kernels.cache.platformdirs.user_cache_path", homeless)
+    monkeypatch.setattr("rl_tui.agents.kernels.cache_folder.platformdirs.user_cache_path", homeless)
     monkeypatch.delenv("RL_TUI_CACHE_DIR", raising=False)
-    assert cache_folder().is_relative_to(os.devnull)
+    assert cache_folder.__wrapped__().is_relative_to(os.devnull)
 
 
 @pytest.mark.process
@@ -169,7 +173,8 @@ def test_types_that_look_alike_do_not_run_each_others_code() -> None:
     member_of(answer_of, One.Alike)(lambda _: 1)
     member_of(answer_of, Other.Alike)(lambda _: 2)
     one, other = One.Alike(0.5, True), Other.Alike(0.5, True)
-    assert [ask(one), ask(other), ask(one)] == [1, 2, 1]
+    for form in (ask, dispatcher_of(ask)):
+        assert [form(one), form(other), form(one)] == [1, 2, 1]
 
 
 @inlined
@@ -187,6 +192,12 @@ def grown(asked: Any) -> float:
     return plus_two(asked.number)
 
 
+def never_cached(kernel: Callable[..., Any]) -> Any:
+    """Return a dispatcher of ``kernel`` whose machine code is not read from a cache."""
+    dispatcher_of(ask)  # numba's typing then knows all that is marked
+    return numba.njit(kernel)
+
+
 def compiled_by(run: Callable[[], object]) -> list[str]:
     """Return the names of the functions that numba compiles in ``run``."""
     with event.install_recorder("numba:compile") as recorder:
@@ -198,13 +209,13 @@ def test_what_is_inlined_is_not_compiled_on_its_own() -> None:
     def kernel(asked: Any) -> float:
         return grown(asked) + plus_two(0.5) + plus_one(0.5)
 
-    fresh = numba.njit(kernel)  # never read from a cache
+    fresh = never_cached(kernel)
     assert compiled_by(lambda: fresh(One.Alike(0.5, True))) == ["kernel"]
     assert fresh(One.Alike(0.5, True)) == kernel(One.Alike(0.5, True)) == 6.5
 
 
 def test_numba_asks_for_what_it_is_given(monkeypatch: pytest.MonkeyPatch) -> None:
-    # compiled.py sets both; where a numba calls them otherwise, all that is inlined is compiled in full again
+    # jit.py sets both; where a numba calls them otherwise, all that is inlined is compiled in full again
     assert callable(_OverloadFunctionTemplate._get_jit_decorator)
     dispatcher = numba.njit(lambda number: number)
     monkeypatch.setattr(dispatcher, "_can_compile", False)
@@ -212,7 +223,7 @@ def test_numba_asks_for_what_it_is_given(monkeypatch: pytest.MonkeyPatch) -> Non
 
 
 def test_a_numba_that_does_not_ask_compiles_in_its_own_way(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(decorators, "_only_typed", numba.njit)
+    monkeypatch.setattr(jit, "_only_typed", numba.njit)
 
     @inlined
     def doubled(number: float) -> float:
@@ -221,7 +232,7 @@ def test_a_numba_that_does_not_ask_compiles_in_its_own_way(monkeypatch: pytest.M
     def kernel(number: float) -> float:
         return doubled(number)
 
-    fresh = numba.njit(kernel)
+    fresh = never_cached(kernel)
     assert compiled_by(lambda: fresh(0.5)) == ["kernel", "doubled"]
     assert fresh(0.5) == 1.0
 
@@ -237,9 +248,9 @@ def test_a_numba_that_does_not_ask_compiles_in_its_own_way(monkeypatch: pytest.M
 def test_what_cannot_be_typed_where_it_is_inlined_is_told(faulty: Callable[..., Any], said: str) -> None:
     within = inlined(faulty)
 
-    @numba.njit
     def kernel(asked: Any) -> Any:
         return within(asked)
 
+    fresh = never_cached(kernel)
     with pytest.raises(numba.TypingError, match=said):
-        kernel(One.Alike(0.5, True))
+        fresh(One.Alike(0.5, True))

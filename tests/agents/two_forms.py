@@ -1,0 +1,114 @@
+"""Learners interpreted and as machine code, whatever this process has, and all that they are in bits."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Any, Final
+
+import numpy as np
+import pytest
+from arms import bandit_of
+from hypothesis import HealthCheck, settings
+from hypothesis import strategies as st
+from random_worlds import worlds
+from test_stepped_loop import Table, untabled
+
+from rl_tui.agents import learner
+from rl_tui.agents.catalogue import POLICY_BY_ID
+from rl_tui.agents.compiling.loops import all_loops
+from rl_tui.agents.exact import backward_induction
+from rl_tui.agents.hyperparameters import Hyperparameters
+from rl_tui.agents.kernels import machine_code, stepped_loop, watch
+from rl_tui.agents.kernels.machine_code import Loop
+from rl_tui.agents.learner import Learner
+from rl_tui.common.streams import streams
+from rl_tui.lab.experiments import learning_curve
+from rl_tui.lab.run import history
+from rl_tui.worlds.mdp.tabular_mdp import Outcome, TabularMDP
+
+EVERY_LOOP: Final = pytest.mark.parametrize(("algorithm", "policy", "stepped"), [*map(tuple, all_loops())])
+# The modules that call what machine code may be there for
+_CALLING: Final = (backward_induction, watch, history, learning_curve)
+
+
+def examples(count: int) -> Callable[[Any], Any]:
+    return settings(max_examples=count, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+
+
+@contextmanager
+def interpreted() -> Iterator[None]:
+    """Let all that agents do run interpreted."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(Learner, "is_compiled", False)
+        for module in _CALLING:
+            patch.setattr(module, "fastest", machine_code.interpreted)
+        yield
+
+
+@contextmanager
+def in_place_of_machine_code(stand_in: Callable[..., Callable[..., Any]]) -> Iterator[None]:
+    """Let all that agents do run in what ``stand_in`` makes of a function and an example of its arguments."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(Learner, "is_compiled", True)
+        patch.setattr(learner, "COMPILED_LOOPS", set())
+        for module in (learner, stepped_loop):
+            patch.setattr(module, "machine_code", stand_in)
+        for module in _CALLING:
+            patch.setattr(module, "fastest", stand_in)
+        yield
+
+
+def advance(ours: Learner, steps: int, *, is_interpreted: bool) -> int:
+    """Let a learner advance in the form asked for; return why it came back."""
+    if not is_interpreted:
+        return ours.advance(steps)
+    with interpreted():
+        return ours.advance(steps)
+
+
+@st.composite
+def bandits(draw: st.DrawFn) -> TabularMDP:
+    """Draw a bandit: of coins, or of arms that pay numbers, with noise or without."""
+    coins, noise = draw(st.booleans()), draw(st.sampled_from([0.0, 1.0]))
+    payments = st.sampled_from([0.2, 0.9] if coins else [-1.0, 0.0, 2.5])
+    return bandit_of(
+        [
+            [Outcome(each, 0, 1.0, True), Outcome(1.0 - each, 0, 0.0, True)]
+            if coins
+            else [Outcome(1.0, 0, each, True, noise)]
+            for each in draw(st.lists(payments, min_size=1, max_size=5))
+        ]
+    )
+
+
+def worlds_for(loop: Loop) -> st.SearchStrategy[TabularMDP]:
+    """Return worlds that ``loop`` can run in."""
+    if loop.policy and POLICY_BY_ID[loop.policy].bandits_only:
+        return bandits()
+    return worlds(noise=not loop.stepped)
+
+
+def learner_in(mdp: TabularMDP, loop: Loop, hyperparameters: Hyperparameters, seed: int) -> Learner:
+    """Return a learner that runs ``loop`` in ``mdp``, which is stepped for real where the loop says so."""
+    if not loop.stepped:
+        return Learner(mdp, loop.algorithm, hyperparameters, streams(seed))
+    ours = Learner(untabled(mdp), loop.algorithm, hyperparameters, streams(seed), Table(mdp, seed))
+    ours.rewindable = True  # so that it tells all that it is
+    return ours
+
+
+def all_bits(ours: Learner) -> list[Any]:
+    """Return all that a learner is, bit for bit, and forget the episodes; one NaN is like another."""
+    state = ours.checkpoint()
+    parts = (state.memory, state.rule, state.drift, state.position, state.record, ours.drain_episodes())
+    return [
+        (state.algorithm, state.hyperparameters, state.planned, state.stop, state.streams),
+        [[_bits(array) for array in arrays] for arrays in parts],
+    ]
+
+
+def _bits(array: Any) -> bytes:
+    """Return the bytes of ``array``. Which of the NaNs one is, processors and compilers choose freely."""
+    whole = np.where(np.isnan(array), np.nan, array) if array.dtype.kind == "f" else array
+    return bytes(whole.tobytes())
