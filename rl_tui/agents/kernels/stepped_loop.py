@@ -195,8 +195,7 @@ class SteppedLoop:
         nothing = (False, 0, 0.0, False, False, 0)
         take_turn: Callable[..., int] = interpreted(turn)
         if in_machine_code:
-            numbers = (*rule, *params, *schedules.epsilon, *schedules.alpha)
-            types = (type(memory), type(rule), *map(type, numbers))
+            types = type(memory), type(rule)
             if types != self._compiled_for:
                 self._machine_code = machine_code(turn, *args, *nothing, last_step, last_episode)
                 self._compiled_for = types
