@@ -149,8 +149,8 @@ def answer_of(worker: WorkerProcess, loop: Loop) -> str | None:
 def test_the_worker_imports_nothing_from_where_it_is_started(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    (tmp_path / "numpy.py").write_text("raise SystemExit")
-    (tmp_path / "rl_tui.py").write_text("raise SystemExit")
+    for name in ("numpy", "json", rl_tui.__name__):
+        (tmp_path / name).with_suffix(".py").write_text("raise SystemExit")
     monkeypatch.chdir(tmp_path)
     assert answer_of(WorkerProcess(), LOOP) in (Outcome.FOUND, Outcome.COMPILED)
 
