@@ -128,12 +128,6 @@ def test_one_worker_compiles_all_that_is_wanted_and_ends(machine: Machine) -> No
     assert only.has_ended
 
 
-def test_nothing_happens_for_what_is_there(machine: Machine) -> None:
-    machine.compiled.add(LOOP)
-    come_by(LOOP)
-    assert (machine.done, machine.workers) == ([], [])
-
-
 def test_a_note_without_machine_code_is_asked_of_the_worker(machine: Machine) -> None:
     machine.noted = {LOOP}
     come_by(LOOP)
@@ -216,10 +210,7 @@ def test_nothing_more_wanted_lets_others_go_first_and_reads_nothing(
     compiler.want(())
     assert machine.workers[0].is_idle
     assert not machine.workers[0].has_ended
-    thread = compiler._thread
     may_end.set()
-    assert thread is not None
-    thread.join(LONGEST)
     finish(compiler)
     assert machine.done == []
     assert LOOP in machine.cached

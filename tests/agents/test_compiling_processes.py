@@ -94,6 +94,7 @@ def files(cache: Path) -> list[str]:
     return sorted(path.name for path in cache.rglob("*") if path.is_file())
 
 
+@pytest.mark.slow
 def test_of_many_processes_one_compiles_and_the_others_read(tmp_path: Path) -> None:
     children = [started(ONE_OF_MANY, tmp_path) for _ in range(3)]
     for child in children:
@@ -109,6 +110,7 @@ def test_a_full_disk_leaves_nothing_behind(tmp_path: Path) -> None:
     assert [name for name in files(tmp_path) if not name.endswith(".nbi")] == []
 
 
+@pytest.mark.slow
 def test_a_kiosk_compiles_and_writes_nothing(tmp_path: Path) -> None:
     (tmp_path / "kernels").mkdir()
     script = f"{QUICK}\nloops.compile_here(LOOP)\nfrom rl_tui.agents.kernels.jit import dispatcher_of\n"
@@ -149,8 +151,8 @@ def answer_of(worker: WorkerProcess, loop: Loop) -> str | None:
 def test_the_worker_imports_nothing_from_where_it_is_started(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    (tmp_path / "numpy.py").write_text("raise SystemExit")
-    (tmp_path / "rl_tui.py").write_text("raise SystemExit")
+    for name in ("numpy", "json", rl_tui.__name__):
+        (tmp_path / name).with_suffix(".py").write_text("raise SystemExit")
     monkeypatch.chdir(tmp_path)
     assert answer_of(WorkerProcess(), LOOP) in (Outcome.FOUND, Outcome.COMPILED)
 

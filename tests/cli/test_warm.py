@@ -166,6 +166,7 @@ def run(*command: str, **also: str) -> subprocess.CompletedProcess[str]:
     )
 
 
+@pytest.mark.slow
 @pytest.mark.process
 def test_after_it_has_run_all_is_there() -> None:
     run("-c", SCRIPT)

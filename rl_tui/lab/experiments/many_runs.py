@@ -134,12 +134,14 @@ class _Experiment:
         # Where the world drifts, each run comes to other means, and so to another exact answer
         self._shared = self._world is not None and first.learner.drifted is None
         self._optimum = self._optimum_of(first) if self._shared else None
-        # Interpreted, all runs together have one core
+        # Interpreted, all runs together have one core. An environment that is stepped is not tried: it may do
+        # anything, and takes most of the time itself
         wanted, by_episodes = goal.steps or goal.episodes or 0, goal.steps is None
-        seconds = runs * seconds_interpreted(first.learner, wanted, episodes=by_episodes)
-        if pays(first.learner.loop, seconds):
-            on_compiling()
-            compile_here(first.learner.loop)
+        if first.learner.rewindable:
+            seconds = runs * seconds_interpreted(first.learner, wanted, episodes=by_episodes)
+            if pays(first.learner.loop, seconds):
+                on_compiling()
+                compile_here(first.learner.loop)
 
     @property
     def figures(self) -> tuple[str, ...]:
