@@ -10,14 +10,12 @@ from pathlib import Path
 
 import pytest
 
-import rl_tui
 from rl_tui.agents.compiling import background, compiler_lock, loops, worker
 from rl_tui.agents.compiling.background import BackgroundCompiler
 from rl_tui.agents.compiling.compiler_lock import CompilerLock
 from rl_tui.agents.compiling.loops import Outcome, all_loops, compile_here
 from rl_tui.agents.compiling.worker_process import GONE
 from rl_tui.agents.kernels import cache_folder
-from rl_tui.agents.kernels.compiled import CALLED_FROM_PYTHON
 from rl_tui.agents.kernels.machine_code import SHARED, Loop
 
 LOOP = Loop("q-learning", "epsilon-greedy", stepped=False)
@@ -98,12 +96,11 @@ def machine(monkeypatch: pytest.MonkeyPatch) -> Machine:
 
 def finish(compiler: BackgroundCompiler) -> None:
     """Wait until it has nothing to do any more."""
-    thread = compiler._thread
-    if thread is not None:
-        thread.join(LONGEST)
-        assert not thread.is_alive()
-    assert compiler._thread is None
-    assert compiler._worker is None
+    for thread in threading.enumerate():
+        if thread.name == "background compiler":
+            thread.join(LONGEST)
+            assert not thread.is_alive()
+    assert not compiler.is_busy
 
 
 def come_by(*wanted: Loop) -> BackgroundCompiler:
@@ -264,7 +261,7 @@ def test_what_fails_stays_interpreted_and_is_not_tried_again(
     assert machine.done == [("compile", OTHER)]
     assert isinstance(compiler.failed[LOOP], ImportError)
     compiler.want([LOOP])
-    assert compiler._thread is None
+    assert not compiler.is_busy
 
 
 def test_the_worker_answers_each_line() -> None:
@@ -381,16 +378,6 @@ def test_torn_files_are_removed_once_nobody_can_be_writing_them(empty_cache: Pat
     assert left.exists()
     cache_folder.remove_unfinished(left.stat().st_mtime + cache_folder.LONGEST_WRITTEN + 1)
     assert not left.exists()
-
-
-def test_what_all_share_is_all_that_python_calls() -> None:
-    marked = {
-        f"rl_tui.{'.'.join(file.relative_to(Path(rl_tui.__file__).parent).with_suffix('').parts)}"
-        for file in Path(rl_tui.__file__).parent.rglob("*.py")
-        if "\n@compiled_for(" in file.read_text(encoding="utf-8")
-    }
-    assert marked == set(loops._CALLED_FROM_PYTHON)
-    assert marked == {function.__module__ for function in CALLED_FROM_PYTHON}
 
 
 def test_all_loops_are_different_and_have_a_learner() -> None:
