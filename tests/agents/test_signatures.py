@@ -80,8 +80,8 @@ def recorder() -> Iterator[Recorder]:
 
 def run(ours: Learner, watching: Watching | None = None) -> None:
     ours.watch(watching)
-    for _ in range(3):
-        ours.advance(STEPS // 3)
+    for _ in range(2):
+        ours.advance(STEPS // 2)
         ours.drain_episodes()
 
 
@@ -105,7 +105,6 @@ def test_no_world_and_no_setting_asks_for_other_machine_code(
                 continue
             environment = made.new_environment() if made.new_environment else None
             ours = Learner(made.space, algorithm, fit, streams(0), environment)
-            run(ours)
             run(ours, WATCHED)
             assert {each for each in recorder.seen if each[0] == name} == asked, scenario
 

@@ -28,8 +28,6 @@ from rl_tui.lab.run import history
 from rl_tui.worlds.mdp.tabular_mdp import Outcome, TabularMDP
 
 EVERY_LOOP: Final = pytest.mark.parametrize(("algorithm", "policy", "stepped"), [*map(tuple, all_loops())])
-# The modules that call what machine code may be there for
-_CALLING: Final = (backward_induction, watch, history, learning_curve)
 
 
 def examples(count: int) -> Callable[[Any], Any]:
@@ -39,24 +37,23 @@ def examples(count: int) -> Callable[[Any], Any]:
 @contextmanager
 def interpreted() -> Iterator[None]:
     """Let all that agents do run interpreted."""
-    with pytest.MonkeyPatch.context() as patch:
+    with in_place_of_machine_code(machine_code.interpreted) as patch:
         patch.setattr(Learner, "is_compiled", False)
-        for module in _CALLING:
-            patch.setattr(module, "fastest", machine_code.interpreted)
         yield
 
 
 @contextmanager
-def in_place_of_machine_code(stand_in: Callable[..., Callable[..., Any]]) -> Iterator[None]:
+def in_place_of_machine_code(stand_in: Callable[..., Callable[..., Any]]) -> Iterator[pytest.MonkeyPatch]:
     """Let all that agents do run in what ``stand_in`` makes of a function and an example of its arguments."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(Learner, "is_compiled", True)
         patch.setattr(learner, "COMPILED_LOOPS", set())
-        for module in (learner, stepped_loop):
-            patch.setattr(module, "machine_code", stand_in)
-        for module in _CALLING:
+        patch.setattr(learner, "use_machine_code", stand_in)
+        for module in (learner, backward_induction, watch, history, learning_curve):
             patch.setattr(module, "fastest", stand_in)
-        yield
+        for module in (stepped_loop, backward_induction):
+            patch.setattr(module, "machine_code", stand_in)
+        yield patch
 
 
 def advance(ours: Learner, steps: int, *, is_interpreted: bool) -> int:
