@@ -21,19 +21,6 @@ from rl_tui.cli.main import program
 
 LOOPS = [Loop(name, "epsilon-greedy", stepped=False) for name in ("one", "one", "other")]
 
-SCRIPT = """
-import sys
-from rl_tui.agents.compiling import warming
-from rl_tui.agents.kernels.machine_code import Loop
-
-warming.all_loops = lambda: [
-    Loop("q-learning", "epsilon-greedy", stepped=False), Loop("value-iteration", "", stepped=False)
-]
-sys.argv = ["rl-tui", "warm"]
-from rl_tui.cli.main import main
-main()
-"""
-
 
 class Lock:
     """A compiler lock that others hold for so many tries."""
@@ -82,7 +69,7 @@ def noted(monkeypatch: pytest.MonkeyPatch) -> set[Loop]:
     monkeypatch.setattr(warming, "WorkerProcess", Worker)
     monkeypatch.setattr(warming, "CompilerLock", Lock)
     monkeypatch.setattr(warming, "LOOKED_FOR_EVERY", 0.001)
-    monkeypatch.setattr(warming, "all_loops", lambda: LOOPS)
+    monkeypatch.setattr("rl_tui.agents.compiling.loops.all_loops", lambda: LOOPS)
     monkeypatch.setattr(warming, "takes_code", lambda: True)
     monkeypatch.setattr(warming, "was_compiled", lambda loop: loop in noted)
     return noted
@@ -90,7 +77,7 @@ def noted(monkeypatch: pytest.MonkeyPatch) -> set[Loop]:
 
 def test_each_algorithm_has_a_worker_of_its_own(noted: set[Loop]) -> None:
     seen: list[tuple[int, int]] = []
-    assert warming.warm(2, lambda done, wanted: seen.append((done, wanted))) == (3, 0)
+    assert warming.warm(LOOPS, 2, lambda done, wanted: seen.append((done, wanted))) == (3, 0)
     assert [each.asked for each in Worker.started] == [LOOPS[:2], LOOPS[2:]]
     assert all(each.has_ended for each in Worker.started)
     assert seen == [(0, 3), (1, 3), (2, 3), (3, 3)]
@@ -101,7 +88,7 @@ def test_what_is_noted_is_read_to_see_that_it_is_there(
 ) -> None:
     noted.update(LOOPS)
     monkeypatch.setattr(Worker, "says", staticmethod(lambda loop: Outcome.FOUND))
-    assert warming.warm(1, lambda *_: None) == (0, 3)
+    assert warming.warm(LOOPS, 1, lambda *_: None) == (0, 3)
     assert len(Worker.started) == 2
 
 
@@ -115,7 +102,7 @@ def test_what_another_program_compiles_meanwhile_is_not_compiled_again(
         seen.append(done)
         noted.update(LOOPS)
 
-    assert warming.warm(1, on_progress) == (0, 3)
+    assert warming.warm(LOOPS, 1, on_progress) == (0, 3)
     assert Worker.started == []
     assert seen == [0, 3, 3]
 
@@ -137,7 +124,7 @@ def test_without_workers_this_process_compiles(
         return Outcome.COMPILED
 
     monkeypatch.setattr(warming, "compile_alone", compile_alone)
-    assert warming.warm(2, lambda *_: None) == (3, 0)
+    assert warming.warm(LOOPS, 2, lambda *_: None) == (3, 0)
     assert sorted(here) == sorted(LOOPS)
     assert all(each.has_ended for each in Worker.started)
 
@@ -168,9 +155,10 @@ def run(*command: str, **also: str) -> subprocess.CompletedProcess[str]:
 
 @pytest.mark.slow
 @pytest.mark.process
-def test_after_it_has_run_all_is_there() -> None:
-    run("-c", SCRIPT)
-    again = run("-c", SCRIPT)
+def test_what_scenarios_begin_with_is_there_afterwards() -> None:
+    command = ("-m", "rl_tui.cli", "warm", "frozenlake", "frozenlake-8x8", "blackjack")
+    run(*command)
+    again = run(*command)
     assert (again.returncode, again.stderr) == (0, "")
     assert again.stdout.splitlines()[0] == "0 kernels compiled, 2 were there already"
 

@@ -1,15 +1,15 @@
-"""Machine code of every loop there is, kept in the cache before anybody needs it."""
+"""Machine code that is kept in the cache before anybody needs it."""
 
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from itertools import groupby
 from typing import NamedTuple
 
 from rl_tui.agents.compiling.compiler_lock import CompilerLock
-from rl_tui.agents.compiling.loops import LOOKED_FOR_EVERY, Outcome, all_loops, compile_alone
+from rl_tui.agents.compiling.loops import LOOKED_FOR_EVERY, Outcome, compile_alone
 from rl_tui.agents.compiling.worker_process import GONE, WorkerProcess
 from rl_tui.agents.kernels.cache_folder import cache_folder, takes_code, was_compiled
 from rl_tui.agents.kernels.machine_code import ALWAYS_INTERPRETED, Loop
@@ -23,8 +23,8 @@ class Warmed(NamedTuple):
     found: int
 
 
-def warm(workers: int, on_progress: Callable[[int, int], None]) -> Warmed:
-    """Have every loop in the cache, compiled by so many processes at once; each is read to see that it is.
+def warm(loops: Sequence[Loop], workers: int, on_progress: Callable[[int, int], None]) -> Warmed:
+    """Have ``loops`` in the cache, compiled by so many processes at once; each is read to see that it is.
 
     Of several programs that do this for one cache the first compiles, and the others wait for it.
     ``on_progress`` is told how many loops are done, of how many. Raises UserError where the cache does not
@@ -34,7 +34,6 @@ def warm(workers: int, on_progress: Callable[[int, int], None]) -> Warmed:
         raise UserError("NUMBA_DISABLE_JIT is set: unset it to have machine code")
     if not takes_code():
         raise UserError(f"{cache_folder()}: machine code cannot be kept there: the folder cannot be written")
-    loops = list(all_loops())
     noted = set(filter(was_compiled, loops))
     with CompilerLock() as lock:
         while not lock.acquire():

@@ -91,9 +91,9 @@ def prepare(scenario: str) -> None:
     """Compile what plays ``scenario``: a kiosk keeps no compiled code, and each tab would do it anew."""
     from rl_tui.cli.serving.app_process import command_line
 
-    training = command_line(sys.executable, ["train", scenario, "--episodes", "1"])
+    warming = command_line(sys.executable, ["warm", scenario])
     with suppress(OSError):  # what is wrong shows in the tabs
-        subprocess.run(training, stdin=DEVNULL, stdout=DEVNULL, stderr=DEVNULL, check=False)
+        subprocess.run(warming, stdin=DEVNULL, stdout=DEVNULL, stderr=DEVNULL, check=False)
 
 
 def serve_apps(

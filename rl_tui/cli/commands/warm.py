@@ -2,24 +2,43 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import click
 
+from rl_tui.cli.options.run import allow_module_option
 from rl_tui.cli.progress import progress
+
+if TYPE_CHECKING:
+    from rl_tui.agents.kernels.machine_code import Loop
 
 
 @click.command("warm")
-def command() -> None:
-    """Compile all kernels into the cache.
+@click.argument("scenarios", metavar="[SCENARIO|FILE.toml|gym:ENV_ID]...", nargs=-1)
+@allow_module_option
+def command(scenarios: tuple[str, ...]) -> None:
+    """Compile all kernels into the cache, or those with which scenarios begin.
 
     Then no run begins without its machine code: for images of containers, and classrooms whose machines share
-    a cache. It takes some minutes. The cache is the folder RL_TUI_CACHE_DIR, else that of your platform.
+    a cache. All of them take some minutes. The cache is the folder RL_TUI_CACHE_DIR, else that of your
+    platform.
     """
+    from rl_tui.agents.compiling.loops import all_loops
     from rl_tui.agents.compiling.warming import warm
     from rl_tui.agents.kernels.cache_folder import cache_folder
     from rl_tui.common.findings import printable
     from rl_tui.lab.experiments.patience import cores
 
+    loops = sorted({_loop_of(each) for each in scenarios}) if scenarios else list(all_loops())
     with progress("compiling") as on_progress:
-        warmed = warm(cores(), on_progress)
+        warmed = warm(loops, cores(), on_progress)
     click.echo(f"{warmed.compiled} kernels compiled, {warmed.found} were there already")
     click.echo(printable(str(cache_folder())))
+
+
+def _loop_of(scenario: str) -> Loop:
+    """Return the loop with which ``scenario`` begins. Raises UserError where there is no such scenario."""
+    from rl_tui.lab.run.library import recipe_named
+    from rl_tui.lab.run.run import Run
+
+    return Run(recipe_named(scenario, {}, 0), evaluate=False).learner.loop
