@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import importlib
+import math
 from dataclasses import replace
 from typing import Any
 
@@ -62,6 +63,12 @@ def rule_of(hyperparameters: Hyperparameters, actions: int) -> Any:
 def test_what_a_policy_has_learned_is_not_known(policy: str) -> None:
     assert learns(rule_of(Hyperparameters(policy=policy), 4))
     assert chances(Hyperparameters(policy=policy)) is None
+
+
+@pytest.mark.parametrize("policy", POLICY_BY_ID)
+def test_nothing_is_told_where_an_estimate_is_not_a_number(policy: str) -> None:
+    q, visits = np.array([1.0, math.nan]), np.array([3, 4])
+    assert action_chances(Hyperparameters(policy=policy), 0.1, q, visits) is None
 
 
 @given(

@@ -21,11 +21,11 @@ def action_chances(
 ) -> FloatArray | None:
     """Return π(a|s) of the A actions of one state, [A], from their estimates and visits, [A] each.
 
-    ``epsilon`` is the one in force. None for more than ``MOST_ACTIONS``, and for policies that learn, as
-    those for bandits do: what they have learned is not at hand here.
+    ``epsilon`` is the one in force. None for more than ``MOST_ACTIONS``, where an estimate that ran away is
+    NaN, and for policies that learn, as those for bandits do: what they have learned is not at hand here.
     """
     actions = len(q)
-    if actions > MOST_ACTIONS:
+    if actions > MOST_ACTIONS or np.isnan(q).any():
         return None
     here = all_pairs(("here",), [str(action) for action in range(actions)], time_limit=0)
     module = importlib.import_module(POLICY_BY_ID[hyperparameters.policy].module)
