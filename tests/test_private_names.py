@@ -24,7 +24,7 @@ WHY: Final = {
     "_parse_rules": "styles are parsed once for all apps",
     "_size": "a widget that stands on no screen has no size of its own",
     "_time": "a clock that stalls",
-    # Numba: what kernels/jit.py sets there
+    # Numba: what compiling/jit.py sets there
     "_OverloadFunctionTemplate": "a Numba without it compiles all that is inlined",
     "_can_compile": "the same",
     "_get_jit_decorator": "the same",

@@ -13,7 +13,7 @@ import pytest
 from rl_tui.agents.compiling import background, compiler_lock, loops, worker
 from rl_tui.agents.compiling.background import BackgroundCompiler
 from rl_tui.agents.compiling.compiler_lock import CompilerLock
-from rl_tui.agents.compiling.loops import Outcome, all_loops, compile_here
+from rl_tui.agents.compiling.loops import CodeOrigin, all_loops, compile_here
 from rl_tui.agents.compiling.worker_process import GONE
 from rl_tui.agents.kernels import cache_folder
 from rl_tui.agents.kernels.machine_code import SHARED, Loop
@@ -77,7 +77,7 @@ class Worker:
 
 def keeps(machine: Machine, loop: Loop) -> str:
     machine.cached.add(loop)
-    return Outcome.COMPILED
+    return CodeOrigin.COMPILED
 
 
 @pytest.fixture
@@ -153,7 +153,7 @@ def test_where_no_process_can_be_started_this_one_compiles(machine: Machine) -> 
 def test_after_a_full_disk_no_worker_is_asked_again(
     machine: Machine, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(Worker, "script", staticmethod(lambda *_: Outcome.NOT_KEPT))
+    monkeypatch.setattr(Worker, "script", staticmethod(lambda *_: CodeOrigin.NOT_KEPT))
     come_by(LOOP, OTHER)
     assert machine.done == [("compile", LOOP), ("compile", OTHER)]
     assert machine.workers[0].asked == [LOOP]
@@ -162,7 +162,7 @@ def test_after_a_full_disk_no_worker_is_asked_again(
 def test_what_the_worker_kept_but_cannot_be_read_is_compiled_here(
     machine: Machine, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(Worker, "script", staticmethod(lambda *_: Outcome.COMPILED))
+    monkeypatch.setattr(Worker, "script", staticmethod(lambda *_: CodeOrigin.COMPILED))
     come_by(LOOP)
     assert machine.done == [("load", LOOP), ("compile", LOOP)]
 
@@ -268,9 +268,9 @@ def test_the_worker_answers_each_line() -> None:
     asked = [json.dumps(LOOP), json.dumps(OTHER)]
     seen: list[Loop] = []
 
-    def come_by(loop: Loop) -> Outcome:
+    def come_by(loop: Loop) -> CodeOrigin:
         seen.append(loop)
-        return Outcome.FOUND if loop == LOOP else Outcome.COMPILED
+        return CodeOrigin.FOUND if loop == LOOP else CodeOrigin.COMPILED
 
     stdout = io.StringIO()
     worker.work(asked, stdout, come_by)
@@ -313,10 +313,10 @@ def test_what_is_compiled_is_noted_with_what_all_share(empty_cache: Path, made: 
 def test_what_the_cache_did_not_take_is_not_noted(
     empty_cache: Path, made: list[Loop], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from rl_tui.agents.kernels.machine_cache import SAVES
+    from rl_tui.agents.compiling.machine_cache import SAVES
 
     monkeypatch.setattr(SAVES, "failed", True)
-    assert compile_here(LOOP) is Outcome.NOT_KEPT
+    assert compile_here(LOOP) is CodeOrigin.NOT_KEPT
     assert names(empty_cache) == set()
 
 
@@ -348,7 +348,7 @@ def test_who_waits_for_the_compiler_reads_what_it_keeps(
 
         monkeypatch.setattr(loops.time, "sleep", sleep)
         monkeypatch.setattr(loops, "load", lambda loop: True)
-        assert compile_here(LOOP) is Outcome.FOUND
+        assert compile_here(LOOP) is CodeOrigin.FOUND
     assert (waits, made) == (3, [])
 
 

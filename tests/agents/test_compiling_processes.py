@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 import rl_tui
-from rl_tui.agents.compiling.loops import Outcome
+from rl_tui.agents.compiling.loops import CodeOrigin
 from rl_tui.agents.compiling.worker import NICENESS
 from rl_tui.agents.compiling.worker_process import GONE, WorkerProcess
 from rl_tui.agents.kernels.machine_code import Loop
@@ -47,7 +47,7 @@ print(loops.compile_here(LOOP))
 
 LIMITED = f"""{QUICK}
 import resource
-from rl_tui.agents.kernels.cache_folder import takes_code
+from rl_tui.agents.compiling.cache_folder import takes_code
 takes_code()
 resource.setrlimit(resource.RLIMIT_FSIZE, (2048, 2048))
 print(loops.compile_here(LOOP))
@@ -113,7 +113,7 @@ def test_a_full_disk_leaves_nothing_behind(tmp_path: Path) -> None:
 @pytest.mark.slow
 def test_a_kiosk_compiles_and_writes_nothing(tmp_path: Path) -> None:
     (tmp_path / "kernels").mkdir()
-    script = f"{QUICK}\nloops.compile_here(LOOP)\nfrom rl_tui.agents.kernels.jit import dispatcher_of\n"
+    script = f"{QUICK}\nloops.compile_here(LOOP)\nfrom rl_tui.agents.compiling.jit import dispatcher_of\n"
     script += "print(len(dispatcher_of(fold).signatures))"
     assert said(started(script, tmp_path, RL_TUI_KIOSK="1")) == "1"
     assert files(tmp_path) == []
@@ -154,7 +154,7 @@ def test_the_worker_imports_nothing_from_where_it_is_started(
     for name in ("numpy", "json", rl_tui.__name__):
         (tmp_path / name).with_suffix(".py").write_text("raise SystemExit")
     monkeypatch.chdir(tmp_path)
-    assert answer_of(WorkerProcess(), LOOP) in (Outcome.FOUND, Outcome.COMPILED)
+    assert answer_of(WorkerProcess(), LOOP) in (CodeOrigin.FOUND, CodeOrigin.COMPILED)
 
 
 def test_the_folder_it_is_started_in_may_be_gone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -162,7 +162,7 @@ def test_the_folder_it_is_started_in_may_be_gone(tmp_path: Path, monkeypatch: py
     folder.mkdir()
     monkeypatch.chdir(folder)
     folder.rmdir()
-    assert answer_of(WorkerProcess(), LOOP) in (Outcome.FOUND, Outcome.COMPILED)
+    assert answer_of(WorkerProcess(), LOOP) in (CodeOrigin.FOUND, CodeOrigin.COMPILED)
 
 
 def test_the_worker_ends_where_it_knows_no_such_algorithm() -> None:

@@ -14,15 +14,15 @@ import pytest
 from numba.core import event
 from numba.core.typing.templates import _OverloadFunctionTemplate
 
-from rl_tui.agents.kernels import jit
-from rl_tui.agents.kernels.cache_folder import LONGEST_UNUSED, cache_folder, prune
+from rl_tui.agents.compiling import jit
+from rl_tui.agents.compiling.cache_folder import LONGEST_UNUSED, cache_folder, prune
+from rl_tui.agents.compiling.jit import dispatcher_of
 from rl_tui.agents.kernels.compiled import compiled, inlined, inlined_by_type, member_of
-from rl_tui.agents.kernels.jit import dispatcher_of
 
 SCRIPT = """
 from rl_tui.agents.kernels.compiled import compiled
-from rl_tui.agents.kernels.jit import dispatcher_of
-from rl_tui.agents.kernels.machine_cache import CACHED
+from rl_tui.agents.compiling.jit import dispatcher_of
+from rl_tui.agents.compiling.machine_cache import CACHED
 
 @compiled
 def double(x):
@@ -123,7 +123,7 @@ def test_where_nobody_has_a_home_it_does_without(tmp_path: Path, monkeypatch: py
     def homeless(*_: object, **__: object) -> None:
         raise RuntimeError("could not determine the home directory")
 
-    monkeypatch.setattr("rl_tui.agents.kernels.cache_folder.platformdirs.user_cache_path", homeless)
+    monkeypatch.setattr("rl_tui.agents.compiling.cache_folder.platformdirs.user_cache_path", homeless)
     monkeypatch.delenv("RL_TUI_CACHE_DIR", raising=False)
     assert cache_folder.__wrapped__().is_relative_to(os.devnull)
 

@@ -16,9 +16,8 @@ from pathlib import Path
 import pytest
 
 from rl_tui.agents.catalogue import BY_ID, POLICY_BY_ID
-from rl_tui.agents.kernels import compiled
-from rl_tui.agents.kernels.cache_folder import cache_folder
-from rl_tui.agents.kernels.cache_key import (
+from rl_tui.agents.compiling.cache_folder import cache_folder
+from rl_tui.agents.compiling.cache_key import (
     COMPILER,
     DECORATORS,
     PACKAGE,
@@ -26,6 +25,7 @@ from rl_tui.agents.kernels.cache_key import (
     imports,
     kernel_sources,
 )
+from rl_tui.agents.kernels import compiled
 from rl_tui.agents.kernels.compiled import COMPILED, FAMILIES, INLINED
 
 MODULES = {
@@ -37,7 +37,7 @@ MODULES = {
 SCRIPT = """
 from pathlib import Path
 import rl_tui
-from rl_tui.agents.kernels.jit import dispatcher_of
+from rl_tui.agents.compiling.jit import dispatcher_of
 from rl_tui.agents.kernels.position import discount_rewards, new_position
 
 position = new_position(0)
@@ -49,7 +49,7 @@ print(Path(rl_tui.__file__).parent, position.discounted, sum(machine_code.stats.
 
 TWO_TYPES = """
 from rl_tui.agents.kernels.compiled import compiled
-from rl_tui.agents.kernels.jit import dispatcher_of
+from rl_tui.agents.compiling.jit import dispatcher_of
 
 @compiled
 def half(x):
@@ -156,7 +156,7 @@ def test_the_key_is_the_same_wherever_the_package_stands(clones: list[Path]) -> 
         ("rl_tui.tui.app.app", "import", "import ", False),
         ("rl_tui.agents.learner", "def advance", "def advance ", False),
         ("rl_tui.agents.compiling.loops", "def", "def ", False),
-        ("rl_tui.agents.kernels.jit", "nogil=True", "nogil=False", True),
+        ("rl_tui.agents.compiling.jit", "nogil=True", "nogil=False", True),
         ("rl_tui", "__version__", "__version__ ", False),
         ("rl_tui.agents.kernels.stop", "DIVERGED = 2", "DIVERGED = 9", True),
         ("rl_tui.agents.kernels.parameters", "def step_size", "def step_size ", True),

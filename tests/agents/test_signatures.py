@@ -16,11 +16,11 @@ from two_forms import EVERY_LOOP, in_place_of_machine_code
 
 from rl_tui.agents.catalogue import POLICY_BY_ID
 from rl_tui.agents.compatibility import incompatibility
+from rl_tui.agents.compiling.jit import dispatcher_of
 from rl_tui.agents.compiling.loops import compile_here, learner_of
 from rl_tui.agents.exact.backward_induction import best_values, policy_values
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.agents.kernels.compiled import CALLED_FROM_PYTHON
-from rl_tui.agents.kernels.jit import dispatcher_of
 from rl_tui.agents.kernels.loop import advance
 from rl_tui.agents.kernels.machine_code import Loop
 from rl_tui.agents.kernels.watching import Watching

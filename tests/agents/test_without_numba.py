@@ -9,9 +9,9 @@ from pathlib import Path
 
 import pytest
 
-from rl_tui.agents.kernels.cache_key import DECORATORS, NAME, PACKAGE, imports
+from rl_tui.agents.compiling.cache_key import DECORATORS, NAME, PACKAGE, imports
 
-NEEDS_NUMBA = {"rl_tui.agents.kernels.jit", "rl_tui.agents.kernels.machine_cache"}
+NEEDS_NUMBA = {"rl_tui.agents.compiling.jit", "rl_tui.agents.compiling.machine_cache"}
 
 RUNS = """
 import importlib, sys

@@ -13,9 +13,9 @@ from click.testing import CliRunner
 
 import rl_tui
 from rl_tui.agents.compiling import warming
-from rl_tui.agents.compiling.loops import Outcome
+from rl_tui.agents.compiling.cache_folder import cache_folder
+from rl_tui.agents.compiling.loops import CodeOrigin
 from rl_tui.agents.compiling.worker_process import GONE
-from rl_tui.agents.kernels.cache_folder import cache_folder
 from rl_tui.agents.kernels.machine_code import Loop
 from rl_tui.cli.main import program
 
@@ -65,7 +65,7 @@ def noted(monkeypatch: pytest.MonkeyPatch) -> set[Loop]:
     """Three loops, of two algorithms, a cache with notes of those that are returned, and workers."""
     noted: set[Loop] = set()
     monkeypatch.setattr(Worker, "started", [], raising=False)
-    monkeypatch.setattr(Worker, "says", staticmethod(lambda loop: Outcome.COMPILED), raising=False)
+    monkeypatch.setattr(Worker, "says", staticmethod(lambda loop: CodeOrigin.COMPILED), raising=False)
     monkeypatch.setattr(warming, "WorkerProcess", Worker)
     monkeypatch.setattr(warming, "CompilerLock", Lock)
     monkeypatch.setattr(warming, "LOOKED_FOR_EVERY", 0.001)
@@ -87,7 +87,7 @@ def test_what_is_noted_is_read_to_see_that_it_is_there(
     noted: set[Loop], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     noted.update(LOOPS)
-    monkeypatch.setattr(Worker, "says", staticmethod(lambda loop: Outcome.FOUND))
+    monkeypatch.setattr(Worker, "says", staticmethod(lambda loop: CodeOrigin.FOUND))
     assert warming.warm(LOOPS, 1, lambda *_: None) == (0, 3)
     assert len(Worker.started) == 2
 
@@ -119,9 +119,9 @@ def test_without_workers_this_process_compiles(
     monkeypatch.setattr(Worker, "says", staticmethod(lambda loop: GONE))
     here: list[Loop] = []
 
-    def compile_alone(loop: Loop) -> Outcome:
+    def compile_alone(loop: Loop) -> CodeOrigin:
         here.append(loop)
-        return Outcome.COMPILED
+        return CodeOrigin.COMPILED
 
     monkeypatch.setattr(warming, "compile_alone", compile_alone)
     assert warming.warm(LOOPS, 2, lambda *_: None) == (3, 0)
@@ -137,7 +137,7 @@ def test_it_says_how_many_and_where(noted: set[Loop]) -> None:
 
 
 def test_a_full_disk_is_one_line(noted: set[Loop], monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(Worker, "says", staticmethod(lambda loop: Outcome.NOT_KEPT))
+    monkeypatch.setattr(Worker, "says", staticmethod(lambda loop: CodeOrigin.NOT_KEPT))
     done = CliRunner().invoke(program, ["warm"])
     assert done.exit_code == 1
     assert len(done.stderr.splitlines()) == 1

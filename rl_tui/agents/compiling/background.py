@@ -95,8 +95,8 @@ class BackgroundCompiler:
 
     def _come_by(self, loop: Loop) -> None:
         # Imports all that learns: not before something is wanted
+        from rl_tui.agents.compiling.cache_folder import takes_code, was_compiled
         from rl_tui.agents.compiling.loops import compile_here
-        from rl_tui.agents.kernels.cache_folder import takes_code, was_compiled
 
         if was_compiled(loop) and self._load(loop):
             return
@@ -117,8 +117,8 @@ class BackgroundCompiler:
 
     def _is_compiled_elsewhere(self, loop: Loop) -> bool:
         """Have the worker compile ``loop``, and read what it has kept; False where that fails."""
-        from rl_tui.agents.compiling.loops import LOOKED_FOR_EVERY, Outcome
-        from rl_tui.agents.kernels.cache_folder import was_compiled
+        from rl_tui.agents.compiling.cache_folder import was_compiled
+        from rl_tui.agents.compiling.loops import LOOKED_FOR_EVERY, CodeOrigin
 
         # Our worker keeps one before the other, and another process either, while ours waits for its turn
         hoped_for = [each for each in (SHARED, loop) if not was_compiled(each)]
@@ -139,9 +139,9 @@ class BackgroundCompiler:
         if answer in (None, GONE):  # if another process was first, there is nothing to wait for any more
             with self._lock:
                 self._end_worker()
-        if answer == Outcome.NOT_KEPT:
+        if answer == CodeOrigin.NOT_KEPT:
             self._worker_helps = False
-        if answer in (Outcome.FOUND, Outcome.COMPILED) and self._is_wanted(loop):
+        if answer in (CodeOrigin.FOUND, CodeOrigin.COMPILED) and self._is_wanted(loop):
             self._load(loop)
         return loop in COMPILED_LOOPS
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from types import TracebackType
 
-from rl_tui.agents.kernels.cache_folder import cache_folder, takes_code
+from rl_tui.agents.compiling.cache_folder import cache_folder, takes_code
 from rl_tui.common.file_lock import FileLock
 
 

@@ -9,15 +9,15 @@ from importlib import import_module
 from typing import Final
 
 from rl_tui.agents.catalogue import BY_ID, POLICY_BY_ID
-from rl_tui.agents.compiling.compiler_lock import CompilerLock
-from rl_tui.agents.hyperparameters import Hyperparameters
-from rl_tui.agents.kernels.cache_folder import (
+from rl_tui.agents.compiling.cache_folder import (
     cache_folder,
     note_compiled,
     remove_unfinished,
     takes_code,
     was_compiled,
 )
+from rl_tui.agents.compiling.compiler_lock import CompilerLock
+from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.agents.kernels.machine_code import (
     ALWAYS_INTERPRETED,
     COMPILED_LOOPS,
@@ -45,7 +45,7 @@ _CALLED_FROM_PYTHON: Final = (
 )
 
 
-class Outcome(StrEnum):
+class CodeOrigin(StrEnum):
     """How a process came by machine code."""
 
     FOUND = "found"
@@ -68,7 +68,7 @@ def all_loops() -> Iterator[Loop]:
                 yield Loop(algorithm.id, policy.id, stepped=True)
 
 
-def compile_here(loop: Loop) -> Outcome:
+def compile_here(loop: Loop) -> CodeOrigin:
     """Have machine code for ``loop``: read from the cache, or compiled here.
 
     Machine code does not depend on the world: it is compiled for the smallest one. Of many processes that
@@ -76,7 +76,7 @@ def compile_here(loop: Loop) -> Outcome:
     Raises KeyError where the catalogue has no such algorithm or policy.
     """
     if loop in COMPILED_LOOPS:
-        return Outcome.FOUND
+        return CodeOrigin.FOUND
     was_noted = False
 
     def is_there() -> bool:
@@ -89,7 +89,7 @@ def compile_here(loop: Loop) -> Outcome:
     return compile_in_turn(loop, is_there)
 
 
-def compile_in_turn(loop: Loop, is_there: Callable[[], bool] = lambda: False) -> Outcome:
+def compile_in_turn(loop: Loop, is_there: Callable[[], bool] = lambda: False) -> CodeOrigin:
     """Do as :func:`compile_here` once no other process compiles, unless it ``is_there`` before."""
     longest = time.monotonic() + LONGEST_WAIT
     with CompilerLock() as lock:
@@ -97,15 +97,15 @@ def compile_in_turn(loop: Loop, is_there: Callable[[], bool] = lambda: False) ->
             if lock.acquire() or time.monotonic() > longest:
                 return compile_alone(loop)
             time.sleep(LOOKED_FOR_EVERY)
-    return Outcome.FOUND
+    return CodeOrigin.FOUND
 
 
-def compile_alone(loop: Loop) -> Outcome:
+def compile_alone(loop: Loop) -> CodeOrigin:
     """Do as :func:`compile_here`, in a process that knows that no other one compiles the same."""
     if ALWAYS_INTERPRETED:
         _make(loop)
-        return Outcome.NOT_KEPT
-    from rl_tui.agents.kernels.machine_cache import SAVES
+        return CodeOrigin.NOT_KEPT
+    from rl_tui.agents.compiling.machine_cache import SAVES
 
     remove_unfinished(time.time())
     kept = SAVES.kept
@@ -114,15 +114,15 @@ def compile_alone(loop: Loop) -> Outcome:
         if not SAVES.failed:
             note_compiled(each)
     if SAVES.failed or not takes_code():
-        return Outcome.NOT_KEPT
-    return Outcome.COMPILED if SAVES.kept > kept else Outcome.FOUND
+        return CodeOrigin.NOT_KEPT
+    return CodeOrigin.COMPILED if SAVES.kept > kept else CodeOrigin.FOUND
 
 
 def load(loop: Loop) -> bool:
     """Read machine code for ``loop`` from the cache; False where that has none, or not all."""
     if ALWAYS_INTERPRETED or not cache_folder().is_dir():
         return False
-    from rl_tui.agents.kernels.machine_cache import NotCachedError, only_loading
+    from rl_tui.agents.compiling.machine_cache import NotCachedError, only_loading
 
     try:
         with only_loading():

@@ -8,10 +8,10 @@ from contextlib import suppress
 from itertools import groupby
 from typing import NamedTuple
 
+from rl_tui.agents.compiling.cache_folder import cache_folder, takes_code, was_compiled
 from rl_tui.agents.compiling.compiler_lock import CompilerLock
-from rl_tui.agents.compiling.loops import LOOKED_FOR_EVERY, Outcome, compile_alone
+from rl_tui.agents.compiling.loops import LOOKED_FOR_EVERY, CodeOrigin, compile_alone
 from rl_tui.agents.compiling.worker_process import GONE, WorkerProcess
-from rl_tui.agents.kernels.cache_folder import cache_folder, takes_code, was_compiled
 from rl_tui.agents.kernels.machine_code import ALWAYS_INTERPRETED, Loop
 from rl_tui.common.errors import UserError
 
@@ -41,18 +41,18 @@ def warm(loops: Sequence[Loop], workers: int, on_progress: Callable[[int, int], 
             time.sleep(LOOKED_FOR_EVERY)
         # What another process has compiled meanwhile is there
         missing = [loop for loop in loops if loop in noted or not was_compiled(loop)]
-        outcomes = [Outcome.FOUND] * (len(loops) - len(missing))
+        outcomes = [CodeOrigin.FOUND] * (len(loops) - len(missing))
         on_progress(len(outcomes), len(loops))
         for outcome in _compiled(missing, workers):
-            if outcome is Outcome.NOT_KEPT:
+            if outcome is CodeOrigin.NOT_KEPT:
                 raise UserError(f"{cache_folder()}: machine code is not kept there: the disk may be full")
             outcomes.append(outcome)
             on_progress(len(outcomes), len(loops))
-    compiled = outcomes.count(Outcome.COMPILED)
+    compiled = outcomes.count(CodeOrigin.COMPILED)
     return Warmed(compiled, len(outcomes) - compiled)
 
 
-def _compiled(loops: list[Loop], workers: int) -> Iterator[Outcome]:
+def _compiled(loops: list[Loop], workers: int) -> Iterator[CodeOrigin]:
     """Yield how each of ``loops`` was come by, as soon as it is.
 
     Each algorithm has a worker of its own, which takes its memory with it. Where there can be none, or it
@@ -76,7 +76,7 @@ def _compiled(loops: list[Loop], workers: int) -> Iterator[Outcome]:
                     asked.clear()
                 elif answer is not None:
                     del asked[0]
-                    yield Outcome(answer)
+                    yield CodeOrigin(answer)
                 if not asked:
                     worker.end()
                     del busy[worker]

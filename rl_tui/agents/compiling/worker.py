@@ -16,7 +16,7 @@ from queue import SimpleQueue
 from typing import TYPE_CHECKING, Final, TextIO
 
 if TYPE_CHECKING:
-    from rl_tui.agents.compiling.loops import Outcome
+    from rl_tui.agents.compiling.loops import CodeOrigin
     from rl_tui.agents.kernels.machine_code import Loop
 
 NICENESS: Final = 5
@@ -44,7 +44,7 @@ def _read(stdin: TextIO, asked: SimpleQueue[str]) -> None:
     os._exit(0)
 
 
-def work(lines: Iterable[str], stdout: TextIO, come_by: Callable[[Loop], Outcome]) -> None:
+def work(lines: Iterable[str], stdout: TextIO, come_by: Callable[[Loop], CodeOrigin]) -> None:
     """Have ``come_by`` called with the loop of each of ``lines``, and write its outcome to ``stdout``."""
     from rl_tui.agents.kernels.machine_code import Loop
 

@@ -12,7 +12,7 @@ from queue import Empty, SimpleQueue
 from typing import IO, Final
 
 from rl_tui.agents.compiling import worker
-from rl_tui.agents.kernels.cache_folder import base_folder
+from rl_tui.agents.compiling.cache_folder import base_folder
 from rl_tui.agents.kernels.machine_code import Loop
 
 IDLE_NICENESS: Final = 19

@@ -7,7 +7,7 @@ from typing import Any, Final, NamedTuple
 
 import numpy as np
 
-from rl_tui.agents.kernels.cache_folder import was_compiled
+from rl_tui.agents.compiling.cache_folder import was_compiled
 from rl_tui.agents.kernels.compiled import compiled_for
 from rl_tui.agents.kernels.machine_code import COMPILED_LOOPS, SHARED, fastest, machine_code
 from rl_tui.worlds.mdp.smallest import smallest_mdp

@@ -56,11 +56,11 @@ def machine_code(function: Callable[Parameters, Result], *example: Any) -> Calla
     """Return the machine code of ``function``, which is compiled, or read from the cache, when it is called.
 
     With an ``example`` of its arguments that is done at once, and what is returned takes just these types:
-    see :func:`rl_tui.agents.kernels.jit.entry`.
+    see :func:`rl_tui.agents.compiling.jit.entry`.
     """
     if ALWAYS_INTERPRETED:
         return interpreted(function)
-    from rl_tui.agents.kernels.jit import dispatcher_of, entry
+    from rl_tui.agents.compiling.jit import dispatcher_of, entry
 
     return entry(function, *example) if example else dispatcher_of(function)
 

@@ -23,9 +23,9 @@ def command(scenarios: tuple[str, ...]) -> None:
     a cache. All of them take some minutes. The cache is the folder RL_TUI_CACHE_DIR, else that of your
     platform.
     """
+    from rl_tui.agents.compiling.cache_folder import cache_folder
     from rl_tui.agents.compiling.loops import all_loops
     from rl_tui.agents.compiling.warming import warm
-    from rl_tui.agents.kernels.cache_folder import cache_folder
     from rl_tui.common.findings import printable
     from rl_tui.lab.experiments.patience import cores
 

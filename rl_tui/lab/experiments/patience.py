@@ -8,8 +8,8 @@ import time
 from typing import Final
 
 from rl_tui.agents.compiling.background import BACKGROUND
+from rl_tui.agents.compiling.cache_folder import was_compiled
 from rl_tui.agents.compiling.loops import compile_here, load
-from rl_tui.agents.kernels.cache_folder import was_compiled
 from rl_tui.agents.kernels.machine_code import Loop
 from rl_tui.agents.learner import Learner
 

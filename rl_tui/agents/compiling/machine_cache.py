@@ -19,8 +19,8 @@ from numba.core.caching import (
 from numba.core.compiler import CompileResult
 from numba.core.sigutils import normalize_signature
 
-from rl_tui.agents.kernels.cache_folder import cache_folder, prune, takes_code
-from rl_tui.agents.kernels.cache_key import NAME
+from rl_tui.agents.compiling.cache_folder import cache_folder, prune, takes_code
+from rl_tui.agents.compiling.cache_key import NAME
 from rl_tui.common.file_lock import FileLock
 
 _LONGEST_SAVE: Final = 5.0  # seconds

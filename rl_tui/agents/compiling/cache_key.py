@@ -21,7 +21,7 @@ import numpy as np
 PACKAGE: Final = Path(__file__).parents[2]
 NAME: Final = PACKAGE.name
 DECORATORS: Final = "rl_tui.agents.kernels.compiled"
-COMPILER: Final = "rl_tui.agents.kernels.jit"
+COMPILER: Final = "rl_tui.agents.compiling.jit"
 # Who imports one of these has kernels, or what they inline
 MARKS: Final = frozenset(
     f"{DECORATORS}.{mark}" for mark in ("compiled", "compiled_for", "inlined", "inlined_by_type", "member_of")

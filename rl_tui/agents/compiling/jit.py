@@ -18,8 +18,8 @@ from numba.core.errors import NumbaIRAssumptionWarning
 from numba.core.ir_utils import alias_analysis_extensions
 from numba.core.typing.templates import infer, infer_global, make_overload_template
 
+from rl_tui.agents.compiling.machine_cache import CACHED, cache_of
 from rl_tui.agents.kernels.compiled import COMPILED, FAMILIES, INLINED, Family
-from rl_tui.agents.kernels.machine_cache import CACHED, cache_of
 
 # Numba wonders about variables that one branch of an inlined function sets and no other reads. Whether the
 # code is right, the comparison with its interpreted form tells.

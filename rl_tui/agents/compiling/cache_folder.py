@@ -13,7 +13,7 @@ from typing import Final
 
 import platformdirs
 
-from rl_tui.agents.kernels.cache_key import cache_key
+from rl_tui.agents.compiling.cache_key import cache_key
 from rl_tui.agents.kernels.machine_code import Loop
 from rl_tui.common.kiosk import in_kiosk
 
