@@ -27,11 +27,12 @@ class Progress:
     def __call__(self, done: int, wanted: int) -> None:
         """Show that ``done`` of ``wanted`` is done."""
         self._begun = self._begun or (time.monotonic(), done)
-        before, self._parts = self._parts, min(done, wanted) * _PARTS // wanted
+        before, self._parts = self._parts, min(done, wanted) * _PARTS // max(1, wanted)
         self._advance_bar(self._parts - before, _how_far(self._begun, done, wanted))
 
     def say(self, text: str) -> None:
-        """Show ``text`` in place of how much is done, until there is more."""
+        """Show ``text`` in place of how much is done, until there is more; a forecast then begins anew."""
+        self._begun = None
         self._advance_bar(0, text)
 
 

@@ -10,12 +10,11 @@ from pathlib import Path
 
 import pytest
 
-from rl_tui.agents.compiling import background, compiler_lock, loops, worker
+from rl_tui.agents.compiling import background, cache_folder, compiler_lock, loops, worker
 from rl_tui.agents.compiling.background import BackgroundCompiler
 from rl_tui.agents.compiling.compiler_lock import CompilerLock
 from rl_tui.agents.compiling.loops import CodeOrigin, all_loops, compile_here
 from rl_tui.agents.compiling.worker_process import GONE
-from rl_tui.agents.kernels import cache_folder
 from rl_tui.agents.kernels.machine_code import SHARED, Loop
 
 LOOP = Loop("q-learning", "epsilon-greedy", stepped=False)

@@ -5,9 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from exact_reference import lake, student, world
-from two_forms import interpreted
 
-from rl_tui.agents.exact import backward_induction, policy_evaluation
+from rl_tui.agents.exact import policy_evaluation
 from rl_tui.agents.exact.policy_evaluation import evaluate
 from rl_tui.agents.exact.solve import (
     best_expected_return,
@@ -186,13 +185,3 @@ def test_probabilities_that_sum_to_almost_one_still_surely_end() -> None:
     mdp = world(("A", "go", [(third, "A", -1.0), (third, "A", -1.0), (third, "end", -1.0)]))
     assert solve(mdp, 1.0).value_at_start == pytest.approx(-3.0, abs=1e-12)
     assert figures(mdp, np.ones(1), 1.0).greedy_ends == 1.0
-
-
-def test_the_kernels_compute_the_same_bits_interpreted() -> None:
-    mdp = lake("4x4", True, 20)
-    policy = np.full(mdp.pairs, 0.25)
-    follow = backward_induction.policy_values(mdp, policy, 20)
-    best = backward_induction.best_values(mdp, 0.9, 20)
-    with interpreted():
-        assert np.array_equal(follow, backward_induction.policy_values(mdp, policy, 20))
-        assert np.array_equal(best, backward_induction.best_values(mdp, 0.9, 20))

@@ -49,7 +49,7 @@ def in_place_of_machine_code(stand_in: Callable[..., Callable[..., Any]]) -> Ite
         patch.setattr(Learner, "is_compiled", True)
         patch.setattr(learner, "COMPILED_LOOPS", set())
         patch.setattr(learner, "use_machine_code", stand_in)
-        for module in (learner, backward_induction, watch, history, learning_curve):
+        for module in (learner, watch, history, learning_curve):
             patch.setattr(module, "fastest", stand_in)
         for module in (stepped_loop, backward_induction):
             patch.setattr(module, "machine_code", stand_in)

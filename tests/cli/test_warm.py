@@ -132,7 +132,7 @@ def test_without_workers_this_process_compiles(
 def test_it_says_how_many_and_where(noted: set[Loop]) -> None:
     done = CliRunner().invoke(program, ["warm"])
     assert done.exit_code == 0
-    assert done.stdout == f"3 kernels compiled, 0 were there already\n{cache_folder()}\n"
+    assert done.stdout == f"compiled: 3; there already: 0\n{cache_folder()}\n"
     assert done.stderr == ""
 
 
@@ -160,7 +160,7 @@ def test_what_scenarios_begin_with_is_there_afterwards() -> None:
     run(*command)
     again = run(*command)
     assert (again.returncode, again.stderr) == (0, "")
-    assert again.stdout.splitlines()[0] == "0 kernels compiled, 2 were there already"
+    assert again.stdout.splitlines()[0] == "compiled: 0; there already: 2"
 
 
 @pytest.mark.process

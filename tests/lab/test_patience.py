@@ -11,7 +11,7 @@ import pytest
 from rl_tui.agents.compiling.background import BACKGROUND
 from rl_tui.agents.kernels.machine_code import Loop
 from rl_tui.lab.experiments import many_runs, patience
-from rl_tui.lab.experiments.patience import FIRST_LOOK, WORTH_COMPILING, WORTH_READING, Patience
+from rl_tui.lab.experiments.patience import FIRST_LOOK, SURE_ENOUGH, WORTH_COMPILING, WORTH_READING, Patience
 from rl_tui.lab.experiments.training import Goal, train
 from rl_tui.lab.run.library import recipe_named
 from rl_tui.lab.run.run import Run
@@ -47,9 +47,10 @@ class Machine:
     def want(self, loops: Iterable[Loop]) -> None:
         self.asked += [("want", loop) for loop in loops]
 
-    def compile_here(self, loop: Loop) -> None:
+    def get(self, loop: Loop) -> bool:
         self.asked.append(("compile", loop))
         self.now += 8.0
+        return True
 
 
 @pytest.fixture
@@ -58,46 +59,72 @@ def machine(monkeypatch: pytest.MonkeyPatch) -> Machine:
     monkeypatch.setattr(patience, "time", SimpleNamespace(perf_counter=lambda: machine.now))
     monkeypatch.setattr(patience, "cores", lambda: machine.cores)
     monkeypatch.setattr(patience, "was_compiled", lambda loop: loop in machine.noted)
-    monkeypatch.setattr(patience, "load", machine.read)
-    monkeypatch.setattr(patience, "compile_here", machine.compile_here)
+    monkeypatch.setattr(BACKGROUND, "read", machine.read)
+    monkeypatch.setattr(BACKGROUND, "get", machine.get)
     monkeypatch.setattr(BACKGROUND, "want", machine.want)
     return machine
 
 
-def after_first_look(machine: Machine, seconds_left: float, learner: Learner | None = None) -> Patience:
-    """Look at training that will take so many seconds more after the first look that counts."""
+def after_a_look(
+    machine: Machine, seconds_left: float, learner: Learner | None = None, spent: float = SURE_ENOUGH
+) -> Patience:
+    """Look at training that has gone on for ``spent`` seconds, and will take so many more."""
     learner, looks = learner or Learner(), Patience()
     looks.look(learner, 0, 1)  # type: ignore[arg-type]
-    machine.now += FIRST_LOOK * 1.01
-    wanted = round(1000 * (1 + seconds_left / (FIRST_LOOK * 1.01)))
+    machine.now += spent * 1.01
+    wanted = round(1000 * (1 + seconds_left / (spent * 1.01)))
     looks.look(learner, 1000, wanted)  # type: ignore[arg-type]
     return looks
 
 
 def test_short_training_asks_for_nothing(machine: Machine) -> None:
-    after_first_look(machine, WORTH_READING * 0.9)
+    after_a_look(machine, WORTH_READING * 0.9)
     machine.noted.add(LOOP)
-    after_first_look(machine, WORTH_READING * 0.9)
+    after_a_look(machine, WORTH_READING * 0.9)
     assert machine.asked == []
 
 
 def test_what_is_in_the_cache_is_read_at_once(machine: Machine) -> None:
     machine.noted.add(LOOP)
-    after_first_look(machine, WORTH_READING * 1.1)
+    after_a_look(machine, WORTH_READING * 1.1, spent=FIRST_LOOK)
     assert machine.asked == [("load", LOOP)]
 
 
 def test_what_is_not_is_asked_for_only_where_it_comes_in_time(machine: Machine) -> None:
-    after_first_look(machine, WORTH_COMPILING * 0.9)
+    after_a_look(machine, WORTH_COMPILING * 0.9)
     assert machine.asked == []
-    after_first_look(machine, WORTH_COMPILING * 1.1)
+    after_a_look(machine, WORTH_COMPILING * 1.1, spent=FIRST_LOOK)
+    assert machine.asked == []  # it is too early to be sure
+    after_a_look(machine, WORTH_COMPILING * 1.1)
     assert machine.asked == [("want", LOOP)]
+
+
+def test_a_long_first_episode_says_nothing_yet(machine: Machine) -> None:
+    machine.noted.add(LOOP)
+    learner, looks = Learner(), Patience()
+    looks.look(learner, 0, 5)  # type: ignore[arg-type]
+    machine.now += WORTH_READING * 0.9
+    looks.look(learner, 0, 5)  # type: ignore[arg-type]
+    assert machine.asked == []
+    machine.now += WORTH_READING * 0.9
+    looks.look(learner, 0, 5)  # type: ignore[arg-type]
+    assert machine.asked == [("load", LOOP)]
+
+
+def test_what_cannot_be_read_is_tried_once(machine: Machine) -> None:
+    machine.noted.add(LOOP)
+    machine.can_read = False
+    learner = Learner()
+    looks = after_a_look(machine, WORTH_COMPILING * 0.9, learner)
+    machine.now += 1.0
+    looks.look(learner, 2000, 5000)  # type: ignore[arg-type]
+    assert machine.asked == [("load", LOOP)]
 
 
 def test_a_note_without_machine_code_is_asked_for(machine: Machine) -> None:
     machine.noted.add(LOOP)
     machine.can_read = False
-    after_first_look(machine, WORTH_COMPILING * 1.1)
+    after_a_look(machine, WORTH_COMPILING * 1.1)
     assert machine.asked == [("load", LOOP), ("want", LOOP)]
 
 
@@ -112,7 +139,7 @@ def test_on_one_core_it_waits_and_says_for_how_long(machine: Machine) -> None:
 
 def test_it_asks_once_for_each_loop(machine: Machine) -> None:
     learner = Learner()
-    looks = after_first_look(machine, 100.0, learner)
+    looks = after_a_look(machine, 100.0, learner)
     for done in (2000, 3000):
         machine.now += 1.0
         looks.look(learner, done, 10**9)  # type: ignore[arg-type]
@@ -150,7 +177,6 @@ def test_many_runs_wait_where_it_pays(
     if noted:
         machine.noted.add(LOOP)
     monkeypatch.setattr(many_runs, "seconds_interpreted", lambda *_, **__: seconds / 4)
-    monkeypatch.setattr(many_runs, "compile_here", machine.compile_here)
     said: list[str] = []
     figures = many_runs.many_runs(
         recipe_named("student", {}, 0), 4, Goal(episodes=3), on_compiling=lambda: said.append("compiling")

@@ -127,7 +127,8 @@ def test_a_far_replay_waits_and_shows_what_was_learned(tmp_path: Path, wanted: l
     assert meanwhile.timeline.current.here == FAR
     assert (meanwhile.results.greedy_return, meanwhile.counters.last_step) == (None, None)
     assert meanwhile.exact_answer.solution is None  # it is worked out for the γ of step 0
-    assert (wanted, playback.table) == ([[Q_LEARNING]], None)
+    assert all(loops == [Q_LEARNING] for loops in wanted)
+    assert playback.table is None
     compile_here(Q_LEARNING)
     there = arrived(playback)
     assert digest_of(there.agent.q) == session.document.digest
@@ -212,12 +213,14 @@ def test_while_it_waits_nothing_is_changed_but_where_it_goes(tmp_path: Path) -> 
     assert (there.counters.step, there.timeline.current.end) == (NEAR, FAR)
 
 
-def test_to_wait_no_longer_is_to_stand_at_the_beginning(tmp_path: Path) -> None:
+def test_to_pause_while_it_waits_does_not_lose_the_way(tmp_path: Path) -> None:
     run = run_to(recipe("student"), FAR)
-    playback = opened(left(tmp_path, run).record())
+    session = left(tmp_path, run)
+    playback = opened(session.record())
+    work_until_it_waits(playback)
     playback.handle(Pause())
-    here = arrived(playback)
-    assert (here.counters.step, here.timeline.current.end, set(here.agent.visits)) == (0, FAR, {0})
+    compile_here(Q_LEARNING)
+    assert digest_of(arrived(playback).agent.q) == session.document.digest
 
 
 def test_what_takes_over_on_the_way_is_waited_for_too(tmp_path: Path, wanted: list[list[Loop]]) -> None:
@@ -228,7 +231,7 @@ def test_what_takes_over_on_the_way_is_waited_for_too(tmp_path: Path, wanted: li
     work_until_it_waits(playback)
     assert wanted[-1] == [SARSA]
     message = playback.snapshot().playback.message
-    assert re.match("59,[45].. steps to replay: waiting for the compiler", message)
+    assert re.match("299,[45].. steps to replay: waiting for the compiler", message)
     assert shows(playback.snapshot(), run)
     compile_here(SARSA)
     assert digest_of(arrived(playback).agent.q) == session.document.digest

@@ -3,14 +3,20 @@
 from __future__ import annotations
 
 import threading
+import time
 from collections.abc import Iterable
+from typing import Final
 
 from rl_tui.agents.compiling.worker_process import GONE, WorkerProcess
 from rl_tui.agents.kernels.machine_code import COMPILED_LOOPS, SHARED, Loop
 
+LONGEST_READ: Final = 2.0
+"""Seconds for which others may rest while machine code is read."""
+_SHORT: Final = 0.1
+
 
 class BackgroundCompiler:
-    """Comes by machine code in a thread of its own, which lives as long as there is something to do.
+    """Gets machine code in a thread of its own, which lives as long as there is something to do.
 
     What is in the cache is read from there. What is not is compiled by a worker process, one for all loops.
     Where there can be none, or it fails, this process compiles, and is slower meanwhile; so it does where the
@@ -18,10 +24,9 @@ class BackgroundCompiler:
     """
 
     def __init__(self) -> None:
-        self.failed: dict[Loop, Exception] = {}
+        self.failed: dict[Loop, BaseException] = {}
         """What there is no machine code for, and why: it stays interpreted, and is not tried again."""
-        self.is_loading = False
-        """Whether it reads machine code now: for half a second, if nothing else wants the interpreter."""
+        self._loading_since: float | None = None
         self._lock = threading.Lock()  # guards everything below
         self._wanted: list[Loop] = []
         self._thread: threading.Thread | None = None
@@ -30,7 +35,7 @@ class BackgroundCompiler:
         self._worker_helps = True
 
     def want(self, loops: Iterable[Loop]) -> None:
-        """Come by these loops, in place of what was wanted until now; what is being compiled is finished.
+        """Get these loops, in place of what was wanted until now; what is being compiled is finished.
 
         This does not wait for any, but where there can be no thread. Where nothing is wanted any more, the
         worker lets everybody else go first, and is ended once it is done.
@@ -44,12 +49,12 @@ class BackgroundCompiler:
                     self._worker.end()  # nothing raises its priority again, and somebody waits now
             if not self._wanted or self._thread is not None:
                 return
-            thread = threading.Thread(target=self._work, name="background compiler", daemon=True)
+            self._thread = threading.Thread(target=self._work, name="background compiler", daemon=True)
             try:
-                thread.start()
-                self._thread = thread
+                self._thread.start()
                 return
             except RuntimeError:  # there may be only so many threads
+                self._thread = None
                 self._worker_helps = False  # it takes one too
         self._work()
 
@@ -58,12 +63,49 @@ class BackgroundCompiler:
         """Whether something is being compiled or read."""
         return self._thread is not None
 
-    def finish(self) -> None:
-        """Wait until what is being compiled is in the cache, for others: here nothing is wanted any more."""
-        self.want(())
-        thread = self._thread
-        if thread is not None:
-            thread.join()
+    @property
+    def is_loading(self) -> bool:
+        """Whether it reads machine code now, which is quick if nothing else wants the interpreter.
+
+        What takes longer than ``LONGEST_READ`` does not count: nothing is to wait for that.
+        """
+        since = self._loading_since
+        return since is not None and time.monotonic() - since < LONGEST_READ
+
+    def finish(self, seconds: float) -> None:
+        """Wait until what is being compiled is in the cache, but not longer than so many seconds.
+
+        Here nothing is wanted any more.
+        """
+        with self._lock:
+            self._wanted = []
+            thread = self._thread
+        end = time.monotonic() + seconds
+        while thread is not None and thread.is_alive() and time.monotonic() < end:
+            thread.join(_SHORT)
+
+    def get(self, loop: Loop) -> bool:
+        """Have ``loop`` compiled, or read from the cache, by this thread; False where it cannot be had."""
+        from rl_tui.agents.compiling.loops import compile_here
+
+        try:
+            compile_here(loop)
+        except Exception as error:  # whatever a broken installation may raise
+            self.failed[loop] = error
+        return loop in COMPILED_LOOPS
+
+    def read(self, loop: Loop) -> bool:
+        """Have ``loop`` read from the cache by this thread; False where that does not have it."""
+        from rl_tui.agents.compiling.loops import load
+
+        self._loading_since = time.monotonic()
+        try:
+            return load(loop)
+        except Exception as error:  # as above
+            self.failed[loop] = error
+            return False
+        finally:
+            self._loading_since = None
 
     def _is_missing(self, loop: Loop) -> bool:
         return loop not in COMPILED_LOOPS and loop not in self.failed
@@ -82,57 +124,51 @@ class BackgroundCompiler:
             return None
 
     def _end_worker(self) -> None:
-        if self._worker is not None:
-            self._worker.end()
-            self._worker = None
+        worker, self._worker = self._worker, None
+        if worker is not None:
+            worker.end()
 
     def _work(self) -> None:
-        while (loop := self._next()) is not None:
-            try:
-                self._come_by(loop)
-            except Exception as error:  # whatever a broken installation may raise
-                self.failed[loop] = error
+        loop: Loop | None = None
+        try:
+            while (loop := self._next()) is not None:
+                self._get(loop)
+        except BaseException as error:  # a broken installation may even end this thread
+            with self._lock:
+                self.failed.update(dict.fromkeys((loop, *self._wanted) if loop else self._wanted, error))
+                self._wanted, self._thread = [], None
 
-    def _come_by(self, loop: Loop) -> None:
+    def _get(self, loop: Loop) -> None:
         # Imports all that learns: not before something is wanted
         from rl_tui.agents.compiling.cache_folder import takes_code, was_compiled
-        from rl_tui.agents.compiling.loops import compile_here
 
-        if was_compiled(loop) and self._load(loop):
+        if was_compiled(loop) and self.read(loop):
             return
-        if self._worker_helps and takes_code() and self._is_compiled_elsewhere(loop):
+        if self._worker_helps and takes_code() and self._get_from_worker(loop):
             return
         if self._is_wanted(loop):
-            compile_here(loop)
+            self.get(loop)
 
-    def _load(self, loop: Loop) -> bool:
-        """Read ``loop`` from the cache; False where that does not have it."""
-        from rl_tui.agents.compiling.loops import load
-
-        self.is_loading = True
-        try:
-            return load(loop)
-        finally:
-            self.is_loading = False
-
-    def _is_compiled_elsewhere(self, loop: Loop) -> bool:
+    def _get_from_worker(self, loop: Loop) -> bool:
         """Have the worker compile ``loop``, and read what it has kept; False where that fails."""
         from rl_tui.agents.compiling.cache_folder import was_compiled
         from rl_tui.agents.compiling.loops import LOOKED_FOR_EVERY, CodeOrigin
 
         # Our worker keeps one before the other, and another process either, while ours waits for its turn
-        hoped_for = [each for each in (SHARED, loop) if not was_compiled(each)]
+        not_noted = [each for each in (SHARED, loop) if not was_compiled(each)]
+        is_new = loop in not_noted
         try:
             with self._lock:
                 self._worker, self._asked = self._worker or WorkerProcess(), loop
                 worker = self._worker
             worker.ask(loop)
             while (answer := worker.answer(LOOKED_FOR_EVERY)) is None:
-                for each in filter(was_compiled, hoped_for.copy()):
-                    hoped_for.remove(each)
+                for each in filter(was_compiled, not_noted.copy()):
+                    not_noted.remove(each)
                     if self._is_wanted(loop):
-                        self._load(each)
-                if loop in COMPILED_LOOPS:
+                        self.read(each)
+                is_kept = is_new and loop not in not_noted
+                if loop in COMPILED_LOOPS or (is_kept and not self._is_wanted(loop)):
                     break
         except OSError:
             answer = GONE
@@ -142,7 +178,7 @@ class BackgroundCompiler:
         if answer == CodeOrigin.NOT_KEPT:
             self._worker_helps = False
         if answer in (CodeOrigin.FOUND, CodeOrigin.COMPILED) and self._is_wanted(loop):
-            self._load(loop)
+            self.read(loop)
         return loop in COMPILED_LOOPS
 
 

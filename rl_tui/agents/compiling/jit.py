@@ -6,6 +6,7 @@ imports it.
 
 from __future__ import annotations
 
+import threading
 import warnings
 from collections.abc import Callable
 from typing import Any, Final
@@ -41,6 +42,7 @@ alias_analysis_extensions[ir.SetItem] = _keep_written
 
 
 _DISPATCHERS: Final[dict[Callable[..., Any], Dispatcher]] = {}
+_LOCK: Final = threading.Lock()
 _KNOWN: Final = set[Callable[..., Any]]()
 
 
@@ -50,7 +52,8 @@ def dispatcher_of(function: Callable[..., Any]) -> Dispatcher:
     Machine code is compiled, or read from the cache, when it is first called with arguments of some types, or
     by ``compile``. Raises KeyError for a function that is not marked as compiled.
     """
-    _take_in_marks()
+    with _LOCK:
+        _take_in_marks()
     return _DISPATCHERS[function]
 
 
@@ -68,15 +71,15 @@ def entry(function: Callable[..., Any], *example: Any) -> Callable[..., Any]:
 
 
 def _take_in_marks() -> None:
-    """Tell numba's typing of all that was marked since the last time."""
+    """Tell numba's typing of all that was marked since the last time; for one thread at a time."""
     for function in INLINED:
         if function not in _KNOWN:
-            _KNOWN.add(function)
             _inline(function, _always(function))
+            _KNOWN.add(function)
     for family in FAMILIES:
         if family.dispatch not in _KNOWN:
-            _KNOWN.add(family.dispatch)
             _inline(family.dispatch, _choice(family))
+            _KNOWN.add(family.dispatch)
     for function in COMPILED:
         if function not in _DISPATCHERS:
             dispatcher = numba.njit(nogil=True, fastmath=False, error_model="numpy", _nrt=False)(function)

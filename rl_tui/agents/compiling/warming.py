@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 from rl_tui.agents.compiling.cache_folder import cache_folder, takes_code, was_compiled
 from rl_tui.agents.compiling.compiler_lock import CompilerLock
-from rl_tui.agents.compiling.loops import LOOKED_FOR_EVERY, CodeOrigin, compile_alone
+from rl_tui.agents.compiling.loops import LONGEST_WAIT, LOOKED_FOR_EVERY, CodeOrigin, compile_alone
 from rl_tui.agents.compiling.worker_process import GONE, WorkerProcess
 from rl_tui.agents.kernels.machine_code import ALWAYS_INTERPRETED, Loop
 from rl_tui.common.errors import UserError
@@ -36,7 +36,8 @@ def warm(loops: Sequence[Loop], workers: int, on_progress: Callable[[int, int], 
         raise UserError(f"{cache_folder()}: machine code cannot be kept there: the folder cannot be written")
     noted = set(filter(was_compiled, loops))
     with CompilerLock() as lock:
-        while not lock.acquire():
+        longest = time.monotonic() + LONGEST_WAIT
+        while not lock.acquire() and time.monotonic() < longest:
             on_progress(sum(map(was_compiled, loops)), len(loops))
             time.sleep(LOOKED_FOR_EVERY)
         # What another process has compiled meanwhile is there
@@ -62,7 +63,7 @@ def _compiled(loops: list[Loop], workers: int) -> Iterator[CodeOrigin]:
     busy = dict[WorkerProcess, list[Loop]]()
     try:
         while waiting or busy:
-            if waiting and len(busy) < workers:
+            while waiting and len(busy) < workers:
                 asked = waiting.pop(0)
                 worker = _worker_asked_for(asked)
                 if worker is not None:

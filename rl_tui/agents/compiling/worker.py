@@ -35,7 +35,10 @@ def main(*, alone: bool) -> None:
     from rl_tui.agents.compiling.loops import compile_alone, compile_in_turn
 
     # What another process keeps meanwhile, the one that asks reads by itself
-    work(iter(asked.get, ""), sys.stdout, compile_alone if alone else compile_in_turn)
+    try:
+        work(iter(asked.get, ""), sys.stdout, compile_alone if alone else compile_in_turn)
+    finally:
+        os._exit(1)  # the other thread may hold stdin, which Python's own farewell would want
 
 
 def _read(stdin: TextIO, asked: SimpleQueue[str]) -> None:

@@ -51,6 +51,7 @@ class WorkerProcess:
             cwd=os.path.abspath(os.sep),
             env=os.environ | {"RL_TUI_CACHE_DIR": str(base_folder().absolute())},
             start_new_session=True,
+            creationflags=getattr(subprocess, "CREATE_NEW_PROCESS_GROUP", 0),  # the same, on Windows
         )
         assert self._process.stdin is not None
         assert self._process.stdout is not None

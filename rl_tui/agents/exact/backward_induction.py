@@ -3,35 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, Final, NamedTuple
+from typing import Any, Final
 
 import numpy as np
 
-from rl_tui.agents.compiling.cache_folder import was_compiled
+from rl_tui.agents.exact.array_sweeps import Model, Sweep, following, optimising, seconds_of
 from rl_tui.agents.kernels.compiled import compiled_for
-from rl_tui.agents.kernels.machine_code import COMPILED_LOOPS, SHARED, fastest, machine_code
+from rl_tui.agents.kernels.machine_code import COMPILED_LOOPS, SHARED, machine_code
 from rl_tui.worlds.mdp.smallest import smallest_mdp
-from rl_tui.worlds.mdp.space import FloatArray, IntArray
+from rl_tui.worlds.mdp.space import FloatArray
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
-# Outcomes that are looked at: interpreted, some 1.2 million a second. To import numba takes half a second,
-# and to compile a sweep two more
-FIRST_VISITS: Final = 150_000
-WORTH_READING: Final = 500_000
-WORTH_COMPILING: Final = 3_000_000
-
-
-class Model(NamedTuple):
-    """What a sweep over all states reads: the expected reward of each pair, [P], and outcomes' weights, [O].
-
-    The ``weight`` of an outcome is that of the value of the state it leads to: 0 where the episode ends.
-    """
-
-    first_pair: IntArray
-    first_outcome: IntArray
-    next_state: IntArray
-    pair_reward: FloatArray
-    weight: FloatArray
+# Seconds. To import numba takes half a second, and to compile a sweep two more
+FIRST_LOOK: Final = 0.3
+WORTH_COMPILING: Final = 3.0
 
 
 def policy_values(
@@ -41,7 +26,8 @@ def policy_values(
 
     ``reward``, [O], takes the place of the world's own.
     """
-    return _swept(_follow, (_model(mdp, mdp.reward if reward is None else reward), policy), mdp, steps)
+    model = model_of(mdp, mdp.reward if reward is None else reward)
+    return _swept(_follow, (model, policy), lambda: following(model, policy), mdp.states, steps)
 
 
 def best_values(mdp: TabularMDP, gamma: float, steps: int) -> FloatArray:
@@ -49,31 +35,39 @@ def best_values(mdp: TabularMDP, gamma: float, steps: int) -> FloatArray:
 
     It is that of the best policy that may look at the clock.
     """
-    return _swept(_optimise, (_model(mdp, mdp.reward, gamma),), mdp, steps)
+    model = model_of(mdp, mdp.reward, gamma)
+    return _swept(_optimise, (model,), lambda: optimising(model), mdp.states, steps)
 
 
-def _swept(kernel: Callable[..., Any], args: tuple[Any, ...], mdp: TabularMDP, steps: int) -> FloatArray:
-    """Return what ``kernel`` leaves in ``v`` after ``steps`` sweeps.
+def _swept(
+    kernel: Callable[..., None],
+    args: tuple[Any, ...],
+    new_sweep: Callable[[], Sweep],
+    states: int,
+    steps: int,
+) -> FloatArray:
+    """Return the values, [S], after ``steps`` sweeps.
 
-    Interpreted it takes the first of them. Where much is left then, and the values still move, machine code
-    does the rest, with the same bits.
+    The kernel does them where its machine code is there. Else whole arrays do, with the same bits; but after
+    a while, if many are left and values still move, it is worth to have machine code.
     """
-    v, later = np.zeros((2, mdp.states))
-    outcomes = len(mdp.next_state)
-    first = steps if SHARED in COMPILED_LOOPS else min(steps, FIRST_VISITS // outcomes + 1)
-    moves = fastest(kernel)(*args, first, v, later)
-    left = steps - first
-    if moves and left:
-        (machine_code if _pays(left * outcomes) else fastest)(kernel)(*args, left, v, later)
+    v, later = np.zeros((2, states))
+    left = steps
+    if SHARED not in COMPILED_LOOPS:
+        sweep, seconds = new_sweep(), seconds_of(args[0])
+        while left and not (seconds * (steps - left) > FIRST_LOOK and seconds * left > WORTH_COMPILING):
+            v = sweep(later)
+            left -= 1
+            if np.array_equal(v, later):  # what has come to rest, to the last bit, rests for ever
+                return v
+            later = v.copy()
+    if left:
+        machine_code(kernel)(*args, left, v, later)
     return v
 
 
-def _pays(visits: int) -> bool:
-    """Return whether machine code is worth what it takes to come by, for so many ``visits`` of outcomes."""
-    return visits > WORTH_COMPILING or (visits > WORTH_READING and was_compiled(SHARED))
-
-
-def _model(mdp: TabularMDP, reward: FloatArray, gamma: float = 1.0) -> Model:
+def model_of(mdp: TabularMDP, reward: FloatArray, gamma: float = 1.0) -> Model:
+    """Return what sweeps over the states of ``mdp`` read, with these rewards, [O]."""
     total = np.add.reduceat(mdp.probability, mdp.first_outcome[:-1])
     probability = mdp.probability / total[mdp.outcome_pair]
     return Model(
@@ -87,12 +81,12 @@ def _model(mdp: TabularMDP, reward: FloatArray, gamma: float = 1.0) -> Model:
 
 def _no_policy() -> tuple[Any, ...]:
     mdp = smallest_mdp()
-    return _model(mdp, mdp.reward), np.zeros(mdp.pairs), 0, *np.zeros((2, mdp.states))
+    return model_of(mdp, mdp.reward), np.zeros(mdp.pairs), 0, *np.zeros((2, mdp.states))
 
 
 def _no_steps() -> tuple[Any, ...]:
     mdp = smallest_mdp()
-    return _model(mdp, mdp.reward), 0, *np.zeros((2, mdp.states))
+    return model_of(mdp, mdp.reward), 0, *np.zeros((2, mdp.states))
 
 
 @compiled_for(_no_policy)
@@ -102,12 +96,8 @@ def _follow(
     steps: int,
     v: FloatArray,
     later: FloatArray,
-) -> bool:
-    """Leave the values of ``policy`` in ``v`` and return whether they moved in the last step.
-
-    ``v`` and ``later``, both [S], come as zeros, or as a call for earlier steps has left them.
-    """
-    moved = False
+) -> None:
+    """Leave the values of ``policy``, ``steps`` steps earlier than ``later``, in ``v``, both [S]."""
     for _ in range(steps):
         moved = False
         for state in range(len(v)):
@@ -125,7 +115,6 @@ def _follow(
             break
         for state in range(len(v)):
             later[state] = v[state]
-    return moved
 
 
 @compiled_for(_no_steps)
@@ -134,9 +123,8 @@ def _optimise(
     steps: int,
     v: FloatArray,
     later: FloatArray,
-) -> bool:
-    """Leave the best values in ``v`` and return whether they moved in the last step, as :func:`_follow`."""
-    moved = False
+) -> None:
+    """Leave the best values, ``steps`` steps earlier than ``later``, in ``v``, both [S]."""
     for _ in range(steps):
         moved = False
         for state in range(len(v)):
@@ -153,4 +141,3 @@ def _optimise(
             break
         for state in range(len(v)):
             later[state] = v[state]
-    return moved

@@ -26,6 +26,7 @@ from rl_tui.common.kiosk import VARIABLE, in_kiosk
 if TYPE_CHECKING:
     import socket
 
+_LONGEST_WARMING: Final = 600.0  # seconds
 _USUAL: Final = "frozenlake-slippery"  # learns as most scenarios do
 _MISSING: Final = 'rl-tui serve needs two more packages: pip install "rl-tui[serve]"'
 
@@ -92,8 +93,10 @@ def prepare(scenario: str) -> None:
     from rl_tui.cli.serving.app_process import command_line
 
     warming = command_line(sys.executable, ["warm", scenario])
-    with suppress(OSError):  # what is wrong shows in the tabs
-        subprocess.run(warming, stdin=DEVNULL, stdout=DEVNULL, stderr=DEVNULL, check=False)
+    with suppress(OSError, subprocess.TimeoutExpired):  # what is wrong shows in the tabs
+        subprocess.run(
+            warming, timeout=_LONGEST_WARMING, stdin=DEVNULL, stdout=DEVNULL, stderr=DEVNULL, check=False
+        )
 
 
 def serve_apps(

@@ -21,17 +21,18 @@ from rl_tui.cli.options.run import (
     seed_option,
 )
 from rl_tui.cli.output import print_json
-from rl_tui.cli.progress import progress
+from rl_tui.cli.progress import Progress, progress
 from rl_tui.common.words import counted
 
 if TYPE_CHECKING:
-    from rl_tui.lab.experiments.training import Goal
+    from rl_tui.lab.experiments.training import Goal, OnProgress
     from rl_tui.lab.run.changes import ChangeText
     from rl_tui.lab.run.recipe import Recipe
     from rl_tui.lab.run.run import Run
 
 MOST: Final = 10**15
 MOST_RUNS: Final = 100_000
+_LONGEST_FINISH: Final = 20.0  # seconds
 
 
 @click.command("train", cls=SectionedCommand)
@@ -98,16 +99,28 @@ def command(
     _finish_compiling()
 
 
+def _with_compiling(bar: Progress) -> OnProgress:
+    """Return what shows how far training has come, and for how long it is compiled, which has no forecast."""
+    from rl_tui.agents.compiling.background import BACKGROUND
+
+    def on_progress(done: int, wanted: int) -> None:
+        if BACKGROUND.is_busy:
+            bar.say("compiling, soon faster")
+        else:
+            bar(done, wanted)
+
+    return on_progress
+
+
 def _finish_compiling() -> None:
     """Let a compiler that was too late for this run finish, or it is too late for all others like it."""
     from rl_tui.agents.compiling.background import BACKGROUND
 
-    if BACKGROUND.is_busy:
+    if BACKGROUND.is_busy and sys.stderr.isatty():  # a script has no time for that
         sys.stdout.flush()
-        if sys.stderr.isatty():
-            click.echo("finishing to compile, so that the next time is quick; ctrl+c leaves it", err=True)
+        click.echo("finishing to compile, so that the next time is quick; ctrl+c leaves it", err=True)
         with suppress(KeyboardInterrupt):
-            BACKGROUND.finish()
+            BACKGROUND.finish(_LONGEST_FINISH)
 
 
 def _warn_of_no_effect(recipe: Recipe, overrides: dict[str, object], changes: tuple[ChangeText, ...]) -> None:
@@ -151,7 +164,7 @@ def _train_once(
     ):
         rows = None if stream is None else EpisodeRows(stream, 1)
         run = Run(recipe, beginning, evaluate=False, on_episodes=rows)
-        seconds = train(run, goal, on_progress, journal)
+        seconds = train(run, goal, _with_compiling(on_progress), journal)
     for left_out in journal[len(run.journal) :]:
         change = written_change(left_out, names)
         click.echo(f"--change {change} has no effect: the run ends after {run.step:,} steps", err=True)

@@ -32,7 +32,7 @@ def command(scenarios: tuple[str, ...]) -> None:
     loops = sorted({_loop_of(each) for each in scenarios}) if scenarios else list(all_loops())
     with progress("compiling") as on_progress:
         warmed = warm(loops, cores(), on_progress)
-    click.echo(f"{warmed.compiled} kernels compiled, {warmed.found} were there already")
+    click.echo(f"compiled: {warmed.compiled}; there already: {warmed.found}")
     click.echo(printable(str(cache_folder())))
 
 

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.random import Generator, default_rng
 
 from rl_tui.agents.catalogue import BY_ID
-from rl_tui.agents.compiling.loops import compile_here
+from rl_tui.agents.compiling.background import BACKGROUND
 from rl_tui.common.errors import UserError
 from rl_tui.common.interrupts import is_interrupt
 from rl_tui.lab.experiments.patience import cores
@@ -130,7 +130,8 @@ def benchmark(recipe: Recipe, rounds: int = ROUNDS) -> dict[str, Any]:
         raise UserError(f"{recipe.algorithm} takes no steps in the world: choose an algorithm that learns")
     first, random = PlainLoop(recipe, random_ties=False), PlainLoop(recipe, random_ties=True)
     run, together = Run(recipe, evaluate=False), Together(recipe)
-    compile_here(run.learner.loop)
+    if not BACKGROUND.get(run.learner.loop):
+        raise UserError(f"machine code cannot be had: {BACKGROUND.failed[run.learner.loop]}")
     run.advance(KERNEL_STEPS // 10)
     together.take_steps(KERNEL_STEPS)
     turns: list[tuple[Callable[[int], None], int]] = [

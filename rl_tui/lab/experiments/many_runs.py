@@ -16,7 +16,7 @@ from shutil import copyfileobj
 from tempfile import TemporaryDirectory
 from typing import Any, Final, TextIO, TypeVar
 
-from rl_tui.agents.compiling.loops import compile_here
+from rl_tui.agents.compiling.background import BACKGROUND
 from rl_tui.agents.exact.solution import Solution
 from rl_tui.common.errors import UserError
 from rl_tui.lab.experiments.episode_rows import EpisodeRows, csv_file
@@ -141,7 +141,7 @@ class _Experiment:
             seconds = runs * seconds_interpreted(first.learner, wanted, episodes=by_episodes)
             if pays(first.learner.loop, seconds):
                 on_compiling()
-                compile_here(first.learner.loop)
+                BACKGROUND.get(first.learner.loop)
 
     @property
     def figures(self) -> tuple[str, ...]:

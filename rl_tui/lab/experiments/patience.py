@@ -9,15 +9,16 @@ from typing import Final
 
 from rl_tui.agents.compiling.background import BACKGROUND
 from rl_tui.agents.compiling.cache_folder import was_compiled
-from rl_tui.agents.compiling.loops import compile_here, load
 from rl_tui.agents.kernels.machine_code import Loop
 from rl_tui.agents.learner import Learner
 
 # Seconds of interpreted training. To import numba and read machine code from the cache takes half a second,
 # to compile it some eight: a worker that is ended before has done nothing
-FIRST_LOOK: Final = 0.08
+FIRST_LOOK: Final = 0.1
 WORTH_READING: Final = 0.5
 WORTH_COMPILING: Final = 5.0
+SURE_ENOUGH: Final = 1.0
+"""So long it has to go on before a compiler is asked for: the first episodes may be by far the longest."""
 _SMALLEST_CHUNK: Final = 64
 _SHORT_WAIT: Final = 0.005
 _COMPILED_CHUNK: Final = 2_000_000
@@ -33,10 +34,10 @@ class Patience:
 
     def __init__(self) -> None:
         self._loop: Loop | None = None
-        self._start = self._last = 0.0
+        self._start = self._stretch = self._last = 0.0
         self._done = 0
         self._chunk = _SMALLEST_CHUNK
-        self._waits = False
+        self._is_read, self._is_asked_for = False, False
 
     def chunk(self, learner: Learner) -> int:
         """Return how many steps to take before the next look."""
@@ -51,34 +52,35 @@ class Patience:
         if learner.is_compiled:
             return 0.0
         if learner.loop != self._loop:  # each has machine code of its own
-            self._loop, self._start, self._done, self._waits = learner.loop, now, done, False
+            self._loop, self._start, self._stretch, self._done = learner.loop, now, now, done
+            self._is_read, self._is_asked_for = False, False
             self._chunk = _SMALLEST_CHUNK
         elif now - self._last < FIRST_LOOK / 4:
             self._chunk *= 2
         while BACKGROUND.is_loading:
             time.sleep(_SHORT_WAIT)
-        if not self._waits and now - self._start >= FIRST_LOOK:
-            self._waits = self._get_what_pays(learner.loop, self._seconds_left(now, done, wanted))
+        if now - self._stretch >= FIRST_LOOK:
+            rate = (done - self._done) / (now - self._stretch)
+            self._stretch, self._done = now, done
+            if rate > 0.0 or now - self._start >= WORTH_READING:
+                self._get_what_pays(learner.loop, (wanted - done) / rate if rate else math.inf)
         self._last = time.perf_counter()
         return self._last - now
 
-    def _seconds_left(self, now: float, done: int, wanted: int) -> float:
-        if done == self._done:
-            return math.inf
-        return (wanted - done) * (now - self._start) / (done - self._done)
-
-    @staticmethod
-    def _get_what_pays(loop: Loop, seconds: float) -> bool:
-        """Get machine code if the rest takes so many ``seconds`` interpreted; return whether it comes."""
-        if seconds > WORTH_READING and was_compiled(loop) and load(loop):
-            return True
-        if seconds <= WORTH_COMPILING:
-            return False
+    def _get_what_pays(self, loop: Loop, seconds: float) -> None:
+        """Get machine code if the rest takes so many ``seconds`` interpreted."""
+        if not self._is_read and seconds > WORTH_READING and was_compiled(loop):
+            self._is_read = True
+            if BACKGROUND.read(loop):
+                return
+        is_sure = time.perf_counter() - self._start >= SURE_ENOUGH
+        if self._is_asked_for or seconds <= WORTH_COMPILING or not is_sure:
+            return
+        self._is_asked_for = True
         if cores() == 1:  # a compiler beside it would take its time away
-            compile_here(loop)
+            BACKGROUND.get(loop)
         else:
             BACKGROUND.want([loop])
-        return True
 
 
 def pays(loop: Loop, seconds: float) -> bool:
@@ -89,16 +91,16 @@ def pays(loop: Loop, seconds: float) -> bool:
 def seconds_interpreted(learner: Learner, wanted: int, *, episodes: bool) -> float:
     """Return how long ``wanted`` steps or episodes of a fresh ``learner`` will take interpreted, roughly.
 
-    It takes some steps of it to see, in at most about ``FIRST_LOOK`` seconds.
+    It takes some steps of it to see, in at most about ``FIRST_LOOK`` seconds, or ``WORTH_READING`` where no
+    episode ends before.
     """
     start = time.perf_counter()
-    chunk = _SMALLEST_CHUNK
-    while (spent := time.perf_counter() - start) < FIRST_LOOK:
+    chunk, done = _SMALLEST_CHUNK, 0
+    while (spent := time.perf_counter() - start) < (FIRST_LOOK if done else WORTH_READING):
         done = learner.episodes if episodes else learner.step
         if done >= wanted or learner.stop_reason:
             return spent
         learner.advance(chunk)
         learner.drain_episodes()
         chunk *= 2
-    done = learner.episodes if episodes else learner.step
     return wanted * spent / done if done else math.inf

@@ -10,8 +10,8 @@ if TYPE_CHECKING:
     from rl_tui.agents.kernels.machine_code import Loop
     from rl_tui.lab.timeline.run_group import RunGroup
 
-MOST_INTERPRETED: Final = 20_000
-"""Before more steps than these it waits for machine code: interpreted they take longer than to compile."""
+MOST_INTERPRETED: Final = 100_000
+"""Before more steps than these it waits for machine code: interpreted they take seconds, or minutes."""
 LOOK_AGAIN: Final = 0.05
 """Seconds after which what waits looks again."""
 
@@ -25,6 +25,7 @@ class Compilation:
     def __init__(self, *, automatic: bool) -> None:
         self._automatic = automatic
         self._loops: list[Loop] = []
+        self._is_closed = False
 
     @property
     def interpreted(self) -> bool:
@@ -43,13 +44,22 @@ class Compilation:
             return False
         self._loops = loops
         if self._automatic:
-            BACKGROUND.want(loops)
+            self.ask()
         return True
+
+    def ask(self) -> None:
+        """Have machine code come for what is interpreted."""
+        if not self._is_closed:
+            BACKGROUND.want(self._loops)
+
+    def close(self) -> None:
+        """Ask for nothing any more: what others want by now is to stay wanted."""
+        self._is_closed = True
 
     def waits(self, steps: int) -> bool:
         """Return True if so many steps had better wait for machine code; it comes then, unless that fails."""
         comes = any(loop not in BACKGROUND.failed for loop in self._loops)
         is_worth_it = comes and steps > MOST_INTERPRETED
-        if is_worth_it and not self._automatic:
-            BACKGROUND.want(self._loops)
+        if is_worth_it:
+            self.ask()
         return is_worth_it

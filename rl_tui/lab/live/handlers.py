@@ -16,10 +16,10 @@ if TYPE_CHECKING:
 
 def _pause(playback: Playback, _: commands.Pause) -> None:
     playback.rest()
-    if playback.state is State.SEEKING:
+    if playback.state is State.SEEKING and not playback.waits:
         playback.group.stop_seek()
         playback.seek()  # the others may still have to catch up
-    else:
+    elif playback.state is not State.SEEKING:
         playback.end_if_over()
 
 

@@ -77,6 +77,8 @@ class Playback:
         self._steps_to_train = 0
         self.compilation = Compilation(automatic=automatic)
         """Whether runs are interpreted still."""
+        self.waits = False
+        """Whether a seek waits for machine code."""
         self._recipe = recipe
         self._record = record or Record((RunRecord(recipe),), speed=speed)
         self._automatic = automatic
@@ -147,7 +149,7 @@ class Playback:
     def work(self) -> float | None:
         """Do what is due, for some milliseconds; return in how many seconds to call again, None for never."""
         if self.state is not State.BUILDING and self.compilation.has_changed(self.group):
-            self.transport.measure_anew()  # a step may now take a thousand times as long, or as short
+            self.transport.measure_anew()
             self.changed = True
         if self.compilation.is_being_read and self._takes_all_it_can:
             return LOOK_AGAIN
@@ -174,12 +176,12 @@ class Playback:
                 raise RuntimeError("there is no world yet")
             preparing = PlaybackView(message=PREPARING, speed=self._record.speed)
             return as_left(self._builder.before(self._recipe, self._beginning.world, preparing), self._record)
-        run = self.group.current.run
+        run, seeks = self.group.current.run, self.state is State.SEEKING
         snapshot = self._builder.build(
             self.group,
             PlaybackView(
                 phase=self.phase,
-                message=self._seek_message if self.state is State.SEEKING else run.message,
+                message=self.transport.seek_message(waits=self.waits) if seeks else run.message,
                 speed=self.transport.speed,
                 steps_per_second=self.transport.meter.steps_per_second,
                 interpreted=self.compilation.interpreted,
@@ -192,7 +194,7 @@ class Playback:
             viewport=self.viewport,
             cell=self.cell,
         )
-        returns = self.state is State.SEEKING and self.group.current.seek is not None and not self.touched
+        returns = seeks and self.group.current.seek is not None and not self.touched
         return as_left(snapshot, self._record) if returns else snapshot
 
     def _answer(self) -> Answer:
@@ -259,6 +261,7 @@ class Playback:
         self.rest()
         self.condition = StopCondition(until, self.group.current.run, self._answer())
         self.watch()
+        self.compilation.ask()
         self._enter(State.UNTIL)
 
     def train(self, steps: int) -> None:
@@ -354,16 +357,12 @@ class Playback:
         )
 
     def _continue_seek(self) -> float:
-        waits = self.compilation.waits(self.transport.steps_to_seek)
-        if not waits and self.transport.continue_seek(AT_ONCE):
+        self.waits = self.compilation.waits(self.transport.steps_to_seek)
+        if not self.waits and self.transport.continue_seek(AT_ONCE):
             self._go_on()
         elif self.transport.has_news():
             self.changed = True
-        return LOOK_AGAIN if waits else 0.0
-
-    @property
-    def _seek_message(self) -> str:
-        return self.transport.seek_message(waits=self.compilation.waits(self.transport.steps_to_seek))
+        return LOOK_AGAIN if self.waits else 0.0
 
     def _continue_training(self) -> float:
         if self.compilation.waits(self._steps_to_train):

@@ -119,6 +119,7 @@ class Player:
             self._wake_reader()
         if self._thread is not None:
             self._thread.join(LONGEST_GOODBYE)
+            self._playback.compilation.close()
             is_last = as_usual(self)
             if is_last and self._automatic:
                 BACKGROUND.want(())

@@ -10,6 +10,7 @@ from rl_tui.lab.live.pacing import CHUNK, ChunkSize, Pace, SpeedMeter
 from rl_tui.lab.run.recipe import UNLIMITED
 
 if TYPE_CHECKING:
+    from rl_tui.agents.kernels.machine_code import Loop
     from rl_tui.lab.timeline.run_group import RunGroup
 
 NEWS_EVERY: Final = 0.25
@@ -36,6 +37,7 @@ class Transport:
         self._clock = clock
         self._pace = Pace()
         self._chunk = ChunkSize()
+        self._loops: list[Loop] = []  # those that were interpreted when it was measured
         self._seek_start = self._last_news = 0.0
         self._sought = 0
 
@@ -51,8 +53,10 @@ class Transport:
             self._pace.start(self.speed, self._clock(), at_once)
 
     def measure_anew(self) -> None:
-        """Forget how long a step takes: it may now take a thousand times as long."""
+        """Forget how long a step takes: it may now take a thousand times as long, or as short."""
         self._chunk = ChunkSize()
+        self.meter.clear()
+        self._seek_start, self._sought = self._clock(), 0
 
     def keep_pace(self) -> float:
         """Take the steps that are due at the wanted speed; return in how many seconds the next ones are."""
@@ -66,6 +70,9 @@ class Transport:
 
     def take_steps(self, steps: int, episodes: int = UNLIMITED) -> int:
         """Take at most ``steps`` steps, or ``episodes`` episodes, within a chunk; return how many steps."""
+        loops = self.group.interpreted_loops
+        if loops != self._loops:
+            self._loops, self._chunk = loops, ChunkSize()
         run, steps = self.group.current.run, min(steps, self._chunk.steps)
         before, start = run.step, self._clock()
         if self._automatic:
