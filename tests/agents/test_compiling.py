@@ -245,6 +245,65 @@ def test_where_no_thread_can_be_started_it_compiles_at_once(
     assert machine.workers == []
 
 
+def test_to_finish_waits_for_the_worker_and_reads_nothing(
+    machine: Machine, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    is_asked, may_end = threading.Event(), threading.Event()
+
+    def slowly(machine: Machine, loop: Loop) -> str | None:
+        is_asked.set()
+        return keeps(machine, loop) if may_end.wait(0.001) else None
+
+    monkeypatch.setattr(Worker, "script", staticmethod(slowly))
+    compiler = BackgroundCompiler()
+    compiler.want([LOOP])
+    assert is_asked.wait(LONGEST)
+    threading.Timer(0.01, may_end.set).start()
+    compiler.finish(LONGEST)
+    finish(compiler)
+    assert (machine.cached, machine.done) == ({LOOP}, [])
+
+
+def test_to_finish_gives_up_a_worker_that_takes_too_long(
+    machine: Machine, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    may_end = threading.Event()
+
+    def slowly(machine: Machine, loop: Loop) -> str | None:
+        return keeps(machine, loop) if may_end.wait(0.001) else None
+
+    monkeypatch.setattr(Worker, "script", staticmethod(slowly))
+    compiler = BackgroundCompiler()
+    compiler.want([LOOP])
+    compiler.finish(0.0)
+    assert compiler.is_busy
+    may_end.set()
+    finish(compiler)
+
+
+def test_a_thread_that_dies_leaves_nothing_waiting(machine: Machine, monkeypatch: pytest.MonkeyPatch) -> None:
+    def dies(machine: Machine, loop: Loop) -> str:
+        raise SystemExit
+
+    monkeypatch.setattr(Worker, "script", staticmethod(dies))
+    compiler = come_by(LOOP, OTHER)
+    assert compiler.failed.keys() == {LOOP, OTHER}
+    assert not compiler.is_busy
+
+
+def test_what_cannot_be_had_here_is_told_as_false(machine: Machine, monkeypatch: pytest.MonkeyPatch) -> None:
+    def broken(loop: Loop) -> None:
+        raise ImportError("no numba")
+
+    monkeypatch.setattr(loops, "compile_here", broken)
+    monkeypatch.setattr(loops, "load", broken)
+    compiler = BackgroundCompiler()
+    assert not compiler.get(LOOP)
+    assert not compiler.read(OTHER)
+    assert compiler.failed.keys() == {LOOP, OTHER}
+    assert not compiler.is_loading
+
+
 def test_what_fails_stays_interpreted_and_is_not_tried_again(
     machine: Machine, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -248,6 +248,31 @@ def test_where_nothing_can_be_compiled_it_replays_interpreted(
     assert there.playback.interpreted
 
 
+def test_what_was_closed_asks_for_nothing_more(wanted: list[list[Loop]]) -> None:
+    COMPILED_LOOPS.clear()
+    playback = playing(Record((RunRecord(recipe("student")),)))
+    playback.work()
+    playback.compilation.close()
+    playback.work()
+    assert playback.compilation.interpreted
+    assert wanted == []
+
+
+def test_playing_on_in_the_past_looks_again_where_another_loop_takes_over() -> None:
+    playback = opened(Record((RunRecord(recipe("student")),)))
+    lane = playback.group.current
+    lane.advance(50)
+    lane.apply(SwitchAlgorithm("sarsa"))
+    lane.advance(50)
+    lane.seek_to(step=10)
+    while lane.seek is not None:
+        lane.continue_seek(100)
+    lane.advance(80)
+    assert (lane.step, lane.run.learner.algorithm) == (50, "sarsa")
+    lane.advance(80)
+    assert lane.step == 130
+
+
 def test_another_algorithm_goes_on_at_once(wanted: list[list[Loop]]) -> None:
     COMPILED_LOOPS.clear()
     playback = opened(Record((RunRecord(recipe("frozenlake")),)))
