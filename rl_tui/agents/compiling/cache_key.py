@@ -12,7 +12,6 @@ import hashlib
 import os
 import re
 from collections.abc import Iterator
-from importlib.metadata import version
 from pathlib import Path
 from typing import Final
 
@@ -41,11 +40,17 @@ def cache_key(package: Path = PACKAGE) -> str:
 
     It is the same wherever ``package`` stands. That takes some 5 ms.
     """
+    from importlib.metadata import PackageNotFoundError, version
+
+    try:
+        numba = version("numba")
+    except PackageNotFoundError:  # then there is no machine code either
+        numba = "0"
     digest = hashlib.sha256(np.__version__.encode())
     for module, source in sorted(kernel_sources(package).items()):
         digest.update(f"{module} {len(source)} ".encode())
         digest.update(source)
-    return f"{version('numba')}-{digest.hexdigest()[:16]}"
+    return f"{numba}-{digest.hexdigest()[:16]}"
 
 
 def kernel_sources(package: Path = PACKAGE) -> dict[str, bytes]:
