@@ -97,7 +97,7 @@ def test_the_key_covers_what_kernels_import_and_no_more() -> None:
         module = waiting.pop()
         if module not in reached:
             reached.add(module)
-            waiting += imported(MODULES[module])
+            waiting += imported(MODULES[module]) if module != COMPILER else ()
     assert kernel_sources().keys() == reached
     assert 0 < len(reached) < len(MODULES) / 4
     assert {module.split(".")[1] for module in reached} <= {"agents", "worlds", "common"}

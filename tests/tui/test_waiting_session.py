@@ -25,7 +25,7 @@ from rl_tui.tui.app.display import Display
 from rl_tui.worlds.files.catalogue import find
 
 pytestmark = pytest.mark.interpreted
-STEPS = 100_000
+STEPS = 200_000
 
 
 @pytest.fixture(autouse=True)
@@ -63,10 +63,10 @@ async def says(pilot: Pilot[UserError], pattern: str) -> bool:
 async def test_what_was_learned_is_drawn_while_it_waits(size: tuple[int, int], tmp_path: Path) -> None:
     app = RlTuiApp(Display(fps=1000.0), left_at(tmp_path, STEPS), picture=True)
     async with app.run_test(size=size) as pilot:
-        assert await says(pilot, "100,000 steps to replay: waiting for the compiler")
+        assert await says(pilot, "200,000 steps to replay: waiting for the compiler")
         assert await says(pilot, "the last step is told once it is replayed")
         assert "−113" in screen_text(app)  # what it learned of the cliff
         waiting = snapshot(pilot).agent.q
         compile_here(Run(recipe_for(find("cliff"))).learner.loop)
-        assert await says(pilot, "paused .*step +100,000")
+        assert await says(pilot, "paused .*step +200,000")
         assert snapshot(pilot).agent.q.tobytes() == waiting.tobytes()
