@@ -7,6 +7,7 @@ import json
 import threading
 from collections.abc import Callable
 from pathlib import Path
+from typing import NamedTuple
 
 import pytest
 
@@ -91,6 +92,28 @@ def machine(monkeypatch: pytest.MonkeyPatch) -> Machine:
     monkeypatch.setattr(cache_folder, "takes_code", lambda: machine.takes_code)
     monkeypatch.setattr(Worker, "script", staticmethod(keeps), raising=False)
     return machine
+
+
+class Asked(NamedTuple):
+    """A compiler that has asked its worker for a loop, and what lets the worker answer."""
+
+    compiler: BackgroundCompiler
+    may_end: threading.Event
+
+
+@pytest.fixture
+def asked(machine: Machine, monkeypatch: pytest.MonkeyPatch) -> Asked:
+    is_asked, may_end = threading.Event(), threading.Event()
+
+    def slowly(machine: Machine, loop: Loop) -> str | None:
+        is_asked.set()
+        return keeps(machine, loop) if may_end.wait(0.001) else None
+
+    monkeypatch.setattr(Worker, "script", staticmethod(slowly))
+    compiler = BackgroundCompiler()
+    compiler.want([LOOP])
+    assert is_asked.wait(LONGEST)
+    return Asked(compiler, may_end)
 
 
 def finish(compiler: BackgroundCompiler) -> None:
@@ -190,19 +213,8 @@ def test_what_another_process_compiled_is_read_while_the_worker_waits(
     assert machine.workers[0].has_ended
 
 
-def test_nothing_more_wanted_lets_others_go_first_and_reads_nothing(
-    machine: Machine, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    is_asked, may_end = threading.Event(), threading.Event()
-
-    def slowly(machine: Machine, loop: Loop) -> str | None:
-        is_asked.set()
-        return keeps(machine, loop) if may_end.wait(0.001) else None
-
-    monkeypatch.setattr(Worker, "script", staticmethod(slowly))
-    compiler = BackgroundCompiler()
-    compiler.want([LOOP])
-    assert is_asked.wait(LONGEST)
+def test_nothing_more_wanted_lets_others_go_first_and_reads_nothing(machine: Machine, asked: Asked) -> None:
+    compiler, may_end = asked
     compiler.want(())
     assert machine.workers[0].is_idle
     assert not machine.workers[0].has_ended
@@ -245,36 +257,16 @@ def test_where_no_thread_can_be_started_it_compiles_at_once(
     assert machine.workers == []
 
 
-def test_to_finish_waits_for_the_worker_and_reads_nothing(
-    machine: Machine, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    is_asked, may_end = threading.Event(), threading.Event()
-
-    def slowly(machine: Machine, loop: Loop) -> str | None:
-        is_asked.set()
-        return keeps(machine, loop) if may_end.wait(0.001) else None
-
-    monkeypatch.setattr(Worker, "script", staticmethod(slowly))
-    compiler = BackgroundCompiler()
-    compiler.want([LOOP])
-    assert is_asked.wait(LONGEST)
+def test_to_finish_waits_for_the_worker_and_reads_nothing(machine: Machine, asked: Asked) -> None:
+    compiler, may_end = asked
     threading.Timer(0.01, may_end.set).start()
     compiler.finish(LONGEST)
     finish(compiler)
     assert (machine.cached, machine.done) == ({LOOP}, [])
 
 
-def test_to_finish_gives_up_a_worker_that_takes_too_long(
-    machine: Machine, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    may_end = threading.Event()
-
-    def slowly(machine: Machine, loop: Loop) -> str | None:
-        return keeps(machine, loop) if may_end.wait(0.001) else None
-
-    monkeypatch.setattr(Worker, "script", staticmethod(slowly))
-    compiler = BackgroundCompiler()
-    compiler.want([LOOP])
+def test_to_finish_gives_up_a_worker_that_takes_too_long(asked: Asked) -> None:
+    compiler, may_end = asked
     compiler.finish(0.0)
     assert compiler.is_busy
     may_end.set()

@@ -19,7 +19,7 @@ LOOK_AGAIN: Final = 0.05
 class Compilation:
     """Gets machine code for a group of runs.
 
-    With ``automatic`` off, where nothing may depend on the time, it does so only for many steps.
+    With ``automatic`` off, where only commands take steps, it does so when asked, and for many steps.
     """
 
     def __init__(self, *, automatic: bool) -> None:
