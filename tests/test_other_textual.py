@@ -50,14 +50,20 @@ def test_it_works_without_a_private_name(names: str) -> None:
     "names", ["ByteStream", "_input_reader,_write,_on_meta,_mouse,_enable_mouse_support"]
 )
 def test_it_works_in_a_browser_without_a_private_name(names: str) -> None:
-    done = subprocess.run(  # the browser sends q
+    with subprocess.Popen(
         [*OTHER_TEXTUAL, names, "play", "student"],
-        input=b"D\0\0\0\1q",
-        capture_output=True,
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
         env=environment_of_app(os.environ, (100, 30), kiosk=True),
-        check=True,
-        timeout=120,
-    )
-    assert b"dissect" in done.stdout
-    assert done.stdout.endswith(b'{"type": "exit"}')
-    assert b"Traceback" not in done.stderr
+    ) as app:
+        assert app.stdin is not None
+        assert app.stdout is not None
+        drawn = b""
+        while b"dissect" not in drawn and (more := os.read(app.stdout.fileno(), 65_536)):
+            drawn += more
+        rest, errors = app.communicate(b"D\0\0\0\1q", timeout=120)  # the browser sends q
+    assert b"dissect" in drawn
+    assert (drawn + rest).endswith(b'{"type": "exit"}')
+    assert app.returncode == 0
+    assert b"Traceback" not in errors
