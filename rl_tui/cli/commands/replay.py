@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -10,7 +9,14 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from rl_tui.cli.options.numbers import Whole
-from rl_tui.cli.options.run import CsvTarget, allow_module_option, check_stdout, csv_option, json_option
+from rl_tui.cli.options.run import (
+    CsvTarget,
+    allow_module_option,
+    check_targets,
+    csv_option,
+    is_stdout,
+    json_option,
+)
 from rl_tui.cli.output import print_json
 from rl_tui.cli.progress import progress
 
@@ -33,7 +39,7 @@ def command(session: Path, lane: int | None, branch: str | None, csv: CsvTarget,
     Sessions are the files that w saves on screen, and that are kept by themselves. Prints what was learned
     by then, the same to the last bit.
     """
-    check_stdout(csv, as_json)
+    check_targets({"--csv": csv}, as_json)
     from rl_tui.lab.sessions.replay import comes_out_otherwise, replay_figures, replay_target
     from rl_tui.lab.sessions.session import OTHER_BITS, SessionError, read_session
 
@@ -48,7 +54,7 @@ def command(session: Path, lane: int | None, branch: str | None, csv: CsvTarget,
     if as_json:
         print_json(figures)
     else:
-        click.echo(_report(stored, target, run, figures), err=csv is sys.stdout)
+        click.echo(_report(stored, target, run, figures), err=is_stdout(csv))
 
 
 def _replayed(stored: StoredSession, target: ReplayTarget, csv: CsvTarget) -> tuple[Run, float]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 from contextlib import nullcontext, suppress
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, TextIO
 
 import click
 
@@ -13,8 +13,10 @@ from rl_tui.cli.options.numbers import ChangeValue, Whole
 from rl_tui.cli.options.run import (
     CsvTarget,
     allow_module_option,
-    check_stdout,
+    check_targets,
     csv_option,
+    curve_option,
+    is_stdout,
     json_option,
     run_options,
     scenario_argument,
@@ -43,6 +45,7 @@ _LONGEST_FINISH: Final = 20.0  # seconds
     "--runs", type=Whole(1, MOST_RUNS), help="train so often, with the seed and those that follow it"
 )
 @csv_option
+@curve_option
 @click.option(
     "--change",
     "changes",
@@ -61,6 +64,7 @@ def command(
     steps: int | None,
     runs: int | None,
     csv: CsvTarget,
+    curve: CsvTarget,
     changes: tuple[ChangeText, ...],
     overrides: dict[str, object],
     seed: int,
@@ -68,16 +72,19 @@ def command(
 ) -> None:
     """Train an agent, and print what it has learned.
 
-    It is the same run as on screen, held against the exact answer.
+    It is the same run as on screen, held against the exact answer. An example:
+
+    rl-tui train student --runs 50 --curve student.csv
     """
     if episodes is not None and steps is not None:
         raise click.UsageError("--episodes and --steps exclude each other", click.get_current_context())
-    check_stdout(csv, as_json)
+    check_targets({"--csv": csv, "--curve": curve}, as_json)
     if changes and runs is not None:
         raise click.UsageError(
             "--change and --runs exclude each other: the steps of a change are those of one run",
             click.get_current_context(),
         )
+    from rl_tui.lab.experiments.curve_file import curve_file
     from rl_tui.lab.experiments.training import Goal
     from rl_tui.lab.run.library import episodes_of, recipe_named
 
@@ -85,17 +92,18 @@ def command(
     goal = Goal(steps=steps) if steps is not None else Goal(episodes=episodes or episodes_of(recipe.scenario))
     _warn_of_no_effect(recipe, overrides, changes)
     _warn_beyond_budget(recipe, goal)
-    if runs is None:
-        run, figures = _train_once(recipe, goal, csv, changes)
-    else:
-        figures = _train_many(recipe, runs, goal, csv)
+    with nullcontext() if curve is None else curve_file(curve) as points:
+        if runs is None:
+            run, figures = _train_once(recipe, goal, csv, points, changes)
+        else:
+            figures = _train_many(recipe, runs, goal, csv, points)
     if as_json:
         print_json(figures)
     else:
         from rl_tui.cli.reports.training import one_run, several_runs
 
         report = one_run(run, figures) if runs is None else several_runs(recipe, figures)
-        click.echo(report, err=csv is sys.stdout)
+        click.echo(report, err=is_stdout(csv) or is_stdout(curve))
     _finish_compiling()
 
 
@@ -146,9 +154,15 @@ def _warn_beyond_budget(recipe: Recipe, goal: Goal) -> None:
 
 
 def _train_once(
-    recipe: Recipe, goal: Goal, csv: CsvTarget, changes: tuple[ChangeText, ...]
+    recipe: Recipe,
+    goal: Goal,
+    csv: CsvTarget,
+    points: TextIO | None,
+    changes: tuple[ChangeText, ...],
 ) -> tuple[Run, dict[str, Any]]:
+    from rl_tui.lab.experiments.curve_file import write_curve
     from rl_tui.lab.experiments.episode_rows import EpisodeRows, csv_file
+    from rl_tui.lab.experiments.learning_curve import RunCurve, curve_of_run, each_of
     from rl_tui.lab.experiments.training import train
     from rl_tui.lab.run.changes import as_json, journal_of, written_change
     from rl_tui.lab.run.figures import training_figures
@@ -163,8 +177,11 @@ def _train_once(
         nullcontext() if csv is None else csv_file(csv) as stream,
     ):
         rows = None if stream is None else EpisodeRows(stream, 1)
-        run = Run(recipe, beginning, evaluate=False, on_episodes=rows)
+        curve = None if points is None or goal.episodes is None else RunCurve(goal.episodes)
+        run = Run(recipe, beginning, evaluate=False, on_episodes=each_of(rows, curve))
         seconds = train(run, goal, _with_compiling(on_progress), journal)
+        if points is not None:
+            write_curve(points, curve_of_run(run, curve, _with_compiling(on_progress)))
     for left_out in journal[len(run.journal) :]:
         change = written_change(left_out, names)
         click.echo(f"--change {change} has no effect: the run ends after {run.step:,} steps", err=True)
@@ -174,10 +191,16 @@ def _train_once(
     return run, figures
 
 
-def _train_many(recipe: Recipe, runs: int, goal: Goal, csv: CsvTarget) -> dict[str, Any]:
+def _train_many(
+    recipe: Recipe, runs: int, goal: Goal, csv: CsvTarget, points: TextIO | None
+) -> dict[str, Any]:
+    from rl_tui.lab.experiments.curve_file import write_curve
     from rl_tui.lab.experiments.many_runs import many_runs
 
     with progress(f"{recipe.scenario.id}, {counted(runs, 'run')}") as on_progress:
-        return many_runs(
+        document = many_runs(
             recipe, runs, goal, csv, on_progress, on_compiling=lambda: on_progress.say("compiling")
         )
+    if points is not None:
+        write_curve(points, document["curve"])
+    return document

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, TextIO
 
@@ -13,6 +13,7 @@ import click
 from rl_tui.agents.catalogue import BY_ID
 from rl_tui.agents.hyperparameters import PARAMETERS, Parameter
 from rl_tui.cli.options.numbers import ParameterValue, Whole
+from rl_tui.common.errors import UserError
 
 if TYPE_CHECKING:
     from rl_tui.lab.run.recipe import Recipe
@@ -49,22 +50,44 @@ CsvTarget = Path | TextIO | None
 
 def _csv_target(_: click.Context, __: click.Parameter, name: str | None) -> CsvTarget:
     if name == "-":
+        if sys.stdout is None:
+            raise UserError("stdout: cannot be written (it is closed)")
         return sys.stdout
     return None if name is None else Path(name)
 
 
-csv_option: Final = click.option(
-    "--csv",
-    type=click.Path(dir_okay=False, allow_dash=True),
-    callback=_csv_target,
-    help="write a row an episode: run, episode, return, length; - is stdout, the report then goes to stderr",
+def _csv_option(option: str, text: str) -> Callable[[Command], Command]:
+    return click.option(
+        option,
+        type=click.Path(dir_okay=False, allow_dash=True),
+        callback=_csv_target,
+        help=f"write {text}; - is stdout, the report then goes to stderr",
+    )
+
+
+csv_option: Final = _csv_option("--csv", "raw rows, one an episode: run, episode, return, length")
+curve_option: Final = _csv_option(
+    "--curve", "the mean curve of the run or runs, a row for each of at most 200 bins of episodes"
 )
 
 
-def check_stdout(csv: CsvTarget, as_json: bool) -> None:
-    """Raise UsageError where both the rows of ``csv`` and a JSON document would be on stdout."""
-    if csv is sys.stdout and as_json:
-        raise click.UsageError("--csv - and --json both want stdout", click.get_current_context())
+def is_stdout(target: CsvTarget) -> bool:
+    """Return whether ``target`` is stdout, so that nothing else may be written there."""
+    return target is not None and target is sys.stdout
+
+
+def check_targets(targets: Mapping[str, CsvTarget], as_json: bool) -> None:
+    """Raise UsageError where two of ``targets``, named by their options, or JSON want the same place."""
+    wanted: dict[object, str] = {sys.stdout: "--json"} if as_json else {}
+    for option, target in targets.items():
+        if target is None:
+            continue
+        place = target.absolute() if isinstance(target, Path) else target
+        if place in wanted:
+            where = "stdout" if is_stdout(target) else "the same file"
+            first, second = sorted((option, wanted[place]))
+            raise click.UsageError(f"{first} and {second} both want {where}", click.get_current_context())
+        wanted[place] = option
 
 
 def run_options(command: Command) -> Command:

@@ -1,4 +1,4 @@
-"""The mean learning curve of many runs, in bins of equal width."""
+"""The mean learning curve of one run or many, in bins of equal width."""
 
 from __future__ import annotations
 
@@ -10,6 +10,10 @@ import numpy as np
 
 from rl_tui.agents.kernels.episode_bins import CurveSums, collect
 from rl_tui.agents.kernels.machine_code import fastest
+from rl_tui.lab.experiments.training import Goal, OnProgress, no_progress, train
+from rl_tui.lab.run.recipe import begin
+from rl_tui.lab.run.run import OnEpisodes, Run
+from rl_tui.worlds.drawing import Arms
 from rl_tui.worlds.mdp.space import BoolArray, FloatArray, IntArray
 
 MOST_BINS: Final = 200
@@ -40,6 +44,36 @@ class RunCurve:
         """The mean return, the mean length and the share of optimal actions in each bin."""
         count = np.diff(self.last_episode, prepend=0)
         return self.sums.returns / count, self.sums.lengths / count, self.sums.optimal / count
+
+
+def each_of(*listeners: OnEpisodes | None) -> OnEpisodes:
+    """Return what hands episodes on to each of ``listeners`` that is there."""
+    there = [listener for listener in listeners if listener is not None]
+
+    def hand_on(returns: FloatArray, lengths: IntArray, optimal: BoolArray) -> None:
+        for listener in there:
+            listener(returns, lengths, optimal)
+
+    return hand_on
+
+
+def curve_of_run(
+    run: Run, curve: RunCurve | None, on_progress: OnProgress = no_progress
+) -> dict[str, list[Any]]:
+    """Return the mean curve of ``run``, which is over, alone: that of ``curve``, if it was there to listen.
+
+    Where it was not, since a number of steps says nothing of the width of the bins, the episodes are simply
+    trained once more: the same recipe gives the same ones. The sweeps of a planner have no returns, and so
+    no curve. Raises UserError as training does.
+    """
+    bandit, episodes = isinstance(run.world.drawing, Arms), run.learner.episodes
+    if run.learner.plans or episodes == 0:
+        return no_curve(bandit)
+    if curve is None:
+        curve = RunCurve(episodes)
+        again = Run(run.recipe, begin(run.recipe), evaluate=False, on_episodes=curve)
+        train(again, Goal(episodes=episodes), on_progress, run.journal)
+    return mean_curve([curve], bandit)
 
 
 def mean_curve(curves: Sequence[RunCurve], bandit: bool) -> dict[str, list[Any]]:

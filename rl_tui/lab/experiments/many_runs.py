@@ -20,7 +20,7 @@ from rl_tui.agents.compiling.background import BACKGROUND
 from rl_tui.agents.exact.solution import Solution
 from rl_tui.common.errors import UserError
 from rl_tui.lab.experiments.episode_rows import EpisodeRows, csv_file
-from rl_tui.lab.experiments.learning_curve import RunCurve, mean_curve, no_curve
+from rl_tui.lab.experiments.learning_curve import RunCurve, each_of, mean_curve, no_curve
 from rl_tui.lab.experiments.patience import cores, pays, seconds_interpreted
 from rl_tui.lab.experiments.training import Goal, OnProgress, no_progress, train
 from rl_tui.lab.experiments.whole_file import whole_file
@@ -231,16 +231,10 @@ class _Experiment:
     def _train(self, index: int, *also: OnEpisodes) -> Run:
         recipe = self._recipes[index]
         beginning = begin(recipe, self._world)
-        listeners: list[OnEpisodes] = [*also]
+        curve = None
         if self._goal.episodes and not self._planner:
             curve = self._curves[index] = RunCurve(self._goal.episodes)
-            listeners.append(curve)
-
-        def on_episodes(*episodes: Any) -> None:
-            for listener in listeners:
-                listener(*episodes)
-
-        run = Run(recipe, beginning, evaluate=False, on_episodes=on_episodes)
+        run = Run(recipe, beginning, evaluate=False, on_episodes=each_of(*also, curve))
         try:
             train(run, self._goal, partial(self._note_progress, index))
         except UserError as error:

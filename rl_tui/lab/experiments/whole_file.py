@@ -17,13 +17,18 @@ def whole_file(path: Path) -> Iterator[TextIO]:
     """Yield the file ``path``, opened to write text in place of what was there.
 
     Where it cannot be written to its end it is removed, unless it is a device or reached by a link, and
-    UserError is raised; whatever else fails, what was written is kept.
+    UserError is raised; whatever else fails, what was written is kept, and a file with nothing in it removed.
     """
     begun: os.stat_result | None = None
     try:
         with path.open("w", encoding="utf-8", newline="") as stream:
             begun = os.fstat(stream.fileno())
-            yield stream
+            try:
+                yield stream
+            except BaseException:
+                if S_ISREG(begun.st_mode) and stream.tell() == 0:
+                    _remove(path, begun)
+                raise
     except OSError as error:
         if begun is not None:  # what could not be opened is as it was
             _remove(path, begun)
