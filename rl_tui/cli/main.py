@@ -7,7 +7,7 @@ import sys
 import threading
 from contextlib import suppress
 from pkgutil import iter_modules
-from typing import ClassVar, NoReturn
+from typing import ClassVar, Final, NoReturn
 
 import click
 
@@ -15,10 +15,13 @@ from rl_tui import __version__
 from rl_tui.cli import commands
 from rl_tui.cli.descriptors import keep_stdout
 from rl_tui.cli.kiosk import enter_kiosk, kiosk_option
-from rl_tui.cli.options.display import DISPLAY_OPTIONS, display_of, display_options
+from rl_tui.cli.options.display import DISPLAY_OPTIONS, display_of, display_options, is_given
 from rl_tui.cli.options.run import allow_module_option
+from rl_tui.cli.output import complain
 from rl_tui.cli.program import Program
-from rl_tui.common.interrupts import note_interrupts
+from rl_tui.common.interrupts import INTERRUPTED, leave_when_interrupted, note_interrupts
+
+_THREADS: Final = "NUMBA_NUM_THREADS"
 
 
 class RlTui(Program):
@@ -42,28 +45,48 @@ def program(context: click.Context, /, **display: object) -> None:
     Without a command it opens the catalogue of scenarios.
     """
     enter_kiosk(context.invoked_subcommand)
+    leave_out_bad_threads()
     if context.invoked_subcommand is None:
         from rl_tui.cli.screen import run_app
 
         run_app(display_of(display))
         return
-    for name in DISPLAY_OPTIONS:
-        if context.get_parameter_source(name) is click.core.ParameterSource.COMMANDLINE:
-            option = name.replace("_", "-")
-            raise click.UsageError(f"put --{option} after the command it is for", context)
+    given = {name: display[name] for name in DISPLAY_OPTIONS if is_given(context, name)}
+    if given:
+        _hand_on(context, context.invoked_subcommand, given)
+
+
+def _hand_on(context: click.Context, name: str, given: dict[str, object]) -> None:
+    """Let the display options ``given`` before the command of that ``name`` be what it falls back on.
+
+    Raises UsageError where it draws nothing.
+    """
+    command = program.get_command(context, name)
+    taken = set() if command is None else {parameter.name for parameter in command.params}
+    for option in given:
+        if option not in taken:
+            raise click.UsageError(f"{name} draws no screen: leave --{option.replace('_', '-')} out", context)
+    if given.pop("no_color", False):
+        given["colors"] = "none"  # so that --colors after the command counts
+    context.default_map = {name: given}
 
 
 def main() -> None:
     """Run rl-tui and exit."""
     keep_stdout()
-    note_interrupts()
     calculate_in_one_thread()
     try:
-        program(prog_name="rl-tui")
+        try:
+            note_interrupts()
+            program(prog_name="rl-tui")
+        finally:
+            leave_when_interrupted()
     except SystemExit as end:
         if isinstance(end.code, int) and threading.active_count() > 1:
             leave_at_once(end.code)
         raise
+    except KeyboardInterrupt:  # before click looks out for it, or after
+        leave_at_once(INTERRUPTED)
 
 
 def calculate_in_one_thread() -> None:
@@ -73,6 +96,17 @@ def calculate_in_one_thread() -> None:
     """
     if "numpy" not in sys.modules and "OMP_NUM_THREADS" not in os.environ:
         os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
+
+def leave_out_bad_threads() -> None:
+    """Say that ``NUMBA_NUM_THREADS`` is no number of threads where it is none, and go on without it.
+
+    Numba would not start, or print a traceback. No kernel asks for threads.
+    """
+    number = os.environ.get(_THREADS, "1")
+    if not (number.strip().isdecimal() and int(number) > 0):
+        complain(f"{_THREADS}={number} is left out: expected a whole number, 1 or more")
+        del os.environ[_THREADS]
 
 
 def leave_at_once(status: int) -> NoReturn:

@@ -15,11 +15,11 @@ import click
 from rl_tui.cli.descriptors import STDOUT, lead_nowhere
 from rl_tui.cli.output import complain
 from rl_tui.common.errors import UserError
+from rl_tui.common.interrupts import INTERRUPTED
 
 DONE: Final = 0
 FAILED: Final = 1
 USAGE: Final = 2
-INTERRUPTED: Final = 130
 TRACEBACK: Final = "RL_TUI_TRACEBACK"
 
 

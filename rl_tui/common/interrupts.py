@@ -1,10 +1,15 @@
-"""Telling ctrl+C from an environment that raises KeyboardInterrupt itself."""
+"""What ctrl+C does, and telling it from an environment that raises KeyboardInterrupt itself."""
 
 from __future__ import annotations
 
+import os
 import signal
 import threading
 from types import FrameType
+from typing import Final, NoReturn
+
+INTERRUPTED: Final = 130
+"""The exit status of a process that ctrl+C has ended."""
 
 
 class _Interrupts:
@@ -22,10 +27,24 @@ class _Interrupts:
 INTERRUPTS = _Interrupts()
 
 
+def leave_when_interrupted() -> None:
+    """Let ctrl+C end the process at once, with 130 and without a word, unless it is ignored.
+
+    It is for the time before there is anything to give back, and after: Python would print a traceback,
+    in whichever import it came. For the main thread.
+    """
+    if signal.getsignal(signal.SIGINT) in (signal.default_int_handler, INTERRUPTS.note):
+        signal.signal(signal.SIGINT, _leave)
+
+
 def note_interrupts() -> None:
     """Look out for ctrl+C from now on, unless another handler does or it is ignored. For the main thread."""
-    if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
+    if signal.getsignal(signal.SIGINT) in (signal.default_int_handler, _leave):
         signal.signal(signal.SIGINT, INTERRUPTS.note)
+
+
+def _leave(_: int, __: FrameType | None) -> NoReturn:
+    os._exit(INTERRUPTED)
 
 
 def is_interrupt(error: BaseException) -> bool:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -68,7 +67,7 @@ def command(
     wanted = keys.split(",") if keys else []
     svg = asyncio.run(screenshot(start, size, wanted, display_of(display)))
     if out == "-":
-        sys.stdout.write(svg)
+        click.echo(svg, nl=False)
     else:
         from rl_tui.lab.experiments.whole_file import whole_file
 

@@ -16,7 +16,7 @@ from urllib.parse import urlsplit
 
 import click
 
-from rl_tui.cli.options.display import DISPLAY_OPTIONS, display_of, display_options
+from rl_tui.cli.options.display import DISPLAY_OPTIONS, display_of, display_options, is_given
 from rl_tui.cli.options.numbers import Whole
 from rl_tui.cli.options.run import start_of
 from rl_tui.cli.program import FAILED
@@ -186,7 +186,7 @@ def _app_command(context: click.Context, scenario: str | None, display: dict[str
 
     arguments = [] if scenario is None else ["play", scenario]
     for name in DISPLAY_OPTIONS:
-        if context.get_parameter_source(name) is click.core.ParameterSource.COMMANDLINE:
+        if is_given(context, name):
             value = display[name]
             option = f"--{name.replace('_', '-')}"
             arguments.append(option if value is True else f"{option}={value}")

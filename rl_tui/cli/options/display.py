@@ -42,6 +42,12 @@ def display_options(command: Command) -> Command:
     return command
 
 
+def is_given(context: click.Context, name: str) -> bool:
+    """Return whether the option ``name`` was given on the command line, before the command or after it."""
+    source = context.get_parameter_source(name)
+    return source in (click.core.ParameterSource.COMMANDLINE, click.core.ParameterSource.DEFAULT_MAP)
+
+
 def display_of(values: Mapping[str, Any]) -> Display:
     """Return what the values of the display options, by name, say."""
     return Display(

@@ -93,7 +93,8 @@ class RlTuiApp(LinkedApp[UserError]):
         self.theme = options.theme
         self.options = options
         self._depth: Depth = depth
-        named = encoding_of(os.environ, sys.stdout.encoding, utf8_mode=bool(sys.flags.utf8_mode))
+        ours = getattr(sys.stdout, "encoding", None)  # there is no stdout where it is closed
+        named = encoding_of(os.environ, ours, utf8_mode=bool(sys.flags.utf8_mode))
         self._encoding = "utf-8" if picture else named
         self._start = start
         self._opener = Opener(make_player, options.fps, sessions, kiosk=kiosk, panels=panels)

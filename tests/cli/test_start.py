@@ -1,0 +1,109 @@
+"""What counts before a command: display options, variables, ctrl+C."""
+
+from __future__ import annotations
+
+import os
+import re
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner, Result
+
+from rl_tui.cli import main as main_module
+from rl_tui.cli.main import program
+
+SMALL = ("screenshot", "--size", "40x10", "--out", "-")
+
+
+def run(*args: str) -> Result:
+    return CliRunner().invoke(program, args)
+
+
+def background_of(result: Result) -> str:
+    """Return the colour that fills the picture."""
+    assert result.exit_code == 0, result.stderr
+    colours = re.findall(r'<rect fill="(#[0-9a-f]{6})"', result.stdout)
+    return max(set(colours), key=colours.count)
+
+
+@pytest.mark.screen
+def test_display_options_count_before_the_command_and_the_later_one_wins() -> None:
+    light, dark = (background_of(run(*SMALL, "--theme", theme)) for theme in ("light", "dark"))
+    assert light != dark
+    assert background_of(run("--theme", "light", *SMALL)) == light
+    assert background_of(run("--theme", "light", *SMALL, "--theme", "dark")) == dark
+
+
+@pytest.mark.screen
+def test_no_color_before_the_command_yields_to_colors_after_it() -> None:
+    coloured, plain = run(*SMALL).stdout, run("--no-color", *SMALL).stdout
+    assert coloured != plain
+    assert plain == run(*SMALL, "--no-color").stdout
+    assert run("--no-color", *SMALL, "--colors", "truecolor").stdout == coloured
+
+
+def test_serve_hands_them_on_to_its_apps() -> None:
+    from rl_tui.cli.commands.serve import _app_command, command
+
+    with program.make_context("rl-tui", ["--theme", "light", "--ascii", "serve"]) as whole:
+        whole.invoked_subcommand = "serve"
+        program.callback(**whole.params)  # type: ignore[misc]
+        with command.make_context("serve", ["--colors", "16"], parent=whole) as context:
+            arguments = _app_command(context, "student", dict(context.params))[4:]
+    assert arguments == ("play", "student", "--theme=light", "--colors=16", "--ascii")
+
+
+def test_a_command_without_a_screen_refuses_them() -> None:
+    result = run("--ascii", "list")
+    assert (result.exit_code, result.stdout, result.stderr.count("\n")) == (2, "", 1)
+    assert "--ascii" in result.stderr
+
+
+@pytest.mark.parametrize("number", ["0", "-1", "many", ""])
+def test_a_number_of_threads_that_is_none_is_left_out(number: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("NUMBA_NUM_THREADS", number)
+    main_module.leave_out_bad_threads()
+    assert "NUMBA_NUM_THREADS" not in os.environ
+
+
+def test_a_number_of_threads_stays(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("NUMBA_NUM_THREADS", "2")
+    main_module.leave_out_bad_threads()
+    assert os.environ["NUMBA_NUM_THREADS"] == "2"
+
+
+@pytest.mark.process
+def test_a_picture_for_a_stdout_that_is_closed_is_refused_in_a_sentence() -> None:
+    command = f"exec {sys.executable} -m rl_tui.cli screenshot --size 40x10 --out - >&-"
+    ended = subprocess.run(["sh", "-c", command], stderr=subprocess.PIPE, text=True, check=False)
+    assert (ended.returncode, ended.stderr.count("\n")) == (1, 1)
+    assert "unexpected" not in ended.stderr
+
+
+# Each stands for all that is imported at that time
+@pytest.mark.process
+@pytest.mark.skipif(sys.platform == "win32", reason="there are no such signals")
+@pytest.mark.parametrize("module", ["click", "rl_tui.cli.main", "rl_tui.common.errors"])
+def test_ctrl_c_while_it_is_being_imported_leaves_no_traceback(module: str, tmp_path: Path) -> None:
+    (tmp_path / "sitecustomize.py").write_text(
+        "import os, signal, sys\n"
+        "class Finder:\n"
+        "    def find_spec(self, name, *_):\n"
+        f"        if name == {module!r}:\n"
+        "            os.kill(os.getpid(), signal.SIGINT)\n"
+        "sys.meta_path.insert(0, Finder())\n",
+        encoding="utf-8",
+    )
+    paths = [str(tmp_path), *filter(None, [os.environ.get("PYTHONPATH")])]
+    ended = subprocess.run(
+        [sys.executable, "-m", "rl_tui.cli", "list"],
+        env={**os.environ, "PYTHONPATH": os.pathsep.join(paths)},
+        capture_output=True,
+        text=True,
+        check=False,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler) and None,
+    )
+    assert (ended.returncode, ended.stderr) == (130, "")
