@@ -46,13 +46,13 @@ def test_no_color_before_the_command_yields_to_colors_after_it() -> None:
 
 
 def test_serve_hands_them_on_to_its_apps() -> None:
-    from rl_tui.cli.commands.serve import _app_command, command
+    from rl_tui.cli.commands.serve import app_command, command
 
     with program.make_context("rl-tui", ["--theme", "light", "--ascii", "serve"]) as whole:
         whole.invoked_subcommand = "serve"
         program.callback(**whole.params)  # type: ignore[misc]
         with command.make_context("serve", ["--colors", "16"], parent=whole) as context:
-            arguments = _app_command(context, "student", dict(context.params))[4:]
+            arguments = app_command(context, "student", dict(context.params))[4:]
     assert arguments == ("play", "student", "--theme=light", "--colors=16", "--ascii")
 
 

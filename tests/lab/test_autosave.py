@@ -46,14 +46,25 @@ def test_the_first_action_begins_a_file_and_the_last_one_is_in_it(tmp_path: Path
     assert not session.document.kept
 
 
-def test_a_setting_alone_is_an_action(tmp_path: Path) -> None:
-    kept(tmp_path, after(OPENED, 0, (0, SetParameter("alpha", 0.5))))
-    assert only(tmp_path).changes == 1
+def test_without_a_step_there_is_nothing_to_keep(tmp_path: Path) -> None:
+    changed = after(OPENED, 0, (0, SetParameter("alpha", 0.5)))
+    another_seed = fresh(replace(OPENED.lanes[0].recipe, seed=7))
+    kept(tmp_path / "sessions", changed, another_seed)
+    assert not (tmp_path / "sessions").exists()
 
 
-def test_another_seed_is_an_action(tmp_path: Path) -> None:
-    kept(tmp_path, fresh(replace(OPENED.lanes[0].recipe, seed=7)))
-    assert only(tmp_path).document.lanes[0].seed == 7
+def test_what_was_set_before_the_first_step_is_kept_with_it(tmp_path: Path) -> None:
+    change = (0, SetParameter("alpha", 0.5))
+    kept(tmp_path, after(OPENED, 0, change), after(OPENED, 1, change))
+    assert (only(tmp_path).step, only(tmp_path).changes) == (1, 1)
+
+
+def test_one_saved_by_name_goes_on_without_a_step(tmp_path: Path) -> None:
+    autosave = Autosave(OPENED, tmp_path)
+    autosave.save_as("lesson")
+    autosave.offer(after(OPENED, 0, (0, SetParameter("alpha", 0.5))))
+    autosave.close()
+    assert (only(tmp_path).step, only(tmp_path).changes) == (0, 1)
 
 
 def test_it_is_written_while_the_program_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -318,10 +329,12 @@ def test_starting_again_with_other_settings_is_an_action(tmp_path: Path) -> None
     autosave = Autosave(OPENED, tmp_path)
     autosave.offer(at(4))
     autosave.begin_anew(fresh(recipe("student", seed=8)))
-    autosave.begin_anew(fresh(recipe("student", seed=9)))
+    again = fresh(recipe("student", seed=9))
+    autosave.begin_anew(again)
+    autosave.offer(after(again, 2))
     autosave.close()
     saved = {(each.step, each.document.lanes[0].seed) for each in sessions_in(tmp_path)[0]}
-    assert saved == {(4, 0), (0, 9)}, "a session in which nothing was done yet gives way"
+    assert saved == {(4, 0), (2, 9)}, "a session in which nothing was done yet gives way"
 
 
 def test_a_named_session_stays_when_it_starts_again(tmp_path: Path) -> None:

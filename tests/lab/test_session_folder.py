@@ -3,17 +3,37 @@
 from __future__ import annotations
 
 import os
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 from autosaving import OPENED, at, kept, notices_of, only
+from session_samples import after
 
 from rl_tui.common.errors import UserError
 from rl_tui.common.file_lock import FileLock
+from rl_tui.lab.live.record import Record
+from rl_tui.lab.run.recipe import SetParameter
 from rl_tui.lab.sessions import folder
+from rl_tui.lab.sessions.atomic_file import draft_of, drafts_in
 from rl_tui.lab.sessions.autosave import Autosave
-from rl_tui.lab.sessions.folder import MOST_UNNAMED, file_stem, named_path, prune, remove, sessions_in
+from rl_tui.lab.sessions.folder import (
+    MOST_UNNAMED,
+    file_stem,
+    files_in,
+    named_path,
+    prune,
+    remove,
+    sessions_in,
+)
 from rl_tui.lab.sessions.session import encoded, read_session
+
+
+def back_at(step: int, record: Record) -> Record:
+    """``record`` gone back to ``step``."""
+    lane = record.lanes[0]
+    branch = replace(lane.branches[0], here=step)
+    return replace(record, lanes=(replace(lane, branches=(branch,)),))
 
 
 def test_saving_under_a_name(tmp_path: Path) -> None:
@@ -87,7 +107,7 @@ def test_the_newest_unnamed_sessions_are_kept(tmp_path: Path, monkeypatch: pytes
     monkeypatch.setattr(folder, "MOST_UNNAMED", 3)
     for number in range(7):
         path = tmp_path / f"student-{number}.json"
-        path.write_bytes(encoded(at(number), title="named" * (number == 0), kept=number == 0))
+        path.write_bytes(encoded(at(number + 1), title="named" * (number == 0), kept=number == 0))
         os.utime(path, ns=(number, number))
     (tmp_path / "broken.json").write_text("{", encoding="utf-8")
     held = FileLock(tmp_path / "student-1.json")
@@ -124,9 +144,41 @@ def test_a_session_that_was_gone_on_with_meanwhile_is_not_pruned(
     before = sessions_in(tmp_path)
     path.write_bytes(encoded(at(200), title="evening", kept=True))
     monkeypatch.setattr(folder, "MOST_UNNAMED", 0)
-    monkeypatch.setattr(folder, "sessions_in", lambda _: before)
+    monkeypatch.setattr(folder, "all_sessions_in", lambda _: before)
     prune(tmp_path)
-    assert only(tmp_path).step == 200
+    assert read_session(path).step == 200
+
+
+def test_one_in_which_nothing_was_done_is_none(tmp_path: Path) -> None:
+    changed = after(OPENED, 0, (0, SetParameter("alpha", 0.5)))
+    (tmp_path / "blank.json").write_bytes(encoded(changed))
+    (tmp_path / "named.json").write_bytes(encoded(changed, title="lesson", kept=True))
+    (tmp_path / "copy.json").write_bytes(encoded(changed, title="lesson (copy)"))
+    (tmp_path / "gone-back.json").write_bytes(encoded(back_at(0, at(3))))
+    listed = {session.path.name for session in sessions_in(tmp_path)[0]}
+    assert listed == {"named.json", "copy.json", "gone-back.json"}
+    held = FileLock(tmp_path / "blank.json")
+    assert held.acquire()
+    prune(tmp_path)
+    assert len(files_in(tmp_path)) == 4, "somebody has it open"
+    held.release()
+    prune(tmp_path)
+    assert {path.name for path in files_in(tmp_path)} == listed
+
+
+def test_what_a_kill_left_half_written_is_taken_away(tmp_path: Path) -> None:
+    for name in ("killed", "writing", "held"):
+        draft = draft_of(tmp_path / f"{name}.json")
+        draft.write_bytes(b"{")
+        if name != "writing":
+            os.utime(draft, ns=(0, 0))
+    held = FileLock(tmp_path / "held.json")
+    assert held.acquire()
+    kept(tmp_path, at(2))
+    held.release()
+    drafts = [draft.name for _, draft in drafts_in(tmp_path)]
+    assert drafts == [".held.json.new", ".writing.json.new"]
+    assert len(os.listdir(tmp_path)) == 1 + len(drafts)
 
 
 def test_fifty_are_kept() -> None:

@@ -85,7 +85,7 @@ def command(
     with listen(host, port) as listening:
         if kiosk and not in_kiosk():
             prepare(scenario or _USUAL)
-        serve_apps(listening, _app_command(context, scenario, display), host, url, kiosk=kiosk, most=most)
+        serve_apps(listening, app_command(context, scenario, display), host, url, kiosk=kiosk, most=most)
 
 
 def prepare(scenario: str) -> None:
@@ -180,7 +180,7 @@ def is_interactive() -> bool:
     return sys.stdin.isatty() and sys.stderr.isatty()
 
 
-def _app_command(context: click.Context, scenario: str | None, display: dict[str, Any]) -> tuple[str, ...]:
+def app_command(context: click.Context, scenario: str | None, display: dict[str, Any]) -> tuple[str, ...]:
     """Return the command line of an app, with the display options that were given to this one."""
     from rl_tui.cli.serving.app_process import command_line
 

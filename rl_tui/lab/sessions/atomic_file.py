@@ -13,6 +13,7 @@ from rl_tui.common.file_lock import OURS_ALONE
 _FLAGS: Final = (
     os.O_WRONLY | os.O_CREAT | os.O_TRUNC | getattr(os, "O_BINARY", 0) | getattr(os, "O_NOFOLLOW", 0)
 )
+_NEW: Final = ".new"
 
 
 def write_atomically(path: Path, content: bytes) -> None:
@@ -37,7 +38,19 @@ def write_atomically(path: Path, content: bytes) -> None:
 
 def draft_of(path: Path) -> Path:
     """Return where the next content of ``path`` is written: one place, so that none is left to pile up."""
-    return path.with_name(f".{path.name}.new")
+    return path.with_name(f".{path.name}{_NEW}")
+
+
+def drafts_in(folder: Path) -> list[tuple[Path, Path]]:
+    """Return the drafts in ``folder``, each after the path that it was to replace.
+
+    They are being written, or were when their program was killed.
+    """
+    try:
+        drafts = sorted(folder.glob(f".*{_NEW}"))
+    except OSError:  # a folder that may not be read
+        return []
+    return [(draft.with_name(draft.name[1 : -len(_NEW)]), draft) for draft in drafts]
 
 
 def remove_with_draft(path: Path) -> None:

@@ -32,7 +32,8 @@ def untouched(recipe: Recipe) -> Record:
 class Autosave:
     """Writes the newest record that it is offered to a file of its own, at most every 0.3 s if it changed.
 
-    ``opened`` is what the screen starts from: a file is begun only once something differs from it.
+    ``opened`` is what the screen starts from: a file is begun only once something differs from it and a step
+    was taken, or a person saves it by a name. Settings alone are quickly made again.
     ``resumed`` is the session that it came from; that file is gone on with where it can be, otherwise a new
     one in ``folder``. A file is locked as long as it is written here.
 
@@ -212,7 +213,8 @@ class Autosave:
 class _Session:
     """A session under way: what is to be written, and who writes it.
 
-    It is ``begun`` once a record differs from the one with which it was ``opened``.
+    It is ``begun`` once a record differs from the one with which it was ``opened``. Without a step taken it
+    is written only where it has a file already.
     """
 
     def __init__(self, opened: Record, writer: SessionWriter) -> None:
@@ -224,7 +226,8 @@ class _Session:
 
     @property
     def is_due(self) -> bool:
-        return self.begun and self.newest is not self.written
+        is_worth_it = self.writer.path is not None or _has_steps(self.newest.record)
+        return self.begun and self.newest is not self.written and is_worth_it
 
     def take(self, offer: _Offer) -> None:
         self.newest = offer
@@ -250,6 +253,12 @@ def _copied(table: LearnedTable) -> LearnedTable:
     return replace(table, q=table.q.copy(), visits=table.visits.copy())
 
 
+def _has_steps(record: Record) -> bool:
+    """Tell whether a step was taken in any lane."""
+    return any(branch.end for lane in record.lanes for branch in lane.branches)
+
+
 def _is_blank(record: Record) -> bool:
     """Tell whether no step was taken and nothing was changed in any lane."""
-    return not any(branch.end or branch.journal for lane in record.lanes for branch in lane.branches)
+    is_changed = any(branch.journal for lane in record.lanes for branch in lane.branches)
+    return not (is_changed or _has_steps(record))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import re
+import time
 from contextlib import suppress
 from datetime import UTC, datetime
 from pathlib import Path
@@ -13,12 +14,13 @@ import platformdirs
 
 from rl_tui.common.errors import UserError
 from rl_tui.common.file_lock import FileLock
-from rl_tui.lab.sessions.atomic_file import remove_with_draft
+from rl_tui.lab.sessions.atomic_file import drafts_in, remove_with_draft
 from rl_tui.lab.sessions.session import SUFFIX, SessionError, StoredSession, read_session, signature
 from rl_tui.worlds.sections.schema import is_plain
 
 VARIABLE: Final = "RL_TUI_SESSIONS_DIR"
 MOST_UNNAMED: Final = 50
+_LONGEST_WRITE: Final = 60.0  # seconds, by far
 _LONGEST_STEM: Final = 200  # bytes: file systems take 255, of which a lock needs some
 
 
@@ -55,7 +57,16 @@ def files_in(folder: Path) -> list[Path]:
 
 
 def sessions_in(folder: Path) -> tuple[list[StoredSession], list[SessionError]]:
-    """Return the sessions in ``folder``, the last one saved first, and what is wrong with other files."""
+    """Return the sessions in ``folder``, the last one saved first, and what is wrong with other files.
+
+    Those in which nothing was done are left out.
+    """
+    sound, broken = all_sessions_in(folder)
+    return [session for session in sound if not session.is_blank], broken
+
+
+def all_sessions_in(folder: Path) -> tuple[list[StoredSession], list[SessionError]]:
+    """Return what :func:`sessions_in` does, and those in which nothing was done too."""
     sound, broken = [], []
     for path in files_in(folder):
         try:
@@ -68,17 +79,32 @@ def sessions_in(folder: Path) -> tuple[list[StoredSession], list[SessionError]]:
 
 
 def prune(folder: Path) -> None:
-    """Remove all but the newest 50 sessions that nobody gave a name; those open somewhere stay.
+    """Remove all but the newest 50 sessions that nobody gave a name, and what was left half done.
 
-    One that cannot be removed stays too: that is no reason to keep nothing new.
+    Those in which nothing was done go too; those open somewhere stay. What cannot be removed stays as well:
+    that is no reason to keep nothing new.
     """
-    sound, _ = sessions_in(folder)
-    for session in [each for each in sound if not each.document.kept][MOST_UNNAMED:]:
-        lock = FileLock(session.path)
+    unnamed = [session for session in all_sessions_in(folder)[0] if not session.document.kept]
+    worth_keeping = [session for session in unnamed if not session.is_blank][:MOST_UNNAMED]
+    for session in unnamed:
+        if session not in worth_keeping:
+            lock = FileLock(session.path)
+            with suppress(OSError):
+                # it may have been gone on with, or named, since it was read
+                if lock.acquire() and signature(session.path.stat()) == session.written:
+                    remove_with_draft(session.path)
+            lock.release()
+    _remove_old_drafts(folder)
+
+
+def _remove_old_drafts(folder: Path) -> None:
+    """Remove what programs that were killed while they wrote have left."""
+    for path, draft in drafts_in(folder):
+        lock = FileLock(path)
         with suppress(OSError):
-            # it may have been gone on with, or named, since it was read
-            if lock.acquire() and signature(session.path.stat()) == session.written:
-                remove_with_draft(session.path)
+            # on file systems without locks its age alone tells it from one that is being written
+            if lock.acquire() and time.time() - draft.stat().st_mtime > _LONGEST_WRITE:
+                draft.unlink()
         lock.release()
 
 

@@ -72,6 +72,13 @@ class StoredSession:
         return lane.branches[lane.branch].here
 
     @property
+    def is_blank(self) -> bool:
+        """Whether no step was taken in it, and nobody gave it a name: there is nothing to go on with."""
+        lanes = self.document.lanes
+        has_steps = any(branch.end for lane in lanes for branch in lane.branches)
+        return not (has_steps or self.document.kept or self.document.title)
+
+    @property
     def algorithm(self) -> str:
         """The id of the algorithm at work there."""
         return self.document.lanes[self.document.shown].algorithm_in_force
