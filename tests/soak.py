@@ -1,7 +1,10 @@
-"""The real program at full speed for a long time: ``python tests/soak.py [MINUTES]``, sixty by default.
+"""The real program at full speed for a long time: ``python tests/soak.py [MINUTES] [--untouched]``.
 
-Prints a row of figures a minute, and at the end how the last minute compares with the first. What it
-writes is counted, not looked at: only now and then is a screen drawn anew and read.
+Prints a row of figures a minute, sixty by default, and at the end how the last minute compares with the
+first. What it writes is counted, not looked at: only now and then is a screen drawn anew and read.
+
+With ``--untouched`` no key is pressed once it runs at full speed, and all that is looked at is memory, which
+has to stay where it is after ten minutes, up to 2 %.
 """
 
 from __future__ import annotations
@@ -19,6 +22,7 @@ import termios
 import threading
 import time
 from collections import deque
+from datetime import UTC, datetime
 from itertools import pairwise
 from pathlib import Path
 from statistics import median
@@ -30,6 +34,9 @@ import pyte
 from rl_tui.lab.sessions.folder import sessions_in
 
 SCENARIO: Final = "frozenlake-slippery"
+UNTOUCHED: Final = "frozenlake"
+SETTLED: Final = 10  # minutes after which memory has to stay where it is,
+MOST_DRIFT: Final = 0.02  # up to this part of it
 SIZE: Final = (120, 40)
 FULL_SPEED: Final = "+" * 9
 FULL: Final = "▶ max"  # as the status line has it
@@ -99,7 +106,7 @@ HEADER: Final = "minute  RSS (MB) threads files Msteps/s frames/s CPU ms/fr gap9
 class Program:
     """The program in a terminal that takes in all it writes at once, and answers what it asks."""
 
-    def __init__(self, sessions: Path) -> None:
+    def __init__(self, sessions: Path, scenario: str = SCENARIO) -> None:
         self._ours, theirs = pty.openpty()
         self._resize(SIZE)
         environment = {
@@ -111,7 +118,7 @@ class Program:
             **{name: os.environ[name] for name in ("PYTHONPATH", "RL_TUI_CACHE_DIR") if name in os.environ},
         }
         self._process = subprocess.Popen(
-            [sys.executable, "-m", "rl_tui.cli", "play", SCENARIO],
+            [sys.executable, "-m", "rl_tui.cli", "play", scenario],
             stdin=theirs,
             stdout=theirs,
             stderr=theirs,
@@ -185,6 +192,11 @@ class Program:
         """Return the resident set in bytes."""
         pages = int(Path(f"/proc/{self.pid}/statm").read_text().split()[1])
         return pages * os.sysconf("SC_PAGE_SIZE")
+
+    def share(self) -> int:
+        """Return the resident set in bytes, of pages that others have too only its share."""
+        rollup = Path(f"/proc/{self.pid}/smaps_rollup").read_text()
+        return sum(int(line.split()[1]) << 10 for line in rollup.splitlines() if line.startswith("Pss:"))
 
     def count(self, folder: str) -> int:
         """Return how many entries ``folder`` of its process has: ``task`` or ``fd``."""
@@ -315,9 +327,41 @@ def verdict(first: Minute, last: Minute) -> tuple[str, bool]:
     return words, is_flat
 
 
+def untouched(minutes: int) -> int:
+    """Print the memory of each minute; return 1 where it does not stay where it is after some."""
+    with tempfile.TemporaryDirectory() as name, Program(Path(name), UNTOUCHED) as program:
+        program.wait_until(lambda: program.frames > 0, START)
+        program.wait_for_quiet()
+        run_on(program)
+        now = datetime.now(UTC)
+        print(f"{UNTOUCHED} at {SIZE[0]}x{SIZE[1]}, at full speed, no keys, {minutes} min, {now:%Y-%m-%d}")
+        print("minute   time UTC  RSS (MB)  PSS (MB)    million steps", flush=True)
+        begun, settled = time.monotonic(), list[int]()
+        for number in range(1, minutes + 1):
+            program.wait_until(lambda: program.ended, max(0.0, begun + number * MINUTE - time.monotonic()))
+            if program.ended:
+                print(f"the program has ended with status {program.quit()}:\n{plain(program.end)}")
+                return 1
+            memory, share, steps = program.memory(), program.share(), steps_kept(Path(name))
+            settled += [memory] if number >= SETTLED else []
+            print(
+                f"{number:6}   {datetime.now(UTC):%H:%M:%S}  {memory / _MEGABYTE:8.2f}  "
+                f"{share / _MEGABYTE:8.2f}  {steps / 1e6:15,.0f}",
+                flush=True,
+            )
+        status = program.quit()
+    drift = max((abs(memory / settled[0] - 1) for memory in settled), default=0.0)
+    is_flat = drift <= MOST_DRIFT
+    print(f"from minute {SETTLED} on: {drift:.2%} at most: {'flat' if is_flat else 'NOT FLAT'}; exit {status}")
+    return 0 if is_flat and status == 0 else 1
+
+
 def main() -> int:
     """Print the figures; return 1 where they are not flat or the program broke down."""
-    minutes = int(sys.argv[1]) if len(sys.argv) > 1 else 60
+    numbers = [argument for argument in sys.argv[1:] if argument.isdecimal()]
+    minutes = int(numbers[0]) if numbers else 60
+    if "--untouched" in sys.argv:
+        return untouched(minutes)
     with tempfile.TemporaryDirectory() as name, Program(Path(name)) as program:
         program.wait_until(lambda: program.frames > 0, START)
         program.wait_for_quiet()

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from rl_tui.lab.run.run import RunState
     from rl_tui.lab.timeline.seek import Target
 
-MOST: Final = 512
+MOST: Final = 256
 MOST_LEFT: Final = 32  # of a branch that is not in force
 FIRST_SPACING: Final = 0.05
 _LEAST: Final = 2
@@ -25,13 +25,16 @@ _LARGE: Final = 16 * 2**20  # of such states only one is kept that is near
 class Checkpoints:
     """States along one branch, about evenly apart in the time it takes to compute from one to the next.
 
-    Where there are too many, or they take too much memory, every other is dropped, and the ``spacing``, in
-    seconds of computing, doubles. A few more, those left by the last seeks, make the next one short.
+    Where there are too many, or they take too much memory, the ``spacing``, in seconds of computing, doubles,
+    and every other goes: one for each that comes, from the first on. So there are always about as many, and
+    the memory that one leaves is taken by the next: half of them gone at once would leave holes in the heap.
+    A few more, those left by the last seeks, make the next one short.
     """
 
     def __init__(self) -> None:
         self.spacing = FIRST_SPACING
         self._states: list[RunState] = []
+        self._thinned = 0  # how many have gone since the spacing doubled
         self._near: deque[RunState] = deque(maxlen=_NEAR)
 
     def __len__(self) -> int:
@@ -47,9 +50,16 @@ class Checkpoints:
         """Keep ``state``; some others may go for it."""
         insort(self._states, state, key=_step)
         room = max(_LEAST, min(MOST, limits().checkpoints // max(1, state.nbytes)))
-        if len(self._states) > room:
-            self._states = self._states[::2]
+        while len(self._states) > room:
+            self._drop_next()
+
+    def _drop_next(self) -> None:
+        """Drop the next of every other state; where all have been passed, begin again at the first."""
+        if self._thinned == 0 or 2 * (self._thinned + 1) >= len(self._states):
+            self._thinned = 0
             self.spacing *= 2
+        self._thinned += 1
+        del self._states[self._thinned]
 
     def any_between(self, after: int, step: int) -> bool:
         """Tell whether one that is kept for good is beyond ``after``, but not beyond ``step``."""
@@ -71,7 +81,7 @@ class Checkpoints:
     def up_to(self, step: int, entries: int) -> Checkpoints:
         """Return those not beyond ``step`` to which at most so many journal entries were applied."""
         shared = Checkpoints()
-        shared.spacing = self.spacing
+        shared.spacing, shared._thinned = self.spacing, self._thinned
         shared._states = [each for each in self._states if each.step <= step and len(each.journal) <= entries]
         return shared
 
@@ -80,4 +90,5 @@ class Checkpoints:
         self._near.clear()
         while len(self._states) > MOST_LEFT or self.nbytes > limits().checkpoints_left // branches:
             self._states = self._states[::2] if len(self._states) > 1 else []
+            self._thinned = 0
             self.spacing *= 2
