@@ -6,7 +6,7 @@ import pytest
 from drawn_tables import Drawn, fresh
 from samples import bandit, student
 
-from rl_tui.tui.panels.q_table.layers import Layer
+from rl_tui.tui.panels.q_table.layers import EXACT_LAYERS, Layer
 
 
 def test_few_pairs_are_listed_a_row_each() -> None:
@@ -20,11 +20,20 @@ def test_few_pairs_are_listed_a_row_each() -> None:
     assert "greedy: study · quit · sleep" in drawn.rows[7]
 
 
-def test_a_wide_list_shows_all_layers_at_once() -> None:
-    drawn = Drawn(student(), 56, 10)
+@pytest.mark.parametrize("layer", EXACT_LAYERS)
+def test_a_wide_list_lays_all_that_is_exact_beside_the_estimates(layer: Layer) -> None:
+    drawn = Drawn(student(), 56, 10, layer)
     assert drawn.rows[0].split() == ["state", "action", "Q", "Q*", "Q−Q*", "N"]
-    assert drawn.rows[1].split() == ["Class", "study", "▐", "6.370▌", "6.341", "0.029", "1,204"]
-    assert Drawn(student(solution=None), 56, 10).rows[0].split() == ["state", "action", "Q", "N"]
+    for number in ("6.370", "6.341", "0.029", "1,204"):
+        assert number in drawn.rows[1]
+
+
+@pytest.mark.parametrize("layer", [Layer.Q, Layer.VISITS])
+def test_a_list_does_not_give_the_answer_away_before_it_is_asked_for(layer: Layer) -> None:
+    drawn = Drawn(student(), 56, 10, layer)
+    assert drawn.rows[0].split() == ["state", "action", "Q", "N"]
+    assert "6.341" not in drawn.text
+    assert "0.029" not in drawn.text
 
 
 def test_a_very_narrow_list_keeps_the_number_of_the_layer_in_force() -> None:

@@ -191,8 +191,13 @@ def _arm_columns(scene: Scene, width: int) -> list[Column]:
 
 
 def _compared(scene: Scene) -> list[Layer]:
-    """Return what Q is held against: what is exact, and another run while that is the layer in force."""
-    compared = (*EXACT_LAYERS, Layer.LANES) if scene.layer is Layer.LANES else EXACT_LAYERS
+    """Return what Q is held against: what is exact, once it is asked for, and another run likewise.
+
+    A bandit is asked for its means by a key of its own; of other worlds the layer in force has to be exact,
+    or the answer would stand beside the estimates before the first step.
+    """
+    asked = EXACT_LAYERS if scene.world.is_bandit or scene.layer in EXACT_LAYERS else ()
+    compared = (*asked, Layer.LANES) if scene.layer is Layer.LANES else asked
     return [layer for layer in compared if layer in scene.figures]
 
 
