@@ -2,20 +2,27 @@
 
 from __future__ import annotations
 
+import asyncio
+from collections.abc import AsyncIterator
+
+import pytest
 from conftest import MakeApp
 from seams import notes, playground, press, slider, snapshot, train
 from snapshots import changed
 from textual.widgets import Input
 
 from rl_tui.agents.hyperparameters import Hyperparameters
+from rl_tui.lab.live.player import Player
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.run.bandit import true_means
 from rl_tui.tui.app.screenshot import settle
 from rl_tui.tui.panels.controls.settings import AgentSettings
+from rl_tui.tui.panels.controls.slider import Slider
 from rl_tui.tui.panels.world.arms.arms import ArmsView
 from rl_tui.tui.panels.world.grid.grid import GridView
 from rl_tui.tui.screens.dialogs.choice import Choice
 from rl_tui.tui.screens.dialogs.prompt import Prompt
+from rl_tui.tui.screens.key_line import KeyLine
 from rl_tui.tui.screens.playground.playground import Playground
 from rl_tui.tui.theme.glyphs import UNICODE
 from rl_tui.worlds.drawing import CellKind, Grid
@@ -76,8 +83,135 @@ async def test_1_2_3_go_to_the_sliders_even_out_of_a_zoom(make_app: MakeApp) -> 
             await press(pilot, "f", key)
             assert app.focused is slider(app, name)
             assert playground(pilot).board.zoomed is None
-        typed = await press(pilot, "1", "enter")
+        typed = await press(pilot, "enter", "1", "enter")
         assert typed.agent.hyperparameters.epsilon == 1.0
+
+
+async def test_a_digit_goes_to_its_slider_from_another_one_and_letters_do_what_they_say(
+    make_app: MakeApp,
+) -> None:
+    app = make_app("student")
+    async with app.run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        for key, name in (("2", "gamma"), ("3", "epsilon"), ("1", "alpha"), ("3", "epsilon")):
+            await press(pilot, key)
+            assert app.focused is slider(app, name)
+        values = (await press(pilot, *"0.4", "s")).agent.hyperparameters
+        assert (values.gamma, values.epsilon) == (0.9, 0.4)
+        assert snapshot(pilot).counters.step == 1
+        assert snapshot(pilot).timeline.current.journal[0].step == 0
+        assert (await press(pilot, "b", "s")).counters.step == 1
+        assert snapshot(pilot).agent.hyperparameters.epsilon == 0.4
+
+
+async def test_enter_and_escape_give_the_focus_back_to_where_it_was(make_app: MakeApp) -> None:
+    app = make_app("student")
+    async with app.run_test(size=(80, 24), notifications=True) as pilot:
+        await settle(pilot)
+        await press(pilot, "s", "2", "escape")
+        assert app.focused is None
+        assert notes(app) == []
+        await press(pilot, "tab")
+        before = app.focused
+        assert before is not None
+        await press(pilot, "2", "3", "escape")
+        assert app.focused is before
+        await press(pilot, "3", "0", "enter")
+        assert app.focused is before
+        assert notes(app) == []
+        assert isinstance(app.screen, Playground)
+
+
+async def test_a_value_that_is_none_is_told_and_the_slider_stays(make_app: MakeApp) -> None:
+    app = make_app("student")
+    async with app.run_test(size=(80, 24), notifications=True) as pilot:
+        await settle(pilot)
+        await press(pilot, "3", "enter", *"30.4", "tab")
+        assert app.focused is slider(app, "epsilon")
+        assert notes(app) == ["ε stays 0.1: 30.4 is not a number in [0, 1]"]
+        await press(pilot, "1")
+        assert app.focused is slider(app, "alpha")
+        assert notes(app) == []
+
+
+async def test_while_a_person_acts_digits_act_unless_a_value_is_typed(make_app: MakeApp) -> None:
+    app = make_app("student")
+    async with app.run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        slider(app, "epsilon").focus()
+        await press(pilot, "y")
+        assert (await press(pilot, "1")).counters.step == 1
+        typed = await press(pilot, "enter", "1", "enter")
+        assert (typed.counters.step, typed.agent.hyperparameters.epsilon) == (1, 1.0)
+        assert (await press(pilot, "1")).counters.step == 2
+
+
+async def test_the_key_line_says_what_keys_do_on_a_slider_and_answers_clicks(make_app: MakeApp) -> None:
+    app = make_app("student")
+    async with app.run_test(size=(60, 18)) as pilot:
+        await settle(pilot)
+        line = app.screen.query_one(KeyLine)
+        usual = line.render_line(0).text
+        await press(pilot, "2")
+        assert "enter type" in line.render_line(0).text
+        await pilot.click(line, offset=(line.render_line(0).text.index("enter"), 0))
+        await settle(pilot)
+        assert slider(app, "gamma").is_typing
+        assert "enter set" in line.render_line(0).text
+        await press(pilot, "0", "enter")
+        assert line.render_line(0).text == usual
+
+
+async def test_a_value_typed_before_there_is_a_world_is_set_once_there_is(
+    make_app: MakeApp, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    is_typed, snapshots = asyncio.Event(), Player.snapshots
+
+    async def late(player: Player) -> AsyncIterator[Snapshot]:
+        await is_typed.wait()
+        async for each in snapshots(player):
+            yield each
+
+    monkeypatch.setattr(Player, "snapshots", late)
+    app = make_app("student")
+    async with app.run_test(size=(80, 24)) as pilot:
+        await pilot.press("3", *"0.4", "enter")
+        assert playground(pilot).snapshot is None
+        is_typed.set()
+        await settle(pilot)
+        assert snapshot(pilot).agent.hyperparameters.epsilon == 0.4
+        assert slider(app, "epsilon").value == 0.4
+
+
+async def test_what_is_being_typed_outlasts_another_policy(make_app: MakeApp) -> None:
+    app = make_app("student")
+    async with app.run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        await press(pilot, "2", "0", "full_stop")
+        playground(pilot).agent.set_parameter("policy", "softmax")
+        await settle(pilot)
+        assert app.focused is slider(app, "gamma")
+        assert [each.id for each in app.screen.query(Slider)] == ["alpha", "gamma", "temperature"]
+        assert (await press(pilot, "5", "enter")).agent.hyperparameters.gamma == 0.5
+
+
+async def test_a_slider_that_goes_gives_the_focus_back(make_app: MakeApp) -> None:
+    app = make_app("student")
+    async with app.run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        await press(pilot, "3")
+        playground(pilot).agent.set_parameter("policy", "softmax")
+        await settle(pilot)
+        assert app.focused is None
+
+
+async def test_the_tie_rule_says_what_is_in_force_now(make_app: MakeApp) -> None:
+    app = make_app("student")
+    async with app.run_test(size=(80, 24), notifications=True) as pilot:
+        await settle(pilot)
+        for ties in ("first", "random"):
+            assert (await press(pilot, "t")).agent.hyperparameters.ties == ties
+            assert [ties in note for note in notes(app)] == [True]
 
 
 async def test_initial_q_is_asked_for_and_starts_again(make_app: MakeApp) -> None:
@@ -165,7 +299,7 @@ async def test_a_slider_that_is_not_there_is_told(make_app: MakeApp) -> None:
     app = make_app("frozenlake")
     async with app.run_test(size=(80, 24), notifications=True) as pilot:
         await settle(pilot)
-        await pilot.press("4", "3")
+        await pilot.press("3", "4")
         assert app.focused is slider(app, "epsilon")
         assert notes(app) == ["there is no fourth slider here"]
 

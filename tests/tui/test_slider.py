@@ -26,6 +26,8 @@ class Bench(App[None]):
         self.slider = Slider(look(), parameter, value)
         self.changes: list[tuple[str, float | str]] = []
         self.stolen = 0
+        self.released = 0
+        self.refusals: list[str] = []
 
     def compose(self) -> ComposeResult:
         yield self.slider
@@ -37,8 +39,15 @@ class Bench(App[None]):
     def on_slider_changed(self, event: Slider.Changed) -> None:
         self.changes.append((event.name, event.value))
 
+    def on_slider_released(self) -> None:
+        self.released += 1
+
+    def on_slider_refused(self, event: Slider.Refused) -> None:
+        self.refusals.append(event.reason)
+
     def action_stolen(self) -> None:
         self.stolen += 1
+        self.changes.append(("stolen", self.stolen))
 
     @property
     def text(self) -> str:
@@ -188,26 +197,27 @@ async def test_a_value_is_typed_in_its_place() -> None:
 async def test_what_is_typed_out_of_range_is_refused_with_the_range() -> None:
     app = Bench(ALPHA, 0.5)
     async with app.run_test() as pilot:
-        await pilot.press("1", "full_stop", "5", "enter")
+        await pilot.press("enter", "1", "full_stop", "5", "enter")
         assert app.slider.state.refused
         assert "not in (0, 1]" in app.text
-        assert (app.slider.value, app.changes) == (0.5, [])
-        await pilot.press("escape")
+        assert (app.slider.value, app.changes, app.released) == (0.5, [], 0)
+        assert ["1.5" in each and "(0, 1]" in each for each in app.refusals] == [True]
+        await pilot.press("enter", "escape")
         assert "0.500" in app.text
         await pilot.press("0", "enter", "right")
         assert app.changes == [("alpha", 0.51)]
         assert "0.510" in app.text
-        assert app.stolen == 0
+        assert (len(app.refusals), app.stolen) == (2, 0)
 
 
 async def test_words_are_typed_and_keys_go_back_to_the_last_number() -> None:
     app = Bench(ALPHA, 0.3)
     async with app.run_test() as pilot:
-        await pilot.press("1", "slash", "n", "enter")
+        await pilot.press("enter", "1", "slash", "n", "enter")
         assert "1/N  sample average" in app.text
         await pilot.press("left")
         assert app.changes == [("alpha", SAMPLE_AVERAGE), ("alpha", 0.3)]
-        await pilot.press("enter", "s", "enter", "home")
+        await pilot.press("enter", "1", "slash", "N", "enter", "home")
         assert app.changes[2:] == [("alpha", SAMPLE_AVERAGE), ("alpha", 0.001)]
         assert app.stolen == 0
 
@@ -215,18 +225,86 @@ async def test_words_are_typed_and_keys_go_back_to_the_last_number() -> None:
 async def test_letters_are_left_to_the_screen_while_nothing_is_typed() -> None:
     app = Bench(ALPHA, 0.3)
     async with app.run_test() as pilot:
-        await pilot.press("s", "e", "escape")
+        await pilot.press("s", "e", "n")
         assert app.stolen == 3
-        assert app.changes == []
+        assert app.slider.value == 0.3
 
 
-async def test_losing_the_focus_gives_up_what_was_typed() -> None:
+async def test_a_letter_sets_what_was_typed_before_it_does_what_it_does() -> None:
+    app = Bench()
+    async with app.run_test() as pilot:
+        await pilot.press("0", "full_stop", "4", "s", "full_stop", "7", "e")
+        assert app.changes == [("gamma", 0.4), ("stolen", 1), ("gamma", 0.7), ("stolen", 2)]
+        await pilot.press("9", "n")
+        assert app.changes[4:] == [("stolen", 3)]
+        assert ["9" in each for each in app.refusals] == [True]
+        await pilot.press("enter", "s")
+        assert app.changes[5:] == [("stolen", 4)]
+        assert (app.slider.is_typing, len(app.refusals)) == (False, 1)
+
+
+async def test_enter_and_escape_release_it_once_nothing_is_typed() -> None:
+    app = Bench()
+    async with app.run_test() as pilot:
+        await pilot.press("0", "escape")
+        assert app.released == 0
+        await pilot.press("escape")
+        assert app.released == 1
+        await pilot.press("enter", "enter")
+        assert app.released == 2
+        await pilot.press("0", "full_stop", "6", "enter")
+        assert (app.released, app.changes, app.stolen) == (3, [("gamma", 0.6)], 0)
+
+
+async def test_tab_sets_what_was_typed_and_stays_where_that_is_no_value() -> None:
     app = Bench()
     async with app.run_test() as pilot:
         await pilot.press("0", "full_stop", "1", "tab")
         assert not app.slider.has_focus
-        assert "0.500" in app.text
+        assert app.changes == [("gamma", 0.1)]
+        await pilot.press("tab", "7", "tab")
+        assert app.slider.has_focus
+        assert app.slider.state.refused
+        assert app.changes == [("gamma", 0.1)]
+        assert len(app.refusals) == 1
+
+
+async def test_the_digits_of_sliders_are_left_to_the_screen_until_a_value_is_begun() -> None:
+    app = Bench()
+    async with app.run_test() as pilot:
+        for key in "1234":
+            await pilot.press(key)
+            assert not app.slider.is_typing
+        for key in ("0", "5", "full_stop", "comma"):
+            await pilot.press(key)
+            assert app.slider.is_typing
+            await pilot.press("escape")
+        await pilot.press("enter", "1", "full_stop", "full_stop", "0", "enter")
+        assert app.changes == [("gamma", 1.0)]
+
+
+async def test_a_click_elsewhere_sets_what_was_typed_and_one_on_the_value_begins_typing() -> None:
+    app = Bench()
+    async with app.run_test() as pilot:
+        await pilot.click(app.slider, offset=(app.track.stop + 3, 0))
+        assert app.slider.is_typing
+        await pilot.press("full_stop", "2")
+        await pilot.click(Button)
+        assert not app.slider.has_focus
+        assert app.changes == [("gamma", 0.2)]
+
+
+async def test_what_is_typed_waits_while_the_terminal_has_no_focus() -> None:
+    app = Bench()
+    async with app.run_test() as pilot:
+        await pilot.press("0", "full_stop", "3")
+        app.post_message(events.AppBlur())
+        await pilot.pause()
+        app.post_message(events.AppFocus())
+        await pilot.pause()
         assert app.changes == []
+        await pilot.press("3", "enter")
+        assert app.changes == [("gamma", 0.33)]
 
 
 async def test_from_a_word_it_goes_to_the_default_where_there_was_no_number() -> None:

@@ -144,7 +144,7 @@ _ACTIONS: Final[tuple[Action, ...]] = (
             f"agent.focus_slider_{number}",
             str(number),
             f"{ordinal} slider",
-            f"Put the focus on the {ordinal} slider; there digits type a value.",
+            f"Go to the {ordinal} slider: arrows move it; enter, 0 or a point type a value; esc leaves it.",
             Group.AGENT,
             command=f"agent.focus_slider({number})",
         )

@@ -13,7 +13,8 @@ from textual.binding import BindingType
 from textual.command import CommandPalette, Provider
 from textual.css.query import NoMatches
 from textual.driver import Driver
-from textual.events import Event, InputEvent, Key, Paste
+from textual.events import Event, InputEvent, Key, MouseDown, Paste
+from textual.notifications import Notify
 from textual.theme import Theme, ThemeProvider
 
 from rl_tui.common.errors import UserError
@@ -32,6 +33,7 @@ from rl_tui.tui.app.idleness import LOOKS, Idleness
 from rl_tui.tui.app.opening import MakePlayer, Opener, live_player
 from rl_tui.tui.app.palette_entries import ActionProvider
 from rl_tui.tui.panels.catalogue import PANELS, PanelRow
+from rl_tui.tui.screens.moment import Moment, hide_messages_behind
 from rl_tui.tui.theme.depth import choose_look, depth_of, environment_for, is_native
 from rl_tui.tui.theme.encoding import encoding_of
 from rl_tui.tui.theme.glyphs import ASCII
@@ -102,7 +104,8 @@ class RlTuiApp(LinkedApp[UserError]):
         self._idleness = Idleness()
         self.bug: Exception | None = None
         """The unexpected fault that ended the program, with what became of the session; None if none did."""
-        self._key_queue = KeyQueue(self, super().on_event)
+        self._moment = Moment(self)
+        self._key_queue = KeyQueue(self, self._type)
         has_ascii_only = self.look.glyphs is ASCII
         self.set_class(has_ascii_only, "-ascii")
         use_scroll_bars(ascii_only=has_ascii_only)
@@ -130,7 +133,17 @@ class RlTuiApp(LinkedApp[UserError]):
         if isinstance(event, (Key, Paste)) and not event.is_forwarded:
             await self._key_queue.take(event)
         else:
+            if isinstance(event, MouseDown) and not event.is_forwarded:
+                self._moment.end()
             await super().on_event(event)
+
+    async def _type(self, event: Event) -> None:
+        self._moment.end()
+        await super().on_event(event)
+
+    def on_notify(self, event: Notify) -> None:
+        """Remember what is told of the moment."""
+        self._moment.note(event.notification)
 
     async def typed(self) -> None:
         """Wait until all that was typed is done, and what it opens is there."""
@@ -140,6 +153,7 @@ class RlTuiApp(LinkedApp[UserError]):
         """Open the first screen."""
         self.theme_changed_signal.subscribe(self, self._follow_theme)
         self.screen_change_signal.subscribe(self, forget_left_screens)
+        self.screen_change_signal.subscribe(self, lambda _: hide_messages_behind(self))
         if not self.is_headless:
             end_on_signal(self._end)  # again: the driver for browsers has put its own way to end in place
         if self._kiosk:

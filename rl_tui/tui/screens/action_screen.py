@@ -7,6 +7,7 @@ from typing import Final
 
 from textual.actions import parse
 from textual.app import ComposeResult
+from textual.notifications import SeverityLevel
 from textual.screen import Screen
 from textual.widget import Widget
 from textual.widgets import Static
@@ -16,6 +17,7 @@ from rl_tui.tui.actions.registry import actions_of
 from rl_tui.tui.draw.to_ascii import to_ascii
 from rl_tui.tui.panels.catalogue import PANELS, PanelRow
 from rl_tui.tui.screens.key_line import KeyLine
+from rl_tui.tui.screens.moment import tell
 from rl_tui.tui.screens.playground.arrangement import ROOMY_HEIGHT, ROOMY_WIDTH
 from rl_tui.tui.theme.look import Look
 
@@ -87,10 +89,11 @@ class ActionScreen(Screen[None]):
         yield KeyLine(self.look, self.actions, id="keys")
         yield TooSmall(self.look, id="too-small")
 
-    def tell(self, message: str) -> None:
-        """Show ``message`` as a notification, in place of those shown before."""
-        self.app.clear_notifications()
-        self.notify(message, markup=False)
+    def tell(
+        self, message: str, severity: SeverityLevel = "information", timeout: float | None = None
+    ) -> None:
+        """Show ``message`` about this moment: it goes with the next key, or after ``timeout`` seconds."""
+        tell(self.app, message, severity, timeout)
 
     def content(self) -> Iterable[Widget]:
         """Yield the widgets above the key line."""

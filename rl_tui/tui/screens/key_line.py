@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Final
 
 from rich.cells import cell_len
 from rich.segment import Segment
@@ -17,6 +18,7 @@ from rl_tui.tui.theme.glyphs import Glyphs
 from rl_tui.tui.theme.look import Look
 
 _GAPS = (3, 2)
+_KEY_NAMES: Final = {"esc": "escape", "?": "question_mark", "space": "space", "enter": "enter"}
 
 
 def fitting(actions: Sequence[Action], width: int) -> tuple[tuple[Action, ...], int]:
@@ -93,6 +95,7 @@ class KeyLine(Widget):
     async def on_click(self, event: events.Click) -> None:
         """Do what the hint under the pointer says."""
         if self.hints:
+            self._press_hint(event.x)
             return
         shown, gap = fitting(self._actions, self.size.width)
         column = 1
@@ -102,3 +105,13 @@ class KeyLine(Widget):
                 await self.screen.run_action(action.textual_action)
                 return
             column = end + gap
+
+    def _press_hint(self, x: int) -> None:
+        """Press the key of the mode's hint in column ``x``, if it is one key."""
+        column = 1
+        for hint in self._fitting_hints():
+            end = column + _line_columns([hint], 0, self.look.glyphs) - 1
+            key = _KEY_NAMES.get(hint[0], hint[0])
+            if column <= x < end and (len(key) == 1 or key in _KEY_NAMES.values()):
+                self.app.simulate_key(key)
+            column = end + _GAPS[1]

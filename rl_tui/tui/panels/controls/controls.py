@@ -70,7 +70,16 @@ class Controls(Container, BoardPanel):
             yield Slider(self._look, parameter, in_force(self.wanted, parameter))
 
     async def _replace_sliders(self) -> None:
+        """Mount and remove what differs: a value may be being typed on a slider that stays."""
         box = self.query_one("#sliders")
+        wanted = {slider.id: slider for slider in self._sliders()}
+        leaving = [slider for slider in box.query(Slider) if slider.id not in wanted]
         with self.app.batch_update():
-            await box.remove_children()
-            await box.mount_all(self._sliders())
+            if any(slider.has_focus for slider in leaving):
+                self.screen.set_focus(None)
+                self.screen.post_message(Slider.Released())
+            await box.remove_children(leaving)
+            staying = {slider.id for slider in box.query(Slider)}
+            for place, (name, slider) in enumerate(wanted.items()):
+                if name not in staying:
+                    await box.mount(slider, before=place if place < len(box.children) else None)

@@ -1,7 +1,12 @@
-"""A slider for one hyper-parameter, one row high: keys, wheel, click, drag, or a value typed in its place."""
+"""A slider for one hyper-parameter, one row high: keys, wheel, click, drag, or a value typed in its place.
+
+Keys are shared with the screen: nothing is typed until a key says so that means nothing else, and what is
+typed ends at the first key that cannot belong to it.
+"""
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 from typing import ClassVar, Final
 
@@ -9,24 +14,31 @@ from textual import events
 from textual.binding import BindingType
 from textual.message import Message
 from textual.strip import Strip
+from textual.widget import Widget
 
-from rl_tui.agents.hyperparameters import PARAMETERS, Hyperparameters, Parameter
+from rl_tui.agents.hyperparameters import PARAMETERS, SAMPLE_AVERAGE, Hyperparameters, Parameter
+from rl_tui.tui.draw.to_ascii import to_ascii
 from rl_tui.tui.panels.bindings import binding
 from rl_tui.tui.panels.controls.slider_picture import SliderState, slider_form, slider_strip
 from rl_tui.tui.panels.controls.slider_scale import SliderScale, parsed, scale_of
 from rl_tui.tui.panels.draggable import Draggable
 from rl_tui.tui.theme.look import Look
 
-_BEGINS_TYPING: Final = frozenset("0123456789.")
+_BEGINS_TYPING: Final = frozenset("056789.,")  # 1 to 4 go to the other sliders
+_TYPED: Final = frozenset("0123456789.,/")
+_NUMBER: Final = re.compile(r"\d*[.,]?\d*", re.ASCII)
+_AVERAGE: Final = "1/n"
 _LONGEST_TYPED: Final = 14
-_LEAVE_TYPING: Final = frozenset({"tab", "shift+tab"})
+_STAY: Final = frozenset({"enter", "tab", "shift+tab", "left", "right", "home", "end", "pageup", "pagedown"})
 
 
 class Slider(Draggable, can_focus=True):
     """Shows and sets the value of ``parameter``, which needs a finite range (ValueError otherwise).
 
     ``value`` is a number, or one of the parameter's words (sample-average). Changed is posted for what the
-    user does, not for :meth:`set_value`; a text that is no value is refused on the slider itself.
+    user does, not for :meth:`set_value`. A text that is no value is refused: on the slider itself, and by a
+    message that says why. The messages go to the screen at once, so that they are there before the key that
+    ended the typing.
     """
 
     ALLOW_SELECT = False
@@ -41,7 +53,8 @@ class Slider(Draggable, can_focus=True):
         binding("pageup", "move('coarse', 1)", "slider.much_more", "A tenth more"),
         binding("home", "end(False)", "slider.least", "The least value"),
         binding("end", "end(True)", "slider.most", "The greatest value"),
-        binding("enter", "type", "slider.type", "Type a value"),
+        binding("enter", "type", "slider.type", "Type a value; enter again sets it"),
+        binding("escape", "release", "slider.release", "Leave the slider"),
     ]
 
     @dataclass
@@ -51,12 +64,26 @@ class Slider(Draggable, can_focus=True):
         name: str
         value: float | str
 
+    @dataclass
+    class Refused(Message):
+        """What was typed is no value, for this ``reason``."""
+
+        reason: str
+
+    class Released(Message):
+        """The user is done with the slider."""
+
+    class TypingChanged(Message):
+        """Typing a value has begun or ended."""
+
     def __init__(self, look: Look, parameter: Parameter, value: float | str) -> None:
         super().__init__(id=parameter.name)
         self.look = look
         self.parameter = parameter
         self.scale = scale_of(parameter)
-        self.tooltip = parameter.help
+        typed = "a number or 1/n" if SAMPLE_AVERAGE in parameter.words else "a number"
+        help_text = f"{parameter.help}. The arrows change it; enter, or a click on its value, types {typed}."
+        self.tooltip = to_ascii(help_text, look.glyphs)
         self._value = value
         self._number = _first_number(parameter, self.scale, value)
         self._typed: str | None = None
@@ -74,6 +101,11 @@ class Slider(Draggable, can_focus=True):
         if value != self._value:
             self._value = value
             self.refresh()
+
+    @property
+    def is_typing(self) -> bool:
+        """Whether a value is being typed."""
+        return self._typed is not None
 
     @property
     def state(self) -> SliderState:
@@ -103,52 +135,80 @@ class Slider(Draggable, can_focus=True):
         """Begin typing a value."""
         self._type("")
 
+    def action_release(self) -> None:
+        """Give the focus back."""
+        self.screen.post_message(self.Released())
+
     def on_key(self, event: events.Key) -> None:
-        """Take what is being typed; digits and the point begin it."""
-        if self._typed is None:
-            if event.character is not None and event.character in _BEGINS_TYPING:
-                event.stop()
-                self._type(event.character)
-            elif event.key == "escape" and self._refused:
-                event.stop()
-                self._type(None)
-        elif event.key not in _LEAVE_TYPING and not event.key.startswith("ctrl+"):
-            event.stop()
+        """Take what belongs to a value; any other key ends the typing, and then does what it does."""
+        if self._typed is not None:
             self._take_key(event, self._typed)
+        elif event.character is not None and event.character in _BEGINS_TYPING:
+            event.stop()
+            self._type(event.character)
 
     def on_focus(self) -> None:
         """Show the focus."""
         self.refresh()
 
     def on_blur(self) -> None:
-        """Give up what was being typed."""
-        self._type(None)
+        """Set what was typed until now; where the whole terminal lost the focus, the typing goes on later."""
+        if self.app.app_focus and self.is_attached:
+            self._set_typed()
+            self._type(None)
 
     def _take_key(self, event: events.Key, typed: str) -> None:
-        if event.key == "enter":
-            self._commit(typed)
-        elif event.key == "escape":
+        character = event.character if event.is_printable else None
+        longer = typed + (character or "")
+        if event.key == "escape":
+            event.stop()
             self._type(None)
         elif event.key == "backspace":
+            event.stop()
             self._type(typed[:-1])
-        elif event.is_printable and event.character is not None and len(typed) < _LONGEST_TYPED:
-            self._type(typed + event.character)
+        elif character is not None and self._may_become_a_value(longer):
+            event.stop()
+            self._type(longer)
+        elif character is not None and character in _TYPED:
+            event.stop()  # a second point, or more digits than there is room for
+        elif not self._set_typed():
+            if event.key in _STAY:
+                event.stop()
+        elif event.key == "enter":
+            event.stop()
+            self.action_release()
+
+    def _may_become_a_value(self, text: str) -> bool:
+        if SAMPLE_AVERAGE in self.parameter.words and _AVERAGE.startswith(text.lower()):
+            return True
+        return _NUMBER.fullmatch(text) is not None and len(text) <= _LONGEST_TYPED
 
     def _type(self, text: str | None) -> None:
+        was_typing = self.is_typing
         self._typed, self._refused = text, False
         self.refresh()
+        if self.is_typing != was_typing:
+            self.screen.post_message(self.TypingChanged())
 
-    def _commit(self, text: str) -> None:
+    def _set_typed(self) -> bool:
+        """Set what was typed, if anything; return False where that is refused."""
+        text = self._typed
+        if text is None:
+            return True
         self._type(None)
         if not text:
-            return
+            return True
         try:
             value = parsed(text, self.parameter)
-        except ValueError:
+        except ValueError as fault:
             self._refused = True
+            now = self._value if isinstance(self._value, str) else f"{self._value:g}"
+            reason = f"{self.parameter.symbol} stays {now}: {fault}"
+            self.screen.post_message(self.Refused(to_ascii(reason, self.look.glyphs)))
             self.app.bell()
-        else:
-            self._set(value)
+            return False
+        self._set(value)
+        return True
 
     # Mouse
 
@@ -164,6 +224,8 @@ class Slider(Draggable, can_focus=True):
         start, cells = self._track()
         if start <= offset.x < start + cells:
             self.take_hold(offset.x)
+        elif offset.x >= start + cells:
+            self._type("")
 
     def on_mouse_scroll_up(self, event: events.MouseScrollUp) -> None:
         """Raise the value by one step."""
@@ -193,10 +255,23 @@ class Slider(Draggable, can_focus=True):
         if value == self._value:
             return
         self.set_value(value)
-        self.post_message(self.Changed(self.parameter.name, value))
+        self.screen.post_message(self.Changed(self.parameter.name, value))
 
 
 def _first_number(parameter: Parameter, scale: SliderScale, value: float | str) -> float:
     """Return the number that a slider goes to from a word: the value, or the default of the parameter."""
     default = Hyperparameters().value(parameter.name) if parameter.name in PARAMETERS else scale.low
     return next((float(each) for each in (value, default) if not isinstance(each, str)), scale.low)
+
+
+def key_hints(focused: Widget | None) -> tuple[tuple[str, str], ...]:
+    """Return what the keys do on the slider in focus, for the key line; nothing where none has the focus."""
+    if not isinstance(focused, Slider):
+        return ()
+    if not focused.is_typing:
+        return (("← →", "move"), ("enter", "type"), ("esc", "leave"), *_OTHER_KEYS)
+    average = (("1/n", "sample average"),) if SAMPLE_AVERAGE in focused.parameter.words else ()
+    return (("enter", "set"), ("esc", "drop"), *average, *_OTHER_KEYS)
+
+
+_OTHER_KEYS: Final = (("space", "run"), ("s", "step"), ("e", "episode"), ("?", "help"))

@@ -26,6 +26,7 @@ from rl_tui.tui.panels.catalogue import (
     PanelRow,
 )
 from rl_tui.tui.panels.controls.controls import Controls
+from rl_tui.tui.panels.controls.slider import Slider
 from rl_tui.tui.panels.curve.curve import ReturnCurve
 from rl_tui.tui.panels.microscope.microscope import Microscope, lit_sources
 from rl_tui.tui.panels.panel import BoardPanel
@@ -66,6 +67,7 @@ class Board(Container):
         self.microscope = self._made(MICROSCOPE, Microscope)
         self._wanted = wanted
         self._focused_before: Widget | None = None
+        self._focused_beside_sliders: Widget | None = None
         self._arrangement = _BoardLayout(panels)
 
     def _made(self, panel: str, kind: type[Kind]) -> Kind:
@@ -108,6 +110,13 @@ class Board(Container):
     def on_descendant_focus(self, event: events.DescendantFocus) -> None:
         """Write the keys of the timeline, which has no border, on the border of the curve above it."""
         self.curve.hints = HINTS if event.widget is self.timeline else ()
+        if not isinstance(event.widget, Slider):
+            self._focused_beside_sliders = event.widget
+
+    def leave_slider(self) -> None:
+        """Give the focus back to the panel that had it before the sliders; to none if none had."""
+        before = self._focused_beside_sliders
+        self.screen.set_focus(before if before in self.screen.focus_chain else None)
 
     def on_descendant_blur(self) -> None:
         """Remove these keys."""

@@ -10,6 +10,7 @@ from typing import ClassVar, Final, Self
 
 from textual import on
 from textual.binding import BindingType
+from textual.events import DescendantBlur, DescendantFocus, Key
 from textual.message import Message
 from textual.widget import Widget
 
@@ -24,12 +25,13 @@ from rl_tui.terminal.linked_app import LinkedApp
 from rl_tui.tui.actions.action import Place
 from rl_tui.tui.actions.registry import actions_of, bindings_of
 from rl_tui.tui.panels.catalogue import PANELS, PanelRow
-from rl_tui.tui.panels.controls.slider import Slider
+from rl_tui.tui.panels.controls.slider import Slider, key_hints
 from rl_tui.tui.panels.q_table.q_table import QTable
 from rl_tui.tui.panels.status_line import StatusLine
 from rl_tui.tui.panels.timeline.timeline import TimelineBar
 from rl_tui.tui.screens.action_screen import ActionScreen
 from rl_tui.tui.screens.help import HelpScreen
+from rl_tui.tui.screens.key_line import KeyLine
 from rl_tui.tui.screens.playground.actions.agent import AgentActions
 from rl_tui.tui.screens.playground.actions.export import ExportActions
 from rl_tui.tui.screens.playground.actions.lanes import LaneActions
@@ -146,6 +148,24 @@ class Playground(ActionScreen):
         """Set the hyper-parameter of the slider in the running learner."""
         self.agent.set_parameter(event.name, event.value)
 
+    @on(Slider.Refused)
+    def tell_refusal(self, event: Slider.Refused) -> None:
+        """Say why what was typed on a slider is no value."""
+        self.tell(event.reason, severity="warning")
+
+    @on(Slider.Released)
+    def leave_slider(self) -> None:
+        """Give the focus back to the board."""
+        self.board.leave_slider()
+
+    @on(Slider.TypingChanged)
+    @on(DescendantFocus)
+    @on(DescendantBlur)
+    def show_key_hints(self) -> None:
+        """Show on the key line what the keys do on the slider in focus, unless a person is the agent."""
+        if not self.manual.is_on:
+            self.query_one(KeyLine).hints = key_hints(self.focused)
+
     @on(TimelineBar.Sought)
     def seek(self, event: TimelineBar.Sought) -> None:
         """Go where the timeline was pointed at."""
@@ -216,6 +236,8 @@ class Playground(ActionScreen):
     def _draw(self, snapshot: Snapshot) -> None:
         before = self.snapshot
         self.link.receive(snapshot)
+        if before is None:
+            self.agent.set_what_waits()
         self.time.announce_fork(before, snapshot)
         self.session.compare_with_saved(snapshot)
         self.redraw()
@@ -230,6 +252,7 @@ class Playground(ActionScreen):
         with self.app.batch_update():
             self.status.show(snapshot)
             self.manual.show(snapshot)
+            self.show_key_hints()
             self.board.show(snapshot)
             self.view.show(snapshot)
 
@@ -284,6 +307,15 @@ class Playground(ActionScreen):
         panels = [panel.id for panel in self.board.children]
         seen = [each for each in super().focus_chain if self.board.shows(self.board.panel_of(each))]
         return sorted(seen, key=lambda widget: panels.index(self.board.panel_of(widget)))
+
+    def on_key(self, event: Key) -> None:
+        """Let a second escape leave only if nothing came between."""
+        if event.key != "escape":
+            self._left_after = None
+
+    def on_mouse_down(self) -> None:
+        """Let a click come between them too."""
+        self._left_after = None
 
     def action_help(self) -> None:
         """Show the help."""

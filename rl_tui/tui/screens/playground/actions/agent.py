@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 from functools import partial
+from typing import Final
 
 from rl_tui.agents.catalogue import BY_ID, POLICY_BY_ID, parameters_of
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.common.errors import UserError
 from rl_tui.lab.live.commands import Apply, Restart
-from rl_tui.lab.run.recipe import Recipe, SetParameter, Setting, SwitchAlgorithm, changed_recipe
+from rl_tui.lab.run.recipe import Recipe, SetParameter, SwitchAlgorithm, changed_recipe
 from rl_tui.lab.run.settings import settings_for
 from rl_tui.tui.actions.registry import ORDINALS
 from rl_tui.tui.panels.catalogue import CONTROLS
@@ -19,9 +20,17 @@ from rl_tui.tui.screens.dialogs.options import Options
 from rl_tui.tui.screens.dialogs.questions import ask_seed, ask_value
 from rl_tui.tui.screens.playground.actions.subject import Subject
 
+_TIES: Final = {
+    "random": "ties: random. One of the best actions is drawn, if several are equal",
+    "first": "ties: first. Of several best actions that are equal, the first in the table is taken",
+}
 
+
+@dataclass(eq=False)
 class AgentActions(Subject):
     """Algorithm, policy, hyper-parameters and seed."""
+
+    _waiting: list[SetParameter] = field(default_factory=list)
 
     @property
     def recipe(self) -> Recipe:
@@ -36,9 +45,7 @@ class AgentActions(Subject):
     def choose_policy(self) -> None:
         """Choose the policy."""
         if not self._counts("policy"):
-            self.screen.notify(
-                f"{BY_ID[self.recipe.algorithm].name} tries every action: it follows no policy"
-            )
+            self.screen.tell(f"{BY_ID[self.recipe.algorithm].name} tries every action: it follows no policy")
         elif self.snapshot is not None:
             choice = policy_choice(self.snapshot.world.space, self.recipe, self.glyphs)
             self.ask(choice, partial(self.set_parameter, "policy"))
@@ -46,10 +53,11 @@ class AgentActions(Subject):
     def next_ties(self) -> None:
         """Go to the other way to break ties."""
         if not self._counts("ties"):
-            self.screen.notify("ties are not broken here: no one action is taken for the best")
+            self.screen.tell("ties are not broken here: no one action is taken for the best")
             return
-        ties = self.recipe.hyperparameters.ties
-        self.set_parameter("ties", "first" if ties == "random" else "random")
+        ties = "first" if self.recipe.hyperparameters.ties == "random" else "random"
+        self.set_parameter("ties", ties)
+        self.screen.tell(_TIES[ties])
 
     def ask_initial_q(self) -> None:
         """Ask what every estimate starts from, and start again."""
@@ -81,25 +89,28 @@ class AgentActions(Subject):
         if name == "initial_q":
             self.link.send(Restart(changed_recipe(self.recipe, setting)))
             return
+        if self.snapshot is None:
+            self._waiting.append(setting)
+            return
         try:
-            settings = self._settings_for(setting)
+            settings = settings_for(self.snapshot.world.space, self.recipe, setting)
         except UserError as fault:
-            self.screen.notify(str(fault), severity="warning", markup=False)
-            if self.snapshot is not None:
-                self.board.show(self.snapshot)  # the sliders go back
+            self.screen.tell(str(fault), severity="warning")
+            self.board.show(self.snapshot)  # the sliders go back
             return
         if name == "policy" and len(settings) > 1:
             alpha = Hyperparameters().alpha
             text = f"{POLICY_BY_ID[str(value)].name} needs a step size: α is {alpha:g} from here on"
-            self.screen.notify(text)
+            self.screen.tell(text)
         if changed_recipe(self.recipe, *settings) != self.recipe:
             for each in settings:
                 self.link.send(Apply(each))
 
-    def _settings_for(self, setting: SetParameter) -> tuple[Setting, ...]:
-        if self.snapshot is None:
-            raise UserError("the world is being built")
-        return settings_for(self.snapshot.world.space, self.recipe, setting)
+    def set_what_waits(self) -> None:
+        """Set what was asked for before the first snapshot: only now is known what fits the world."""
+        waiting, self._waiting = self._waiting, []
+        for setting in waiting:
+            self.set_parameter(setting.name, setting.value)
 
     def focus_slider(self, number: int) -> None:
         """Put the focus on a slider, counted from 1; say so if there are not so many."""

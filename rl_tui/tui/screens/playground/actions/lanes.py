@@ -83,7 +83,7 @@ class LaneActions(Subject):
         try:
             changes = lane_changes(self.snapshot.world.space, in_force(self.snapshot), name, value)
         except UserError as fault:
-            self.screen.notify(str(fault), severity="warning", markup=False)
+            self.screen.tell(str(fault), severity="warning")
         else:
             self.link.send(AddLane(changes))
 

@@ -11,6 +11,7 @@ from rl_tui.lab.live.commands import Command, Pause, Play, Restart, RunEpisode, 
 from rl_tui.lab.live.snapshot import Phase, Snapshot
 from rl_tui.tui.draw.to_ascii import to_ascii
 from rl_tui.tui.panels.catalogue import WORLD
+from rl_tui.tui.panels.controls.slider import Slider
 from rl_tui.tui.panels.status_line import StatusLine
 from rl_tui.tui.screens.key_line import KeyLine
 from rl_tui.tui.screens.playground.actions.manual_keys import (
@@ -48,8 +49,10 @@ class ManualControl(Subject):
     is_on = False
 
     def takes(self, key: str) -> bool:
-        """Return whether ``key`` acts: else arrows and digits are left to the panels."""
-        snapshot = self.snapshot
+        """Return whether ``key`` acts: else arrows and digits are left to the panels, or to what is typed."""
+        snapshot, focused = self.snapshot, self.screen.focused
+        if isinstance(focused, Slider) and focused.is_typing:
+            return False
         return self.is_on and (key not in _STEPS or (snapshot is not None and has_directions(snapshot)))
 
     def press(self, key: str) -> None:
@@ -115,7 +118,7 @@ class ManualControl(Subject):
             self.link.send(Take(action))
             return
         text = f"{key} is no action here: act with {acting_keys(snapshot)}"
-        self.screen.notify(to_ascii(text, self.glyphs), severity="warning", markup=False)
+        self.screen.tell(to_ascii(text, self.glyphs), severity="warning")
 
     def _show_mode(self, is_on: bool) -> None:
         self.is_on = is_on

@@ -30,7 +30,7 @@ class RunActions(Subject):
         elif phase is Phase.DONE:
             self.screen.tell(f"{message}; another γ goes on, r starts again")
         elif phase is Phase.STOPPED:
-            self.screen.notify(f"{message}; r starts again", severity="error", markup=False)
+            self.screen.tell(f"{message}; r starts again", severity="error")
         else:
             self.link.send(Pause() if phase in (Phase.RUNNING, Phase.SEEKING) else Play())
 
@@ -38,7 +38,7 @@ class RunActions(Subject):
         """Pause a run that goes on while no key is pressed."""
         if self.snapshot is not None and self.snapshot.playback.phase in (Phase.RUNNING, Phase.SEEKING):
             self.link.send(Pause())
-            self.screen.notify("paused: nobody has pressed a key for some minutes", timeout=_UNTIL_SEEN)
+            self.screen.tell("paused: nobody has pressed a key for some minutes", timeout=_UNTIL_SEEN)
 
     def step(self) -> None:
         """Take one step."""
