@@ -9,9 +9,9 @@ from recipes import bandit, recipe, replay
 from rl_tui.lab.live import commands
 from rl_tui.lab.live.commands import Apply, Command, Pause, Play, Restart, RunEpisode, SetSpeed, Step, Train
 from rl_tui.lab.live.handlers import HANDLERS
-from rl_tui.lab.live.pacing import FIRST_CHUNK
 from rl_tui.lab.live.playback import Playback
 from rl_tui.lab.live.snapshot import Phase
+from rl_tui.lab.live.speed.pacing import FIRST_CHUNK
 from rl_tui.lab.run.recipe import JournalEntry, Recipe, SetParameter
 
 

@@ -12,6 +12,7 @@ from rl_tui.tui.screens.key_line import fitting
 
 PLAYGROUND_KEYS = {
     "space",
+    "W",
     "s",
     "e",
     "plus",

@@ -55,7 +55,9 @@ def test_an_action_of_a_person_changes_no_recipe() -> None:
 def test_a_speed_stays_and_a_restart_hides_what_was_revealed() -> None:
     kept = wanted(SetSpeed(None))
     kept.revealed = True
-    kept.reconcile(shown(1))
+    kept.reconcile(shown(0))
+    assert kept.speed is None
+    kept.reconcile(changed(shown(1), speed=None))
     assert kept.speed is None
     assert kept.revealed
     recipe = replace(kept.recipe, seed=7)

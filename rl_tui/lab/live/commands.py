@@ -22,6 +22,11 @@ class Play(Command):
 
 
 @dataclass(frozen=True, slots=True)
+class WatchLearning(Command):
+    """Run on at a speed that goes by what is learned, until another speed is set."""
+
+
+@dataclass(frozen=True, slots=True)
 class Pause(Command):
     """Stand still; also breaks off an episode under way."""
 
@@ -154,7 +159,7 @@ class FollowCell(Command):
 LOOKING: Final = (LookAt, FollowCell, SetSpeed)
 """Commands that leave nothing behind that is worth keeping."""
 
-MOVES: Final = (Play, Pause, Step, RunEpisode, RunUntil, Take, Train)
+MOVES: Final = (Play, WatchLearning, Pause, Step, RunEpisode, RunUntil, Take, Train)
 """Commands that mean nothing where a run takes no further step."""
 
 WHILE_SEEKING: Final = (StepBack, GoTo, Pause, SetSpeed, LookAt, FollowCell, DropLane)

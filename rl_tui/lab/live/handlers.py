@@ -14,6 +14,19 @@ if TYPE_CHECKING:
     from rl_tui.lab.live.playback import Playback
 
 
+def _watch_learning(playback: Playback, _: commands.WatchLearning) -> None:
+    playback.rest()
+    playback.transport.go_by_learning(playback.answer)
+    playback.run()
+
+
+def _restart(playback: Playback, command: commands.Restart) -> None:
+    learning = playback.transport.learning
+    playback.restart(command.recipe)
+    if learning is not None:
+        playback.transport.go_by_learning(playback.answer)
+
+
 def _pause(playback: Playback, _: commands.Pause) -> None:
     playback.rest()
     if playback.state is State.SEEKING and not playback.waits:
@@ -94,6 +107,7 @@ def _show_another(playback: Playback, show: Callable[[int], None], lane: int) ->
 
 HANDLERS: Final[Mapping[type, Callable[[Playback, Any], None]]] = {
     commands.Play: lambda playback, _: playback.run(),
+    commands.WatchLearning: _watch_learning,
     commands.Pause: _pause,
     commands.Step: _step,
     commands.Take: _take,
@@ -102,7 +116,7 @@ HANDLERS: Final[Mapping[type, Callable[[Playback, Any], None]]] = {
     commands.Train: lambda playback, command: playback.train(command.steps),
     commands.SetSpeed: lambda playback, command: playback.transport.set_speed(command.speed),
     commands.Apply: _apply,
-    commands.Restart: lambda playback, command: playback.restart(command.recipe),
+    commands.Restart: _restart,
     commands.LookAt: _look_at,
     commands.FollowCell: _follow_cell,
     commands.ToggleBreakpoint: _toggle_breakpoint,

@@ -9,10 +9,10 @@ from rl_tui.common.errors import UserError
 from rl_tui.lab.live.commands import FROM_HERE, LOOKING, MOVES, WHILE_SEEKING, Command, Restart, StepBack
 from rl_tui.lab.live.compilation import LOOK_AGAIN, Compilation
 from rl_tui.lab.live.handlers import HANDLERS
-from rl_tui.lab.live.pacing import AT_ONCE, CHUNK
 from rl_tui.lab.live.record import LearnedTable, Record
 from rl_tui.lab.live.snapshot import PHASES, Phase, PlaybackView, Snapshot
 from rl_tui.lab.live.snapshot_builder import SnapshotBuilder, as_left
+from rl_tui.lab.live.speed.pacing import AT_ONCE, CHUNK
 from rl_tui.lab.live.state import BUSY, ENDED, PASSING, UNFINISHED, State
 from rl_tui.lab.live.stop_condition import StopCondition, breakpoint_in_words, until_in_words, watching_for
 from rl_tui.lab.live.until import Breakpoints, Event, Until
@@ -22,7 +22,7 @@ from rl_tui.lab.run.recipe import Beginning, Recipe, begin
 from rl_tui.lab.timeline.branches import RunRecord
 
 if TYPE_CHECKING:
-    from rl_tui.lab.live.transport import Transport
+    from rl_tui.lab.live.speed.transport import Transport
     from rl_tui.lab.run.run import Run
     from rl_tui.lab.timeline.run_group import RunGroup
 
@@ -183,6 +183,7 @@ class Playback:
                 phase=self.phase,
                 message=self.transport.seek_message(waits=self.waits) if seeks else run.message,
                 speed=self.transport.speed,
+                watching=self.transport.watching,
                 steps_per_second=self.transport.meter.steps_per_second,
                 interpreted=self.compilation.interpreted,
                 until="" if self.condition is None else until_in_words(self.condition.until, run.world),
@@ -190,14 +191,14 @@ class Playback:
                 breakpoints=self.breakpoints,
                 handled=self.handled,
             ),
-            self._answer(),
+            self.answer(),
             viewport=self.viewport,
             cell=self.cell,
         )
         returns = seeks and self.group.current.seek is not None and not self.touched
         return as_left(snapshot, self._record) if returns else snapshot
 
-    def _answer(self) -> Answer:
+    def answer(self) -> Answer:
         """Return the exact answer for the γ in force, as far as it is known."""
         run = self.group.current.run
         learner, mdp = run.learner, run.world.mdp
@@ -259,7 +260,7 @@ class Playback:
     def run_until(self, until: Until) -> None:
         """Run as fast as it goes until something happens. Raises UserError where it cannot happen."""
         self.rest()
-        self.condition = StopCondition(until, self.group.current.run, self._answer())
+        self.condition = StopCondition(until, self.group.current.run, self.answer())
         self.watch()
         self.compilation.ask()
         self._enter(State.UNTIL)
@@ -331,7 +332,7 @@ class Playback:
         self.changed = True
 
     def _start(self, record: Record, beginning: Beginning) -> None:
-        from rl_tui.lab.live.transport import Transport
+        from rl_tui.lab.live.speed.transport import Transport
         from rl_tui.lab.timeline.run_group import RunGroup
 
         self.group = RunGroup(record.lanes, beginning.world, shown=record.shown, clock=self._clock)
@@ -341,7 +342,7 @@ class Playback:
         self.condition, self.paused_by = None, ""
         self._enter(State.PAUSED)
         self.compilation.has_changed(self.group)
-        self._answer()  # it may take a while, so that it had better begin at once
+        self.answer()  # it may take a while, so that it had better begin at once
         self.group.resume(record.lanes)
         self.set_breakpoints(record.breakpoints)
         self.seek()

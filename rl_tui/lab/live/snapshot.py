@@ -91,6 +91,8 @@ class PlaybackView:
     """The measured steps a second; None while unknown."""
     interpreted: bool = False
     """Whether a run goes on interpreted, far more slowly, until its machine code is there."""
+    watching: str = ""
+    """What its speed goes by, in words, where that is what is learned; mostly empty."""
     until: str = ""
     """What the run is on its way to, in words; mostly empty."""
     paused_by: str = ""

@@ -56,6 +56,13 @@ _ACTIONS: Final[tuple[Action, ...]] = (
         hint=("+ −", "speed"),
     ),
     Action("run.slower", "minus,underscore", "slower", "Next lower speed.", Group.RUN, symbol="−"),
+    Action(
+        "run.watch",
+        "W",
+        "watch it learn",
+        "Run fast until the first reward, then stop a moment for each state that gets a value; + − end it.",
+        Group.RUN,
+    ),
     Action("run.reset", "r", "reset", "Start again: these settings, the same seed.", Group.RUN, rank=12),
     Action(
         "time.step_back",

@@ -168,7 +168,7 @@ class RlTuiApp(LinkedApp[UserError]):
     def on_catalogue_screen_opened(self, event: CatalogueScreen.Opened) -> None:
         """Go to the playground."""
         self._start = None  # from here on a fault leads back to the catalogue
-        self.switch_screen(self._opener.playground(self.look, event.recipe))
+        self.switch_screen(self._opener.playground(self.look, event.recipe, watches=event.watches))
 
     def on_saved_sessions_resumed(self, event: CatalogueScreen.Resumed) -> None:
         """Go on with a session."""

@@ -67,13 +67,13 @@ class Opener:
             catalogue.place |= Place.KIOSK
         return catalogue
 
-    def playground(self, look: Look, recipe: Recipe) -> Playground:
-        """Return the playground of a run that is about to begin."""
+    def playground(self, look: Look, recipe: Recipe, *, watches: bool = False) -> Playground:
+        """Return the playground of a run that is about to begin; where it ``watches``, by itself."""
         from rl_tui.lab.live.player import START_SPEED
         from rl_tui.lab.sessions.autosave import Autosave, untouched
 
         autosave = None if self.sessions is None else Autosave(untouched(recipe), self.sessions)
-        return self._playground(look, recipe, autosave, None, START_SPEED)
+        return self._playground(look, recipe, autosave, None, START_SPEED, watches=watches)
 
     def resumed(self, look: Look, session: StoredSession, record: Record) -> Playground:
         """Return the playground in which ``session``, which holds ``record``, goes on."""
@@ -96,13 +96,17 @@ class Opener:
         record: Record | None,
         speed: float | None,
         resumed: StoredSession | None = None,
+        *,
+        watches: bool = False,
     ) -> Playground:
         from rl_tui.tui.screens.playground.playground import Playground
 
         self.autosave = autosave
         self.player = self.make_player(recipe, record_sink=autosave, record=record)
         screen = Playground.with_keys_of(self.panels)
-        playground = screen(look, recipe, self.player, self.fps, speed, self.panels, autosave, resumed)
+        playground = screen(
+            look, recipe, self.player, self.fps, speed, self.panels, autosave, resumed, watches=watches
+        )
         if self.kiosk:
             playground.place |= Place.KIOSK
         return playground

@@ -225,6 +225,8 @@ def _state(snapshot: Snapshot, look: Look, most: int, *, is_manual: bool) -> _Fi
         return _long_state(f"{glyphs.running} until {snapshot.playback.until}", look, most)
     if snapshot.timeline.in_past:
         return _Field(f"{glyphs.running} replaying", _STATE_COLUMNS, palette.accent)
+    if snapshot.playback.watching:
+        return _long_state(f"{glyphs.running} watching: {snapshot.playback.watching}", look, most)
     if snapshot.playback.interpreted and snapshot.playback.speed is None:
         return _Field(f"{glyphs.running} compiling", _STATE_COLUMNS, palette.accent)
     return _Field(f"{glyphs.running} {speed_text(snapshot.playback.speed)}", _STATE_COLUMNS, palette.good)

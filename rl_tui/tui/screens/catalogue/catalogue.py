@@ -65,9 +65,10 @@ class CatalogueScreen(SavedSessions):
 
     @dataclass
     class Opened(Message):
-        """The user wants to play."""
+        """The user wants to play, or to watch it learn by itself."""
 
         recipe: Recipe
+        watches: bool = False
 
     @dataclass
     class WorldBuilt(Message):

@@ -58,7 +58,8 @@ class Playground(ActionScreen):
     """One run: what it looks like and what may be done with it.
 
     What may be done is with the objects made in the constructor, one for each subject: a row of the registry
-    names one of them and its method. What is kept besides the newest snapshot is all in ``wanted``.
+    names one of them and its method. What is kept besides the newest snapshot is all in ``wanted``. Where it
+    ``watches``, the run begins by itself, at a speed that goes by what is learned.
     """
 
     CSS_PATH = "playground.tcss"
@@ -90,6 +91,8 @@ class Playground(ActionScreen):
         panels: Sequence[PanelRow] = PANELS,
         autosave: Autosave | None = None,
         resumed: StoredSession | None = None,
+        *,
+        watches: bool = False,
     ) -> None:
         super().__init__(look, panels)
         self.player = player
@@ -110,6 +113,7 @@ class Playground(ActionScreen):
         self.export = ExportActions(*of)
         self._left_after: int | None = None
         """The last deed when escape was pressed, None where it was not."""
+        self._watches = watches
         self._pacer = Pacer(fps, self._arrived)
         self._framed = asyncio.Event()
         self._is_over = False
@@ -206,6 +210,8 @@ class Playground(ActionScreen):
         self._pacer.hurry()
 
     def _start_to_follow(self) -> None:
+        if self._watches:
+            self.run.watch()
         self.run_worker(self._follow(), name="follow the player")
 
     @property

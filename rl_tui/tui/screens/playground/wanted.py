@@ -11,7 +11,7 @@ from rl_tui.lab.timeline.lane_view import LaneView
 
 
 class Wanted:
-    """What commands ask for, beside the newest snapshot, which reconciles ``recipe`` and ``step``.
+    """What commands ask for, beside the newest snapshot, which reconciles ``recipe``, ``speed`` and ``step``.
 
     ``recipe`` is what a restart starts from: with every change made, be it in force already or not. ``speed``
     is in steps a second, None for as fast as it goes. ``revealed`` shows what a bandit keeps secret. ``step``
@@ -48,6 +48,7 @@ class Wanted:
         """Let what is in force count again, once the player has taken in all that was sent."""
         if self.is_taken_in(snapshot):
             self.recipe = in_force(snapshot)
+            self.speed = snapshot.playback.speed
         is_there = snapshot.timeline.current.here == self.step
         if snapshot.playback.phase is not Phase.SEEKING and (is_there or self.is_taken_in(snapshot)):
             self.step = None

@@ -7,7 +7,16 @@ from typing import Final
 from textual.binding import Binding, BindingType
 
 from rl_tui.agents.catalogue import BY_ID
-from rl_tui.lab.live.commands import Command, Pause, Play, Restart, RunEpisode, RunUntil, Take
+from rl_tui.lab.live.commands import (
+    Command,
+    Pause,
+    Play,
+    Restart,
+    RunEpisode,
+    RunUntil,
+    Take,
+    WatchLearning,
+)
 from rl_tui.lab.live.snapshot import Phase, Snapshot
 from rl_tui.tui.draw.to_ascii import to_ascii
 from rl_tui.tui.panels.catalogue import WORLD
@@ -96,7 +105,7 @@ class ManualControl(Subject):
 
     def note(self, command: Command) -> None:
         """Hand back where the agent is asked to go on by itself, or the run starts again."""
-        if isinstance(command, Play | RunEpisode | RunUntil | Restart):
+        if isinstance(command, Play | WatchLearning | RunEpisode | RunUntil | Restart):
             self.hand_back()
 
     def show(self, snapshot: Snapshot) -> None:

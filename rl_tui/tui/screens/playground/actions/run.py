@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
-from rl_tui.lab.live.commands import Pause, Play, Restart, RunEpisode, SetSpeed, Step
+from rl_tui.lab.live.commands import Pause, Play, Restart, RunEpisode, SetSpeed, Step, WatchLearning
 from rl_tui.lab.live.snapshot import Phase
 from rl_tui.tui.screens.playground.actions.subject import Subject
 
@@ -22,17 +22,31 @@ class RunActions(Subject):
 
     def run_or_pause(self) -> None:
         """Run, or pause."""
-        playback = self.snapshot.playback if self.snapshot else None
-        phase = playback.phase if playback else Phase.PREPARING
-        message = playback.message if playback else ""
-        if phase is Phase.SPENT:
-            self.screen.tell("the budget is spent; r starts again")
-        elif phase is Phase.DONE:
-            self.screen.tell(f"{message}; another γ goes on, r starts again")
-        elif phase is Phase.STOPPED:
-            self.screen.tell(f"{message}; r starts again", severity="error")
-        else:
-            self.link.send(Pause() if phase in (Phase.RUNNING, Phase.SEEKING) else Play())
+        if not self._tell_end():
+            self.link.send(Pause() if self._phase in (Phase.RUNNING, Phase.SEEKING) else Play())
+
+    def watch(self) -> None:
+        """Run at a speed that goes by what is learned."""
+        if not self._tell_end():
+            self.link.send(WatchLearning())
+
+    @property
+    def _phase(self) -> Phase:
+        return self.snapshot.playback.phase if self.snapshot else Phase.PREPARING
+
+    def _tell_end(self) -> bool:
+        """Say why the run takes no further step; return whether that is so."""
+        message = self.snapshot.playback.message if self.snapshot else ""
+        match self._phase:
+            case Phase.SPENT:
+                self.screen.tell("the budget is spent; r starts again")
+            case Phase.DONE:
+                self.screen.tell(f"{message}; another γ goes on, r starts again")
+            case Phase.STOPPED:
+                self.screen.tell(f"{message}; r starts again", severity="error")
+            case _:
+                return False
+        return True
 
     def rest(self) -> None:
         """Pause a run that goes on while no key is pressed."""

@@ -6,11 +6,13 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Final
 
 from rl_tui.common.words import lasting
-from rl_tui.lab.live.pacing import CHUNK, ChunkSize, Pace, SpeedMeter
+from rl_tui.lab.live.speed.learning_pace import LearningPace
+from rl_tui.lab.live.speed.pacing import CHUNK, ChunkSize, Pace, SpeedMeter
 from rl_tui.lab.run.recipe import UNLIMITED
 
 if TYPE_CHECKING:
     from rl_tui.agents.kernels.machine_code import Loop
+    from rl_tui.lab.run.exact_answers import Answer
     from rl_tui.lab.timeline.run_group import RunGroup
 
 NEWS_EVERY: Final = 0.25
@@ -31,6 +33,8 @@ class Transport:
         """The runs that are moved."""
         self.speed = speed
         """The wanted steps a second, None for as fast as it goes."""
+        self.learning: LearningPace | None = None
+        """What sets the speed while a person watches it learn."""
         self.meter = SpeedMeter()
         """What measures the steps a second."""
         self._automatic = automatic
@@ -42,13 +46,32 @@ class Transport:
         self._sought = 0
 
     def set_speed(self, speed: float | None) -> None:
-        """Aim at another speed."""
+        """Aim at another speed, from now on whatever is learned."""
+        self.learning = None
         self.speed = speed
         self.start(at_once=False)
+
+    def go_by_learning(self, answer: Callable[[], Answer]) -> None:
+        """Let what is learned set the speed from now on; ``answer`` gives the exact answer, if any."""
+        self.learning = LearningPace(answer)
+        self.start(at_once=False)
+
+    @property
+    def watching(self) -> str:
+        """What the speed goes by, in words; empty where it is the wanted one."""
+        learning, run = self.learning, self.group.current.run
+        if learning is None:
+            return ""
+        if not self._automatic:
+            learning.look(run, self._clock())
+        return learning.in_words(run.world)
 
     def start(self, *, at_once: bool) -> None:
         """Aim at the wanted speed from now on; ``at_once`` makes the first step due immediately."""
         self.meter.clear()
+        if self.learning is not None:
+            self.learning.start(self.group.current.run, self._clock())
+            self.speed = self.learning.speed
         if self.speed is not None:
             self._pace.start(self.speed, self._clock(), at_once)
 
@@ -64,9 +87,29 @@ class Transport:
             self.take_steps(self._chunk.steps)
             return 0.0
         due = self._pace.due(self._clock())
-        if due > 0:
+        if due > 0 and self.learning is not None:
+            self._take_and_look(self.learning, due)
+        elif due > 0:
             self._pace.took(self.take_steps(due))
         return self._pace.wait(self._clock())
+
+    def _take_and_look(self, learning: LearningPace, due: int) -> None:
+        """Take steps that are ``due`` as far as there is nothing new, and go on at the speed for what is."""
+        run, until, rest = self.group.current.run, self._clock() + CHUNK, None
+        while due > 0 and rest is None and self._clock() < until and not run.over:
+            taken = self.take_steps(learning.stride(run, due))
+            self._pace.took(taken)
+            due -= taken
+            rest = learning.look(run, self._clock())
+            if run.noticed:
+                break
+        now = self._clock()
+        learning.hasten(now)
+        if rest is not None or learning.speed != self.speed:
+            self.speed = learning.speed
+            self._pace.start(self.speed, now + (rest or 0.0), at_once=False)
+        if learning.is_over:
+            self.learning = None
 
     def take_steps(self, steps: int, episodes: int = UNLIMITED) -> int:
         """Take at most ``steps`` steps, or ``episodes`` episodes, within a chunk; return how many steps."""

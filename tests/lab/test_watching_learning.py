@@ -1,0 +1,167 @@
+"""Watching it learn: what is learned sets the speed, and changes nothing else."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from playing import busy
+from recipes import recipe, replay
+
+from rl_tui.lab.live.commands import GoTo, Pause, Play, Restart, SetSpeed, Train, WatchLearning
+from rl_tui.lab.live.playback import Playback
+from rl_tui.lab.live.snapshot import Phase, Snapshot
+from rl_tui.lab.live.speed.learning_pace import REST, SPEEDS, Stage
+from rl_tui.lab.run.recipe import Recipe
+
+FIRST_REWARD = 1_866
+"""The step at which the lake of seed 0 pays for the first time."""
+
+
+class Clock:
+    """A clock that only moves when told."""
+
+    now = 100.0
+
+    def __call__(self) -> float:
+        return self.now
+
+
+class Watched:
+    """A playback that was told to be watched, and a clock on which nothing takes time but waiting."""
+
+    def __init__(self, made_from: Recipe, *, automatic: bool = True) -> None:
+        self.clock = Clock()
+        self.playback = Playback(
+            made_from, speed=10.0, automatic=automatic, clock=self.clock, on_exact=lambda: None
+        )
+        while busy(self.playback):
+            self.playback.work()
+        self.playback.handle(WatchLearning())
+
+    def turn(self) -> Snapshot:
+        """Let it work once, and then as much time pass as it says."""
+        wait = self.playback.work()
+        shown = self.playback.snapshot()
+        assert wait is not None
+        self.clock.now += wait
+        return shown
+
+    def turns(self) -> Iterator[tuple[float, Snapshot]]:
+        """Yield how long it has been watched, and what is shown then, as long as what is learned counts."""
+        while True:
+            spent = self.clock.now - Clock.now
+            shown = self.turn()
+            if not shown.playback.watching:
+                return
+            yield spent, shown
+
+
+def with_value(shown: Snapshot) -> int:
+    """How many states have a value."""
+    space = shown.world.space
+    best = [max(shown.agent.q[pairs]) for each in range(space.states) if (pairs := space.pairs_of(each))]
+    return int(np.count_nonzero(best))
+
+
+@pytest.mark.interpreted
+def test_the_lake_is_seen_to_learn_within_five_seconds() -> None:
+    """The first reward comes soon, each state that gets a value is shown, and then an optimal policy."""
+    moments = [
+        (spent, shown.counters.step, with_value(shown))
+        for spent, shown in Watched(recipe("frozenlake")).turns()
+    ]
+    first = next(spent for spent, step, _ in moments if step >= FIRST_REWARD)
+    assert 1.0 < first < 2.0
+    early = [(spent, count) for spent, _, count in moments if spent < 5.0]
+    assert sorted({count for _, count in early}) == [0, 1, 2, 3, 4, 5, 6]
+    begins = [next(spent for spent, each in early if each == count) for count in range(1, 7)]
+    assert all(later - earlier > REST for earlier, later in pairwise(begins))
+
+
+def test_it_ends_at_a_speed_that_stays() -> None:
+    watched = Watched(recipe("frozenlake"))
+    assert sum(1 for _ in watched.turns()) > 0
+    shown = watched.turn()
+    assert shown.playback.phase is Phase.RUNNING
+    assert shown.playback.speed == SPEEDS[Stage.OPTIMAL][-1]
+
+
+@pytest.mark.parametrize("scenario", ["frozenlake", "cliff", "bandit"])
+def test_the_run_is_that_of_its_recipe(scenario: str) -> None:
+    watched = Watched(recipe(scenario))
+    for _ in range(200):
+        shown = watched.turn()
+    straight = replay(shown.recipe, (), shown.counters.step)
+    assert shown.agent.q.tolist() == straight.learner.q.tolist()
+    assert shown.agent.visits.tolist() == straight.learner.visits.tolist()
+    assert not watched.playback.record.lanes[0].branches[0].journal
+
+
+@pytest.mark.parametrize("algorithm", ["value-iteration", "dyna-q", "monte-carlo", "double-q-learning"])
+def test_every_kind_of_agent_comes_to_an_optimal_policy(algorithm: str) -> None:
+    watched = Watched(recipe("frozenlake", algorithm=algorithm))
+    for spent, shown in watched.turns():
+        if shown.playback.speed in SPEEDS[Stage.OPTIMAL]:
+            break
+        assert spent < 60.0
+    else:
+        pytest.fail("no policy was found")
+
+
+def test_pulls_of_a_bandit_get_quicker() -> None:
+    speeds = [shown.playback.speed for _, shown in Watched(recipe("bandit")).turns()]
+    assert list(dict.fromkeys(speeds)) == list(SPEEDS[Stage.PULLS][:-1])
+
+
+def test_pausing_goes_on_where_it_was_and_a_speed_ends_it() -> None:
+    watched = Watched(recipe("frozenlake"))
+    watched.turn()
+    watched.playback.handle(Pause())
+    assert watched.playback.snapshot().playback.phase is Phase.PAUSED
+    watched.playback.handle(Play())
+    assert watched.turn().playback.watching
+    watched.playback.handle(SetSpeed(300.0))
+    shown = watched.turn()
+    assert (shown.playback.watching, shown.playback.speed) == ("", 300.0)
+    assert shown.playback.phase is Phase.RUNNING
+
+
+def test_what_gets_a_value_again_after_going_back_is_shown_again() -> None:
+    watched = Watched(recipe("frozenlake"))
+    next(shown for _, shown in watched.turns() if shown.counters.step >= FIRST_REWARD)
+    watched.playback.handle(GoTo(step=FIRST_REWARD - 1))
+    while busy(watched.playback):
+        watched.playback.work()
+    watched.playback.handle(Play())
+    before = watched.clock.now
+    assert with_value(watched.turn()) == 1
+    assert watched.clock.now - before == pytest.approx(REST, abs=0.01)
+
+
+def test_a_run_that_starts_again_is_watched_again() -> None:
+    watched = Watched(recipe("frozenlake"))
+    next(shown for _, shown in watched.turns() if shown.counters.step >= FIRST_REWARD)
+    watched.playback.handle(Restart(recipe("frozenlake", seed=1)))
+    while busy(watched.playback):
+        watched.playback.work()
+    assert watched.playback.snapshot().playback.phase is Phase.PAUSED
+    watched.playback.handle(Play())
+    shown = watched.turn()
+    assert shown.playback.watching
+    assert shown.playback.speed == SPEEDS[Stage.FIRST_REWARD][0]
+
+
+def test_by_hand_it_says_where_it_stands_whatever_the_time() -> None:
+    watched = Watched(recipe("frozenlake"), automatic=False)
+    said = []
+    for steps in (100, 2_000, 2_000):
+        watched.playback.handle(Train(steps))
+        while watched.playback.on_the_way:
+            watched.playback.work()
+        watched.clock.now += 50.0
+        said.append(watched.playback.snapshot().playback)
+    assert [each.speed for each in said] == [1_000.0] * 3
+    assert len({each.watching for each in said}) == 3
