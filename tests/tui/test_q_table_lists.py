@@ -20,11 +20,16 @@ def test_few_pairs_are_listed_a_row_each() -> None:
     assert "greedy: study · quit · sleep" in drawn.rows[7]
 
 
-def test_a_wide_list_shows_all_layers_at_once() -> None:
-    drawn = Drawn(student(), 56, 10)
-    assert drawn.rows[0].split() == ["state", "action", "Q", "Q*", "Q−Q*", "N"]
+def test_a_wide_list_shows_beside_q_what_the_layer_in_force_is_about() -> None:
+    for layer, shown in (
+        (Layer.Q, ["Q"]),
+        (Layer.OPTIMAL, ["Q", "Q*"]),
+        (Layer.ERROR, ["Q", "Q*", "Q−Q*"]),
+        (Layer.VISITS, ["Q"]),
+    ):
+        assert Drawn(student(), 56, 10, layer).rows[0].split() == ["state", "action", *shown, "N"]
+    drawn = Drawn(student(), 56, 10, Layer.ERROR)
     assert drawn.rows[1].split() == ["Class", "study", "▐", "6.370▌", "6.341", "0.029", "1,204"]
-    assert Drawn(student(solution=None), 56, 10).rows[0].split() == ["state", "action", "Q", "N"]
 
 
 def test_a_very_narrow_list_keeps_the_number_of_the_layer_in_force() -> None:
