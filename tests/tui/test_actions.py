@@ -5,7 +5,8 @@ from conftest import MakeApp
 from textual.actions import parse
 
 from rl_tui.tui.actions.action import Place
-from rl_tui.tui.actions.registry import ACTIONS, actions_of, bindings_of
+from rl_tui.tui.actions.bindings import bindings_of
+from rl_tui.tui.actions.registry import ACTIONS, actions_of
 from rl_tui.tui.app.screenshot import settle
 from rl_tui.tui.panels.catalogue import PANELS
 from rl_tui.tui.screens.key_line import fitting
@@ -50,6 +51,7 @@ PLAYGROUND_KEYS = {
     "right_square_bracket",
     "question_mark",
     "ctrl+p",
+    "ctrl+c",
     "ctrl+l",
     "ctrl+z",
     "escape",

@@ -205,13 +205,13 @@ async def test_h_explains_itself_where_nothing_is_hidden(make_app: MakeApp) -> N
         assert notes(app) == ["nothing is hidden here; h is for bandits, whose true means it shows"]
 
 
-async def test_a_notice_is_one_line_at_the_top_right(make_app: MakeApp) -> None:
+async def test_a_notice_is_one_line_at_the_bottom_right_where_it_hides_no_title(make_app: MakeApp) -> None:
     app = make_app("student")
     async with app.run_test(size=(80, 24), notifications=True) as pilot:
         await settle(pilot)
         await press(pilot, "h")
         notice = app.screen.query_one("Toast").region
-        assert (notice.y, notice.height) == (1, 1)
+        assert (notice.bottom, notice.height) == (24, 1)
         assert notice.right >= 78
         assert RlTuiApp.NOTIFICATION_TIMEOUT <= 3
 

@@ -6,7 +6,7 @@ import pytest
 from drawn_tables import Drawn, fresh
 from samples import bandit, student
 
-from rl_tui.tui.panels.q_table.layers import EXACT_LAYERS, Layer
+from rl_tui.tui.panels.q_table.layers import Layer
 
 
 def test_few_pairs_are_listed_a_row_each() -> None:
@@ -20,12 +20,16 @@ def test_few_pairs_are_listed_a_row_each() -> None:
     assert "greedy: study · quit · sleep" in drawn.rows[7]
 
 
-@pytest.mark.parametrize("layer", EXACT_LAYERS)
-def test_a_wide_list_lays_all_that_is_exact_beside_the_estimates(layer: Layer) -> None:
-    drawn = Drawn(student(), 56, 10, layer)
-    assert drawn.rows[0].split() == ["state", "action", "Q", "Q*", "Q−Q*", "N"]
-    for number in ("6.370", "6.341", "0.029", "1,204"):
-        assert number in drawn.rows[1]
+def test_a_wide_list_shows_beside_q_what_the_layer_in_force_is_about() -> None:
+    for layer, shown in (
+        (Layer.Q, ["Q"]),
+        (Layer.OPTIMAL, ["Q", "Q*"]),
+        (Layer.ERROR, ["Q", "Q*", "Q−Q*"]),
+        (Layer.VISITS, ["Q"]),
+    ):
+        assert Drawn(student(), 56, 10, layer).rows[0].split() == ["state", "action", *shown, "N"]
+    drawn = Drawn(student(), 56, 10, Layer.ERROR)
+    assert drawn.rows[1].split() == ["Class", "study", "▐", "6.370▌", "6.341", "0.029", "1,204"]
 
 
 @pytest.mark.parametrize("layer", [Layer.Q, Layer.VISITS])

@@ -36,8 +36,9 @@ class Action:
     does it; where it is not given, it is the ``id``. ``object.method`` is a method of an object that the
     screen has under that name, ``app.…`` an action of the app, and a bare name a method ``action_…`` of the
     screen. ``rank`` orders the key line (a lower one is kept longer where it is narrow; None: not on it), and
-    ``hint`` replaces key and label there, for two actions that share an entry. What is ``for_the_owner`` of
-    the machine is not for a kiosk; what counts ``everywhere`` does so in dialogs too.
+    ``hint`` replaces key and label there, for two actions that share an entry. ``aliases`` are other words
+    by which the palette finds it. What is ``for_the_owner`` of the machine is not for a kiosk; what
+    ``needs_world`` waits until there is one; what counts ``everywhere`` does so in dialogs too.
     """
 
     id: str
@@ -50,7 +51,9 @@ class Action:
     command: str = ""
     rank: int | None = None
     hint: tuple[str, str] | None = None
+    aliases: str = ""
     for_the_owner: bool = False
+    needs_world: bool = False
     everywhere: bool = False
 
     @property

@@ -8,8 +8,6 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Final
 
-from textual.binding import Binding, BindingType
-
 from rl_tui.tui.actions.action import Action, Group, Place
 from rl_tui.tui.panels.catalogue import PANELS, PanelRow
 
@@ -35,7 +33,15 @@ _ACTIONS: Final[tuple[Action, ...]] = (
         symbol="del",
         for_the_owner=True,
     ),
-    Action("run.run_or_pause", "space", "run", "Run, or pause where it stands.", Group.RUN, rank=0),
+    Action(
+        "run.run_or_pause",
+        "space",
+        "run",
+        "Run, or pause where it stands.",
+        Group.RUN,
+        rank=0,
+        aliases="go play start stop train",
+    ),
     Action("run.step", "s", "step", "Take one step, then pause.", Group.RUN, rank=1),
     Action(
         "run.episode",
@@ -63,7 +69,15 @@ _ACTIONS: Final[tuple[Action, ...]] = (
         "Run fast until the first reward, then stop a moment for each state that gets a value; + − end it.",
         Group.RUN,
     ),
-    Action("run.reset", "r", "reset", "Start again: these settings, the same seed.", Group.RUN, rank=12),
+    Action(
+        "run.reset",
+        "r",
+        "reset",
+        "Start again: these settings, the same seed.",
+        Group.RUN,
+        rank=12,
+        aliases="restart clear",
+    ),
     Action(
         "time.step_back",
         "b",
@@ -72,6 +86,7 @@ _ACTIONS: Final[tuple[Action, ...]] = (
         Group.TIME,
         rank=3,
         hint=("b B", "back"),
+        aliases="undo",
     ),
     Action(
         "time.episode_back",
@@ -87,6 +102,7 @@ _ACTIONS: Final[tuple[Action, ...]] = (
         "Go to a step or an episode, as far as the run has come; or drag the timeline.",
         Group.TIME,
         rank=15,
+        needs_world=True,
     ),
     Action(
         "time.show_branches",
@@ -95,6 +111,7 @@ _ACTIONS: Final[tuple[Action, ...]] = (
         "Show the branches of the run and what was changed in each; enter goes to one.",
         Group.TIME,
         rank=16,
+        needs_world=True,
     ),
     Action(
         "until.choose",
@@ -103,6 +120,7 @@ _ACTIONS: Final[tuple[Action, ...]] = (
         "Run until a reward, a change of the policy, a value: choose what to wait for.",
         Group.TIME,
         rank=6,
+        needs_world=True,
     ),
     Action(
         "until.toggle_breakpoint",
@@ -111,6 +129,7 @@ _ACTIONS: Final[tuple[Action, ...]] = (
         "Pause whenever the state or pair under the cursor is met; again takes it away.",
         Group.TIME,
         rank=17,
+        needs_world=True,
     ),
     Action("until.clear_breakpoints", "K", "no breakpoints", "Take all breakpoints away.", Group.TIME),
     Action(
@@ -120,6 +139,7 @@ _ACTIONS: Final[tuple[Action, ...]] = (
         "Choose the algorithm; Q and visits are kept.",
         Group.AGENT,
         rank=9,
+        needs_world=True,
     ),
     Action(
         "agent.choose_policy",
@@ -128,6 +148,7 @@ _ACTIONS: Final[tuple[Action, ...]] = (
         "Choose the rule by which actions are chosen.",
         Group.AGENT,
         rank=13,
+        needs_world=True,
     ),
     Action(
         "agent.next_ties",
@@ -164,6 +185,7 @@ _ACTIONS: Final[tuple[Action, ...]] = (
         "Everything the agent is told, schedules and sample averages too; enter changes it.",
         Group.AGENT,
         rank=14,
+        aliases="alpha gamma epsilon lambda tau discount exploration hyper-parameters parameters settings",
     ),
     Action(
         "manual.toggle",
@@ -172,6 +194,7 @@ _ACTIONS: Final[tuple[Action, ...]] = (
         "Be the agent: arrows or numbers take its steps, and it learns from them; again hands back.",
         Group.AGENT,
         rank=8,
+        needs_world=True,
     ),
     Action(
         "view.next_layer",
@@ -196,10 +219,27 @@ _ACTIONS: Final[tuple[Action, ...]] = (
         "Run another agent beside this one, with one thing different.",
         Group.VIEW,
         rank=7,
+        needs_world=True,
     ),
     Action("lanes.next_lane", "l", "next lane", "Show the next of the runs side by side.", Group.VIEW),
-    Action("view.model", "m", "model", "Show the model: the outcomes of each pair.", Group.VIEW, rank=11),
-    Action("view.reveal", "h", "reveal", "Show or hide what a bandit keeps secret.", Group.VIEW, rank=18),
+    Action(
+        "view.model",
+        "m",
+        "model",
+        "Show the model: the outcomes of each pair.",
+        Group.VIEW,
+        rank=11,
+        needs_world=True,
+    ),
+    Action(
+        "view.reveal",
+        "h",
+        "reveal",
+        "Show or hide what a bandit keeps secret.",
+        Group.VIEW,
+        rank=18,
+        needs_world=True,
+    ),
     Action(
         "session.save",
         "w",
@@ -217,6 +257,7 @@ _ACTIONS: Final[tuple[Action, ...]] = (
         Group.SESSION,
         rank=10,
         for_the_owner=True,
+        needs_world=True,
     ),
     Action(
         "previous_scenario",
@@ -244,6 +285,7 @@ _ACTIONS: Final[tuple[Action, ...]] = (
         Group.SCENARIO,
         symbol="esc",
         rank=18,
+        aliases="menu list",
     ),
     Action(
         "help",
@@ -295,6 +337,17 @@ _ACTIONS: Final[tuple[Action, ...]] = (
         Place.BOTH,
         command="app.quit",
         rank=24,
+        aliases="exit leave end bye",
+    ),
+    Action(
+        "ask_to_quit",
+        "ctrl+c",
+        "quit, asking",
+        "Ask whether to quit; enter or a second ctrl+c does.",
+        Group.PROGRAM,
+        Place.BOTH,
+        command="app.ask_to_quit",
+        everywhere=True,
     ),
 )
 
@@ -311,6 +364,7 @@ def all_actions(panels: Iterable[PanelRow] = PANELS) -> tuple[Action, ...]:
             Group.VIEW,
             command=f"board.toggle('{row.id}')",
             rank=row.opened_by.rank,
+            needs_world=True,
         )
         for row in panels
         if row.opened_by is not None
@@ -330,24 +384,3 @@ def actions_of(place: Place, panels: Iterable[PanelRow] = PANELS) -> tuple[Actio
         for action in all_actions(panels)
         if screen in action.place and not (kiosk and action.for_the_owner)
     )
-
-
-def bindings_everywhere() -> list[BindingType]:
-    """Return the key bindings of the app that count before those of any screen, dialogs included."""
-    return bindings_of((action for action in _ACTIONS if action.everywhere), priority=True)
-
-
-def bindings_of(actions: Iterable[Action], *, priority: bool = False) -> list[BindingType]:
-    """Return the key bindings of ``actions``; with ``priority`` they count before all others."""
-    return [
-        Binding(
-            action.key,
-            action.textual_action,
-            action.label,
-            key_display=action.shown,
-            tooltip=action.help,
-            id=action.id,
-            priority=priority,
-        )
-        for action in actions
-    ]

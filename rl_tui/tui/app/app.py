@@ -26,7 +26,7 @@ from rl_tui.terminal.ending import HUNG_UP, end_on_signal
 from rl_tui.terminal.key_queue import KeyQueue
 from rl_tui.terminal.linked_app import LinkedApp
 from rl_tui.terminal.textual_workarounds import forget_left_screens
-from rl_tui.tui.actions.registry import bindings_everywhere
+from rl_tui.tui.actions.bindings import bindings_everywhere
 from rl_tui.tui.app.bugs import bug_of
 from rl_tui.tui.app.display import Display
 from rl_tui.tui.app.idleness import LOOKS, Idleness
@@ -215,6 +215,18 @@ class RlTuiApp(LinkedApp[UserError]):
     def open_url(self, url: str, *, new_tab: bool = True) -> None:
         """Show the address ``url``: a browser would open where the program runs, not where it is read."""
         self.notify(one_line(url, _LONGEST_ADDRESS), title="address", timeout=15, markup=False)
+
+    def action_ask_to_quit(self) -> None:
+        """Ask whether to quit, and do so the second time; where a text is selected, copy that."""
+        from rl_tui.tui.screens.dialogs.confirm import QuitQuestion
+
+        selected = self.screen.get_selected_text()
+        if selected:
+            self.copy_to_clipboard(selected)
+        elif isinstance(self.screen, QuitQuestion):
+            self.exit()
+        else:
+            self.push_screen(QuitQuestion(self.look.glyphs), lambda quits: self.exit() if quits else None)
 
     def action_command_palette(self) -> None:
         """Open the palette."""

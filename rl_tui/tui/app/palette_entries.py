@@ -2,15 +2,22 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterator
 from functools import partial
-from typing import Protocol, runtime_checkable
+from typing import Final, NamedTuple, Protocol, runtime_checkable
 
 from textual.command import DiscoveryHit, Hit, Hits, Provider
+from textual.content import Content
+from textual.style import Style
 
 from rl_tui.tui.actions.action import Action
 from rl_tui.tui.draw.to_ascii import to_ascii
 from rl_tui.tui.theme.look import Look
+
+NOTHING_FOUND: Final = "No action has a word that begins like this. Enter shows the help, with every key."
+_MARK: Final = Style(reverse=True)
+_WORD: Final = re.compile(r"^\W+|\W+$")
 
 
 @runtime_checkable
@@ -24,32 +31,83 @@ class HasActions(Protocol):
         """What a person can do there."""
 
 
+class Entry(NamedTuple):
+    """What is listed, the sentence about it, what it does, and other words for it."""
+
+    name: str
+    sentence: str
+    do: Callable[[], object]
+    aliases: str = ""
+
+
+def relevance(query: str, entry: Entry) -> float:
+    """Return how well ``query`` fits ``entry``, from 0 (not at all) to 1.
+
+    Each word of it has to begin a word of the entry, or to stand somewhere in its name: letters strewn over
+    a sentence, which Textual takes too, find something for everything.
+    """
+    words = _words(query)
+    return min((_weight(word, entry) for word in words), default=0.0)
+
+
+def _weight(word: str, entry: Entry) -> float:
+    name = _words(entry.name)
+    if word in name:
+        return 1.0
+    if any(each.startswith(word) for each in name):
+        return 0.9 if name[0].startswith(word) else 0.8
+    if any(each.startswith(word) for each in _words(entry.aliases)):
+        return 0.7
+    if (len(word) > 1 or not word.isalnum()) and word in entry.name.lower():
+        return 0.5
+    return 0.3 if any(each.startswith(word) for each in _words(entry.sentence)) else 0.0
+
+
+def _words(text: str) -> list[str]:
+    """Return the words of ``text`` in small letters; what has none of them, such as a key, is one itself."""
+    return [_WORD.sub("", each) or each for each in text.lower().split()]
+
+
+def _marked(name: str, query: str, style: Style | None) -> Content:
+    content = Content(name)
+    for word in _words(query):
+        start = name.lower().find(word)
+        if start >= 0:
+            content = content.stylize(style or _MARK, start, start + len(word))
+    return content
+
+
 class ActionProvider(Provider):
     """The palette entries: every action of the screen beneath the palette, and the themes."""
 
     async def discover(self) -> Hits:
         """Yield every entry, for an empty search."""
-        for name, command, sentence in self._entries():
-            yield DiscoveryHit(name, command, help=sentence)
+        for entry in self._entries():
+            yield DiscoveryHit(entry.name, entry.do, help=entry.sentence)
 
     async def search(self, query: str) -> Hits:
-        """Yield the entries whose name or sentence fits ``query``."""
-        matcher = self.matcher(query)
-        for name, command, sentence in self._entries():
-            score = max(matcher.match(name), matcher.match(f"{name} {sentence}") * 0.5)
-            if score > 0:
-                yield Hit(score, matcher.highlight(name), command, help=sentence)
+        """Yield the entries that ``query`` is about; where there is none, one that says so and helps."""
+        found = False
+        for entry in self._entries():
+            score = relevance(query, entry)
+            if score > 0.0:
+                found = True
+                yield Hit(score, _marked(entry.name, query, self.match_style), entry.do, help=entry.sentence)
+        if not found:
+            yield Hit(1.0, "Nothing found", self._show_help, help=NOTHING_FOUND)
 
-    def _entries(self) -> Iterator[tuple[str, Callable[[], object], str]]:
-        """Yield what is listed, what is done and the sentence about it."""
+    async def _show_help(self) -> None:
+        await self.screen.run_action("help")
+
+    def _entries(self) -> Iterator[Entry]:
         screen = self.screen
         if isinstance(screen, HasActions):
             for action in screen.actions:
                 name, sentence = (
                     to_ascii(text, screen.look.glyphs) for text in (palette_name(action), action.help)
                 )
-                yield name, partial(self.screen.run_action, action.textual_action), sentence
-        yield "Theme", self.app.action_change_theme, "Choose the colours."
+                yield Entry(name, sentence, partial(screen.run_action, action.textual_action), action.aliases)
+        yield Entry("Theme", "Choose the colours.", self.app.action_change_theme, "color dark light")
 
 
 def palette_name(action: Action) -> str:

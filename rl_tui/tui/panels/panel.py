@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable
 from typing import Final
 
 from rich.cells import cell_len
+from textual import events
 from textual.content import Content
 from textual.geometry import Region, Size
 from textual.strip import Strip
@@ -16,6 +18,19 @@ from rl_tui.tui.draw.to_ascii import separated
 from rl_tui.tui.theme.look import Look
 
 _BORDER_ENDS: Final = 4  # a piece of line and a blank on either side of a title
+
+
+_HINT: Final = re.compile(r"(\S+): ?.*?(?=\s+\S+: |\s+[·–-]\s|$)")
+_KEYS: Final = {"esc": "escape", "space": "space", "enter": "enter", "tab": "tab", "?": "question_mark"}
+
+
+def key_at(hints: str, column: int) -> str | None:
+    """Return the key, as Textual calls it, whose hint (``esc: close``) stands in ``column`` of ``hints``."""
+    for hint in _HINT.finditer(hints):
+        if hint.start() <= column < hint.end():
+            key = _KEYS.get(hint[1], hint[1])
+            return key if len(key) == 1 or hint[1] in _KEYS else None
+    return None
 
 
 class BoardPanel(Widget):
@@ -114,6 +129,21 @@ class Panel(BoardPanel):
         if y >= len(self._rows):
             return Strip.blank(self.size.width, self.rich_style)
         return self._rows[y].apply_style(self.rich_style)
+
+    def on_click(self, event: events.Click) -> None:
+        """Press the key whose name was clicked on the lower border."""
+        column = self.footing_column(event)
+        key = None if column is None else key_at(separated(self.footing, self.look.glyphs), column)
+        if key is not None:
+            event.stop()
+            self.app.simulate_key(key)
+
+    def footing_column(self, event: events.MouseEvent) -> int | None:
+        """Return which character of what stands on the lower border ``event`` points at, None if none."""
+        text = separated(self.footing, self.look.glyphs)
+        column = event.x - (self.outer_size.width - _BORDER_ENDS + 1 - cell_len(text))
+        is_border = self.styles.border_bottom[0] and event.y == self.outer_size.height - 1
+        return column if is_border and 0 <= column < cell_len(text) else None
 
     def _draw(self) -> None:
         self._drawn_size = size = self.size

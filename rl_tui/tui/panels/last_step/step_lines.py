@@ -210,9 +210,19 @@ class StepWriter:
         if self.words.estimate:
             error = error_piece(self.words, self._look)
             line, tail = [*self._equation()], [Piece(f"  δ {error.text}", error.style), *tail]
+        least = len(line)
         for piece in tail:
             if self._fits([*line, piece]):
                 line.append(piece)
+        return self._with_ellipsis(line, least) if len(line) < least + len(tail) else line
+
+    def _with_ellipsis(self, line: Line, least: int) -> Line:
+        """Return ``line`` with a sign that there is more, for which its last parts but ``least`` may go."""
+        for end in range(len(line), least - 1, -1):
+            for gap in (" ", ""):
+                form = [*line[:end], self._dim(gap + self._look.glyphs.ellipsis)]
+                if self._fits(form):
+                    return form
         return line
 
     def _equation(self, indent: str = "") -> Line:

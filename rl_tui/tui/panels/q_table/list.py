@@ -116,11 +116,11 @@ def greedy_line(scene: Scene) -> str:
 
 def _pair_columns(scene: Scene, width: int) -> list[Column]:
     world, look = scene.world, scene.look
-    exact = _compared(scene)
     around = 1 + _STATE_GAP + 1 + COUNT
     natural = world.state_width + world.action_width
-    shows_all = width >= around + natural + BOX * (1 + len(exact))
-    values = [Layer.Q, *exact] if shows_all else [_only_value(scene.layer)]
+    values = _beside(scene.layer)
+    if width < around + natural + BOX * len(values):
+        values = [_only_value(scene.layer)]
     room = width - around - BOX * len(values)
     gap = _STATE_GAP
     if room < natural:  # names matter more than the column that is left out first
@@ -199,6 +199,19 @@ def _compared(scene: Scene) -> list[Layer]:
     asked = EXACT_LAYERS if scene.world.is_bandit or scene.layer in EXACT_LAYERS else ()
     compared = (*asked, Layer.LANES) if scene.layer is Layer.LANES else asked
     return [layer for layer in compared if layer in scene.figures]
+
+
+def _beside(layer: Layer) -> list[Layer]:
+    """Return what stands side by side where ``layer`` is asked for: Q, and what it is made of."""
+    match layer:
+        case Layer.OPTIMAL:
+            return [Layer.Q, Layer.OPTIMAL]
+        case Layer.ERROR:
+            return [Layer.Q, Layer.OPTIMAL, Layer.ERROR]
+        case Layer.LANES:
+            return [Layer.Q, Layer.LANES]
+        case _:
+            return [Layer.Q]
 
 
 def _only_value(layer: Layer) -> Layer:

@@ -16,6 +16,7 @@ from rl_tui.lab.live.snapshot import Phase, Snapshot
 from rl_tui.lab.live.viewport import RowRange, followed_state
 from rl_tui.lab.run.large_worlds import is_large
 from rl_tui.tui.draw.pieces import Piece, strips_of, wrapped
+from rl_tui.tui.draw.to_ascii import separated, to_ascii
 from rl_tui.tui.panels.bindings import binding
 from rl_tui.tui.panels.panel import Panel
 from rl_tui.tui.panels.pointing import NOWHERE, Pointed
@@ -219,13 +220,30 @@ class QTable(Panel, can_focus=True):
         self._tell()
 
     def on_click(self, event: events.Click) -> None:
-        """Put the cursor on the cell under the pointer."""
+        """Put the cursor on the cell under the pointer; on the border go to the layer named there."""
+        column = self.footing_column(event)
+        if column is not None:
+            self._click_layer(column, event)
         offset = event.get_content_offset(self)
         if offset is None or self._sheet is None:
             return
         pair = self._sheet.pair_at(offset.x, offset.y)
         if pair is not None:
             self._put_cursor(pair)
+
+    def _click_layer(self, column: int, event: events.Click) -> None:
+        text = separated(self.footing, self.look.glyphs)
+        end = text.find("v:") + len("v:")
+        for layer in self.layer_choices:
+            name = to_ascii(layer, self.look.glyphs)
+            start = text.find(name, end)
+            if start < 0:
+                return  # there is room for one name only: a click is the key
+            end = start + len(name)
+            if start - 1 <= column <= end:
+                event.prevent_default()
+                self.shown_layer = layer
+                return
 
     def on_mouse_scroll_down(self, event: events.MouseScrollDown) -> None:
         """Scroll down."""

@@ -30,7 +30,8 @@ from rl_tui.lab.run.library import read_catalogue, recipe_for
 from rl_tui.lab.run.recipe import Recipe
 from rl_tui.lab.sessions.session import SessionError, StoredSession
 from rl_tui.tui.actions.action import Place
-from rl_tui.tui.actions.registry import actions_of, bindings_of
+from rl_tui.tui.actions.bindings import bindings_of
+from rl_tui.tui.actions.registry import actions_of
 from rl_tui.tui.draw.to_ascii import separated, to_ascii
 from rl_tui.tui.screens.catalogue.facts import facts, faults_text
 from rl_tui.tui.screens.catalogue.saved_sessions import SavedSessions

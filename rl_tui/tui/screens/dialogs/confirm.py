@@ -35,3 +35,10 @@ class Confirm(Dialog[bool]):
     def action_confirm(self) -> None:
         """Answer yes."""
         self.dismiss(True)
+
+
+class QuitQuestion(Confirm):
+    """What ctrl+c asks; the app ends at a second one."""
+
+    def __init__(self, glyphs: Glyphs) -> None:
+        super().__init__("Quit?", "enter quits, and so does ctrl+c once more; esc goes on", "quit", glyphs)

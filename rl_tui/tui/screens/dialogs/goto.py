@@ -12,6 +12,7 @@ from rl_tui.tui.panels.snapshot_facts import episode_under_way
 from rl_tui.tui.screens.dialogs.prompt import Prompt
 from rl_tui.worlds.drawing import Arms
 
+_GO_ON: Final = "esc, then space goes on from there"
 _STEPS: Final = ("", "step", "steps", "pull", "pulls")  # a pull is a step
 _EPISODES: Final = ("e", "ep", "episode", "episodes", "sweep", "sweeps")
 _NUMBER: Final = r"\d{1,18}|\d{1,3}(?:,\d{3}){1,5}"
@@ -47,19 +48,24 @@ def parse_goto(text: str, snapshot: Snapshot) -> GoTo:
     if moment[1] in _EPISODES:
         return _episode(number, snapshot)
     if number > end:
-        raise ValueError(f"the run has come to step {end:,} so far")
+        raise ValueError(f"the run has come to step {end:,} so far; {_GO_ON}")
     return GoTo(number)
 
 
 def _episode(number: int, snapshot: Snapshot) -> GoTo:
     """Return where an episode begins. How many there are is only known in the present, not in the past."""
-    unit = "sweep" if BY_ID[snapshot.agent.algorithm].planner else "episode"
+    unit = unit_of(snapshot)
     begun = episode_under_way(snapshot)
     if number < 1:
         raise ValueError(f"{unit}s count from 1")
     if number > begun and not snapshot.timeline.in_past:
-        raise ValueError(f"the run has come to {unit} {begun:,} so far")
+        raise ValueError(f"the run has come to {unit} {begun:,} so far; {_GO_ON}")
     return GoTo(episode=number)
+
+
+def unit_of(snapshot: Snapshot) -> str:
+    """Return what the steps of this run come in: episodes, or the sweeps of a planner."""
+    return "sweep" if BY_ID[snapshot.agent.algorithm].planner else "episode"
 
 
 def _expected(snapshot: Snapshot) -> str:

@@ -17,13 +17,14 @@ from textual.widget import Widget
 from rl_tui.common.errors import UserError
 from rl_tui.lab.live.commands import Command
 from rl_tui.lab.live.player import START_SPEED, Player
-from rl_tui.lab.live.snapshot import Snapshot
+from rl_tui.lab.live.snapshot import Phase, Snapshot
 from rl_tui.lab.run.recipe import Recipe
 from rl_tui.lab.sessions.autosave import Autosave
 from rl_tui.lab.sessions.session import StoredSession
 from rl_tui.terminal.linked_app import LinkedApp
 from rl_tui.tui.actions.action import Place
-from rl_tui.tui.actions.registry import actions_of, bindings_of
+from rl_tui.tui.actions.bindings import bindings_of
+from rl_tui.tui.actions.registry import actions_of
 from rl_tui.tui.panels.catalogue import PANELS, PanelRow
 from rl_tui.tui.panels.controls.slider import Slider, key_hints
 from rl_tui.tui.panels.q_table.q_table import QTable
@@ -43,6 +44,7 @@ from rl_tui.tui.screens.playground.actions.time import TimeActions
 from rl_tui.tui.screens.playground.actions.until import UntilActions
 from rl_tui.tui.screens.playground.actions.view import ViewActions
 from rl_tui.tui.screens.playground.board import Board
+from rl_tui.tui.screens.playground.early_keys import EarlyKeys
 from rl_tui.tui.screens.playground.frame_pacing import Pacer
 from rl_tui.tui.screens.playground.player_link import PlayerLink
 from rl_tui.tui.screens.playground.wanted import Wanted
@@ -116,6 +118,7 @@ class Playground(ActionScreen):
         self._watches = watches
         self._pacer = Pacer(fps, self._arrived)
         self._framed = asyncio.Event()
+        self._early_keys = EarlyKeys(self.actions)
         self._is_over = False
         """Whether nothing more will be drawn."""
 
@@ -131,6 +134,10 @@ class Playground(ActionScreen):
     def snapshot(self) -> Snapshot | None:
         """The newest snapshot, None before the first."""
         return self.link.snapshot
+
+    @property
+    def _has_world(self) -> bool:
+        return self.snapshot is not None and self.snapshot.playback.phase is not Phase.PREPARING
 
     @property
     def recipe(self) -> Recipe:
@@ -245,8 +252,11 @@ class Playground(ActionScreen):
         if before is None:
             self.agent.set_what_waits()
         self.time.announce_fork(before, snapshot)
+        self.time.announce_end(snapshot)
         self.session.compare_with_saved(snapshot)
         self.redraw()
+        if self._has_world:
+            self._early_keys.release(self.app)
 
     @on(Board.Toggled)
     def redraw(self) -> None:
@@ -315,7 +325,9 @@ class Playground(ActionScreen):
         return sorted(seen, key=lambda widget: panels.index(self.board.panel_of(widget)))
 
     def on_key(self, event: Key) -> None:
-        """Let a second escape leave only if nothing came between."""
+        """Hold back what needs a world; let a second escape leave only if nothing came between."""
+        if not self._has_world and self._early_keys.take(event):
+            event.stop()
         if event.key != "escape":
             self._left_after = None
 

@@ -4,13 +4,17 @@ from __future__ import annotations
 
 from rl_tui.lab.live.commands import ChooseBranch, EpisodeBack, GoTo, StepBack
 from rl_tui.lab.live.snapshot import Phase, Snapshot
-from rl_tui.tui.screens.dialogs.goto import goto_prompt, parse_goto
+from rl_tui.tui.panels.snapshot_facts import episode_under_way
+from rl_tui.tui.screens.dialogs.goto import goto_prompt, parse_goto, unit_of
 from rl_tui.tui.screens.dialogs.journal import JournalScreen, Moment
 from rl_tui.tui.screens.playground.actions.subject import Subject
 
 
 class TimeActions(Subject):
     """The run goes back and forth, and from branch to branch."""
+
+    _sought_episode: int | None = None
+    """The episode that the run is on its way to, if it is one."""
 
     def step_back(self) -> None:
         """Go one step back."""
@@ -25,7 +29,9 @@ class TimeActions(Subject):
 
         def go(text: float | str) -> None:
             if self.snapshot is not None:
-                self.link.send(parse_goto(str(text), self.snapshot))
+                command = parse_goto(str(text), self.snapshot)
+                self._sought_episode = command.episode
+                self.link.send(command)
 
         if self.snapshot is not None:
             self.ask(goto_prompt(self.snapshot), go)
@@ -42,6 +48,16 @@ class TimeActions(Subject):
         """Go where the timeline was pointed at."""
         self.link.wanted.step = step
         self.link.send(GoTo(step))
+
+    def announce_end(self, now: Snapshot) -> None:
+        """Say so where the run ends before the episode that was sought: in the past that is not known."""
+        episode = self._sought_episode
+        if episode is None or now.playback.phase is Phase.SEEKING or not self.link.wanted.is_taken_in(now):
+            return
+        self._sought_episode = None
+        if now.counters.episodes < episode - 1:
+            here = f"{unit_of(now)} {episode_under_way(now):,}, step {now.counters.step:,}"
+            self.screen.tell(f"the run ends here so far: {here}; space goes on")
 
     def announce_fork(self, before: Snapshot | None, now: Snapshot) -> None:
         """Say so where another branch begins between two snapshots."""

@@ -1,0 +1,31 @@
+"""The key bindings of actions, as Textual takes them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from textual.binding import Binding, BindingType
+
+from rl_tui.tui.actions.action import Action
+from rl_tui.tui.actions.registry import ACTIONS
+
+
+def bindings_everywhere() -> list[BindingType]:
+    """Return the key bindings of the app that count before those of any screen, dialogs included."""
+    return bindings_of((action for action in ACTIONS if action.everywhere), priority=True)
+
+
+def bindings_of(actions: Iterable[Action], *, priority: bool = False) -> list[BindingType]:
+    """Return the key bindings of ``actions``; with ``priority`` they count before all others."""
+    return [
+        Binding(
+            action.key,
+            action.textual_action,
+            action.label,
+            key_display=action.shown,
+            tooltip=action.help,
+            id=action.id,
+            priority=priority,
+        )
+        for action in actions
+    ]

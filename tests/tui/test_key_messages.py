@@ -1,0 +1,223 @@
+"""What keys and clicks say, and where else they count: messages, the palette, borders, ctrl+c."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import AsyncIterator
+
+import pytest
+from conftest import MakeApp
+from seams import notes, playground, press, snapshot, train
+from textual.command import CommandPalette
+from textual.events import MouseDown
+from textual.pilot import Pilot
+
+from rl_tui.common.errors import UserError
+from rl_tui.lab.live.player import Player
+from rl_tui.lab.live.snapshot import Snapshot
+from rl_tui.tui.app.palette_entries import ActionProvider, palette_name
+from rl_tui.tui.app.screenshot import settle
+from rl_tui.tui.panels.panel import key_at
+from rl_tui.tui.panels.q_table.layers import Layer
+from rl_tui.tui.screens.catalogue.catalogue import CatalogueScreen
+from rl_tui.tui.screens.dialogs.choice import Choice
+from rl_tui.tui.screens.dialogs.confirm import QuitQuestion
+from rl_tui.tui.screens.help import HelpScreen
+from rl_tui.tui.screens.playground.playground import Playground
+
+# Messages
+
+
+async def test_a_message_goes_with_the_next_key_and_leaving_is_asked_anew(make_app: MakeApp) -> None:
+    app = make_app("student")
+    async with app.run_test(size=(80, 24), notifications=True) as pilot:
+        await settle(pilot)
+        await press(pilot, "s", "escape")
+        assert len(notes(app)) == 1
+        await press(pilot, "v")
+        assert notes(app) == []
+        await press(pilot, "escape")
+        assert isinstance(app.screen, Playground)
+        assert len(notes(app)) == 1
+        await pilot.press("escape")
+        assert isinstance(app.screen, CatalogueScreen)
+        assert notes(app) == []
+
+
+async def test_a_message_goes_with_a_click_and_with_the_scenario(make_app: MakeApp) -> None:
+    app = make_app("student")
+    async with app.run_test(size=(80, 24), notifications=True) as pilot:
+        await settle(pilot)
+        await press(pilot, "h")
+        assert len(notes(app)) == 1
+        app.post_message(MouseDown(None, 60, 5, 0, 0, 1, False, False, False))
+        await pilot.pause()
+        assert notes(app) == []
+        await press(pilot, "s", "escape")
+        await pilot.press("right_square_bracket")
+        await settle(pilot)
+        assert notes(app) == []
+
+
+async def test_what_was_written_is_told_beyond_the_next_key_but_not_behind_a_dialog(
+    make_app: MakeApp,
+) -> None:
+    app = make_app("student")
+    async with app.run_test(size=(80, 24), notifications=True) as pilot:
+        await settle(pilot)
+        playground(pilot).notify("written: somewhere")
+        await press(pilot, "s", "a")
+        assert notes(app) == ["written: somewhere"]
+        behind = playground(pilot).query("ToastRack").first()
+        assert not behind.display
+        await press(pilot, "escape")
+        assert behind.display
+
+
+# The palette
+
+
+@pytest.mark.parametrize(
+    ("query", "found"),
+    [
+        ("edit", []),
+        ("map", []),
+        ("xyzzy", []),
+        ("alg", ["Algorithm (a)"]),
+        ("fast", ["Faster (+)"]),
+        ("undo", ["Step back (b)"]),
+        ("epsilon", ["Options (o)"]),
+        ("third sl", ["Third slider (3)"]),
+        ("?", ["Help (?)"]),
+    ],
+)
+async def test_the_palette_finds_what_a_word_of_it_begins_with(
+    make_app: MakeApp, query: str, found: list[str]
+) -> None:
+    app = make_app("student")
+    async with app.run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        known = {palette_name(action) for action in playground(pilot).actions}
+        provider = ActionProvider(app.screen)
+        hits = sorted([hit async for hit in provider.search(query)], key=lambda hit: -hit.score)
+        names = [str(hit.match_display) for hit in hits]
+        assert [name for name in names if name in known][: len(found) or None] == found
+        assert len(names) >= 1
+
+
+async def test_where_the_palette_finds_nothing_it_says_so_and_enter_shows_the_help(
+    make_app: MakeApp,
+) -> None:
+    app = make_app("student")
+    async with app.run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        await pilot.press("ctrl+p", *"edit")
+        assert isinstance(app.screen, CommandPalette)
+        await pilot.press("enter")
+        await settle(pilot)
+        assert isinstance(app.screen, HelpScreen)
+
+
+# What is written on a border
+
+
+def test_a_key_is_found_where_its_hint_stands() -> None:
+    hints = "arrows: pair   pgup pgdn: scroll   m: close"
+    assert {key_at(hints, column) for column in range(hints.index("m: "))} == {None}
+    assert {key_at(hints, column) for column in range(hints.index("m: "), len(hints))} == {"m"}
+    hints = "esc: follow the agent · v:▌Q▐ Q*"
+    assert key_at(hints, 3) == key_at(hints, 20) == "escape"
+    assert key_at(hints, hints.index("v:")) == "v"
+
+
+async def click_on(pilot: Pilot[UserError], text: str) -> None:
+    """Click the first letter of ``text`` on the lower border of the table."""
+    table = playground(pilot).board.table
+    width, height = table.outer_size
+    column = width - 3 - len(table.footing) + table.footing.index(text)
+    await pilot.click(table, offset=(column, height - 1))
+    await settle(pilot)
+
+
+@pytest.mark.parametrize("ascii_only", [False, True])
+async def test_the_names_of_the_layers_answer_clicks(make_app: MakeApp, ascii_only: bool) -> None:
+    app = make_app("frozenlake", ascii=ascii_only)
+    async with app.run_test(size=(120, 40)) as pilot:
+        await settle(pilot)
+        table = playground(pilot).board.table
+        for name, layer in (("Q−Q*", Layer.ERROR), ("Q*", Layer.OPTIMAL), ("visits", Layer.VISITS)):
+            await click_on(pilot, name)
+            assert table.shown_layer is layer
+        await click_on(pilot, "v:")
+        assert table.shown_layer is Layer.Q
+
+
+# ctrl+c
+
+
+@pytest.mark.parametrize("key", ["enter", "ctrl+c"])
+async def test_ctrl_c_asks_and_the_keys_that_it_names_quit(make_app: MakeApp, key: str) -> None:
+    app = make_app("student")
+    async with app.run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        await train(pilot, 3)
+        await pilot.press("ctrl+c")
+        assert isinstance(app.screen, QuitQuestion)
+        await press(pilot, "escape")
+        assert isinstance(app.screen, Playground)
+        assert snapshot(pilot).counters.step == 3
+        await pilot.press("i", "ctrl+c")
+        assert isinstance(app.screen, QuitQuestion)
+        await pilot.press(key)
+        await pilot.pause()
+        assert not app.is_running
+    assert app.return_code == 0
+
+
+# Keys that come early, and places that are not there
+
+
+async def test_keys_typed_before_there_is_a_world_go_to_the_dialog_they_open(
+    make_app: MakeApp, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    is_typed, snapshots = asyncio.Event(), Player.snapshots
+
+    async def late(player: Player) -> AsyncIterator[Snapshot]:
+        await is_typed.wait()
+        async for each in snapshots(player):
+            yield each
+
+    monkeypatch.setattr(Player, "snapshots", late)
+    app = make_app("student")
+    async with app.run_test(size=(80, 24)) as pilot:
+        await pilot.press("s", "s", "g", "1", "enter", "a", "s")
+        is_typed.set()
+        await settle(pilot)
+        await pilot.pause()
+        assert isinstance(app.screen, Choice)
+        await press(pilot, "escape")
+        assert (snapshot(pilot).counters.step, snapshot(pilot).timeline.current.end) == (1, 2)
+
+
+async def test_escape_is_never_held_back(make_app: MakeApp, monkeypatch: pytest.MonkeyPatch) -> None:
+    async def never(player: Player) -> AsyncIterator[Snapshot]:
+        await asyncio.Event().wait()
+        yield await player.carried_out()
+
+    monkeypatch.setattr(Player, "snapshots", never)
+    app = make_app("student")
+    async with app.run_test(size=(80, 24)) as pilot:
+        await pilot.press("g", "e", "escape")
+        assert isinstance(app.screen, CatalogueScreen)
+
+
+async def test_going_to_an_episode_that_is_not_there_says_where_the_run_ends(make_app: MakeApp) -> None:
+    app = make_app("student")
+    async with app.run_test(size=(80, 24), notifications=True) as pilot:
+        await settle(pilot)
+        await press(pilot, "e", "e", "b", "g", *"e12", "enter")
+        end = snapshot(pilot).timeline.current.end
+        assert snapshot(pilot).counters.step == end
+        assert [f"step {end}" in note and "space" in note for note in notes(app)] == [True]
+        await press(pilot, "b", "g", *"e2", "enter")
+        assert notes(app) == []
