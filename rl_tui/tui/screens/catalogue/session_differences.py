@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from contextlib import suppress
 
 from rl_tui.agents.catalogue import BY_ID, POLICY_BY_ID
-from rl_tui.agents.hyperparameters import Hyperparameters
+from rl_tui.agents.hyperparameters import PARAMETERS, Hyperparameters
 from rl_tui.common.words import counted
 from rl_tui.lab.sessions.session import StoredSession
 from rl_tui.lab.timeline.run_names import feature_text, features_of
@@ -18,22 +18,36 @@ _Features = Mapping[str, float | str]
 
 
 def differences(sessions: Sequence[StoredSession]) -> list[list[str]]:
-    """Return, for each of ``sessions``, in a few words each what others of its title have otherwise.
+    """Return, for each of ``sessions``, in a few words each what it has otherwise than most of its title.
 
     Scenario, algorithm, settings in force, seed and lanes count, in this order; the step is not among them.
+    Of two that are equally common the one of the session that stands last is the usual one.
     """
     by_title = defaultdict[str, list[_Features]](list)
     every = [_features(session) for session in sessions]
     for session, features in zip(sessions, every, strict=True):
-        by_title[session.title].append(features)
+        by_title[session.title].insert(0, features)
+    usual = {title: _usual(alike) for title, alike in by_title.items()}
     return [
-        [
-            _text(name, value)
-            for name, value in features.items()
-            if any(other.get(name) != value for other in by_title[session.title])
-        ]
+        [_text(name, value) for name, value in features.items() if usual[session.title][name] != value]
         for session, features in zip(sessions, every, strict=True)
     ]
+
+
+def settings_of(session: StoredSession) -> list[str]:
+    """Return in a few words each the numbers in force in ``session`` that a slider sets."""
+    features = _features(session)
+    return [feature_text(name, features[name]) for name in features if _has_slider(name)]
+
+
+def _usual(sessions: Sequence[_Features]) -> _Features:
+    names = dict.fromkeys(name for features in sessions for name in features)
+    values = {name: [features[name] for features in sessions if name in features] for name in names}
+    return {name: max(there, key=there.count) for name, there in values.items()}
+
+
+def _has_slider(name: str) -> bool:
+    return name in PARAMETERS and PARAMETERS[name].slide is not None
 
 
 def _features(session: StoredSession) -> _Features:

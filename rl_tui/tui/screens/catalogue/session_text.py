@@ -19,6 +19,7 @@ from rl_tui.tui.draw import numbers
 from rl_tui.tui.draw.canvas import shortened
 from rl_tui.tui.draw.to_ascii import separated, to_ascii
 from rl_tui.tui.screens.catalogue.facts import labelled
+from rl_tui.tui.screens.catalogue.session_differences import settings_of
 from rl_tui.tui.theme.look import Look
 
 _MINUTE: Final = 60
@@ -31,8 +32,8 @@ _LONGEST_PATH: Final = 1_000
 class SessionRow:
     """Two lines of the list: title and age; then the step, what is ``different``, and the algorithm.
 
-    Others of its title have what is ``different`` otherwise. ``number`` counts those that share title, age
-    and step, from 1.
+    Most others of its title have what is ``different`` otherwise. ``number`` counts those that share title,
+    age and step, from 1.
     """
 
     def __init__(
@@ -80,6 +81,7 @@ def session_facts(session: StoredSession, now: datetime, look: Look) -> Renderab
     lines = {
         "scenario": world,
         "algorithm": f"{algorithm_name(session.algorithm)} · seed {lane.seed}",
+        "settings": " · ".join(settings_of(session)) or "none",
         "stands at": stands,
         "changes": f"{session.changes:,}" if session.changes else "none so far",
         "saved": f"{long_age(now - session.saved)} · {_local(session.saved)}",
