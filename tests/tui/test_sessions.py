@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable
+from dataclasses import replace
 from datetime import UTC, datetime, timedelta
 from functools import partial
 from pathlib import Path
@@ -19,7 +20,7 @@ from rl_tui.common.errors import UserError
 from rl_tui.lab.live.player import Player
 from rl_tui.lab.live.record import Record
 from rl_tui.lab.run.library import find, recipe_for
-from rl_tui.lab.run.recipe import JournalEntry, Recipe, SetParameter
+from rl_tui.lab.run.recipe import JournalEntry, Recipe, SetParameter, SwitchAlgorithm
 from rl_tui.lab.sessions.autosave import untouched
 from rl_tui.lab.sessions.folder import sessions_in
 from rl_tui.lab.sessions.session import digest_of, encoded, read_session
@@ -28,6 +29,7 @@ from rl_tui.tui.app.app import RlTuiApp
 from rl_tui.tui.app.display import Display
 from rl_tui.tui.app.screenshot import settle
 from rl_tui.tui.screens.catalogue.catalogue import CatalogueScreen
+from rl_tui.tui.screens.catalogue.session_differences import differences
 from rl_tui.tui.screens.catalogue.session_list import SessionList
 from rl_tui.tui.screens.catalogue.session_text import SessionRow, long_age, session_facts, short_age
 from rl_tui.tui.screens.dialogs.confirm import Confirm
@@ -144,6 +146,43 @@ async def test_the_last_one_saved_is_the_first_and_faulty_ones_are_last(
         await pilot.press("shift+tab")
         await settle(pilot)
         assert "Ten slot machines" in details(pilot)
+
+
+async def test_rows_of_one_title_can_be_told_apart(app_with_sessions: MakeSessionApp, tmp_path: Path) -> None:
+    settings = [(), (SetParameter("alpha", 0.5),), (SwitchAlgorithm("sarsa"),), ()]
+    for number, changes in enumerate(settings):
+        what = record(40, *(JournalEntry(0, change) for change in changes))
+        write(tmp_path, f"{number}.json", what, order=number)
+    write(tmp_path, "other.json", record(40), order=9, title="an evening")
+    async with app_with_sessions().run_test(size=(120, 40)) as pilot:
+        await settle(pilot)
+        rows = [row.strip() for row in rows_of(listed(pilot)) if row.strip(" │┃█")]
+    text = "\n".join(rows)
+    assert "step 40 · SARSA" in text
+    assert "step 40 · α 0.5 · Q-learning" in text
+    assert text.count("step 40 · Q-learning") == 3
+    titles = [row for row in rows if "A student's evening" in row]
+    assert len(set(titles)) == len(titles) == 4
+    assert ["(2)" in titles[1], "(3)" in titles[2], "(4)" in titles[3]] == [True] * 3
+    assert "an evening" in text
+
+
+def test_what_is_different_stands_before_the_algorithm_that_is_not(tmp_path: Path) -> None:
+    look = Look(ASCII, palette_for("none", True))
+    faster = JournalEntry(0, SetParameter("alpha", 0.5))
+    back = replace(record(9, JournalEntry(7, SetParameter("alpha", 0.5))).lanes[0].branches[0], here=3)
+    sessions = [
+        read_session(write(tmp_path, "a.json", record(40))),
+        read_session(write(tmp_path, "b.json", record(40, faster))),
+        read_session(write(tmp_path, "c.json", Record((RunRecord(student(), (back,)),)))),
+        read_session(write(tmp_path, "d.json", record(40), title="an evening")),
+    ]
+    found = differences(sessions)
+    assert found == [[], ["α 0.5"], [], []], "what was changed later is not in force yet"
+    row = SessionRow(sessions[1], sessions[1].saved, look, found[1])
+    assert drawn(row, 40).splitlines()[1] == "  step 40 - alpha 0.5 - Q-learning"
+    row = SessionRow(sessions[1], sessions[1].saved, look, found[1], 2)
+    assert drawn(row, 30).splitlines()[0] == "A student's evening (2)    now"
 
 
 async def test_enter_goes_on_where_it_was_left(app_with_sessions: MakeSessionApp, tmp_path: Path) -> None:
@@ -389,5 +428,9 @@ def test_the_details_tell_lanes_branches_and_changes(tmp_path: Path) -> None:
     text = drawn(session_facts(session, session.saved, look), 100)
     assert "step 20 of 30 - lane 2 of 2 - branch another of 2" in text
     assert "A student's evening (student)" in text
+    named = Record((RunRecord(one.recipe, (*one.branches, replace(branch, name="branch 2")), 1),))
+    session = read_session(write(tmp_path, "b.json", named))
+    assert "step 20 of 30 - branch 2 of 2" in drawn(session_facts(session, session.saved, look), 100)
     assert "changes   1" in text
+    assert "settings  alpha 0.5 - gamma 0.9 - epsilon 0.1" in text
     assert "Only the newest 50" in text

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Annotated, Final, Literal
 
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, FailFast, Field, model_validator
@@ -103,16 +104,27 @@ class StoredLane(Part):
     @property
     def algorithm_in_force(self) -> str:
         """The algorithm at work where it stands; switches of its branch's ancestors included."""
+        switches = (entry.algorithm for entry in self._entries_in_force() if entry.algorithm is not None)
+        return next(switches, self.algorithm)
+
+    @property
+    def settings_in_force(self) -> dict[str, Value]:
+        """The values of the hyper-parameters where it stands, by name."""
+        settings = dict[str, Value]()
+        for entry in self._entries_in_force():
+            if entry.set is not None and entry.to is not None:
+                settings.setdefault(entry.set, entry.to)
+        return {**self.hyperparameters, **settings}
+
+    def _entries_in_force(self) -> Iterator[Entry]:
+        """Yield what was changed on the way to where it stands, the last change first."""
         branch: StoredBranch | None = self.branches[self.branch]
         here, own = self.branches[self.branch].here, MOST_ENTRIES
         while branch is not None:
             left = max(0, own - branch.shared)
-            for entry in reversed(branch.journal[:left]):
-                if entry.algorithm is not None and entry.step <= here:
-                    return entry.algorithm
+            yield from (entry for entry in reversed(branch.journal[:left]) if entry.step <= here)
             own = min(own, branch.shared)
             branch = None if branch.parent is None else self.branches[branch.parent]
-        return self.algorithm
 
 
 class StoredScenario(Part):

@@ -6,12 +6,12 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Final
 
 from rl_tui.agents.catalogue import BY_ID, POLICY_BY_ID, parameters_of
-from rl_tui.agents.hyperparameters import PARAMETERS, SAMPLE_AVERAGE
+from rl_tui.agents.hyperparameters import PARAMETERS, SAMPLE_AVERAGE, Hyperparameters
 from rl_tui.lab.run.recipe import Recipe
 
 _ALGORITHM: Final = "algorithm"
 _SEED: Final = "seed"
-_Features = Mapping[str, float | str]
+Features = Mapping[str, float | str]
 
 
 def run_names(recipes: Sequence[Recipe]) -> list[str]:
@@ -23,7 +23,7 @@ def run_names(recipes: Sequence[Recipe]) -> list[str]:
         return []
     base, *others = (_features(recipe) for recipe in recipes)
     differing = {name for other in others for name in _different(base, other, recipes[0])}
-    contrast = [_text(name, value) for name, value in base.items() if name in differing]
+    contrast = [feature_text(name, value) for name, value in base.items() if name in differing]
     names = [", ".join(contrast), *(difference(recipes[0], other) for other in recipes[1:])]
     return _distinct([name or BY_ID[each.algorithm].name for name, each in zip(names, recipes, strict=True)])
 
@@ -34,10 +34,11 @@ def difference(base: Recipe, other: Recipe) -> str:
     Only what counts for the algorithm and policy of ``other`` is named.
     """
     features = _features(other)
-    return ", ".join(_text(name, features[name]) for name in _different(_features(base), features, base))
+    names = _different(_features(base), features, base)
+    return ", ".join(feature_text(name, features[name]) for name in names)
 
 
-def _different(base: _Features, other: _Features, known: Recipe) -> Iterator[str]:
+def _different(base: Features, other: Features, known: Recipe) -> Iterator[str]:
     """Yield what ``other`` has otherwise; what does not count in ``base`` is looked up in ``known``."""
     for name, value in other.items():
         before = base[name] if name in base else known.hyperparameters.value(name)
@@ -45,11 +46,10 @@ def _different(base: _Features, other: _Features, known: Recipe) -> Iterator[str
             yield name
 
 
-def _features(recipe: Recipe) -> _Features:
+def features_of(algorithm: str, values: Hyperparameters, seed: int) -> Features:
     """Return all that counts, by name, alike for settings that come to the same."""
-    values = recipe.hyperparameters
-    features: dict[str, float | str] = {_ALGORITHM: recipe.algorithm}
-    for name in parameters_of(recipe.algorithm, values.policy):
+    features: dict[str, float | str] = {_ALGORITHM: algorithm}
+    for name in parameters_of(algorithm, values.policy):
         features[name] = values.value(name)
     if values.sample_average and "alpha" in features:
         features["alpha"] = SAMPLE_AVERAGE
@@ -57,8 +57,12 @@ def _features(recipe: Recipe) -> _Features:
             del features[name]
     _without_idle_schedule(features, "step_size_schedule", "alpha")
     _without_idle_schedule(features, "epsilon_schedule", "epsilon")
-    features[_SEED] = recipe.seed
+    features[_SEED] = seed
     return features
+
+
+def _features(recipe: Recipe) -> Features:
+    return features_of(recipe.algorithm, recipe.hyperparameters, recipe.seed)
 
 
 def _without_idle_schedule(features: dict[str, float | str], schedule: str, scheduled: str) -> None:
@@ -69,7 +73,8 @@ def _without_idle_schedule(features: dict[str, float | str], schedule: str, sche
         del features[schedule], features[f"{scheduled}_min"]
 
 
-def _text(name: str, value: float | str) -> str:
+def feature_text(name: str, value: float | str) -> str:
+    """Return in a few words that the feature ``name`` has this ``value``: ``α 0.5``."""
     if name == _ALGORITHM:
         return BY_ID[str(value)].name
     if name == "policy":

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable, Sequence
 from datetime import datetime
 from typing import Final
@@ -13,7 +14,8 @@ from textual.widgets.option_list import Option
 from rl_tui.common.findings import one_line
 from rl_tui.lab.sessions.session import SessionError, StoredSession
 from rl_tui.tui.draw.to_ascii import to_ascii
-from rl_tui.tui.screens.catalogue.session_text import SessionRow
+from rl_tui.tui.screens.catalogue.session_differences import differences
+from rl_tui.tui.screens.catalogue.session_text import SessionRow, short_age
 from rl_tui.tui.theme.look import Look
 
 _LONGEST_NAME: Final = 255
@@ -67,9 +69,13 @@ class SessionList(OptionList):
             self.highlighted = 0
 
     def _rows(self, now: datetime) -> Iterable[Option]:
+        different = iter(differences([entry for entry in self._entries if isinstance(entry, StoredSession)]))
+        alike = Counter[tuple[str, str, int]]()
         for entry in self._entries:
             if isinstance(entry, StoredSession):
-                yield Option(SessionRow(entry, now, self.look))
+                key = entry.title, short_age(now - entry.saved, entry.saved), entry.step
+                alike[key] += 1
+                yield Option(SessionRow(entry, now, self.look, next(different), alike[key]))
             else:
                 name = to_ascii(one_line(entry.path.name, _LONGEST_NAME), self.look.glyphs)
                 yield Option(Text(f"{name}\n  faulty", no_wrap=True))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from datetime import datetime, timedelta
 from typing import Final
 
@@ -18,6 +19,7 @@ from rl_tui.tui.draw import numbers
 from rl_tui.tui.draw.canvas import shortened
 from rl_tui.tui.draw.to_ascii import separated, to_ascii
 from rl_tui.tui.screens.catalogue.facts import labelled
+from rl_tui.tui.screens.catalogue.session_differences import settings_of
 from rl_tui.tui.theme.look import Look
 
 _MINUTE: Final = 60
@@ -28,22 +30,35 @@ _LONGEST_PATH: Final = 1_000
 
 
 class SessionRow:
-    """Two lines of the list: title and age, then the step and the algorithm."""
+    """Two lines of the list: title and age; then the step, what is ``different``, and the algorithm.
 
-    def __init__(self, session: StoredSession, now: datetime, look: Look) -> None:
-        self._session = session
-        self._now = now
+    Most others of its title have what is ``different`` otherwise. ``number`` counts those that share title,
+    age and step, from 1.
+    """
+
+    def __init__(
+        self,
+        session: StoredSession,
+        now: datetime,
+        look: Look,
+        different: Sequence[str] = (),
+        number: int = 1,
+    ) -> None:
         self._look = look
+        self._title = session.title
+        self._age = short_age(now - session.saved, session.saved)
+        self._number = f" ({number})" if number > 1 else ""
+        name = algorithm_name(session.algorithm)
+        step = f"step {numbers.count(session.step, 12)}"
+        self._line = f"  {' · '.join((step, *different, *([] if name in different else [name])))}"
 
     def __rich_console__(self, console: Console, options: ConsoleOptions) -> RenderResult:
-        session, glyphs, width = self._session, self._look.glyphs, options.max_width
-        age = short_age(self._now - session.saved, session.saved)
-        room = max(1, width - cell_len(age) - 1)
-        title = shortened(to_ascii(session.title, glyphs), room, glyphs.ellipsis)
-        gap = " " * max(1, width - cell_len(title) - cell_len(age))
-        yield Text(f"{title}{gap}{age}", no_wrap=True)
-        line = f"  step {numbers.count(session.step, 12)} · {algorithm_name(session.algorithm)}"
-        yield Text(shortened(separated(line, glyphs), width, glyphs.ellipsis), no_wrap=True)
+        glyphs, width = self._look.glyphs, options.max_width
+        room = max(1, width - cell_len(self._number) - cell_len(self._age) - 1)
+        title = f"{shortened(to_ascii(self._title, glyphs), room, glyphs.ellipsis)}{self._number}"
+        gap = " " * max(1, width - cell_len(title) - cell_len(self._age))
+        yield Text(f"{title}{gap}{self._age}", no_wrap=True)
+        yield Text(shortened(separated(self._line, glyphs), width, glyphs.ellipsis), no_wrap=True)
 
     def __rich_measure__(self, console: Console, options: ConsoleOptions) -> Measurement:
         return Measurement(1, options.max_width)
@@ -62,10 +77,11 @@ def session_facts(session: StoredSession, now: datetime, look: Look) -> Renderab
     if len(document.lanes) > 1:
         stands = f"{stands} · lane {document.shown + 1} of {len(document.lanes)}"
     if len(lane.branches) > 1:
-        stands = f"{stands} · branch {branch.name} of {len(lane.branches)}"
+        stands = f"{stands} · branch {branch.name.removeprefix('branch ')} of {len(lane.branches)}"
     lines = {
         "scenario": world,
         "algorithm": f"{algorithm_name(session.algorithm)} · seed {lane.seed}",
+        "settings": " · ".join(settings_of(session)) or "none",
         "stands at": stands,
         "changes": f"{session.changes:,}" if session.changes else "none so far",
         "saved": f"{long_age(now - session.saved)} · {_local(session.saved)}",
