@@ -57,7 +57,8 @@ csv_option: Final = click.option(
     "--csv",
     type=click.Path(dir_okay=False, allow_dash=True),
     callback=_csv_target,
-    help="write a row an episode: run, episode, return, length; - is stdout, the report then goes to stderr",
+    help="write a row an episode: run, episode, return (undiscounted), length; "
+    "- is stdout, the report then goes to stderr",
 )
 
 
