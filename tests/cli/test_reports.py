@@ -35,6 +35,19 @@ def test_train_says_what_was_learned_and_what_could_be() -> None:
     assert "1 of 1 " in text
 
 
+def test_what_is_discounted_and_what_is_not_is_said_beside_each_figure() -> None:
+    rows = {line[:18].strip(): line for line in report("train", "frozenlake").splitlines()}
+    assert " discounted" in rows["value at the start"]
+    assert "undiscounted" in rows["expected return"]
+    assert "undiscounted" in rows["last 100 episodes"]
+    assert "discounted, returns are not" in report("train", "frozenlake", "--runs", "2")
+    assert "discounted" not in report("train", "bandit", "--runs", "2")
+
+
+def test_a_first_reward_may_be_a_cost() -> None:
+    assert "the first that is not 0" in report("train", "cliff", "--episodes", "3")
+
+
 def test_a_bandit_gets_lines_of_its_own() -> None:
     text = report("train", "bandit")
     figures = json.loads(report("train", "bandit", "--json"))
@@ -122,7 +135,8 @@ def test_with_an_initial_q_something_is_learned_without_a_reward() -> None:
 def test_solve_says_what_it_counts_and_what_the_clock_has_to_do_with_it() -> None:
     text = report("solve", "student")
     assert "(1 round of evaluating and improving)" in text
-    assert "within 100 steps, choosing by the clock too" in text
+    assert "undiscounted, within 100 steps, of this policy" in text
+    assert "likewise, choosing by the clock too" in text
     assert "clock" not in report("solve", "bandit")
 
 

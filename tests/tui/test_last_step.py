@@ -84,6 +84,14 @@ def test_one_line_holds_the_update_and_what_led_to_it() -> None:
     assert line == " Q(6,←) ← .36 + .10·(0 + .99·.56 − .36) = .38  δ +.19  meant ← went ↓  greedy"
 
 
+@pytest.mark.parametrize(("width", "remark"), [(80, ", the target is the estimate"), (45, "")])
+def test_a_target_that_is_the_estimate_is_told_in_words(width: int, remark: str) -> None:
+    lines = drawn(lake_step(before=0.0, bootstrap=0.0), width, 8)
+    told = next(line for line in lines if "stays" in line)
+    assert told.strip() == f"Q(6,←) stays 0: nothing to learn{remark}"
+    assert "(0)" not in "".join(lines)
+
+
 def test_parts_that_do_not_fit_are_left_out_whole_and_a_sign_says_so() -> None:
     snapshot = lake_step()
     parts = (

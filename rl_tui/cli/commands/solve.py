@@ -80,16 +80,16 @@ def _report(title: str, world: World, answer: dict[str, Any]) -> str:
         for index, state in enumerate(answer["states"])
     ]
     limit = world.space.time_limit
-    within = f"within {counted(limit, 'step')}, " if limit else ""
+    within = f", within {counted(limit, 'step')}" if limit else ""
     any_policy = "choosing by the clock too" if limit else "by any policy that ends"
     summary = [
         ("value at the start", number(answer["value_at_start"], ".5f"), f"discounted, γ {answer['gamma']:g}"),
         (
             "expected return",
             number(answer["expected_return"], ".5f"),
-            f"{within}undiscounted, of this policy",
+            f"undiscounted{within}, of this policy",
         ),
-        ("best possible", number(answer["best_expected_return"], ".5f"), f"{within}{any_policy}"),
+        ("best possible", number(answer["best_expected_return"], ".5f"), f"likewise, {any_policy}"),
     ]
     rounds = counted(answer["iterations"], "round")
     parts = [f"{title}: exact, by policy iteration ({rounds} of evaluating and improving)", ""]

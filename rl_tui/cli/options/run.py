@@ -65,7 +65,9 @@ def _csv_option(option: str, text: str) -> Callable[[Command], Command]:
     )
 
 
-csv_option: Final = _csv_option("--csv", "raw rows, one an episode: run, episode, return, length")
+csv_option: Final = _csv_option(
+    "--csv", "raw rows, one an episode: run, episode, return (undiscounted), length"
+)
 curve_option: Final = _csv_option(
     "--curve", "the mean curve of the run or runs, a row for each of at most 200 bins of episodes"
 )

@@ -64,6 +64,8 @@ def several_runs(recipe: Recipe, figures: Figures) -> str:
     last = runs[-1]["seed"]
     seeds = f"seeds {recipe.seed} to {last}" if last != recipe.seed else f"seed {recipe.seed}"
     parts = [_head(recipe, seeds), "", columns(rows, right=(1, 2, 3, 4, 5))]
+    if "winnings" not in runs[0]:
+        parts += ["", "The value at the start is discounted, returns are not."]
     blind = sum(row["first_reward_episode"] is None for row in runs)
     if blind:
         parts += ["", no_reward(recipe, blind, len(runs))]
@@ -95,16 +97,16 @@ def _rows(run: Run, figures: Figures) -> list[Row]:
     return [
         *(_greedy_rows(figures, best) if mdp else [("exact figures", "none", why_inexact(run))]),
         *_last_rows(figures),
-        ("first reward", "never" if first is None else f"episode {first:,}", ""),
+        ("first reward", "never" if first is None else f"episode {first:,}", "the first that is not 0"),
     ]
 
 
 def _greedy_rows(figures: Figures, best: str) -> list[Row]:
     value, optimum = number(figures["value_at_start"]), number(figures["optimal_value_at_start"])
-    ends = figures["greedy_ends"]
+    expected, ends = number(figures["expected_return"]), figures["greedy_ends"]
     return [
-        ("value at the start", f"{value} of {optimum}", "greedy policy of optimum"),
-        ("expected return", f"{number(figures['expected_return'])} of {best}", "greedy policy of best"),
+        ("value at the start", f"{value} of {optimum}", "discounted: greedy policy of optimum"),
+        ("expected return", f"{expected} of {best}", "undiscounted: greedy policy of best"),
         ("greedy policy ends", "-" if ends is None else f"with probability {number(ends)}", ""),
         ("largest error of Q", number(figures["max_error"]), "max |Q - Q*|"),
     ]
@@ -114,7 +116,11 @@ def _last_rows(figures: Figures) -> list[Row]:
     if figures["return_last_100"] is None:
         return [("last episodes", "none is finished", "")]
     return [
-        (_last(figures["episodes"]), number(figures["return_last_100"]), "mean return, exploring"),
+        (
+            _last(figures["episodes"]),
+            number(figures["return_last_100"]),
+            "undiscounted mean return, exploring",
+        ),
         ("", number(figures["length_last_100"]), "mean length"),
     ]
 
@@ -163,7 +169,7 @@ def _summary_titles(runs: Sequence[Figures]) -> dict[str, str]:
         "max_error": "largest error of Q",
         "return_last_100": f"return, {last}",
         "length_last_100": f"length, {last}",
-        "first_reward_episode": "first reward, episode",
+        "first_reward_episode": "first reward that is not 0, episode",
         "episodes": "episodes",
         "steps": "steps",
     }

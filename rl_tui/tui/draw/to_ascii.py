@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import Final
 
 from rl_tui.tui.theme.glyphs import Glyphs
@@ -60,7 +61,7 @@ _SPELLED: Final = {
     "∞": "inf",
     "⟨": "<",
     "⟩": ">",
-    "★": "*",
+    "★": "G",
     "●": "O",
     "◉": "@",
     "▸": ">",
@@ -81,12 +82,18 @@ _SPELLED: Final = {
     "ä": "a",
 }
 
+# One star is a product; what stands for any action has the name that textbooks give it: max Q(s',a)
+_ANY_ACTION: Final = (",·)", ",a)")
+# Spelled out, a letter needs a blank before what it multiplies: gamma V, delta e
+_FACTOR: Final = re.compile(r"([αγεδθλτπσμΣ])(?=[A-Za-zα-ω])")
+
 
 def to_ascii(text: str, glyphs: Glyphs) -> str:
     """Return ``text``, in ASCII where ``glyphs`` is the ASCII set; what has no spelling becomes ``?``."""
     if glyphs.name != "ascii":
         return text
-    spelled = "".join(_SPELLED.get(character, character) for character in text)
+    apart = _FACTOR.sub(r"\1 ", text.replace(*_ANY_ACTION))
+    spelled = "".join(_SPELLED.get(character, character) for character in apart)
     return spelled.encode("ascii", "replace").decode("ascii")
 
 

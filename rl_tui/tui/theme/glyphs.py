@@ -22,6 +22,7 @@ class Glyphs:
     hole: str
     cliff: str
     goal: str
+    best_arm: str
     wall: str
     mark_left: str  # frames the greedy cell of a table
     mark_right: str
@@ -90,7 +91,8 @@ _ROWS: Final[Mapping[str, tuple[Any, Any]]] = {
     "agent": ("◉", "@"),
     "hole": ("●", "O"),
     "cliff": ("▓", "%"),
-    "goal": ("★", "*"),
+    "goal": ("★", "G"),
+    "best_arm": ("★", "<"),
     "wall": ("█", "#"),
     "mark_left": ("▌", "["),
     "mark_right": ("▐", "]"),
@@ -132,7 +134,7 @@ _ROWS: Final[Mapping[str, tuple[Any, Any]]] = {
     "times": ("·", "*"),
     "minus": ("−", "-"),
     "state_node": ("○", "o"),
-    "action_node": ("●", "*"),
+    "action_node": ("●", "x"),
     "fork": ("├", "+"),
     "braille": (True, False),
 }

@@ -179,6 +179,8 @@ class StepWriter:
 
     def _assignment(self) -> Line:
         update = self.words.update
+        if self._last.td_error == 0.0 and not self._last.planned:
+            return self._nothing_learned()
         worked = f"{update.before} + {update.step_size}{self._times}({update.error}) = "
         return self._or_result(
             [
@@ -187,6 +189,15 @@ class StepWriter:
                 self._strong(update.after),
             ]
         )
+
+    def _nothing_learned(self) -> Line:
+        """Return that the estimate stays: a product with 0 would only ask to be worked out."""
+        stays = [
+            self._dim(f"{_GAP}{self.words.estimate} stays "),
+            self._strong(self.words.update.after),
+        ]
+        remarks = (": nothing to learn, the target is the estimate", ": nothing to learn")
+        return self._fitting([*([*stays, self._plain(each)] for each in remarks), stays])
 
     def _bandit(self) -> list[Line]:
         words = self.words

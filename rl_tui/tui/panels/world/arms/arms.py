@@ -68,7 +68,7 @@ class ArmsView(WorldView):
         hidden = len(arms) - shown
         parts = [f"↑↓ {self._top + 1}–{self._top + shown} of {len(arms)}"] if hidden else []
         if self.revealed:
-            parts.append(f"{true_mean_glyph(self.look)} true mean  ★ best arm")
+            parts.append(f"{true_mean_glyph(self.look)} true mean  {self.look.glyphs.best_arm} best arm")
         self.footing = self.fitting(("  ".join(parts), *parts), width)
         names = names_width(arms, self.look)
         return draw_arms(arms[self._top : self._top + shown], scale, self.look, width, height, each, names)

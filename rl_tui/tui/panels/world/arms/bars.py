@@ -128,7 +128,7 @@ def _draw_bar(canvas: Canvas, y: int, arm: Arm, plot: _Plot, look: Look) -> None
     if arm.mean is not None:
         canvas.put(plot.column(arm.mean), y, true_mean_glyph(look), palette.optimum + Style(bold=True))
     if arm.best:
-        canvas.put(plot.left + plot.width + 1, y, glyphs.goal, palette.optimum + Style(bold=True))
+        canvas.put(plot.left + plot.width + 1, y, glyphs.best_arm, palette.optimum + Style(bold=True))
     if canvas.width >= _VALUES_FROM and arm.error is not None:
         text = f"{numbers.value(arm.estimate, 6, glyphs):>6}{numbers.count(arm.pulls, 7):>8}"
         canvas.put(canvas.width - len(text) - 1, y, text, palette.dim)
