@@ -32,9 +32,9 @@ def test_no_key_is_lost_while_a_dialog_or_a_screen_opens() -> None:
         terminal.press("\r")
         terminal.wait_for("A student's evening .* paused")
         terminal.press("]]]")
-        terminal.wait_for(r"FrozenLake 8×8 · .* paused")
+        terminal.wait_for(r"Bernoulli bandit · .* paused")
         terminal.press("[[")
-        terminal.wait_for(r"FrozenLake 4×4 · .* paused")
+        terminal.wait_for(r"FrozenLake 4×4 slippery · .* paused")
         terminal.press("nq\x7f7\r")  # q is typed into the line, not the end of the program
         terminal.wait_for("seed 7")
         terminal.press("?\x1b[200~\x1bn\x1b[201~\x1bq")  # what is pasted is no key

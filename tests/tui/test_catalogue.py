@@ -1,23 +1,36 @@
 from __future__ import annotations
 
+import threading
+import time
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import pytest
 from conftest import MakeApp
 from drawn_text import rows_of, words_of
+from numpy.random import Generator
 from seams import notes
 from textual.pilot import Pilot
 from textual.widgets import OptionList
 
 from rl_tui.common.errors import UserError
 from rl_tui.common.streams import streams
+from rl_tui.lab.live.player import Player
+from rl_tui.lab.live.snapshot import Phase, Snapshot
+from rl_tui.lab.run.library import recipe_for
+from rl_tui.lab.run.run import Run
+from rl_tui.tui.app.app import RlTuiApp
+from rl_tui.tui.app.display import Display
 from rl_tui.tui.app.screenshot import settle
 from rl_tui.tui.screens.catalogue.catalogue import CatalogueScreen
-from rl_tui.tui.screens.catalogue.facts import defaults, sizes
+from rl_tui.tui.screens.catalogue.facts import defaults, lesson_of, sizes
 from rl_tui.tui.screens.help import HelpScreen
 from rl_tui.tui.screens.playground.playground import Playground
-from rl_tui.worlds.files.catalogue import find, shipped_folder
+from rl_tui.worlds.files.catalogue import YOURS, find, shipped_folder
 from rl_tui.worlds.files.catalogue import scenarios as shipped
+from rl_tui.worlds.files.scenario import Scenario
+from rl_tui.worlds.world import World
 
 FAULTY = """
 title = "Nothing to do"
@@ -37,6 +50,15 @@ async def go_to(pilot: Pilot[UserError], scenario: str) -> None:
     await settle(pilot)
 
 
+async def shown_once(pilot: Pilot[UserError], holds: Callable[[Snapshot], object]) -> Snapshot:
+    """The first snapshot that the playground shows of which that holds."""
+    while True:
+        await pilot.pause()
+        screen = pilot.app.screen
+        if isinstance(screen, Playground) and screen.snapshot and holds(screen.snapshot):
+            return screen.snapshot
+
+
 def facts(pilot: Pilot[UserError]) -> str:
     return "\n".join(rows_of(pilot.app.screen.query_one("#facts")))
 
@@ -44,17 +66,87 @@ def facts(pilot: Pilot[UserError]) -> str:
 async def test_it_lists_the_shipped_scenarios_in_teaching_order(make_app: MakeApp) -> None:
     async with make_app().run_test(size=(80, 24)) as pilot:
         await settle(pilot)
+        first, *options = scenarios(pilot).options
+        assert first.id not in [scenario.id for scenario in shipped()]
+        assert [option.id for option in options if not option.disabled] == [each.id for each in shipped()]
+
+
+async def test_the_cursor_passes_over_the_headings_of_groups(make_app: MakeApp) -> None:
+    async with make_app().run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
         listed = scenarios(pilot)
-        ids = [listed.get_option_at_index(number).id for number in range(listed.option_count)]
-        assert ids == [scenario.id for scenario in shipped()]
-        assert ids[0] == "bandit"
-        assert ids.index("student") < ids.index("frozenlake") < ids.index("frozenlake-slippery")
+        reached = []
+        for _ in listed.options:
+            assert listed.highlighted_option
+            reached.append(listed.highlighted_option.id)
+            await pilot.press("down")
+        assert reached[1:4] == ["frozenlake", "student", "frozenlake-slippery"]
+        assert None not in reached
+        assert len(set(reached)) == len(shipped()) + 1
+
+
+async def test_those_of_the_user_stand_in_a_group_of_their_own(
+    make_app: MakeApp, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "mine.toml").write_text("order = 1\n[bandit]\narms = 2\n")
+    (tmp_path / "worse.toml").write_text(FAULTY)
+    monkeypatch.setattr("rl_tui.worlds.files.catalogue.user_folder", lambda: tmp_path)
+    async with make_app().run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        heading, mine, faulty = scenarios(pilot).options[-3:]
+        assert heading.disabled
+        assert YOURS in str(heading.prompt)
+        assert (mine.id, mine.disabled, faulty.disabled) == ("mine", False, False)
+
+
+async def test_enter_on_the_first_row_watches_the_plain_lake_learn() -> None:
+    """Without another key it comes to its first reward, and the run is that of the scenario's defaults."""
+    player = partial(Player, clock=lambda: 20 * time.perf_counter())
+    app = RlTuiApp(Display(fps=1000.0), make_player=player, picture=True)
+    async with app.run_test(size=(60, 18)) as pilot:
+        await settle(pilot)
+        await pilot.press("enter")
+        shown = await shown_once(pilot, lambda snapshot: snapshot.agent.q.any())
+        assert shown.playback.watching
+        assert (shown.recipe.scenario.id, shown.recipe.seed) == ("frozenlake", 0)
+        straight = Run(recipe_for(find("frozenlake")))
+        straight.advance(shown.counters.step)
+        assert shown.agent.q.tolist() == straight.learner.q.tolist()
+        await pilot.press("space")
+        paused = await shown_once(pilot, lambda snapshot: snapshot.playback.phase is Phase.PAUSED)
+        await pilot.press("space")
+        await shown_once(pilot, lambda snapshot: snapshot.counters.step > paused.counters.step)
+        await pilot.press("plus")
+        faster = await shown_once(pilot, lambda snapshot: not snapshot.playback.watching)
+        assert faster.playback.phase is Phase.RUNNING
+        await pilot.press("space", "q")
+
+
+async def test_what_stands_below_a_drawing_stays_where_it_is_when_it_comes(
+    make_app: MakeApp, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    may_build, build = threading.Event(), Scenario.build
+
+    def build_later(self: Scenario, generator: Generator) -> World:
+        may_build.wait()
+        return build(self, generator)
+
+    monkeypatch.setattr(Scenario, "build", build_later)
+    async with make_app().run_test(size=(80, 24)) as pilot:
+        await pilot.press("down")
+        await pilot.pause()
+        before = pilot.app.screen.query_one("#facts").region
+        may_build.set()
+        await settle(pilot)
+        assert pilot.app.screen.query_one("#facts").region.offset == before.offset
+        assert before.width == pilot.app.screen.query_one("#facts").region.width
 
 
 async def test_arrows_show_the_details_of_each(make_app: MakeApp) -> None:
     async with make_app().run_test(size=(120, 40)) as pilot:
         await settle(pilot)
-        assert "10 arms" in facts(pilot) or "10 actions" in facts(pilot)
+        await go_to(pilot, "bandit")
+        assert "10 actions" in facts(pilot)
         await go_to(pilot, "frozenlake")
         assert "16 states" in facts(pilot)
         assert "44 pairs" in facts(pilot)
@@ -119,6 +211,11 @@ async def test_help_opens(make_app: MakeApp) -> None:
         assert isinstance(app.screen, CatalogueScreen)
 
 
+def test_the_lesson_is_that_of_the_first_heading() -> None:
+    assert lesson_of("\n**What it teaches: one\nproof.** More.\n\n**Try this**") == "one proof"
+    assert lesson_of("**Try this**") == ""
+
+
 def test_sizes_are_loading_until_the_world_is_built() -> None:
     assert sizes(None) == "loading …"
     assert sizes(UserError("no such environment")) == "unknown: no such environment"
@@ -137,6 +234,7 @@ def test_defaults_use_the_symbols_of_the_playground() -> None:
 async def test_a_default_is_never_parted_from_its_symbol(make_app: MakeApp) -> None:
     async with make_app().run_test(size=(80, 24)) as pilot:
         await settle(pilot)
+        await go_to(pilot, "bandit")
         assert "γ 0 · ε 0.1" in facts(pilot)
         assert all(line.strip()[:1] not in ("·", "-") for line in facts(pilot).splitlines())
 
@@ -144,4 +242,5 @@ async def test_a_default_is_never_parted_from_its_symbol(make_app: MakeApp) -> N
 async def test_in_ascii_no_dot_between_parts_looks_like_a_product(make_app: MakeApp) -> None:
     async with make_app(ascii=True).run_test(size=(120, 40)) as pilot:
         await settle(pilot)
+        await go_to(pilot, "bandit")
         assert "1 state - 10 actions - 10 pairs - budget 1,000" in facts(pilot)

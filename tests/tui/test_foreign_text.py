@@ -149,7 +149,7 @@ async def test_the_name_of_a_session_is_shown_as_it_is(foreign: Scenario, tmp_pa
     app = RlTuiApp(Display(fps=1000.0), picture=True, sessions=sessions)
     async with app.run_test(size=(160, 50), notifications=True) as pilot:
         await settle(pilot)
-        text = await press(pilot, "tab")
+        text = await press(pilot, "tab", "tab")
         assert TITLE[:20] in text
         assert "[red]b.json" in text
         assert "/[bold]a[-].json" in letters_of(app.screen.query_one("#facts")), "its file"

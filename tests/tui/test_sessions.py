@@ -29,6 +29,7 @@ from rl_tui.tui.app.app import RlTuiApp
 from rl_tui.tui.app.display import Display
 from rl_tui.tui.app.screenshot import settle
 from rl_tui.tui.screens.catalogue.catalogue import CatalogueScreen
+from rl_tui.tui.screens.catalogue.scenario_list import WATCH
 from rl_tui.tui.screens.catalogue.session_differences import differences
 from rl_tui.tui.screens.catalogue.session_list import SessionList
 from rl_tui.tui.screens.catalogue.session_text import SessionRow, long_age, session_facts, short_age
@@ -85,6 +86,11 @@ def details(pilot: Pilot[UserError]) -> str:
     return words_of(pilot.app.screen.query_one("#facts"))
 
 
+def about(pilot: Pilot[UserError]) -> str:
+    """What the details say they are about."""
+    return str(pilot.app.screen.query_one("#details").border_title)
+
+
 async def finished(pilot: Pilot[UserError], work: str) -> None:
     """Wait for the work of that name, if it is still under way."""
     for worker in list(pilot.app.workers):
@@ -104,7 +110,7 @@ async def test_without_sessions_there_is_no_section(app_with_sessions: MakeSessi
     async with app_with_sessions().run_test(size=(80, 24)) as pilot:
         await settle(pilot)
         assert not listed(pilot).display
-        assert pilot.app.screen.query_one("#scenarios").size.height == 20
+        assert pilot.app.screen.query_one("#scenarios").size.height == 19
 
 
 async def test_no_file_name_steers_the_terminal(app_with_sessions: MakeSessionApp, tmp_path: Path) -> None:
@@ -112,7 +118,7 @@ async def test_no_file_name_steers_the_terminal(app_with_sessions: MakeSessionAp
     (tmp_path / "b\x1b[2J.json").write_text("{", encoding="utf-8")
     async with app_with_sessions().run_test(size=(80, 24)) as pilot:
         await settle(pilot)
-        await pilot.press("tab")
+        await pilot.press("tab", "tab")
         await settle(pilot)
         drawn = rows_of(listed(pilot))
         assert any("\\u001b[2J" in line for line in drawn)
@@ -128,11 +134,11 @@ async def test_the_last_one_saved_is_the_first_and_faulty_ones_are_last(
     (tmp_path / "half.json").write_text('{"format": "rl-tui session", "vers', encoding="utf-8")
     async with app_with_sessions().run_test(size=(80, 24)) as pilot:
         await settle(pilot)
-        assert "Ten slot machines" in details(pilot), "the cursor begins in the scenarios"
-        await pilot.press("tab")
+        assert pilot.app.screen.query_one("#scenarios").has_focus, "the cursor begins in the scenarios"
+        await pilot.press("tab", "tab")
         await settle(pilot)
         assert "step 7" in details(pilot)
-        assert pilot.app.screen.query_one("#details").border_title == "an evening"
+        assert about(pilot) == "Session: an evening"
         await pilot.press("end")
         await settle(pilot)
         assert "cut off or damaged" in details(pilot)
@@ -145,7 +151,29 @@ async def test_the_last_one_saved_is_the_first_and_faulty_ones_are_last(
         ]
         await pilot.press("shift+tab")
         await settle(pilot)
-        assert "Ten slot machines" in details(pilot)
+        assert about(pilot) == WATCH
+
+
+async def test_tab_goes_from_each_list_to_what_is_said_of_its_entry(
+    app_with_sessions: MakeSessionApp, tmp_path: Path
+) -> None:
+    write(tmp_path, "a.json", title="an evening")
+    async with app_with_sessions().run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        await pilot.press("down")
+        told = []
+        for _ in range(5):
+            await settle(pilot)
+            focused = pilot.app.focused
+            assert focused is not None
+            told.append((focused.id, about(pilot)))
+            await pilot.press("tab")
+        lake, evening = find("frozenlake").title, "Session: an evening"
+        in_order = [("scenarios", lake), ("details", lake), ("sessions", evening), ("details", evening)]
+        assert told == [*in_order, in_order[0]]
+        await pilot.press("pagedown")
+        await settle(pilot)
+        assert pilot.app.screen.query_one("#details").scroll_target_y > 0, "the notes are within reach"
 
 
 async def test_rows_of_one_title_can_be_told_apart(app_with_sessions: MakeSessionApp, tmp_path: Path) -> None:
@@ -190,7 +218,7 @@ async def test_enter_goes_on_where_it_was_left(app_with_sessions: MakeSessionApp
     path = write(tmp_path, "a.json", record(40, *journal))
     async with app_with_sessions().run_test(size=(80, 24)) as pilot:
         await settle(pilot)
-        await pilot.press("tab", "enter")
+        await pilot.press("tab", "tab", "enter")
         await finished(pilot, "resume the session")
         await settle(pilot)
         screen = pilot.app.screen
@@ -289,7 +317,7 @@ async def test_delete_asks_first(app_with_sessions: MakeSessionApp, tmp_path: Pa
         await pilot.press("delete")
         await settle(pilot)
         assert notes(pilot.app) == ["only sessions can be deleted"]
-        await pilot.press("tab", "delete")
+        await pilot.press("tab", "tab", "delete")
         assert isinstance(pilot.app.screen, Confirm)
         await pilot.press("escape")
         assert len(os.listdir(tmp_path)) == 2

@@ -13,8 +13,8 @@ from rl_tui.worlds.files import catalogue
 
 # In which order lessons build on one another
 LESSONS = [
-    *("bandit", "student", "frozenlake", "frozenlake-slippery", "random-walk", "cliff", "windy", "max-bias"),
-    *("maze", "karpathy", "book", "bridge", "discount", "taxi", "blackjack", "cartpole", "mountain-car"),
+    *("frozenlake", "student", "frozenlake-slippery", "bandit", "random-walk", "cliff", "windy", "max-bias"),
+    *("maze", "book", "karpathy", "bridge", "discount", "taxi", "blackjack", "cartpole", "mountain-car"),
 ]
 
 
@@ -65,6 +65,17 @@ def test_the_users_own_come_after_the_shipped_ones(own_folder):
     (own_folder / "readme.txt").write_text("no scenario")
     assert [scenario.id for scenario in catalogue.scenarios()] == [*SHIPPED, "zebra", "ape"]
     assert catalogue.find("ape").source == own_folder / "ape.toml"
+
+
+def test_groups_follow_one_another_and_those_of_the_user_are_the_last(own_folder):
+    (own_folder / "mine.toml").write_text("order = 1\n[bandit]\narms = 2\n")
+    groups = [catalogue.group_of(scenario) for scenario in catalogue.scenarios()]
+    assert list(dict.fromkeys(groups)) == [*(name for _, name in catalogue.GROUPS), catalogue.YOURS]
+    assert groups == sorted(groups, key=list(dict.fromkeys(groups)).index)
+    assert groups[-1] == catalogue.YOURS
+    of_group = {each.id: group for each, group in zip(catalogue.scenarios(), groups, strict=True)}
+    assert of_group["frozenlake"] == of_group["student"] == groups[0]
+    assert of_group["blackjack"] == of_group["cartpole"] == of_group["mountain-car"] == groups[-2]
 
 
 def test_a_faulty_file_leaves_only_itself_out(own_folder):

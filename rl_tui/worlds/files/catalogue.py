@@ -14,10 +14,20 @@ import platformdirs
 from rl_tui.common.errors import Fault, ScenarioError, UserError
 from rl_tui.common.findings import shown
 from rl_tui.common.kiosk import in_kiosk
-from rl_tui.worlds.files.gymnasium_ids import PREFIX, environment_scenario
+from rl_tui.worlds.files.gymnasium_ids import LAST, PREFIX, environment_scenario
 from rl_tui.worlds.files.scenario import Scenario, read_scenario
 
 _SUFFIX: Final = ".toml"
+YOURS: Final = "Yours"
+"""The group of the user's own scenarios, whatever their ``order``."""
+GROUPS: Final = (
+    (100, "Begin here"),
+    (200, "Bandits"),
+    (300, "Textbook examples"),
+    (400, "Larger and harder"),
+    (LAST + 1, "Stepped environments"),
+)
+"""The groups of the shipped scenarios: each has those whose ``order`` is below its number."""
 
 
 class Catalogue(NamedTuple):
@@ -66,6 +76,13 @@ def read_catalogue() -> Catalogue:
         catalogue.scenarios.extend(found)
         taken.update(scenario.id for scenario in found)
     return catalogue
+
+
+def group_of(scenario: Scenario) -> str:
+    """Return the heading under which ``scenario`` stands in the catalogue."""
+    if scenario.source.parent != shipped_folder():
+        return YOURS
+    return next(name for below, name in GROUPS if scenario.order < below)
 
 
 def scenarios() -> list[Scenario]:

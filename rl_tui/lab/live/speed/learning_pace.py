@@ -134,7 +134,7 @@ class LearningPace:
             case Stage.FIRST_REWARD:
                 return "until the first reward"
             case Stage.SPREADING:
-                return f"{self._with_value:,} of {len(self._first_pairs):,} states have a value"
+                return f"values in {self._with_value:,} of {len(self._first_pairs):,} states"
             case Stage.OPTIMAL:
                 return "an optimal policy is found"
         return "faster and faster"

@@ -20,11 +20,9 @@ from textual.events import DescendantFocus
 from textual.message import Message
 from textual.widget import Widget
 from textual.widgets import OptionList, Static
-from textual.widgets.option_list import Option
 from textual.worker import WorkerCancelled
 
 from rl_tui.common.errors import ScenarioError, UserError
-from rl_tui.common.findings import one_line
 from rl_tui.common.streams import streams
 from rl_tui.lab.run.library import read_catalogue, recipe_for
 from rl_tui.lab.run.recipe import Recipe
@@ -33,30 +31,30 @@ from rl_tui.tui.actions.action import Place
 from rl_tui.tui.actions.bindings import bindings_of
 from rl_tui.tui.actions.registry import actions_of
 from rl_tui.tui.draw.to_ascii import separated, to_ascii
-from rl_tui.tui.screens.catalogue.facts import facts, faults_text
+from rl_tui.tui.screens.catalogue.facts import about, about_watching, facts, faults_text, keys_while_watching
 from rl_tui.tui.screens.catalogue.saved_sessions import SavedSessions
+from rl_tui.tui.screens.catalogue.scenario_list import WATCH, Demonstration, ScenarioList
 from rl_tui.tui.screens.catalogue.session_list import SessionList
 from rl_tui.tui.screens.catalogue.session_text import session_facts, session_fault
 from rl_tui.tui.screens.notes import Notes
 from rl_tui.tui.theme.look import Look
-from rl_tui.worlds.drawing import Arms, Grid
 from rl_tui.worlds.files.scenario import Scenario
 from rl_tui.worlds.world import World
 
 _SEED = 0
 _DETAILS = "details"
-_LONGEST_NAME = 255
-_ROOM_FOR_WORDS = 11  # rows for what is said above a drawing, and a beginning of the notes
+_GREETING = "New here? Begin with the first row: enter, and look on."
 _NEEDED_TO_PLAY = ("rl_tui.tui.screens.playground.playground", "rl_tui.agents.learner")
 
 
-Entry = Scenario | ScenarioError | StoredSession | SessionError
+Entry = Demonstration | Scenario | ScenarioError | StoredSession | SessionError
 
 
 class CatalogueScreen(SavedSessions):
     """Left the scenarios and the sessions, right what is known of the one under the cursor.
 
-    Worlds are built in a thread after the first paint, those of Gymnasium last: importing it takes a moment.
+    Worlds are built in a thread after the first paint: that of the first row, and then, once all that is
+    needed to play it is there, the others, those of Gymnasium last.
     ``sessions`` is the folder of sessions, None where none are kept.
     """
 
@@ -92,7 +90,7 @@ class CatalogueScreen(SavedSessions):
         sessions: Path | None = None,
     ) -> None:
         super().__init__(look, sessions)
-        self._scenarios, self._broken = read_catalogue()
+        self._catalogue = read_catalogue()
         self._start_at = start_at
         self._fault = fault
         self._worlds: dict[str, World | UserError] = {}
@@ -102,26 +100,26 @@ class CatalogueScreen(SavedSessions):
 
     def content(self) -> Iterable[Widget]:
         """Yield the list and the details."""
-        title = " rl-tui · scenarios · kiosk" if self.in_kiosk else " rl-tui · scenarios"
-        yield Static(separated(title, self.look.glyphs), id="title")
-        scenarios = OptionList(*self._options(), id="scenarios", classes="panel")
-        scenarios.border_title = "Scenarios"
+        title = " rl-tui · see an agent learn from rewards, step by step"
+        yield Static(separated(f"{title} · kiosk" if self.in_kiosk else title, self.look.glyphs), id="title")
+        yield Static(f" {_GREETING}", id="greeting")
         details = VerticalScroll(
-            Static(id="facts", markup=False),
+            Static(id="about", markup=False),
             Container(id="preview"),
+            Static(id="facts", markup=False),
             Notes(self.look.glyphs, id="notes"),
             id="details",
             classes="panel",
         )
         details.border_subtitle = "tab, arrows: scroll"
+        scenarios = ScenarioList(self.look, self._catalogue)
         lists = Vertical(scenarios, self.new_session_list(), id="lists")
         yield Horizontal(lists, details, id="columns")
 
     def on_mount(self) -> None:
         """Put the cursor where the user came from."""
-        ids = [scenario.id for scenario in self._scenarios]
-        scenarios = self.query_one("#scenarios", OptionList)
-        scenarios.highlighted = ids.index(self._start_at) if self._start_at in ids else 0
+        scenarios = self.query_one(ScenarioList)
+        scenarios.start_at(self._start_at)
         scenarios.focus()
         if self._fault is not None:
             self.notify(str(self._fault), severity="error", timeout=15, markup=False)
@@ -131,37 +129,40 @@ class CatalogueScreen(SavedSessions):
         super().begin()
         Thread(target=self._build_worlds, name="build worlds", daemon=True).start()
 
-    def _options(self) -> Iterable[Option]:
-        for scenario in self._scenarios:
-            yield Option(Content(to_ascii(scenario.title, self.look.glyphs)), id=scenario.id)
-        for error in self._broken:
-            name = one_line(error.faults[0].file.rsplit("/", 1)[-1], _LONGEST_NAME)
-            yield Option(Content(to_ascii(f"{name} (faulty)", self.look.glyphs)))
-
     # In the thread: only messages leave it
 
     def _build_worlds(self) -> None:
         with suppress(RuntimeError):  # the program has ended meanwhile
-            for scenario in sorted(self._scenarios, key=lambda each: each.kind == "gymnasium"):
-                try:
-                    world: World | UserError = scenario.build(streams(_SEED).world)
-                except UserError as error:
-                    world = error
-                except ImportError as error:
-                    world = UserError(f"{error}")
-                self.post_message(self.WorldBuilt(scenario, world))
-            try:
-                for module in _NEEDED_TO_PLAY:
-                    import_module(module)
-            except ImportError as error:
-                self.post_message(self.NotImported(str(error)))
+            scenarios = self._catalogue.scenarios
+            for scenario in scenarios[:1]:
+                self._build(scenario)
+            self._import_what_is_needed_to_play()
+            for scenario in sorted(scenarios[1:], key=lambda each: each.kind == "gymnasium"):
+                self._build(scenario)
+
+    def _build(self, scenario: Scenario) -> None:
+        try:
+            world: World | UserError = scenario.build(streams(_SEED).world)
+        except UserError as error:
+            world = error
+        except ImportError as error:
+            world = UserError(f"{error}")
+        self.post_message(self.WorldBuilt(scenario, world))
+
+    def _import_what_is_needed_to_play(self) -> None:
+        try:
+            for module in _NEEDED_TO_PLAY:
+                import_module(module)
+        except ImportError as error:
+            self.post_message(self.NotImported(str(error)))
 
     def on_catalogue_screen_world_built(self, event: WorldBuilt) -> None:
         """Fill in what was missing."""
         self._worlds[event.scenario.id] = event.world
-        if len(self._worlds) == len(self._scenarios):
+        if len(self._worlds) == len(self._catalogue.scenarios):
             self._all_built.set()
-        if event.scenario is self._current:
+        entry = self._current
+        if event.scenario is (entry.scenario if isinstance(entry, Demonstration) else entry):
             self.show_current()
 
     def on_catalogue_screen_not_imported(self, event: NotImported) -> None:
@@ -182,9 +183,16 @@ class CatalogueScreen(SavedSessions):
     def _current(self) -> Entry | None:
         if self._in_sessions:
             return self.query_one(SessionList).current
-        entries: list[Scenario | ScenarioError] = [*self._scenarios, *self._broken]
-        highlighted = self.query_one("#scenarios", OptionList).highlighted
-        return None if highlighted is None else entries[highlighted]
+        return self.query_one(ScenarioList).current
+
+    @property
+    def focus_chain(self) -> list[Widget]:
+        """The order of the tab key: after each list the details, which are of what is under its cursor."""
+        lists: list[Widget] = [self.query_one(ScenarioList), self.query_one(SessionList)]
+        at = 2 if self._in_sessions else 1
+        order = [*lists[:at], self.query_one(f"#{_DETAILS}"), *lists[at:]]
+        chain = super().focus_chain
+        return [widget for widget in order if widget in chain]
 
     def on_descendant_focus(self, event: DescendantFocus) -> None:
         """Follow the focus from one list to the other; the details belong to the one it was last in."""
@@ -211,29 +219,38 @@ class CatalogueScreen(SavedSessions):
         if entry is not self._shown:
             self._shown = entry
             details.scroll_home(animate=False)
+        if isinstance(entry, Demonstration):
+            self._show_text(WATCH, keys_while_watching(self.look), about_watching(self.look))
+            await self._draw(entry.scenario)
+            await self.query_one(Notes).show("")
+            return
         if isinstance(entry, Scenario):
-            world = self._worlds.get(entry.id)
-            await self._show_text(entry.title, facts(entry, world, self.look))
-            await self._draw(entry, world)
+            text = facts(entry, self._worlds.get(entry.id), self.look)
+            self._show_text(entry.title, text, about(entry, self.look))
+            await self._draw(entry)
             await self.query_one(Notes).show(entry.notes)
             return
         if isinstance(entry, ScenarioError):
-            await self._show_text("Faults", faults_text(entry, self.look))
+            self._show_text("Faults", faults_text(entry, self.look))
         elif isinstance(entry, SessionError):
-            await self._show_text("Faults", session_fault(entry, self.look))
+            self._show_text("Faults", session_fault(entry, self.look))
         elif entry is not None:
-            await self._show_text(entry.title, session_facts(entry, datetime.now(UTC), self.look))
+            self._show_text(f"Session: {entry.title}", session_facts(entry, datetime.now(UTC), self.look))
         drawing = self.query_one("#preview")
         drawing.display = False
         await drawing.remove_children()
         await self.query_one(Notes).show("")
 
-    async def _show_text(self, title: str, about: RenderableType) -> None:
+    def _show_text(self, title: str, text: RenderableType, above: RenderableType | None = None) -> None:
+        """Show ``text`` below the drawing, and ``above`` it what it is about, if it has a drawing."""
         self.query_one("#details").border_title = Content(to_ascii(title, self.look.glyphs))
-        self.query_one("#facts", Static).update(about)
+        self.query_one("#facts", Static).update(text)
+        top = self.query_one("#about", Static)
+        top.display = above is not None
+        top.update(above or "")
 
-    async def _draw(self, scenario: Scenario, world: World | UserError | None) -> None:
-        drawing = self.query_one("#preview")
+    async def _draw(self, scenario: Scenario) -> None:
+        world, drawing = self._worlds.get(scenario.id), self.query_one("#preview")
         drawing.display = not isinstance(world, UserError)
         await drawing.remove_children()
         if not drawing.is_attached:
@@ -245,7 +262,6 @@ class CatalogueScreen(SavedSessions):
 
             view = make_world_view(world, self.look)
             view.can_focus = False
-            drawing.styles.height = preview_rows(world, self.size.height)
             await drawing.mount(view)
             recipe = recipe_for(scenario, {}, _SEED)
             view.show(SnapshotBuilder().before(recipe, world, PlaybackView()))
@@ -264,8 +280,10 @@ class CatalogueScreen(SavedSessions):
         elif isinstance(entry, ScenarioError):
             self.notify("this file has faults; mend them first", severity="warning")
         elif entry is not None:
+            watches = isinstance(entry, Demonstration)
+            scenario = entry.scenario if isinstance(entry, Demonstration) else entry
             try:
-                self.post_message(self.Opened(recipe_for(entry, {}, _SEED)))
+                self.post_message(self.Opened(recipe_for(scenario, {}, _SEED), watches))
             except UserError as fault:
                 self.notify(str(fault), severity="error", markup=False)
 
@@ -292,15 +310,3 @@ class CatalogueScreen(SavedSessions):
         entry = self._current
         notes = entry.notes if isinstance(entry, Scenario) else ""
         self.app.push_screen(HelpScreen(self.look, self.actions, notes=notes))
-
-
-def preview_rows(world: World, height: int) -> int:
-    """Return the rows of the drawing where the screen has ``height`` rows."""
-    match world.drawing:
-        case Grid(rows=rows):
-            if rows * 2 <= height // 3:
-                return rows * 2
-            return rows if rows <= height - _ROOM_FOR_WORDS else max(10, height * 2 // 5)
-        case Arms():
-            return min(world.space.pairs, height - _ROOM_FOR_WORDS)
-    return max(10, height * 2 // 5)

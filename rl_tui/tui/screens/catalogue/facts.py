@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from typing import Final
 
@@ -22,13 +23,49 @@ from rl_tui.worlds.world import World
 
 _DOT: Final = " · "
 _SHORT: Final = 24
+_WATCHING: Final = (
+    "An agent learns to cross a frozen lake. Once it has met the goal, values spread from there, and arrows "
+    "point the way."
+)
+_KEYS: Final = {
+    "enter": "begin; nothing else has to be pressed",
+    "space": "pause, and go on",
+    "+ −": "another speed",
+    "?": "what is on the screen",
+}
+
+
+def about(scenario: Scenario, look: Look) -> RenderableType:
+    """Return what a person has to know first: the summary, and what the scenario teaches."""
+    lines = [Text(to_ascii(scenario.summary, look.glyphs), look.palette.text)]
+    if lesson := lesson_of(scenario.notes):
+        lines.append(
+            Text.assemble(("teaches ", look.palette.dim), (to_ascii(lesson, look.glyphs), look.palette.text))
+        )
+    return Group(*lines)
+
+
+def lesson_of(notes: str) -> str:
+    """Return the lesson that the first heading of ``notes`` names; empty where there is no such heading."""
+    found = re.match(r"\s*\*\*What it teaches: (.+?)\*\*", notes, re.DOTALL)
+    return " ".join(found[1].split()).removesuffix(".") if found else ""
 
 
 def facts(scenario: Scenario, world: World | UserError | None, look: Look) -> RenderableType:
-    """Return the lines above the notes; ``world`` is None while it is being built."""
+    """Return the lines below the drawing; ``world`` is None while it is being built."""
     lines = {"sizes": sizes(world), "defaults": defaults(scenario.defaults)}
-    table = labelled({label: _Parts(line, look) for label, line in lines.items()}, look)
-    return Group(Text(to_ascii(scenario.summary, look.glyphs), look.palette.text), table)
+    return labelled({label: _Parts(line, look) for label, line in lines.items()}, look)
+
+
+def about_watching(look: Look) -> Text:
+    """Return what there is to see where the first row is opened."""
+    return Text(_WATCHING, look.palette.text)
+
+
+def keys_while_watching(look: Look) -> Table:
+    """Return what can be pressed once the first row is open."""
+    rows = {key: Text(to_ascii(what, look.glyphs)) for key, what in _KEYS.items()}
+    return labelled({to_ascii(key, look.glyphs): what for key, what in rows.items()}, look)
 
 
 def labelled(rows: Mapping[str, RenderableType], look: Look) -> Table:
