@@ -45,7 +45,7 @@ def test_a_mean_of_fewer_than_100_episodes_says_of_how_many() -> None:
 
 def test_the_cost_of_exploring_is_said_below_or_in_the_border() -> None:
     text, widget = drawn(lake())
-    assert "gap .32 a return: mostly what exploring (ε .10) costs" in text
+    assert "gap .32 an episode: mostly what exploring (ε .10) costs" in text
     assert widget.footing == ""
     text, widget = drawn(lake(), NARROW)
     assert "gap" not in text
@@ -126,7 +126,7 @@ def test_at_full_speed_the_border_has_no_figures() -> None:
     assert widget.heading == "Return per episode"
     assert widget.footing == "gap: mostly what exploring costs"
     assert "greedy .73" in text
-    assert "gap .32 a return" in drawn(fast)[0]
+    assert "gap .32 an episode" in drawn(fast)[0]
 
 
 def test_many_episodes_without_reward_are_told() -> None:

@@ -171,7 +171,7 @@ def test_a_small_estimate_does_not_look_like_none() -> None:
 
 def test_the_loop_in_five_parts() -> None:
     assert drawn(lake_step(), 56, 9) == [
-        " agent        state s = 6   row 1, column 2",
+        " agent        state s = 6   row 1, column 2, from 0",
         "              greedy (ε = .10)   action a = ←",
         " environment  meant ←, slipped ↓ (p 1/3)",
         "              reward r = 0   next state s′ = 10",

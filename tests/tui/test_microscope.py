@@ -82,7 +82,7 @@ def part(lines: list[str], heading: str, until: str) -> list[str]:
 def test_the_loop_in_five_parts() -> None:
     lines = part(shown(LAKE), "The step", "The update")
     assert lines == [
-        " state   s = 6   row 1, column 2",
+        " state   s = 6   row 1, column 2, from 0",
         " action  a = ←   greedy (ε = .10)",
         " reward  r = 0",
         " next    s′ = 2   slipped ↑, p 1/3",
@@ -153,7 +153,7 @@ def test_the_table_lights_up_what_was_looked_up() -> None:
 
 
 def test_the_backup_is_a_tree_over_all_outcomes() -> None:
-    lines = part(shown(LAKE), "The backup", "The return")
+    lines = part(shown(LAKE), "The backup", "Discounted return")
     assert lines[:6] == [
         " ○ 6",
         " └● ←",
@@ -208,7 +208,7 @@ def test_many_outcomes_are_cut_down_to_the_likely_ones_and_what_happened() -> No
         cell=None,
         solution=None,
     )
-    lines = part(shown(many), "The backup", "The return")
+    lines = part(shown(many), "The backup", "Discounted return")
     assert len([line for line in lines if "○" in line]) == 8
     assert lines[3].startswith(" ▸├○ .018   1  s1: ends"), lines
     assert "  └… 3 more, together p .164" in lines
@@ -254,13 +254,13 @@ def test_a_planner_takes_the_expectation_itself() -> None:
 
 
 def test_the_terms_of_the_return() -> None:
-    lines = part(shown(LAKE, 60), "The return", "History")
+    lines = part(shown(LAKE, 60), "Discounted return", "History")
     assert lines == [
         " G₀ = 0 + .99·0 + .99²·0 + … + .99⁵·0 + .99⁶·0 + .99⁷·1",
         "    = .9321   undiscounted 1",
         " Gₜ = Rₜ₊₁ + γ Rₜ₊₂ + γ² Rₜ₊₃ + …",
     ]
-    assert part(shown(LAKE, 60, ascii=True), "The return", "History") == [
+    assert part(shown(LAKE, 60, ascii=True), "Discounted return", "History") == [
         " G0 = 0 + .99*0 + ... + .99^5*0 + .99^6*0 + .99^7*1",
         "    = .9321   undiscounted 1",
         " Gt = Rt+1 + gamma Rt+2 + gamma^2 Rt+3 + ...",
@@ -278,7 +278,7 @@ def test_of_a_long_episode_the_last_rewards_are_known() -> None:
         discounted_return=0.5,
         last_step=replace(LAKE.counters.last_step, episode_step=300),
     )
-    lines = part(shown(long, 60), "The return", "History")
+    lines = part(shown(long, 60), "Discounted return", "History")
     assert lines[0] == " G₀ = … + .99²⁹⁶·0 + .99²⁹⁷·0 + .99²⁹⁸·0 + .99²⁹⁹·0"
     assert lines[1] == "    = .5"
 
@@ -322,7 +322,7 @@ def test_steps_that_pass_too_fast_leave_the_history_only() -> None:
     lines = shown(fast, 80)
     assert " steps pass too fast to take one apart: space pauses, − slows down" in lines
     still = shown(LAKE, 80)
-    headings = [" The step", " The update", " The backup", " The return so far", " History of Q(6,←)"]
+    headings = [" The step", " The update", " The backup", " Discounted return so far", " History of Q(6,←)"]
     for heading in headings:
         assert [line.startswith(heading) for line in lines].index(True) == [
             line.startswith(heading) for line in still

@@ -90,7 +90,7 @@ async def test_it_scrolls_by_keys_and_wheel(make_app: MakeApp) -> None:
         await press(pilot, "down")
         assert "state" in widget.render_line(0).text
         await press(pilot, "end")
-        assert "The return so far" not in widget.render_line(0).text
+        assert "Discounted return so far" not in widget.render_line(0).text
         last = widget.render_line(0).text
         await press(pilot, "pagedown")
         assert widget.render_line(0).text == last
@@ -187,11 +187,11 @@ async def test_the_return_counts_the_steps_of_the_episode(make_app: MakeApp) -> 
         await settle(pilot)
         await press(pilot, "d", "s", "s")
         shown = await press(pilot, "s")
-        assert " The return so far  t = 3 " in lines(pilot)
+        assert " Discounted return so far  t = 3 " in lines(pilot)
         worked = sum(reward * 0.9**place for place, reward in enumerate(shown.counters.rewards.tolist()))
         assert shown.counters.discounted_return == pytest.approx(worked)
         await press(pilot, "e")
-        assert f" The return so far  t = {len(snapshot(pilot).counters.rewards):,} " in lines(pilot)
+        assert f" Discounted return so far  t = {len(snapshot(pilot).counters.rewards):,} " in lines(pilot)
 
 
 @pytest.mark.parametrize("scenario", ["frozenlake-random"])

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from rl_tui.lab.sessions.autosave import Autosave
     from rl_tui.lab.sessions.session import StoredSession
     from rl_tui.tui.screens.catalogue.catalogue import CatalogueScreen
+    from rl_tui.tui.screens.legend_switch import LegendSwitch
     from rl_tui.tui.screens.playground.playground import Playground
 
 
@@ -55,6 +56,8 @@ class Opener:
     panels: Sequence[PanelRow]
     player: Player | None = None
     """That of the newest playground."""
+    legends: LegendSwitch | None = None
+    """Whether panels explain themselves, in all playgrounds alike."""
     autosave: Autosave | None = None
     """What keeps the newest playground's session, if anything does."""
 
@@ -99,13 +102,25 @@ class Opener:
         *,
         watches: bool = False,
     ) -> Playground:
+        from rl_tui.tui.screens.legend_switch import LegendSwitch
         from rl_tui.tui.screens.playground.playground import Playground
 
         self.autosave = autosave
+        if self.legends is None:
+            self.legends = LegendSwitch(self.sessions)
         self.player = self.make_player(recipe, record_sink=autosave, record=record)
         screen = Playground.with_keys_of(self.panels)
         playground = screen(
-            look, recipe, self.player, self.fps, speed, self.panels, autosave, resumed, watches=watches
+            look,
+            recipe,
+            self.player,
+            self.fps,
+            speed,
+            self.panels,
+            autosave,
+            resumed,
+            self.legends,
+            watches=watches,
         )
         if self.kiosk:
             playground.place |= Place.KIOSK

@@ -45,7 +45,7 @@ def pair_name(world: World, pair: int, glyphs: Glyphs) -> str:
 
 
 def place(world: World, state: int) -> str:
-    """Return where ``state`` is on a grid, ``row 1, column 2``, counted from 0; empty elsewhere.
+    """Return where ``state`` is on a grid, ``row 1, column 2, from 0``; empty elsewhere.
 
     Empty too where the name of the state is no plain number: such a name tells the place in the world itself,
     and a row of the drawing, which has many maps or tables side by side, would contradict it.
@@ -53,7 +53,7 @@ def place(world: World, state: int) -> str:
     if not isinstance(world.drawing, Grid) or not world.space.state_names[state].isdecimal():
         return ""
     row, column = divmod(world.drawing.cell_of_state[state], world.drawing.columns)
-    return f"row {row}, column {column}"
+    return f"row {row}, column {column}, from 0"
 
 
 def landmark(world: World, state: int) -> str:

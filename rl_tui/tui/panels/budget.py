@@ -26,7 +26,7 @@ class BudgetPanel(Panel):
 
     def picture(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
         """Return the picture of the figures of ``snapshot``."""
-        self.heading = "Budget"
+        self.heading = self.fitting((*self.captioned("Budget"), "Budget"), width)
         lines = budget_lines(snapshot, self.look, width, revealed=self.tells_all)
         return strips_of(lines, width, height, self.look)
 

@@ -45,13 +45,16 @@ class PanelRow:
     stands where the panels ``in_place_of`` stood, which form one rectangle at any size; where none of them is
     in view it covers the board. With ``is_wide`` it has the whole width below world and table where there is
     room for that. The microscope does both. ``needs`` says whether there is anything to show, by how the
-    world is drawn.
+    world is drawn. ``caption`` says in some five words what the panel is, and ``terms`` are the ids of
+    the terms of the glossary that it is about, what is asked first before the rest.
     """
 
     id: str
     widget: str
     title: str
     help: str
+    caption: str = ""
+    terms: tuple[str, ...] = ()
     opened_by: OpeningKey | None = None
     in_place_of: tuple[str, ...] = ()
     is_wide: bool = False
@@ -63,6 +66,7 @@ class PanelRow:
         panel: BoardPanel = pkgutil.resolve_name(self.widget)(
             look, id=self.id, classes="panel" if self.has_border else None
         )
+        panel.caption = self.caption
         if self.opened_by is not None:
             panel.can_focus, panel.display = True, False
         return panel
@@ -85,6 +89,8 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         "bandit shows its estimate ± its standard error, the standard deviation that the noise of the "
         "rewards leaves in it. ▸ marks the greedy arm, ◉ the last pull. In focus it has a cursor, as the "
         "table has; the place where one stands is marked in the other.",
+        caption="as the agent meets it",
+        terms=("agent", "state", "action", "reward", "value", "greedy", "terminal", "ties", "policy", "mdp"),
     ),
     PanelRow(
         TABLE,
@@ -94,18 +100,31 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         "step updated is lit; an unvisited cell looks different from a zero. v turns to the exact Q*, the "
         "error Q−Q* and visits. It has a cursor: tab to the table, then the arrows; m shows the model of "
         "the pair under it, and esc follows the agent again.",
+        caption="what each action seems worth",
+        terms=("q", "pair", "greedy", "target", "q-star", "error", "visits", "ties", "optimism"),
     ),
     PanelRow(
         CURVE,
         "rl_tui.tui.panels.curve.curve:ReturnCurve",
         "Return",
-        "The return of each episode as band and mean, with the mean of the last 100 beside it; the exact "
-        "expected return of the greedy policy; and dotted what is best for this γ (in short γ-best): the "
-        "undiscounted return of the policy that is best for the γ in force. At a smaller γ another policy "
-        "can collect more undiscounted return than that one. Once something is learned, the gap between "
-        "episodes and greedy policy is mostly what exploring costs. The axis counts finished episodes, the "
-        "top line the one under way: between two it is the next. Where the run cannot keep up with the "
-        "wanted speed, the top line ends with the one measured.",
+        "The return of each episode, its rewards added up without a discount, as band and mean, with the "
+        "mean of the last 100 beside it; the exact return that the greedy policy has on average; and dotted "
+        "what is best for this γ (in short γ-best): the return, undiscounted too, of the policy that is best "
+        "for the γ in force. At a smaller γ another policy can collect more than that one. Once something is "
+        "learned, the gap between episodes and greedy policy is mostly what exploring costs. The axis counts "
+        "finished episodes, the top line the one under way: between two it is the next. Where the run cannot "
+        "keep up with the wanted speed, the top line ends with the one measured.",
+        caption="what each episode has earned",
+        terms=(
+            "return",
+            "episode",
+            "greedy",
+            "last-100",
+            "gamma-best",
+            "explore",
+            "discounted-return",
+            "sweep",
+        ),
     ),
     PanelRow(
         TIMELINE,
@@ -117,6 +136,8 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         "e12, an episode, and goes to where that one begins. To play on from there "
         "repeats what happened; to change something begins a branch, and j goes back to the other. ◆ is a "
         "change, ╍ steps taken by hand, ┻ where the branch began.",
+        caption="the run, to go back in",
+        terms=("branch", "episode", "seed"),
         has_border=False,
     ),
     PanelRow(
@@ -126,6 +147,8 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         "Pulls and winnings of a bandit; revealed or spent, its regret too: over all pulls, the true mean "
         "of the best arm less that of the arm pulled. Luck is left out, so winnings and regret need not add "
         "up to the best possible.",
+        caption="what the pulls have earned",
+        terms=("regret", "bandit", "arm", "reward"),
         needs=_has_arms,
     ),
     PanelRow(
@@ -136,6 +159,8 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         "type a value, the mouse drags it. a chooses the algorithm, p the policy, which is the rule by "
         "which actions are chosen; o lists everything, schedules and the sample average too. A change acts "
         "from the next step on; initial Q and seed start again.",
+        caption="what the agent is told",
+        terms=("alpha", "gamma", "epsilon", "policy", "off-policy", "on-policy", "ties", "optimism", "seed"),
     ),
     PanelRow(
         LAST_STEP,
@@ -144,7 +169,20 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         "One turn of the loop with its real numbers: what was chosen and why, what the world did, and the "
         "update. δ is the error that the update shrinks. Algorithms that wait for n rewards or for the end "
         "of the episode say so. Where one step moves many estimates, by their traces (how recently each "
-        "pair was taken) or from a model, one is told in full and the others are counted.",
+        "pair was taken) or from a model, one is told in full and the others are counted. Rows and columns "
+        "of a map are counted from 0, as states are.",
+        caption="one turn of the loop",
+        terms=(
+            "td-error",
+            "target",
+            "bootstrap",
+            "alpha",
+            "gamma",
+            "reward",
+            "terminal",
+            "truncated",
+            "lambda",
+        ),
     ),
     PanelRow(
         MICROSCOPE,
@@ -155,7 +193,18 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         "state and its action all that might have followed; ▸ marks what did. The target of this sample "
         "stands beside the expected one, the mean over all outcomes with the same estimates: what lies "
         "between them is luck. At the end stands how the cell under the table's cursor went, else the one "
-        "updated last, with its exact value dotted.",
+        "updated last, with its exact value dotted. The return so far is told discounted, and without.",
+        caption="the last step, taken apart",
+        terms=(
+            "backup",
+            "bellman",
+            "target",
+            "td-error",
+            "bootstrap",
+            "discounted-return",
+            "return",
+            "q-star",
+        ),
         opened_by=OpeningKey(
             "d",
             "dissect",

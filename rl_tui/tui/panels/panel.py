@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import Final
 
 from rich.cells import cell_len
@@ -15,9 +15,11 @@ from textual.widget import Widget
 
 from rl_tui.lab.live.snapshot import Phase, Snapshot
 from rl_tui.tui.draw.to_ascii import separated
+from rl_tui.tui.panels.legend import LegendSign, legend_lines, legend_strips, legend_text
 from rl_tui.tui.theme.look import Look
+from rl_tui.worlds.world import World
 
-_BORDER_ENDS: Final = 4  # a piece of line and a blank on either side of a title
+BORDER_ENDS: Final = 4  # a piece of line and a blank on either side of a title
 
 
 _HINT: Final = re.compile(r"(\S+): ?.*?(?=\s+\S+: |\s+[·–-]\s|$)")
@@ -34,9 +36,14 @@ def key_at(hints: str, column: int) -> str | None:
 
 
 class BoardPanel(Widget):
-    """What the board asks of each of its panels; ``revealed`` shows what a bandit keeps secret."""
+    """What the board asks of each of its panels; ``revealed`` shows what a bandit keeps secret.
+
+    ``caption`` says in some five words what the panel is; it and the legend are seen while ``is_explained``.
+    """
 
     revealed: bool = False
+    caption: str = ""
+    is_explained: bool = False
 
     @property
     def is_complete(self) -> bool:
@@ -51,8 +58,9 @@ class BoardPanel(Widget):
 class Panel(BoardPanel):
     """Draws each snapshot anew and refreshes only the rows that came out different.
 
-    Subclasses implement :meth:`picture`, which may set ``heading`` and ``footing`` on the way. ``revealed``
-    tells whether what a bandit's agent cannot know is shown.
+    Subclasses implement :meth:`picture`, which may set ``heading`` and ``footing`` on the way, and
+    ``free_rows``: how many rows at the bottom it leaves empty. There the :meth:`legend` stands, otherwise on
+    the border. ``revealed`` tells whether what a bandit's agent cannot know is shown.
     """
 
     def __init__(self, look: Look, *, id: str | None = None, classes: str | None = None) -> None:  # noqa: A002
@@ -60,8 +68,12 @@ class Panel(BoardPanel):
         self.snapshot: Snapshot | None = None
         self.heading = ""
         self.footing = ""
+        self.free_rows = 0
         self._look = look
         self._revealed = False
+        self._is_explained = False
+        self._border_legend = ""
+        self._least_free: tuple[World | None, Size, int] | None = None
         self._rows: list[Strip] = []
         self._drawn_size = Size(0, 0)
         self._border_texts = ("", "", "")
@@ -88,6 +100,17 @@ class Panel(BoardPanel):
             self.redraw()
 
     @property
+    def is_explained(self) -> bool:
+        """Whether caption and legend are shown."""
+        return self._is_explained
+
+    @is_explained.setter
+    def is_explained(self, is_explained: bool) -> None:
+        if is_explained != self._is_explained:
+            self._is_explained = is_explained
+            self.redraw()
+
+    @property
     def tells_all(self) -> bool:
         """Whether secrets are out: by :attr:`revealed`, or because the budget is spent."""
         return self._revealed or (self.snapshot is not None and self.snapshot.playback.phase is Phase.SPENT)
@@ -101,9 +124,18 @@ class Panel(BoardPanel):
         """Return ``height`` strips of ``width`` cells (at least 1); None is before the first snapshot."""
         raise NotImplementedError
 
+    def legend(self, snapshot: Snapshot) -> Sequence[LegendSign]:
+        """Return the signs that the picture of ``snapshot`` may have, those that matter most first."""
+        return ()
+
+    def captioned(self, title: str, caption: str = "") -> tuple[str, ...]:
+        """Return ``title`` with ``caption``, else with the panel's, where that is shown; else nothing."""
+        caption = caption or self.caption
+        return (f"{title} · {caption}",) if self.is_explained and caption else ()
+
     def fitting(self, titles: Iterable[str], width: int) -> str:
         """Return the first of ``titles`` that the border around ``width`` cells holds; empty if none does."""
-        room = width - _BORDER_ENDS
+        room = width - BORDER_ENDS
         return next((each for each in titles if cell_len(separated(each, self.look.glyphs)) <= room), "")
 
     def redraw(self) -> None:
@@ -141,20 +173,43 @@ class Panel(BoardPanel):
     def footing_column(self, event: events.MouseEvent) -> int | None:
         """Return which character of what stands on the lower border ``event`` points at, None if none."""
         text = separated(self.footing, self.look.glyphs)
-        column = event.x - (self.outer_size.width - _BORDER_ENDS + 1 - cell_len(text))
+        column = event.x - (self.outer_size.width - BORDER_ENDS + 1 - cell_len(text))
         is_border = self.styles.border_bottom[0] and event.y == self.outer_size.height - 1
         return column if is_border and 0 <= column < cell_len(text) else None
 
     def _draw(self) -> None:
         self._drawn_size = size = self.size
-        self._rows = (
-            self.picture(self.snapshot, size.width, size.height) if size.width > 0 and size.height > 0 else []
-        )
+        self._rows, self._border_legend = [], ""
+        if size.width > 0 and size.height > 0:
+            self._rows = self.picture(self.snapshot, size.width, size.height)
+            if self.is_explained and self.snapshot is not None:
+                self._explain(self.snapshot)
+
+    def _explain(self, snapshot: Snapshot) -> None:
+        """Put as much of the legend as there is room for on the rows that are free, else on the border."""
+        size, signs = self._drawn_size, self.legend(snapshot)
+        lines = legend_lines(signs, size.width, self.look)[: self._always_free(snapshot)]
+        if lines:
+            self._rows[-len(lines) :] = legend_strips(lines, size.width, self.look)
+        else:
+            taken = cell_len(separated(f"{self.footing} · ", self.look.glyphs)) if self.footing else 0
+            self._border_legend = legend_text(signs, size.width - BORDER_ENDS - taken, self.look)
+
+    def _always_free(self, snapshot: Snapshot) -> int:
+        """Return how many rows were free in every picture of this size: a legend must not jump."""
+        known = self._least_free
+        if known is not None and known[0] is snapshot.world and known[1] == self._drawn_size:
+            least = min(known[2], self.free_rows)
+        else:
+            least = self.free_rows
+        self._least_free = snapshot.world, self._drawn_size, least
+        return max(0, least)
 
     def _write_border(self) -> None:
         # setting a title refreshes the whole widget, even where it says the same
-        texts = (self.heading, self.footing, self.look.glyphs.name)
+        footing = " · ".join(filter(None, (self._border_legend, self.footing)))
+        texts = (self.heading, footing, self.look.glyphs.name)
         if texts != self._border_texts:
             self._border_texts = texts
             self.border_title = Content(separated(self.heading, self.look.glyphs))
-            self.border_subtitle = Content(separated(self.footing, self.look.glyphs))
+            self.border_subtitle = Content(separated(footing, self.look.glyphs))

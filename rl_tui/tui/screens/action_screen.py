@@ -95,6 +95,35 @@ class ActionScreen(Screen[None]):
         """Show ``message`` about this moment: it goes with the next key, or after ``timeout`` seconds."""
         tell(self.app, message, severity, timeout)
 
+    def action_help(self) -> None:
+        """Explain what the mouse or the focus is on; where that is no word, show the help."""
+        from rl_tui.tui.screens.asking import words_here  # brings widgets that the first paint has no need of
+
+        rows = {row.id: row for row in self.panel_rows}
+        here = words_here(self, rows, self.look.glyphs)
+        if here:
+            self.show_words(here)
+        else:
+            self.app.push_screen(self.help_screen())
+
+    def action_glossary(self) -> None:
+        """Show all words."""
+        self.show_words(())
+
+    def show_words(self, here: Sequence[str]) -> None:
+        """Show the terms with the ids ``here``, or all; from there the help is a key away."""
+        from rl_tui.tui.screens.glossary import GlossaryScreen
+
+        def closed(asks_for_help: bool | None) -> None:
+            if asks_for_help:
+                self.app.push_screen(self.help_screen())
+
+        self.app.push_screen(GlossaryScreen(self.look, here), closed)
+
+    def help_screen(self) -> Screen[None]:
+        """Return the help."""
+        raise NotImplementedError
+
     def content(self) -> Iterable[Widget]:
         """Yield the widgets above the key line."""
         raise NotImplementedError

@@ -1,4 +1,4 @@
-"""All keys, how to read the panels, and the notes of the scenario."""
+"""How to read the panels, all keys, and the notes of the scenario."""
 
 from __future__ import annotations
 
@@ -19,6 +19,12 @@ from rl_tui.tui.screens.explained import Explained, Explanation
 from rl_tui.tui.screens.notes import notes_markdown
 from rl_tui.tui.theme.look import Look
 
+_ASKING: Final = (
+    "With the mouse on a word, or a panel or slider in focus (tab), ? says what it means, with its equation "
+    "and where the book has it. / looks any word up. Return alone is always the plain sum of the rewards of "
+    "an episode; where γ weighs them it is called discounted return, or value. L hides what panels say of "
+    "their signs."
+)
 _TOPICS: Final = (
     (
         "Lanes",
@@ -65,10 +71,11 @@ _TOPICS: Final = (
 
 
 class HelpScreen(Dialog[None]):
-    """Everything that is worth knowing here, on one page that scrolls: keys, panels and ``notes``."""
+    """Everything that is worth knowing here, on one page that scrolls: panels, keys and ``notes``."""
 
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("question_mark,q", "cancel", "back", id="close_help", tooltip="Close the help."),
+        Binding("slash", "glossary", "glossary", id="help.glossary", tooltip="Look a word up."),
     ]
 
     def __init__(
@@ -81,8 +88,9 @@ class HelpScreen(Dialog[None]):
         self._notes = notes
 
     def compose(self) -> ComposeResult:
-        """Yield the keys."""
-        with self.box("Help", "arrows: scroll   ? or q: close", classes="tall"), VerticalScroll():
+        """Yield panels and keys."""
+        hints = "arrows: scroll   /: glossary   ? or q: close"
+        with self.box("Help", hints, classes="tall"), VerticalScroll():
             yield Explained(list(self._explanations()), self._look.glyphs)
 
     def on_mount(self) -> None:
@@ -98,24 +106,34 @@ class HelpScreen(Dialog[None]):
         if page.is_attached and not page.max_scroll_y:  # there is nothing to scroll
             await self._add_notes()
 
+    def action_glossary(self) -> None:
+        """Look a word up."""
+        from rl_tui.tui.screens.glossary import GlossaryScreen
+
+        self.app.push_screen(GlossaryScreen(self._look))
+
     async def _add_notes(self) -> None:
         """Put the notes at the end once the page is scrolled: Markdown is slow to load."""
         if not self._notes:
             return
         notes, self._notes = notes_markdown(self._notes, self._look.glyphs), ""
         page = self.query_one(VerticalScroll)
-        to_end = page.scroll_target_y >= page.max_scroll_y
+        # a page that does not scroll yet, or that nobody has scrolled, shows its beginning
+        to_end = 0 < page.max_scroll_y <= page.scroll_target_y
         await page.mount(Static(Text("\nNotes", "bold")), notes)
         if to_end:
             self.call_after_refresh(page.scroll_end, animate=False)
 
     def _explanations(self) -> Iterator[Explanation]:
-        for group, actions in groupby(self._actions, key=lambda action: action.group):
-            yield Explanation(group)
-            for action in actions:
-                yield Explanation(f"  {action.shown}", action.help)
         if self._panels:
+            yield Explanation("Words")
+            yield Explanation("  ?", _ASKING)
             yield Explanation("")
             yield Explanation("Panels")
             for title, sentences in (*((row.title, row.help) for row in self._panels), *_TOPICS):
                 yield Explanation(f"  {title}", sentences)
+            yield Explanation("")
+        for group, actions in groupby(self._actions, key=lambda action: action.group):
+            yield Explanation(group)
+            for action in actions:
+                yield Explanation(f"  {action.shown}", action.help)

@@ -6,14 +6,17 @@ from collections.abc import Iterable
 
 from textual.app import ComposeResult
 from textual.containers import Container
+from textual.content import Content
 
 from rl_tui.agents.catalogue import parameters_of
 from rl_tui.agents.hyperparameters import PARAMETERS, SAMPLE_AVERAGE, Hyperparameters, Parameter
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.run.recipe import Recipe
+from rl_tui.tui.draw.to_ascii import separated, to_ascii
 from rl_tui.tui.panels.controls.settings import AgentSettings
 from rl_tui.tui.panels.controls.slider import Slider
-from rl_tui.tui.panels.panel import BoardPanel
+from rl_tui.tui.panels.legend import LegendSign, legend_text
+from rl_tui.tui.panels.panel import BORDER_ENDS, BoardPanel
 from rl_tui.tui.theme.look import Look
 
 
@@ -39,10 +42,37 @@ class Controls(Container, BoardPanel):
 
     def __init__(self, look: Look, *, id: str | None = None, classes: str | None = None) -> None:  # noqa: A002
         super().__init__(id=id, classes=classes)
-        self.border_title = "Controls"
         self._look = look
+        self._is_explained = False
         self.wanted = Hyperparameters()
         self._parameters: tuple[Parameter, ...] = ()
+
+    @property
+    def is_explained(self) -> bool:
+        """Whether caption and legend are on the border."""
+        return self._is_explained
+
+    @is_explained.setter
+    def is_explained(self, is_explained: bool) -> None:
+        self._is_explained = is_explained
+        self._write_border()
+
+    def on_resize(self) -> None:
+        """Fit the legend to the new width."""
+        self._write_border()
+
+    def _write_border(self) -> None:
+        look = self._look
+        title, legend = "Controls", ""
+        if self._is_explained:
+            signs = [
+                LegendSign(to_ascii(each.symbol, look.glyphs), each.help.partition(":")[0], look.palette.text)
+                for each in self._parameters
+            ]
+            title = f"Controls · {self.caption}"
+            legend = legend_text(signs, self.size.width - BORDER_ENDS, look)
+        self.border_title = Content(separated(title, look.glyphs))
+        self.border_subtitle = Content(separated(legend, look.glyphs))
 
     def begin_with(self, recipe: Recipe) -> None:
         """Show the sliders of ``recipe`` before the first snapshot."""
@@ -60,6 +90,7 @@ class Controls(Container, BoardPanel):
         parameters = sliders_of(snapshot.agent.algorithm, snapshot.agent.hyperparameters.policy)
         if parameters != self._parameters:
             self._parameters = parameters
+            self._write_border()
             self.run_worker(self._replace_sliders(), exclusive=True)
             return
         for slider in self.query(Slider):

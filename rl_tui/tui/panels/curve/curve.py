@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Final
 
 from textual.strip import Strip
 
+from rl_tui.agents.catalogue import BY_ID
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.draw.pieces import Piece, strips_of
 from rl_tui.tui.draw.scale import Scale, settled
@@ -13,8 +15,10 @@ from rl_tui.tui.panels.curve.chart import draw_chart, plot_columns
 from rl_tui.tui.panels.curve.data import CurveData, curve_data
 from rl_tui.tui.panels.curve.lane_text import lane_remark, lane_titles
 from rl_tui.tui.panels.curve.text import decimals_for, remark, titles
+from rl_tui.tui.panels.legend import LegendSign
 from rl_tui.tui.panels.panel import Panel
 from rl_tui.tui.panels.snapshot_facts import is_new_run, passes_too_fast
+from rl_tui.worlds.drawing import Arms
 
 WAITING: Final = "the world is being built"
 Words = tuple[str, ...]
@@ -60,6 +64,8 @@ class ReturnCurve(Panel, can_focus=True):
         decimals = decimals_for(scale.low, scale.high)
         in_border = height < _ROOM_FOR_REMARK
         heads, words = self._words(snapshot, data, scale, width, in_border)
+        if data.unit == "episode" and not data.lanes:
+            heads = (*self.captioned(heads[0]), *heads)
         self.heading, said = self.fitting(heads, width), self.fitting(words, width)
         self.footing = self.fitting(self.hints, width) or (said if in_border else "")
         if not said or in_border:
@@ -67,6 +73,14 @@ class ReturnCurve(Panel, can_focus=True):
         line = [Piece(f"    {said}", self.look.palette.dim)]
         chart = draw_chart(data, scale, self.look, decimals, width, height - 1)
         return [*chart, *strips_of([line], width, 1, self.look)]
+
+    def legend(self, snapshot: Snapshot) -> Sequence[LegendSign]:
+        """Return what the axis counts, and the band: the lines have their names where they end."""
+        if isinstance(snapshot.world.drawing, Arms):
+            return ()
+        palette, plans = self.look.palette, BY_ID[snapshot.agent.algorithm].planner
+        band = LegendSign("dim dots", "= least to most", palette.band)
+        return (LegendSign("return", "= undiscounted sum", palette.text), *([] if plans else [band]))
 
     def _words(
         self, snapshot: Snapshot, data: CurveData, scale: Scale, width: int, in_border: bool

@@ -146,7 +146,7 @@ def remark(
         return ()
     if not with_figures:
         return "gap: mostly what exploring costs", "gap: mostly exploring"
-    what = "a pull" if data.is_bandit else "a return"
+    what = "a pull" if data.is_bandit else "an episode"
     if epsilon is None:
         return f"gap {cost} {what}: mostly what exploring costs", f"gap {cost}: mostly exploring"
     rate = setting(round(epsilon, 3), glyphs)

@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Final
 
 from textual.strip import Strip
 
+from rl_tui.agents.catalogue import BY_ID
 from rl_tui.lab.last_step.story import story_of
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.draw.pieces import Line, Piece, strips_of
+from rl_tui.tui.draw.to_ascii import to_ascii
 from rl_tui.tui.panels.last_step.step_lines import StepWriter
 from rl_tui.tui.panels.last_step.words import words_of
+from rl_tui.tui.panels.legend import LegendSign
 from rl_tui.tui.panels.panel import Panel
 from rl_tui.tui.panels.snapshot_facts import passes_too_fast
 from rl_tui.tui.theme.look import Look
@@ -18,6 +22,7 @@ from rl_tui.worlds.drawing import Arms
 
 NOTHING_YET: Final = "no step yet: s takes one"
 NOT_REPLAYED_YET: Final = "the last step is told once it is replayed"
+_USUAL_ROWS: Final = 8  # of the longest form
 _LEAST_ROWS: Final = 4  # below this the loop has no lines of its own
 
 
@@ -29,20 +34,34 @@ class LastStepPanel(Panel):
 
     def picture(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
         """Return the picture of the last step of ``snapshot``."""
-        self.heading = "Last step"
+        self.heading = self.fitting((*self.captioned("Last step"), "Last step"), width)
         self.footing = _which(snapshot)
-        return strips_of(last_step_lines(snapshot, self.look, width, height), width, height, self.look)
+        lines = last_step_lines(snapshot, self.look, width, height)
+        self.free_rows = height - max(len(lines), _USUAL_ROWS)
+        return strips_of(lines, width, height, self.look)
+
+    def legend(self, snapshot: Snapshot) -> Sequence[LegendSign]:
+        """Return the signs of an update and of what the environment did."""
+        palette, is_bandit = self.look.palette, isinstance(snapshot.world.drawing, Arms)
+        delta, plans = to_ascii("δ", self.look.glyphs), BY_ID[snapshot.agent.algorithm].planner
+        tells_chances = snapshot.world.mdp is not None and not (is_bandit or plans)
+        return (
+            LegendSign(delta, "TD error", palette.strong),
+            *([LegendSign("p", "probability", palette.strong)] if tells_chances else []),
+        )
 
 
 def _which(snapshot: Snapshot | None) -> str:
     """Return which step it was; nothing while they pass too fast to tell, since a title redraws the panel."""
     if snapshot is None or snapshot.counters.last_step is None or passes_too_fast(snapshot):
         return ""
-    step, episode = snapshot.counters.last_step.step, snapshot.counters.last_step.episode
-    if snapshot.counters.last_step.planned:
-        return f"step {step:,} · sweep {episode:,}"
-    is_bandit = isinstance(snapshot.world.drawing, Arms)
-    return f"pull {step:,}" if is_bandit else f"step {step:,} · episode {episode:,}"
+    last = snapshot.counters.last_step
+    if last.planned:
+        return f"step {last.step:,} · sweep {last.episode:,}"
+    if isinstance(snapshot.world.drawing, Arms):
+        return f"pull {last.step:,}"
+    ended = "ended " if last.terminated or last.truncated else ""
+    return f"step {last.step:,} · {ended}episode {last.episode:,}"
 
 
 def nothing_yet(snapshot: Snapshot | None) -> str:

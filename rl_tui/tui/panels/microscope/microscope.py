@@ -66,6 +66,7 @@ class Microscope(Panel, can_focus=True):
     def picture(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
         """Return the rows in view, with a bar at the right where there are more."""
         rows, is_scrolled = self._page(snapshot, width, height)
+        self.heading = self.fitting((*self.captioned("Microscope"), "Microscope"), width)
         self._rows_in_all = len(rows)
         self._first = max(0, min(self._first, len(rows) - height))
         shown = rows[self._first : self._first + height]

@@ -14,7 +14,7 @@ from rl_tui.tui.panels.last_step.update_text import setting
 from rl_tui.tui.panels.microscope.section import MicroscopeSection
 from rl_tui.tui.theme.look import Look
 
-RETURN_HEADING: Final = "The return so far"
+RETURN_HEADING: Final = "Discounted return so far"
 RETURN_ROWS: Final = 3
 MEANING: Final = "Gₜ = Rₜ₊₁ + γ Rₜ₊₂ + γ² Rₜ₊₃ + …"
 PLANNER: Final = "a planner takes no steps: nothing is earned"

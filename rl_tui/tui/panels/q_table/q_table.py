@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import ClassVar, Final
 
@@ -18,6 +18,7 @@ from rl_tui.lab.run.large_worlds import is_large
 from rl_tui.tui.draw.pieces import Piece, strips_of, wrapped
 from rl_tui.tui.draw.to_ascii import separated, to_ascii
 from rl_tui.tui.panels.bindings import binding
+from rl_tui.tui.panels.legend import LegendSign
 from rl_tui.tui.panels.panel import Panel
 from rl_tui.tui.panels.pointing import NOWHERE, Pointed
 from rl_tui.tui.panels.q_table.form import Scene
@@ -48,6 +49,11 @@ _TITLES: Final = {
     Layer.ERROR: "Q − Q*",
     Layer.LANES: "Q − other lane",
     Layer.VISITS: "Visits",
+}
+_CAPTIONS: Final = {
+    Layer.OPTIMAL: "what each action is worth",
+    Layer.ERROR: "how wrong each estimate is",
+    Layer.VISITS: "how often each was tried",
 }
 
 
@@ -188,9 +194,21 @@ class QTable(Panel, can_focus=True):
             if self._following and self.sources and snapshot.counters.last_step is not None:
                 sheet.reach(snapshot.counters.last_step.updated_pair, _followed(snapshot))
         self._first = sheet.first
+        self.free_rows = sheet.free_rows
         self.heading = self._heading(snapshot, _size_in_words(scene, form), width)
         self.footing = self._footing(width, sheet.is_scrolled and not self.pointed)
         return sheet.strips(self._cache)
+
+    def legend(self, snapshot: Snapshot) -> Sequence[LegendSign]:
+        """Return the signs that cells have."""
+        palette, glyphs = self.look.palette, self.look.glyphs
+        frame, state = glyphs.mark_left + glyphs.mark_right, snapshot.world.space.states > 1
+        updated = self.lights and self.shown_layer is not Layer.OPTIMAL
+        return (
+            LegendSign(frame, "greedy", palette.greedy),
+            *([LegendSign(" lit ", "just updated", palette.updated)] if updated else []),
+            *([LegendSign(glyphs.agent, "agent", palette.agent)] if state else []),
+        )
 
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
         """Leave escape to the screen while there is nothing to go back from."""
@@ -345,7 +363,10 @@ class QTable(Panel, can_focus=True):
     def _heading(self, snapshot: Snapshot, size: str, width: int) -> str:
         other = other_lane(snapshot) if self.shown_layer is Layer.LANES else None
         if other is None:
-            return f"{_TITLES[self.shown_layer]} · {size}"
+            title = _TITLES[self.shown_layer]
+            captions = self.captioned(title, _CAPTIONS.get(self.shown_layer, ""))
+            forms = (*(f"{each} · {size}" for each in captions), *captions, f"{title} · {size}", title)
+            return self.fitting(forms, width)
         title, own = f"Q − Q of {other.name}", snapshot.run_group.lanes[snapshot.run_group.shown].name
         number = 1 + next(place for place, lane in enumerate(snapshot.run_group.lanes) if lane is other)
         forms = (f"Q of {own} − Q of {other.name} · {size}", f"{title} · {size}", title)

@@ -42,6 +42,12 @@ class Sheet:
         return self.shown < self.form.entries
 
     @property
+    def free_rows(self) -> int:
+        """How many rows below the last entry, or below the notes, are empty."""
+        below = self._height - self._head_rows - self._lines
+        return 0 if self.is_scrolled else below - len(self._notes(below))
+
+    @property
     def page(self) -> int:
         """How many rows a page is."""
         return max(1, self._lines)

@@ -18,6 +18,7 @@ from textual.containers import Container, Horizontal, Vertical, VerticalScroll
 from textual.content import Content
 from textual.events import DescendantFocus
 from textual.message import Message
+from textual.screen import Screen
 from textual.widget import Widget
 from textual.widgets import OptionList, Static
 from textual.worker import WorkerCancelled
@@ -303,10 +304,10 @@ class CatalogueScreen(SavedSessions):
             return
         self.ask_to_delete(entry)
 
-    def action_help(self) -> None:
-        """Show the help."""
+    def help_screen(self) -> Screen[None]:
+        """Return the help."""
         from rl_tui.tui.screens.help import HelpScreen
 
         entry = self._current
         notes = entry.notes if isinstance(entry, Scenario) else ""
-        self.app.push_screen(HelpScreen(self.look, self.actions, notes=notes))
+        return HelpScreen(self.look, self.actions, notes=notes)

@@ -33,7 +33,7 @@ Answer = ChooseLane | DropLane | str
 _LANE: Final = "lane-"
 _WITH: Final = "with-"
 _HINTS: Final = {
-    "lanes": "last 100: mean return; greedy: exact return of the greedy policy",
+    "lanes": "returns, undiscounted: mean of the last 100; exact one of the greedy policy",
     ALGORITHM: "another way to learn, or to plan",
 }
 _LEAST_NAME: Final = 8

@@ -28,7 +28,7 @@ _KINDS: Final = {
     SCRIPT: ("Python script", "A plain program with Gymnasium and NumPy only, to read and change."),
     Q_CSV: ("Q-table as CSV", "A row for each state, a column for each action, and their visits."),
     Q_ARRAY: ("Q-table as .npy", "The same for NumPy: states × actions, NaN where one is not possible."),
-    RETURNS: ("Returns as CSV", "Return and length of every episode; the run is done again for them."),
+    RETURNS: ("Returns as CSV", "Return, undiscounted, and length of every episode; the run is done again."),
     PICTURE: ("Screen as SVG", "A picture of the screen, without this window."),
 }
 _LOOKS_AT_PROGRESS: Final = 0.1

@@ -105,7 +105,7 @@ def _optimal(snapshot: Snapshot, kind: Kind) -> UntilOption:
         hint = "Compares with the true means without showing them."
     else:
         name = "the greedy policy is optimal"
-        hint = "No policy is better from the start of an episode, for the γ in force."
+        hint = "No policy has a larger discounted return from the start on, for the γ in force."
     refused = f"No exact answer: {snapshot.exact_answer.refused}." if snapshot.exact_answer.refused else ""
     return UntilOption("optimal", Event.OPTIMAL, name, hint, refused)
 

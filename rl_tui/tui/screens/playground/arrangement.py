@@ -36,11 +36,15 @@ _LEAST_WIDE = 20  # rows of a panel that has the whole width
 
 @dataclass(frozen=True, slots=True)
 class Shape:
-    """What the arrangement depends on besides the size; ``table_rows`` is what the whole table takes."""
+    """What the arrangement depends on besides the size; ``table_rows`` is what the whole table takes.
+
+    Where there is room for it, world and table have ``legend_rows`` more than their pictures take.
+    """
 
     drawing: Drawing | None = None
     table_rows: int = 11
     arms: int = 0
+    legend_rows: int = 0
 
 
 def is_roomy(size: Size) -> bool:
@@ -97,7 +101,8 @@ def _roomy(size: Size, shape: Shape, budget: int) -> dict[str, Region]:
         return regions
     world = _world_rows(shape, height, least_curve=_LEAST_CURVE)
     regions = _left_column(left, world, height)
-    table = min(max(table, min(world, _USUAL_TABLE)), height - 2 * _LOOP_ROWS - budget)
+    table = max(table + shape.legend_rows, min(world, _USUAL_TABLE))
+    table = min(table, height - 2 * _LOOP_ROWS - budget)
     y = 0
     for panel, rows in (
         (TABLE, table),
@@ -145,13 +150,19 @@ def _right_column(x: int, width: int, height: int, budget: int) -> dict[str, Reg
 
 
 def _world_rows(shape: Shape, height: int, least_curve: int) -> int:
-    """Return the rows of the world panel: whole rows of what it draws, enough left for curve and timeline."""
+    """Return the rows of the world panel: whole rows of what it draws, enough left for curve and timeline.
+
+    A legend has rows of its own in a roomy terminal, where nothing need be drawn smaller for it.
+    """
     most = max(_BORDERS + 1, height - least_curve)
+    legend = shape.legend_rows if least_curve >= _LEAST_CURVE else 0
     match shape.drawing:
         case Grid(rows=rows):
-            sizes = [rows * each + _BORDERS for each in (3, 2, 1)]
+            sizes = [rows * each + _BORDERS + more for each in (3, 2, 1) for more in (legend, 0)]
         case Arms():
-            sizes = [shape.arms * 2 + 1 + _BORDERS, shape.arms + _BORDERS]
+            sizes = [
+                each + _BORDERS + more for each in (shape.arms * 2 + 1, shape.arms) for more in (legend, 0)
+            ]
         case _:
             sizes = [height * 12 // 19 if least_curve < _LEAST_CURVE else height * 20 // 38]
     return next((rows for rows in sizes if rows <= most), most)

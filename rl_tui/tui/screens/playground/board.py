@@ -59,6 +59,7 @@ class Board(Container):
         self.rows = {row.id: row for row in panels}
         self._panels = {row.id: row.make(look) for row in panels}
         self.world: WorldView | None = None
+        self._is_explained = False
         self.table = self._made(TABLE, QTable)
         self.curve = self._made(CURVE, ReturnCurve)
         self.timeline = self._made(TIMELINE, TimelineBar)
@@ -87,6 +88,7 @@ class Board(Container):
         """Draw ``snapshot``; what a person can set is drawn as it is wanted."""
         if self.world is None:
             self.world = make_world_view(snapshot.world, self.look, id=WORLD, classes="panel")
+            self.world.caption, self.world.is_explained = self.rows[WORLD].caption, self.is_explained
             self._panels[WORLD] = self.world
             self.run_worker(self._replace_placeholder(self.world))
         self.table.sources = lit_sources(snapshot) if self.opened == MICROSCOPE else frozenset()
@@ -96,10 +98,21 @@ class Board(Container):
             panel.revealed = self._wanted.revealed or snapshot.playback.phase is Phase.SPENT
             panel.show(snapshot)
         world = snapshot.world
-        shape = Shape(world.drawing, self.table.rows, world.space.pairs)
+        shape = Shape(world.drawing, self.table.rows, world.space.pairs, int(self.is_explained))
         if shape != self._arrangement.shape:
             self._arrangement.shape = shape
             self._arrange_again()
+
+    @property
+    def is_explained(self) -> bool:
+        """Whether the panels show their captions and legends."""
+        return self._is_explained
+
+    @is_explained.setter
+    def is_explained(self, is_explained: bool) -> None:
+        self._is_explained = is_explained
+        for panel in self._panels.values():
+            panel.is_explained = is_explained
 
     def _shown(self) -> Iterator[BoardPanel]:
         """Yield the panels that are not closed."""

@@ -33,6 +33,7 @@ from rl_tui.tui.panels.timeline.timeline import TimelineBar
 from rl_tui.tui.screens.action_screen import ActionScreen
 from rl_tui.tui.screens.help import HelpScreen
 from rl_tui.tui.screens.key_line import KeyLine
+from rl_tui.tui.screens.legend_switch import LegendSwitch
 from rl_tui.tui.screens.playground.actions.agent import AgentActions
 from rl_tui.tui.screens.playground.actions.export import ExportActions
 from rl_tui.tui.screens.playground.actions.lanes import LaneActions
@@ -93,14 +94,17 @@ class Playground(ActionScreen):
         panels: Sequence[PanelRow] = PANELS,
         autosave: Autosave | None = None,
         resumed: StoredSession | None = None,
+        legends: LegendSwitch | None = None,
         *,
         watches: bool = False,
     ) -> None:
         super().__init__(look, panels)
+        self.legends = legends or LegendSwitch(None)
         self.player = player
         self.wanted = Wanted(recipe, speed)
         self.status = StatusLine(look, id="status")
         self.board = Board(look, self.wanted, panels)
+        self.board.is_explained = self.legends.is_on
         self.link = PlayerLink(player, self.wanted, self._note_sent)
         of = self, self.board, self.link
         self.run = RunActions(*of)
@@ -335,10 +339,15 @@ class Playground(ActionScreen):
         """Let a click come between them too."""
         self._left_after = None
 
-    def action_help(self) -> None:
-        """Show the help."""
-        notes = self.recipe.scenario.notes
-        self.app.push_screen(HelpScreen(self.look, self.actions, self.panel_rows, notes))
+    def help_screen(self) -> HelpScreen:
+        """Return the help, with the notes of the scenario."""
+        return HelpScreen(self.look, self.actions, self.panel_rows, self.recipe.scenario.notes)
+
+    def action_turn_legends(self) -> None:
+        """Hide captions and legends, or show them again."""
+        self.legends.turn()
+        self.board.is_explained = self.legends.is_on
+        self.redraw()
 
     def action_previous_scenario(self) -> None:
         """Go to the previous scenario of the catalogue."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import Final
 
 import numpy as np
@@ -12,6 +13,7 @@ from rl_tui.agents.hyperparameters import SAMPLE_AVERAGE, StepSize
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.run.bandit import true_means
 from rl_tui.tui.draw.names import pair_in_words
+from rl_tui.tui.panels.legend import LegendSign
 from rl_tui.tui.panels.scrolling import scrolled_to
 from rl_tui.tui.panels.snapshot_facts import is_new_run
 from rl_tui.tui.panels.world.arms.bars import Arm, draw_arms, names_width, rows_an_arm, true_mean_glyph
@@ -22,6 +24,7 @@ from rl_tui.worlds.mdp.space import FloatArray
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 from rl_tui.worlds.world import World
 
+ARMS: Final = "Arms"
 HEADINGS: Final = ("Arms · estimate ± standard error", "Arms · estimate ± error", "Arms")  # the longest first
 
 
@@ -64,7 +67,8 @@ class ArmsView(WorldView):
         self._shown, self._each = shown, each
         # where no row is left for the axis, its ends are named in the title
         ends = [] if len(arms) * each < height else [f"{form}  {self._ends(scale)}" for form in HEADINGS]
-        self.heading = self.fitting([*ends, *HEADINGS], width)
+        self.heading = self.fitting([*ends, *self.captioned(ARMS), *HEADINGS], width)
+        self.free_rows = height - shown * each - 1
         hidden = len(arms) - shown
         parts = [f"↑↓ {self._top + 1}–{self._top + shown} of {len(arms)}"] if hidden else []
         if self.revealed:
@@ -72,6 +76,16 @@ class ArmsView(WorldView):
         self.footing = self.fitting(("  ".join(parts), *parts), width)
         names = names_width(arms, self.look)
         return draw_arms(arms[self._top : self._top + shown], scale, self.look, width, height, each, names)
+
+    def signs(self) -> Sequence[LegendSign]:
+        """Return the signs of an arm and its bar."""
+        palette, glyphs = self.look.palette, self.look.glyphs
+        return (
+            LegendSign(glyphs.agent, "last pull", palette.agent),
+            LegendSign(glyphs.cursor, "greedy", palette.greedy),
+            LegendSign(glyphs.estimate, "estimate", palette.text),
+            LegendSign(glyphs.whisker, "standard error", palette.text),
+        )
 
     def agent_place(self, snapshot: Snapshot) -> int:
         """Return the arm pulled last, the first before any pull."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Final, NamedTuple
 
 from rich.style import Style
@@ -10,6 +11,7 @@ from textual.strip import Strip
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.draw import numbers
 from rl_tui.tui.draw.canvas import Canvas, centred, shortened
+from rl_tui.tui.panels.legend import LegendSign
 from rl_tui.tui.panels.scrolling import scrolled_to
 from rl_tui.tui.panels.world.graph.edge_list import draw_edge_list
 from rl_tui.tui.panels.world.graph.layout import GraphLayout, graph_layout
@@ -23,7 +25,8 @@ from rl_tui.worlds.drawing import Graph
 from rl_tui.worlds.world import World
 
 VALUE_WIDTH: Final = 6
-HEADING: Final = "World · bold = greedy"
+WORLD: Final = "World"
+HEADING: Final = f"{WORLD} · bold = greedy"
 END: Final = "end"  # in place of the value of a terminal state
 THIN: Final = 1
 BOLD: Final = 2
@@ -54,7 +57,7 @@ class GraphView(WorldView):
         if self._shape_glyphs is not self.look.glyphs:
             self._shape = graph_shape(self._mdp, self._graph, self.look.glyphs)
             self._shape_glyphs = self.look.glyphs
-        self.heading = HEADING
+        self.heading = self.fitting((*self.captioned(WORLD), HEADING), width) or HEADING
         values = state_values(self.world.space, snapshot)
         signs = Signs(snapshot.counters.state, self.shown_cursor, snapshot.playback.breakpoints)
         self._layout = layout = graph_layout(self._shape, width, height)
@@ -66,6 +69,15 @@ class GraphView(WorldView):
         self._top = max(0, min(self._top, rows - height))
         self.footing = f"↑↓ {self._top + 1}–{self._top + height} of {rows}" if rows > height else ""
         return draw_edge_list(self._shape, values, signs, self.look, width, height, self._top)
+
+    def signs(self) -> Sequence[LegendSign]:
+        """Return the signs of states and edges."""
+        palette = self.look.palette
+        return (
+            LegendSign("bold", "greedy", palette.greedy),
+            LegendSign(" tint ", "V", palette.value(1.0)),
+            LegendSign(self.look.glyphs.agent, "agent", palette.agent),
+        )
 
     def moved(self, place: int, rows: int, columns: int) -> int:
         """Return the nearest state in that direction, ``place`` itself if there is none.

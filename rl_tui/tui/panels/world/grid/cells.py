@@ -119,7 +119,7 @@ def _draw_cell(canvas: Canvas, face: Face, form: CellForm, look: Look) -> None:
 def _draw_large(canvas: Canvas, face: Face, form: CellForm, look: Look) -> None:
     """Draw arrows above the value, the mark beside the arrows, what the cell pays in the corner."""
     row = _value_row(form) - 1
-    signs = _fitting(face, most=form.width - 2)
+    signs = _fitting(face, most=form.most_signs)
     start = (form.width - max(1, len(signs))) // 2
     canvas.put(start, row, signs, _sign_style(face))
     mark = start - (2 if form.width >= 10 else 1)
@@ -149,7 +149,7 @@ def _draw_small(canvas: Canvas, face: Face, form: CellForm, look: Look) -> None:
     text = (face.text or "").rjust(form.digits)
     mark = 1 if _mark(face, look) or face.reward or face.stops else 0
     # a blank before it all, so that neighbours keep apart without colours too
-    signs = _fitting(face, most=max(1, form.width - form.digits - mark - 1))
+    signs = _fitting(face, most=max(1, form.most_signs - mark))
     end = form.width - form.digits
     canvas.put(end, 0, text, face.style)
     canvas.put(end - len(signs), 0, signs, _sign_style(face))

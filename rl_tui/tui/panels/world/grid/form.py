@@ -28,6 +28,13 @@ class CellForm(NamedTuple):
         return self.width >= _least_width(self.height, self.least_digits)
 
     @property
+    def most_signs(self) -> int:
+        """How many greedy actions a cell without a mark has room for."""
+        if not self.has_values:
+            return 1
+        return self.width - 2 if self.height > 1 else max(1, self.width - self.digits - 1)
+
+    @property
     def digits(self) -> int:
         """The characters that a value has."""
         if self.height == 1:

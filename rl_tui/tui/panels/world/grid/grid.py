@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from itertools import chain
 from typing import Final
 
@@ -13,13 +13,14 @@ from textual.strip import Strip
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.live.viewport import Cells
 from rl_tui.lab.run.large_worlds import is_large
+from rl_tui.tui.panels.legend import LegendSign
 from rl_tui.tui.panels.scrolling import Scrolled, kept_in_view, scrolled_to
 from rl_tui.tui.panels.snapshot_facts import is_new_run
-from rl_tui.tui.panels.world.grid.cells import CellArtist
+from rl_tui.tui.panels.world.grid.cells import SEVERAL, START, CellArtist
 from rl_tui.tui.panels.world.grid.form import LEAST_DIGITS, CellForm, cell_form, digits_needed
 from rl_tui.tui.panels.world.grid.map import CellContent, GridMap, MapPart
 from rl_tui.tui.panels.world.view import WorldView
-from rl_tui.worlds.drawing import Grid
+from rl_tui.worlds.drawing import CellKind, Grid
 from rl_tui.worlds.world import World
 
 WORLD: Final = "World"
@@ -48,6 +49,7 @@ class GridView(WorldView):
             raise TypeError("a GridView draws worlds whose drawing is a Grid")
         super().enter(world)
         self._map = GridMap(world.space, world.drawing)
+        self._kinds = frozenset(world.drawing.kinds)
         self._top = self._left = 0
         self._following = True
         self.heading = HEADING
@@ -135,10 +137,38 @@ class GridView(WorldView):
         if needed > self._digits:  # they stay as wide, lest the map jump to and fro
             self._digits = needed
             return self.drawing(snapshot, width, height)
-        self.heading = self._title(HEADING if form.has_values else HEADING_WITHOUT_VALUES, width)
+        heading = HEADING if form.has_values else HEADING_WITHOUT_VALUES
+        # where the border has no room for the legend, the heading says what is drawn
+        forms = (heading,) if self._map.grid.legend else (*self.captioned(WORLD), heading)
+        self.heading = self._title(self.fitting(forms, width) or heading, width)
         self.footing = self._where(width)
+        self.free_rows = height - part.rows * form.height - max(0, (height - part.rows * form.height) // 2)
         self._form, self._origin = form, origin(form, part, width, height)
         return draw_grid(cells, self._artist_for(form), part, width, height)
+
+    def signs(self) -> Sequence[LegendSign]:
+        """Return the signs of cells that this map has."""
+        return tuple(self._signs())
+
+    def _signs(self) -> Iterator[LegendSign]:
+        palette, glyphs = self.look.palette, self.look.glyphs
+        yield LegendSign(" tint ", "V", palette.value(1.0))
+        yield LegendSign(glyphs.agent, "agent", palette.agent)
+        ends = (
+            (CellKind.HOLE, glyphs.hole, palette.hole),
+            (CellKind.CLIFF, glyphs.cliff, palette.cliff),
+            (CellKind.GOAL, glyphs.goal, palette.goal),
+        )
+        yield from (LegendSign(sign, kind.value, style) for kind, sign, style in ends if kind in self._kinds)
+        if CellKind.START in self._kinds:
+            yield LegendSign(START, "start", palette.start)
+        greedy = self._map.signs[-1]
+        sign = glyphs.direction(greedy) if isinstance(greedy, tuple) else greedy
+        yield LegendSign(sign, "greedy", palette.strong)
+        if self._form is not None and len(self._map.signs) > self._form.most_signs:
+            yield LegendSign(SEVERAL, "tie", palette.strong)
+        if CellKind.WALL in self._kinds:
+            yield LegendSign(glyphs.wall, "wall", palette.wall)
 
     def redraw(self) -> None:
         """Draw again; say so where another part of a large map has come into view."""
@@ -190,7 +220,12 @@ class GridView(WorldView):
         grid, (top, left, rows, columns) = self._map.grid, self._part
         down, across = _stretch(top, rows, grid.rows), _stretch(left, columns, grid.columns)
         follow = FOLLOWS if self._following else FOLLOW_HINT
-        forms = (f"rows {down} · columns {across} · {follow}", f"{down} · {across} · {follow}", follow)
+        forms = (
+            f"rows {down} · columns {across}, from 0 · {follow}",
+            f"rows {down} · columns {across} · {follow}",
+            f"{down} · {across} · {follow}",
+            follow,
+        )
         return self.fitting(forms, width)
 
 

@@ -45,12 +45,15 @@ class CellContent(NamedTuple):
 
 
 class GridMap:
-    """A map and its states. Reading a part of it costs the same in a map of any size."""
+    """A map and its states. Reading a part of it costs the same in a map of any size.
+
+    ``signs`` are those of the actions, in their order: a direction, else the first letter of the name.
+    """
 
     def __init__(self, space: FiniteSpace, grid: Grid) -> None:
         self.grid = grid
         self._space = space
-        self._signs = tuple(
+        self.signs = tuple(
             (name[:1] or "?") if step is None else step
             for step, name in zip(grid.directions, space.action_names, strict=True)
         )
@@ -77,7 +80,7 @@ class GridMap:
         counts[states != NO_STATE] = self._space.first_pair[owners + 1] - self._space.first_pair[owners]
         held = None if snapshot.agent.part is None else snapshot.agent.part.held[pairs].tolist()
         q, visits = snapshot.agent.q[pairs].tolist(), snapshot.agent.visits[pairs].tolist()
-        signs = [self._signs[action] for action in self._space.pair_action[pairs].tolist()]
+        signs = [self.signs[action] for action in self._space.pair_action[pairs].tolist()]
         agent = self._place(part, int(self.grid.cell_of_state[snapshot.counters.state]))
         contents, first = [], 0
         for place, count in enumerate(counts.tolist()):

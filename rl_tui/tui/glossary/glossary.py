@@ -1,0 +1,116 @@
+"""The glossary: read once it is asked for, searched, and looked up by what stands on the screen."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import Final
+
+from rl_tui.tui.draw.to_ascii import to_ascii
+from rl_tui.tui.theme.glyphs import ASCII, Glyphs
+
+_FILE: Final = Path(__file__).with_name("glossary.toml")
+
+
+@dataclass(frozen=True, slots=True)
+class GlossaryTerm:
+    """One ``word``; ``also`` are the symbols and other ways in which the screens write it.
+
+    ``text`` is a paragraph, ``equation`` a line, ``book`` where it stands in Sutton & Barto (2nd ed.) or
+    elsewhere.
+    """
+
+    id: str
+    word: str
+    also: tuple[str, ...]
+    text: str
+    equation: str
+    book: str
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The word and all other ways to write it."""
+        return (self.word, *self.also)
+
+
+@cache
+def glossary() -> Mapping[str, GlossaryTerm]:
+    """Return all terms by their ids, in the order in which they build on one another."""
+    rows = tomllib.loads(_FILE.read_text(encoding="utf-8"))["term"]
+    terms = (
+        GlossaryTerm(
+            id=row["id"],
+            word=row["word"],
+            also=tuple(row["also"]),
+            text=" ".join(row["text"].split()),
+            equation=row["equation"],
+            book=row["book"],
+        )
+        for row in rows
+    )
+    return {term.id: term for term in terms}
+
+
+def terms_called(names: Iterable[str]) -> tuple[str, ...]:
+    """Return the ids of the terms that have one of ``names``, in the order of ``names``."""
+    ids = {name: term.id for term in glossary().values() for name in term.names}
+    return tuple(dict.fromkeys(ids[name] for name in names if name in ids))
+
+
+def term_at(text: str, column: int, glyphs: Glyphs) -> str | None:
+    """Return the id of the term written at ``column`` of ``text``, a line on screen; None if none is.
+
+    Of several names that cover the column the longest counts.
+    """
+    pattern, ids = _written(glyphs is ASCII)
+    for match in pattern.finditer(text):
+        if match.start() <= column < match.end():
+            return ids[_key(match[0])]
+    return None
+
+
+@cache
+def _written(in_ascii: bool) -> tuple[re.Pattern[str], Mapping[str, str]]:
+    """Return what finds the names of terms in a line, and the ids of what it finds.
+
+    A single small letter is a key as often as a word, so it is none here; in longer names case is nothing.
+    """
+    ids: dict[str, str] = {}
+    for term in glossary().values():
+        for name in term.names:
+            written = to_ascii(name, ASCII) if in_ascii else name
+            if not (len(written) == 1 and written.isascii() and not written.isupper()):
+                ids.setdefault(_key(written), term.id)
+    longest_first = sorted(ids, key=len, reverse=True)
+    return re.compile("|".join(map(_pattern, longest_first))), ids
+
+
+def _key(name: str) -> str:
+    return name if len(name) == 1 else name.casefold()
+
+
+def _pattern(name: str) -> str:
+    """Return what matches ``name``; one that begins or ends in a letter is no part of a longer word."""
+    before = r"(?<!\w)" if name[0].isalnum() else ""
+    after = r"(?!\w)" if name[-1].isalnum() else ""
+    return f"{before}{re.escape(name) if len(name) == 1 else f'(?i:{re.escape(name)})'}{after}"
+
+
+def search(query: str) -> tuple[str, ...]:
+    """Return the ids of the terms that ``query`` finds: by a word that begins so, a name, or the text."""
+    wanted = query.strip().lstrip("/").casefold()
+    ranked = ((rank, term.id) for term in glossary().values() if (rank := _rank(term, wanted)) is not None)
+    return tuple(id_ for _, id_ in sorted(ranked, key=lambda each: each[0]))
+
+
+def _rank(term: GlossaryTerm, wanted: str) -> int | None:
+    names = [form.casefold() for name in term.names for form in (name, to_ascii(name, ASCII))]
+    if any(name.startswith(wanted) for name in names):
+        return 0
+    if any(wanted in name for name in names):
+        return 1
+    return 2 if wanted in term.text.casefold() else None

@@ -1,0 +1,47 @@
+"""The words of the place that a person points at, with the mouse or with the focus."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+
+from textual.geometry import Region
+from textual.screen import Screen
+from textual.widget import Widget
+
+from rl_tui.tui.glossary.glossary import term_at, terms_called
+from rl_tui.tui.panels.catalogue import PanelRow
+from rl_tui.tui.panels.controls.slider import Slider
+from rl_tui.tui.theme.glyphs import Glyphs
+
+
+def words_here(screen: Screen[None], rows: Mapping[str, PanelRow], glyphs: Glyphs) -> tuple[str, ...]:
+    """Return the ids of the terms to explain, the one pointed at first; none where nothing is asked about.
+
+    A word under the mouse comes before what is in focus, and brings those of its panel with it.
+    """
+    under_mouse, word = _word_under_mouse(screen, glyphs)
+    found = [word] if word is not None else []
+    for widget in (under_mouse if word is not None else None, screen.focused):
+        if widget is not None:
+            found += _words_of(widget, rows)
+    return tuple(dict.fromkeys(found))
+
+
+def _word_under_mouse(screen: Screen[None], glyphs: Glyphs) -> tuple[Widget | None, str | None]:
+    position = screen.app.mouse_position
+    if not screen.region.contains_point(position):
+        return None, None
+    widget, region = screen.get_widget_at(*position)
+    if widget is screen:
+        return None, None
+    column, row = position.x - region.x, position.y - region.y
+    lines = widget.render_lines(Region(0, row, region.width, 1))
+    return (widget, term_at(lines[0].text, column, glyphs)) if lines else (widget, None)
+
+
+def _words_of(widget: Widget, rows: Mapping[str, PanelRow]) -> Iterator[str]:
+    if isinstance(widget, Slider):
+        yield from terms_called([widget.parameter.symbol])
+    for node in widget.ancestors_with_self:
+        if node.id is not None and node.id in rows:
+            yield from rows[node.id].terms

@@ -1,0 +1,133 @@
+"""What the words of a place mean, and all others: a list, and below it the paragraph of the one chosen."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import ClassVar, Final
+
+from rich.cells import cell_len
+from rich.text import Text
+from textual import on
+from textual.app import ComposeResult
+from textual.binding import Binding, BindingType
+from textual.containers import VerticalScroll
+from textual.widgets import Input, OptionList, Static
+from textual.widgets.option_list import Option
+
+from rl_tui.tui.draw.to_ascii import to_ascii
+from rl_tui.tui.glossary.glossary import GlossaryTerm, glossary, search
+from rl_tui.tui.screens.dialogs.dialog import Dialog
+from rl_tui.tui.theme.look import Look
+
+ASKS_FOR_HELP: Final = True
+_BOOK: Final = "Sutton & Barto, 2nd ed., "
+_ELSEWHERE: Final = ("not ", "a word of this program")
+_LONGEST_LINE: Final = 44  # cells of a word and its other names in the list
+_LONGEST: Final = 40  # characters of a search
+
+
+class GlossarySearch(Input):
+    """Takes what is typed but for the question mark, which goes on to the help."""
+
+    def check_consume_key(self, key: str, character: str | None) -> bool:
+        """Return whether ``key`` is typed here rather than a key of the screen."""
+        return key != "question_mark" and super().check_consume_key(key, character)
+
+
+class GlossaryScreen(Dialog[bool]):
+    """The terms with the ids ``here``, the first of them shown; all terms where there are none.
+
+    What is typed searches all. Answers ``ASKS_FOR_HELP`` where the whole help is wanted.
+    """
+
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding("question_mark", "help", "help", id="glossary.help", tooltip="Show the help.", priority=True),
+        Binding("up", "move('cursor_up')", "word before", id="glossary.up", tooltip="The word before."),
+        Binding("down", "move('cursor_down')", "next word", id="glossary.down", tooltip="The next word."),
+        Binding("pageup", "turn('page_up')", "up", id="glossary.page_up", tooltip="Scroll the paragraph up."),
+        Binding(
+            "pagedown",
+            "turn('page_down')",
+            "down",
+            id="glossary.page_down",
+            tooltip="Scroll the paragraph down.",
+        ),
+    ]
+
+    def __init__(self, look: Look, here: Sequence[str] = ()) -> None:
+        super().__init__()
+        self._look = look
+        self._here = tuple(here)
+
+    def compose(self) -> ComposeResult:
+        """Yield the search, the list and the paragraph."""
+        title = "Words here" if self._here else "Glossary"
+        with self.box(title, self._written("↑ ↓: word  pgdn: more  ?: help  esc: close"), "tall"):
+            yield GlossarySearch(
+                placeholder="type to search all words", compact=True, max_length=_LONGEST, id="search"
+            )
+            yield OptionList(id="words")
+            with VerticalScroll(can_focus=False, id="paragraph"):
+                yield Static(markup=False)
+
+    def on_mount(self) -> None:
+        """Show the words of the place; letters go into the search."""
+        words = self.query_one(OptionList)
+        words.can_focus = False
+        self._list(self._here or tuple(glossary()))
+        self.query_one(Input).focus()
+
+    @on(Input.Changed)
+    def find(self, event: Input.Changed) -> None:
+        """List what was searched for; nothing typed: the words of the place again."""
+        self._list(search(event.value) if event.value else self._here or tuple(glossary()))
+
+    @on(OptionList.OptionHighlighted)
+    def explain(self, event: OptionList.OptionHighlighted) -> None:
+        """Show the paragraph of the word under the cursor."""
+        if event.option_id is not None:
+            self._show(self._paragraph(glossary()[event.option_id]))
+
+    def action_move(self, command: str) -> None:
+        """Go to another word of the list."""
+        words = self.query_one(OptionList)
+        getattr(words, f"action_{command}")()
+
+    def action_turn(self, command: str) -> None:
+        """Scroll the paragraph, where it is longer than its room."""
+        getattr(self.query_one("#paragraph"), f"action_{command}")()
+
+    def action_help(self) -> None:
+        """Close, and ask for the help."""
+        self.dismiss(ASKS_FOR_HELP)
+
+    def _list(self, ids: Sequence[str]) -> None:
+        words = self.query_one(OptionList)
+        words.clear_options()
+        words.add_options(Option(self._line(glossary()[each]), id=each) for each in ids)
+        if ids:
+            words.highlighted = 0
+        else:
+            self._show(Text("nothing found"))
+
+    def _line(self, term: GlossaryTerm) -> Text:
+        word, others = self._written(term.word), ""
+        for name in term.also:
+            longer = f"{others}, {self._written(name)}" if others else f"  {self._written(name)}"
+            if name in term.word or cell_len(word + longer) > _LONGEST_LINE:
+                continue
+            others = longer
+        return Text(word, "bold").append(others, "not bold dim")
+
+    def _paragraph(self, term: GlossaryTerm) -> Text:
+        book = term.book if term.book.startswith(_ELSEWHERE) else f"{_BOOK}{term.book}"
+        text = Text(self._written(f"{term.text}\n\n"))
+        text.append(self._written(f"    {term.equation}\n\n"), "bold")
+        return text.append(self._written(book), "italic")
+
+    def _show(self, text: Text) -> None:
+        self.query_one("#paragraph", VerticalScroll).scroll_home(animate=False)
+        self.query_one(Static).update(text)
+
+    def _written(self, text: str) -> str:
+        return to_ascii(text, self._look.glyphs)

@@ -1,0 +1,189 @@
+"""? says what the word under the mouse, or the panel in focus, means; elsewhere it is the help."""
+
+from __future__ import annotations
+
+import pytest
+from conftest import MakeApp
+from seams import playground, press
+from textual.containers import VerticalScroll
+from textual.geometry import Region
+from textual.pilot import Pilot
+from textual.widgets import Input, OptionList, Static
+
+from rl_tui.common.errors import UserError
+from rl_tui.tui.app.screenshot import settle
+from rl_tui.tui.glossary.glossary import glossary
+from rl_tui.tui.panels.catalogue import LAST_STEP, PANELS
+from rl_tui.tui.screens.explained import Explained
+from rl_tui.tui.screens.glossary import GlossaryScreen
+from rl_tui.tui.screens.help import HelpScreen
+from rl_tui.tui.screens.playground.playground import Playground
+
+TERMS = {row.id: list(row.terms) for row in PANELS}
+
+
+def listed(pilot: Pilot[UserError]) -> list[str]:
+    """The ids of the words on the list."""
+    return [str(option.id) for option in pilot.app.screen.query_one(OptionList).options]
+
+
+def told(pilot: Pilot[UserError]) -> str:
+    """The paragraph that is shown."""
+    return str(pilot.app.screen.query_one("#paragraph Static", Static).render())
+
+
+async def point_at(pilot: Pilot[UserError], panel: str, text: str) -> None:
+    """Put the mouse on ``text`` in what ``panel`` has drawn, its border not counted."""
+    widget = playground(pilot).board.panel(panel)
+    for y in range(widget.size.height):
+        x = widget.render_line(y).text.find(text)
+        if x >= 0:
+            edge = widget.content_region.offset - widget.region.offset
+            await pilot.hover(widget, offset=(edge.x + x, edge.y + y))
+            return
+    raise AssertionError(f"{text} is not there")
+
+
+async def test_with_nothing_pointed_at_it_is_the_help(make_app: MakeApp) -> None:
+    app = make_app("student")
+    async with app.run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        await press(pilot, "question_mark")
+        assert isinstance(app.screen, HelpScreen)
+
+
+@pytest.mark.parametrize("size", [(60, 18), (80, 24), (120, 40)])
+async def test_a_slider_in_focus_is_explained_first(size: tuple[int, int], make_app: MakeApp) -> None:
+    app = make_app("student")
+    async with app.run_test(size=size) as pilot:
+        await settle(pilot)
+        await press(pilot, "2", "question_mark")
+        assert listed(pilot)[0] == "gamma"
+        assert set(TERMS["controls"]) <= set(listed(pilot))
+        assert glossary()["gamma"].text in told(pilot)
+        assert glossary()["gamma"].book in told(pilot)
+
+
+async def test_a_panel_in_focus_lists_its_words_and_arrows_go_through_them(make_app: MakeApp) -> None:
+    app = make_app("student")
+    async with app.run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        await press(pilot, "tab", "question_mark")
+        assert listed(pilot) == TERMS["world"]
+        await press(pilot, "down")
+        assert glossary()[TERMS["world"][1]].text in told(pilot)
+        await press(pilot, "escape")
+        assert isinstance(app.screen, Playground)
+
+
+async def test_a_second_question_mark_goes_on_to_the_help(make_app: MakeApp) -> None:
+    app = make_app("student")
+    async with app.run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        await press(pilot, "tab", "question_mark", "question_mark")
+        assert isinstance(app.screen, HelpScreen)
+        await press(pilot, "escape")
+        assert isinstance(app.screen, Playground)
+
+
+async def test_the_word_under_the_mouse_comes_first(make_app: MakeApp) -> None:
+    app = make_app("frozenlake")
+    async with app.run_test(size=(120, 40)) as pilot:
+        await settle(pilot)
+        await press(pilot, "s")
+        await point_at(pilot, LAST_STEP, "δ =")
+        await press(pilot, "question_mark")
+        assert listed(pilot) == ["td-error", *(each for each in TERMS[LAST_STEP] if each != "td-error")]
+        await press(pilot, "escape")
+        await point_at(pilot, LAST_STEP, "agent")
+        await press(pilot, "2", "question_mark")
+        assert listed(pilot)[0] == "agent"
+        assert "gamma" in listed(pilot), "what is in focus is asked about too"
+
+
+async def test_a_word_on_a_border_is_a_word(make_app: MakeApp) -> None:
+    app = make_app("frozenlake")
+    async with app.run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        world = playground(pilot).board.panel("world")
+        below = world.region.height - 1
+        line = world.render_lines(Region(0, below, world.region.width, 1))[0].text
+        await pilot.hover(world, offset=(line.index("hole"), below))
+        await press(pilot, "question_mark")
+        assert listed(pilot)[0] == "terminal"
+
+
+async def test_beside_all_words_the_mouse_asks_nothing(make_app: MakeApp) -> None:
+    app = make_app("student")
+    async with app.run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        await pilot.hover(playground(pilot).board.panel("table"), offset=(20, 12))
+        await press(pilot, "question_mark")
+        assert isinstance(app.screen, HelpScreen)
+
+
+async def test_typing_searches_all_words(make_app: MakeApp) -> None:
+    app = make_app("student")
+    async with app.run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        await press(pilot, "tab", "question_mark", *"regret")
+        assert listed(pilot)[0] == "regret"
+        assert glossary()["regret"].text in told(pilot)
+        await press(pilot, *["backspace"] * 6)
+        assert listed(pilot) == TERMS["world"]
+        await press(pilot, *"qqq")
+        assert listed(pilot) == []
+        assert told(pilot) == "nothing found"
+
+
+@pytest.mark.parametrize("scenario", ["student", None])
+async def test_slash_opens_the_whole_glossary(scenario: str | None, make_app: MakeApp) -> None:
+    app = make_app(scenario)
+    async with app.run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        await pilot.press("slash")
+        await settle(pilot)
+        assert isinstance(app.screen, GlossaryScreen)
+        assert listed(pilot) == list(glossary())
+        await pilot.press("slash", *"alpha")
+        await settle(pilot)
+        assert app.screen.query_one(Input).value.endswith("alpha")
+        assert listed(pilot)[0] == "alpha"
+
+
+async def test_the_help_has_a_key_to_the_glossary(make_app: MakeApp) -> None:
+    app = make_app("student")
+    async with app.run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        await press(pilot, "question_mark", "slash")
+        assert isinstance(app.screen, GlossaryScreen)
+        await press(pilot, "escape")
+        assert isinstance(app.screen, HelpScreen)
+
+
+@pytest.mark.parametrize("height", [18, 24, 40, 60])
+async def test_the_help_begins_at_its_beginning_with_the_panels(height: int, make_app: MakeApp) -> None:
+    app = make_app("student")
+    async with app.run_test(size=(100, height)) as pilot:
+        await settle(pilot)
+        await press(pilot, "question_mark")
+        assert app.screen.query_one(VerticalScroll).scroll_y == 0
+        page = app.screen.query_one(Explained)
+        first_words = [page.render_line(y).text.split(" ")[0] for y in range(page.size.height)]
+        assert first_words.index("Panels") < first_words.index("Run")
+
+
+async def test_a_help_whose_notes_alone_make_it_scroll_begins_at_its_beginning(make_app: MakeApp) -> None:
+    app = make_app("student")
+    async with app.run_test(size=(100, 30)) as pilot:
+        await settle(pilot)
+        screen = playground(pilot)
+        page = HelpScreen(screen.look, screen.actions[:2], (), "\n\n".join(["A paragraph of notes."] * 40))
+        await app.push_screen(page)
+        await settle(pilot)
+        while not page.query("Markdown"):
+            await pilot.pause()
+        await settle(pilot)
+        scroll = page.query_one(VerticalScroll)
+        assert scroll.max_scroll_y > 0
+        assert scroll.scroll_y == 0

@@ -1,0 +1,78 @@
+"""The glossary as data: what every entry has, how it is found by a text on screen, and how it is searched."""
+
+from __future__ import annotations
+
+from collections import Counter
+
+import pytest
+
+from rl_tui.agents.catalogue import BY_ID, POLICY_BY_ID
+from rl_tui.agents.hyperparameters import PARAMETERS
+from rl_tui.tui.draw.to_ascii import to_ascii
+from rl_tui.tui.glossary.glossary import GlossaryTerm, glossary, search, term_at, terms_called
+from rl_tui.tui.panels.catalogue import PANELS, PanelRow
+from rl_tui.tui.theme.glyphs import ASCII, UNICODE
+
+
+@pytest.mark.parametrize("term", glossary().values(), ids=lambda term: term.id)
+def test_a_term_has_all_that_is_told_of_it(term: GlossaryTerm) -> None:
+    assert all((term.word, term.text, term.equation, term.book))
+    assert term.text.endswith((".", ":"))
+    spelled = [to_ascii(text, ASCII) for text in (*term.names, term.text, term.equation, term.book)]
+    assert not [text for text in spelled if "?" in text], "ASCII has no spelling for a character"
+
+
+@pytest.mark.parametrize("row", PANELS, ids=lambda row: row.id)
+def test_a_panel_names_terms_that_there_are(row: PanelRow) -> None:
+    assert row.terms
+    assert set(row.terms) <= glossary().keys()
+    assert 3 <= len(row.caption.split()) <= 7
+
+
+def test_a_name_means_one_thing() -> None:
+    names = Counter(name for term in glossary().values() for name in term.names)
+    assert [name for name, count in names.items() if count > 1] == []
+
+
+@pytest.mark.parametrize("name", [name for name, each in PARAMETERS.items() if each.slide is not None])
+def test_every_slider_can_be_asked_about(name: str) -> None:
+    assert terms_called([PARAMETERS[name].symbol])
+
+
+@pytest.mark.parametrize("name", [each.name for each in (*BY_ID.values(), *POLICY_BY_ID.values())])
+def test_every_algorithm_and_policy_is_found(name: str) -> None:
+    assert term_at(name, 0, UNICODE)
+
+
+@pytest.mark.parametrize(
+    ("line", "word", "term"),
+    [
+        ("World · V and greedy", "V", "value"),
+        ("greedy, exact .73", "exact", "greedy"),
+        ("Q*, exact · 11 states", "exact", "q-star"),
+        ("v: Q  Q*  Q−Q*  visits", "Q−Q*", "error"),
+        ("i Q₀ 0  n seed 0", "Q₀", "optimism"),
+        ("i Q₀ 0  n seed 0", "n", None),
+        ("state s = 6", "s =", "state"),
+        ("best for this γ 1.00", "γ", "gamma-best"),
+        ("γ ━━━━●─── 0.990", "γ", "gamma"),
+        ("step 2,000", "step", None),
+        ("ended episode 3", "ended", None),
+        ("Return per episode", "Return", "return"),
+    ],
+)
+def test_the_longest_name_at_a_place_counts(line: str, word: str, term: str | None) -> None:
+    assert term_at(line, line.index(word), UNICODE) == term
+
+
+def test_words_are_found_as_ascii_spells_them() -> None:
+    assert term_at("gamma-best 1.00", 0, ASCII) == "gamma-best"
+    assert term_at("delta 0", 2, ASCII) == "td-error"
+
+
+def test_a_search_finds_words_before_texts() -> None:
+    assert search("regr")[0] == "regret"
+    assert search("gamma")[0] == "gamma"
+    assert search("/return")[0] == "return"
+    assert "bootstrap" in search("spread backwards")
+    assert search("xyzzy") == ()

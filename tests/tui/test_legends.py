@@ -1,0 +1,187 @@
+"""Panels say what they are and what their signs mean, until that is hidden."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+
+import pytest
+from conftest import MakeApp
+from samples import bandit, lake, look, planning, student
+from seams import playground, press, train
+from textual.geometry import Size
+
+from rl_tui.lab.live.player import Player
+from rl_tui.lab.live.snapshot import Snapshot
+from rl_tui.lab.run.library import recipe_for
+from rl_tui.tui.app.app import RlTuiApp
+from rl_tui.tui.app.display import Display
+from rl_tui.tui.app.screenshot import settle
+from rl_tui.tui.panels.catalogue import CONTROLS, CURVE, LAST_STEP, PANELS, TABLE, WORLD
+from rl_tui.tui.panels.curve.curve import ReturnCurve
+from rl_tui.tui.panels.last_step.last_step import LastStepPanel
+from rl_tui.tui.panels.panel import Panel
+from rl_tui.tui.panels.q_table.q_table import QTable
+from rl_tui.tui.panels.world.arms.arms import ArmsView
+from rl_tui.tui.panels.world.graph.graph import GraphView
+from rl_tui.tui.panels.world.grid.grid import GridView
+from rl_tui.worlds.files.catalogue import find
+
+CAPTIONS = {row.id: row.caption for row in PANELS}
+
+
+def explained(panel: Panel, snapshot: Snapshot, width: int, height: int) -> Panel:
+    """``panel`` as if it had that size on a screen, with its legend."""
+    panel.__class__ = type("Sized", (type(panel),), {"size": Size(width, height)})
+    panel.is_explained = True
+    panel.show(snapshot)
+    return panel
+
+
+def rows(panel: Panel) -> list[str]:
+    return [panel.render_line(y).text.rstrip() for y in range(panel.size.height)]
+
+
+def legend(panel: Panel) -> list[str]:
+    assert panel.snapshot is not None
+    return [f"{each.sign.strip()} {each.meaning}" for each in panel.legend(panel.snapshot)]
+
+
+def test_a_legend_stands_on_a_row_that_is_free() -> None:
+    grid = explained(GridView(lake().world, look()), lake(), 60, 13)
+    assert rows(grid)[-1].split("   ") == ["  tint  V", "◉ agent", "● hole", "★ goal", "S start", "↑ greedy"]
+    assert not grid.border_subtitle
+
+
+def test_without_a_free_row_it_is_on_the_border_as_far_as_there_is_room() -> None:
+    for width, expected in (
+        (60, "tint V · ◉ agent · ● hole · ★ goal · S start · ↑ greedy"),
+        (40, "tint V · ◉ agent · ● hole · ★ goal"),
+        (30, "tint V · ◉ agent · ● hole"),
+    ):
+        grid = explained(GridView(lake().world, look()), lake(), width, 8)
+        assert str(grid.border_subtitle) == expected
+
+
+def test_what_stands_on_the_border_already_stays_there() -> None:
+    table = explained(QTable(look()), lake(), 36, 12)
+    assert str(table.border_subtitle).endswith("v:▌Q▐ Q*  Q−Q*  visits")
+    table = explained(QTable(look()), lake(), 60, 12)
+    assert str(table.border_subtitle).startswith("▌▐ greedy")
+
+
+@pytest.mark.parametrize("in_ascii", [False, True])
+@pytest.mark.parametrize(
+    ("kind", "made"),
+    [
+        ("grid", lambda shown, look: GridView(shown.world, look)),
+        ("graph", lambda shown, look: GraphView(shown.world, look)),
+        ("arms", lambda shown, look: ArmsView(shown.world, look)),
+        ("table", lambda shown, look: QTable(look)),
+        ("step", lambda shown, look: LastStepPanel(look)),
+    ],
+)
+def test_a_legend_has_signs_that_are_drawn_and_no_others(kind: str, made: object, in_ascii: bool) -> None:
+    assert callable(made)
+    snapshot = {"graph": student(), "arms": bandit(400)}.get(kind, lake())
+    panel: Panel = made(snapshot, look(in_ascii))
+    drawn = "\n".join(strip.text for strip in panel.picture(snapshot, 58, 22))
+    for sign in panel.legend(snapshot):
+        assert sign.sign.strip() in ("tint", "bold", "lit") or set(sign.sign) <= set(drawn), sign
+
+
+def test_only_what_occurs_in_the_scenario_has_a_sign() -> None:
+    assert "▓ cliff" not in legend(explained(GridView(lake().world, look()), lake(), 60, 13))
+    table = explained(QTable(look()), bandit(400), 60, 20)
+    assert legend(table) == ["▌▐ greedy", "lit just updated"]
+    assert legend(explained(LastStepPanel(look()), bandit(400), 58, 12)) == ["δ TD error"]
+    assert "p probability" in legend(explained(LastStepPanel(look()), lake(), 58, 12))
+
+
+def test_ties_have_a_sign_where_arrows_have_no_room() -> None:
+    assert "+ tie" in legend(explained(GridView(lake().world, look()), lake(), 24, 4))
+    assert "+ tie" not in legend(explained(GridView(lake().world, look()), lake(), 60, 12))
+
+
+def test_a_legend_does_not_jump_when_the_picture_needs_its_row() -> None:
+    panel = explained(LastStepPanel(look()), lake(), 58, 9)
+    assert rows(panel)[-1].startswith(" δ TD error")
+    panel.show(lake(step=0, last_step=None))
+    assert rows(panel)[-1].startswith(" δ TD error")
+
+
+def test_the_curve_says_that_returns_are_not_discounted() -> None:
+    for snapshot in (lake(), planning()):
+        curve = explained(ReturnCurve(look()), snapshot, 60, 8)
+        assert "return = undiscounted sum" in legend(curve)
+    assert legend(explained(ReturnCurve(look()), bandit(400), 60, 8)) == []
+
+
+def test_the_last_step_says_which_episode_it_ended() -> None:
+    panel = LastStepPanel(look())
+    step = lake().counters.last_step
+    assert step is not None
+    for ends in (False, True):
+        shown = lake(last_step=replace(step, terminated=ends, truncated=False))
+        panel.picture(shown, 58, 12)
+        assert ("ended episode" in panel.footing) is ends
+
+
+@pytest.mark.screen
+@pytest.mark.parametrize("size", [(80, 24), (120, 40)])
+async def test_a_key_hides_captions_and_legends_and_shows_them_again(
+    size: tuple[int, int], make_app: MakeApp
+) -> None:
+    app = make_app("frozenlake")
+    async with app.run_test(size=size) as pilot:
+        await settle(pilot)
+        await train(pilot, 2)
+        board = playground(pilot).board
+        titles = {each: str(board.panel(each).border_title) for each in (WORLD, TABLE)}
+        assert all(CAPTIONS[each] in title for each, title in titles.items())
+        world = board.panel(WORLD)
+        assert "hole" in f"{world.border_subtitle}{world.render_line(world.size.height - 1).text}"
+        await press(pilot, "L")
+        for each in (WORLD, TABLE, CURVE, LAST_STEP, CONTROLS):
+            panel = board.panel(each)
+            assert CAPTIONS[each] not in str(panel.border_title)
+            assert str(panel.border_subtitle) in ("", "v:▌Q▐ Q*  Q−Q*  visits", "step 2 · episode 1")
+        await press(pilot, "L")
+        assert {each: str(board.panel(each).border_title) for each in titles} == titles
+
+
+@pytest.mark.screen
+async def test_hidden_legends_stay_hidden_the_next_time(tmp_path: Path) -> None:
+    folder = tmp_path / "state" / "sessions"
+
+    def app() -> RlTuiApp:
+        return RlTuiApp(
+            Display(fps=1000.0),
+            recipe_for(find("student")),
+            make_player=partial(Player, automatic=False),
+            picture=True,
+            sessions=folder,
+        )
+
+    for expected in (True, False, True):
+        async with app().run_test(size=(80, 24)) as pilot:
+            await settle(pilot)
+            assert playground(pilot).board.is_explained is expected
+            await press(pilot, "L")
+
+
+@pytest.mark.screen
+async def test_where_nothing_can_be_kept_nothing_is_remembered(tmp_path: Path) -> None:
+    (tmp_path / "file").touch()
+    app = RlTuiApp(
+        Display(fps=1000.0),
+        recipe_for(find("student")),
+        make_player=partial(Player, automatic=False),
+        picture=True,
+        sessions=tmp_path / "file" / "sessions",
+    )
+    async with app.run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        await press(pilot, "L")
+        assert not playground(pilot).board.is_explained
