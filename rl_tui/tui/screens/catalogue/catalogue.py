@@ -99,7 +99,7 @@ class CatalogueScreen(SavedSessions):
 
     def content(self) -> Iterable[Widget]:
         """Yield the list and the details."""
-        title = " rl-tui · see an agent learn from rewards, step by step"
+        title = " rl-tui · an agent learns from rewards, step by step"
         yield Static(separated(f"{title} · kiosk" if self.in_kiosk else title, self.look.glyphs), id="title")
         yield Static(f" {_GREETING}", id="greeting")
         details = VerticalScroll(
