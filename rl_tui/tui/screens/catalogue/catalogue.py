@@ -224,10 +224,11 @@ class CatalogueScreen(SavedSessions):
             await self.query_one(Notes).show("")
             return
         if isinstance(entry, Scenario):
-            text = facts(entry, self._worlds.get(entry.id), self.look)
-            self._show_text(entry.title, text, about(entry, self.look))
+            world = self._worlds.get(entry.id)
+            self._show_text(entry.title, facts(entry, world, self.look), about(entry, self.look))
             await self._draw(entry)
-            await self.query_one(Notes).show(entry.notes)
+            # they wait for the world, since how large it is may take a line more than that it is not known yet
+            await self.query_one(Notes).show("" if world is None else entry.notes)
             return
         if isinstance(entry, ScenarioError):
             self._show_text("Faults", faults_text(entry, self.look))
