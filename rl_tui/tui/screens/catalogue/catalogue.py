@@ -227,7 +227,7 @@ class CatalogueScreen(SavedSessions):
             world = self._worlds.get(entry.id)
             self._show_text(entry.title, facts(entry, world, self.look), about(entry, self.look))
             await self._draw(entry)
-            # they wait for the world, since how large it is may take a line more than that it is not known yet
+            # they wait for the world: to say how large it is may take more lines than that it is loading
             await self.query_one(Notes).show("" if world is None else entry.notes)
             return
         if isinstance(entry, ScenarioError):
