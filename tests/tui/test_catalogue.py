@@ -136,6 +136,7 @@ async def test_what_stands_below_a_drawing_stays_where_it_is_when_it_comes(
         await pilot.press("down")
         await pilot.pause()
         before = pilot.app.screen.query_one("#facts").region
+        assert not pilot.app.screen.query("#notes Markdown")
         may_build.set()
         await settle(pilot)
         assert pilot.app.screen.query_one("#facts").region.offset == before.offset

@@ -61,7 +61,7 @@ def sample_catalogue(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Made-up scenarios in place of the shipped ones: a new one of those changes no picture."""
     shutil.copytree(SAMPLES, tmp_path, dirs_exist_ok=True)
     for cells in range(5, 26):  # more than a screen has rows for
-        lines = (f'title = "A corridor of {cells} cells"', f"order = {100 + cells}", "[grid]")
+        lines = (f'title = "A corridor of {cells} cells"', f"order = {300 + cells}", "[grid]")
         corridor = f'map = "S{"." * (cells - 2)}G"'
         (tmp_path / f"corridor-{cells:02}.toml").write_text("\n".join((*lines, corridor)), encoding="utf-8")
     monkeypatch.setattr("rl_tui.worlds.files.catalogue.shipped_folder", lambda: tmp_path)
@@ -75,7 +75,7 @@ def test_catalogue(size: tuple[int, int], snap_compare: Any, make_app: MakeApp) 
         listed = pilot.app.screen.query_one("#scenarios", OptionList)
         listed.highlighted = listed.get_option_index("pond")
         await settle(pilot)
-        assert listed.option_count == 24
+        assert listed.option_count == 27
 
     assert snap_compare(make_app(), terminal_size=size, run_before=choose_the_pond)
 

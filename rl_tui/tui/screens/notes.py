@@ -29,7 +29,7 @@ class Notes(Vertical):
             return
         self._shown = markdown
         await self.remove_children()
-        if self.is_attached:  # the app may have ended meanwhile
+        if markdown and self.is_attached:  # the app may have ended meanwhile
             await self.mount(notes_markdown(markdown, self._glyphs))
 
 

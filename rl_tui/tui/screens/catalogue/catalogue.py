@@ -101,7 +101,7 @@ class CatalogueScreen(SavedSessions):
 
     def content(self) -> Iterable[Widget]:
         """Yield the list and the details."""
-        title = " rl-tui · see an agent learn from rewards, step by step"
+        title = " rl-tui · an agent learns from rewards, step by step"
         yield Static(separated(f"{title} · kiosk" if self.in_kiosk else title, self.look.glyphs), id="title")
         yield Static(f" {_GREETING}", id="greeting")
         details = VerticalScroll(
@@ -226,10 +226,11 @@ class CatalogueScreen(SavedSessions):
             await self.query_one(Notes).show("")
             return
         if isinstance(entry, Scenario):
-            text = facts(entry, self._worlds.get(entry.id), self.look)
-            self._show_text(entry.title, text, about(entry, self.look))
+            world = self._worlds.get(entry.id)
+            self._show_text(entry.title, facts(entry, world, self.look), about(entry, self.look))
             await self._draw(entry)
-            await self.query_one(Notes).show(entry.notes)
+            # they wait for the world: to say how large it is may take more lines than that it is loading
+            await self.query_one(Notes).show("" if world is None else entry.notes)
             return
         if isinstance(entry, ScenarioError):
             self._show_text("Faults", faults_text(entry, self.look))
