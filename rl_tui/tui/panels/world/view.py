@@ -197,7 +197,8 @@ class WorldView(Panel, can_focus=True):
     def _about_cursor(self) -> tuple[str, ...]:
         """Return where the cursor stands and what may be done there, the longest form first."""
         if self.cursor is None:
-            return "arrows: cursor · k: breakpoint", "arrows: cursor"
+            usual = "arrows: cursor · k: breakpoint"
+            return f"{usual} · ?: words", usual, "arrows: cursor"
         name = self.name_at(self.cursor)
         if not name:
             return "esc: back to the agent", "esc: back"
