@@ -22,6 +22,8 @@ from rl_tui.cli.options.help_sections import OPTIONS, SOME, TITLES, section_of
 from rl_tui.lab.run.library import listing
 from rl_tui.tui.actions.action import Action, Group, Place
 from rl_tui.tui.actions.registry import ACTIONS
+from rl_tui.tui.glossary.glossary import BOOK
+from rl_tui.tui.glossary.glossary import glossary as terms
 from rl_tui.worlds.files.catalogue import scenarios as read_scenarios
 from rl_tui.worlds.files.catalogue import shipped_folder
 
@@ -101,6 +103,18 @@ def _described(each: Algorithm | Policy, settings: Iterable[str]) -> str:
     if isinstance(each, Policy) and each.bandits_only:
         facts.append("for bandits only")
     return f"### {each.name}\n\n{_sentence(each.summary)}\n\n    {each.equation}\n\n{' · '.join(facts)}"
+
+
+def glossary() -> str:
+    """Return every word with its other names, its meaning, its equation and where it stands."""
+    parts = []
+    for term in terms().values():
+        others = ", ".join(f"`{name}`" for name in term.also)
+        named = f" (on screen also {others})" if others else ""
+        where = term.book if term.is_elsewhere else f"{BOOK}, {term.book}"
+        text = _wrapped(f"{term.text}{named}")
+        parts.append(f"### {term.word}\n\n{text}\n\n    {term.equation}\n\n{_wrapped(where)}")
+    return "\n\n".join(parts)
 
 
 def settings() -> str:
@@ -196,7 +210,9 @@ def _table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
     )
 
 
-BLOCKS = {made.__name__: made for made in (keys, scenarios, algorithms, policies, settings, commands)}
+BLOCKS = {
+    made.__name__: made for made in (keys, glossary, scenarios, algorithms, policies, settings, commands)
+}
 
 if __name__ == "__main__":
     main()

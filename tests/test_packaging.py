@@ -49,7 +49,7 @@ def names_in(wheel: Path) -> set[str]:
 def test_the_wheel_holds_package_styles_and_scenarios_and_nothing_else(dist: Path) -> None:
     names = names_in(wheel_in(dist))
     assert {f"rl_tui/scenarios/{name}" for name in SCENARIOS} <= names
-    assert {"rl_tui/py.typed", "rl_tui/cli/main.py"} <= names
+    assert {"rl_tui/py.typed", "rl_tui/cli/main.py", "rl_tui/tui/glossary/glossary.toml"} <= names
     styles = {path.relative_to(ROOT).as_posix() for path in (ROOT / "rl_tui").glob("**/*.tcss")}
     assert styles
     assert styles <= names

@@ -161,6 +161,17 @@ async def test_the_help_has_a_key_to_the_glossary(make_app: MakeApp) -> None:
         assert isinstance(app.screen, HelpScreen)
 
 
+@pytest.mark.parametrize("height", [18, 24, 40, 80])
+async def test_the_help_of_the_catalogue_begins_at_its_beginning(height: int, make_app: MakeApp) -> None:
+    app = make_app(None)
+    async with app.run_test(size=(100, height)) as pilot:
+        await settle(pilot)
+        await pilot.press("question_mark")
+        await settle(pilot)
+        assert isinstance(app.screen, HelpScreen)
+        assert app.screen.query_one(VerticalScroll).scroll_y == 0
+
+
 @pytest.mark.parametrize("height", [18, 24, 40, 60])
 async def test_the_help_begins_at_its_beginning_with_the_panels(height: int, make_app: MakeApp) -> None:
     app = make_app("student")

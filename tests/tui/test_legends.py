@@ -94,7 +94,7 @@ def test_a_legend_has_signs_that_are_drawn_and_no_others(kind: str, made: object
 def test_only_what_occurs_in_the_scenario_has_a_sign() -> None:
     assert "▓ cliff" not in legend(explained(GridView(lake().world, look()), lake(), 60, 13))
     table = explained(QTable(look()), bandit(400), 60, 20)
-    assert legend(table) == ["▌▐ greedy", "lit just updated"]
+    assert legend(table) == ["▌▐ greedy", "lit just updated", "· not tried"]
     assert legend(explained(LastStepPanel(look()), bandit(400), 58, 12)) == ["δ TD error"]
     assert "p probability" in legend(explained(LastStepPanel(look()), lake(), 58, 12))
 

@@ -13,6 +13,8 @@ from typing import Final
 from rl_tui.tui.draw.to_ascii import to_ascii
 from rl_tui.tui.theme.glyphs import ASCII, Glyphs
 
+BOOK: Final = "Sutton & Barto, 2nd ed."
+_ELSEWHERE: Final = ("not ", "a word of this program")
 _FILE: Final = Path(__file__).with_name("glossary.toml")
 
 
@@ -30,6 +32,11 @@ class GlossaryTerm:
     text: str
     equation: str
     book: str
+
+    @property
+    def is_elsewhere(self) -> bool:
+        """Whether it is not from Sutton & Barto."""
+        return self.book.startswith(_ELSEWHERE)
 
     @property
     def names(self) -> tuple[str, ...]:

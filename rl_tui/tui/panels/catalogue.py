@@ -147,7 +147,7 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         "Pulls and winnings of a bandit; revealed or spent, its regret too: over all pulls, the true mean "
         "of the best arm less that of the arm pulled. Luck is left out, so winnings and regret need not add "
         "up to the best possible.",
-        caption="what the pulls have earned",
+        caption="what the pulls earned",
         terms=("regret", "bandit", "arm", "reward"),
         needs=_has_arms,
     ),

@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from functools import lru_cache
 from typing import Final, NamedTuple
 
 from rich.cells import cell_len
 from rich.style import Style
 from textual.strip import Strip
 
-from rl_tui.tui.draw.pieces import Line, Piece, length, spelled, strips_of
+from rl_tui.tui.draw.pieces import Piece, length, spelled, strips_of
 from rl_tui.tui.draw.to_ascii import separated, to_ascii
 from rl_tui.tui.theme.look import Look
 
 _GAP: Final = "   "
 _BETWEEN: Final = " · "
+_MOST_KEPT: Final = 64  # the same legend is drawn in every frame
 
 
 class LegendSign(NamedTuple):
@@ -28,8 +29,12 @@ class LegendSign(NamedTuple):
     style: Style
 
 
-def legend_lines(signs: Sequence[LegendSign], width: int, look: Look) -> list[Line]:
-    """Return ``signs`` in lines of ``width`` cells, in as many as they take."""
+Legend = tuple[LegendSign, ...]
+
+
+@lru_cache(_MOST_KEPT)
+def legend_rows(signs: Legend, width: int, most: int, look: Look) -> tuple[Strip, ...]:
+    """Return ``signs`` in as many rows of ``width`` cells as they take, ``most`` of them."""
     lines: list[list[Piece]] = []
     for sign in signs:
         entry = [Piece(sign.sign, sign.style), Piece(f" {sign.meaning}", look.palette.dim)]
@@ -37,21 +42,16 @@ def legend_lines(signs: Sequence[LegendSign], width: int, look: Look) -> list[Li
             lines[-1] += [Piece(_GAP, look.palette.dim), *entry]
         else:
             lines.append([Piece(" ", look.palette.dim), *entry])
-    return [line for line in lines if length(spelled(line, look)) <= width]
+    return tuple(strips_of(lines, width, min(most, len(lines)), look))
 
 
-def legend_strips(lines: Sequence[Line], width: int, look: Look) -> list[Strip]:
-    """Return the rows of ``lines``."""
-    return strips_of(lines, width, len(lines), look)
-
-
-def legend_text(signs: Sequence[LegendSign], room: int, look: Look) -> str:
+@lru_cache(_MOST_KEPT)
+def legend_text(signs: Legend, room: int, look: Look) -> str:
     """Return as many of ``signs``, the first before the others, as ``room`` cells of a border hold."""
     text = ""
     for sign in signs:
         entry = f"{sign.sign.strip()} {to_ascii(sign.meaning, look.glyphs)}".strip()
         longer = f"{text}{_BETWEEN}{entry}" if text else entry
-        if cell_len(separated(longer, look.glyphs)) > room:
-            continue
-        text = longer
+        if cell_len(separated(longer, look.glyphs)) <= room:
+            text = longer
     return text

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from typing import Final
 
 from rich.cells import cell_len
@@ -15,7 +15,7 @@ from textual.widget import Widget
 
 from rl_tui.lab.live.snapshot import Phase, Snapshot
 from rl_tui.tui.draw.to_ascii import separated
-from rl_tui.tui.panels.legend import LegendSign, legend_lines, legend_strips, legend_text
+from rl_tui.tui.panels.legend import Legend, legend_rows, legend_text
 from rl_tui.tui.theme.look import Look
 from rl_tui.worlds.world import World
 
@@ -124,7 +124,7 @@ class Panel(BoardPanel):
         """Return ``height`` strips of ``width`` cells (at least 1); None is before the first snapshot."""
         raise NotImplementedError
 
-    def legend(self, snapshot: Snapshot) -> Sequence[LegendSign]:
+    def legend(self, snapshot: Snapshot) -> Legend:
         """Return the signs that the picture of ``snapshot`` may have, those that matter most first."""
         return ()
 
@@ -188,9 +188,9 @@ class Panel(BoardPanel):
     def _explain(self, snapshot: Snapshot) -> None:
         """Put as much of the legend as there is room for on the rows that are free, else on the border."""
         size, signs = self._drawn_size, self.legend(snapshot)
-        lines = legend_lines(signs, size.width, self.look)[: self._always_free(snapshot)]
-        if lines:
-            self._rows[-len(lines) :] = legend_strips(lines, size.width, self.look)
+        rows = legend_rows(signs, size.width, self._always_free(snapshot), self.look)
+        if rows:
+            self._rows[-len(rows) :] = rows
         else:
             taken = cell_len(separated(f"{self.footing} · ", self.look.glyphs)) if self.footing else 0
             self._border_legend = legend_text(signs, size.width - BORDER_ENDS - taken, self.look)

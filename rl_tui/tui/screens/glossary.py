@@ -15,13 +15,11 @@ from textual.widgets import Input, OptionList, Static
 from textual.widgets.option_list import Option
 
 from rl_tui.tui.draw.to_ascii import to_ascii
-from rl_tui.tui.glossary.glossary import GlossaryTerm, glossary, search
+from rl_tui.tui.glossary.glossary import BOOK, GlossaryTerm, glossary, search
 from rl_tui.tui.screens.dialogs.dialog import Dialog
 from rl_tui.tui.theme.look import Look
 
 ASKS_FOR_HELP: Final = True
-_BOOK: Final = "Sutton & Barto, 2nd ed., "
-_ELSEWHERE: Final = ("not ", "a word of this program")
 _LONGEST_LINE: Final = 44  # cells of a word and its other names in the list
 _LONGEST: Final = 40  # characters of a search
 
@@ -120,7 +118,7 @@ class GlossaryScreen(Dialog[bool]):
         return Text(word, "bold").append(others, "not bold dim")
 
     def _paragraph(self, term: GlossaryTerm) -> Text:
-        book = term.book if term.book.startswith(_ELSEWHERE) else f"{_BOOK}{term.book}"
+        book = term.book if term.is_elsewhere else f"{BOOK}, {term.book}"
         text = Text(self._written(f"{term.text}\n\n"))
         text.append(self._written(f"    {term.equation}\n\n"), "bold")
         return text.append(self._written(book), "italic")

@@ -65,10 +65,10 @@ class Controls(Container, BoardPanel):
         look = self._look
         title, legend = "Controls", ""
         if self._is_explained:
-            signs = [
+            signs = tuple(
                 LegendSign(to_ascii(each.symbol, look.glyphs), each.help.partition(":")[0], look.palette.text)
                 for each in self._parameters
-            ]
+            )
             title = f"Controls · {self.caption}"
             legend = legend_text(signs, self.size.width - BORDER_ENDS, look)
         self.border_title = Content(separated(title, look.glyphs))

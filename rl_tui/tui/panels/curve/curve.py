@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Final
 
 from textual.strip import Strip
@@ -15,7 +14,7 @@ from rl_tui.tui.panels.curve.chart import draw_chart, plot_columns
 from rl_tui.tui.panels.curve.data import CurveData, curve_data
 from rl_tui.tui.panels.curve.lane_text import lane_remark, lane_titles
 from rl_tui.tui.panels.curve.text import decimals_for, remark, titles
-from rl_tui.tui.panels.legend import LegendSign
+from rl_tui.tui.panels.legend import Legend, LegendSign
 from rl_tui.tui.panels.panel import Panel
 from rl_tui.tui.panels.snapshot_facts import is_new_run, passes_too_fast
 from rl_tui.worlds.drawing import Arms
@@ -74,12 +73,12 @@ class ReturnCurve(Panel, can_focus=True):
         chart = draw_chart(data, scale, self.look, decimals, width, height - 1)
         return [*chart, *strips_of([line], width, 1, self.look)]
 
-    def legend(self, snapshot: Snapshot) -> Sequence[LegendSign]:
+    def legend(self, snapshot: Snapshot) -> Legend:
         """Return what the axis counts, and the band: the lines have their names where they end."""
         if isinstance(snapshot.world.drawing, Arms):
             return ()
         palette, plans = self.look.palette, BY_ID[snapshot.agent.algorithm].planner
-        band = LegendSign("dim dots", "= least to most", palette.band)
+        band = LegendSign("dim dots", "= lowest to highest", palette.band)
         return (LegendSign("return", "= undiscounted sum", palette.text), *([] if plans else [band]))
 
     def _words(

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Final
 
 from textual.strip import Strip
@@ -14,7 +13,7 @@ from rl_tui.tui.draw.pieces import Line, Piece, strips_of
 from rl_tui.tui.draw.to_ascii import to_ascii
 from rl_tui.tui.panels.last_step.step_lines import StepWriter
 from rl_tui.tui.panels.last_step.words import words_of
-from rl_tui.tui.panels.legend import LegendSign
+from rl_tui.tui.panels.legend import Legend, LegendSign
 from rl_tui.tui.panels.panel import Panel
 from rl_tui.tui.panels.snapshot_facts import passes_too_fast
 from rl_tui.tui.theme.look import Look
@@ -40,7 +39,7 @@ class LastStepPanel(Panel):
         self.free_rows = height - max(len(lines), _USUAL_ROWS)
         return strips_of(lines, width, height, self.look)
 
-    def legend(self, snapshot: Snapshot) -> Sequence[LegendSign]:
+    def legend(self, snapshot: Snapshot) -> Legend:
         """Return the signs of an update and of what the environment did."""
         palette, is_bandit = self.look.palette, isinstance(snapshot.world.drawing, Arms)
         delta, plans = to_ascii("δ", self.look.glyphs), BY_ID[snapshot.agent.algorithm].planner

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import ClassVar, Final
 
@@ -18,7 +18,7 @@ from rl_tui.lab.run.large_worlds import is_large
 from rl_tui.tui.draw.pieces import Piece, strips_of, wrapped
 from rl_tui.tui.draw.to_ascii import separated, to_ascii
 from rl_tui.tui.panels.bindings import binding
-from rl_tui.tui.panels.legend import LegendSign
+from rl_tui.tui.panels.legend import Legend, LegendSign
 from rl_tui.tui.panels.panel import Panel
 from rl_tui.tui.panels.pointing import NOWHERE, Pointed
 from rl_tui.tui.panels.q_table.form import Scene
@@ -199,15 +199,16 @@ class QTable(Panel, can_focus=True):
         self.footing = self._footing(width, sheet.is_scrolled and not self.pointed)
         return sheet.strips(self._cache)
 
-    def legend(self, snapshot: Snapshot) -> Sequence[LegendSign]:
+    def legend(self, snapshot: Snapshot) -> Legend:
         """Return the signs that cells have."""
         palette, glyphs = self.look.palette, self.look.glyphs
         frame, state = glyphs.mark_left + glyphs.mark_right, snapshot.world.space.states > 1
-        updated = self.lights and self.shown_layer is not Layer.OPTIMAL
+        is_learned = self.shown_layer is not Layer.OPTIMAL
         return (
             LegendSign(frame, "greedy", palette.greedy),
-            *([LegendSign(" lit ", "just updated", palette.updated)] if updated else []),
+            *([LegendSign(" lit ", "just updated", palette.updated)] if is_learned and self.lights else []),
             *([LegendSign(glyphs.agent, "agent", palette.agent)] if state else []),
+            *([LegendSign(glyphs.stay, "not tried", palette.unvisited)] if is_learned else []),
         )
 
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:

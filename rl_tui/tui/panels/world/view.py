@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import ClassVar, Final
 
 from textual import events
@@ -14,7 +13,7 @@ from rl_tui.lab.live.viewport import Cells
 from rl_tui.tui.draw.canvas import Canvas, shortened
 from rl_tui.tui.draw.names import state_name
 from rl_tui.tui.panels.bindings import binding
-from rl_tui.tui.panels.legend import LegendSign
+from rl_tui.tui.panels.legend import Legend
 from rl_tui.tui.panels.panel import Panel
 from rl_tui.tui.panels.pointing import NOWHERE, Pointed
 from rl_tui.tui.theme.look import Look
@@ -96,11 +95,11 @@ class WorldView(Panel, can_focus=True):
         """Whether cursor or view were moved away from the agent, and not back."""
         return self.cursor is not None
 
-    def legend(self, snapshot: Snapshot) -> Sequence[LegendSign]:
+    def legend(self, snapshot: Snapshot) -> Legend:
         """Return the signs of the world; none while a person acts, who has keys on the border."""
         return () if self.is_manual else self.signs()
 
-    def signs(self) -> Sequence[LegendSign]:
+    def signs(self) -> Legend:
         """Return the signs that pictures of this world may have, those that matter most first."""
         raise NotImplementedError
 
@@ -198,7 +197,8 @@ class WorldView(Panel, can_focus=True):
     def _about_cursor(self) -> tuple[str, ...]:
         """Return where the cursor stands and what may be done there, the longest form first."""
         if self.cursor is None:
-            return "arrows: cursor · k: breakpoint", "arrows: cursor"
+            usual = "arrows: cursor · k: breakpoint"
+            return f"{usual} · ?: words", usual, "arrows: cursor"
         name = self.name_at(self.cursor)
         if not name:
             return "esc: back to the agent", "esc: back"

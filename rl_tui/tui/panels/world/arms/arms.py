@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from typing import Final
 
 import numpy as np
@@ -13,7 +12,7 @@ from rl_tui.agents.hyperparameters import SAMPLE_AVERAGE, StepSize
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.run.bandit import true_means
 from rl_tui.tui.draw.names import pair_in_words
-from rl_tui.tui.panels.legend import LegendSign
+from rl_tui.tui.panels.legend import Legend, LegendSign
 from rl_tui.tui.panels.scrolling import scrolled_to
 from rl_tui.tui.panels.snapshot_facts import is_new_run
 from rl_tui.tui.panels.world.arms.bars import Arm, draw_arms, names_width, rows_an_arm, true_mean_glyph
@@ -77,7 +76,7 @@ class ArmsView(WorldView):
         names = names_width(arms, self.look)
         return draw_arms(arms[self._top : self._top + shown], scale, self.look, width, height, each, names)
 
-    def signs(self) -> Sequence[LegendSign]:
+    def signs(self) -> Legend:
         """Return the signs of an arm and its bar."""
         palette, glyphs = self.look.palette, self.look.glyphs
         return (

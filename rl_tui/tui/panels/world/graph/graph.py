@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Final, NamedTuple
 
 from rich.style import Style
@@ -11,7 +10,7 @@ from textual.strip import Strip
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.draw import numbers
 from rl_tui.tui.draw.canvas import Canvas, centred, shortened
-from rl_tui.tui.panels.legend import LegendSign
+from rl_tui.tui.panels.legend import Legend, LegendSign
 from rl_tui.tui.panels.scrolling import scrolled_to
 from rl_tui.tui.panels.world.graph.edge_list import draw_edge_list
 from rl_tui.tui.panels.world.graph.layout import GraphLayout, graph_layout
@@ -70,7 +69,7 @@ class GraphView(WorldView):
         self.footing = f"↑↓ {self._top + 1}–{self._top + height} of {rows}" if rows > height else ""
         return draw_edge_list(self._shape, values, signs, self.look, width, height, self._top)
 
-    def signs(self) -> Sequence[LegendSign]:
+    def signs(self) -> Legend:
         """Return the signs of states and edges."""
         palette = self.look.palette
         return (

@@ -13,7 +13,7 @@ from textual.strip import Strip
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.live.viewport import Cells
 from rl_tui.lab.run.large_worlds import is_large
-from rl_tui.tui.panels.legend import LegendSign
+from rl_tui.tui.panels.legend import Legend, LegendSign
 from rl_tui.tui.panels.scrolling import Scrolled, kept_in_view, scrolled_to
 from rl_tui.tui.panels.snapshot_facts import is_new_run
 from rl_tui.tui.panels.world.grid.cells import SEVERAL, START, CellArtist
@@ -146,7 +146,7 @@ class GridView(WorldView):
         self._form, self._origin = form, origin(form, part, width, height)
         return draw_grid(cells, self._artist_for(form), part, width, height)
 
-    def signs(self) -> Sequence[LegendSign]:
+    def signs(self) -> Legend:
         """Return the signs of cells that this map has."""
         return tuple(self._signs())
 
