@@ -9,16 +9,17 @@ from seams import choose, notes, playground, press, slider, snapshot, train
 from textual.widgets import Input, OptionList
 
 from rl_tui.agents.catalogue import BY_ID, POLICY_BY_ID
-from rl_tui.agents.hyperparameters import Hyperparameters
+from rl_tui.agents.hyperparameters import PARAMETERS, Hyperparameters
 from rl_tui.lab.live.snapshot import Phase
 from rl_tui.lab.run.library import recipe_for
 from rl_tui.tui.app.screenshot import settle
+from rl_tui.tui.draw.to_ascii import to_ascii
 from rl_tui.tui.panels.controls.slider import Slider
 from rl_tui.tui.panels.model.model import ModelPanel
 from rl_tui.tui.panels.status_line import StatusLine
 from rl_tui.tui.screens.dialogs.choice import Choice, algorithm_choice, policy_choice
 from rl_tui.tui.screens.dialogs.model import ModelScreen
-from rl_tui.tui.screens.dialogs.options import Options
+from rl_tui.tui.screens.dialogs.options import Options, in_force
 from rl_tui.tui.screens.dialogs.prompt import Prompt
 from rl_tui.tui.theme.glyphs import ASCII, UNICODE
 from rl_tui.worlds.files.catalogue import find
@@ -156,6 +157,30 @@ async def test_options_list_all_that_counts_and_change_it(make_app: MakeApp) -> 
         assert snapshot(pilot).agent.hyperparameters.epsilon_schedule == "linear"
         await press(pilot, "escape")
         assert snapshot(pilot).counters.step == 0
+
+
+def test_what_is_in_force_is_said_in_plain_words() -> None:
+    usual = Hyperparameters()
+    assert in_force("alpha", usual)[0] == "constant 0.1"
+    assert in_force("step_size_schedule", usual)[0] == "constant"
+    assert in_force("epsilon_min", usual) == ("0", "unused")
+    falling = usual.changed("alpha_decay", 0.01).changed("alpha_min", 0.02)
+    assert in_force("alpha", falling)[0] == "0.1 to 0.02"
+    assert in_force("step_size_schedule", falling)[0] == "exponential"
+    assert in_force("alpha_min", falling) == ("0.02", "where it ends")
+    stopped = falling.changed("step_size_schedule", "constant")
+    assert in_force("alpha", stopped)[0] == "constant 0.1"
+    assert in_force("alpha_decay", stopped) == ("0.01", "unused")
+    average = usual.changed("alpha", "sample-average")
+    assert in_force("alpha", average)[0] == "1/N(s, a)"
+    assert in_force("step_size_schedule", average)[0] == "sample-average"
+
+
+@pytest.mark.parametrize("name", PARAMETERS)
+def test_every_option_says_what_it_is_where_there_is_least_room(name: str) -> None:
+    meaning = to_ascii(in_force(name, Hyperparameters())[1], ASCII)
+    assert 0 < len(meaning) <= 17
+    assert meaning != name.replace("_", " ")
 
 
 async def test_the_sample_average_can_be_chosen_and_left(make_app: MakeApp) -> None:

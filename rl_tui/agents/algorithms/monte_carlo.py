@@ -1,4 +1,9 @@
-"""Every-visit Monte Carlo control (Sutton & Barto, 2nd ed., section 5.4, after the box on page 101)."""
+"""Every-visit Monte Carlo control (Sutton & Barto, 2nd ed., section 5.4, after the box on page 101).
+
+It departs from the box in two ways. The box learns from the first visit of a pair only, and by the average.
+And it knows no time limit: here an episode that is cut off bootstraps, which Monte Carlo in the book never
+does.
+"""
 
 from __future__ import annotations
 

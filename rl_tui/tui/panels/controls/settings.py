@@ -76,12 +76,21 @@ def _settings(snapshot: Snapshot) -> Iterator[Setting]:
 def _decaying(values: Hyperparameters, parameters: tuple[str, ...], episode: int) -> Iterator[Setting]:
     """Yield what schedules have made of α and ε by now, where they change them."""
     alpha = values.alpha_at(episode)
-    moves_alpha = values.step_size_schedule != "constant" and values.alpha_decay > 0.0
-    if "alpha_decay" in parameters and alpha is not None and moves_alpha:
+    if "alpha_decay" in parameters and alpha is not None and alpha_moves(values):
         yield Setting("", "α now", "α now", f"{alpha:.3f}", "", 8)
-    moves_epsilon = values.epsilon_schedule != "constant" and values.epsilon_decay > 0.0
-    if "epsilon_decay" in parameters and moves_epsilon:
+    if "epsilon_decay" in parameters and epsilon_moves(values):
         yield Setting("", "ε now", "ε now", f"{values.epsilon_at(episode):.3f}", "", 8)
+
+
+def alpha_moves(values: Hyperparameters) -> bool:
+    """Return whether a schedule changes α from episode to episode."""
+    is_scheduled = values.step_size_schedule != "constant" and not values.sample_average
+    return is_scheduled and values.alpha_decay > 0.0
+
+
+def epsilon_moves(values: Hyperparameters) -> bool:
+    """Return whether a schedule changes ε from episode to episode."""
+    return values.epsilon_schedule != "constant" and values.epsilon_decay > 0.0
 
 
 def is_an_option(parameter: Parameter) -> bool:

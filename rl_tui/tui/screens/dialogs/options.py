@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
+from typing import Final
 
 from rich.text import Text
 from textual.app import ComposeResult
@@ -10,15 +11,41 @@ from textual.widgets import OptionList, Static
 from textual.widgets.option_list import Option
 
 from rl_tui.agents.catalogue import parameters_of
-from rl_tui.agents.hyperparameters import PARAMETERS
+from rl_tui.agents.hyperparameters import PARAMETERS, SAMPLE_AVERAGE, Hyperparameters
 from rl_tui.lab.run.recipe import Recipe
 from rl_tui.tui.draw.to_ascii import to_ascii
-from rl_tui.tui.panels.controls.settings import called
+from rl_tui.tui.panels.controls.settings import alpha_moves, called, epsilon_moves, option_text
 from rl_tui.tui.screens.dialogs.dialog import Dialog
 from rl_tui.tui.theme.look import Look
 
 _LEAST_SYMBOL = 12
 _VALUE = 15  # columns; a row fits into 51 even where symbols are spelled out
+_STEP_SIZE: Final = ("alpha", "step_size_schedule", "alpha_min", "alpha_decay")
+_EXPLORATION: Final = ("epsilon", "epsilon_schedule", "epsilon_min", "epsilon_decay")
+_MEANINGS: Final[Mapping[str, str]] = {
+    "alpha": "step size",
+    "step_size_schedule": "how it changes",
+    "alpha_min": "where it ends",
+    "alpha_decay": "per episode",
+    "gamma": "discount",
+    "policy": "chooses actions",
+    "epsilon": "random actions",
+    "epsilon_schedule": "how it changes",
+    "epsilon_min": "where it ends",
+    "epsilon_decay": "per episode",
+    "temperature": "how random",
+    "confidence": "bonus of the rare",
+    "baseline": "of rewards",
+    "lambda": "trace decay",
+    "traces": "on another visit",
+    "n": "steps an update",
+    "planning_steps": "updates a step",
+    "threshold": "changes left out",
+    "accuracy": "where it stops",
+    "initial_q": "first estimates",
+    "ties": "of equal actions",
+}
+"""What each parameter is, in as few words as the last column has room for: 17 cells."""
 
 
 class Options(Dialog[None]):
@@ -61,7 +88,8 @@ class Options(Dialog[None]):
         """Describe the parameter under the cursor, and say what values it takes."""
         parameter = PARAMETERS[str(event.option_id)]
         starts = "; the run starts again" if parameter.name == "initial_q" else ""
-        text = f"{parameter.help}\n{parameter.expected}{starts}"
+        expected = parameter.expected if parameter.range else ", ".join(parameter.words)
+        text = f"{parameter.help}\n{expected}{starts}"
         self.query_one(".hint", Static).update(to_ascii(text, self._look.glyphs))
 
     def on_option_list_option_selected(self, event: OptionList.OptionSelected) -> None:
@@ -74,8 +102,38 @@ class Options(Dialog[None]):
         return parameters_of(recipe.algorithm, recipe.hyperparameters.policy)
 
     def _row(self, name: str, columns: int) -> Text:
-        parameter, value = PARAMETERS[name], self._recipe().hyperparameters.value(name)
+        value, meaning = in_force(name, self._recipe().hyperparameters)
         glyphs = self._look.glyphs
-        text = Text(f"{to_ascii(parameter.symbol, glyphs):<{columns}} ")
-        text.append(f"{to_ascii(called(name, value), glyphs):<{_VALUE}} ", "bold")
-        return text.append(name.replace("_", " "))
+        text = Text(f"{to_ascii(PARAMETERS[name].symbol, glyphs):<{columns}} ")
+        text.append(f"{to_ascii(value, glyphs):<{_VALUE}} ", "bold")
+        return text.append(to_ascii(meaning, glyphs))
+
+
+def in_force(name: str, values: Hyperparameters) -> tuple[str, str]:
+    """Return what is in force of the parameter ``name``, and what that is.
+
+    A schedule that changes nothing is called constant, whatever it would do with a decay; what then has no
+    effect is called unused.
+    """
+    for names, moves in ((_STEP_SIZE, alpha_moves(values)), (_EXPLORATION, epsilon_moves(values))):
+        if name in names:
+            return _scheduled(name, names, values, moves)
+    return called(name, values.value(name)), _MEANINGS[name]
+
+
+def _scheduled(name: str, names: Sequence[str], values: Hyperparameters, moves: bool) -> tuple[str, str]:
+    """Return the same of one of ``names``: a start, its schedule, where that ends, and its decay."""
+    start, schedule, least, decay = names
+    value, meaning = option_text(values.value(name)), _MEANINGS[name]
+    averages = start == "alpha" and values.sample_average
+    if name == start:
+        still = "1/N(s, a)" if averages else f"constant {value}"
+        return f"{value} to {option_text(values.value(least))}" if moves else still, meaning
+    if moves:
+        return value, meaning
+    has_decay = values.value(decay) != 0.0
+    if name == schedule:
+        still = SAMPLE_AVERAGE if averages else "constant"
+        return still, meaning if averages or has_decay else "no decay"
+    would_move = name == decay and not has_decay and not averages
+    return value, meaning if would_move else "unused"
