@@ -173,7 +173,7 @@ def test_the_name_of_the_session_stands_first() -> None:
     assert named(110).startswith(" an evening · FrozenLake 4×4 slippery  ")
     assert named(80).startswith(" an evening · FrozenLake 4×…  ")
     branches = past(branches=2)
-    assert named(140, timeline=branches).startswith(" an evening · FrozenLake 4×4 slippery · branch 2  ")
+    assert named(120, timeline=branches).startswith(" an evening · FrozenLake 4×4 slippery · branch 2  ")
     assert named(80, timeline=branches).startswith(" an evening · branch 2 ")
 
 
