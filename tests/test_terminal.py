@@ -58,6 +58,32 @@ def test_it_keeps_what_was_done_when_it_is_told_to_end(tmp_path: Path) -> None:
     assert len(list(tmp_path.iterdir())) == 1, "the lock is given back"
 
 
+def test_the_shell_is_told_what_is_kept_and_how_to_go_on(tmp_path: Path) -> None:
+    folder = str(tmp_path / "my sessions")
+    with rl_tui("play", "student", RL_TUI_SESSIONS_DIR=folder) as terminal:
+        terminal.wait_for("paused")
+        terminal.press("s")
+        terminal.wait_for(r"step\s+1\b")
+        terminal.press("q")
+        assert terminal.wait_for_end() == 0
+        said = visible(terminal.written.rpartition(b"\x1b[?1049l")[2])
+    (session,), _ = sessions_in(Path(folder))
+    assert "A student's evening, at step 1" in said
+    assert f"rl-tui play '{session.path}'" in said.replace("\r\n", "\n")
+
+
+def test_where_nothing_is_kept_nothing_is_said(tmp_path: Path) -> None:
+    for environment in ({"RL_TUI_SESSIONS_DIR": str(tmp_path)}, {"RL_TUI_KIOSK": "1"}):
+        with rl_tui("play", "student", **environment) as terminal:
+            terminal.wait_for("paused")
+            if "RL_TUI_KIOSK" in environment:
+                terminal.press("s")
+                terminal.wait_for(r"step\s+1\b")
+            terminal.press("q")
+            assert terminal.wait_for_end() == 0
+            assert "kept" not in visible(terminal.written.rpartition(b"\x1b[?1049l")[2])
+
+
 def test_it_may_be_told_to_end_while_it_takes_the_terminal() -> None:
     with rl_tui("play", "student", status=128 + signal.SIGTERM) as terminal:
         terminal.wait_until(lambda: b"\x1b[?1049h" in terminal.written)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import ctypes
 import gc
 import os
+import shlex
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
@@ -15,6 +16,7 @@ import click
 
 from rl_tui.cli.descriptors import screen_alone
 from rl_tui.cli.kiosk import confine
+from rl_tui.cli.output import complain
 from rl_tui.cli.program import USAGE
 from rl_tui.common.kiosk import in_kiosk
 from rl_tui.terminal.driver_choice import IN_BROWSER
@@ -22,6 +24,7 @@ from rl_tui.tui.app.display import Display
 
 if TYPE_CHECKING:
     from rl_tui.lab.run.recipe import Recipe
+    from rl_tui.lab.sessions.autosave import KeptSession
     from rl_tui.lab.sessions.session import StoredSession
 
 
@@ -77,6 +80,14 @@ def run_app(display: Display, start: Recipe | StoredSession | None = None) -> No
         raise fault
     if app.return_code:
         click.get_current_context().exit(app.return_code)
+    if app.kept is not None and os.environ.get("TEXTUAL_DRIVER") != IN_BROWSER:  # where there is no shell
+        _tell_what_is_kept(app.kept)
+
+
+def _tell_what_is_kept(kept: KeptSession) -> None:
+    """Tell on stderr, which is the shell's again, how to go on."""
+    complain(f"kept: {kept.title}, at step {kept.step:,}")
+    complain(f"to go on: rl-tui play {shlex.quote(str(kept.path))}")
 
 
 def _stand_somewhere() -> None:

@@ -20,8 +20,9 @@ from aiohttp.test_utils import TestClient, TestServer
 from served import DEADLINE, is_running
 
 from rl_tui.cli.serving import app_process
-from rl_tui.cli.serving.addresses import Doorkeeper
+from rl_tui.cli.serving.addresses import Doorkeeper, bind
 from rl_tui.cli.serving.app_process import LARGEST_SIZE
+from rl_tui.cli.serving.server import serve
 from rl_tui.cli.serving.site import OF_A_MESSAGE, PAGE, Allowance, Site
 
 Client = TestClient[web.Request, web.Application]
@@ -267,3 +268,30 @@ async def test_the_page_needs_nobody_else() -> None:
         assert (await client.get("/page/")).status == 403
     for file in Path(PAGE).iterdir():
         assert not re.search(r"(https?:)?//(?!\s)[\w.]+\.\w+/", file.read_text(encoding="utf-8")), file
+
+
+@pytest.mark.parametrize(
+    "request_",
+    [
+        b"POST / HTTP/1.1\r\nTransfer-Encoding: chunked\r\nContent-Length: 5\r\n\r\n0\r\n\r\n",
+        b"GET / HTTP/1.1\r\nContent-Length: -5\r\n\r\n",
+        b"\x00\x01\r\n\r\n",
+        b"GET / HTTP/1.1\r\nA" + b"x" * 20_000 + b": 1\r\n\r\n",
+    ],
+)
+async def test_a_request_that_is_none_is_answered_without_a_word(
+    request_: bytes, caplog: pytest.LogCaptureFixture
+) -> None:
+    made = Site(["true"], Doorkeeper("127.0.0.1"), PAGE, kiosk=True, most=1)
+    started = asyncio.Event()
+    with bind("127.0.0.1", 0) as bound:
+        serving = asyncio.create_task(serve(made, bound, started.set))
+        await asyncio.wait_for(started.wait(), DEADLINE)
+        reader, writer = await asyncio.open_connection(*bound.getsockname())
+        writer.write(request_)
+        answer = await asyncio.wait_for(reader.read(), DEADLINE)
+        writer.close()
+        serving.cancel()
+        await asyncio.wait([serving])
+    assert answer.split()[1] == b"400"
+    assert caplog.records == []

@@ -10,6 +10,8 @@ from click.testing import CliRunner, Result
 
 from rl_tui.cli.commands import serve
 from rl_tui.cli.main import program
+from rl_tui.cli.serving.addresses import bind, listen
+from rl_tui.common.errors import UserError
 
 
 def run(*args: str) -> Result:
@@ -55,6 +57,32 @@ def test_the_apps_get_the_display_options_that_were_given(started: list[tuple[st
 def test_without_a_scenario_they_open_the_catalogue(started: list[tuple[str, ...]]) -> None:
     assert run("--port", "0").exit_code == 0
     assert started == [(sys.executable, "-P", "-m", "rl_tui.cli")]
+
+
+def test_nobody_is_let_in_before_it_can_answer(monkeypatch: pytest.MonkeyPatch) -> None:
+    with socket.create_server(("127.0.0.1", 0)) as free:
+        address = free.getsockname()[:2]
+    came: list[str] = []
+
+    def come(when: str) -> None:
+        try:
+            socket.create_connection(address, 5).close()
+        except ConnectionRefusedError:
+            came.append(f"refused {when}")
+        else:
+            came.append(f"let in {when}")
+
+    monkeypatch.setattr(serve, "prepare", lambda scenario: come("before"))
+    monkeypatch.setattr(serve, "serve_apps", lambda *rest, **more: come("then"))
+    assert run("student", "--port", str(address[1])).exit_code == 0
+    assert came == ["refused before", "let in then"]
+
+
+def test_of_two_that_start_at_once_one_is_told() -> None:
+    with bind("127.0.0.1", 0) as first, bind("127.0.0.1", first.getsockname()[1]) as second:
+        listen(first, "127.0.0.1")
+        with pytest.raises(UserError, match="another program uses it"):
+            listen(second, "127.0.0.1")
 
 
 def test_a_port_in_use_is_one_line() -> None:

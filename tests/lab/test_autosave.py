@@ -431,3 +431,26 @@ def test_where_no_thread_can_be_started_it_says_so_once(
     autosave.close()
     assert only(tmp_path).step == 3
     assert notices[1:] == ["this session is being saved again"]
+
+
+def test_what_is_kept_is_the_last_session_that_is_on_the_disk(tmp_path: Path) -> None:
+    autosave = Autosave(OPENED, tmp_path)
+    assert autosave.kept is None
+    autosave.offer(at(4))
+    autosave.write_due()
+    (first,), _ = sessions_in(tmp_path)
+    assert autosave.kept == ("A student's evening", 4, first.path)
+    autosave.begin_anew(fresh(recipe("student", seed=8)))
+    autosave.write_due()
+    assert autosave.kept == ("A student's evening", 4, first.path), "nothing was done since"
+    autosave.save_as("evening")
+    assert autosave.kept == ("evening", 0, tmp_path / "evening.json")
+    (tmp_path / "evening.json").unlink()
+    assert autosave.kept
+    assert autosave.kept.step == 4
+    autosave.close()
+
+
+def test_where_nothing_can_be_written_nothing_is_kept(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("in the way", encoding="utf-8")
+    assert kept(tmp_path / "file", at(2)).kept is None

@@ -291,6 +291,8 @@ async def test_w_saves_under_a_name_and_goes_on_there(
         await pilot.pause()
         await finished(pilot, "save the session")
         assert any(f"saved: {tmp_path.resolve()}/evening-2.json" in each for each in notes(pilot.app))
+        await pilot.pause()
+        assert "Evening 2" in words_of(pilot.app.screen.query_one("#status"))
         await pilot.press("s")
         await settle(pilot)
         await pilot.press("w")
@@ -298,6 +300,39 @@ async def test_w_saves_under_a_name_and_goes_on_there(
         await pilot.press("escape")
     told = {each.title: (each.step, each.document.kept) for each in sessions_in(tmp_path)[0]}
     assert told == {"evening": (7, True), "Evening 2": (2, True)}
+
+
+async def test_the_name_is_that_of_the_session_under_way(
+    app_with_sessions: MakeSessionApp, tmp_path: Path
+) -> None:
+    app = app_with_sessions(read_session(write(tmp_path, "a.json", title="an evening")))
+    async with app.run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        assert "an evening" in words_of(app.screen.query_one("#status"))
+        await pilot.press("r", "s")
+        await settle(pilot)
+        assert "an evening" not in words_of(app.screen.query_one("#status")), "that is another one"
+    assert app.kept
+    assert (app.kept.title, app.kept.step) == ("A student's evening", 1)
+
+
+async def test_what_was_kept_before_another_scenario_is_looked_at_stays_known(
+    app_with_sessions: MakeSessionApp,
+) -> None:
+    app = app_with_sessions(student())
+    async with app.run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        await pilot.press("s")
+        await settle(pilot)
+        await pilot.press("escape", "escape")
+        await settle(pilot)
+        await pilot.press("enter")
+        await settle(pilot)
+        assert isinstance(app.screen, Playground)
+        await pilot.press("right_square_bracket")
+        await settle(pilot)
+    assert app.kept
+    assert (app.kept.title, app.kept.step) == ("A student's evening", 1)
 
 
 async def test_where_no_session_is_kept_w_says_so(app_with_sessions: MakeSessionApp) -> None:

@@ -160,6 +160,29 @@ def test_a_branch_is_named_where_there_are_several() -> None:
     assert wide.startswith(" FrozenLake 4×4 slippery · Q-learning · seed 0 · branch 2  ")
 
 
+def named(width: int, name: str = "an evening", **changes: object) -> str:
+    line = StatusLine(look())
+    line.name_session(name)
+    (row,) = line.picture(lake(**changes), width, 1)
+    assert row.cell_length == width
+    return row.text
+
+
+def test_the_name_of_the_session_stands_first() -> None:
+    assert named(140).startswith(" an evening · FrozenLake 4×4 slippery · Q-learning · seed 0 ")
+    assert named(110).startswith(" an evening · FrozenLake 4×4 slippery  ")
+    assert named(80).startswith(" an evening · FrozenLake 4×…  ")
+    branches = past(branches=2)
+    assert named(120, timeline=branches).startswith(" an evening · FrozenLake 4×4 slippery · branch 2  ")
+    assert named(80, timeline=branches).startswith(" an evening · branch 2 ")
+
+
+@pytest.mark.parametrize("width", [1, 20, 40, 60, 80])
+def test_the_longest_name_moves_nothing(width: int) -> None:
+    text = drawn(lake(), width)
+    assert named(width, "x" * 80)[-10:] == text[-10:]
+
+
 def test_running_in_the_past_repeats_what_happened() -> None:
     text = running(timeline=past(), speed=10.0)
     assert "▶ replaying" in text

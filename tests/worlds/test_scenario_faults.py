@@ -307,6 +307,19 @@ ONE_FAULT = {
         'title = "t"\narms = \n',
         ("line 2, column 8", "invalid TOML (Invalid value)", "valid TOML"),
     ),
+    "a decimal comma": (
+        "[grid]\nstep_reward = -0,04\n",
+        ("line 2, column 17", "-0,04", "-0.04, with a decimal point"),
+    ),
+    "a decimal comma within a table": (
+        "to = { Pass = 0,8, Class = 0,2 }\n",
+        ("line 1, column 18", "0,8", "0.8, with a decimal point"),
+    ),
+    "a thousand": ("a = 1,000\n", ("line 1, column 6", "1,000", "1.000, .* or 1000 without a comma")),
+    "a comma that is none of a number": (
+        'a = "1,5" 2\n',
+        ("line 1, column 11", "invalid TOML (.*)", "valid TOML"),
+    ),
     "TOML that breaks off": ('title = "t', ("line 1", "invalid TOML (Unterminated string)", "valid TOML")),
     "a number with too many digits": (
         f"a = {'1' * 5000}\n",

@@ -80,18 +80,20 @@ def command(
     _check_start(scenario, display, kiosk=kiosk)
     _confirm(context, host, port, url, most=most, kiosk=kiosk, yes=yes)
 
-    from rl_tui.cli.serving.addresses import listen
+    from rl_tui.cli.serving.addresses import bind, listen
 
-    with listen(host, port) as listening:
+    with bind(host, port) as bound:  # before what takes long: that it cannot be had is said at once
         if kiosk and not in_kiosk():
             prepare(scenario or _USUAL)
-        serve_apps(listening, app_command(context, scenario, display), host, url, kiosk=kiosk, most=most)
+        listen(bound, host)
+        serve_apps(bound, app_command(context, scenario, display), host, url, kiosk=kiosk, most=most)
 
 
 def prepare(scenario: str) -> None:
     """Compile what plays ``scenario``: a kiosk keeps no compiled code, and each tab would do it anew."""
     from rl_tui.cli.serving.app_process import command_line
 
+    click.echo("getting machine code ready: a moment, or half a minute where there is none yet", err=True)
     warming = command_line(sys.executable, ["warm", scenario])
     with suppress(OSError, subprocess.TimeoutExpired):  # what is wrong shows in the tabs
         subprocess.run(

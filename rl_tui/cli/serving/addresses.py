@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import errno
 import socket
+import sys
 from dataclasses import dataclass
 from ipaddress import ip_address
 from typing import Final
@@ -20,23 +21,48 @@ from rl_tui.common.errors import UserError
 _THIS_MACHINE: Final = ("localhost", "127.0.0.1", "::1")
 
 
-def listen(host: str, port: int) -> socket.socket:
-    """Return a socket that listens at ``host`` and ``port`` (0: a free one). Raises UserError."""
+def bind(host: str, port: int) -> socket.socket:
+    """Return a socket that has ``port`` (0: a free one) of ``host``, and listens to nobody yet.
+
+    Raises UserError.
+    """
     try:
         family, _, _, _, address = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)[0]
-        return socket.create_server((address[0], port), family=family)
     except socket.gaierror as fault:
         raise UserError(f"--host {host}: no address is known for it ({fault.strerror})") from None
     except OSError as fault:
-        if fault.errno == errno.EADDRINUSE:
-            advice = "another program uses it; take another --port, or --port 0 for a free one"
-        elif fault.errno == errno.EACCES:
-            advice = "ports below 1024 are kept for the system; take another --port"
-        elif fault.errno == errno.EADDRNOTAVAIL:
-            advice = "this machine does not have that address"
-        else:
-            advice = fault.strerror or str(fault)
-        raise UserError(f"cannot listen on port {port} of {host}: {advice}") from None
+        raise _cannot_listen(host, port, fault) from None
+    bound = socket.socket(family, socket.SOCK_STREAM)
+    try:
+        if sys.platform != "win32":  # there it would let two programs have one port
+            bound.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        if family == socket.AF_INET6:
+            bound.setsockopt(socket.IPPROTO_IPV6, socket.IPV6_V6ONLY, 1)
+        bound.bind((address[0], port))
+    except OSError as fault:
+        bound.close()
+        raise _cannot_listen(host, port, fault) from None
+    return bound
+
+
+def listen(bound: socket.socket, host: str) -> None:
+    """Let browsers come to ``bound``, which was made for ``host``. Raises UserError."""
+    try:
+        bound.listen()
+    except OSError as fault:  # one that was bound at the same time was quicker
+        raise _cannot_listen(host, bound.getsockname()[1], fault) from None
+
+
+def _cannot_listen(host: str, port: int, fault: OSError) -> UserError:
+    if fault.errno == errno.EADDRINUSE:
+        advice = "another program uses it; take another --port, or --port 0 for a free one"
+    elif fault.errno == errno.EACCES:
+        advice = "ports below 1024 are kept for the system; take another --port"
+    elif fault.errno == errno.EADDRNOTAVAIL:
+        advice = "this machine does not have that address"
+    else:
+        advice = fault.strerror or str(fault)
+    return UserError(f"cannot listen on port {port} of {host}: {advice}")
 
 
 def is_this_machine(host: str) -> bool:

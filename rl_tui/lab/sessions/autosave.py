@@ -7,7 +7,7 @@ import time
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
-from typing import Final
+from typing import Final, NamedTuple
 
 from rl_tui.lab.live.record import LearnedTable, Record
 from rl_tui.lab.run.recipe import Recipe
@@ -27,6 +27,17 @@ OnNotice = Callable[[str], None]
 def untouched(recipe: Recipe) -> Record:
     """Return the record of a run that has only just begun."""
     return Record((RunRecord(recipe),))
+
+
+class KeptSession(NamedTuple):
+    """A session that is on the disk, whole."""
+
+    title: str
+    """The name that a person gave it, or the title of its scenario."""
+    step: int
+    """Where it stands."""
+    path: Path
+    """Its file."""
 
 
 class Autosave:
@@ -50,6 +61,7 @@ class Autosave:
         self._thread: threading.Thread | None = None
         self._session = _Session(opened, SessionWriter(self.folder, resumed, self._tell))
         self._left: list[_Session] = []  # those that were left, and are not written yet
+        self._before: _Session | None = None  # the last of those that were left with something to keep
         self._writing = threading.Lock()  # guards the files, and what follows
         self._in_trouble = False
 
@@ -62,6 +74,22 @@ class Autosave:
     def title(self) -> str:
         """The name that a person gave to the session, empty without one."""
         return self._session.writer.title
+
+    @property
+    def kept(self) -> KeptSession | None:
+        """The session on the disk, or the one before it where nothing was done in it; None without any."""
+        for session in (self._session, self._before):
+            path = None if session is None else session.writer.path
+            if session is not None and path is not None and not session.is_due and path.exists():
+                record = session.newest.record
+                shown = record.lanes[record.shown]
+                return KeptSession(session.writer.title or shown.recipe.scenario.title, shown.step, path)
+        return None
+
+    @property
+    def has_something(self) -> bool:
+        """Whether there is a session on the disk, or will be soon."""
+        return self.kept is not None or self.has_work
 
     def offer(self, record: Record, table: LearnedTable | None = None) -> None:
         """Take ``record`` as the newest; never waits for the disk.
@@ -88,6 +116,8 @@ class Autosave:
                 same_session = old
             else:
                 self._left.append(old)
+                if old.is_due or old.writer.path is not None:
+                    self._before = old
                 before = tuple(RunRecord(lane.recipe) for lane in old.newest.record.lanes)
                 opened = replace(record, lanes=before)
                 same_session = _Session(opened, SessionWriter(self.folder, None, self._tell))

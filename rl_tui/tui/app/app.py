@@ -46,6 +46,7 @@ from rl_tui.worlds.files.catalogue import scenarios
 if TYPE_CHECKING:
     from rich.console import RenderableType
 
+    from rl_tui.lab.sessions.autosave import KeptSession
     from rl_tui.lab.sessions.session import StoredSession
     from rl_tui.tui.screens.catalogue.catalogue import CatalogueScreen
     from rl_tui.tui.screens.playground.playground import Playground
@@ -116,6 +117,11 @@ class RlTuiApp(LinkedApp[UserError]):
         return choose_look(
             self._depth, self.options.ascii, self.current_theme.dark, os.environ, self._encoding
         )
+
+    @property
+    def kept(self) -> KeptSession | None:
+        """The last session that is on the disk, None where nothing was done."""
+        return self._opener.kept
 
     def _build_driver(
         self, headless: bool, inline: bool, mouse: bool, size: tuple[int, int] | None

@@ -20,7 +20,7 @@ from rl_tui.tui.theme.look import Look
 if TYPE_CHECKING:
     from rl_tui.lab.live.player import Player
     from rl_tui.lab.live.record import Record, RecordSink
-    from rl_tui.lab.sessions.autosave import Autosave
+    from rl_tui.lab.sessions.autosave import Autosave, KeptSession
     from rl_tui.lab.sessions.session import StoredSession
     from rl_tui.tui.screens.catalogue.catalogue import CatalogueScreen
     from rl_tui.tui.screens.legend_switch import LegendSwitch
@@ -60,6 +60,8 @@ class Opener:
     """Whether panels explain themselves, in all playgrounds alike."""
     autosave: Autosave | None = None
     """What keeps the newest playground's session, if anything does."""
+    _earlier: Autosave | None = None
+    """What kept the last session before that, if there was any."""
 
     def catalogue(self, look: Look, start_at: str = "", fault: UserError | None = None) -> CatalogueScreen:
         """Return the catalogue with its cursor on the scenario ``start_at``; it tells the ``fault``."""
@@ -86,6 +88,14 @@ class Opener:
         recipe = record.lanes[record.shown].recipe
         return self._playground(look, recipe, autosave, record, record.speed, session)
 
+    @property
+    def kept(self) -> KeptSession | None:
+        """The last session that is on the disk, None where nothing was done."""
+        for autosave in (self.autosave, self._earlier):
+            if autosave is not None and (kept := autosave.kept) is not None:
+                return kept
+        return None
+
     def close(self) -> None:
         """End the newest player; what was done is on the disk then."""
         if self.player is not None:
@@ -105,6 +115,8 @@ class Opener:
         from rl_tui.tui.screens.legend_switch import LegendSwitch
         from rl_tui.tui.screens.playground.playground import Playground
 
+        if self.autosave is not None and self.autosave.has_something:
+            self._earlier = self.autosave
         self.autosave = autosave
         if self.legends is None:
             self.legends = LegendSwitch(self.sessions)

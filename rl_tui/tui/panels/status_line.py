@@ -51,6 +51,7 @@ class StatusLine(Panel):
     """
 
     is_manual = False
+    _session = ""
     _unanswered = 0
 
     def show_unanswered(self, seconds: int) -> None:
@@ -59,18 +60,38 @@ class StatusLine(Panel):
             self._unanswered = seconds
             self.redraw()
 
+    def name_session(self, name: str) -> None:
+        """Say what a person called the session; ``name`` is empty without one."""
+        if name != self._session:
+            self._session = name
+            self.redraw()
+
     def picture(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
         """Return the row, and blank ones below it."""
-        line = status_line(snapshot, self.look, width, is_manual=self.is_manual, unanswered=self._unanswered)
+        line = status_line(
+            snapshot,
+            self.look,
+            width,
+            is_manual=self.is_manual,
+            unanswered=self._unanswered,
+            session=self._session,
+        )
         return strips_of([line], width, height, self.look)
 
 
 def status_line(
-    snapshot: Snapshot | None, look: Look, width: int, *, is_manual: bool = False, unanswered: int = 0
+    snapshot: Snapshot | None,
+    look: Look,
+    width: int,
+    *,
+    is_manual: bool = False,
+    unanswered: int = 0,
+    session: str = "",
 ) -> Line:
     """Return the row for ``width`` cells; ``is_manual`` says that a person takes the steps.
 
-    ``unanswered`` is for how many seconds the environment has not answered, 0 where it does.
+    ``unanswered`` is for how many seconds the environment has not answered, 0 where it does. ``session`` is
+    the name of the session, empty without one: it stands there where there is room.
     """
     palette, glyphs = look.palette, look.glyphs
     if unanswered:
@@ -100,7 +121,7 @@ def status_line(
     ]
     taken = sum(cell_len(piece.text) for piece in right)
     room = max(0, width - 1 - taken)
-    title = _title(snapshot, look, room)
+    title = _title(snapshot, look, room, session)
     if room < _LEAST_TITLE and cell_len(title) > room - 1:
         title = ""
     return [Piece(f" {set_cell_size(title, room)}", palette.strong), *right]
@@ -125,17 +146,20 @@ def _fitting(fields: list[_Field], width: int) -> list[_Field]:
     return kept
 
 
-def _title(snapshot: Snapshot, look: Look, width: int) -> str:
+def _title(snapshot: Snapshot, look: Look, width: int, session: str = "") -> str:
     recipe, timeline = snapshot.recipe, snapshot.timeline
     title, seed = recipe.scenario.title, f"seed {recipe.seed}"
     branch = timeline.current.name if len(timeline.branches) > 1 else ""
-    forms = (
-        (title, BY_ID[snapshot.agent.algorithm].name, seed, branch),
-        *([(title, seed, branch), (title, branch)] if branch else []),
-    )
+    algorithm = BY_ID[snapshot.agent.algorithm].name
+    if session:
+        shorter = [(session, title, branch), *([(session, branch)] if branch else [])]
+    else:
+        shorter = [(title, seed, branch), (title, branch)] if branch else []
+    forms = [(session, title, algorithm, seed, branch), *shorter]
     texts = (separated(" · ".join(filter(None, form)), look.glyphs) for form in forms)
     fitting = next((text for text in texts if cell_len(text) <= width), None)
-    return fitting or shortened(separated(title, look.glyphs), max(0, width), look.glyphs.ellipsis)
+    longest = separated(" · ".join(filter(None, (session, title))), look.glyphs)
+    return fitting or shortened(longest, max(0, width), look.glyphs.ellipsis)
 
 
 def _waiting(snapshot: Snapshot, text: str, look: Look, width: int) -> Line:

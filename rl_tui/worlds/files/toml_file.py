@@ -8,7 +8,14 @@ from pathlib import Path
 from typing import Any, Final
 
 from rl_tui.common.findings import one_line
-from rl_tui.common.limits import LARGEST_FILE, LONGEST_WORD, MOST_KEY_PARTS, MOST_VALUES
+from rl_tui.common.limits import (
+    LARGEST_FILE,
+    LONGEST_WORD,
+    MOST_KEY_PARTS,
+    MOST_NAMED_TABLES,
+    MOST_TABLES,
+    MOST_VALUES,
+)
 
 # What is no structure: texts in three quotes, in one, and comments. Those that never end match too: to look
 # on from every quote in them would take the square of their length. No choice is repeated possessively:
@@ -18,6 +25,8 @@ _NO_STRUCTURE: Final = re.compile(
     r"""|"[^"\\\n]*+(?:\\.[^"\\\n]*+)*+"?|'[^'\n]*+'?|\#[^\n]*+""",
     re.DOTALL,
 )
+_HEADER: Final = re.compile(r"^[ \t]*\[(?!\[)[^\[\]{},=\n]*\][ \t]*s?\r?$", re.MULTILINE)
+_DECIMAL_COMMA: Final = re.compile(r"(?<![\w.,])[-+]?[0-9]+,[0-9]+(?![\w.])")
 _LONG_KEY: Final = re.compile(rf"(?<![\w-])(?:[\w-]++[ \t]*+\.[ \t]*+){{{MOST_KEY_PARTS}}}")
 _LONG_WORD: Final = re.compile(rf"(?<!\w)\w{{{LONGEST_WORD + 1}}}")
 
@@ -50,6 +59,9 @@ def tables_in(text: str) -> dict[str, Any]:
         raise UnreadableError("", "tables within tables, too deep to read", "TOML of a few levels") from error
     except ValueError as error:  # not only TOMLDecodeError: a number of 5,000 digits is a plain ValueError
         message, where = _split(str(error), text)
+        comma = _decimal_comma(message, where, text)
+        if comma is not None:
+            raise comma from error
         raise UnreadableError(where, message, "valid TOML") from error
 
 
@@ -65,6 +77,12 @@ def _check_structure(text: str) -> None:
     values = max(structure.count("="), structure.count(",")) + structure.count("[") // 2
     if values > MOST_VALUES:
         raise UnreadableError("", f"some {values:,} values", f"at most {MOST_VALUES:,}")
+    named = len(_HEADER.findall(structure))
+    if named > MOST_NAMED_TABLES:
+        raise UnreadableError("", f"{named:,} tables", f"at most {MOST_NAMED_TABLES:,} beside lists of them")
+    tables = named + structure.count("{") + structure.count("[[")
+    if tables > MOST_TABLES:
+        raise UnreadableError("", f"some {tables:,} tables", f"at most {MOST_TABLES:,}")
 
 
 def _content(path: Path) -> bytes:
@@ -79,6 +97,20 @@ def _content(path: Path) -> bytes:
     except (OSError, ValueError) as error:  # ValueError: a null character in the path
         reason = getattr(error, "strerror", None) or str(error)
         raise UnreadableError("", f"a file that cannot be read ({reason})", "a TOML file") from error
+
+
+def _decimal_comma(message: str, place: str, text: str) -> UnreadableError | None:
+    """Return what to say where tomllib stumbled over a number with a comma; None for any other fault."""
+    match = re.fullmatch(r"line (\d+), column (\d+)", place)
+    if match is None or not re.search("Expected (newline|'=')", message):
+        return None
+    line, column = text.split("\n")[int(match[1]) - 1], int(match[2]) - 1
+    for number in _DECIMAL_COMMA.finditer(line):
+        if number.start() <= column <= number.end():
+            whole, _, part = number[0].partition(",")
+            thousands = f", or {whole}{part} without a comma" if len(part) == 3 else ""
+            return UnreadableError(place, number[0], f"{whole}.{part}, with a decimal point{thousands}")
+    return None
 
 
 def _split(message: str, text: str) -> tuple[str, str]:

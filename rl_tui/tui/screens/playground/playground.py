@@ -115,7 +115,7 @@ class Playground(ActionScreen):
         self.lanes = LaneActions(*of)
         self.view = ViewActions(*of)
         self.microscope = MicroscopeActions(*of)
-        self.session = SessionActions(*of, autosave, resumed)
+        self.session = SessionActions(*of, self.status, autosave, resumed)
         self.export = ExportActions(*of)
         self._left_after: int | None = None
         """The last deed when escape was pressed, None where it was not."""
@@ -270,6 +270,7 @@ class Playground(ActionScreen):
             return
         self.microscope.follow_update()
         with self.app.batch_update():
+            self.session.show_name()
             self.status.show(snapshot)
             self.manual.show(snapshot)
             self.show_key_hints()

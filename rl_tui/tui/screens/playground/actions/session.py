@@ -6,11 +6,14 @@ import asyncio
 from dataclasses import dataclass
 
 from rl_tui.common.errors import UserError
+from rl_tui.common.findings import one_line
 from rl_tui.lab.live.snapshot import Phase, Snapshot
 from rl_tui.lab.sessions.autosave import Autosave
+from rl_tui.lab.sessions.document import LONGEST_NAME
 from rl_tui.lab.sessions.folder import named_path
 from rl_tui.lab.sessions.session import OTHER_BITS, SessionError, StoredSession, digest_of
 from rl_tui.tui.draw.to_ascii import to_ascii
+from rl_tui.tui.panels.status_line import StatusLine
 from rl_tui.tui.screens.dialogs.prompt import Prompt
 from rl_tui.tui.screens.playground.actions.subject import Subject
 
@@ -22,8 +25,14 @@ class SessionActions(Subject):
     ``resumed`` is what it went on with, until that has come out as it was saved.
     """
 
+    status: StatusLine
     autosave: Autosave | None
     resumed: StoredSession | None
+
+    def show_name(self) -> None:
+        """Show on the ``status`` line what the session is called, if a person gave it a name."""
+        name = "" if self.autosave is None else self.autosave.title
+        self.status.name_session(one_line(name, LONGEST_NAME))
 
     def listen(self) -> None:
         """Show from now on what there is to know about the session; it comes from any thread."""
@@ -92,3 +101,4 @@ class SessionActions(Subject):
             self.screen.notify(str(fault), severity="error", timeout=15, markup=False)
         else:
             self.screen.notify(to_ascii(f"saved: {path}", self.glyphs), timeout=8, markup=False)
+            self.show_name()
