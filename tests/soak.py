@@ -352,9 +352,8 @@ def untouched(minutes: int) -> int:
         status = program.quit()
     drift = max((abs(memory / settled[0] - 1) for memory in settled), default=0.0)
     is_flat = drift <= MOST_DRIFT
-    print(
-        f"from minute {SETTLED} on: {drift:.2%} at most: {'flat' if is_flat else 'NOT FLAT'}; exit {status}"
-    )
+    flat = "flat" if is_flat else "NOT FLAT"
+    print(f"from minute {SETTLED} on {drift:.2%} at most: {flat}; exit status {status}")
     return 0 if is_flat and status == 0 else 1
 
 

@@ -6,24 +6,34 @@ import asyncio
 import os
 import signal
 import sys
+import termios
 from codecs import getincrementaldecoder
 from collections.abc import Callable, Iterator
 from contextlib import suppress
 from selectors import EVENT_READ, SelectSelector
-from threading import Event
+from threading import Event, Thread
 from typing import Any, Final
 
 from textual.app import App
 from textual.drivers.linux_driver import LinuxDriver
+from textual.events import InputEvent
 from textual.message import Message
 
-from rl_tui.terminal.ending import HUNG_UP, end_at_last, end_with
+from rl_tui.terminal.ending import HUNG_UP, end_at_last, end_with, hear
 from rl_tui.terminal.input_parser import InputParser
 from rl_tui.terminal.linked_app import LinkedApp
 from rl_tui.terminal.output import SYNC_END
 from rl_tui.terminal.writer import TerminalWriter
 
 LONGEST_FAREWELL: Final = 3.0  # seconds
+MOST_WAITING: Final = 1_000  # keys and the like that the app has not come to
+_LAST_WORDS: Final = 0.5  # seconds for what puts the terminal in order at the last moment
+# As Textual's farewell: no brackets around a paste, lines wrapped, no news of size, mouse and focus, the
+# usual keyboard and screen, the cursor shown. Before it, the end of a sequence and of a frame cut off
+_IN_ORDER: Final = (
+    f"\x18{SYNC_END}\x1b[?2004l\x1b[?7h\x1b[?2048l\x1b[?1000l\x1b[?1003l\x1b[?1015l\x1b[?1006l\x1b[?1004l"
+    "\x1b[<u\x1b[?1049l\x1b[?25h"
+)
 _TICK: Final = 0.1  # seconds after which it is seen that nothing followed an escape
 _AT_ONCE: Final = 4096  # bytes read
 
@@ -55,7 +65,13 @@ class TerminalDriver(LinuxDriver):
         self._output = TerminalWriter(output.fileno(), self._lose)
         self._is_lost = False
         self._is_away = False
+        self._has_terminal = False
+        self._sent = self._arrived = 0  # messages for the app: by the thread that reads, by the event loop
         self._continued = 0
+        self._shall_stop = False
+        with suppress(ValueError):
+            hear(signal.SIGTSTP, self._on_stop)
+            hear(signal.SIGCONT, self._on_continue)
 
     # Writing
 
@@ -72,6 +88,7 @@ class TerminalDriver(LinuxDriver):
 
     def start_application_mode(self) -> None:
         """Take the terminal."""
+        self._has_terminal = True
         super().start_application_mode()  # type: ignore[no-untyped-call]
         if (textuals := getattr(self, "_writer_thread", None)) is not None:  # it has nothing to write
             textuals.stop()
@@ -84,6 +101,19 @@ class TerminalDriver(LinuxDriver):
             self.write(SYNC_END)  # the one that was on its way is among them
         super().stop_application_mode()
         self._output.drain(LONGEST_FAREWELL)
+        self._has_terminal = False
+
+    def give_back(self) -> None:
+        """Put the terminal in order right before the process ends, whatever the app is doing; never waits."""
+        if not self._has_terminal:
+            return
+        self._output.forget()
+        with suppress(OSError, termios.error):
+            if self.attrs_before is not None:
+                termios.tcsetattr(self.fileno, termios.TCSANOW, self.attrs_before)
+        last = Thread(target=_write_at_last, args=(self._output.fileno, _IN_ORDER.encode()), daemon=True)
+        last.start()
+        last.join(_LAST_WORDS)
 
     def close(self) -> None:
         """End what writes."""
@@ -98,6 +128,23 @@ class TerminalDriver(LinuxDriver):
             if size.columns and size.lines:
                 return size.columns, size.lines
         return super()._get_terminal_size()
+
+    # Reading
+
+    def process_message(self, message: Message) -> None:
+        """Hand on what was read, unless so much waits already that no person can have typed it."""
+        waiting = self._sent - self._arrived + self._app.message_queue_size
+        if waiting < MOST_WAITING or not isinstance(message, InputEvent):
+            super().process_message(message)
+
+    def send_message(self, message: Message) -> None:
+        """Put ``message`` into the queue of the app; from the thread that reads."""
+        self._sent += 1
+        self._soon(self._arrive, message)  # Textual makes a task of each, of some kilobytes
+
+    def _arrive(self, message: Message) -> None:
+        self._arrived += 1
+        self._app.post_message(message)
 
     # Losing it
 
@@ -142,7 +189,19 @@ class TerminalDriver(LinuxDriver):
 
     def _sigtstp_application(self, *_: object) -> None:
         # another process asked for it, and can also let the program go on
-        asyncio.run_coroutine_threadsafe(self._leave(_stop), self._loop)
+        pass  # it counts when it is heard, in its place among the others
+
+    def _on_stop(self, _: int) -> None:
+        self._shall_stop = True
+        with suppress(RuntimeError):
+            asyncio.run_coroutine_threadsafe(self._leave(self._stop_if_still_asked), self._loop)
+
+    def _on_continue(self, _: int) -> None:
+        self._shall_stop = False
+
+    def _stop_if_still_asked(self) -> None:
+        if self._shall_stop:
+            os.kill(os.getpid(), signal.SIGSTOP)
 
     def _sigcont_application(self, *_: object) -> None:
         self._continued += 1
@@ -180,8 +239,9 @@ class TerminalDriver(LinuxDriver):
         self._app.refresh(layout=True)
 
 
-def _stop() -> None:
-    os.kill(os.getpid(), signal.SIGSTOP)
+def _write_at_last(fileno: int, data: bytes) -> None:
+    with suppress(OSError):
+        os.write(fileno, data)
 
 
 def _stop_group() -> None:

@@ -17,7 +17,7 @@ from typing import Any, Final
 from textual.app import App, ScreenStackError
 from textual.command import CommandPalette
 from textual.dom import DOMNode
-from textual.events import Event, Key
+from textual.events import Event, Key, Paste
 
 PATIENCE: Final = 5.0  # seconds: a widget that is stuck must not keep the keyboard for ever
 MOST_HELD: Final = 1_000  # keys: no person types so far ahead, and a flood of keys must take no memory
@@ -35,16 +35,23 @@ class EscapeOrAlt(Key):
 class KeyQueue:
     """Lets ``handle``, which is Textual's own way, have the keys and pastes of ``app`` one at a time.
 
-    Of those that come meanwhile ``most`` are held back; more are lost.
+    Of those that come meanwhile ``most`` are held back, a paste counting by its characters; more are lost,
+    which ``tell_of_loss`` is called for once.
     """
 
     def __init__(
-        self, app: App[Any], handle: Callable[[Event], Awaitable[None]], most: int = MOST_HELD
+        self,
+        app: App[Any],
+        handle: Callable[[Event], Awaitable[None]],
+        most: int = MOST_HELD,
+        tell_of_loss: Callable[[], object] | None = None,
     ) -> None:
         self._app = app
         self._handle = handle
         self._most = most
+        self._tell_of_loss = tell_of_loss
         self._held: deque[Event] = deque()
+        self._held_size = 0
         self._settling: asyncio.Task[None] | None = None
         self._has_rest = asyncio.Event()
         self._has_rest.set()
@@ -57,8 +64,12 @@ class KeyQueue:
         """Handle ``event`` now, or once all that was typed before it is done."""
         if self._settling is None:
             await self._type(event)
-        elif len(self._held) < self._most:
+        elif self._held_size < self._most:
             self._held.append(event)
+            self._held_size += _size(event)
+        elif self._tell_of_loss is not None:
+            tell, self._tell_of_loss = self._tell_of_loss, None
+            tell()
 
     async def _type(self, event: Event) -> None:
         if isinstance(event, EscapeOrAlt):
@@ -73,6 +84,7 @@ class KeyQueue:
         if event.key in self._app.active_bindings:
             return Key(event.key, event.character)
         self._held.appendleft(event.typed)
+        self._held_size += _size(event.typed)
         return Key("escape", "\x1b")
 
     async def _settle(self, aim: DOMNode) -> None:
@@ -88,7 +100,9 @@ class KeyQueue:
             self._has_rest.set()
 
     async def _type_next(self) -> None:
-        await self._type(self._held.popleft())
+        event = self._held.popleft()
+        self._held_size -= _size(event)
+        await self._type(event)
 
     async def _follow_focus(self) -> None:
         """Wait for what the key's action has sent on, and for the screen that it has opened."""
@@ -117,6 +131,10 @@ class KeyQueue:
 
     def _in_focus(self) -> DOMNode:
         return self._app.focused or self._app.screen
+
+
+def _size(event: Event) -> int:
+    return len(event.text) + 1 if isinstance(event, Paste) else 1
 
 
 def _is_enter(event: Event) -> bool:

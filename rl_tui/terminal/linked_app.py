@@ -98,6 +98,12 @@ class LinkedApp(App[ReturnType]):
         suspend = getattr(driver, "suspend", None)
         return driver is not None and suspend is not None and driver.can_suspend and bool(await suspend())
 
+    def give_back_terminal(self) -> None:
+        """Leave the terminal in order right before the process ends; from any thread."""
+        give_back = getattr(self._terminal, "give_back", None)
+        if give_back is not None:
+            give_back()
+
     def action_redraw(self) -> None:
         """Draw everything again: something else may have written over it."""
         if self._output is not None:

@@ -23,7 +23,8 @@ class TerminalWriter:
     """
 
     def __init__(self, fileno: int, on_lost: Callable[[], None]) -> None:
-        self._fileno = fileno
+        self.fileno = fileno
+        """The descriptor of the terminal."""
         self._on_lost = on_lost
         self._changed = threading.Condition()  # guards everything below
         self._pieces: deque[bytes] = deque()
@@ -102,9 +103,9 @@ class TerminalWriter:
         left = memoryview(data)
         while left:
             try:
-                written = os.write(self._fileno, left[:_SLICE])
+                written = os.write(self.fileno, left[:_SLICE])
             except BlockingIOError:  # another program that shares the terminal has set it so
-                select.select([], [self._fileno], [])
+                select.select([], [self.fileno], [])
                 continue
             left = left[written:]
             with self._changed:

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numba
+import numpy as np
 import pytest
 from numba.core import event
 from numba.core.typing.templates import _OverloadFunctionTemplate
@@ -254,3 +255,17 @@ def test_what_cannot_be_typed_where_it_is_inlined_is_told(faulty: Callable[..., 
     fresh = never_cached(kernel)
     with pytest.raises(numba.TypingError, match=said):
         fresh(One.Alike(0.5, True))
+
+
+def test_a_call_of_machine_code_keeps_hold_of_nothing() -> None:
+    def kernel(generator: np.random.Generator, numbers: Any) -> Any:
+        return generator.random() + numbers[0]
+
+    dispatcher_of(ask)
+    fresh = numba.njit(_nrt=False)(kernel)  # as the kernels are compiled, which count no references
+    generator, numbers = np.random.default_rng(0), np.zeros(1)
+    fresh(generator, numbers)
+    before = sys.getrefcount(generator), sys.getrefcount(numbers)
+    for _ in range(50):
+        fresh(generator, numbers)
+    assert (sys.getrefcount(generator), sys.getrefcount(numbers)) == before

@@ -6,7 +6,7 @@ import asyncio
 
 import pytest
 from textual.app import App, ComposeResult
-from textual.events import Event, Key, MouseUp
+from textual.events import Event, Key, MouseUp, Paste
 from textual.widgets import Input
 
 from rl_tui.terminal.key_queue import EscapeOrAlt, KeyQueue
@@ -74,3 +74,23 @@ async def test_what_may_be_two_keys_is_one_where_that_does_something(has_entry: 
                 await pilot.pause()
     keys = [event.key for event in handled if type(event) is Key]
     assert keys == (["ctrl+w", "s"] if has_entry else ["escape", "backspace", "s"])
+
+
+async def test_a_paste_counts_by_its_characters_and_a_loss_is_told_once() -> None:
+    app = App[None]()
+    handled: list[Event] = []
+    told: list[str] = []
+
+    async def handle(event: Event) -> None:
+        handled.append(event)
+
+    async with app.run_test() as pilot:
+        queue = KeyQueue(app, handle, most=3, tell_of_loss=lambda: told.append("lost"))
+        events = [Key("a", "a"), Paste("four"), Key("b", "b"), Paste("more")]
+        for event in events:
+            await queue.take(event)
+        async with asyncio.timeout(60):
+            while len(handled) < 2:
+                await pilot.pause()
+    assert handled == events[:2]
+    assert told == ["lost"]

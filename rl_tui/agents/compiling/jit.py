@@ -13,10 +13,11 @@ from typing import Any, Final
 
 import numba
 from numba import types
-from numba.core import ir
+from numba.core import boxing, cgutils, ir
 from numba.core.dispatcher import Dispatcher
 from numba.core.errors import NumbaIRAssumptionWarning
 from numba.core.ir_utils import alias_analysis_extensions
+from numba.core.pythonapi import _unboxers
 from numba.core.typing.templates import infer, infer_global, make_overload_template
 
 from rl_tui.agents.compiling.machine_cache import CACHED, cache_of
@@ -39,6 +40,24 @@ def _keep_written(
 
 
 alias_analysis_extensions[ir.SetItem] = _keep_written
+
+
+def _borrow_generator(kind: Any, generator: Any, context: Any) -> Any:
+    """Take ``generator`` into a kernel without a note that it is held, where nothing would take that back.
+
+    Numba makes one at every call, of 64 bytes, and drops it only in code that counts references, which the
+    kernels do without. Their caller holds the generator all the while.
+    """
+    if context.context.enable_nrt:
+        return boxing.unbox_numpy_random_generator(kind, generator, context)
+    context.pyapi.nrt_meminfo_new_from_pyobject = lambda *_: cgutils.voidptr_t(None)
+    try:
+        return boxing.unbox_numpy_random_generator(kind, generator, context)
+    finally:
+        del context.pyapi.nrt_meminfo_new_from_pyobject
+
+
+_unboxers.functions[types.NumPyRandomGeneratorType] = _borrow_generator
 
 
 _DISPATCHERS: Final[dict[Callable[..., Any], Dispatcher]] = {}

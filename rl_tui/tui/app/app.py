@@ -106,7 +106,7 @@ class RlTuiApp(LinkedApp[UserError]):
         self.bug: Exception | None = None
         """The unexpected fault that ended the program, with what became of the session; None if none did."""
         self._moment = Moment(self)
-        self._key_queue = KeyQueue(self, self._type)
+        self._key_queue = KeyQueue(self, self._type, tell_of_loss=self._tell_of_lost_keys)
         has_ascii_only = self.look.glyphs is ASCII
         self.set_class(has_ascii_only, "-ascii")
         use_scroll_bars(ascii_only=has_ascii_only)
@@ -128,12 +128,15 @@ class RlTuiApp(LinkedApp[UserError]):
     ) -> Driver:
         driver = super()._build_driver(headless, inline, mouse, size)
         if not driver.is_headless:
-            end_on_signal(self._end)  # before the terminal is taken: it has to be given back in any case
+            # before the terminal is taken: it has to be given back in any case
+            end_on_signal(self._end, self.give_back_terminal)
         return driver
 
     async def on_event(self, event: Event) -> None:
         """Take keys one at a time, and everything else as it comes."""
         if isinstance(event, InputEvent):
+            if getattr(self, "_exit", False):
+                return  # the end shall not wait for what was typed before it
             self._idleness.stir()
             await asyncio.sleep(0)  # or a flood of it would let nothing else happen, not even an end
         if isinstance(event, (Key, Paste)) and not event.is_forwarded:
@@ -151,6 +154,9 @@ class RlTuiApp(LinkedApp[UserError]):
         """Remember what is told of the moment."""
         self._moment.note(event.notification)
 
+    def _tell_of_lost_keys(self) -> None:
+        self.notify("too many keys at once: those that are over do not count", severity="warning")
+
     async def typed(self) -> None:
         """Wait until all that was typed is done, and what it opens is there."""
         await self._key_queue.rest()
@@ -161,7 +167,8 @@ class RlTuiApp(LinkedApp[UserError]):
         self.screen_change_signal.subscribe(self, forget_left_screens)
         self.screen_change_signal.subscribe(self, lambda _: hide_messages_behind(self))
         if not self.is_headless:
-            end_on_signal(self._end)  # again: the driver for browsers has put its own way to end in place
+            # again: the driver for browsers has put its own way to end in place
+            end_on_signal(self._end, self.give_back_terminal)
         if self._kiosk:
             self.set_interval(LOOKS, self._pause_when_idle)
         if self._start is None:
