@@ -11,6 +11,7 @@ from textual.widgets.option_list import Option
 
 from rl_tui.agents.catalogue import parameters_of
 from rl_tui.agents.hyperparameters import PARAMETERS
+from rl_tui.agents.idle_parameters import why_idle
 from rl_tui.lab.run.recipe import Recipe
 from rl_tui.tui.draw.to_ascii import to_ascii
 from rl_tui.tui.panels.controls.settings import called
@@ -61,7 +62,9 @@ class Options(Dialog[None]):
         """Describe the parameter under the cursor, and say what values it takes."""
         parameter = PARAMETERS[str(event.option_id)]
         starts = "; the run starts again" if parameter.name == "initial_q" else ""
-        text = f"{parameter.help}\n{parameter.expected}{starts}"
+        idle = self._why_idle(parameter.name)
+        note = f"no effect now: {idle}" if idle else parameter.expected
+        text = f"{parameter.help}\n{note}{starts}"
         self.query_one(".hint", Static).update(to_ascii(text, self._look.glyphs))
 
     def on_option_list_option_selected(self, event: OptionList.OptionSelected) -> None:
@@ -73,9 +76,15 @@ class Options(Dialog[None]):
         recipe = self._recipe()
         return parameters_of(recipe.algorithm, recipe.hyperparameters.policy)
 
+    def _why_idle(self, name: str) -> str:
+        recipe = self._recipe()
+        is_bandit = recipe.scenario.kind == "bandit"
+        return why_idle(name, recipe.algorithm, recipe.hyperparameters, is_bandit=is_bandit)
+
     def _row(self, name: str, columns: int) -> Text:
         parameter, value = PARAMETERS[name], self._recipe().hyperparameters.value(name)
         glyphs = self._look.glyphs
-        text = Text(f"{to_ascii(parameter.symbol, glyphs):<{columns}} ")
-        text.append(f"{to_ascii(called(name, value), glyphs):<{_VALUE}} ", "bold")
+        is_idle = bool(self._why_idle(name))
+        text = Text(f"{to_ascii(parameter.symbol, glyphs):<{columns}} ", "dim" if is_idle else "")
+        text.append(f"{to_ascii(called(name, value), glyphs):<{_VALUE}} ", "not bold" if is_idle else "bold")
         return text.append(name.replace("_", " "))
