@@ -6,7 +6,7 @@ from dataclasses import replace
 from itertools import pairwise
 
 import pytest
-from samples import lake
+from samples import bandit, lake
 from snapshots import changed
 
 from rl_tui.agents.catalogue import BY_ID, POLICY_BY_ID, parameters_of
@@ -32,7 +32,7 @@ def told(algorithm: str, policy: str, **changes: float | str) -> Snapshot:
 
 def test_sliders_come_in_the_order_of_the_registry() -> None:
     names = {
-        (algorithm, policy): [row.name for row in sliders_of(algorithm, policy)]
+        (algorithm, policy): [row.name for row in sliders_of(algorithm, Hyperparameters(policy=policy))]
         for algorithm, policy in EVERY
     }
     assert names["q-learning", "epsilon-greedy"] == ["alpha", "gamma", "epsilon"]
@@ -43,6 +43,16 @@ def test_sliders_come_in_the_order_of_the_registry() -> None:
     for key, sliders in names.items():
         assert 1 <= len(sliders) <= 4
         assert sliders == [name for name in parameters_of(*key) if name in sliders]
+
+
+def test_what_changes_nothing_for_a_bandit_has_no_slider_and_is_no_setting() -> None:
+    values = Hyperparameters()
+    for algorithm in BY_ID.values():
+        names = [row.name for row in sliders_of(algorithm.id, values, is_bandit=True)]
+        assert names == (["gamma"] if algorithm.planner else ["alpha", "epsilon"])
+    shown = values_of(changed(bandit(), algorithm="n-step-sarsa", hyperparameters=values))
+    assert "n" not in shown
+    assert shown["seed"]
 
 
 def test_schedules_and_whole_numbers_have_no_slider() -> None:

@@ -91,7 +91,7 @@ def test_a_legend_stands_below_a_whole_map_and_above_one_that_scrolls() -> None:
     view.picture(snapshot, 40, 10)
     assert view.heading == "World · angle down, speed across"
     view.picture(snapshot, 30, 10)
-    assert (view.heading, view.footing) == ("World · V and greedy", "angle down, speed across")
+    assert (view.heading, view.footing) == ("World 0–9/40, 0–5/40", "angle down, speed across")
     view.keep_in_view(0)
     view.picture(snapshot, 30, 10)
     assert view.footing == "esc: follow the agent"

@@ -221,3 +221,23 @@ async def test_going_to_an_episode_that_is_not_there_says_where_the_run_ends(mak
         assert [f"step {end}" in note and "space" in note for note in notes(app)] == [True]
         await press(pilot, "b", "g", *"e2", "enter")
         assert notes(app) == []
+
+
+async def test_in_the_least_terminal_names_of_numbers_are_written_close_together(make_app: MakeApp) -> None:
+    app = make_app("cartpole")
+    async with app.run_test(size=(60, 18)) as pilot:
+        await settle(pilot)
+        table = playground(pilot).board.table
+        rows = [table.render_line(y).text for y in range(table.size.height)]
+        assert any("-.03,-.17" in row for row in rows)
+        assert not any("…" in row for row in rows)
+
+
+async def test_a_part_of_a_map_says_which_it_is_beside_what_it_means(make_app: MakeApp) -> None:
+    app = make_app("taxi")
+    async with app.run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        world = playground(pilot).board.world
+        assert world is not None
+        assert " of 29" in world.heading
+        assert "passenger down" in world.footing

@@ -56,7 +56,11 @@ def test_its_choice_is_told_as_its_own(curious: str, explored: bool, words: tupl
 
 
 def test_its_settings_are_those_of_its_row(curious: str) -> None:
-    assert [row.name for row in sliders_of("sarsa", curious)] == ["alpha", "gamma", "epsilon"]
+    assert [row.name for row in sliders_of("sarsa", Hyperparameters(policy=curious))] == [
+        "alpha",
+        "gamma",
+        "epsilon",
+    ]
     values = {setting.full: setting.value for setting in settings_of(chosen_by(curious))}
     assert values["policy"] == "curious"
     # Its row names no schedule, so the decay that was set for another policy moves nothing

@@ -6,7 +6,7 @@ import pytest
 from conftest import MakeApp
 from sample_worlds import bandit_world, lake_world
 from seams import choose, notes, playground, press, slider, snapshot, train
-from textual.widgets import Input, OptionList
+from textual.widgets import Input, OptionList, Static
 
 from rl_tui.agents.catalogue import BY_ID, POLICY_BY_ID
 from rl_tui.agents.hyperparameters import PARAMETERS, Hyperparameters
@@ -109,8 +109,9 @@ async def test_a_policy_is_chosen_and_brings_its_slider(
         await press(pilot, "o")
         await choose(pilot, "alpha")
         app.screen.query_one(Input).value = "1/n"
-        await press(pilot, "enter", "escape")
+        await press(pilot, "enter")
         assert notes(app)[-1].startswith("policy gradient needs a step size")
+        await press(pilot, "escape")
         assert snapshot(pilot).agent.hyperparameters.alpha == Hyperparameters().alpha
         assert playground(pilot).recipe.hyperparameters == snapshot(pilot).agent.hyperparameters
 
@@ -227,3 +228,18 @@ async def test_values_out_of_range_are_refused_with_the_range(make_app: MakeApp)
 def test_every_planner_has_a_reason_to_follow_no_policy() -> None:
     for algorithm in BY_ID.values():
         assert ("policy" in BY_ID[algorithm.id].parameters) is not algorithm.planner
+
+
+async def test_an_option_that_changes_nothing_says_why(make_app: MakeApp) -> None:
+    app = make_app("bandit")
+    async with app.run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        assert [each.id for each in app.screen.query(Slider)] == ["alpha", "epsilon"]
+        await press(pilot, "o")
+        choices, hint = app.screen.query_one(OptionList), app.screen.query_one(".hint", Static)
+        for name, reason in (("gamma", "every pull ends its episode"), ("epsilon", "")):
+            choices.highlighted = choices.get_option_index(name)
+            await settle(pilot)
+            text = " ".join(str(hint.render()).split())
+            assert ("no effect now" in text) is bool(reason)
+            assert reason in text

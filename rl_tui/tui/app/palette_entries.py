@@ -15,7 +15,7 @@ from rl_tui.tui.actions.action import Action
 from rl_tui.tui.draw.to_ascii import to_ascii
 from rl_tui.tui.theme.look import Look
 
-NOTHING_FOUND: Final = "No action has a word that begins like this. Enter shows the help, with every key."
+NOTHING_FOUND: Final = "No action has a word that begins so. Enter shows every key."
 _MARK: Final = Style(reverse=True)
 _WORD: Final = re.compile(r"^\W+|\W+$")
 

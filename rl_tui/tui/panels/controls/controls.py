@@ -10,6 +10,7 @@ from textual.content import Content
 
 from rl_tui.agents.catalogue import parameters_of
 from rl_tui.agents.hyperparameters import PARAMETERS, SAMPLE_AVERAGE, Hyperparameters, Parameter
+from rl_tui.agents.idle_parameters import why_idle
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.run.recipe import Recipe
 from rl_tui.tui.draw.to_ascii import separated, to_ascii
@@ -18,11 +19,19 @@ from rl_tui.tui.panels.controls.slider import Slider
 from rl_tui.tui.panels.legend import LegendSign, legend_text
 from rl_tui.tui.panels.panel import BORDER_ENDS, BoardPanel
 from rl_tui.tui.theme.look import Look
+from rl_tui.worlds.drawing import Arms
 
 
-def sliders_of(algorithm: str, policy: str) -> tuple[Parameter, ...]:
-    """Return the parameters of ``algorithm`` with the ``policy`` that have a slider, in order."""
-    rows = (PARAMETERS[name] for name in parameters_of(algorithm, policy))
+def sliders_of(algorithm: str, values: Hyperparameters, *, is_bandit: bool = False) -> tuple[Parameter, ...]:
+    """Return the parameters of ``algorithm`` with these ``values`` that have a slider, in order.
+
+    What changes nothing, as γ does not for a bandit, has none.
+    """
+    rows = (
+        PARAMETERS[name]
+        for name in parameters_of(algorithm, values.policy)
+        if not why_idle(name, algorithm, values, is_bandit=is_bandit)
+    )
     return tuple(row for row in rows if row.slide is not None)
 
 
@@ -77,7 +86,8 @@ class Controls(Container, BoardPanel):
     def begin_with(self, recipe: Recipe) -> None:
         """Show the sliders of ``recipe`` before the first snapshot."""
         self.wanted = recipe.hyperparameters
-        self._parameters = sliders_of(recipe.algorithm, recipe.hyperparameters.policy)
+        is_bandit = recipe.scenario.kind == "bandit"
+        self._parameters = sliders_of(recipe.algorithm, recipe.hyperparameters, is_bandit=is_bandit)
 
     def compose(self) -> ComposeResult:
         """Yield sliders and settings."""
@@ -87,7 +97,8 @@ class Controls(Container, BoardPanel):
     def show(self, snapshot: Snapshot) -> None:
         """Show the settings in force, and what is wanted on the sliders."""
         self.query_one(AgentSettings).show(snapshot)
-        parameters = sliders_of(snapshot.agent.algorithm, snapshot.agent.hyperparameters.policy)
+        agent, is_bandit = snapshot.agent, isinstance(snapshot.world.drawing, Arms)
+        parameters = sliders_of(agent.algorithm, agent.hyperparameters, is_bandit=is_bandit)
         if parameters != self._parameters:
             self._parameters = parameters
             self._write_border()

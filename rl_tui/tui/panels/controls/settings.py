@@ -14,10 +14,12 @@ from textual.widget import Widget
 
 from rl_tui.agents.catalogue import BY_ID, POLICY_BY_ID, parameters_of
 from rl_tui.agents.hyperparameters import PARAMETERS, Hyperparameters, Parameter
+from rl_tui.agents.idle_parameters import why_idle
 from rl_tui.lab.live.snapshot import Phase, Snapshot
 from rl_tui.tui.draw.to_ascii import to_ascii
 from rl_tui.tui.theme.glyphs import Glyphs
 from rl_tui.tui.theme.look import Look
+from rl_tui.worlds.drawing import Arms
 
 _KEY_COLUMNS = 4
 _LABEL_COLUMNS = 10
@@ -51,6 +53,7 @@ def settings_of(snapshot: Snapshot) -> tuple[Setting, ...]:
 
 def _settings(snapshot: Snapshot) -> Iterator[Setting]:
     values = snapshot.agent.hyperparameters
+    is_bandit = isinstance(snapshot.world.drawing, Arms)
     parameters = parameters_of(snapshot.agent.algorithm, values.policy)
     yield Setting("a", "", "algorithm", BY_ID[snapshot.agent.algorithm].name, "agent.choose_algorithm", 0)
     if "policy" in parameters:
@@ -67,7 +70,8 @@ def _settings(snapshot: Snapshot) -> Iterator[Setting]:
     yield Setting("o", "options", "options", "", "agent.show_options", 3)
     for name in parameters:
         parameter = PARAMETERS[name]
-        if is_an_option(parameter):
+        idle = why_idle(name, snapshot.agent.algorithm, values, is_bandit=is_bandit)
+        if is_an_option(parameter) and not idle:
             value = option_text(values.value(name))
             yield Setting("", parameter.symbol, parameter.symbol, value, "agent.show_options", 7)
     yield from _decaying(values, parameters, snapshot.counters.episodes)

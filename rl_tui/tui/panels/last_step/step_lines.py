@@ -230,7 +230,8 @@ class StepWriter:
     def _with_ellipsis(self, line: Line, least: int) -> Line:
         """Return ``line`` with a sign that there is more, for which its last parts but ``least`` may go."""
         for end in range(len(line), least - 1, -1):
-            for gap in (" ", ""):
+            ends_in_word = line[end - 1].text[-1:].isalpha()  # behind a number it would be one more digit
+            for gap in (" ", "") if ends_in_word else (" ",):
                 form = [*line[:end], self._dim(gap + self._look.glyphs.ellipsis)]
                 if self._fits(form):
                     return form

@@ -129,11 +129,13 @@ def matrix_form(scene: Scene, width: int, lines: int) -> MatrixForm | None:
         if (form := _form(scene, needed, width, least)) is not None:
             return form
         width -= 1  # the scroll bar
-    return _form(scene, 1, width, LEAST_FIELD if scene.shown.low > -99.5 else FIELD_WITH_SIGN)
+    least = LEAST_FIELD if scene.shown.low > -99.5 else FIELD_WITH_SIGN
+    return _form(scene, 1, width, least) or _form(scene, 1, width, least, is_brief=True)
 
 
-def _form(scene: Scene, blocks: int, width: int, least: int) -> MatrixForm | None:
-    label, actions = scene.world.state_width, len(scene.world.action_names)
+def _form(scene: Scene, blocks: int, width: int, least: int, *, is_brief: bool = False) -> MatrixForm | None:
+    label = scene.world.brief_width if is_brief else scene.world.state_width
+    actions = len(scene.world.action_names)
     field = (width // blocks - label - _AROUND_LABEL) // actions - _MARKS - _GAP
     return MatrixForm(scene, blocks, min(MOST_FIELD, field), label) if field >= least else None
 

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import re
+from collections.abc import Callable
+from functools import cached_property
 from typing import Final
 
 import numpy as np
@@ -18,6 +21,7 @@ from rl_tui.worlds.world import World
 LONGEST_STATE: Final = 14
 NO_ROW: Final = -1
 MOST_MEASURED: Final = 10_000
+_LEADING_ZERO: Final = re.compile(r"(?<![\d.])0(?=\.\d)")
 
 
 class TableWorld:
@@ -29,14 +33,19 @@ class TableWorld:
         self.glyphs = glyphs
         self.is_bandit = isinstance(world.drawing, Arms)
         self.live: IntArray = np.flatnonzero(np.diff(self.space.first_pair))
-        self.state_width = min(LONGEST_STATE, self._longest_name())
+        self.state_width = min(LONGEST_STATE, self._longest(str))
         self.action_names = tuple(
             to_ascii(action_name(world, action, glyphs), glyphs)
             for action in range(len(self.space.action_names))
         )
         self.action_width = max(map(cell_len, self.action_names))
 
-    def _longest_name(self) -> int:
+    @cached_property
+    def brief_width(self) -> int:
+        """The cells that names of states take where they are written close together."""
+        return min(self.state_width, self._longest(_brief))
+
+    def _longest(self, form: Callable[[str], str]) -> int:
         """Return the cells of the longest name; of very many states, those of the last and of a sample.
 
         A name that the sample overlooks is drawn shortened.
@@ -44,7 +53,7 @@ class TableWorld:
         names, live = self.space.state_names, self.live
         if len(live) > MOST_MEASURED:
             live = np.append(live[:: -(-len(live) // MOST_MEASURED)], live[-1])
-        return max(cell_len(names[state]) for state in live.tolist())
+        return max(cell_len(form(names[state])) for state in live.tolist())
 
     def describes(self, world: World, glyphs: Glyphs) -> bool:
         """Return whether this is what is known of ``world`` in these characters."""
@@ -57,8 +66,9 @@ class TableWorld:
         return len(self.live) == 1 or 2 * self.space.pairs <= cells
 
     def state_name(self, state: int, width: int) -> str:
-        """Return the name of ``state``, shortened to ``width`` cells."""
-        return shortened(to_ascii(self.space.state_names[state], self.glyphs), width, self.glyphs.ellipsis)
+        """Return the name of ``state`` in ``width`` cells: written close together, or shortened."""
+        name = to_ascii(self.space.state_names[state], self.glyphs)
+        return name if cell_len(name) <= width else shortened(_brief(name), width, self.glyphs.ellipsis)
 
     def action_of(self, pair: int) -> int:
         """Return the action of ``pair``."""
@@ -74,3 +84,8 @@ class TableWorld:
         pairs = self.space.pairs_of(state)
         actions = self.space.pair_action[pairs.start : pairs.stop]
         return pairs.start + int(np.argmin(np.abs(actions - action)))
+
+
+def _brief(name: str) -> str:
+    """Return ``-.03,1.8`` for ``-0.03, 1.8``."""
+    return _LEADING_ZERO.sub("", name.replace(", ", ","))

@@ -12,6 +12,7 @@ from textual.widgets.option_list import Option
 
 from rl_tui.agents.catalogue import parameters_of
 from rl_tui.agents.hyperparameters import PARAMETERS, SAMPLE_AVERAGE, Hyperparameters
+from rl_tui.agents.idle_parameters import why_idle
 from rl_tui.lab.run.recipe import Recipe
 from rl_tui.tui.draw.to_ascii import to_ascii
 from rl_tui.tui.panels.controls.settings import alpha_moves, called, epsilon_moves, option_text
@@ -21,6 +22,7 @@ from rl_tui.tui.theme.look import Look
 _LEAST_SYMBOL = 12
 _VALUE = 15  # columns; a row fits into 51 even where symbols are spelled out
 _STEP_SIZE: Final = ("alpha", "step_size_schedule", "alpha_min", "alpha_decay")
+NO_EFFECT: Final = "no effect now"
 _EXPLORATION: Final = ("epsilon", "epsilon_schedule", "epsilon_min", "epsilon_decay")
 _MEANINGS: Final[Mapping[str, str]] = {
     "alpha": "step size",
@@ -88,8 +90,9 @@ class Options(Dialog[None]):
         """Describe the parameter under the cursor, and say what values it takes."""
         parameter = PARAMETERS[str(event.option_id)]
         starts = "; the run starts again" if parameter.name == "initial_q" else ""
+        idle = self._why_idle(parameter.name)
         expected = parameter.expected if parameter.range else ", ".join(parameter.words)
-        text = f"{parameter.help}\n{expected}{starts}"
+        text = f"{parameter.help}\n{f'{NO_EFFECT}: {idle}' if idle else expected}{starts}"
         self.query_one(".hint", Static).update(to_ascii(text, self._look.glyphs))
 
     def on_option_list_option_selected(self, event: OptionList.OptionSelected) -> None:
@@ -101,19 +104,24 @@ class Options(Dialog[None]):
         recipe = self._recipe()
         return parameters_of(recipe.algorithm, recipe.hyperparameters.policy)
 
+    def _why_idle(self, name: str) -> str:
+        recipe = self._recipe()
+        is_bandit = recipe.scenario.kind == "bandit"
+        return why_idle(name, recipe.algorithm, recipe.hyperparameters, is_bandit=is_bandit)
+
     def _row(self, name: str, columns: int) -> Text:
         value, meaning = in_force(name, self._recipe().hyperparameters)
         glyphs = self._look.glyphs
-        text = Text(f"{to_ascii(PARAMETERS[name].symbol, glyphs):<{columns}} ")
-        text.append(f"{to_ascii(value, glyphs):<{_VALUE}} ", "bold")
-        return text.append(to_ascii(meaning, glyphs))
+        is_idle = bool(self._why_idle(name))
+        text = Text(f"{to_ascii(PARAMETERS[name].symbol, glyphs):<{columns}} ", "dim" if is_idle else "")
+        text.append(f"{to_ascii(value, glyphs):<{_VALUE}} ", "not bold" if is_idle else "bold")
+        return text.append(to_ascii(NO_EFFECT if is_idle else meaning, glyphs))
 
 
 def in_force(name: str, values: Hyperparameters) -> tuple[str, str]:
     """Return what is in force of the parameter ``name``, and what that is.
 
-    A schedule that changes nothing is called constant, whatever it would do with a decay; what then has no
-    effect is called unused.
+    A schedule that changes nothing is called constant, whatever it would do with a decay.
     """
     for names, moves in ((_STEP_SIZE, alpha_moves(values)), (_EXPLORATION, epsilon_moves(values))):
         if name in names:
@@ -129,11 +137,6 @@ def _scheduled(name: str, names: Sequence[str], values: Hyperparameters, moves: 
     if name == start:
         still = "1/N(s, a)" if averages else f"constant {value}"
         return f"{value} to {option_text(values.value(least))}" if moves else still, meaning
-    if moves:
-        return value, meaning
-    has_decay = values.value(decay) != 0.0
-    if name == schedule:
-        still = SAMPLE_AVERAGE if averages else "constant"
-        return still, meaning if averages or has_decay else "no decay"
-    would_move = name == decay and not has_decay and not averages
-    return value, meaning if would_move else "unused"
+    if name == schedule and not moves:
+        return (SAMPLE_AVERAGE if averages else "constant"), meaning
+    return value, meaning

@@ -201,14 +201,30 @@ class GridView(WorldView):
         return part is None or (part.rows, part.columns) == (grid.rows, grid.columns)
 
     def _title(self, heading: str, width: int) -> str:
-        """Return ``heading``; with what rows and columns mean where the footing tells what is in view."""
+        """Return ``heading``; of a part also what rows and columns mean, or which part it is.
+
+        Where it has room for the one, the footing tells the other.
+        """
         legend = self._map.grid.legend
         if self._is_whole or not legend:
             return heading
-        return self.fitting((f"{heading} · {legend}", f"{WORLD} · {legend}"), width) or heading
+        told = self.fitting((f"{heading} · {legend}", f"{WORLD} · {legend}"), width)
+        if told or not self._following:
+            return told or heading
+        down, across = self._in_view()
+        brief = f"{WORLD} {down}, {across}".replace(" of ", "/")
+        forms = (f"{WORLD} · rows {down}, columns {across}", f"rows {down}, columns {across}", brief)
+        return self.fitting(forms, width) or heading
+
+    def _in_view(self) -> tuple[str, str]:
+        """Return which rows and columns are in view, counted from 0 as in the last step."""
+        grid, part = self._map.grid, self._part
+        assert part is not None
+        top, left, rows, columns = part
+        return _stretch(top, rows, grid.rows), _stretch(left, columns, grid.columns)
 
     def _where(self, width: int) -> str:
-        """Return which part is in view, counted from 0 as in the last step, and how to follow again.
+        """Return which part is in view, and how to follow again.
 
         Of a whole map, and where the heading had no room for it: what its rows and columns mean.
         """
@@ -217,8 +233,7 @@ class GridView(WorldView):
             return self.fitting(_shorter(legend), width)
         if self._following and legend and legend not in self.heading:
             return self.fitting((*_shorter(legend), FOLLOWS), width)
-        grid, (top, left, rows, columns) = self._map.grid, self._part
-        down, across = _stretch(top, rows, grid.rows), _stretch(left, columns, grid.columns)
+        down, across = self._in_view()
         follow = FOLLOWS if self._following else FOLLOW_HINT
         forms = (
             f"rows {down} · columns {across}, from 0 · {follow}",

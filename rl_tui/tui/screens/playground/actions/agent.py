@@ -21,8 +21,8 @@ from rl_tui.tui.screens.dialogs.questions import ask_seed, ask_value
 from rl_tui.tui.screens.playground.actions.subject import Subject
 
 _TIES: Final = {
-    "random": "ties: random. One of the best actions is drawn, if several are equal",
-    "first": "ties: first. Of several best actions that are equal, the first in the table is taken",
+    "random": "ties random: one of equal best actions is drawn",
+    "first": "ties first: of equal best actions the first is taken",
 }
 
 
