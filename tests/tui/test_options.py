@@ -164,14 +164,12 @@ def test_what_is_in_force_is_said_in_plain_words() -> None:
     usual = Hyperparameters()
     assert in_force("alpha", usual)[0] == "constant 0.1"
     assert in_force("step_size_schedule", usual)[0] == "constant"
-    assert in_force("epsilon_min", usual) == ("0", "unused")
     falling = usual.changed("alpha_decay", 0.01).changed("alpha_min", 0.02)
     assert in_force("alpha", falling)[0] == "0.1 to 0.02"
     assert in_force("step_size_schedule", falling)[0] == "exponential"
     assert in_force("alpha_min", falling) == ("0.02", "where it ends")
     stopped = falling.changed("step_size_schedule", "constant")
     assert in_force("alpha", stopped)[0] == "constant 0.1"
-    assert in_force("alpha_decay", stopped) == ("0.01", "unused")
     average = usual.changed("alpha", "sample-average")
     assert in_force("alpha", average)[0] == "1/N(s, a)"
     assert in_force("step_size_schedule", average)[0] == "sample-average"

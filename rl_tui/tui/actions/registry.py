@@ -222,13 +222,7 @@ _ACTIONS: Final[tuple[Action, ...]] = (
         needs_world=True,
     ),
     Action("lanes.next_lane", "l", "next lane", "Show the next of the runs side by side.", Group.VIEW),
-    Action(
-        "turn_legends",
-        "L",
-        "legends",
-        "Hide or show what panels and their signs mean.",
-        Group.VIEW,
-    ),
+    Action("turn_legends", "L", "legends", "Hide or show what panels and their signs mean.", Group.VIEW),
     Action(
         "view.model",
         "m",

@@ -131,7 +131,7 @@ def in_force(name: str, values: Hyperparameters) -> tuple[str, str]:
 
 def _scheduled(name: str, names: Sequence[str], values: Hyperparameters, moves: bool) -> tuple[str, str]:
     """Return the same of one of ``names``: a start, its schedule, where that ends, and its decay."""
-    start, schedule, least, decay = names
+    start, schedule, least, _ = names
     value, meaning = option_text(values.value(name)), _MEANINGS[name]
     averages = start == "alpha" and values.sample_average
     if name == start:
