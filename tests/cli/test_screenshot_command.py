@@ -38,7 +38,7 @@ def test_training_and_keys_show(tmp_path: Path) -> None:
 
 @pytest.mark.screen
 def test_without_a_scenario_it_is_the_catalogue(tmp_path: Path) -> None:
-    assert b"scenarios" in picture(tmp_path, "a.svg", "--size", "80x24").replace(b"&#160;", b" ")
+    assert b"Scenarios" in picture(tmp_path, "a.svg", "--size", "80x24").replace(b"&#160;", b" ")
 
 
 @pytest.mark.screen

@@ -111,6 +111,11 @@ def test_every_kind_of_agent_comes_to_an_optimal_policy(algorithm: str) -> None:
         pytest.fail("no policy was found")
 
 
+def test_where_nothing_can_be_chosen_values_are_seen_to_spread() -> None:
+    counts = [with_value(shown) for _, shown in Watched(recipe("random-walk", initial_q=0.0)).turns()]
+    assert set(range(1, 6)) <= set(counts)
+
+
 def test_pulls_of_a_bandit_get_quicker() -> None:
     speeds = [shown.playback.speed for _, shown in Watched(recipe("bandit")).turns()]
     assert list(dict.fromkeys(speeds)) == list(SPEEDS[Stage.PULLS][:-1])

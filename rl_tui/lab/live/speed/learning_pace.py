@@ -68,6 +68,7 @@ class LearningPace:
         self._answer = answer
         self._world: World | None = None
         self._first_pairs: IntArray
+        self._has_choices = True
         self._with_value = self._rests = 0
         self._judged_at = self._since = 0.0
         self._stage, self._rise = Stage.PULLS, 0
@@ -92,10 +93,11 @@ class LearningPace:
     @property
     def is_over(self) -> bool:
         """Whether nothing is waited for any more: its speed stays."""
-        may_end = self._stage in _ENDING or (
-            self._stage is Stage.SPREADING and self._answer().solution is None
-        )
-        return may_end and self._rise == len(SPEEDS[self._stage]) - 1
+        if self._rise < len(SPEEDS[self._stage]) - 1:
+            return False
+        if self._stage is Stage.SPREADING:
+            return not self._has_choices or self._answer().solution is None
+        return self._stage in _ENDING
 
     def stride(self, run: Run, due: int) -> int:
         """Return how many of the steps that are ``due`` to take before looking at ``run`` again."""
@@ -112,7 +114,7 @@ class LearningPace:
         if self._stage is Stage.FIRST_REWARD and not self._is_blank(run):
             self._enter(Stage.SPREADING, now)
         is_new = self._with_value > before
-        if (is_new or now - self._judged_at >= _JUDGED_EVERY) and self._with_value:
+        if is_new or now - self._judged_at >= _JUDGED_EVERY:
             self._judged_at = now
             if self._has_optimal_policy(run):
                 self._enter(Stage.OPTIMAL, now)
@@ -147,6 +149,7 @@ class LearningPace:
         if self._world is not run.world:
             self._world, first = run.world, run.world.space.first_pair
             self._first_pairs = first[:-1][first[:-1] < first[1:]]
+            self._has_choices = len(self._first_pairs) < run.world.space.pairs
         learner = run.learner
         values = np.maximum.reduceat(learner.q, self._first_pairs)
         self._with_value = int(np.count_nonzero(values != learner.hyperparameters.initial_q))
@@ -155,7 +158,8 @@ class LearningPace:
         return not self._with_value and bool((run.learner.q == run.learner.hyperparameters.initial_q).all())
 
     def _has_optimal_policy(self, run: Run) -> bool:
+        """Return whether an optimal policy was learned: not if there is none to learn, or nothing was yet."""
         learner, optimum = run.learner, self._answer().solution
-        if learner.mdp is None or learner.drifted or optimum is None:
+        if learner.mdp is None or optimum is None or not (self._has_choices and self._with_value):
             return False
         return is_optimal(learner.mdp, learner.q, learner.hyperparameters.ties, optimum)
