@@ -22,6 +22,7 @@ from rl_tui.worlds.drawing import Arms
 NOTHING_YET: Final = "no step yet: s takes one"
 NOT_REPLAYED_YET: Final = "the last step is told once it is replayed"
 _USUAL_ROWS: Final = 8  # of the longest form
+_ROOM_ON_BORDER: Final = 76
 _LEAST_ROWS: Final = 4  # below this the loop has no lines of its own
 
 
@@ -44,9 +45,11 @@ class LastStepPanel(Panel):
         palette, is_bandit = self.look.palette, isinstance(snapshot.world.drawing, Arms)
         delta, plans = to_ascii("δ", self.look.glyphs), BY_ID[snapshot.agent.algorithm].planner
         tells_chances = snapshot.world.mdp is not None and not (is_bandit or plans)
+        # beside the numbers on the border it would come and go with their digits
+        has_room = self.free_rows > 0 or self.size.width >= _ROOM_ON_BORDER
         return (
             LegendSign(delta, "TD error", palette.strong),
-            *([LegendSign("p", "probability", palette.strong)] if tells_chances else []),
+            *([LegendSign("p", "probability", palette.strong)] if tells_chances and has_room else []),
         )
 
 
