@@ -11,6 +11,7 @@ import click
 
 from rl_tui.common.errors import UserError
 from rl_tui.common.kiosk import VARIABLE, in_kiosk
+from rl_tui.terminal.driver_choice import IN_BROWSER
 
 COMMANDS: Final = (None, "play", "list", "serve")
 """What a kiosk has; None is the catalogue."""
@@ -19,8 +20,8 @@ MOST_DATA: Final = 2**30
 _NICENESS: Final = 10
 _MOST_OPEN: Final = 256
 _THREADS: Final = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
-# Of the variables that make Textual log, debug or take pictures, only these are left
-_HARMLESS: Final = ("TEXTUAL_DRIVER", "TEXTUAL_FPS", "TEXTUAL_COLOR_SYSTEM", "TEXTUAL_ANIMATIONS")
+# Of the variables that make Textual log, debug, take pictures or import what they name, only these are left
+_HARMLESS: Final = ("TEXTUAL_FPS", "TEXTUAL_COLOR_SYSTEM", "TEXTUAL_ANIMATIONS")
 
 
 def _turn_on(_: click.Context, __: click.Parameter, value: bool) -> None:
@@ -51,8 +52,9 @@ def enter_kiosk(command: str | None) -> None:
         )
     sys.dont_write_bytecode = True
     os.environ.update(dict.fromkeys(_THREADS, "1"))
-    for name in list(os.environ):
-        if name == "TEXTUAL" or (name.startswith("TEXTUAL_") and name not in _HARMLESS):
+    for name, value in list(os.environ.items()):
+        is_ours = (name, value) == ("TEXTUAL_DRIVER", IN_BROWSER)
+        if name == "TEXTUAL" or (name.startswith("TEXTUAL_") and name not in _HARMLESS and not is_ours):
             del os.environ[name]
 
 

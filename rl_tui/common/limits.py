@@ -1,11 +1,15 @@
-"""How large what a file describes may be.
+"""How large what a file describes, or a terminal says of itself, may be.
 
-What is larger is refused in one line that says the limit, before memory is taken for it.
+A file with more is refused in one line that says the limit, before memory is taken for it.
 """
 
 from __future__ import annotations
 
 from typing import Final
+
+# Of the screen
+LARGEST_SCREEN: Final = (400, 150)
+"""Columns and lines that are drawn, of a terminal or a browser that says it is larger."""
 
 # Of a scenario file
 LARGEST_FILE: Final = 10_000_000

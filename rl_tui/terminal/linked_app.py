@@ -12,12 +12,13 @@ from rich.console import COLOR_SYSTEMS, RenderableType
 from textual import events
 from textual.app import App
 from textual.driver import Driver
-from textual.geometry import Region
+from textual.geometry import Region, Size
 from textual.message import Message
 from textual.screen import Screen
 from textual.strip import Strip
 from textual.timer import Timer
 
+from rl_tui.common.limits import LARGEST_SCREEN
 from rl_tui.terminal.output import Output
 
 _ARRANGING: Final = 0.1  # seconds after a change of size in which panels find their places
@@ -44,6 +45,7 @@ class _Pieces(Protocol):
 class LinkedApp(App[ReturnType]):
     """Puts an :class:`Output` between the compositor and the driver, if that leads to a terminal.
 
+    Of a terminal that says it is larger than any screen only a part is drawn on, and beside it is said so.
     What stands between them has private names in Textual. One that draws in a way that is not known here
     draws by itself: a method that it does not call is not missed.
     """
@@ -53,6 +55,7 @@ class LinkedApp(App[ReturnType]):
         self.synchronises = False
         """Whether the terminal can hold back what is unfinished."""
         self._output: Output | None = None
+        self._claimed = Size(0, 0)  # what the terminal says it is
         self._draws = True
         self._arranging: Timer | None = None
         self._drawn: Screen[object] | None = None
@@ -68,6 +71,11 @@ class LinkedApp(App[ReturnType]):
         timer = super().set_timer(delay, callback, **options)
         timer._skip = False
         return timer
+
+    @property
+    def size(self) -> Size:
+        """Columns and lines that are drawn."""
+        return _bounded(super().size)
 
     @property
     def has_slow_link(self) -> bool:
@@ -113,6 +121,7 @@ class LinkedApp(App[ReturnType]):
         """Draw everything again: after a change of size, or a pause, the terminal may show anything."""
         if self._output is not None:
             self._output.resize(*event.size)
+            self._tell_of_rest(self._output)
             if self._arranging is not None:
                 self._arranging.stop()
             self._arranging = self.set_timer(_ARRANGING, self._output.wake)
@@ -147,8 +156,18 @@ class LinkedApp(App[ReturnType]):
             system = COLOR_SYSTEMS.get(self.console.color_system or "", ColorSystem.TRUECOLOR)
             self._output = Output(driver.write, system, partial(getattr, driver, "waiting", 0))
             self._output.resize(*self.size)
+            self._tell_of_rest(self._output)
             self._output.wake()
         return self._output
+
+    def _tell_of_rest(self, output: Output) -> None:
+        """Say below what is drawn, or right of it, that the terminal is larger than that."""
+        (width, height), claimed = _bounded(self._claimed), self._claimed
+        words = f"no more than {width} columns and {height} lines are drawn"
+        if claimed.height > height:
+            output.write_beside(0, height, words[: claimed.width])
+        else:
+            output.write_beside(width, 0, f" {words}"[: claimed.width - width])
 
     def _draw_on(self, output: Output, screen: Screen[object], update: _Lines | _Pieces) -> None:
         buffer, lines = output.buffer, _lines_of_dialog(screen)
@@ -172,6 +191,10 @@ class LinkedApp(App[ReturnType]):
 
     def post_message(self, message: Message) -> bool:
         """Put ``message`` into the queue, unless it is an answer of the terminal."""
+        if isinstance(message, events.Resize):
+            self._claimed = message.size
+            if (size := _bounded(message.size)) != message.size:
+                message = events.Resize(size, size)
         if self._output is not None:
             if isinstance(message, events.CursorPosition):
                 # not one more message in the queue: others need not wait to be dealt with
@@ -187,6 +210,10 @@ class LinkedApp(App[ReturnType]):
         finally:
             if self._output is not None:
                 await self._output.rest()
+
+
+def _bounded(size: Size) -> Size:
+    return Size(*map(min, size, LARGEST_SCREEN))
 
 
 def _lines_of_dialog(screen: Screen[object]) -> range:

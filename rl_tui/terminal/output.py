@@ -17,6 +17,7 @@ from rl_tui.terminal.pens import Pens
 from rl_tui.terminal.screen_buffer import ScreenBuffer
 
 _ASK: Final = "\x1b[6n"
+_ERASE_ALL: Final = "\x1b[2J"
 SYNC_BEGIN, SYNC_END = "\x1b[?2026h", "\x1b[?2026l"  # the terminal holds back what is unfinished
 _LOOK_AGAIN: Final = 0.02  # seconds
 _LONGEST_FAREWELL: Final = 2.0  # seconds that the last answer is waited for
@@ -49,6 +50,13 @@ class Output:
         self._timer: asyncio.TimerHandle | None = None
         self._arrived = asyncio.Event()
         self._rests = False
+        self._beside = ""  # what is said where nothing is drawn
+        self._erases = False
+
+    def write_beside(self, x: int, y: int, words: str) -> None:
+        """Say ``words`` at column ``x`` of line ``y``, where nothing is ever drawn; what stood there goes."""
+        self._erases = bool(words or self._beside)
+        self._beside = f"{move_to(x, y)}{words}" if words else ""
 
     def resize(self, width: int, height: int) -> None:
         """Begin anew on a terminal of ``width`` × ``height``, of whose contents nothing is known.
@@ -86,7 +94,10 @@ class Output:
                 self._timer = asyncio.get_running_loop().call_later(wait, self.send)
                 return
             if text := self._encoder.frame(self.buffer.changed(), self.link.room):
-                self._write(self._framed(text))
+                if self._erases:
+                    text, self._erases = f"{_ERASE_ALL}{text}", False
+                # with every frame: to erase the rest of a line reaches as far as that
+                self._write(self._framed(text + self._beside))
 
     def answer(self, column: int, line: int) -> None:
         """Take the place of the cursor, counted from 0, that the terminal has answered with."""

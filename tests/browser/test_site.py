@@ -21,9 +21,9 @@ from served import DEADLINE, is_running
 
 from rl_tui.cli.serving import app_process
 from rl_tui.cli.serving.addresses import Doorkeeper, bind
-from rl_tui.cli.serving.app_process import LARGEST_SIZE
 from rl_tui.cli.serving.server import serve
 from rl_tui.cli.serving.site import OF_A_MESSAGE, PAGE, Allowance, Site
+from rl_tui.common.limits import LARGEST_SCREEN
 
 Client = TestClient[web.Request, web.Application]
 
@@ -120,7 +120,7 @@ async def test_a_browser_without_the_fonts_gets_ascii() -> None:
 @pytest.mark.parametrize(
     ("query", "size"),
     [
-        ("width=100000&height=99999", LARGEST_SIZE),
+        ("width=100000&height=99999", LARGEST_SCREEN),
         ("width=0&height=0", (1, 1)),
         ("width=x&height=-5", (80, 24)),
         ("", (80, 24)),
@@ -132,7 +132,7 @@ async def test_no_window_is_too_large(query: str, size: tuple[int, int]) -> None
         assert isinstance(around, dict)
         assert (int(around["COLUMNS"]), int(around["ROWS"])) == size
         await socket.send_json(["resize", {"width": 10**12, "height": 10**12}])
-        width, height = LARGEST_SIZE
+        width, height = LARGEST_SCREEN
         _, message = await said(socket)
         assert json.loads(str(message)) == {"type": "resize", "width": width, "height": height}
 

@@ -16,9 +16,9 @@ from contextlib import suppress
 from typing import Final
 
 from rl_tui.common.kiosk import VARIABLE
+from rl_tui.common.limits import LARGEST_SCREEN
 from rl_tui.terminal.driver_choice import IN_BROWSER
 
-LARGEST_SIZE: Final = (400, 150)
 SMALLEST_SIZE: Final = (1, 1)
 _READY: Final = b"__GANGLION__\n"
 _LARGEST_PACKET: Final = 1 << 24
@@ -61,7 +61,7 @@ def bounded_size(columns: object, rows: object) -> tuple[int, int]:
         return (80, 24)
     width, height = (
         min(max(value, least), most)
-        for value, least, most in zip((columns, rows), SMALLEST_SIZE, LARGEST_SIZE, strict=True)
+        for value, least, most in zip((columns, rows), SMALLEST_SIZE, LARGEST_SCREEN, strict=True)
     )
     return width, height
 
