@@ -152,6 +152,21 @@ async def test_the_names_of_the_layers_answer_clicks(make_app: MakeApp, ascii_on
         assert table.shown_layer is Layer.Q
 
 
+async def test_the_keys_of_a_dialog_answer_clicks_on_its_border(make_app: MakeApp) -> None:
+    app = make_app("student")
+    async with app.run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        for hint, seed in (("esc", 0), ("enter", 7)):
+            await press(pilot, "n", "7")
+            box = app.screen.query_one("#box")
+            keys = str(box.border_subtitle)
+            column = box.region.right - 3 - len(keys) + keys.index(hint)
+            await pilot.click(offset=(column, box.region.bottom - 1))
+            await settle(pilot)
+            assert isinstance(app.screen, Playground)
+            assert snapshot(pilot).recipe.seed == seed
+
+
 # ctrl+c
 
 

@@ -157,7 +157,13 @@ async def test_the_key_line_says_what_keys_do_on_a_slider_and_answers_clicks(mak
         await pilot.click(line, offset=(line.render_line(0).text.index("enter"), 0))
         await settle(pilot)
         assert slider(app, "gamma").is_typing
-        assert "enter set" in line.render_line(0).text
+        assert line.render_line(0).text.startswith(" enter set")
+        for width in (60, 80, 120):
+            await pilot.resize_terminal(width, 24)
+            assert line.render_line(0).text.rstrip().endswith("? help")
+            assert "space run" in line.render_line(0).text
+            assert "esc back" not in line.render_line(0).text
+        await pilot.resize_terminal(60, 18)
         await press(pilot, "0", "enter")
         assert line.render_line(0).text == usual
 

@@ -20,6 +20,9 @@ from rl_tui.tui.theme.look import Look
 _GAPS = (3, 2)
 _KEY_NAMES: Final = {"esc": "escape", "?": "question_mark", "space": "space", "enter": "enter"}
 
+Hints = tuple[tuple[str, str], ...]
+"""Keys, and what they do in a word."""
+
 
 def fitting(actions: Sequence[Action], width: int) -> tuple[tuple[Action, ...], int]:
     """Return those of ``actions`` whose hints fit into ``width`` columns, as shown, and the gap between.
@@ -58,10 +61,12 @@ def _line_columns(hints: Sequence[tuple[str, str]], gap: int, glyphs: Glyphs) ->
 class KeyLine(Widget):
     """Key hints of ``actions``, those of the screen it stands on; a click on one does it.
 
-    ``hints`` are keys and words to show in their place, as many as fit, while a mode has keys of its own.
+    ``hints`` are keys and words to show in their place, as many as fit, while a mode has keys of its own;
+    ``first`` are some to show before them, for what is in focus.
     """
 
-    hints: reactive[tuple[tuple[str, str], ...]] = reactive(())
+    hints: reactive[Hints] = reactive(())
+    first: reactive[Hints] = reactive(())
 
     def __init__(self, look: Look, actions: Sequence[Action], *, id: str | None = None) -> None:  # noqa: A002
         super().__init__(id=id)
@@ -71,8 +76,8 @@ class KeyLine(Widget):
     def render_line(self, y: int) -> Strip:
         """Draw the line."""
         palette, glyphs = self.look.palette, self.look.glyphs
-        shown, gap = fitting(self._actions, self.size.width)
-        hints = [action.key_hint for action in shown]
+        shown, gap = self._fitting_actions()
+        hints = [*self.first, *(action.key_hint for action in shown)]
         if self.hints:
             hints, gap = self._fitting_hints(), _GAPS[1]
         segments = [Segment(" ", palette.text)]
@@ -95,10 +100,10 @@ class KeyLine(Widget):
     async def on_click(self, event: events.Click) -> None:
         """Do what the hint under the pointer says."""
         if self.hints:
-            self._press_hint(event.x)
+            self._press_hint(self._fitting_hints(), _GAPS[1], event.x)
             return
-        shown, gap = fitting(self._actions, self.size.width)
-        column = 1
+        shown, gap = self._fitting_actions()
+        column = self._press_hint(self.first, gap, event.x)
         for action in shown:
             end = column + _columns(action)
             if column <= event.x < end:
@@ -106,12 +111,22 @@ class KeyLine(Widget):
                 return
             column = end + gap
 
-    def _press_hint(self, x: int) -> None:
-        """Press the key of the mode's hint in column ``x``, if it is one key."""
+    def _fitting_actions(self) -> tuple[tuple[Action, ...], int]:
+        """Return the actions that fit behind what stands first, but for those whose keys that takes."""
+        taken = {keys for keys, _ in self.first}
+        actions = [action for action in self._actions if action.shown not in taken]
+        room = self.size.width
+        if self.first:
+            room -= _line_columns(self.first, _GAPS[0], self.look.glyphs) - 1 + _GAPS[0]
+        return fitting(actions, room)
+
+    def _press_hint(self, hints: Sequence[tuple[str, str]], gap: int, x: int) -> int:
+        """Press the key of the hint in column ``x``, if it is one key; return where the next one begins."""
         column = 1
-        for hint in self._fitting_hints():
+        for hint in hints:
             end = column + _line_columns([hint], 0, self.look.glyphs) - 1
             key = _KEY_NAMES.get(hint[0], hint[0])
             if column <= x < end and (len(key) == 1 or key in _KEY_NAMES.values()):
                 self.app.simulate_key(key)
-            column = end + _GAPS[1]
+            column = end + gap
+        return column

@@ -269,9 +269,6 @@ def key_hints(focused: Widget | None) -> tuple[tuple[str, str], ...]:
     if not isinstance(focused, Slider):
         return ()
     if not focused.is_typing:
-        return (("← →", "move"), ("enter", "type"), ("esc", "leave"), *_OTHER_KEYS)
+        return ("← →", "move"), ("enter", "type"), ("esc", "leave")
     average = (("1/n", "sample average"),) if SAMPLE_AVERAGE in focused.parameter.words else ()
-    return (("enter", "set"), ("esc", "drop"), *average, *_OTHER_KEYS)
-
-
-_OTHER_KEYS: Final = (("space", "run"), ("s", "step"), ("e", "episode"), ("?", "help"))
+    return ("enter", "set"), ("esc", "drop"), *average

@@ -3,16 +3,20 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import ClassVar, TypeVar
+from typing import ClassVar, Final, TypeVar
 
+from rich.cells import cell_len
 from textual.binding import Binding, BindingType
 from textual.containers import Vertical
 from textual.content import Content
+from textual.events import Click
 from textual.screen import ModalScreen
 
 from rl_tui.terminal.linked_app import LinkedApp
+from rl_tui.tui.panels.panel import key_at
 
 Result = TypeVar("Result")
+_BORDER_END: Final = 3  # a blank, a piece of line and the corner
 
 
 class Dialog(ModalScreen[Result | None]):
@@ -34,6 +38,17 @@ class Dialog(ModalScreen[Result | None]):
         box = Vertical(id="box", classes=classes)
         box.border_title, box.border_subtitle = Content(title), keys
         return box
+
+    def on_click(self, event: Click) -> None:
+        """Press the key that is written where the lower border was clicked."""
+        for box in self.query("#box"):
+            keys, region = str(box.border_subtitle), box.region
+            column = event.screen_x - (region.right - _BORDER_END - cell_len(keys))
+            key = key_at(keys, column) if event.screen_y == region.bottom - 1 else None
+            if key is not None:
+                event.stop()
+                # by the app: what a screen sends does not rise beyond it, to where bindings are looked up
+                self.app.call_later(self.app.simulate_key, key)
 
     def action_cancel(self) -> None:
         """Close without an answer."""

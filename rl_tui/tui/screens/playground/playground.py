@@ -177,9 +177,8 @@ class Playground(ActionScreen):
     @on(DescendantFocus)
     @on(DescendantBlur)
     def show_key_hints(self) -> None:
-        """Show on the key line what the keys do on the slider in focus, unless a person is the agent."""
-        if not self.manual.is_on:
-            self.query_one(KeyLine).hints = key_hints(self.focused)
+        """Show first on the key line what the keys do on the slider in focus."""
+        self.query_one(KeyLine).first = key_hints(self.focused)
 
     @on(TimelineBar.Sought)
     def seek(self, event: TimelineBar.Sought) -> None:
