@@ -84,14 +84,13 @@ def term_at(text: str, column: int, glyphs: Glyphs) -> str | None:
 def _written(in_ascii: bool) -> tuple[re.Pattern[str], Mapping[str, str]]:
     """Return what finds the names of terms in a line, and the ids of what it finds.
 
-    A single small letter is a key as often as a word, so it is none here; in longer names case is nothing.
+    A single small letter, mostly a key, is a word only where an equals sign follows. In longer names case
+    does not matter.
     """
     ids: dict[str, str] = {}
     for term in glossary().values():
         for name in term.names:
-            written = to_ascii(name, ASCII) if in_ascii else name
-            if not (len(written) == 1 and written.isascii() and not written.isupper()):
-                ids.setdefault(_key(written), term.id)
+            ids.setdefault(_key(to_ascii(name, ASCII) if in_ascii else name), term.id)
     longest_first = sorted(ids, key=len, reverse=True)
     return re.compile("|".join(map(_pattern, longest_first))), ids
 
@@ -104,6 +103,8 @@ def _pattern(name: str) -> str:
     """Return what matches ``name``; one that begins or ends in a letter is no part of a longer word."""
     before = r"(?<!\w)" if name[0].isalnum() else ""
     after = r"(?!\w)" if name[-1].isalnum() else ""
+    if len(name) == 1 and name.isascii() and name.islower():
+        after = "(?= =)"
     return f"{before}{re.escape(name) if len(name) == 1 else f'(?i:{re.escape(name)})'}{after}"
 
 

@@ -125,10 +125,10 @@ class HelpScreen(Dialog[None]):
             self.call_after_refresh(page.scroll_end, animate=False)
 
     def _explanations(self) -> Iterator[Explanation]:
+        yield Explanation("Words")
+        yield Explanation("  ?", _ASKING)
+        yield Explanation("")
         if self._panels:
-            yield Explanation("Words")
-            yield Explanation("  ?", _ASKING)
-            yield Explanation("")
             yield Explanation("Panels")
             for title, sentences in (*((row.title, row.help) for row in self._panels), *_TOPICS):
                 yield Explanation(f"  {title}", sentences)
