@@ -1,11 +1,17 @@
 from __future__ import annotations
 
+from pathlib import Path
+
+import numpy as np
 import pytest
 from recipes import recipe
 
 from rl_tui.agents.hyperparameters import Hyperparameters
-from rl_tui.lab.experiments.endless import endless_state, long_episode
+from rl_tui.lab.experiments.endless import endless_state, endless_warning, long_episode
+from rl_tui.lab.experiments.learned_length import learned_length
 from rl_tui.lab.run.recipe import begin
+from rl_tui.worlds.files.catalogue import scenarios
+from rl_tui.worlds.files.scenario import Scenario, scenario_of
 from rl_tui.worlds.mdp.tabular_mdp import Outcome, TabularMDP, Transition, tabular_mdp
 
 
@@ -57,6 +63,58 @@ def test_an_agent_that_learns_never_to_end_is_found(alpha: float | str) -> None:
     assert long_episode(corridor(2), hyperparameters) is None
     assert long_episode(corridor(20, time_limit=100), hyperparameters) is None
     assert long_episode(corridor(1_001), hyperparameters) is None
+
+
+TRAP = """
+[defaults]
+gamma = 0.99
+epsilon = {epsilon}
+[grid]
+map = '''
+......
+.S....
+....T.
+...TGT
+....T.
+'''
+step_reward = {step_reward}
+{more}
+[grid.legend]
+T = {{ kind = "floor", reward = {trap} }}
+"""
+
+
+def trap(trap: float = -10.0, step_reward: float = -0.04, epsilon: float = 0.1, more: str = "") -> Scenario:
+    """A goal that traps surround."""
+    text = TRAP.format(trap=trap, step_reward=step_reward, epsilon=epsilon, more=more)
+    return scenario_of(text, Path("trap.toml"))
+
+
+def test_a_goal_behind_a_trap_that_costs_more_than_it_pays_is_found() -> None:
+    assert "SARSA" in endless_warning(trap())
+    assert endless_warning(trap(step_reward=0.0))
+    assert endless_warning(trap(epsilon=0.0))
+    assert endless_warning(trap(more="noise = 0.2"))
+    assert endless_warning(trap(trap=-1.0)) == ""
+    assert endless_warning(trap(more="time_limit = 500")) == ""
+
+
+def test_the_length_of_learned_episodes_is_exact() -> None:
+    mdp = corridor(2)
+    assert learned_length(mdp, 0.9, 0.0, 0.0) == np.inf
+    assert learned_length(mdp, 0.9, 0.1, 0.1) == pytest.approx(20.0 + 20.0**2), "to go on is a stumble"
+    assert learned_length(mdp, 0.9, 0.0, 1.0) == pytest.approx(2.0 + 2.0**2)
+    lake = begin(recipe("frozenlake")).world.mdp
+    assert lake
+    assert learned_length(lake, 0.99, 0.0, 0.0) == pytest.approx(6.0)
+    home = tabular_mdp(["home"], ["stay"], [Transition(0, 0, [Outcome(1.0, 0, 1.0, False)])], {0: 1.0})
+    assert learned_length(home, 0.9, 0.0, 0.0) == np.inf
+    assert learned_length(home, 1.0, 0.0, 0.0) == 0.0, "it has no values"
+
+
+@pytest.mark.parametrize("scenario", [each.id for each in scenarios()])
+def test_no_shipped_scenario_is_warned_of(scenario: str) -> None:
+    assert endless_warning(recipe(scenario).scenario) == ""
 
 
 def test_estimates_beyond_all_bounds_are_no_long_episode() -> None:

@@ -12,17 +12,19 @@ from rl_tui.agents.exact.exact_model import exact_model
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.agents.kernels.stop import LARGEST_ESTIMATE, LONGEST_EPISODE
 from rl_tui.common.streams import streams
-from rl_tui.lab.run.library import recipe_for
+from rl_tui.lab.experiments.learned_length import learned_length
+from rl_tui.lab.run.library import episodes_of, recipe_for
 from rl_tui.worlds.files.scenario import Scenario
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
-EPISODES: Final = 100
+EPISODES: Final = 1_000
 LONG_EPISODE: Final = 50_000
 """So many steps without an end are worth a warning."""
 MOST_STEPS: Final = 200_000
 """After so many in all no further episode is begun: half a second where there are two actions."""
 # In a larger world an agent that knows nothing yet may wander about for as long, or take longer to choose
 _MOST_STATES, _MOST_ACTIONS = 1_000, 50
+_UNTOLD: Final = 1e12  # steps, of which rounding leaves no digit
 
 
 def endless_warning(scenario: Scenario) -> str:
@@ -40,8 +42,32 @@ def endless_warning(scenario: Scenario) -> str:
             f"training stops after {LONGEST_EPISODE:,} steps of one episode"
         )
     hyperparameters = recipe_for(scenario).hyperparameters
-    if not POLICY_BY_ID[hyperparameters.policy].explores_by_epsilon:
+    if not POLICY_BY_ID[hyperparameters.policy].explores_by_epsilon or not _is_tried(mdp):
         return ""
+    return _long_once_learned(mdp, hyperparameters, episodes_of(scenario)) or _long_in_a_trial(
+        mdp, hyperparameters
+    )
+
+
+def _long_once_learned(mdp: TabularMDP, hyperparameters: Hyperparameters, episodes: int) -> str:
+    """Return that episodes are long with the values that SARSA or Q-learning comes to; empty if not.
+
+    ε is that in force at the beginning or after so many ``episodes``, whichever is less.
+    """
+    gamma = hyperparameters.gamma
+    epsilon = min(hyperparameters.epsilon_at(0), hyperparameters.epsilon_at(episodes))
+    for name, planned in (("SARSA", epsilon), ("Q-learning", 0.0)):
+        length = learned_length(mdp, gamma, planned, epsilon)
+        if length > LONG_EPISODE:
+            steps = f"{length:,.0f} steps on average" if length < _UNTOLD else "nearly for ever"
+            return (
+                f"with what {name} learns, at γ {gamma:g} and ε {epsilon:g}, an episode takes {steps}, and "
+                f"there is no time limit: the end is not worth the way there"
+            )
+    return ""
+
+
+def _long_in_a_trial(mdp: TabularMDP, hyperparameters: Hyperparameters) -> str:
     episode = long_episode(mdp, hyperparameters)
     if episode is None:
         return ""
@@ -51,6 +77,10 @@ def endless_warning(scenario: Scenario) -> str:
     )
 
 
+def _is_tried(mdp: TabularMDP) -> bool:
+    return not mdp.time_limit and mdp.states <= _MOST_STATES and len(mdp.action_names) <= _MOST_ACTIONS
+
+
 def long_episode(mdp: TabularMDP, hyperparameters: Hyperparameters) -> int | None:
     """Return which of the first episodes of SARSA, from 1, does not end within ``LONG_EPISODE`` steps.
 
@@ -58,7 +88,7 @@ def long_episode(mdp: TabularMDP, hyperparameters: Hyperparameters) -> int | Non
     large worlds, which are not tried. It is the box on page 130 of Sutton & Barto (2nd ed.) with an ε-greedy
     policy, in plain Python: the loop of the agents takes ten times as long interpreted, and more to compile.
     """
-    if mdp.time_limit or mdp.states > _MOST_STATES or len(mdp.action_names) > _MOST_ACTIONS:
+    if not _is_tried(mdp):
         return None
     first_pair, first_outcome = mdp.first_pair.tolist(), mdp.first_outcome.tolist()
     cumulative, reward, reward_std = mdp.cumulative.tolist(), mdp.reward.tolist(), mdp.reward_std.tolist()

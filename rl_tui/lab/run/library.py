@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
+from contextlib import suppress
 from pathlib import Path
 from typing import Any, Final
 
@@ -13,6 +14,7 @@ from rl_tui.common.findings import Finding, near, place, shown
 from rl_tui.lab.run.recipe import Recipe, begin, changed_parameter
 from rl_tui.worlds.files import catalogue
 from rl_tui.worlds.files.scenario import Scenario, read_scenario, scenario_of
+from rl_tui.worlds.files.toml_file import UnreadableError, read_text
 from rl_tui.worlds.sections.schema import unknown_key
 
 DEFAULT_ALGORITHM: Final = "q-learning"
@@ -77,6 +79,40 @@ def _checked(file: str, read: Callable[[], Scenario]) -> tuple[Scenario | None, 
         return tables.index(name) if name in tables else len(tables)
 
     return None, list(first_of(sorted([*world_faults, *faults], key=table_of)))
+
+
+def reread(scenario: Scenario) -> Scenario | None:
+    """Return what the file of ``scenario`` says now; None where that is the same, or there is no such file.
+
+    Raises ScenarioError with all faults of what it says now.
+    """
+    path = scenario.source
+    if not scenario.text or not path.is_file():
+        return None
+    with suppress(UnreadableError):
+        if read_text(path) == scenario.text:
+            return None
+    found, faults = checked(path)
+    if found is None or faults:
+        raise ScenarioError(faults)
+    return found
+
+
+def recipe_with(scenario: Scenario, recipe: Recipe) -> Recipe:
+    """Return ``recipe`` in ``scenario``, which a later content of its file describes.
+
+    Seed and all settings stay that are not those which the old content suggests; the others are as the new
+    one suggests. Raises UserError where it is faulty.
+    """
+    before = recipe_for(recipe.scenario)
+    kept: dict[str, object] = {
+        name: recipe.hyperparameters.value(name)
+        for name in PARAMETERS
+        if recipe.hyperparameters.value(name) != before.hyperparameters.value(name)
+    }
+    if recipe.algorithm != before.algorithm:
+        kept["algorithm"] = recipe.algorithm
+    return recipe_for(scenario, kept, recipe.seed)
 
 
 def recipe_for(scenario: Scenario, overrides: Mapping[str, object] | None = None, seed: int = 0) -> Recipe:

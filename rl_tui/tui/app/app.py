@@ -211,6 +211,11 @@ class RlTuiApp(LinkedApp[UserError]):
         self._start = None
         self.switch_screen(self._opener.playground(self.look, recipe))
 
+    def on_playground_reopened(self, event: Playground.Reopened) -> None:
+        """Go to a new run; the one until now keeps its session."""
+        self._opener.close()
+        self.switch_screen(self._opener.playground(self.look, event.recipe))
+
     def _pause_when_idle(self) -> None:
         from rl_tui.tui.screens.playground.playground import Playground
 

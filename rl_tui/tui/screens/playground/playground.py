@@ -40,6 +40,7 @@ from rl_tui.tui.screens.playground.actions.lanes import LaneActions
 from rl_tui.tui.screens.playground.actions.manual import MANUAL_BINDINGS, ManualControl
 from rl_tui.tui.screens.playground.actions.microscope import MicroscopeActions
 from rl_tui.tui.screens.playground.actions.run import RunActions
+from rl_tui.tui.screens.playground.actions.scenario_file import ScenarioFile
 from rl_tui.tui.screens.playground.actions.session import SessionActions
 from rl_tui.tui.screens.playground.actions.time import TimeActions
 from rl_tui.tui.screens.playground.actions.until import UntilActions
@@ -84,6 +85,12 @@ class Playground(ActionScreen):
         recipe: Recipe
         offset: int
 
+    @dataclass
+    class Reopened(Message):
+        """The user wants a run of ``recipe``, whose scenario is another, in place of this one."""
+
+        recipe: Recipe
+
     def __init__(
         self,
         look: Look,
@@ -107,7 +114,7 @@ class Playground(ActionScreen):
         self.board.is_explained = self.legends.is_on
         self.link = PlayerLink(player, self.wanted, self._note_sent)
         of = self, self.board, self.link
-        self.run = RunActions(*of)
+        self.run = RunActions(*of, ScenarioFile(*of, resumed is None, self._reopen))
         self.time = TimeActions(*of)
         self.until = UntilActions(*of)
         self.agent = AgentActions(*of)
@@ -194,6 +201,9 @@ class Playground(ActionScreen):
         """Yield the status line and the board."""
         yield self.status
         yield self.board
+
+    def _reopen(self, recipe: Recipe) -> None:
+        self.post_message(self.Reopened(recipe))
 
     def on_mount(self) -> None:
         """Draw whatever the player publishes; it starts to load once the first paint is done."""

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Final
 
 from rl_tui.lab.live.commands import Pause, Play, Restart, RunEpisode, SetSpeed, Step, WatchLearning
 from rl_tui.lab.live.snapshot import Phase
+from rl_tui.tui.screens.playground.actions.scenario_file import ScenarioFile
 from rl_tui.tui.screens.playground.actions.subject import Subject
 
 _UNTIL_SEEN = 3600.0
@@ -17,8 +19,11 @@ _LADDER: Final[tuple[float | None, ...]] = (
 """The speeds that + and − go through, in steps a second; None is as fast as it goes."""
 
 
+@dataclass(eq=False)
 class RunActions(Subject):
     """The run goes on, stands still, or starts again."""
+
+    scenario_file: ScenarioFile
 
     def run_or_pause(self) -> None:
         """Run, or pause."""
@@ -71,7 +76,11 @@ class RunActions(Subject):
         self.link.send(SetSpeed(slower(self.link.wanted.speed)))
 
     def reset(self) -> None:
-        """Start again with the settings in force and the same seed."""
+        """Start again with the settings in force and the same seed; ask where the file has changed."""
+        if not self.scenario_file.offers_news(self._start_again):
+            self._start_again()
+
+    def _start_again(self) -> None:
         if self.snapshot is not None and self.snapshot.timeline.current.end:
             kept = "gone: this is a kiosk" if self.screen.in_kiosk else "kept in the catalogue"
             self.screen.tell(f"the run starts again; the one until now is {kept}")

@@ -1,0 +1,74 @@
+"""The scenario's file, which somebody may edit while its world is on screen."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Final
+
+from rl_tui.common.errors import ScenarioError, UserError
+from rl_tui.common.findings import one_line
+from rl_tui.lab.run.library import recipe_with, reread
+from rl_tui.lab.run.recipe import Recipe
+from rl_tui.tui.draw.to_ascii import to_ascii
+from rl_tui.tui.screens.dialogs.choice import Candidate, Choice
+from rl_tui.tui.screens.playground.actions.subject import Subject
+from rl_tui.worlds.files.scenario import Scenario
+
+_NEW: Final = "new"
+_OLD: Final = "old"
+_LONGEST_NAME: Final = 60
+_UNTIL_READ: Final = 15.0
+
+
+@dataclass(eq=False)
+class ScenarioFile(Subject):
+    """Offers what the file of the scenario says now, where that is no longer what is on screen.
+
+    ``is_known`` tells whether the world came from that file: a session brings its own copy. ``take`` opens
+    another recipe in place of the run.
+    """
+
+    is_known: bool
+    take: Callable[[Recipe], None]
+    _declined = ""
+
+    def offers_news(self, start_again: Callable[[], None]) -> bool:
+        """Ask whether the run is to begin anew with the new content, if there is any; return whether it asks.
+
+        ``start_again`` starts it with the old content, where that is the answer. Faults of the new content
+        are shown, and the old one stays.
+        """
+        recipe = self.link.wanted.recipe
+        if not self.is_known or self.screen.in_kiosk:
+            return False
+        try:
+            scenario = reread(recipe.scenario)
+        except ScenarioError as error:
+            fault = str(error.faults[0])
+            more = f"; and {len(error.faults) - 1} more" if len(error.faults) > 1 else ""
+            self._warn(f"the file has changed, and the old world stays: {fault}{more}")
+            return False
+        if scenario is None or scenario.text == self._declined:
+            return False
+        self._ask(scenario, start_again)
+        return True
+
+    def _ask(self, scenario: Scenario, start_again: Callable[[], None]) -> None:
+        def answer(chosen: str) -> None:
+            if chosen == _OLD:
+                self._declined = scenario.text
+                start_again()
+                return
+            try:
+                self.take(recipe_with(scenario, self.link.wanted.recipe))
+            except UserError as fault:
+                self._warn(str(fault))
+
+        name = one_line(scenario.source.name, _LONGEST_NAME)
+        new = Candidate(_NEW, "as the file is now", ("a new run in the new world; the old run is kept",))
+        old = Candidate(_OLD, "as it was", ("the old world once more; it is not asked again",))
+        self.ask(Choice(f"Start again: {name} has changed", (new, old), "", self.glyphs), answer)
+
+    def _warn(self, text: str) -> None:
+        self.screen.notify(to_ascii(text, self.glyphs), severity="warning", timeout=_UNTIL_READ, markup=False)

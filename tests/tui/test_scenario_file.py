@@ -1,0 +1,173 @@
+"""The scenario's file is edited while its world is on screen."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+
+import pytest
+from seams import notes, screen_text, snapshot
+from textual.pilot import Pilot
+
+from rl_tui.common.errors import UserError
+from rl_tui.common.kiosk import VARIABLE
+from rl_tui.lab.live.player import Player
+from rl_tui.lab.run.library import recipe_named, recipe_with, reread
+from rl_tui.lab.sessions.folder import sessions_in
+from rl_tui.lab.sessions.session import read_session
+from rl_tui.tui.app.app import RlTuiApp
+from rl_tui.tui.app.display import Display
+from rl_tui.tui.app.screenshot import settle
+from rl_tui.tui.screens.dialogs.choice import Choice
+from rl_tui.tui.screens.playground.playground import Playground
+
+TEXT = '[defaults]\ngamma = {gamma}\nalpha = 0.1\n[grid]\nmap = """\n{map}\n"""\n'
+FAULTY = TEXT.format(gamma="0,5", map="S.G")
+
+
+def text(map_: str = "S..G", gamma: float = 0.9) -> str:
+    return TEXT.format(map=map_, gamma=gamma)
+
+
+@pytest.fixture
+def file(tmp_path: Path) -> Path:
+    """A scenario of four cells."""
+    path = tmp_path / "mine.toml"
+    path.write_text(text(), encoding="utf-8")
+    return path
+
+
+MakeApp = Callable[..., RlTuiApp]
+
+
+@pytest.fixture
+def app_of(tmp_path: Path) -> MakeApp:
+    """An app that begins with a recipe or a session, and keeps sessions."""
+
+    def make(start: object) -> RlTuiApp:
+        player = partial(Player, automatic=False)
+        folder = tmp_path / "sessions"
+        app = RlTuiApp(Display(fps=1000.0), start, make_player=player, picture=True, sessions=folder)
+        app.NOTIFICATION_TIMEOUT = 3600.0
+        return app
+
+    return make
+
+
+def cells(pilot: Pilot[UserError]) -> int:
+    return snapshot(pilot).world.space.states
+
+
+async def test_without_a_change_r_starts_again_at_once(file: Path, app_of: MakeApp) -> None:
+    app = app_of(recipe_named(str(file)))
+    async with app.run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        await pilot.press("s", "r")
+        await settle(pilot)
+        assert isinstance(app.screen, Playground)
+        assert snapshot(pilot).counters.step == 0
+
+
+async def test_the_new_content_is_offered_and_taken(file: Path, app_of: MakeApp, tmp_path: Path) -> None:
+    app = app_of(recipe_named(str(file), {"alpha": 0.5}, 3))
+    async with app.run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        await pilot.press("s", "s")
+        await settle(pilot)
+        file.write_text(text("S....G", 0.5), encoding="utf-8")
+        await pilot.press("r")
+        assert isinstance(app.screen, Choice)
+        await pilot.press("escape")
+        await settle(pilot)
+        assert (cells(pilot), snapshot(pilot).counters.step) == (4, 2), "nothing is done"
+        await pilot.press("r", "enter")
+        await settle(pilot)
+        assert (cells(pilot), snapshot(pilot).counters.step) == (6, 0)
+        recipe = snapshot(pilot).recipe
+        assert (recipe.hyperparameters.alpha, recipe.hyperparameters.gamma, recipe.seed) == (0.5, 0.5, 3)
+        await pilot.press("s")
+        await settle(pilot)
+    (newer, older), _ = sessions_in(tmp_path / "sessions")
+    assert newer.document.scenario.text == text("S....G", 0.5)
+    assert (older.document.scenario.text, older.step) == (text(), 2)
+
+
+async def test_the_old_content_may_be_kept(file: Path, app_of: MakeApp) -> None:
+    app = app_of(recipe_named(str(file)))
+    async with app.run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        await pilot.press("s")
+        await settle(pilot)
+        file.write_text(text("S....G"), encoding="utf-8")
+        await pilot.press("r", "down", "enter")
+        await settle(pilot)
+        assert (cells(pilot), snapshot(pilot).counters.step) == (4, 0)
+        await pilot.press("s", "r")
+        await settle(pilot)
+        assert (cells(pilot), snapshot(pilot).counters.step) == (4, 0), "it is not asked again"
+        file.write_text(text("S.....G"), encoding="utf-8")
+        await pilot.press("r")
+        assert isinstance(app.screen, Choice), "but of what is newer still"
+        assert "mine.toml has changed" in screen_text(app)
+
+
+async def test_faults_of_the_new_content_are_told_and_the_old_one_stays(file: Path, app_of: MakeApp) -> None:
+    app = app_of(recipe_named(str(file)))
+    async with app.run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        await pilot.press("s")
+        await settle(pilot)
+        file.write_text(FAULTY, encoding="utf-8")
+        await pilot.press("r")
+        await settle(pilot)
+        assert (cells(pilot), snapshot(pilot).counters.step) == (4, 0)
+        assert any("mine.toml: line 2" in each and "0,5" in each for each in notes(app))
+        file.unlink()
+        await pilot.press("s", "r")
+        await settle(pilot)
+        assert (cells(pilot), snapshot(pilot).counters.step) == (4, 0)
+
+
+async def test_a_session_brings_its_own_world(
+    file: Path, app_of: MakeApp, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    app = app_of(recipe_named(str(file)))
+    async with app.run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        await pilot.press("s")
+        await settle(pilot)
+    file.write_text(text("S....G"), encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    ((session,), _) = sessions_in(tmp_path / "sessions")
+    app = app_of(read_session(session.path))
+    async with app.run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        await pilot.press("r")
+        await settle(pilot)
+        assert (cells(pilot), snapshot(pilot).counters.step) == (4, 0)
+
+
+async def test_a_kiosk_reads_no_files(file: Path, app_of: MakeApp, monkeypatch: pytest.MonkeyPatch) -> None:
+    app = app_of(recipe_named(str(file)))
+    file.write_text(text("S....G"), encoding="utf-8")
+    async with app.run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        monkeypatch.setenv(VARIABLE, "1")
+        assert isinstance(app.screen, Playground)
+        app.screen.place |= type(app.screen.place).KIOSK
+        await pilot.press("r")
+        await settle(pilot)
+        assert cells(pilot) == 4
+
+
+def test_what_a_person_has_set_stays_and_what_the_file_suggests_follows_it(file: Path) -> None:
+    recipe = recipe_named(str(file), {"algorithm": "sarsa", "epsilon": 0.3}, 5)
+    assert reread(recipe.scenario) is None
+    file.write_text(text("S....G", 0.5), encoding="utf-8")
+    scenario = reread(recipe.scenario)
+    assert scenario is not None
+    now = recipe_with(scenario, recipe)
+    assert (now.algorithm, now.hyperparameters.epsilon, now.seed) == ("sarsa", 0.3, 5)
+    assert now.hyperparameters.gamma == 0.5
+    assert now.scenario is scenario
