@@ -20,7 +20,7 @@ _SIGNALS: Final = ("SIGINT", "SIGTERM", "SIGHUP")  # Windows knows the first two
 
 def _faults_of_ours() -> logging.Logger:
     """Return a log without the requests that are none: who sends one is answered, and that is all."""
-    log = logging.getLogger("rl_tui.serve")
+    log = logging.getLogger(__name__)
     log.addFilter(_is_no_bad_request)
     return log
 

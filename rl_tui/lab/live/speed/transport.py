@@ -17,7 +17,11 @@ if TYPE_CHECKING:
 
 NEWS_EVERY: Final = 0.25
 WAITING: Final = "{steps:,} steps to replay: waiting for the compiler, which takes some seconds"
-_WORTH_A_FORECAST: Final = 0.5
+_WORTH_A_FORECAST: Final = 0.5  # seconds at full speed
+_ALIKE: Final = 2.0
+"""A chunk is alike that is less than so many times as large as the one before."""
+_SETTLED: Final = 3
+"""So many alike in a row have the size that fits; the first call of machine code alone takes long."""
 
 
 class Transport:
@@ -42,8 +46,13 @@ class Transport:
         self._pace = Pace()
         self._chunk = ChunkSize()
         self._loops: list[Loop] = []  # those that were interpreted when it was measured
-        self._seek_start = self._last_news = 0.0
+        self._last_news = 0.0
         self._sought = 0
+        self._seek_meter = SpeedMeter()
+        self._alike = 0
+        """How many chunks in a row were of about the same size."""
+        self._settled_at: float | None = None
+        """When a seek came to full speed: at first its chunks are small, which tells nothing of the rest."""
 
     def set_speed(self, speed: float | None) -> None:
         """Aim at another speed, from now on whatever is learned."""
@@ -79,7 +88,7 @@ class Transport:
         """Forget how long a step takes: it may now take a thousand times as long, or as short."""
         self._chunk = ChunkSize()
         self.meter.clear()
-        self._seek_start, self._sought = self._clock(), 0
+        self._measure_seek()
 
     def keep_pace(self) -> float:
         """Take the steps that are due at the wanted speed; return in how many seconds the next ones are."""
@@ -132,8 +141,12 @@ class Transport:
     def start_seek(self) -> None:
         """Note that the group begins to seek now."""
         self._chunk = ChunkSize()
-        self._seek_start = self._last_news = self._clock()
-        self._sought = 0
+        self._last_news = self._clock()
+        self._measure_seek()
+
+    def _measure_seek(self) -> None:
+        self._sought, self._alike, self._settled_at = 0, 0, None
+        self._seek_meter.clear()
 
     def continue_seek(self, seconds: float) -> bool:
         """Seek for about so many seconds; return whether all are where they have to be."""
@@ -146,8 +159,13 @@ class Transport:
             taken = self.group.continue_seek(wanted)
             self._sought += taken
             now = self._clock()
+            if self._settled_at is not None:
+                self._seek_meter.note(now, self._sought, None)
             if taken == wanted:
                 self._chunk.measured(taken, now - before)
+                self._alike = self._alike + 1 if self._chunk.steps < _ALIKE * wanted else 0
+                if self._settled_at is None and self._alike == _SETTLED:
+                    self._settled_at = now
             else:
                 self._chunk = ChunkSize()  # in another run or loop a step may take a thousand times as long
         self._chunk = ChunkSize()
@@ -177,8 +195,6 @@ class Transport:
         done, steps = self.group.progress
         begins = "" if self.group.current.run.learner.rewindable else " from the seed"
         words = f"replaying{begins}: {done:,} of {steps:,} steps"
-        spent = self._clock() - self._seek_start
-        if spent < _WORTH_A_FORECAST or not self._sought:
-            return words
-        left = (steps - done) * spent / self._sought
-        return f"{words}, about {lasting(left)} left"
+        rate = self._seek_meter.steps_per_second
+        is_sure = self._settled_at is not None and self._clock() - self._settled_at >= _WORTH_A_FORECAST
+        return f"{words}, about {lasting((steps - done) / rate)} left" if rate and is_sure else words

@@ -77,8 +77,7 @@ class RunActions(Subject):
 
     def reset(self) -> None:
         """Start again with the settings in force and the same seed; ask where the file has changed."""
-        if not self.scenario_file.offers_news(self._start_again):
-            self._start_again()
+        self.scenario_file.begin_with_old_or_new(self._start_again)
 
     def _start_again(self) -> None:
         if self.snapshot is not None and self.snapshot.timeline.current.end:

@@ -33,26 +33,25 @@ class ScenarioFile(Subject):
     take: Callable[[Recipe], None]
     _declined = ""
 
-    def offers_news(self, start_again: Callable[[], None]) -> bool:
-        """Ask whether the run is to begin anew with the new content, if there is any; return whether it asks.
+    def begin_with_old_or_new(self, start_again: Callable[[], None]) -> None:
+        """Ask whether the run is to begin anew with the new content, if there is any.
 
-        ``start_again`` starts it with the old content, where that is the answer. Faults of the new content
-        are shown, and the old one stays.
+        ``start_again`` starts it with the old content: where there is no other, or that is the answer, or the
+        new one has faults, which are shown.
         """
-        recipe = self.link.wanted.recipe
-        if not self.is_known or self.screen.in_kiosk:
-            return False
+        scenario, fault = None, ""
         try:
-            scenario = reread(recipe.scenario)
+            if self.is_known and not self.screen.in_kiosk:
+                scenario = reread(self.link.wanted.recipe.scenario)
         except ScenarioError as error:
-            fault = str(error.faults[0])
             more = f"; and {len(error.faults) - 1} more" if len(error.faults) > 1 else ""
-            self._warn(f"the file has changed, and the old world stays: {fault}{more}")
-            return False
-        if scenario is None or scenario.text == self._declined:
-            return False
-        self._ask(scenario, start_again)
-        return True
+            fault = f"the file has changed, and the old world stays: {error.faults[0]}{more}"
+        if scenario is not None and scenario.text != self._declined:
+            self._ask(scenario, start_again)
+            return
+        start_again()
+        if fault:
+            self._warn(fault)
 
     def _ask(self, scenario: Scenario, start_again: Callable[[], None]) -> None:
         def answer(chosen: str) -> None:
