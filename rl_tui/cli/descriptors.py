@@ -54,7 +54,7 @@ def keep_stdout() -> None:
 class _RawOfOurs(_Named):
     """A descriptor for what this program says: where nothing is buffered, it stands right behind a stream."""
 
-    def write(self, data: Any, /) -> int | None:
+    def write(self, data: Any, /) -> int | None:  # type: ignore[override]
         """Write ``data`` if it is ours."""
         return super().write(data) if _is_ours() else memoryview(data).nbytes
 
