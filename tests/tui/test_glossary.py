@@ -68,6 +68,9 @@ def test_the_longest_name_at_a_place_counts(line: str, word: str, term: str | No
 def test_words_are_found_as_ascii_spells_them() -> None:
     assert term_at("gamma-best 1.00", 0, ASCII) == "gamma-best"
     assert term_at("delta 0", 2, ASCII) == "td-error"
+    assert [term_at(line, line.index(sign), ASCII) for line, sign in (("r + gamma", "+"), ("Y>B", "Y"))] == [
+        None
+    ] * 2
 
 
 def test_a_search_finds_words_before_texts() -> None:

@@ -15,6 +15,7 @@ from rl_tui.tui.theme.glyphs import ASCII, Glyphs
 
 BOOK: Final = "Sutton & Barto, 2nd ed."
 _ELSEWHERE: Final = ("not ", "a word of this program")
+_SAY_OTHER_THINGS: Final = frozenset("+Y")  # what ASCII has for signs, and far more often for a sum, a name
 _FILE: Final = Path(__file__).with_name("glossary.toml")
 
 
@@ -91,6 +92,8 @@ def _written(in_ascii: bool) -> tuple[re.Pattern[str], Mapping[str, str]]:
     for term in glossary().values():
         for name in term.names:
             ids.setdefault(_key(to_ascii(name, ASCII) if in_ascii else name), term.id)
+    for sign in _SAY_OTHER_THINGS:
+        ids.pop(sign, None)
     longest_first = sorted(ids, key=len, reverse=True)
     return re.compile("|".join(map(_pattern, longest_first))), ids
 
