@@ -22,7 +22,8 @@ from rl_tui.tui.theme.look import Look
 _ASKING: Final = (
     "With the mouse on a word, or a panel or slider in focus (tab), ? says what it means, with its equation "
     "and where it stands in the textbook of Sutton and Barto. / looks any word up. Return alone is always "
-    "the plain sum of the rewards of an episode; where γ weighs them it is called discounted return, or value."
+    "the plain sum of the rewards of an episode; where γ weighs them it is called discounted return, or "
+    "value."
 )
 _HIDING: Final = "L hides what panels say of their signs, and shows it again."
 _TOPICS: Final = (
