@@ -10,6 +10,8 @@ from pseudo_terminal import PseudoTerminal, visible
 
 from rl_tui.lab.sessions.folder import sessions_in
 
+TAKEN = b"\x1b[?1049h"  # the screen that a program has for itself
+
 SCRIPT = """
 import os, sys, threading, warnings
 import gymnasium
@@ -40,6 +42,53 @@ class Odd(gymnasium.Env):
 
 gymnasium.register("Odd-v0", Odd)
 sys.argv = ["rl-tui", "play", "gym:Odd-v0"]
+from rl_tui.cli.main import main
+main()
+"""
+
+
+# It never stops to print: in its steps, in a thread of its own, and when the interpreter ends
+LOUD = """
+import atexit, os, sys, threading, time
+import gymnasium
+
+SAID = "\\x1b[2JPWNED"
+
+def shout():
+    for stream in (sys.stdout, sys.stderr, sys.__stdout__, sys.__stderr__):
+        print(SAID, file=stream, flush=True)
+        if hasattr(stream, "buffer"):
+            stream.buffer.write(SAID.encode())
+            stream.buffer.flush()
+    os.write(1, SAID.encode())
+    os.write(2, SAID.encode())
+
+def go_on():
+    while True:
+        shout()
+        time.sleep(0.01)
+
+class Loud(gymnasium.Env):
+    observation_space = action_space = gymnasium.spaces.Discrete(2)
+    taken = 0
+
+    def reset(self, *, seed=None, options=None):
+        super().reset(seed=seed)
+        return 0, {}
+
+    def step(self, action):
+        self.taken += 1
+        if self.taken == 1:
+            threading.Thread(target=go_on, daemon=True).start()
+            atexit.register(shout)
+        print(SAID)
+        return 1, 1.0, self.taken % 3 == 0, False, {}
+
+    def close(self):
+        print(SAID)
+
+gymnasium.register("Loud-v0", Loud)
+sys.argv = ["rl-tui", "play", "gym:Loud-v0"]
 from rl_tui.cli.main import main
 main()
 """
@@ -86,3 +135,15 @@ def test_an_environment_that_fails_is_told_and_gone_back_from(tmp_path: Path) ->
         terminal.wait_for(r"step\s+3\b")
         terminal.press("q")
         check_left_as_it_was(terminal)
+
+
+def test_nothing_that_an_environment_prints_reaches_the_terminal_not_even_at_the_end(tmp_path: Path) -> None:
+    environment = {"RL_TUI_SESSIONS_DIR": str(tmp_path)}
+    with PseudoTerminal([sys.executable, "-c", LOUD], environment) as terminal:
+        terminal.wait_for("paused")
+        terminal.press(" " + "+" * 9)
+        terminal.wait_for(r"step\s+[\d,]{3,}")
+        terminal.press("q")
+        assert terminal.wait_for_end() == 0
+        assert terminal.modes_left_changed == set()
+        assert b"PWNED" not in terminal.written.partition(TAKEN)[2]

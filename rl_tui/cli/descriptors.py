@@ -7,10 +7,11 @@ from __future__ import annotations
 
 import os
 import sys
+import threading
 from collections.abc import Iterator
-from contextlib import ExitStack, contextmanager, suppress
+from contextlib import contextmanager, suppress
 from io import BufferedWriter, FileIO, TextIOWrapper
-from typing import Final, TextIO
+from typing import Any, Final, TextIO
 
 _STDOUT, _STDERR = 1, 2
 _NAMES: Final = {_STDOUT: "stdout", _STDERR: "stderr"}
@@ -50,52 +51,87 @@ def keep_stdout() -> None:
     _lead(_STDOUT, _STDERR)
 
 
+class _RawOfOurs(_Named):
+    """A descriptor for what this program says: where nothing is buffered, it stands right behind a stream."""
+
+    def write(self, data: Any, /) -> int | None:  # type: ignore[override]
+        """Write ``data`` if it is ours."""
+        return super().write(data) if _is_ours() else memoryview(data).nbytes
+
+
+class _OursOnly(TextIOWrapper):
+    """A stream for what this program says, which environments find too: what they print is dropped."""
+
+    def write(self, text: str, /) -> int:
+        """Write ``text`` if it is ours."""
+        return super().write(text) if _is_ours() else len(text)
+
+
+class _BufferOfOurs(BufferedWriter):
+    """What stands behind such a stream."""
+
+    def write(self, data: Any, /) -> int:
+        """Write ``data`` if it is ours."""
+        return super().write(data) if _is_ours() else memoryview(data).nbytes
+
+
+def _is_ours() -> bool:
+    """Return True in the main thread, and in one that writes for Textual: environments run in others."""
+    thread = threading.current_thread()
+    return thread is threading.main_thread() or type(thread).__module__.startswith("textual.")
+
+
 @contextmanager
 def screen_alone() -> Iterator[None]:
-    """Let nothing but ``sys.stdout`` and ``sys.stderr`` reach the terminal.
+    """Let nothing reach the terminal, from now to the end, but what this program says itself.
 
-    What goes past them is dropped, as what is printed while a screen is shown; where stderr is no terminal,
-    it goes there. Nothing changes on Windows, where the terminal is reached in other ways too.
+    All else is dropped, as what is printed while a screen is shown: an environment may go on printing after
+    that, to the end of the process. Where stderr is no terminal, what goes there goes on. Nothing changes on
+    Windows, where the terminal is reached in other ways too.
     """
-    if sys.platform == "win32":
-        yield
-        return
-    with ExitStack() as stack:
-        for descriptor in filter(os.isatty, (_STDERR, _STDOUT)):
-            stack.enter_context(_silent(descriptor))
-        yield
+    if sys.platform != "win32":
+        for descriptor, name in _NAMES.items():
+            stream = getattr(sys, name)
+            if isinstance(stream, TextIOWrapper) and _is_terminal(stream):
+                ours = _copy(stream.fileno(), stream, _OursOnly, _BufferOfOurs)
+                setattr(sys, name, ours)
+                setattr(sys, f"__{name}__", ours)
+            if os.isatty(descriptor):
+                lead_nowhere(descriptor)
+    yield
 
 
-@contextmanager
-def _silent(descriptor: int) -> Iterator[None]:
-    """Let ``descriptor`` lead nowhere; the stream of ``sys`` that wrote to it goes on to where it led."""
-    name = _NAMES[descriptor]
-    before = getattr(sys, name), getattr(sys, f"__{name}__")
-    kept = os.dup(descriptor)
-    ours = _copy(descriptor, before[0])
-    if ours is not None:
-        setattr(sys, name, ours)
-        setattr(sys, f"__{name}__", ours)
-    lead_nowhere(descriptor)
+def say_no_more() -> None:
+    """Let nothing at all reach the terminal where a screen was shown: what is left is not for people."""
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, _OursOnly):
+            with suppress(OSError, ValueError):
+                stream.flush()
+                lead_nowhere(stream.fileno())
+
+
+def _is_terminal(stream: TextIO) -> bool:
     try:
-        yield
-    finally:
-        setattr(sys, name, before[0])
-        setattr(sys, f"__{name}__", before[1])
-        _lead(descriptor, kept)
-        os.close(kept)
+        return os.isatty(stream.fileno())
+    except (OSError, ValueError):
+        return False
 
 
-def _copy(descriptor: int, stream: TextIO | None) -> TextIOWrapper | None:
+def _copy(
+    descriptor: int,
+    stream: TextIO | None,
+    kind: type[TextIOWrapper] = TextIOWrapper,
+    buffer: type[BufferedWriter] = BufferedWriter,
+) -> TextIOWrapper | None:
     """Return ``stream`` once more, over a copy of ``descriptor``; None where it does not write to that."""
     if not isinstance(stream, TextIOWrapper):
         return None
     with suppress(OSError, ValueError):
         if stream.fileno() == descriptor:
             stream.flush()
-            raw = _Named(os.dup(descriptor), f"<{_NAMES[descriptor]}>")
-            return TextIOWrapper(
-                raw if stream.write_through else BufferedWriter(raw),  # as the interpreter has it with -u
+            raw = (_RawOfOurs if kind is _OursOnly else _Named)(os.dup(descriptor), stream.name)
+            return kind(
+                raw if stream.write_through else buffer(raw),  # as the interpreter has it with -u
                 encoding=stream.encoding,
                 errors=stream.errors,
                 line_buffering=stream.line_buffering,

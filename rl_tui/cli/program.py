@@ -12,7 +12,7 @@ from typing import Any, ClassVar, Final, cast
 
 import click
 
-from rl_tui.cli.descriptors import STDOUT, lead_nowhere
+from rl_tui.cli.descriptors import STDOUT, lead_nowhere, say_no_more
 from rl_tui.cli.output import complain
 from rl_tui.common.errors import UserError
 from rl_tui.common.interrupts import INTERRUPTED
@@ -64,7 +64,9 @@ class Program(click.Group):
         for stream in (sys.stdout, sys.stderr):
             if hasattr(stream, "reconfigure"):
                 stream.reconfigure(errors="replace")
-        sys.exit(self._status(args, **extra))
+        status = self._status(args, **extra)
+        say_no_more()
+        sys.exit(status)
 
     def _status(self, args: Sequence[str] | None, **extra: Any) -> int:
         try:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 from conftest import MakeApp
 from textual.css.query import NoMatches
+from textual.widget import MountError
 
 from rl_tui.terminal.ending import HUNG_UP
 from rl_tui.tui.app.app import RlTuiApp
@@ -12,15 +13,21 @@ from rl_tui.tui.app.screenshot import settle
 from rl_tui.tui.screens.playground.playground import Playground
 
 
-def query_what_is_gone() -> None:
-    raise NoMatches("the widgets go first")
+@pytest.mark.parametrize("by_worker", [False, True])
+@pytest.mark.parametrize("fault", [NoMatches("the widgets go first"), MountError("nothing to mount on")])
+async def test_a_screen_that_opens_while_the_program_ends_is_no_bug(
+    fault: Exception, by_worker: bool
+) -> None:
+    async def look_for_what_is_gone() -> None:
+        raise fault
 
-
-async def test_a_screen_that_opens_while_the_program_ends_is_no_bug() -> None:
     app = RlTuiApp()
     async with app.run_test():
         app.exit(return_code=HUNG_UP)
-        app.call_later(query_what_is_gone)
+        if by_worker:
+            app.run_worker(look_for_what_is_gone)  # type: ignore[arg-type]  # it may not begin any more
+        else:
+            app.call_later(look_for_what_is_gone)
     assert (app.bug, app.return_code) == (None, HUNG_UP)
 
 

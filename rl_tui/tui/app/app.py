@@ -9,13 +9,17 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar
 
+from textual.app import ScreenStackError
 from textual.binding import BindingType
 from textual.command import CommandPalette, Provider
 from textual.css.query import NoMatches
+from textual.dom import NoScreen
 from textual.driver import Driver
 from textual.events import Event, InputEvent, Key, MouseDown, Paste
 from textual.notifications import Notify
 from textual.theme import Theme, ThemeProvider
+from textual.widget import MountError
+from textual.worker import WorkerFailed
 
 from rl_tui.common.errors import UserError
 from rl_tui.common.findings import one_line
@@ -53,6 +57,8 @@ if TYPE_CHECKING:
 
 
 _LONGEST_ADDRESS = 300
+# What is raised where a widget or a screen is looked for, or mounted on, that is not there any more
+_GONE = (NoMatches, MountError, NoScreen, ScreenStackError)
 
 
 class RlTuiApp(LinkedApp[UserError]):
@@ -280,7 +286,8 @@ class RlTuiApp(LinkedApp[UserError]):
         self.exit(return_code=status)
 
     def _handle_exception(self, error: Exception) -> None:
-        if getattr(self, "_exit", False) and isinstance(error, NoMatches):
+        fault = error.error if isinstance(error, WorkerFailed) else error
+        if getattr(self, "_exit", False) and isinstance(fault, _GONE):
             return  # of a screen that opens while the program ends, the widgets may be gone already
         super()._handle_exception(error)
 
