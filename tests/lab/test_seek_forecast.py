@@ -6,7 +6,6 @@ from types import SimpleNamespace
 from typing import Any
 
 import pytest
-
 from rl_tui.lab.live.transport import Transport
 
 STEPS = 2_000_000
