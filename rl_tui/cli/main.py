@@ -19,9 +19,11 @@ from rl_tui.cli.options.display import DISPLAY_OPTIONS, display_of, display_opti
 from rl_tui.cli.options.run import allow_module_option
 from rl_tui.cli.output import complain
 from rl_tui.cli.program import Program
+from rl_tui.common.findings import one_line
 from rl_tui.common.interrupts import INTERRUPTED, leave_when_interrupted, note_interrupts
 
 _THREADS: Final = "NUMBA_NUM_THREADS"
+_LONGEST_NUMBER: Final = 40
 
 
 class RlTui(Program):
@@ -82,7 +84,8 @@ def main() -> None:
         finally:
             leave_when_interrupted()
     except SystemExit as end:
-        if isinstance(end.code, int) and threading.active_count() > 1:
+        # Python would end by SIGINT itself where ctrl+C came in a text that was being executed
+        if isinstance(end.code, int) and (threading.active_count() > 1 or end.code == INTERRUPTED):
             leave_at_once(end.code)
         raise
     except KeyboardInterrupt:  # before click looks out for it, or after
@@ -104,9 +107,13 @@ def leave_out_bad_threads() -> None:
     Numba would not start, or print a traceback. No kernel asks for threads.
     """
     number = os.environ.get(_THREADS, "1")
-    if not (number.strip().isdecimal() and int(number) > 0):
-        complain(f"{_THREADS}={number} is left out: expected a whole number, 1 or more")
-        del os.environ[_THREADS]
+    with suppress(ValueError):  # of thousands of digits too
+        if int(number) > 0:
+            return
+    complain(
+        f"{_THREADS}={one_line(number, _LONGEST_NUMBER)} is left out: expected a whole number, 1 or more"
+    )
+    del os.environ[_THREADS]
 
 
 def leave_at_once(status: int) -> NoReturn:

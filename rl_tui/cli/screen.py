@@ -85,9 +85,10 @@ def run_app(display: Display, start: Recipe | StoredSession | None = None) -> No
 
 
 def _tell_what_is_kept(kept: KeptSession) -> None:
-    """Tell on stderr, which is the shell's again, how to go on."""
-    complain(f"kept: {kept.title}, at step {kept.step:,}")
-    complain(f"to go on: rl-tui play {shlex.quote(str(kept.path))}")
+    """Tell on stderr, which is the shell's again, how to go on; it is kept even if nobody can be told."""
+    with suppress(OSError):
+        complain(f"kept: {kept.title}, at step {kept.step:,}")
+        complain(f"to go on: rl-tui play {shlex.quote(str(kept.path))}")
 
 
 def _stand_somewhere() -> None:

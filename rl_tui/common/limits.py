@@ -17,9 +17,9 @@ LARGEST_FILE: Final = 10_000_000
 MOST_VALUES: Final = 1_000_000
 """Values in a scenario file: keys, and entries of lists."""
 MOST_TABLES: Final = 320_000
-"""Tables in a scenario file, those within a line included: each takes 10 µs to read, and up to a kilobyte."""
+"""Tables in a scenario file, within lines and dotted keys too: each takes 10 µs and up to a kilobyte."""
 MOST_NAMED_TABLES: Final = 1_000
-"""Tables with a header of their own, ``[name]``; entries of lists, ``[[name]]``, are none."""
+"""Names of tables with a header, ``[name]``; entries of a list, ``[[name]]``, have one name together."""
 MOST_KEY_PARTS: Final = 20
 """Parts of one dotted key or header. Reading it takes time and memory with the square of them."""
 LONGEST_WORD: Final = 10_000

@@ -77,6 +77,7 @@ def test_on_stdout_it_is_alone() -> None:
         (("--curve", "-", "--json"), "--curve and --json both want stdout"),
         (("--curve", "-", "--csv", "-"), "--csv and --curve both want stdout"),
         (("--curve", "x.csv", "--csv", "x.csv"), "--csv and --curve both want the same file"),
+        (("--curve", "a/../x.csv", "--csv", "x.csv"), "--csv and --curve both want the same file"),
     ],
 )
 def test_two_do_not_go_to_one_place(args: tuple[str, ...], said: str) -> None:

@@ -62,7 +62,7 @@ def test_a_command_without_a_screen_refuses_them() -> None:
     assert "--ascii" in result.stderr
 
 
-@pytest.mark.parametrize("number", ["0", "-1", "many", ""])
+@pytest.mark.parametrize("number", ["0", "-1", "many", "", "9" * 5_000])
 def test_a_number_of_threads_that_is_none_is_left_out(number: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("NUMBA_NUM_THREADS", number)
     main_module.leave_out_bad_threads()
@@ -107,3 +107,20 @@ def test_ctrl_c_while_it_is_being_imported_leaves_no_traceback(module: str, tmp_
         preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler) and None,
     )
     assert (ended.returncode, ended.stderr) == (130, "")
+
+
+@pytest.mark.process
+@pytest.mark.skipif(sys.platform == "win32", reason="there are no such signals")
+def test_ctrl_c_in_a_text_that_is_being_executed_gives_the_usual_status() -> None:
+    code = (
+        "import signal\n"
+        "from rl_tui.cli import main\n"
+        "main.enter_kiosk = lambda _: exec('signal.raise_signal(signal.SIGINT)', globals())\n"
+        "main.main()"
+    )
+    ended = subprocess.run(
+        [sys.executable, "-c", code],
+        check=False,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler) and None,
+    )
+    assert ended.returncode == 130

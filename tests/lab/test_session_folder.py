@@ -26,7 +26,7 @@ from rl_tui.lab.sessions.folder import (
     remove,
     sessions_in,
 )
-from rl_tui.lab.sessions.session import encoded, read_session
+from rl_tui.lab.sessions.session import SUFFIX, encoded, read_session
 
 
 def back_at(step: int, record: Record) -> Record:
@@ -172,13 +172,17 @@ def test_what_a_kill_left_half_written_is_taken_away(tmp_path: Path) -> None:
         draft.write_bytes(b"{")
         if name != "writing":
             os.utime(draft, ns=(0, 0))
+    foreign = tmp_path / ".profile.new"
+    foreign.write_bytes(b"somebody else's")
+    os.utime(foreign, ns=(0, 0))
     held = FileLock(tmp_path / "held.json")
     assert held.acquire()
     kept(tmp_path, at(2))
     held.release()
-    drafts = [draft.name for _, draft in drafts_in(tmp_path)]
+    drafts = [draft.name for _, draft in drafts_in(tmp_path, SUFFIX)]
     assert drafts == [".held.json.new", ".writing.json.new"]
-    assert len(os.listdir(tmp_path)) == 1 + len(drafts)
+    assert len(os.listdir(tmp_path)) == 1 + len(drafts) + 1
+    assert foreign.exists()
 
 
 def test_fifty_are_kept() -> None:

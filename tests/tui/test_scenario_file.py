@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
@@ -171,3 +172,8 @@ def test_what_a_person_has_set_stays_and_what_the_file_suggests_follows_it(file:
     assert (now.algorithm, now.hyperparameters.epsilon, now.seed) == ("sarsa", 0.3, 5)
     assert now.hyperparameters.gamma == 0.5
     assert now.scenario is scenario
+
+
+def test_a_file_that_cannot_be_looked_for_is_none_that_has_changed(file: Path) -> None:
+    scenario = recipe_named(str(file)).scenario
+    assert reread(replace(scenario, source=file.with_name("x" * 5_000))) is None

@@ -72,6 +72,11 @@ TOO_LARGE = {
     "actions": (transitions(*((0, n, 0) for n in range(1_001))), "mdp.transition", "1,000"),
     "a start": ('[mdp]\ntransition = []\nstart = { ' + ", ".join(f"s{n} = 0" for n in range(10_001)) + " }", "mdp.start", "10,000"),
     "named tables": ("".join(f"[t{n}]\n" for n in range(1_001)), "", "1,000"),
+    "named lists": ("".join(f"[[t{n}]]\n" for n in range(1_001)), "", "1,000"),
+    "quoted lists": ("".join(f"[['t{n}']]\n" for n in range(1_001)), "", "1,000"),
+    "dotted lists": ("[[a.b.c.d.e]]\n" * 80_001, "", "320,000"),
+    "dotted keys": ("".join(f"k{n}.a.b.c.d = 0.5\n" for n in range(80_001)), "", "320,000"),
+    "dotted numbers": ("".join(f"{n}.5.1.2e3.d = 1\n" for n in range(80_001)), "", "320,000"),
     "tables in lists": ("[[t]]\n" * 100_000 + "a = [" + "{}," * 220_001 + "]", "", "320,000"),
     "tables within lines": ("[t]\n" + "".join(f"k{n} = {{}}\n" for n in range(320_001)), "", "320,000"),
     "values": ("[bandit]\nx = [" + "1," * 1_000_001 + "]", "", "1,000,000"),
@@ -170,4 +175,4 @@ def test_environments_of_vast_spaces_are_refused(space, tmp_path, monkeypatch):
 def test_every_limit_is_a_number_that_is_explained():
     names = [name for name in vars(limits) if name.isupper()]
     assert len(names) >= 25
-    assert all(getattr(limits, name) > 0 for name in names)
+    assert np.all(np.hstack([getattr(limits, name) for name in names]) > 0)

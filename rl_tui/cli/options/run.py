@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import os
 import sys
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -84,7 +85,7 @@ def check_targets(targets: Mapping[str, CsvTarget], as_json: bool) -> None:
     for option, target in targets.items():
         if target is None:
             continue
-        place = target.absolute() if isinstance(target, Path) else target
+        place = os.path.realpath(target) if isinstance(target, Path) else target
         if place in wanted:
             where = "stdout" if is_stdout(target) else "the same file"
             first, second = sorted((option, wanted[place]))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
 from pathlib import Path
@@ -82,12 +83,12 @@ def _checked(file: str, read: Callable[[], Scenario]) -> tuple[Scenario | None, 
 
 
 def reread(scenario: Scenario) -> Scenario | None:
-    """Return what the file of ``scenario`` says now; None where that is the same, or there is no such file.
+    """Return what the file of ``scenario`` says now; None where that is the same, or no such file is found.
 
     Raises ScenarioError with all faults of what it says now.
     """
     path = scenario.source
-    if not scenario.text or not path.is_file():
+    if not scenario.text or not os.path.isfile(path):  # never raises
         return None
     with suppress(UnreadableError):
         if read_text(path) == scenario.text:

@@ -41,13 +41,13 @@ def draft_of(path: Path) -> Path:
     return path.with_name(f".{path.name}{_NEW}")
 
 
-def drafts_in(folder: Path) -> list[tuple[Path, Path]]:
-    """Return the drafts in ``folder``, each after the path that it was to replace.
+def drafts_in(folder: Path, suffix: str) -> list[tuple[Path, Path]]:
+    """Return the drafts in ``folder``, each after the path, ending in ``suffix``, that it was to replace.
 
     They are being written, or were when their program was killed.
     """
     try:
-        drafts = sorted(folder.glob(f".*{_NEW}"))
+        drafts = sorted(folder.glob(f".*{suffix}{_NEW}"))
     except OSError:  # a folder that may not be read
         return []
     return [(draft.with_name(draft.name[1 : -len(_NEW)]), draft) for draft in drafts]

@@ -99,7 +99,7 @@ def prune(folder: Path) -> None:
 
 def _remove_old_drafts(folder: Path) -> None:
     """Remove what programs that were killed while they wrote have left."""
-    for path, draft in drafts_in(folder):
+    for path, draft in drafts_in(folder, SUFFIX):
         lock = FileLock(path)
         with suppress(OSError):
             # on file systems without locks its age alone tells it from one that is being written

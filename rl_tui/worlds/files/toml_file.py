@@ -26,6 +26,8 @@ _NO_STRUCTURE: Final = re.compile(
     re.DOTALL,
 )
 _HEADER: Final = re.compile(r"^[ \t]*\[(?!\[)[^\[\]{},=\n]*\][ \t]*s?\r?$", re.MULTILINE)
+_LIST_HEADER: Final = re.compile(r"""^[ \t]*\[\[(?:"[^"\n]*+"|'[^'\n]*+'|[^\]"'\n]++)*+\]\]""", re.MULTILINE)
+_FLOAT: Final = re.compile(r"(?<![\w.-])[-+]?\d[\d_]*+\.\d[\d_]*+(?:[eE][-+]?[\d_]++)?(?!\w|[ \t]*[.=-])")
 _DECIMAL_COMMA: Final = re.compile(r"(?<![\w.,])[-+]?[0-9]+,[0-9]+(?![\w.])")
 _LONG_KEY: Final = re.compile(rf"(?<![\w-])(?:[\w-]++[ \t]*+\.[ \t]*+){{{MOST_KEY_PARTS}}}")
 _LONG_WORD: Final = re.compile(rf"(?<!\w)\w{{{LONGEST_WORD + 1}}}")
@@ -77,10 +79,13 @@ def _check_structure(text: str) -> None:
     values = max(structure.count("="), structure.count(",")) + structure.count("[") // 2
     if values > MOST_VALUES:
         raise UnreadableError("", f"some {values:,} values", f"at most {MOST_VALUES:,}")
-    named = len(_HEADER.findall(structure))
+    named = len(_HEADER.findall(structure)) + len(set(_LIST_HEADER.findall(text)))
     if named > MOST_NAMED_TABLES:
-        raise UnreadableError("", f"{named:,} tables", f"at most {MOST_NAMED_TABLES:,} beside lists of them")
-    tables = named + structure.count("{") + structure.count("[[")
+        expected = f"at most {MOST_NAMED_TABLES:,}, a list of them counted once"
+        raise UnreadableError("", f"{named:,} tables", expected)
+    # every part of a key but the last is a table; [[mdp.transition]] has one such part for each entry
+    parts = structure.count(".") - sum(1 for _ in _FLOAT.finditer(structure))
+    tables = named + structure.count("{") + max(parts, structure.count("[["))
     if tables > MOST_TABLES:
         raise UnreadableError("", f"some {tables:,} tables", f"at most {MOST_TABLES:,}")
 
