@@ -165,7 +165,7 @@ def test_a_terminal_without_arrows_gets_ascii(monkeypatch: pytest.MonkeyPatch) -
     world = begin(recipe_for(find("frozenlake"))).world
     policy = [["right"] if world.space.pairs_of(state) else [] for state in range(16)]
     monkeypatch.setattr(sys, "stdout", io.TextIOWrapper(io.BytesIO(), encoding="ascii"))
-    assert policy_map(world, policy).splitlines()[3] == "O  >  >  *"
+    assert policy_map(world, policy).splitlines()[3] == "O  >  >  G"
 
 
 def test_list_fits_80_columns() -> None:

@@ -64,7 +64,7 @@ def several_runs(recipe: Recipe, figures: Figures) -> str:
     last = runs[-1]["seed"]
     seeds = f"seeds {recipe.seed} to {last}" if last != recipe.seed else f"seed {recipe.seed}"
     parts = [_head(recipe, seeds), "", columns(rows, right=(1, 2, 3, 4, 5))]
-    if "winnings" not in runs[0]:
+    if "winnings" not in runs[0] and figures["summary"]["value_at_start"]["count"]:
         parts += ["", "The value at the start is discounted, returns are not."]
     blind = sum(row["first_reward_episode"] is None for row in runs)
     if blind:
