@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 from conftest import MakeApp
-from seams import playground, press
+from seams import playground, press, slider
 from textual.containers import VerticalScroll
 from textual.geometry import Region
 from textual.pilot import Pilot
@@ -62,6 +62,16 @@ async def test_a_slider_in_focus_is_explained_first(size: tuple[int, int], make_
         assert set(TERMS["controls"]) <= set(listed(pilot))
         assert glossary()["gamma"].text in told(pilot)
         assert glossary()["gamma"].book in told(pilot)
+
+
+async def test_the_thumb_of_a_slider_is_no_sign_of_the_map(make_app: MakeApp) -> None:
+    app = make_app("student")
+    async with app.run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        alpha = slider(app, "alpha")
+        await pilot.hover(alpha, offset=(alpha.render_line(0).text.index("●"), 0))
+        await press(pilot, "question_mark")
+        assert isinstance(app.screen, HelpScreen)
 
 
 async def test_a_panel_in_focus_lists_its_words_and_arrows_go_through_them(make_app: MakeApp) -> None:

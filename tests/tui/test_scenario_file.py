@@ -8,7 +8,7 @@ from functools import partial
 from pathlib import Path
 
 import pytest
-from seams import notes, screen_text, snapshot
+from seams import notes, playground, screen_text, snapshot
 from textual.pilot import Pilot
 
 from rl_tui.common.errors import UserError
@@ -74,8 +74,9 @@ async def test_the_new_content_is_offered_and_taken(file: Path, app_of: MakeApp,
     app = app_of(recipe_named(str(file), {"alpha": 0.5}, 3))
     async with app.run_test(size=(80, 24)) as pilot:
         await settle(pilot)
-        await pilot.press("s", "s")
+        await pilot.press("s", "s", "plus", "plus")
         await settle(pilot)
+        speed = snapshot(pilot).playback.speed
         file.write_text(text("S....G", 0.5), encoding="utf-8")
         await pilot.press("r")
         assert isinstance(app.screen, Choice)
@@ -87,6 +88,7 @@ async def test_the_new_content_is_offered_and_taken(file: Path, app_of: MakeApp,
         assert (cells(pilot), snapshot(pilot).counters.step) == (6, 0)
         recipe = snapshot(pilot).recipe
         assert (recipe.hyperparameters.alpha, recipe.hyperparameters.gamma, recipe.seed) == (0.5, 0.5, 3)
+        assert snapshot(pilot).playback.speed == playground(pilot).wanted.speed == speed
         await pilot.press("s")
         await settle(pilot)
     (newer, older), _ = sessions_in(tmp_path / "sessions")

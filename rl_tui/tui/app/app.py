@@ -221,8 +221,12 @@ class RlTuiApp(LinkedApp[UserError]):
 
     def on_playground_reopened(self, event: Playground.Reopened) -> None:
         """Go to a new run; the one until now keeps its session."""
+        from rl_tui.lab.live.commands import SetSpeed
+
         self._opener.close()
-        self.switch_screen(self._opener.playground(self.look, event.recipe))
+        playground = self._opener.playground(self.look, event.recipe)
+        playground.send(SetSpeed(event.speed))
+        self.switch_screen(playground)
 
     def _pause_when_idle(self) -> None:
         from rl_tui.tui.screens.playground.playground import Playground

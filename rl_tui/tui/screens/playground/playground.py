@@ -87,9 +87,10 @@ class Playground(ActionScreen):
 
     @dataclass
     class Reopened(Message):
-        """The user wants a run of ``recipe``, whose scenario is another, in place of this one."""
+        """The user wants a run of ``recipe``, whose scenario is another, in place of this one; as fast."""
 
         recipe: Recipe
+        speed: float | None
 
     def __init__(
         self,
@@ -203,7 +204,7 @@ class Playground(ActionScreen):
         yield self.board
 
     def _reopen(self, recipe: Recipe) -> None:
-        self.post_message(self.Reopened(recipe))
+        self.post_message(self.Reopened(recipe, self.wanted.speed))
 
     def on_mount(self) -> None:
         """Draw whatever the player publishes; it starts to load once the first paint is done."""
