@@ -6,7 +6,8 @@ from types import SimpleNamespace
 from typing import Any
 
 import pytest
-from rl_tui.lab.live.transport import Transport
+
+from rl_tui.lab.live.speed.transport import Transport
 
 STEPS = 2_000_000
 FIRST_CALL = 0.3  # seconds

@@ -84,9 +84,12 @@ def test_the_lake_is_seen_to_learn_within_five_seconds() -> None:
 def test_it_ends_at_a_speed_that_stays() -> None:
     watched = Watched(recipe("frozenlake"))
     assert sum(1 for _ in watched.turns()) > 0
-    shown = watched.turn()
-    assert shown.playback.phase is Phase.RUNNING
-    assert shown.playback.speed == SPEEDS[Stage.OPTIMAL][-1]
+    for _ in range(2):
+        shown = watched.turn()
+        assert shown.playback.phase is Phase.RUNNING
+        assert (shown.playback.watching, shown.playback.speed) == ("", SPEEDS[Stage.OPTIMAL][-1])
+        watched.playback.handle(Pause())
+        watched.playback.handle(Play())
 
 
 @pytest.mark.parametrize("scenario", ["frozenlake", "cliff", "bandit"])
@@ -146,9 +149,12 @@ def test_what_gets_a_value_again_after_going_back_is_shown_again() -> None:
     assert watched.clock.now - before == pytest.approx(REST, abs=0.01)
 
 
-def test_a_run_that_starts_again_is_watched_again() -> None:
+@pytest.mark.parametrize("to_its_end", [False, True])
+def test_a_run_that_starts_again_is_watched_again(to_its_end: bool) -> None:
     watched = Watched(recipe("frozenlake"))
-    next(shown for _, shown in watched.turns() if shown.counters.step >= FIRST_REWARD)
+    for _, shown in watched.turns():
+        if shown.counters.step >= FIRST_REWARD and not to_its_end:
+            break
     watched.playback.handle(Restart(recipe("frozenlake", seed=1)))
     while busy(watched.playback):
         watched.playback.work()

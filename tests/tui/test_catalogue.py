@@ -25,6 +25,7 @@ from rl_tui.tui.app.display import Display
 from rl_tui.tui.app.screenshot import settle
 from rl_tui.tui.screens.catalogue.catalogue import CatalogueScreen
 from rl_tui.tui.screens.catalogue.facts import defaults, lesson_of, sizes
+from rl_tui.tui.screens.explained import Explained
 from rl_tui.tui.screens.help import HelpScreen
 from rl_tui.tui.screens.playground.playground import Playground
 from rl_tui.worlds.files.catalogue import YOURS, find, shipped_folder
@@ -245,3 +246,12 @@ async def test_in_ascii_no_dot_between_parts_looks_like_a_product(make_app: Make
         await settle(pilot)
         await go_to(pilot, "bandit")
         assert "1 state - 10 actions - 10 pairs - budget 1,000" in facts(pilot)
+
+
+async def test_its_help_names_no_key_that_counts_elsewhere_only(make_app: MakeApp) -> None:
+    for scenario, is_named in ((None, False), ("student", True)):
+        async with make_app(scenario).run_test(size=(80, 24)) as pilot:
+            await settle(pilot)
+            await pilot.press("question_mark")
+            assert isinstance(pilot.app.screen, HelpScreen)
+            assert ("L hides" in words_of(pilot.app.screen.query_one(Explained))) is is_named

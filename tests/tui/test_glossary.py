@@ -10,8 +10,8 @@ from rl_tui.agents.catalogue import BY_ID, POLICY_BY_ID
 from rl_tui.agents.hyperparameters import PARAMETERS
 from rl_tui.tui.draw.to_ascii import to_ascii
 from rl_tui.tui.glossary.glossary import GlossaryTerm, glossary, search, term_at, terms_called
-from rl_tui.tui.panels.catalogue import PANELS, PanelRow
-from rl_tui.tui.theme.glyphs import ASCII, UNICODE
+from rl_tui.tui.panels.catalogue import CONTROLS, LAST_STEP, PANELS, TABLE, TIMELINE, WORLD, PanelRow
+from rl_tui.tui.theme.glyphs import ASCII, UNICODE, Glyphs
 
 
 @pytest.mark.parametrize("term", glossary().values(), ids=lambda term: term.id)
@@ -68,6 +68,30 @@ def test_the_longest_name_at_a_place_counts(line: str, word: str, term: str | No
 def test_words_are_found_as_ascii_spells_them() -> None:
     assert term_at("gamma-best 1.00", 0, ASCII) == "gamma-best"
     assert term_at("delta 0", 2, ASCII) == "td-error"
+
+
+@pytest.mark.parametrize(
+    ("line", "sign", "glyphs", "panel", "term"),
+    [
+        ("  ●   ", "●", UNICODE, WORLD, "terminal"),
+        ("5   ──●──   ┊", "●", UNICODE, WORLD, None),
+        ("▸ greedy · ● estimate", "●", UNICODE, WORLD, "arm"),
+        ("α ●──── 0.001", "●", UNICODE, CONTROLS, None),
+        ("━━━● now", "●", UNICODE, TIMELINE, None),
+        ("● now", "●", UNICODE, TIMELINE, None),
+        ("━━◆━━", "◆", UNICODE, TIMELINE, "branch"),
+        ("◉ 4", "◉", UNICODE, TABLE, "agent"),
+        ("  G   ", "G", ASCII, WORLD, "terminal"),
+        ("2,1 R>G", "G", ASCII, TABLE, None),
+        ("r + gamma", "+", ASCII, LAST_STEP, None),
+        ("=+=", "+", ASCII, TIMELINE, "branch"),
+    ],
+)
+def test_a_sign_counts_only_where_it_has_its_meaning(
+    line: str, sign: str, glyphs: Glyphs, panel: str, term: str | None
+) -> None:
+    (row,) = (row for row in PANELS if row.id == panel)
+    assert term_at(line, line.index(sign), glyphs, row.terms) == term
 
 
 def test_a_search_finds_words_before_texts() -> None:

@@ -256,3 +256,15 @@ async def test_a_part_of_a_map_says_which_it_is_beside_what_it_means(make_app: M
         assert world is not None
         assert " of 29" in world.heading
         assert "passenger down" in world.footing
+
+
+@pytest.mark.parametrize("lasts", [False, True])
+async def test_a_message_is_spelled_in_the_characters_of_the_terminal(make_app: MakeApp, lasts: bool) -> None:
+    app = make_app("student", ascii=True)
+    async with app.run_test(size=(80, 24), notifications=True) as pilot:
+        await settle(pilot)
+        screen = playground(pilot)
+        say = screen.notify if lasts else screen.tell
+        say("converged; another γ goes on")
+        await pilot.pause()
+        assert notes(app) == ["converged; another gamma goes on"]

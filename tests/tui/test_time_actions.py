@@ -207,3 +207,19 @@ async def test_what_is_still_under_way_is_not_taken_back(
         show(screen, changed(before, handled=screen.wanted.sent - 1))
         assert screen.recipe.hyperparameters.alpha == asked
         assert screen.query_one("#alpha", Slider).value == asked
+
+
+@pytest.mark.parametrize(("here", "says_so"), [(200, True), (120, False)])
+async def test_an_episode_beyond_the_end_is_told_only_where_the_run_ends(
+    make_app: MakeApp, monkeypatch: pytest.MonkeyPatch, here: int, says_so: bool
+) -> None:
+    """A seek that a person holds up, or sends elsewhere, has not come to the end."""
+    async with make_app("student").run_test(size=(80, 24), notifications=True) as pilot:
+        await settle(pilot)
+        shows(pilot, one(100, 200), episodes=30)
+        sent = recorded(pilot, monkeypatch)
+        await pilot.press("g", *"e900", "enter")
+        assert sent == [GoTo(episode=900)]
+        shows(pilot, one(here, 200), episodes=here // 4)
+        await pilot.pause()
+        assert any("ends here" in each for each in notes(pilot.app)) is says_so

@@ -114,6 +114,7 @@ async def test_a_run_in_preparation_has_no_journal_to_show(
         assert screen.snapshot is not None
         preparing = changed(screen.snapshot, phase=Phase.PREPARING, step=0)
         monkeypatch.setattr(screen.link, "snapshot", preparing)
-        await pilot.press("j")
+        screen.action_do("time.show_branches")  # as the palette does: the key would wait
+        await settle(pilot)
         assert app.screen is screen
         assert notes(app)[-1].startswith("the run is being prepared")

@@ -302,7 +302,7 @@ _ACTIONS: Final[tuple[Action, ...]] = (
         "glossary",
         "slash",
         "glossary",
-        "Look a word up: all words of the program, with equation and where the book has them.",
+        "Look a word up: each with its equation and where it stands in Sutton and Barto's book.",
         Group.PROGRAM,
         Place.BOTH,
         symbol="/",

@@ -36,6 +36,7 @@ from rl_tui.tui.app.display import Display
 from rl_tui.tui.app.idleness import LOOKS, Idleness
 from rl_tui.tui.app.opening import MakePlayer, Opener, live_player
 from rl_tui.tui.app.palette_entries import ActionProvider
+from rl_tui.tui.draw.to_ascii import to_ascii
 from rl_tui.tui.panels.catalogue import PANELS, PanelRow
 from rl_tui.tui.screens.moment import Moment, hide_messages_behind
 from rl_tui.tui.theme.depth import choose_look, depth_of, environment_for, is_native
@@ -157,7 +158,8 @@ class RlTuiApp(LinkedApp[UserError]):
         await super().on_event(event)
 
     def on_notify(self, event: Notify) -> None:
-        """Remember what is told of the moment."""
+        """Spell what is told in the characters of the terminal; remember what is of the moment."""
+        event.notification.message = to_ascii(event.notification.message, self.look.glyphs)
         self._moment.note(event.notification)
 
     def _tell_of_lost_keys(self) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import tomllib
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -15,6 +15,8 @@ from rl_tui.tui.theme.glyphs import ASCII, Glyphs
 
 BOOK: Final = "Sutton & Barto, 2nd ed."
 _ELSEWHERE: Final = ("not ", "a word of this program")
+_NO_LINE_BEFORE: Final = "(?<!─)"
+_NO_LINE_AFTER: Final = "(?!─)"
 _FILE: Final = Path(__file__).with_name("glossary.toml")
 
 
@@ -68,31 +70,37 @@ def terms_called(names: Iterable[str]) -> tuple[str, ...]:
     return tuple(dict.fromkeys(ids[name] for name in names if name in ids))
 
 
-def term_at(text: str, column: int, glyphs: Glyphs) -> str | None:
+def term_at(text: str, column: int, glyphs: Glyphs, about: Collection[str] | None = None) -> str | None:
     """Return the id of the term written at ``column`` of ``text``, a line on screen; None if none is.
 
-    Of several names that cover the column the longest counts.
+    Of several names that cover the column the longest counts. A sign such as ● means something else on each
+    panel: one is taken for a term only if that is ``about`` these ids; None takes it everywhere.
     """
-    pattern, ids = _written(glyphs is ASCII)
+    pattern, ids, signs = _written(glyphs is ASCII)
     for match in pattern.finditer(text):
         if match.start() <= column < match.end():
-            return ids[_key(match[0])]
+            id_ = ids[_key(match[0])]
+            return None if match[0] in signs and about is not None and id_ not in about else id_
     return None
 
 
 @cache
-def _written(in_ascii: bool) -> tuple[re.Pattern[str], Mapping[str, str]]:
-    """Return what finds the names of terms in a line, and the ids of what it finds.
+def _written(in_ascii: bool) -> tuple[re.Pattern[str], Mapping[str, str], frozenset[str]]:
+    """Return what finds the names of terms in a line, the ids of what it finds, and which of it are signs.
 
     A single small letter, mostly a key, is a word only where an equals sign follows. In longer names case
     does not matter.
     """
     ids: dict[str, str] = {}
+    signs = set[str]()
     for term in glossary().values():
         for name in term.names:
-            ids.setdefault(_key(to_ascii(name, ASCII) if in_ascii else name), term.id)
+            written = to_ascii(name, ASCII) if in_ascii else name
+            ids.setdefault(_key(written), term.id)
+            if len(name) == 1 and not name.isalnum():
+                signs.add(written)
     longest_first = sorted(ids, key=len, reverse=True)
-    return re.compile("|".join(map(_pattern, longest_first))), ids
+    return re.compile("|".join(map(_pattern, longest_first))), ids, frozenset(signs)
 
 
 def _key(name: str) -> str:
@@ -100,9 +108,13 @@ def _key(name: str) -> str:
 
 
 def _pattern(name: str) -> str:
-    """Return what matches ``name``; one that begins or ends in a letter is no part of a longer word."""
-    before = r"(?<!\w)" if name[0].isalnum() else ""
-    after = r"(?!\w)" if name[-1].isalnum() else ""
+    """Return what matches ``name``.
+
+    One that begins or ends in a letter is no part of a longer word, and a sign none of a thin line: that is
+    the middle of a whisker, or of an edge of a graph.
+    """
+    before = r"(?<!\w)" if name[0].isalnum() else _NO_LINE_BEFORE
+    after = r"(?!\w)" if name[-1].isalnum() else _NO_LINE_AFTER
     if len(name) == 1 and name.isascii() and name.islower():
         after = "(?= =)"
     return f"{before}{re.escape(name) if len(name) == 1 else f'(?i:{re.escape(name)})'}{after}"

@@ -101,7 +101,7 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         "error Q−Q* and visits. It has a cursor: tab to the table, then the arrows; m shows the model of "
         "the pair under it, and esc follows the agent again.",
         caption="what each action seems worth",
-        terms=("q", "pair", "greedy", "target", "q-star", "error", "visits", "ties", "optimism"),
+        terms=("q", "pair", "greedy", "agent", "target", "q-star", "error", "visits", "ties", "optimism"),
     ),
     PanelRow(
         CURVE,

@@ -19,7 +19,7 @@ def words_here(screen: Screen[None], rows: Mapping[str, PanelRow], glyphs: Glyph
 
     A word under the mouse comes before what is in focus, and brings those of its panel with it.
     """
-    under_mouse, word = _word_under_mouse(screen, glyphs)
+    under_mouse, word = _word_under_mouse(screen, rows, glyphs)
     found = [word] if word is not None else []
     for widget in (under_mouse if word is not None else None, screen.focused):
         if widget is not None:
@@ -27,7 +27,9 @@ def words_here(screen: Screen[None], rows: Mapping[str, PanelRow], glyphs: Glyph
     return tuple(dict.fromkeys(found))
 
 
-def _word_under_mouse(screen: Screen[None], glyphs: Glyphs) -> tuple[Widget | None, str | None]:
+def _word_under_mouse(
+    screen: Screen[None], rows: Mapping[str, PanelRow], glyphs: Glyphs
+) -> tuple[Widget | None, str | None]:
     position = screen.app.mouse_position
     if not screen.region.contains_point(position):
         return None, None
@@ -36,12 +38,18 @@ def _word_under_mouse(screen: Screen[None], glyphs: Glyphs) -> tuple[Widget | No
         return None, None
     column, row = position.x - region.x, position.y - region.y
     lines = widget.render_lines(Region(0, row, region.width, 1))
-    return (widget, term_at(lines[0].text, column, glyphs)) if lines else (widget, None)
+    about = [term for panel in _panels_of(widget, rows) for term in panel.terms] or None
+    return (widget, term_at(lines[0].text, column, glyphs, about)) if lines else (widget, None)
 
 
 def _words_of(widget: Widget, rows: Mapping[str, PanelRow]) -> Iterator[str]:
     if isinstance(widget, Slider):
         yield from terms_called([widget.parameter.symbol])
+    for panel in _panels_of(widget, rows):
+        yield from panel.terms
+
+
+def _panels_of(widget: Widget, rows: Mapping[str, PanelRow]) -> Iterator[PanelRow]:
     for node in widget.ancestors_with_self:
         if node.id is not None and node.id in rows:
-            yield from rows[node.id].terms
+            yield rows[node.id]

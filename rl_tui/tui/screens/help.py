@@ -21,10 +21,11 @@ from rl_tui.tui.theme.look import Look
 
 _ASKING: Final = (
     "With the mouse on a word, or a panel or slider in focus (tab), ? says what it means, with its equation "
-    "and where the book has it. / looks any word up. Return alone is always the plain sum of the rewards of "
-    "an episode; where γ weighs them it is called discounted return, or value. L hides what panels say of "
-    "their signs."
+    "and where it stands in the textbook of Sutton and Barto. / looks any word up. Return alone is always "
+    "the plain sum of the rewards of an episode; where γ weighs them it is called discounted return, or "
+    "value."
 )
+_HIDING: Final = "L hides what panels say of their signs, and shows it again."
 _TOPICS: Final = (
     (
         "Lanes",
@@ -126,7 +127,7 @@ class HelpScreen(Dialog[None]):
 
     def _explanations(self) -> Iterator[Explanation]:
         yield Explanation("Words")
-        yield Explanation("  ?", _ASKING)
+        yield Explanation("  ?", f"{_ASKING} {_HIDING}" if self._panels else _ASKING)
         yield Explanation("")
         if self._panels:
             yield Explanation("Panels")

@@ -38,7 +38,7 @@ class Transport:
         self.speed = speed
         """The wanted steps a second, None for as fast as it goes."""
         self.learning: LearningPace | None = None
-        """What sets the speed while a person watches it learn."""
+        """What sets the speed while a person watches it learn; once that is over, its last speed stays."""
         self.meter = SpeedMeter()
         """What measures the steps a second."""
         self._automatic = automatic
@@ -69,7 +69,7 @@ class Transport:
     def watching(self) -> str:
         """What the speed goes by, in words; empty where it is the wanted one."""
         learning, run = self.learning, self.group.current.run
-        if learning is None:
+        if learning is None or learning.is_over:
             return ""
         if not self._automatic:
             learning.look(run, self._clock())
@@ -78,7 +78,7 @@ class Transport:
     def start(self, *, at_once: bool) -> None:
         """Aim at the wanted speed from now on; ``at_once`` makes the first step due immediately."""
         self.meter.clear()
-        if self.learning is not None:
+        if self.learning is not None and not self.learning.is_over:
             self.learning.start(self.group.current.run, self._clock())
             self.speed = self.learning.speed
         if self.speed is not None:
@@ -96,7 +96,7 @@ class Transport:
             self.take_steps(self._chunk.steps)
             return 0.0
         due = self._pace.due(self._clock())
-        if due > 0 and self.learning is not None:
+        if due > 0 and self.learning is not None and not self.learning.is_over:
             self._take_and_look(self.learning, due)
         elif due > 0:
             self._pace.took(self.take_steps(due))
@@ -117,8 +117,6 @@ class Transport:
         if rest is not None or learning.speed != self.speed:
             self.speed = learning.speed
             self._pace.start(self.speed, now + (rest or 0.0), at_once=False)
-        if learning.is_over:
-            self.learning = None
 
     def take_steps(self, steps: int, episodes: int = UNLIMITED) -> int:
         """Take at most ``steps`` steps, or ``episodes`` episodes, within a chunk; return how many steps."""

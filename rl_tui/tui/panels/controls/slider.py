@@ -204,7 +204,7 @@ class Slider(Draggable, can_focus=True):
             self._refused = True
             now = self._value if isinstance(self._value, str) else f"{self._value:g}"
             reason = f"{self.parameter.symbol} stays {now}: {fault}"
-            self.screen.post_message(self.Refused(to_ascii(reason, self.look.glyphs)))
+            self.screen.post_message(self.Refused(reason))
             self.app.bell()
             return False
         self._set(value)

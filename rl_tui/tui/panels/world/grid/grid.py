@@ -208,9 +208,9 @@ class GridView(WorldView):
         legend = self._map.grid.legend
         if self._is_whole or not legend:
             return heading
-        told = self.fitting((f"{heading} · {legend}", f"{WORLD} · {legend}"), width)
-        if told or not self._following:
-            return told or heading
+        heading_with_legend = self.fitting((f"{heading} · {legend}", f"{WORLD} · {legend}"), width)
+        if heading_with_legend or not self._following:
+            return heading_with_legend or heading
         down, across = self._in_view()
         brief = f"{WORLD} {down}, {across}".replace(" of ", "/")
         forms = (f"{WORLD} · rows {down}, columns {across}", f"rows {down}, columns {across}", brief)

@@ -18,7 +18,6 @@ from rl_tui.lab.live.commands import (
     WatchLearning,
 )
 from rl_tui.lab.live.snapshot import Phase, Snapshot
-from rl_tui.tui.draw.to_ascii import to_ascii
 from rl_tui.tui.panels.catalogue import WORLD
 from rl_tui.tui.panels.controls.slider import Slider
 from rl_tui.tui.panels.status_line import StatusLine
@@ -96,7 +95,7 @@ class ManualControl(Subject):
         if self.board.world is not None:
             self.board.world.action_follow()
         text = f"you are the agent: act with {acting_keys(snapshot)}; y hands back"
-        self.screen.tell(to_ascii(text, self.glyphs))
+        self.screen.tell(text)
 
     def hand_back(self) -> None:
         """Let the agent act again."""
@@ -127,7 +126,7 @@ class ManualControl(Subject):
             self.link.send(Take(action))
             return
         text = f"{key} is no action here: act with {acting_keys(snapshot)}"
-        self.screen.tell(to_ascii(text, self.glyphs), severity="warning")
+        self.screen.tell(text, severity="warning")
 
     def _show_mode(self, is_on: bool) -> None:
         self.is_on = is_on

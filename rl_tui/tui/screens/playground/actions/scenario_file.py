@@ -10,7 +10,6 @@ from rl_tui.common.errors import ScenarioError, UserError
 from rl_tui.common.findings import one_line
 from rl_tui.lab.run.library import recipe_with, reread
 from rl_tui.lab.run.recipe import Recipe
-from rl_tui.tui.draw.to_ascii import to_ascii
 from rl_tui.tui.screens.dialogs.choice import Candidate, Choice
 from rl_tui.tui.screens.playground.actions.subject import Subject
 from rl_tui.worlds.files.scenario import Scenario
@@ -70,4 +69,4 @@ class ScenarioFile(Subject):
         self.ask(Choice(f"Start again: {name} has changed", (new, old), "", self.glyphs), answer)
 
     def _warn(self, text: str) -> None:
-        self.screen.notify(to_ascii(text, self.glyphs), severity="warning", timeout=_UNTIL_READ, markup=False)
+        self.screen.notify(text, severity="warning", timeout=_UNTIL_READ, markup=False)

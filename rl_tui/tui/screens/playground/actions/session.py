@@ -12,7 +12,6 @@ from rl_tui.lab.sessions.autosave import Autosave
 from rl_tui.lab.sessions.document import LONGEST_NAME
 from rl_tui.lab.sessions.folder import named_path
 from rl_tui.lab.sessions.session import OTHER_BITS, SessionError, StoredSession, digest_of
-from rl_tui.tui.draw.to_ascii import to_ascii
 from rl_tui.tui.panels.status_line import StatusLine
 from rl_tui.tui.screens.dialogs.prompt import Prompt
 from rl_tui.tui.screens.playground.actions.subject import Subject
@@ -44,8 +43,7 @@ class SessionActions(Subject):
             self.autosave.listen(listen)
 
     def _show_notice(self, notice: str) -> None:
-        text = to_ascii(notice, self.glyphs)
-        self.screen.notify(text, severity="warning", timeout=15, markup=False)
+        self.screen.notify(notice, severity="warning", timeout=15, markup=False)
 
     def named(self, fault: UserError) -> UserError:
         """Return ``fault`` with the file of the session where that could not be gone on with."""
@@ -100,5 +98,5 @@ class SessionActions(Subject):
         except UserError as fault:
             self.screen.notify(str(fault), severity="error", timeout=15, markup=False)
         else:
-            self.screen.notify(to_ascii(f"saved: {path}", self.glyphs), timeout=8, markup=False)
+            self.screen.notify(f"saved: {path}", timeout=8, markup=False)
             self.show_name()

@@ -55,7 +55,8 @@ class TimeActions(Subject):
         if episode is None or now.playback.phase is Phase.SEEKING or not self.link.wanted.is_taken_in(now):
             return
         self._sought_episode = None
-        if now.counters.episodes < episode - 1:
+        # in the past it was held up, or sent elsewhere: where the run ends is not known there
+        if now.counters.episodes < episode - 1 and not now.timeline.in_past:
             here = f"{unit_of(now)} {episode_under_way(now):,}, step {now.counters.step:,}"
             self.screen.tell(f"the run ends here so far: {here}; space goes on")
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 from rl_tui.lab.live.commands import ClearBreakpoints, RunUntil, ToggleBreakpoint
 from rl_tui.lab.live.snapshot import Phase, Snapshot
 from rl_tui.tui.draw.names import breakpoints_text, pair_in_words, state_name
-from rl_tui.tui.draw.to_ascii import to_ascii
 from rl_tui.tui.panels.q_table.q_table import QTable
 from rl_tui.tui.panels.world.arms.arms import ArmsView
 from rl_tui.tui.panels.world.view import WorldView
@@ -100,4 +99,4 @@ class UntilActions(Subject):
 
     def _tell_breakpoint(self, name: str, when: str, *, is_set: bool) -> None:
         text = f"no breakpoint on {name} any more" if is_set else f"breakpoint on {name}: pauses {when}"
-        self.screen.tell(to_ascii(text, self.glyphs))
+        self.screen.tell(text)
