@@ -126,8 +126,12 @@ async def test_faults_of_the_new_content_are_told_and_the_old_one_stays(file: Pa
         await settle(pilot)
         assert (cells(pilot), snapshot(pilot).counters.step) == (4, 0)
         assert any("mine.toml: line 2" in each and "0,5" in each for each in notes(app))
+        assert any("the run starts again" in each for each in notes(app))
         file.unlink()
-        await pilot.press("s", "r")
+        await pilot.press("s")
+        await settle(pilot)
+        assert notes(app) == []
+        await pilot.press("r")
         await settle(pilot)
         assert (cells(pilot), snapshot(pilot).counters.step) == (4, 0)
 

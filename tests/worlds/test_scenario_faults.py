@@ -315,6 +315,15 @@ ONE_FAULT = {
         "to = { Pass = 0,8, Class = 0,2 }\n",
         ("line 1, column 18", "0,8", "0.8, with a decimal point"),
     ),
+    "a decimal comma before a bracket": (
+        "a = { b = 0,5 }\n",
+        ("line 1, column 15", "0,5", "0.5, with a decimal point"),
+    ),
+    "a decimal comma in a list": (
+        "a = [-0,04]\n",
+        ("line 1, column 10", "-0,04", "-0.04, with a decimal point"),
+    ),
+    "a list without a comma": ("a = [1 3,4]\n", ("line 1, column 8", "invalid TOML (.*)", "valid TOML")),
     "a thousand": ("a = 1,000\n", ("line 1, column 6", "1,000", "1.000, .* or 1000 without a comma")),
     "a comma that is none of a number": (
         'a = "1,5" 2\n',

@@ -28,7 +28,7 @@ _NO_STRUCTURE: Final = re.compile(
 _HEADER: Final = re.compile(r"^[ \t]*\[(?!\[)[^\[\]{},=\n]*\][ \t]*s?\r?$", re.MULTILINE)
 _LIST_HEADER: Final = re.compile(r"""^[ \t]*\[\[(?:"[^"\n]*+"|'[^'\n]*+'|[^\]"'\n]++)*+\]\]""", re.MULTILINE)
 _FLOAT: Final = re.compile(r"(?<![\w.-])[-+]?\d[\d_]*+\.\d[\d_]*+(?:[eE][-+]?[\d_]++)?(?!\w|[ \t]*[.=-])")
-_DECIMAL_COMMA: Final = re.compile(r"(?<![\w.,])[-+]?[0-9]+,[0-9]+(?![\w.])")
+_DECIMAL_COMMA: Final = re.compile(r"(?<![\w.,])[-+]?[0-9]+,[0-9]+(?![\w.])[ \t]*+")
 _LONG_KEY: Final = re.compile(rf"(?<![\w-])(?:[\w-]++[ \t]*+\.[ \t]*+){{{MOST_KEY_PARTS}}}")
 _LONG_WORD: Final = re.compile(rf"(?<!\w)\w{{{LONGEST_WORD + 1}}}")
 
@@ -107,14 +107,16 @@ def _content(path: Path) -> bytes:
 def _decimal_comma(message: str, place: str, text: str) -> UnreadableError | None:
     """Return what to say where tomllib stumbled over a number with a comma; None for any other fault."""
     match = re.fullmatch(r"line (\d+), column (\d+)", place)
-    if match is None or not re.search("Expected (newline|'=')", message):
+    if match is None or not re.search("Expected (newline|'=')|Unclosed array", message):
         return None
     line, column = text.split("\n")[int(match[1]) - 1], int(match[2]) - 1
     for number in _DECIMAL_COMMA.finditer(line):
-        if number.start() <= column <= number.end():
-            whole, _, part = number[0].partition(",")
+        if number.start() < column <= number.end():
+            whole, _, part = number[0].rstrip().partition(",")
             thousands = f", or {whole}{part} without a comma" if len(part) == 3 else ""
-            return UnreadableError(place, number[0], f"{whole}.{part}, with a decimal point{thousands}")
+            return UnreadableError(
+                place, number[0].rstrip(), f"{whole}.{part}, with a decimal point{thousands}"
+            )
     return None
 
 

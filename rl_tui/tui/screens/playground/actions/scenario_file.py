@@ -69,4 +69,4 @@ class ScenarioFile(Subject):
         self.ask(Choice(f"Start again: {name} has changed", (new, old), "", self.glyphs), answer)
 
     def _warn(self, text: str) -> None:
-        self.screen.notify(text, severity="warning", timeout=_UNTIL_READ, markup=False)
+        self.screen.tell(text, severity="warning", timeout=_UNTIL_READ)
