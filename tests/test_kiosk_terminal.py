@@ -50,7 +50,7 @@ def test_nothing_is_written_whatever_is_typed(tmp_path: Path) -> None:
         terminal.press("\x10")  # ctrl+p
         terminal.wait_for("find an action")
         terminal.press("export")
-        terminal.wait_for("No matches")
+        terminal.wait_for("Nothing found")
         terminal.press("\x11")  # ctrl+q quits from wherever one is
         assert terminal.wait_for_end() == 0
     assert tree(tmp_path) == before
