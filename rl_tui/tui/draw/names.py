@@ -16,6 +16,7 @@ from rl_tui.worlds.world import World
 LONGEST_NAME: Final = 14
 _LARGEST_DENOMINATOR: Final = 12
 _MOST_LISTED = 6
+COUNTED: Final = ", counted from 0"
 _SIGN: Final = re.compile(r"(?<![\w.])-(?=[\d.])")
 
 
@@ -60,7 +61,7 @@ def place(world: World, state: int) -> str:
     if not isinstance(world.drawing, Grid) or not world.space.state_names[state].isdecimal():
         return ""
     row, column = divmod(world.drawing.cell_of_state[state], world.drawing.columns)
-    return f"row {row}, column {column}, counted from 0"
+    return f"row {row}, column {column}{COUNTED}"
 
 
 def landmark(world: World, state: int) -> str:

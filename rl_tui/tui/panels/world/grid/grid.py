@@ -164,12 +164,10 @@ class GridView(WorldView):
     def _signs(self) -> Iterator[LegendSign]:
         palette, glyphs = self.look.palette, self.look.glyphs
         form, signs = self._form, self._map.signs
-        ties = []
-        if form is not None and len(signs) > form.most_signs:
-            ties = [LegendSign(SEVERAL, "tie", palette.strong, "tie: equally good")]
-        if form is not None and self._map.rewards:  # these signs beside each other are the hardest to guess
+        if form is not None and self._map.rewards:  # what is hardest to guess stands first
             yield from self._reward_signs(form)
-            yield from ties
+        if form is not None and len(signs) > form.most_signs:
+            yield LegendSign(SEVERAL, "tie", palette.strong, "tie: equally good")
         yield from self.value_signs()
         yield LegendSign(glyphs.agent, "agent", palette.agent)
         ends = (
@@ -185,8 +183,6 @@ class GridView(WorldView):
         greedy = ([each for each in signs if isinstance(each, tuple)] or signs)[-1]
         sign = glyphs.direction(greedy) if isinstance(greedy, tuple) else greedy
         yield LegendSign(sign, "greedy", palette.strong, GREEDY_IN_FULL)
-        if not self._map.rewards:
-            yield from ties
         if CellKind.WALL in self._kinds:
             yield LegendSign(glyphs.wall, "wall", palette.wall)
 
