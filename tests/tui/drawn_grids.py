@@ -15,6 +15,7 @@ from rl_tui.tui.panels.world.grid.form import CellForm
 from rl_tui.tui.panels.world.grid.grid import GridView, draw_grid
 from rl_tui.tui.panels.world.grid.map import GridMap, MapPart
 from rl_tui.worlds.drawing import Grid
+from rl_tui.worlds.grid.section import GridSection
 from rl_tui.worlds.mdp.space import FloatArray
 
 
@@ -65,4 +66,18 @@ def large_lake(side: int = 40) -> Snapshot:
     mdp = world.space
     return changed(
         lake(step=0), world=world, q=np.zeros(mdp.pairs), visits=np.zeros(mdp.pairs, dtype=np.int64)
+    )
+
+
+def paying() -> Snapshot:
+    """A corridor whose second cell costs 1 to leave, and whose last pays 1 and goes back to the start."""
+    legend = {
+        "g": {"kind": "goal", "reward": 1.0, "terminal": False, "jump": "S"},
+        "-": {"kind": "floor", "reward": -1.0},
+    }
+    table = {"map": "S-..g\n.....\n", "moves": "four", "rewards": "leaving", "legend": legend}
+    world = GridSection.model_validate({**table, "time_limit": 9}).build(np.random.default_rng(0))
+    space = world.space
+    return changed(
+        lake(step=0), world=world, state=0, q=np.zeros(space.pairs), visits=np.zeros(space.pairs, np.int64)
     )

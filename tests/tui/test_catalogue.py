@@ -222,7 +222,7 @@ def test_sizes_are_loading_until_the_world_is_built() -> None:
     assert sizes(None) == "loading …"
     assert sizes(UserError("no such environment")) == "unknown: no such environment"
     student = find("student").build(streams(0).world)
-    assert sizes(student) == "4 states · 5 actions · 5 pairs · time limit 100"
+    assert sizes(student) == "4 states, 3 with actions · 5 actions · 5 pairs · time limit 100"
     assert "budget 1,000" in sizes(find("bandit").build(streams(0).world))
 
 

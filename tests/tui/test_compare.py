@@ -106,7 +106,9 @@ async def test_it_lists_the_lanes_and_what_may_be_different(
         assert listed[2].startswith("▸ 2 α 0.5 ")
         assert listed[3].split()[:3] == ["3", "SARSA", "SARSA"]
         assert "Another lane, the same but for" in listed
-        assert next(row for row in listed if row.startswith("  α ")).split() == ["α", "instead", "of", "0.5"]
+        words = next(row for row in listed if row.startswith("  α ")).split()
+        assert words == ["α", "instead", "of", "constant", "0.5"]
+        assert any(row.split() == ["α", "schedule", "instead", "of", "constant"] for row in listed)
         assert app.screen.query_one(OptionList).highlighted == 2
         await pilot.press("up", "enter")
         assert sent == [ChooseLane(0)]

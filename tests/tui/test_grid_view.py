@@ -4,18 +4,16 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from drawn_grids import large_lake, picture, q_of, small, style_at, visited
+from drawn_grids import large_lake, paying, picture, q_of, small, style_at, visited
 from rich.style import Style
 from sample_worlds import LEFT, RIGHT, UP, lake_world
 from samples import big_lake, lake, look
 from snapshots import changed
 
-from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.panels.world.grid.form import CellForm, cell_form
 from rl_tui.tui.panels.world.grid.grid import GridView
 from rl_tui.tui.panels.world.grid.rewards import cell_rewards
 from rl_tui.worlds.drawing import CellKind, Grid
-from rl_tui.worlds.grid.section import GridSection
 from rl_tui.worlds.mdp.space import FiniteSpace
 from rl_tui.worlds.world import World
 
@@ -81,19 +79,19 @@ def test_an_agent_in_a_hole_stands_beside_it() -> None:
     assert rows[1] == "  .00 ◉●    .00  ●  "
 
 
-def test_ties_are_several_arrows_or_a_cross_where_they_do_not_fit() -> None:
+def test_ties_are_several_arrows_or_a_star_where_they_do_not_fit() -> None:
     start = lake(step=0)
     two = changed(start, q=q_of(start, {(1, LEFT): 0.5, (1, UP): 0.5}))
     assert "←↑" in picture(two, 40, 8)[0]
-    assert small(two)[0] == "◉ .00 +.50  .00  .00"
+    assert small(two)[0] == "◉ .00 *.50  .00  .00"
     four = visited(start, 1)
     assert "←↓→↑" in picture(four, 40, 8)[0]
-    assert small(four)[0] == "◉ .00 +.00  .00  .00"
+    assert small(four)[0] == "◉ .00 *.00  .00  .00"
 
 
 def test_neighbours_in_one_row_keep_apart() -> None:
     four = visited(lake(step=0), 0, 1, 2, 3)
-    assert picture(four, 28, 4)[0] == "  ◉+.00   +.00   +.00   +.00"
+    assert picture(four, 28, 4)[0] == "  ◉*.00   *.00   *.00   *.00"
 
 
 def test_a_value_too_small_for_a_narrow_cell_is_a_bound() -> None:
@@ -124,8 +122,8 @@ def test_without_a_table_the_zero_of_a_state_never_visited_is_a_dot() -> None:
     space = FiniteSpace(mdp.state_names, mdp.action_names, mdp.first_pair, mdp.pair_action, mdp.time_limit)
     snapshot = visited(changed(start, world=World(space, start.world.drawing)), 1)
     assert picture(snapshot, 40, 8)[1] == "    ·        .00        ·         ·     "
-    assert small(snapshot)[0] == "◉ .00 +.00  .00  .00"
-    assert picture(snapshot, 20, 4)[0] == "◉   · +.00    ·    ·"
+    assert small(snapshot)[0] == "◉ .00 *.00  .00  .00"
+    assert picture(snapshot, 20, 4)[0] == "◉   · *.00    ·    ·"
 
 
 def test_optimistic_estimates_alone_are_not_knowledge() -> None:
@@ -169,7 +167,7 @@ def test_ascii() -> None:
         changed(start, q=q_of(start, {(6, LEFT): -0.36, (6, UP): -0.1}), state=6), 20, 4, ascii=True
     )
     assert "".join(rows).isascii()
-    assert rows[1] == "  .00  O  @+.00  O  "
+    assert rows[1] == "  .00  O  @*.00  O  "
 
 
 def test_values_of_three_digits_are_never_number_signs() -> None:
@@ -202,7 +200,7 @@ def test_arrows_stand_alone_where_a_map_fits_only_without_its_values() -> None:
     view = GridView(snapshot.world, look())
     rows = [strip.text for strip in view.picture(changed(snapshot, q=q, state=21), 60, 20)]
     assert rows[0].startswith("S→ ")
-    assert rows[1].startswith("   ◉←  + ")
+    assert rows[1].startswith("   ◉←  * ")
     assert rows[19].endswith(" ★ ")
     assert view.heading == "World · greedy, V as tint"
     assert view.footing == ""
@@ -227,20 +225,6 @@ def test_a_cliff_has_a_sign_and_a_colour_of_its_own() -> None:
     strip = GridView(snapshot.world, look()).picture(snapshot, 20, 4)[1]
     assert strip.text == "  .00  ▓    .00  ▓  "
     assert style_at(strip, 7) == look().palette.cliff
-
-
-def paying() -> Snapshot:
-    """A corridor whose second cell costs 1 to leave, and whose last pays 1 and goes back to the start."""
-    legend = {
-        "g": {"kind": "goal", "reward": 1.0, "terminal": False, "jump": "S"},
-        "-": {"kind": "floor", "reward": -1.0},
-    }
-    table = {"map": "S-..g\n.....\n", "moves": "four", "rewards": "leaving", "legend": legend}
-    world = GridSection.model_validate({**table, "time_limit": 9}).build(np.random.default_rng(0))
-    space = world.space
-    return changed(
-        lake(step=0), world=world, state=0, q=np.zeros(space.pairs), visits=np.zeros(space.pairs, np.int64)
-    )
 
 
 def test_cells_that_pay_something_unusual_say_so() -> None:

@@ -171,7 +171,7 @@ def test_a_small_estimate_does_not_look_like_none() -> None:
 
 def test_the_loop_in_five_parts() -> None:
     assert drawn(lake_step(), 56, 9) == [
-        " agent        state s = 6   row 1, column 2, from 0",
+        " agent        s = 6   row 1, column 2, counted from 0",
         "              greedy (ε = .10)   action a = ←",
         " environment  meant ←, slipped ↓ (p 1/3)",
         "              reward r = 0   next state s′ = 10",
@@ -215,7 +215,7 @@ def test_a_long_name_of_the_action_is_not_crowded_out() -> None:
     snapshot = stepped(student(), pair=pair, updated_pair=pair, explored=True)
     assert "random (ε = .10)   action a = check phone" in drawn(snapshot, 56, 8)[1]
     assert "random (ε = .10)   a = check phone" in drawn(snapshot, 50, 8)[1]
-    assert "explored   a = check phone" in drawn(snapshot, 46, 8)[1]
+    assert "random   action a = check phone" in drawn(snapshot, 46, 8)[1]
 
 
 def test_a_bandit_has_no_next_state() -> None:

@@ -8,7 +8,8 @@ from pathlib import Path
 
 import pytest
 from conftest import MakeApp
-from samples import bandit, lake, look, planning, student
+from drawn_grids import large_lake, paying
+from samples import bandit, big_lake, lake, look, planning, student
 from seams import playground, press, train
 from textual.geometry import Size
 
@@ -50,15 +51,24 @@ def legend(panel: Panel) -> list[str]:
 
 def test_a_legend_stands_on_a_row_that_is_free() -> None:
     grid = explained(GridView(lake().world, look()), lake(), 60, 13)
-    assert rows(grid)[-1].split("   ") == ["  tint  V", "◉ agent", "● hole", "★ goal", "S start", "↑ greedy"]
+    assert rows(grid)[-1].split("  ") == [
+        "",
+        "tint",
+        "value",
+        "◉ agent",
+        "● hole",
+        "★ goal",
+        "S start",
+        "↑ greedy",
+    ]
     assert not grid.border_subtitle
 
 
 def test_without_a_free_row_it_is_on_the_border_as_far_as_there_is_room() -> None:
     for width, expected in (
-        (60, "tint V · ◉ agent · ● hole · ★ goal · S start · ↑ greedy"),
-        (40, "tint V · ◉ agent · ● hole · ★ goal"),
-        (30, "tint V · ◉ agent · ● hole"),
+        (64, "tint value · ◉ agent · ● hole · ★ goal · S start · ↑ greedy"),
+        (42, "tint value · ◉ agent · ● hole · ★ goal"),
+        (33, "tint value · ◉ agent · ● hole"),
     ):
         grid = explained(GridView(lake().world, look()), lake(), width, 8)
         assert str(grid.border_subtitle) == expected
@@ -94,14 +104,50 @@ def test_a_legend_has_signs_that_are_drawn_and_no_others(kind: str, made: object
 def test_only_what_occurs_in_the_scenario_has_a_sign() -> None:
     assert "▓ cliff" not in legend(explained(GridView(lake().world, look()), lake(), 60, 13))
     table = explained(QTable(look()), bandit(400), 60, 20)
-    assert legend(table) == ["▌▐ greedy", "lit just updated", "· not tried"]
+    assert legend(table) == ["▌▐ greedy", "lit just updated", "◉ last pull", "· not tried"]
     assert legend(explained(LastStepPanel(look()), bandit(400), 58, 12)) == ["δ TD error"]
     assert "p probability" in legend(explained(LastStepPanel(look()), lake(), 58, 12))
 
 
 def test_ties_have_a_sign_where_arrows_have_no_room() -> None:
-    assert "+ tie" in legend(explained(GridView(lake().world, look()), lake(), 24, 4))
-    assert "+ tie" not in legend(explained(GridView(lake().world, look()), lake(), 60, 12))
+    assert "* tie" in legend(explained(GridView(lake().world, look()), lake(), 24, 4))
+    assert "* tie" not in legend(explained(GridView(lake().world, look()), lake(), 60, 12))
+
+
+def test_no_tint_is_explained_where_there_are_no_colours() -> None:
+    for depth in ("truecolor", "256", "16", "none"):
+        for panel, shown in ((GridView, lake()), (GraphView, student())):
+            view = explained(panel(shown.world, look(depth=depth)), shown, 60, 13)
+            assert ("tint value" in legend(view)) is (depth != "none")
+
+
+def test_rewards_and_ties_have_signs_of_their_own() -> None:
+    shown = paying()
+    small = explained(GridView(shown.world, look()), shown, 25, 2)
+    assert legend(small)[:2] == ["+− reward", "* tie"]
+    ascii_only = explained(GridView(shown.world, look(ascii=True)), shown, 25, 2)
+    assert legend(ascii_only)[:2] == ["+- reward", "* tie"]
+    large = explained(GridView(shown.world, look()), shown, 60, 6)
+    assert legend(large)[0] == "+1 reward"
+
+
+def test_a_kind_of_cell_in_which_something_can_be_done_has_no_sign() -> None:
+    shown = paying()  # its goal is left by a jump
+    assert "★ goal" not in legend(explained(GridView(shown.world, look()), shown, 60, 6))
+
+
+def test_a_legend_is_told_in_full_where_all_of_it_has_room() -> None:
+    for width, expected in ((80, "tint value V(s)"), (70, "tint value")):
+        grid = explained(GridView(lake().world, look()), lake(), width, 8)
+        assert str(grid.border_subtitle).split(" · ")[0] == expected
+
+
+def test_a_map_that_scrolls_leaves_a_row_for_its_legend() -> None:
+    grid = explained(GridView(big_lake().world, look()), big_lake(), 60, 8)
+    assert "agent" not in rows(grid)[-1]
+    shown = large_lake()
+    grid = explained(GridView(shown.world, look()), shown, 60, 10)
+    assert "◉ agent" in rows(grid)[-1]
 
 
 def test_a_legend_does_not_jump_when_the_picture_needs_its_row() -> None:

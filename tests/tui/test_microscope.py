@@ -82,7 +82,7 @@ def part(lines: list[str], heading: str, until: str) -> list[str]:
 def test_the_loop_in_five_parts() -> None:
     lines = part(shown(LAKE), "The step", "The update")
     assert lines == [
-        " state   s = 6   row 1, column 2, from 0",
+        " state   s = 6   row 1, column 2",
         " action  a = ←   greedy (ε = .10)",
         " reward  r = 0",
         " next    s′ = 2   slipped ↑, p 1/3",

@@ -36,7 +36,7 @@ def test_the_five_parts_of_a_grid() -> None:
     assert "P       44 legal pairs (s, a), 132 outcomes" in text
     assert "R       from 0 to 1" in text
     assert "γ       .99" in text
-    assert "start   0 (row 0, column 0, from 0)" in text
+    assert "start   0 (row 0, column 0, counted from 0)" in text
     assert "terminal 5, 7, 11, 12, 15" in text
     assert "after 100 steps the time limit cuts the episode off" in text
     assert made.heading == "Model ⟨S, A, P, R, γ⟩ · FrozenLake 4×4 slippery"
@@ -46,14 +46,14 @@ def test_the_place_in_the_drawing_is_told_of_plain_numbers_only() -> None:
     taxi = find("taxi").build(np.random.default_rng(0))
     state = taxi.space.state_names.index("2,3 R→B")
     assert names.place(taxi, state) == ""
-    assert names.place(lake().world, 6) == "row 1, column 2, from 0"
+    assert names.place(lake().world, 6) == "row 1, column 2, counted from 0"
 
 
 def test_the_outcomes_of_a_pair_and_where_it_slips() -> None:
     snapshot = lake()
     down = int(snapshot.world.space.first_pair[4]) + 1
     lines = [" ".join(line.split()) for line in drawn(panel(snapshot, down)).splitlines()]
-    assert f"state 4 (row 1, column 0, from 0) action ↓ down pair {down + 1} of 44" in lines
+    assert f"state 4 (row 1, column 0, counted from 0) action ↓ down pair {down + 1} of 44" in lines
     table = lines[lines.index("p went r s′") + 1 :]
     assert table[:3] == ["1/3 ← 0 4", "1/3 ↓ 0 8", "1/3 → 0 5: hole ends"]
 

@@ -7,7 +7,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rl_tui.tui.draw import numbers
-from rl_tui.tui.theme.glyphs import ASCII
+from rl_tui.tui.draw.names import with_minus
+from rl_tui.tui.theme.glyphs import ASCII, UNICODE
 
 
 @pytest.mark.parametrize(
@@ -111,3 +112,9 @@ def test_speeds(speed: float, short: str, long: str) -> None:
 )
 def test_all_and_none_are_said_only_where_it_is_so(share: float, text: str) -> None:
     assert numbers.percent(share) == text
+
+
+def test_names_of_states_have_the_minus_of_numbers() -> None:
+    assert with_minus("-0.55, -.02", UNICODE) == "−0.55, −.02"
+    assert with_minus("-0.55, -.02", ASCII) == "-0.55, -.02"
+    assert with_minus("3-4 half-way", UNICODE) == "3-4 half-way"

@@ -128,6 +128,18 @@ def test_a_long_table_scrolls_and_follows_the_agent() -> None:
         assert any(row.startswith(f"◉{state:>2}") for row in rows)
 
 
+def test_the_layout_does_not_change_with_the_first_negative_number() -> None:
+    start = big_lake(step=0)
+    mdp = start.world.mdp
+    assert mdp is not None
+    costly = replace(start.world, space=replace(mdp, reward=mdp.reward - 1.0))
+    before = changed(start, world=costly)
+    heads = [Drawn(each, 56, 28).rows[0].split() for each in (start, before)]
+    assert heads == [["←", "↓", "→", "↑"] * 2, ["←", "↓", "→", "↑"]]
+    after = changed(before, q=start.agent.q - 5.0)
+    assert Drawn(after, 56, 28).rows[0] == Drawn(before, 56, 28).rows[0]
+
+
 def test_two_blocks_stand_side_by_side_where_that_saves_scrolling() -> None:
     drawn = Drawn(big_lake(), 56, 28)
     assert drawn.rows[0].split() == ["←", "↓", "→", "↑"] * 2

@@ -57,7 +57,7 @@ def test_a_narrow_list_shows_the_layer_in_force() -> None:
 
 def test_ties_are_joined_in_the_greedy_line() -> None:
     tied = fresh(student(), [1.0, 1.0, 0.0, 2.0, 0.0], [1, 1, 1, 1, 0])
-    assert "greedy: study=check phone · quit · ?" in Drawn(tied, 56, 10).text
+    assert "greedy: study=check phone · quit · not tried" in Drawn(tied, 56, 10).text
 
 
 def test_a_bandit_keeps_its_means_until_they_are_revealed() -> None:
@@ -67,11 +67,19 @@ def test_a_bandit_keeps_its_means_until_they_are_revealed() -> None:
     assert "1.500" not in hidden.text
     assert hidden.table.layer_choices == (Layer.Q, Layer.VISITS)
     assert "show the true means" in hidden.rows[12]
-    assert hidden.row("▸").split()[:3] == ["▸", "5", "▐"]
+    assert hidden.row("5").split()[:3] == ["◉", "5", "▐"]
     shown = Drawn(bandit(), 36, 13, revealed=True)
     assert "1.500" in shown.rows[6]
     assert "···" not in shown.text
     assert shown.table.layer_choices == tuple(layer for layer in Layer if layer is not Layer.LANES)
+
+
+def test_visits_of_arms_have_the_frames_while_they_are_shown() -> None:
+    for layer, marked in ((Layer.Q, "Q"), (Layer.VISITS, "N")):
+        drawn = Drawn(bandit(), 36, 13, layer)
+        row, end = drawn.row("5"), drawn.rows[0].index(marked) + 2
+        assert row[end - 9 : end].strip()[0] == "▐", (layer, row)
+        assert row.count("▐") + row.count("▌") == 2
 
 
 def test_a_hidden_layer_falls_back_to_q() -> None:

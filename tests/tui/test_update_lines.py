@@ -182,7 +182,7 @@ def planned(algorithm: str = "value-iteration", **changes: Any) -> Snapshot:
 def test_a_planner_backs_up_a_state() -> None:
     text = drawn(planned(), 64, 5)
     assert text.splitlines() == [
-        " planner      sweep 3   s = 6   row 1, column 2, from 0",
+        " planner      sweep 3   s = 6   row 1, column 2, counted from 0",
         " update       target = Σ p r + γ · Σ p max Q(s′,·)",
         "                     = .25 + .99 · .56 = .80",
         "              δ = .80 − .36 = +.44",

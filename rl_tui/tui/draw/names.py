@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from fractions import Fraction
 from typing import Final
 
@@ -15,11 +16,18 @@ from rl_tui.worlds.world import World
 LONGEST_NAME: Final = 14
 _LARGEST_DENOMINATOR: Final = 12
 _MOST_LISTED = 6
+COUNTED: Final = ", counted from 0"
+_SIGN: Final = re.compile(r"(?<![\w.])-(?=[\d.])")
 
 
 def state_name(world: World, state: int, glyphs: Glyphs) -> str:
     """Return the name of ``state``, shortened if it is long."""
-    return shortened(world.space.state_names[state], LONGEST_NAME, glyphs.ellipsis)
+    return shortened(with_minus(world.space.state_names[state], glyphs), LONGEST_NAME, glyphs.ellipsis)
+
+
+def with_minus(name: str, glyphs: Glyphs) -> str:
+    """Return ``name`` with the minus of other numbers on screen before its own: ``−0.5, 0.01``."""
+    return _SIGN.sub(glyphs.minus, name)
 
 
 def action_name(world: World, action: int, glyphs: Glyphs) -> str:
@@ -45,7 +53,7 @@ def pair_name(world: World, pair: int, glyphs: Glyphs) -> str:
 
 
 def place(world: World, state: int) -> str:
-    """Return where ``state`` is on a grid, ``row 1, column 2, from 0``; empty elsewhere.
+    """Return where ``state`` is on a grid, ``row 1, column 2, counted from 0``; empty elsewhere.
 
     Empty too where the name of the state is no plain number: such a name tells the place in the world itself,
     and a row of the drawing, which has many maps or tables side by side, would contradict it.
@@ -53,7 +61,7 @@ def place(world: World, state: int) -> str:
     if not isinstance(world.drawing, Grid) or not world.space.state_names[state].isdecimal():
         return ""
     row, column = divmod(world.drawing.cell_of_state[state], world.drawing.columns)
-    return f"row {row}, column {column}, from 0"
+    return f"row {row}, column {column}{COUNTED}"
 
 
 def landmark(world: World, state: int) -> str:

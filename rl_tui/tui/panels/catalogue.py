@@ -82,7 +82,7 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         "rl_tui.tui.panels.world.make_view:WorldPlaceholder",
         "World",
         "The scenario as the agent finds it. In a grid the tint and the number are V(s), the best estimate "
-        "of the state; arrows are the greedy actions, several (or + where there is no room) where they tie, "
+        "of the state; arrows are the greedy actions, several (or * where there is no room) where they tie, "
         "none where nothing is known yet, letters where actions have no direction; ◉ is the agent, ● a hole, "
         "▓ a cliff, ★ the goal, S the start. In a graph each edge names action, "
         "probability and reward, and the greedy action is bold. An arm of a "

@@ -13,7 +13,8 @@ from rl_tui.tui.draw.pieces import Piece, length, spelled, strips_of
 from rl_tui.tui.draw.to_ascii import separated, to_ascii
 from rl_tui.tui.theme.look import Look
 
-_GAP: Final = "   "
+GREEDY_IN_FULL: Final = "greedy: looks best"
+_GAP: Final = "  "
 _BETWEEN: Final = " · "
 _MOST_KEPT: Final = 64  # the same legend is drawn in every frame
 
@@ -21,12 +22,14 @@ _MOST_KEPT: Final = 64  # the same legend is drawn in every frame
 class LegendSign(NamedTuple):
     """A ``sign`` as the panel draws it, characters and ``style``, and its ``meaning`` in a word or two.
 
-    The sign is in the characters of the look already.
+    The sign is in the characters of the look already. ``in_full`` is the meaning where all of the legend has
+    room for that; empty: the same.
     """
 
     sign: str
     meaning: str
     style: Style
+    in_full: str = ""
 
 
 Legend = tuple[LegendSign, ...]
@@ -35,6 +38,17 @@ Legend = tuple[LegendSign, ...]
 @lru_cache(_MOST_KEPT)
 def legend_rows(signs: Legend, width: int, most: int, look: Look) -> tuple[Strip, ...]:
     """Return ``signs`` in as many rows of ``width`` cells as they take, ``most`` of them."""
+    lines = _lines(_in_full(signs), width, look)
+    if len(lines) > most:
+        lines = _lines(signs, width, look)
+    return tuple(strips_of(lines, width, min(most, len(lines)), look))
+
+
+def _in_full(signs: Legend) -> Legend:
+    return tuple(sign._replace(meaning=sign.in_full or sign.meaning) for sign in signs)
+
+
+def _lines(signs: Legend, width: int, look: Look) -> list[list[Piece]]:
     lines: list[list[Piece]] = []
     for sign in signs:
         entry = [Piece(sign.sign, sign.style), Piece(f" {sign.meaning}", look.palette.dim)]
@@ -42,16 +56,22 @@ def legend_rows(signs: Legend, width: int, most: int, look: Look) -> tuple[Strip
             lines[-1] += [Piece(_GAP, look.palette.dim), *entry]
         else:
             lines.append([Piece(" ", look.palette.dim), *entry])
-    return tuple(strips_of(lines, width, min(most, len(lines)), look))
+    return lines
 
 
 @lru_cache(_MOST_KEPT)
 def legend_text(signs: Legend, room: int, look: Look) -> str:
     """Return as many of ``signs``, the first before the others, as ``room`` cells of a border hold."""
+    entries = _entries(_in_full(signs), look)
+    if cell_len(separated(_BETWEEN.join(entries), look.glyphs)) > room:
+        entries = _entries(signs, look)
     text = ""
-    for sign in signs:
-        entry = f"{sign.sign.strip()} {to_ascii(sign.meaning, look.glyphs)}".strip()
+    for entry in entries:
         longer = f"{text}{_BETWEEN}{entry}" if text else entry
         if cell_len(separated(longer, look.glyphs)) <= room:
             text = longer
     return text
+
+
+def _entries(signs: Legend, look: Look) -> list[str]:
+    return [f"{sign.sign.strip()} {to_ascii(sign.meaning, look.glyphs)}".strip() for sign in signs]

@@ -68,6 +68,11 @@ class Palette:
             for style in self.lanes
         )
 
+    @property
+    def tints(self) -> bool:
+        """Whether values have colours behind them."""
+        return any(style.bgcolor is not None for style in self.values)
+
     def value(self, fraction: float) -> Style:
         """Return the style at ``fraction`` (0 to 1, clamped; NaN as 0) of the way from low to high."""
         return _at(self.values, fraction)

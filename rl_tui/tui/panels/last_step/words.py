@@ -125,7 +125,7 @@ def _choices(story: StepStory, glyphs: Glyphs) -> Sequence[str]:
     epsilon = setting(last.epsilon, glyphs)
     if last.explored:
         luck = ", greedy by chance" if last.pair in best else ""
-        return f"random (ε = {epsilon}){luck}", f"explored{luck}"
+        return f"random (ε = {epsilon}){luck}", f"random{luck}"
     if len(best) > 1:
         return f"greedy (ε = {epsilon}), one of {len(best)} equal", f"greedy, {len(best)} equal"
     return f"greedy (ε = {epsilon})", "greedy"

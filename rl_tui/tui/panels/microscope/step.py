@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import Final
 
 from rl_tui.lab.last_step.story import StepStory
+from rl_tui.tui.draw.names import COUNTED
 from rl_tui.tui.draw.pieces import Line, Piece, first_that_fits
 from rl_tui.tui.panels.last_step.words import StepWords
 from rl_tui.tui.panels.microscope.section import MicroscopeSection
@@ -22,7 +23,9 @@ _Form = tuple[str, str, str]  # symbol, value and remark
 def step_section(words: StepWords, look: Look, width: int) -> MicroscopeSection:
     """Return state, action and why, reward, next state, and what was updated: a line each."""
     parts = {
-        "state": [("s = ", words.state, remark) for remark in (words.place, "")],
+        "state": [
+            ("s = ", words.state, remark) for remark in (words.place, words.place.removesuffix(COUNTED), "")
+        ],
         **(_planned() if words.story.last.planned else _taken(words)),
         "update": _update(words),
     }

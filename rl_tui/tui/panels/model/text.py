@@ -78,7 +78,7 @@ def pair_lines(snapshot: Snapshot, pair: int, look: Look, width: int, *, reveale
     secret = is_secret(snapshot, revealed=revealed)
     head: list[Piece] = [
         Piece(" state ", palette.dim),
-        Piece(space.state_names[state], palette.strong),
+        Piece(names.with_minus(space.state_names[state], look.glyphs), palette.strong),
         *([Piece(f" ({place})", palette.dim)] if (place := names.place(world, state)) else []),
         Piece("   action ", palette.dim),
         Piece(_action(snapshot, action, look), palette.strong),
@@ -124,7 +124,7 @@ def _start(world: World, mdp: TabularMDP, look: Look, room: int) -> str:
     if len(mdp.start_state) == 1:
         state = int(mdp.start_state[0])
         place = names.place(world, state)
-        return mdp.state_names[state] + (f" ({place})" if place else "")
+        return names.with_minus(mdp.state_names[state], look.glyphs) + (f" ({place})" if place else "")
     chances = [
         f"{names.state_name(world, int(state), look.glyphs)} with {names.chance(float(p), look.glyphs)}"
         for state, p in zip(mdp.start_state[:20], mdp.start_probability[:20], strict=True)

@@ -52,7 +52,13 @@ class Scene:
 
 
 def boxed(scene: Scene, figures: Figures, pair: int, width: int, digits: int, is_greedy: bool) -> Pieces:
-    """Return the cell of ``pair``: a number of up to ``digits`` cells amid ``width`` ones, between marks.
+    """Return the cell of ``pair``: a number of up to ``digits`` cells amid ``width`` ones, between marks."""
+    number = figures.text(pair, digits).rjust(figures.cells(digits)).center(width)
+    return framed(scene, figures, pair, number, is_greedy)
+
+
+def framed(scene: Scene, figures: Figures, pair: int, number: str, is_greedy: bool) -> Pieces:
+    """Return the cell of ``pair``: ``number`` between marks.
 
     Marks stand on the background of the panel, so that they are seen beside every tint; a breakpoint takes
     the place of the left one.
@@ -62,7 +68,6 @@ def boxed(scene: Scene, figures: Figures, pair: int, width: int, digits: int, is
         style = palette.focus
     else:
         style = figures.style(pair) if figures.layer is scene.layer else figures.plain_style(pair)
-    number = figures.text(pair, digits).rjust(figures.cells(digits)).center(width)
     left = right = " "
     if is_greedy:
         lit = figures.is_lit(pair)

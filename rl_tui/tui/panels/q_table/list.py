@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar, Final
 
 from rich.cells import cell_len
@@ -11,7 +11,7 @@ from rich.segment import Segment
 
 from rl_tui.tui.draw.canvas import shortened
 from rl_tui.tui.draw.to_ascii import to_ascii
-from rl_tui.tui.panels.q_table.form import Pieces, Scene, aligned_right, boxed, padded
+from rl_tui.tui.panels.q_table.form import Pieces, Scene, aligned_right, boxed, framed, padded
 from rl_tui.tui.panels.q_table.layers import EXACT_LAYERS, Layer
 from rl_tui.tui.panels.q_table.world import NO_ROW
 
@@ -20,6 +20,7 @@ BOX: Final = DIGITS + 2
 COUNT: Final = 8
 LEAST_BAR: Final = 6
 MOST_BAR: Final = 20
+NOT_TRIED: Final = "not tried"
 _LEAST_NAME: Final = 3
 _STATE_GAP: Final = 2
 _LEAST_GAP: Final = 1
@@ -109,8 +110,8 @@ def greedy_line(scene: Scene) -> str:
     states = []
     for state in world.live.tolist():
         greedy = scene.shown.greedy(world.space.pairs_of(state))
-        states.append("=".join(world.action_names[world.action_of(pair)] for pair in greedy) or "?")
-    known = any(state != "?" for state in states)
+        states.append("=".join(world.action_names[world.action_of(pair)] for pair in greedy) or NOT_TRIED)
+    known = any(state != NOT_TRIED for state in states)
     return f"greedy: {' · '.join(states)}" if known else ""
 
 
@@ -167,7 +168,7 @@ def _arm_columns(scene: Scene, width: int) -> list[Column]:
 
     def last(pair: int, _: bool) -> Pieces:
         if pair == scene.last_pair:
-            return [Segment(look.glyphs.cursor, look.palette.accent)]
+            return [Segment(look.glyphs.agent, look.palette.agent)]
         return [Segment(" ", look.palette.text)]
 
     def arm(pair: int, _: bool) -> Pieces:
@@ -234,23 +235,32 @@ def _widening(wanted: int, room: int) -> int:
 
 
 def _value_columns(scene: Scene, layers: Sequence[Layer]) -> list[Column]:
-    """Return a column a layer. One has the frames and the cursor: Q*, if it is in force, else the first."""
+    """Return a column a layer. One has the frames and the cursor: Q*, if it is in force, else the first.
+
+    While visits are in force they have them.
+    """
     main = scene.layer if scene.layer is Layer.OPTIMAL and scene.layer in layers else layers[0]
-    rank = 3 if scene.layer is Layer.VISITS else 0
+    counts = scene.layer is Layer.VISITS
+    shown = replace(scene, cursor=None) if counts else scene
     columns = []
     for layer in layers:
         head = _ARM_HEADS.get(layer, layer) if scene.world.is_bandit else layer
         is_main = layer is main
-        columns.append(Column(head, BOX, rank if is_main else 2, _value(scene, layer, is_main), _right))
+        rank = (3 if counts else 0) if is_main else 2
+        columns.append(Column(head, BOX, rank, _value(shown, layer, is_main, has_frames=not counts), _right))
     return columns
 
 
-def _value(scene: Scene, layer: Layer, is_main: bool) -> Draw:
+def _value(scene: Scene, layer: Layer, is_main: bool, has_frames: bool) -> Draw:
     figures, world = scene.figures[layer], scene.world
 
     def draw(pair: int, _: bool) -> Pieces:
         if is_main or layer is scene.layer:
-            greedy = is_main and pair in figures.greedy(world.space.pairs_of(world.space.state_of(pair)))
+            greedy = (
+                is_main
+                and has_frames
+                and pair in figures.greedy(world.space.pairs_of(world.space.state_of(pair)))
+            )
             return boxed(scene, figures, pair, DIGITS, DIGITS, greedy)
         return [Segment(_right(figures.text(pair, DIGITS), BOX), figures.plain_style(pair))]
 
@@ -258,15 +268,15 @@ def _value(scene: Scene, layer: Layer, is_main: bool) -> Draw:
 
 
 def _count_column(scene: Scene) -> Column:
-    figures, text = scene.figures[Layer.VISITS], scene.look.palette.text
+    figures, world, text = scene.figures[Layer.VISITS], scene.world, scene.look.palette.text
     is_shown = scene.layer is Layer.VISITS
 
     def draw(pair: int, _: bool) -> Pieces:
         number = figures.text(pair, COUNT - 2).rjust(COUNT - 2)
-        style = figures.style(pair) if is_shown else figures.plain_style(pair)
-        if is_shown and pair == scene.cursor:
-            style = scene.look.palette.focus
-        return [Segment(" ", text), Segment(number, style), Segment(" ", text)]
+        if is_shown:
+            greedy = figures.greedy(world.space.pairs_of(world.space.state_of(pair)))
+            return framed(scene, figures, pair, number, pair in greedy)
+        return [Segment(" ", text), Segment(number, figures.plain_style(pair)), Segment(" ", text)]
 
     return Column("N", COUNT, 0 if is_shown else 3, draw, _right)
 

@@ -11,7 +11,7 @@ from rich.segment import Segment
 from rl_tui.tui.draw import numbers
 from rl_tui.tui.draw.canvas import shortened
 from rl_tui.tui.panels.q_table.form import Pieces, Scene, aligned_right, boxed, padded
-from rl_tui.tui.panels.q_table.layers import Figures, Layer
+from rl_tui.tui.panels.q_table.layers import Layer
 from rl_tui.tui.panels.q_table.world import TableWorld
 
 LEAST_FIELD: Final = 3  # .54
@@ -125,11 +125,11 @@ def matrix_form(scene: Scene, width: int, lines: int) -> MatrixForm | None:
     """
     needed = -(-len(scene.world.live) // max(1, lines))
     if needed > 1:
-        least = LEAST_FIELD if _fits_narrow(scene.shown) else FIELD_WITH_SIGN
+        least = LEAST_FIELD if _fits_narrow(scene) else FIELD_WITH_SIGN
         if (form := _form(scene, needed, width, least)) is not None:
             return form
         width -= 1  # the scroll bar
-    least = LEAST_FIELD if scene.shown.low > -99.5 else FIELD_WITH_SIGN
+    least = LEAST_FIELD if min(scene.shown.low, scene.world.least_reward) > -99.5 else FIELD_WITH_SIGN
     return _form(scene, 1, width, least) or _form(scene, 1, width, least, is_brief=True)
 
 
@@ -140,9 +140,14 @@ def _form(scene: Scene, blocks: int, width: int, least: int, *, is_brief: bool =
     return MatrixForm(scene, blocks, min(MOST_FIELD, field), label) if field >= least else None
 
 
-def _fits_narrow(figures: Figures) -> bool:
-    """Return whether the numbers say enough in three cells: fractions without signs, and nothing above 9."""
-    if figures.layer is Layer.VISITS:
+def _fits_narrow(scene: Scene) -> bool:
+    """Return whether the numbers say enough in three cells: fractions without signs, and nothing above 9.
+
+    What is to come counts too, so that the layout does not change with the first number: a difference has a
+    sign sooner or later, and so have estimates where rewards are negative.
+    """
+    figures = scene.shown
+    if figures.layer not in (Layer.Q, Layer.OPTIMAL) or scene.world.least_reward < 0.0:
         return False
     return figures.low >= 0.0 and len(numbers.fixed(figures.high, 1)) <= LEAST_FIELD
 

@@ -18,7 +18,7 @@ from rl_tui.lab.run.large_worlds import is_large
 from rl_tui.tui.draw.pieces import Piece, strips_of, wrapped
 from rl_tui.tui.draw.to_ascii import separated, to_ascii
 from rl_tui.tui.panels.bindings import binding
-from rl_tui.tui.panels.legend import Legend, LegendSign
+from rl_tui.tui.panels.legend import GREEDY_IN_FULL, Legend, LegendSign
 from rl_tui.tui.panels.panel import Panel
 from rl_tui.tui.panels.pointing import NOWHERE, Pointed
 from rl_tui.tui.panels.q_table.form import Scene
@@ -204,11 +204,13 @@ class QTable(Panel, can_focus=True):
         palette, glyphs = self.look.palette, self.look.glyphs
         frame, state = glyphs.mark_left + glyphs.mark_right, snapshot.world.space.states > 1
         is_learned = self.shown_layer is not Layer.OPTIMAL
+        greedy = GREEDY_IN_FULL if is_learned else ""  # of Q* it is best
         return (
-            LegendSign(frame, "greedy", palette.greedy),
+            LegendSign(frame, "greedy", palette.greedy, greedy),
             *([LegendSign(" lit ", "just updated", palette.updated)] if is_learned and self.lights else []),
-            *([LegendSign(glyphs.agent, "agent", palette.agent)] if state else []),
+            LegendSign(glyphs.agent, "agent" if state else "last pull", palette.agent),
             *([LegendSign(glyphs.stay, "not tried", palette.unvisited)] if is_learned else []),
+            *([LegendSign(glyphs.cursor, "cursor", palette.greedy)] if self.has_focus else []),
         )
 
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:

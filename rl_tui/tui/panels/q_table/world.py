@@ -11,7 +11,7 @@ import numpy as np
 from rich.cells import cell_len
 
 from rl_tui.tui.draw.canvas import shortened
-from rl_tui.tui.draw.names import action_name
+from rl_tui.tui.draw.names import action_name, with_minus
 from rl_tui.tui.draw.to_ascii import to_ascii
 from rl_tui.tui.theme.glyphs import Glyphs
 from rl_tui.worlds.drawing import Arms
@@ -45,6 +45,12 @@ class TableWorld:
         """The cells that names of states take where they are written close together."""
         return min(self.state_width, self._longest(_brief))
 
+    @cached_property
+    def least_reward(self) -> float:
+        """The least mean reward of an outcome; 0 where none is less or there is no table."""
+        mdp = self._world.mdp
+        return 0.0 if mdp is None else min(0.0, float(mdp.reward.min()))
+
     def _longest(self, form: Callable[[str], str]) -> int:
         """Return the cells of the longest name; of very many states, those of the last and of a sample.
 
@@ -67,7 +73,7 @@ class TableWorld:
 
     def state_name(self, state: int, width: int) -> str:
         """Return the name of ``state`` in ``width`` cells: written close together, or shortened."""
-        name = to_ascii(self.space.state_names[state], self.glyphs)
+        name = to_ascii(with_minus(self.space.state_names[state], self.glyphs), self.glyphs)
         return name if cell_len(name) <= width else shortened(_brief(name), width, self.glyphs.ellipsis)
 
     def action_of(self, pair: int) -> int:

@@ -13,7 +13,7 @@ from rl_tui.lab.live.viewport import Cells
 from rl_tui.tui.draw.canvas import Canvas, shortened
 from rl_tui.tui.draw.names import state_name
 from rl_tui.tui.panels.bindings import binding
-from rl_tui.tui.panels.legend import Legend
+from rl_tui.tui.panels.legend import Legend, LegendSign
 from rl_tui.tui.panels.panel import Panel
 from rl_tui.tui.panels.pointing import NOWHERE, Pointed
 from rl_tui.tui.theme.look import Look
@@ -102,6 +102,11 @@ class WorldView(Panel, can_focus=True):
     def signs(self) -> Legend:
         """Return the signs that pictures of this world may have, those that matter most first."""
         raise NotImplementedError
+
+    def value_signs(self) -> Legend:
+        """Return the sign of V(s), which is a colour; none where there are no colours."""
+        palette = self.look.palette
+        return (LegendSign(" tint ", "value", palette.value(1.0), "value V(s)"),) if palette.tints else ()
 
     # Places
 

@@ -22,7 +22,7 @@ from rl_tui.worlds.files.scenario import Scenario
 from rl_tui.worlds.world import World
 
 _DOT: Final = " · "
-_SHORT: Final = 24
+_SHORT: Final = 30
 _WATCHING: Final = (
     "An agent learns to cross a frozen lake. Once it has met the goal, values spread from there, and arrows "
     "point the way."
@@ -85,8 +85,9 @@ def sizes(world: World | UserError | None) -> str:
     if isinstance(world, UserError):
         return f"unknown: {world}"
     mdp = world.space
+    states, acting = counted(mdp.states, "state"), int((mdp.first_pair[1:] > mdp.first_pair[:-1]).sum())
     parts = [
-        counted(mdp.states, "state"),
+        states if acting == mdp.states else f"{states}, {acting:,} with actions",
         counted(len(mdp.action_names), "action"),
         counted(mdp.pairs, "pair"),
     ]

@@ -19,10 +19,10 @@ from rl_tui.lab.timeline.lane_view import LaneView
 from rl_tui.tui.draw import numbers
 from rl_tui.tui.draw.canvas import shortened
 from rl_tui.tui.draw.to_ascii import to_ascii
-from rl_tui.tui.panels.controls.settings import called
 from rl_tui.tui.panels.curve.text import amount, decimals_for
 from rl_tui.tui.screens.dialogs.dialog import Dialog
 from rl_tui.tui.screens.dialogs.lane_changes import ALGORITHM, what_may_differ
+from rl_tui.tui.screens.dialogs.options import in_force
 from rl_tui.tui.theme.glyphs import ASCII
 from rl_tui.tui.theme.look import Look
 
@@ -165,7 +165,7 @@ class Compare(Dialog[Answer]):
 
     def _entry(self, name: str, columns: int) -> Text:
         values = self._recipe.hyperparameters
-        now = BY_ID[self._recipe.algorithm].name if name == ALGORITHM else called(name, values.value(name))
+        now = BY_ID[self._recipe.algorithm].name if name == ALGORITHM else in_force(name, values)[0]
         glyphs = self._look.glyphs
         text = Text(f"  {self._symbol(name):<{columns}} ")
         return text.append(to_ascii(f"instead of {now}", glyphs))

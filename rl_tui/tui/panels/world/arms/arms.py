@@ -12,7 +12,7 @@ from rl_tui.agents.hyperparameters import SAMPLE_AVERAGE, StepSize
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.run.bandit import true_means
 from rl_tui.tui.draw.names import pair_in_words
-from rl_tui.tui.panels.legend import Legend, LegendSign
+from rl_tui.tui.panels.legend import GREEDY_IN_FULL, Legend, LegendSign
 from rl_tui.tui.panels.scrolling import scrolled_to
 from rl_tui.tui.panels.snapshot_facts import is_new_run
 from rl_tui.tui.panels.world.arms.bars import Arm, draw_arms, names_width, rows_an_arm, true_mean_glyph
@@ -81,7 +81,7 @@ class ArmsView(WorldView):
         palette, glyphs = self.look.palette, self.look.glyphs
         return (
             LegendSign(glyphs.agent, "last pull", palette.agent),
-            LegendSign(glyphs.cursor, "greedy", palette.greedy),
+            LegendSign(glyphs.cursor, "greedy", palette.greedy, GREEDY_IN_FULL),
             LegendSign(glyphs.estimate, "estimate", palette.text),
             LegendSign(glyphs.whisker, "standard error", palette.text),
         )

@@ -10,7 +10,7 @@ from textual.strip import Strip
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.draw import numbers
 from rl_tui.tui.draw.canvas import Canvas, centred, shortened
-from rl_tui.tui.panels.legend import Legend, LegendSign
+from rl_tui.tui.panels.legend import GREEDY_IN_FULL, Legend, LegendSign
 from rl_tui.tui.panels.scrolling import scrolled_to
 from rl_tui.tui.panels.world.graph.edge_list import draw_edge_list
 from rl_tui.tui.panels.world.graph.layout import GraphLayout, graph_layout
@@ -73,8 +73,8 @@ class GraphView(WorldView):
         """Return the signs of states and edges."""
         palette = self.look.palette
         return (
-            LegendSign("bold", "greedy", palette.greedy),
-            LegendSign(" tint ", "V", palette.value(1.0)),
+            LegendSign("bold", "greedy", palette.greedy, GREEDY_IN_FULL),
+            *self.value_signs(),
             LegendSign(self.look.glyphs.agent, "agent", palette.agent),
         )
 

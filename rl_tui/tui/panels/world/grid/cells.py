@@ -18,7 +18,7 @@ from rl_tui.tui.panels.world.state_values import fraction
 from rl_tui.tui.theme.look import Look
 from rl_tui.worlds.drawing import CellKind
 
-SEVERAL: Final = "+"  # in place of the arrows where they do not fit
+SEVERAL: Final = "*"  # in place of the arrows where they do not fit
 START: Final = "S"
 _ROOM_FOR_SMALL: Final = 6
 _LEAST_SHOWN: Final = 0.005  # what is below would be rounded to .00
@@ -74,6 +74,11 @@ class CellArtist:
     def drawn(self, cells: Sequence[CellContent], low: float, high: float) -> list[Drawn]:
         """Return the rows of each of ``cells``, tinted by its value from ``low`` to ``high``."""
         return [self._drawn(self._face(cell, low, high)) for cell in cells]
+
+    def reward_text(self, reward: CellReward) -> str:
+        """Return how a cell without other signs shows what it pays."""
+        # a single row has one character for it, two rows have arrows beside it
+        return _reward_text(reward, self.form.width if self.form.height > 2 else 1, self.look)
 
     def _face(self, cell: CellContent, low: float, high: float) -> Face:
         kind, agent, value, known, greedy, reward, stops, cursor = cell
@@ -204,8 +209,16 @@ def _put_reward(canvas: Canvas, x: int, y: int, room: int, face: Face, look: Loo
     """
     if face.reward is None or room < 1:
         return
-    reward, good = face.reward
-    text = ("+" if reward > 0.0 else "") + numbers.brief(reward, look.glyphs, decimals=2)
-    if len(text) > room:
-        text = "+" if good else look.glyphs.minus
-    canvas.put(x, y, text, (look.palette.good if good else look.palette.bad) + Style(bold=True))
+    canvas.put(x, y, _reward_text(face.reward, room, look), reward_style(face.reward, look))
+
+
+def _reward_text(reward: CellReward, room: int, look: Look) -> str:
+    text = ("+" if reward.reward > 0.0 else "") + numbers.brief(reward.reward, look.glyphs, decimals=2)
+    if len(text) <= room:
+        return text
+    return "+" if reward.good else look.glyphs.minus
+
+
+def reward_style(reward: CellReward, look: Look) -> Style:
+    """Return the style of what a cell pays."""
+    return (look.palette.good if reward.good else look.palette.bad) + Style(bold=True)

@@ -13,10 +13,10 @@ from textual.strip import Strip
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.live.viewport import Cells
 from rl_tui.lab.run.large_worlds import is_large
-from rl_tui.tui.panels.legend import Legend, LegendSign
+from rl_tui.tui.panels.legend import GREEDY_IN_FULL, Legend, LegendSign
 from rl_tui.tui.panels.scrolling import Scrolled, kept_in_view, scrolled_to
 from rl_tui.tui.panels.snapshot_facts import is_new_run
-from rl_tui.tui.panels.world.grid.cells import SEVERAL, START, CellArtist
+from rl_tui.tui.panels.world.grid.cells import SEVERAL, START, CellArtist, reward_style
 from rl_tui.tui.panels.world.grid.form import LEAST_DIGITS, CellForm, cell_form, digits_needed
 from rl_tui.tui.panels.world.grid.map import CellContent, GridMap, MapPart
 from rl_tui.tui.panels.world.view import WorldView
@@ -26,7 +26,9 @@ from rl_tui.worlds.world import World
 WORLD: Final = "World"
 HEADING: Final = f"{WORLD} · V and greedy"
 HEADING_WITHOUT_VALUES: Final = f"{WORLD} · greedy, V as tint"
+HEADING_GREEDY: Final = f"{WORLD} · greedy"
 FOLLOWS: Final = "follows the agent"
+_LEAST_WITH_LEGEND: Final = 8  # rows of a map that scrolls
 FOLLOW_HINT: Final = "esc: follow the agent"
 
 
@@ -123,7 +125,15 @@ class GridView(WorldView):
         super().show(snapshot)
 
     def drawing(self, snapshot: Snapshot, width: int, height: int) -> list[Strip]:
-        """Return the map, or the part of it that fits."""
+        """Return the map, or the part of it that fits, which leaves a row for the legend."""
+        grid = self._map.grid
+        if self.is_explained and grid.rows > height >= _LEAST_WITH_LEGEND:
+            strips = self._drawn_map(snapshot, width, height - 1)
+            self.free_rows = 1
+            return [*strips, Strip([Segment(" " * width, self.look.palette.text)], width)]
+        return self._drawn_map(snapshot, width, height)
+
+    def _drawn_map(self, snapshot: Snapshot, width: int, height: int) -> list[Strip]:
         grid = self._map.grid
         form = cell_form(grid.rows, grid.columns, width, height, self._digits)
         rows = min(grid.rows, max(1, height // form.height))
@@ -136,8 +146,9 @@ class GridView(WorldView):
         needed = digits_needed(each.value for each in cells if each.value is not None)
         if needed > self._digits:  # they stay as wide, lest the map jump to and fro
             self._digits = needed
-            return self.drawing(snapshot, width, height)
-        heading = HEADING if form.has_values else HEADING_WITHOUT_VALUES
+            return self._drawn_map(snapshot, width, height)
+        without = HEADING_WITHOUT_VALUES if self.look.palette.tints else HEADING_GREEDY
+        heading = HEADING if form.has_values else without
         # where the border has no room for the legend, the heading says what is drawn
         forms = (heading,) if self._map.grid.legend else (*self.captioned(WORLD), heading)
         self.heading = self._title(self.fitting(forms, width) or heading, width)
@@ -152,23 +163,39 @@ class GridView(WorldView):
 
     def _signs(self) -> Iterator[LegendSign]:
         palette, glyphs = self.look.palette, self.look.glyphs
-        yield LegendSign(" tint ", "V", palette.value(1.0))
+        form, signs = self._form, self._map.signs
+        if form is not None and self._map.rewards:  # what is hardest to guess stands first
+            yield from self._reward_signs(form)
+        if form is not None and len(signs) > form.most_signs:
+            yield LegendSign(SEVERAL, "tie", palette.strong, "tie: equally good")
+        yield from self.value_signs()
         yield LegendSign(glyphs.agent, "agent", palette.agent)
         ends = (
             (CellKind.HOLE, glyphs.hole, palette.hole),
             (CellKind.CLIFF, glyphs.cliff, palette.cliff),
             (CellKind.GOAL, glyphs.goal, palette.goal),
         )
-        yield from (LegendSign(sign, kind.value, style) for kind, sign, style in ends if kind in self._kinds)
+        yield from (
+            LegendSign(sign, kind.value, style) for kind, sign, style in ends if kind in self._map.ends
+        )
         if CellKind.START in self._kinds:
             yield LegendSign(START, "start", palette.start)
-        greedy = self._map.signs[-1]
+        greedy = ([each for each in signs if isinstance(each, tuple)] or signs)[-1]
         sign = glyphs.direction(greedy) if isinstance(greedy, tuple) else greedy
-        yield LegendSign(sign, "greedy", palette.strong)
-        if self._form is not None and len(self._map.signs) > self._form.most_signs:
-            yield LegendSign(SEVERAL, "tie", palette.strong)
+        yield LegendSign(sign, "greedy", palette.strong, GREEDY_IN_FULL)
         if CellKind.WALL in self._kinds:
             yield LegendSign(glyphs.wall, "wall", palette.wall)
+
+    def _reward_signs(self, form: CellForm) -> Iterator[LegendSign]:
+        """Yield how cells show what they pay: as a number, or whether it is more or less than usual."""
+        rewards = self._map.rewards
+        texts = [self._artist_for(form).reward_text(each) for each in rewards]
+        if len(texts[0]) > 1:
+            yield LegendSign(texts[0], "reward", reward_style(rewards[0], self.look))
+            return
+        signs = "".join(dict.fromkeys(texts))
+        in_full = f"{' or '.join({'+': 'more'}.get(each, 'less') for each in signs)} reward than usual"
+        yield LegendSign(signs, "reward", self.look.palette.strong, in_full)
 
     def redraw(self) -> None:
         """Draw again; say so where another part of a large map has come into view."""
@@ -236,7 +263,7 @@ class GridView(WorldView):
         down, across = self._in_view()
         follow = FOLLOWS if self._following else FOLLOW_HINT
         forms = (
-            f"rows {down} · columns {across}, from 0 · {follow}",
+            f"rows {down} · columns {across}, counted from 0 · {follow}",
             f"rows {down} · columns {across} · {follow}",
             f"{down} · {across} · {follow}",
             follow,

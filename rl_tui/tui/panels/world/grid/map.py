@@ -48,6 +48,7 @@ class GridMap:
     """A map and its states. Reading a part of it costs the same in a map of any size.
 
     ``signs`` are those of the actions, in their order: a direction, else the first letter of the name.
+    ``ends`` are the kinds of cells in which nothing can be done, ``rewards`` the different ones of cells.
     """
 
     def __init__(self, space: FiniteSpace, grid: Grid) -> None:
@@ -59,6 +60,10 @@ class GridMap:
         )
         self._states = first_state_of_cells(grid)
         self._rewards = cell_rewards(space, grid)
+        self.rewards = tuple(sorted(set(self._rewards.values()), reverse=True))
+        acting = np.append(np.diff(space.first_pair) > 0, False)  # NO_STATE is the last one
+        idle = np.flatnonzero(~acting[self._states.ravel()])
+        self.ends = frozenset(grid.kinds[cell] for cell in idle.tolist())
 
     def state_at(self, cell: int, snapshot: Snapshot | None) -> int | None:
         """Return the state in ``cell``: of several the agent's, else the first; None where there is none."""
