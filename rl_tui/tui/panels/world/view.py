@@ -106,7 +106,7 @@ class WorldView(Panel, can_focus=True):
     def value_signs(self) -> Legend:
         """Return the sign of V(s), which is a colour; none where there are no colours."""
         palette = self.look.palette
-        return (LegendSign(" tint ", "value", palette.value(1.0), "value V(s)"),) if palette.tints else ()
+        return (LegendSign(" tint ", "V", palette.value(1.0), "value V(s)"),) if palette.tints else ()
 
     # Places
 
