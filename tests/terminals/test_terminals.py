@@ -15,7 +15,7 @@ from multiplexers import in_screen, in_tmux
 from pseudo_terminal import RL_TUI, PseudoTerminal
 
 PLAY: Final = (*RL_TUI, "play", "student")
-EXACT: Final = r"γ-best 7\.5|10┤"  # the optimum, which is known last of this run: a name, or an axis that holds it
+EXACT: Final = r"γ-best 7\.5|10┤"  # the optimum, which is known last: its name, or an axis that holds it
 SIZES: Final = ((80, 24), (100, 30), (120, 40), (200, 60))
 ODD_SIZES: Final = ((60, 18), (61, 19), (79, 23), (81, 25), (300, 80))
 STEPS: Final = 5

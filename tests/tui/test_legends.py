@@ -54,7 +54,7 @@ def test_a_legend_stands_on_a_row_that_is_free() -> None:
     assert rows(grid)[-1].split("  ") == [
         "",
         "tint",
-        "value",
+        "V",
         "◉ agent",
         "● hole",
         "★ goal",
@@ -66,9 +66,9 @@ def test_a_legend_stands_on_a_row_that_is_free() -> None:
 
 def test_without_a_free_row_it_is_on_the_border_as_far_as_there_is_room() -> None:
     for width, expected in (
-        (64, "tint value · ◉ agent · ● hole · ★ goal · S start · ↑ greedy"),
-        (42, "tint value · ◉ agent · ● hole · ★ goal"),
-        (33, "tint value · ◉ agent · ● hole"),
+        (64, "tint V · ◉ agent · ● hole · ★ goal · S start · ↑ greedy"),
+        (42, "tint V · ◉ agent · ● hole · ★ goal"),
+        (33, "tint V · ◉ agent · ● hole"),
     ):
         grid = explained(GridView(lake().world, look()), lake(), width, 8)
         assert str(grid.border_subtitle) == expected
@@ -118,7 +118,7 @@ def test_no_tint_is_explained_where_there_are_no_colours() -> None:
     for depth in ("truecolor", "256", "16", "none"):
         for panel, shown in ((GridView, lake()), (GraphView, student())):
             view = explained(panel(shown.world, look(depth=depth)), shown, 60, 13)
-            assert ("tint value" in legend(view)) is (depth != "none")
+            assert ("tint V" in legend(view)) is (depth != "none")
 
 
 def test_rewards_and_ties_have_signs_of_their_own() -> None:
@@ -137,7 +137,7 @@ def test_a_kind_of_cell_in_which_something_can_be_done_has_no_sign() -> None:
 
 
 def test_a_legend_is_told_in_full_where_all_of_it_has_room() -> None:
-    for width, expected in ((80, "tint value V(s)"), (70, "tint value")):
+    for width, expected in ((80, "tint value V(s)"), (70, "tint V")):
         grid = explained(GridView(lake().world, look()), lake(), width, 8)
         assert str(grid.border_subtitle).split(" · ")[0] == expected
 
