@@ -15,6 +15,7 @@ from rl_tui.tui.theme.look import Look
 
 _GAP: Final = "   "
 _BETWEEN: Final = " · "
+_CLOSER: Final = ", "  # where all signs fit so
 _MOST_KEPT: Final = 64  # the same legend is drawn in every frame
 
 
@@ -49,8 +50,11 @@ def legend_rows(signs: Legend, width: int, most: int, look: Look) -> tuple[Strip
 def legend_text(signs: Legend, room: int, look: Look) -> str:
     """Return as many of ``signs``, the first before the others, as ``room`` cells of a border hold."""
     text = ""
-    for sign in signs:
-        entry = f"{sign.sign.strip()} {to_ascii(sign.meaning, look.glyphs)}".strip()
+    entries = [f"{sign.sign.strip()} {to_ascii(sign.meaning, look.glyphs)}".strip() for sign in signs]
+    whole = _CLOSER.join(entries)
+    if cell_len(separated(_BETWEEN.join(entries), look.glyphs)) > room >= cell_len(whole):
+        return whole
+    for entry in entries:
         longer = f"{text}{_BETWEEN}{entry}" if text else entry
         if cell_len(separated(longer, look.glyphs)) <= room:
             text = longer
