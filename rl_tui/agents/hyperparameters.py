@@ -29,6 +29,14 @@ class Range:
     def __contains__(self, value: float) -> bool:
         return (value > self.low if self.open_low else value >= self.low) and value <= self.high
 
+    @property
+    def in_words(self) -> str:
+        """The interval in words: ``from 0 to 1``, ``above 0, at most 1``, ``of 0 or more``."""
+        low, high = (_for_people(end) for end in (self.low, self.high))
+        if math.isinf(self.high):
+            return f"above {low}" if self.open_low else f"of {low} or more"
+        return f"above {low}, at most {high}" if self.open_low else f"from {low} to {high}"
+
     def __str__(self) -> str:
         closing = ")" if math.isinf(self.high) else "]"
         opening = "(" if self.open_low or math.isinf(self.low) else "["
@@ -37,6 +45,12 @@ class Range:
 
 def _bound(value: float) -> str:
     return ("∞" if value > 0 else "−∞") if math.isinf(value) else f"{value:g}"
+
+
+def _for_people(value: float) -> str:
+    if abs(value) < 1e9 and float(value).is_integer():
+        return f"{value:,.0f}"
+    return f"{value:g}".replace("e+", "e")
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,11 +81,26 @@ class Parameter:
     schedule: bool = False
 
     @property
+    def short_name(self) -> str:
+        """What it is in a word or two, ``step size``: its help up to the colon."""
+        return self.help.partition(":")[0]
+
+    @property
     def expected(self) -> str:
         """What it takes, for messages: ``a number in (0, 1] or sample-average``."""
         kind = "a whole number" if self.whole else "a number"
         numbers = [f"{kind} in {self.range}"] if self.range else []
         return " or ".join([*numbers, *self.words])
+
+    @property
+    def expected_in_words(self) -> str:
+        """The same for people: ``a number above 0, at most 1, or sample-average``."""
+        kind = "a whole number" if self.whole else "a number"
+        words = " or ".join(self.words)
+        if self.range is None:
+            return words
+        comma = "," if words and "," in self.range.in_words else ""
+        return f"{kind} {self.range.in_words}" + (f"{comma} or {words}" if words else "")
 
     @property
     def field(self) -> str:

@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from rl_tui.lab.run.recipe import Recipe
     from rl_tui.lab.sessions.autosave import KeptSession
     from rl_tui.lab.sessions.session import StoredSession
+    from rl_tui.tui.theme.glyphs import Glyphs
 
 
 _ARENA_MAX: Final = -8  # M_ARENA_MAX in glibc's malloc.h
@@ -81,13 +82,15 @@ def run_app(display: Display, start: Recipe | StoredSession | None = None) -> No
     if app.return_code:
         click.get_current_context().exit(app.return_code)
     if app.kept is not None and os.environ.get("TEXTUAL_DRIVER") != IN_BROWSER:  # where there is no shell
-        _tell_what_is_kept(app.kept)
+        _tell_what_is_kept(app.kept, app.look.glyphs)
 
 
-def _tell_what_is_kept(kept: KeptSession) -> None:
+def _tell_what_is_kept(kept: KeptSession, glyphs: Glyphs) -> None:
     """Tell on stderr, which is the shell's again, how to go on; it is kept even if nobody can be told."""
+    from rl_tui.tui.draw.to_ascii import separated
+
     with suppress(OSError):
-        complain(f"kept: {kept.title}, at step {kept.step:,}")
+        complain(f"kept: {separated(kept.title, glyphs)}, at step {kept.step:,}")
         complain(f"to go on: rl-tui play {shlex.quote(str(kept.path))}")
 
 

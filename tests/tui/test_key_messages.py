@@ -9,8 +9,10 @@ import pytest
 from conftest import MakeApp
 from seams import notes, playground, press, snapshot, train
 from textual.command import CommandPalette
+from textual.containers import VerticalScroll
 from textual.events import MouseDown
 from textual.pilot import Pilot
+from textual.widgets._toast import Toast
 
 from rl_tui.common.errors import UserError
 from rl_tui.lab.live.player import Player
@@ -42,6 +44,15 @@ async def test_a_message_goes_with_the_next_key_and_leaving_is_asked_anew(make_a
         await pilot.press("escape")
         assert isinstance(app.screen, CatalogueScreen)
         assert notes(app) == []
+
+
+@pytest.mark.parametrize("size", [(60, 18), (80, 24), (120, 40)])
+async def test_a_message_covers_its_line_to_the_end(size: tuple[int, int], make_app: MakeApp) -> None:
+    app = make_app("student")
+    async with app.run_test(size=size, notifications=True) as pilot:
+        await settle(pilot)
+        await press(pilot, "s", "escape")
+        assert app.screen.query_one(Toast).region.bottom_right == size
 
 
 async def test_a_message_goes_with_a_click_and_with_the_scenario(make_app: MakeApp) -> None:
@@ -105,7 +116,7 @@ async def test_the_palette_finds_what_a_word_of_it_begins_with(
         assert len(names) >= 1
 
 
-async def test_where_the_palette_finds_nothing_it_says_so_and_enter_shows_the_help(
+async def test_where_the_palette_finds_nothing_it_says_so_and_enter_shows_the_keys(
     make_app: MakeApp,
 ) -> None:
     app = make_app("student")
@@ -116,6 +127,8 @@ async def test_where_the_palette_finds_nothing_it_says_so_and_enter_shows_the_he
         await pilot.press("enter")
         await settle(pilot)
         assert isinstance(app.screen, HelpScreen)
+        keys = app.screen.query_one("#every-key")
+        assert keys.region.y == app.screen.query_one(VerticalScroll).region.y
 
 
 # What is written on a border

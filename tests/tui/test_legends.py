@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 from conftest import MakeApp
 from drawn_grids import large_lake, paying
+from rich.style import Style
 from samples import bandit, big_lake, lake, look, planning, student
 from seams import playground, press, train
 from textual.geometry import Size
@@ -22,6 +23,7 @@ from rl_tui.tui.app.screenshot import settle
 from rl_tui.tui.panels.catalogue import CONTROLS, CURVE, LAST_STEP, PANELS, TABLE, WORLD
 from rl_tui.tui.panels.curve.curve import ReturnCurve
 from rl_tui.tui.panels.last_step.last_step import LastStepPanel
+from rl_tui.tui.panels.legend import LegendSign, legend_text
 from rl_tui.tui.panels.panel import Panel
 from rl_tui.tui.panels.q_table.q_table import QTable
 from rl_tui.tui.panels.world.arms.arms import ArmsView
@@ -72,6 +74,13 @@ def test_without_a_free_row_it_is_on_the_border_as_far_as_there_is_room() -> Non
     ):
         grid = explained(GridView(lake().world, look()), lake(), width, 8)
         assert str(grid.border_subtitle) == expected
+
+
+def test_signs_stand_closer_where_all_of_them_fit_so() -> None:
+    signs = tuple(LegendSign(sign, meaning, Style()) for sign, meaning in (("a", "agent"), ("b", "hole")))
+    assert legend_text(signs, 16, look()) == "a agent · b hole"
+    assert legend_text(signs, 15, look()) == "a agent, b hole"
+    assert legend_text(signs, 14, look()) == "a agent"
 
 
 def test_what_stands_on_the_border_already_stays_there() -> None:

@@ -220,7 +220,7 @@ async def test_values_out_of_range_are_refused_with_the_range(make_app: MakeApp)
         app.screen.query_one(Input).value = "2"
         await press(pilot, "enter")
         assert isinstance(app.screen, Prompt)
-        assert "type a number in [0, 1]" in str(app.screen.query_one(".error").render())
+        assert "type a number from 0 to 1" in str(app.screen.query_one(".error").render())
 
 
 def test_every_planner_has_a_reason_to_follow_no_policy() -> None:

@@ -128,7 +128,7 @@ async def test_a_value_that_is_none_is_told_and_the_slider_stays(make_app: MakeA
         await settle(pilot)
         await press(pilot, "3", "enter", *"30.4", "tab")
         assert app.focused is slider(app, "epsilon")
-        assert notes(app) == ["ε stays 0.1: 30.4 is not a number in [0, 1]"]
+        assert notes(app) == ["ε stays 0.1: 30.4 is not a number from 0 to 1"]
         await press(pilot, "1")
         assert app.focused is slider(app, "alpha")
         assert notes(app) == []
@@ -146,6 +146,20 @@ async def test_while_a_person_acts_digits_act_unless_a_value_is_typed(make_app: 
         assert (await press(pilot, "1")).counters.step == 2
 
 
+async def test_the_key_line_says_what_space_does_now_and_nothing_moves(make_app: MakeApp) -> None:
+    app = make_app("student")
+    async with app.run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        line = app.screen.query_one(KeyLine)
+        paused = line.render_line(0).text
+        await press(pilot, "space")
+        running = line.render_line(0).text
+        assert running == paused.replace("run  ", "pause", 1)
+        await pilot.click(line, offset=(running.index("pause"), 0))
+        await settle(pilot)
+        assert line.render_line(0).text == paused
+
+
 async def test_the_key_line_says_what_keys_do_on_a_slider_and_answers_clicks(make_app: MakeApp) -> None:
     app = make_app("student")
     async with app.run_test(size=(60, 18)) as pilot:
@@ -153,7 +167,10 @@ async def test_the_key_line_says_what_keys_do_on_a_slider_and_answers_clicks(mak
         line = app.screen.query_one(KeyLine)
         usual = line.render_line(0).text
         await press(pilot, "2")
-        assert "enter type" in line.render_line(0).text
+        assert line.render_line(0).text.startswith(" γ discount   ← → move   enter type   esc leave")
+        await pilot.resize_terminal(80, 24)
+        assert "enter type a number" in line.render_line(0).text
+        await pilot.resize_terminal(60, 18)
         await pilot.click(line, offset=(line.render_line(0).text.index("enter"), 0))
         await settle(pilot)
         assert slider(app, "gamma").is_typing

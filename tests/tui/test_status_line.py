@@ -85,6 +85,11 @@ def test_a_breakdown_takes_the_row() -> None:
 
 def test_before_the_first_snapshot() -> None:
     assert drawn(None).strip() == "the world is being built"
+    line = StatusLine(look())
+    line.begin_with("Cliff walking")
+    for width in (60, 80, 120):
+        (row,) = line.picture(None, width, 1)
+        assert row.text == " Cliff walking  the world is being built".ljust(width)
 
 
 @pytest.mark.parametrize("width", [1, 2, 10, 25, 40, 60, 79, 99, 100, 200])

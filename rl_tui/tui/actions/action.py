@@ -38,7 +38,8 @@ class Action:
     screen. ``rank`` orders the key line (a lower one is kept longer where it is narrow; None: not on it), and
     ``hint`` replaces key and label there, for two actions that share an entry. ``aliases`` are other words
     by which the palette finds it. What is ``for_the_owner`` of the machine is not for a kiosk; what
-    ``needs_world`` waits until there is one; what counts ``everywhere`` does so in dialogs too.
+    ``needs_world`` waits until there is one; what counts ``everywhere`` does so in dialogs too. While the run
+    goes on, ``while_running`` is the word on the key line, where there is one.
     """
 
     id: str
@@ -51,6 +52,7 @@ class Action:
     command: str = ""
     rank: int | None = None
     hint: tuple[str, str] | None = None
+    while_running: str = ""
     aliases: str = ""
     for_the_owner: bool = False
     needs_world: bool = False

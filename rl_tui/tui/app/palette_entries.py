@@ -9,6 +9,7 @@ from typing import Final, NamedTuple, Protocol, runtime_checkable
 
 from textual.command import DiscoveryHit, Hit, Hits, Provider
 from textual.content import Content
+from textual.screen import Screen
 from textual.style import Style
 
 from rl_tui.tui.actions.action import Action
@@ -29,6 +30,9 @@ class HasActions(Protocol):
     @property
     def actions(self) -> tuple[Action, ...]:
         """What a person can do there."""
+
+    def help_screen(self, *, at_keys: bool = False) -> Screen[None]:
+        """Return the help, from its first line on or from the keys on."""
 
 
 class Entry(NamedTuple):
@@ -94,10 +98,12 @@ class ActionProvider(Provider):
                 found = True
                 yield Hit(score, _marked(entry.name, query, self.match_style), entry.do, help=entry.sentence)
         if not found:
-            yield Hit(1.0, "Nothing found", self._show_help, help=NOTHING_FOUND)
+            yield Hit(1.0, "Nothing found", self._show_keys, help=NOTHING_FOUND)
 
-    async def _show_help(self) -> None:
-        await self.screen.run_action("help")
+    def _show_keys(self) -> None:
+        screen = self.screen
+        if isinstance(screen, HasActions):
+            self.app.push_screen(screen.help_screen(at_keys=True))
 
     def _entries(self) -> Iterator[Entry]:
         screen = self.screen

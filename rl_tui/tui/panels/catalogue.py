@@ -155,9 +155,10 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         CONTROLS,
         "rl_tui.tui.panels.controls.controls:Controls",
         "Controls",
-        "What the agent is told. Focus a slider with tab or 1, 2, 3, 4: left and right change it; enter, 0 "
-        "or a point types a value; the mouse drags it; esc leaves it. What would change nothing has no "
-        "slider. a chooses the algorithm, p the policy, which is the rule by which actions are chosen; o "
+        "What the agent is told. Focus a slider with tab or 1, 2, 3, 4: left and right change it; enter "
+        "types a value, and one that begins with 1 to 4 needs it first, as these go to sliders; the mouse "
+        "drags it; esc leaves it. What would change nothing has no slider. a chooses the algorithm, p the "
+        "policy, which is the rule by which actions are chosen; o "
         "lists everything, schedules and the sample average too. A change acts from the next step on; "
         "initial Q and seed start again.",
         caption="what the agent is told",

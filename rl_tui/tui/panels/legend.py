@@ -16,6 +16,7 @@ from rl_tui.tui.theme.look import Look
 GREEDY_IN_FULL: Final = "greedy: looks best"
 _GAP: Final = "  "
 _BETWEEN: Final = " · "
+_CLOSER: Final = ", "  # where all signs fit so
 _MOST_KEPT: Final = 64  # the same legend is drawn in every frame
 
 
@@ -65,6 +66,9 @@ def legend_text(signs: Legend, room: int, look: Look) -> str:
     entries = _entries(_in_full(signs), look)
     if cell_len(separated(_BETWEEN.join(entries), look.glyphs)) > room:
         entries = _entries(signs, look)
+    whole = _CLOSER.join(entries)
+    if cell_len(separated(_BETWEEN.join(entries), look.glyphs)) > room >= cell_len(whole):
+        return whole
     text = ""
     for entry in entries:
         longer = f"{text}{_BETWEEN}{entry}" if text else entry

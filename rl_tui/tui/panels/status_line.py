@@ -51,6 +51,7 @@ class StatusLine(Panel):
     """
 
     is_manual = False
+    _title = ""
     _session = ""
     _unanswered = 0
 
@@ -59,6 +60,10 @@ class StatusLine(Panel):
         if seconds != self._unanswered:
             self._unanswered = seconds
             self.redraw()
+
+    def begin_with(self, title: str) -> None:
+        """Name the scenario by its ``title`` until the first snapshot does."""
+        self._title = title
 
     def name_session(self, name: str) -> None:
         """Say what a person called the session; ``name`` is empty without one."""
@@ -75,6 +80,7 @@ class StatusLine(Panel):
             is_manual=self.is_manual,
             unanswered=self._unanswered,
             session=self._session,
+            scenario=self._title,
         )
         return strips_of([line], width, height, self.look)
 
@@ -87,11 +93,13 @@ def status_line(
     is_manual: bool = False,
     unanswered: int = 0,
     session: str = "",
+    scenario: str = "",
 ) -> Line:
     """Return the row for ``width`` cells; ``is_manual`` says that a person takes the steps.
 
     ``unanswered`` is for how many seconds the environment has not answered, 0 where it does. ``session`` is
-    the name of the session, empty without one: it stands there where there is room.
+    the name of the session, empty without one: it stands there where there is room. ``scenario`` is the title
+    to show while there is no snapshot.
     """
     palette, glyphs = look.palette, look.glyphs
     if unanswered:
@@ -100,7 +108,9 @@ def status_line(
             return [Piece(shortened(f" {text}", width, glyphs.ellipsis), palette.accent)]
         return _waiting(snapshot, text, look, width)
     if snapshot is None:
-        return [Piece(f" {WAITING}", palette.dim)]
+        room = width - len(f"   {WAITING}")
+        title = shortened(separated(scenario, glyphs), max(0, room), glyphs.ellipsis)
+        return [Piece(f" {title} " if title else "", palette.strong), Piece(f" {WAITING}", palette.dim)]
     if snapshot.playback.phase is Phase.STOPPED:
         message = shortened(
             to_ascii(f" {glyphs.stopped} stopped: {snapshot.playback.message}", glyphs),

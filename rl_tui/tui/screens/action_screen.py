@@ -120,8 +120,8 @@ class ActionScreen(Screen[None]):
 
         self.app.push_screen(GlossaryScreen(self.look, here), closed)
 
-    def help_screen(self) -> Screen[None]:
-        """Return the help."""
+    def help_screen(self, *, at_keys: bool = False) -> Screen[None]:
+        """Return the help, from its first line on or from the keys on."""
         raise NotImplementedError
 
     def content(self) -> Iterable[Widget]:

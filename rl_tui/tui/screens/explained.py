@@ -39,8 +39,8 @@ class Explained(Widget):
     }
     """
 
-    def __init__(self, rows: Sequence[Explanation], glyphs: Glyphs) -> None:
-        super().__init__()
+    def __init__(self, rows: Sequence[Explanation], glyphs: Glyphs, *, id: str | None = None) -> None:  # noqa: A002
+        super().__init__(id=id)
         self._rows = [Explanation(to_ascii(row.term, glyphs), to_ascii(row.meaning, glyphs)) for row in rows]
         self._wrapped: tuple[int, list[Explanation]] = (0, [])
 

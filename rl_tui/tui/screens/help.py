@@ -72,7 +72,10 @@ _TOPICS: Final = (
 
 
 class HelpScreen(Dialog[None]):
-    """Everything that is worth knowing here, on one page that scrolls: panels, keys and ``notes``."""
+    """Everything that is worth knowing here, on one page that scrolls: panels, keys and ``notes``.
+
+    It opens at its beginning, or ``at_keys``.
+    """
 
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("question_mark,q", "cancel", "back", id="close_help", tooltip="Close the help."),
@@ -80,19 +83,27 @@ class HelpScreen(Dialog[None]):
     ]
 
     def __init__(
-        self, look: Look, actions: Sequence[Action], panels: Sequence[PanelRow] = (), notes: str = ""
+        self,
+        look: Look,
+        actions: Sequence[Action],
+        panels: Sequence[PanelRow] = (),
+        notes: str = "",
+        *,
+        at_keys: bool = False,
     ) -> None:
         super().__init__()
         self._look = look
         self._actions = actions
         self._panels = panels
         self._notes = notes
+        self._at_keys = at_keys
 
     def compose(self) -> ComposeResult:
         """Yield panels and keys."""
         hints = "arrows: scroll   /: glossary   ? or q: close"
         with self.box("Help", hints, classes="tall"), VerticalScroll():
             yield Explained(list(self._explanations()), self._look.glyphs)
+            yield Explained(list(self._keys()), self._look.glyphs, id="every-key")
 
     def on_mount(self) -> None:
         """Let the arrows scroll."""
@@ -101,6 +112,9 @@ class HelpScreen(Dialog[None]):
         if self._notes:
             self.watch(page, "scroll_y", self._add_notes, init=False)
             self.call_after_refresh(self._fill)
+        if self._at_keys:
+            keys = self.query_one("#every-key")
+            self.call_after_refresh(page.scroll_to_widget, keys, top=True, animate=False)
 
     async def _fill(self) -> None:
         page = self.query_one(VerticalScroll)
@@ -134,6 +148,8 @@ class HelpScreen(Dialog[None]):
             for title, sentences in (*((row.title, row.help) for row in self._panels), *_TOPICS):
                 yield Explanation(f"  {title}", sentences)
             yield Explanation("")
+
+    def _keys(self) -> Iterator[Explanation]:
         for group, actions in groupby(self._actions, key=lambda action: action.group):
             yield Explanation(group)
             for action in actions:

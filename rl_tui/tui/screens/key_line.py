@@ -49,12 +49,13 @@ def _as_many_as_fit(ranked: Sequence[Action], width: int, gap: int) -> tuple[Act
 
 
 def _columns(action: Action) -> int:
+    """Return how wide a hint is at most: what stands behind it does not move when the run begins or ends."""
     keys, label = action.key_hint
-    return len(keys) + 1 + len(label)
+    return len(keys) + 1 + max(len(label), len(action.while_running))
 
 
 def _line_columns(hints: Sequence[tuple[str, str]], gap: int, glyphs: Glyphs) -> int:
-    texts = [to_ascii(f"{keys} {label}", glyphs) for keys, label in hints]
+    texts = [to_ascii(f"{keys} {label}".strip(), glyphs) for keys, label in hints]
     return 1 + sum(map(cell_len, texts)) + gap * (len(texts) - 1)
 
 
@@ -62,11 +63,13 @@ class KeyLine(Widget):
     """Key hints of ``actions``, those of the screen it stands on; a click on one does it.
 
     ``hints`` are keys and words to show in their place, as many as fit, while a mode has keys of its own;
-    ``first`` are some to show before them, for what is in focus.
+    ``first`` are ways to write those that stand before them, the longest first, for what is in focus; words
+    without a key say what that is. While the run ``is_running`` some keys do something else.
     """
 
     hints: reactive[Hints] = reactive(())
-    first: reactive[Hints] = reactive(())
+    first: reactive[tuple[Hints, ...]] = reactive(())
+    is_running: reactive[bool] = reactive(False)
 
     def __init__(self, look: Look, actions: Sequence[Action], *, id: str | None = None) -> None:  # noqa: A002
         super().__init__(id=id)
@@ -77,7 +80,7 @@ class KeyLine(Widget):
         """Draw the line."""
         palette, glyphs = self.look.palette, self.look.glyphs
         shown, gap = self._fitting_actions()
-        hints = [*self.first, *(action.key_hint for action in shown)]
+        hints = [*self._fitting_first(), *(self._hint(action) for action in shown)]
         if self.hints:
             hints, gap = self._fitting_hints(), _GAPS[1]
         segments = [Segment(" ", palette.text)]
@@ -85,10 +88,23 @@ class KeyLine(Widget):
             segments += [
                 Segment(" " * gap if number else "", palette.text),
                 Segment(to_ascii(keys, glyphs), palette.accent),
-                Segment(f" {label}", palette.text),
+                Segment(to_ascii(f" {label}" if keys else label, glyphs), palette.text),
             ]
         strip = Strip(segments).adjust_cell_length(self.size.width, palette.text)
         return strip.apply_style(self.rich_style)
+
+    def _hint(self, action: Action) -> tuple[str, str]:
+        """Return the keys of ``action`` and what they do now, as wide as it may be."""
+        keys, label = action.key_hint
+        word = action.while_running if self.is_running and action.while_running else label
+        return keys, word.ljust(max(len(label), len(action.while_running)))
+
+    def _fitting_first(self) -> Hints:
+        """Return the longest way to write what stands first that leaves room for the help, else the last."""
+        last = min((a for a in self._actions if a.rank is not None), key=lambda action: action.rank or 0)
+        room = self.size.width - _columns(last) - _GAPS[1]
+        fitting = (each for each in self.first if _line_columns(each, _GAPS[1], self.look.glyphs) <= room)
+        return next(fitting, self.first[-1] if self.first else ())
 
     def _fitting_hints(self) -> list[tuple[str, str]]:
         """Return the hints of the mode; where not all fit, the last but one goes first."""
@@ -103,7 +119,7 @@ class KeyLine(Widget):
             self._press_hint(self._fitting_hints(), _GAPS[1], event.x)
             return
         shown, gap = self._fitting_actions()
-        column = self._press_hint(self.first, gap, event.x)
+        column = self._press_hint(self._fitting_first(), gap, event.x)
         for action in shown:
             end = column + _columns(action)
             if column <= event.x < end:
@@ -113,11 +129,12 @@ class KeyLine(Widget):
 
     def _fitting_actions(self) -> tuple[tuple[Action, ...], int]:
         """Return the actions that fit behind what stands first, but for those whose keys that takes."""
-        taken = {keys for keys, _ in self.first}
+        first = self._fitting_first()
+        taken = {keys for keys, _ in first}
         actions = [action for action in self._actions if action.shown not in taken]
         room = self.size.width
-        if self.first:
-            room -= _line_columns(self.first, _GAPS[0], self.look.glyphs) - 1 + _GAPS[0]
+        if first:
+            room -= _line_columns(first, _GAPS[0], self.look.glyphs) - 1 + _GAPS[0]
         return fitting(actions, room)
 
     def _press_hint(self, hints: Sequence[tuple[str, str]], gap: int, x: int) -> int:

@@ -75,7 +75,7 @@ class Controls(Container, BoardPanel):
         title, legend = "Controls", ""
         if self._is_explained:
             signs = tuple(
-                LegendSign(to_ascii(each.symbol, look.glyphs), each.help.partition(":")[0], look.palette.text)
+                LegendSign(to_ascii(each.symbol, look.glyphs), each.short_name, look.palette.text)
                 for each in self._parameters
             )
             title = f"Controls · {self.caption}"

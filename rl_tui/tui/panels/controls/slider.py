@@ -82,7 +82,10 @@ class Slider(Draggable, can_focus=True):
         self.parameter = parameter
         self.scale = scale_of(parameter)
         typed = "a number or 1/n" if SAMPLE_AVERAGE in parameter.words else "a number"
-        help_text = f"{parameter.help}. The arrows change it; enter, or a click on its value, types {typed}."
+        help_text = (
+            f"{parameter.help}. The arrows change it; enter, or a click on its value, types {typed}. "
+            "What begins with 1 to 4 needs enter first."
+        )
         self.tooltip = to_ascii(help_text, look.glyphs)
         self._value = value
         self._number = _first_number(parameter, self.scale, value)
@@ -264,11 +267,17 @@ def _first_number(parameter: Parameter, scale: SliderScale, value: float | str) 
     return next((float(each) for each in (value, default) if not isinstance(each, str)), scale.low)
 
 
-def key_hints(focused: Widget | None) -> tuple[tuple[str, str], ...]:
-    """Return what the keys do on the slider in focus, for the key line; nothing where none has the focus."""
+def key_hints(focused: Widget | None) -> tuple[tuple[tuple[str, str], ...], ...]:
+    """Return what the keys do on the slider in focus, for the key line; nothing where none has the focus.
+
+    There are several ways to say it, the longest first. Each begins with the name of the parameter.
+    """
     if not isinstance(focused, Slider):
         return ()
     if not focused.is_typing:
-        return ("← →", "move"), ("enter", "type"), ("esc", "leave")
+        row = focused.parameter
+        name = "", f"{row.symbol} {row.short_name}"
+        forms = ("type a number", "type")
+        return tuple((name, ("← →", "move"), ("enter", form), ("esc", "leave")) for form in forms)
     average = (("1/n", "sample average"),) if SAMPLE_AVERAGE in focused.parameter.words else ()
-    return ("enter", "set"), ("esc", "drop"), *average
+    return ((("enter", "set"), ("esc", "drop"), *average),)

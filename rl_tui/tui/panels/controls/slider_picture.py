@@ -105,7 +105,7 @@ def _text_segments(text: str, state: SliderState, look: Look) -> list[Segment]:
 def _texts(parameter: Parameter, state: SliderState, glyphs: Glyphs) -> tuple[str, ...]:
     """Return the ways to write what stands beside the track, the longest first."""
     if state.refused:
-        return (f"expected {parameter.expected}", f"not in {parameter.range}", str(parameter.range))
+        return (f"expected {parameter.expected_in_words}", f"not in {parameter.range}", str(parameter.range))
     if state.typed is not None:
         return (state.typed.rjust(_NUMBER - len(_CARET)) + _CARET,)
     if isinstance(state.value, str):

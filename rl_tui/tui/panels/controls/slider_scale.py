@@ -131,5 +131,5 @@ def parsed(text: str, parameter: Parameter) -> float | str:
     except ValueError:
         value = math.nan
     if not parameter.accepts(value):
-        raise ValueError(f"{text or 'nothing'} is not {parameter.expected}")
+        raise ValueError(f"{text or 'nothing'} is not {parameter.expected_in_words}")
     return value

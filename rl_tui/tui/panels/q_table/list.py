@@ -128,6 +128,9 @@ def _pair_columns(scene: Scene, width: int) -> list[Column]:
         room += BOX if scene.layer is Layer.VISITS else COUNT
     if room < natural:
         gap, room = _LEAST_GAP, room + _STATE_GAP - _LEAST_GAP
+    end = 1
+    if room < world.brief_width + world.action_width:  # the frame of a value separates it as well
+        end, room = 0, room + 1
     state, action = _shared(world.state_width, world.action_width, room)
     # the heads may reach over the gaps, and where there is room the columns are made wide enough for them
     state += _widening(len("state") - gap + 1 - state, room - state - action)
@@ -147,15 +150,19 @@ def _pair_columns(scene: Scene, width: int) -> list[Column]:
 
     def action_name(pair: int, _: bool) -> Pieces:
         name = shortened(world.action_names[world.action_of(pair)], action, look.glyphs.ellipsis)
-        return [Segment(padded(name, action + 1), look.palette.text)]
+        return [Segment(padded(name, action + end), look.palette.text)]
 
     return [
         Column("", 1, 1, mark),
         Column(shortened("state", state + gap - 1, ""), state + gap, 2, state_name),
-        Column(shortened("action", action, ""), action + 1, 1, action_name),
+        Column(_action_head(action + end), action + end, 1, action_name),
         *_value_columns(scene, values),
         _count_column(scene),
     ]
+
+
+def _action_head(width: int) -> str:
+    return next((head for head in ("action", "act") if len(head) <= width), "a")
 
 
 def _arm_columns(scene: Scene, width: int) -> list[Column]:

@@ -305,10 +305,10 @@ class CatalogueScreen(SavedSessions):
             return
         self.ask_to_delete(entry)
 
-    def help_screen(self) -> Screen[None]:
-        """Return the help."""
+    def help_screen(self, *, at_keys: bool = False) -> Screen[None]:
+        """Return the help, from its first line on or from the keys on."""
         from rl_tui.tui.screens.help import HelpScreen
 
         entry = self._current
         notes = entry.notes if isinstance(entry, Scenario) else ""
-        return HelpScreen(self.look, self.actions, notes=notes)
+        return HelpScreen(self.look, self.actions, notes=notes, at_keys=at_keys)

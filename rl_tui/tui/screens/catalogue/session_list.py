@@ -19,7 +19,7 @@ from rl_tui.tui.screens.catalogue.session_text import SessionRow, short_age
 from rl_tui.tui.theme.look import Look
 
 _LONGEST_NAME: Final = 255
-_WITHOUT_FOCUS: Final = "tab: here"
+_WITHOUT_FOCUS: Final = "shift+tab: here"
 _WITH_FOCUS: Final = "enter: go on   del: delete"
 
 Entry = StoredSession | SessionError

@@ -91,7 +91,7 @@ class Options(Dialog[None]):
         parameter = PARAMETERS[str(event.option_id)]
         starts = "; the run starts again" if parameter.name == "initial_q" else ""
         idle = self._why_idle(parameter.name)
-        expected = parameter.expected if parameter.range else ", ".join(parameter.words)
+        expected = parameter.expected_in_words if parameter.range else ", ".join(parameter.words)
         text = f"{parameter.help}\n{f'{NO_EFFECT}: {idle}' if idle else expected}{starts}"
         self.query_one(".hint", Static).update(to_ascii(text, self._look.glyphs))
 

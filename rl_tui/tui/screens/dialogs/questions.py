@@ -54,7 +54,7 @@ def _expected(parameter: Parameter) -> str:
     if parameter.name in _EXAMPLES and parameter.range is not None:
         ends = f"from {parameter.range.low:g} to {parameter.range.high:g}".replace("e+", "e")
         return f"type a number {ends}, such as {_EXAMPLES[parameter.name]}"
-    return f"type {parameter.expected}"
+    return f"type {parameter.expected_in_words}"
 
 
 def _read_seed(text: str) -> int:

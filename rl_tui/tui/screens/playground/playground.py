@@ -111,6 +111,7 @@ class Playground(ActionScreen):
         self.player = player
         self.wanted = Wanted(recipe, speed)
         self.status = StatusLine(look, id="status")
+        self.status.begin_with(recipe.scenario.title)
         self.board = Board(look, self.wanted, panels)
         self.board.is_explained = self.legends.is_on
         self.link = PlayerLink(player, self.wanted, self._note_sent)
@@ -185,8 +186,10 @@ class Playground(ActionScreen):
     @on(DescendantFocus)
     @on(DescendantBlur)
     def show_key_hints(self) -> None:
-        """Show first on the key line what the keys do on the slider in focus."""
-        self.query_one(KeyLine).first = key_hints(self.focused)
+        """Show on the key line what keys do now, first those of the slider in focus."""
+        keys = self.query_one(KeyLine)
+        keys.first = key_hints(self.focused)
+        keys.is_running = self.run.is_under_way
 
     @on(TimelineBar.Sought)
     def seek(self, event: TimelineBar.Sought) -> None:
@@ -350,9 +353,10 @@ class Playground(ActionScreen):
         """Let a click come between them too."""
         self._left_after = None
 
-    def help_screen(self) -> HelpScreen:
+    def help_screen(self, *, at_keys: bool = False) -> HelpScreen:
         """Return the help, with the notes of the scenario."""
-        return HelpScreen(self.look, self.actions, self.panel_rows, self.recipe.scenario.notes)
+        notes = self.recipe.scenario.notes
+        return HelpScreen(self.look, self.actions, self.panel_rows, notes, at_keys=at_keys)
 
     def action_turn_legends(self) -> None:
         """Hide captions and legends, or show them again."""

@@ -28,12 +28,17 @@ class RunActions(Subject):
     def run_or_pause(self) -> None:
         """Run, or pause."""
         if not self._tell_end():
-            self.link.send(Pause() if self._phase in (Phase.RUNNING, Phase.SEEKING) else Play())
+            self.link.send(Pause() if self.is_under_way else Play())
 
     def watch(self) -> None:
         """Run at a speed that goes by what is learned."""
         if not self._tell_end():
             self.link.send(WatchLearning())
+
+    @property
+    def is_under_way(self) -> bool:
+        """Whether there is something to pause."""
+        return self._phase in (Phase.RUNNING, Phase.SEEKING)
 
     @property
     def _phase(self) -> Phase:
@@ -55,7 +60,7 @@ class RunActions(Subject):
 
     def rest(self) -> None:
         """Pause a run that goes on while no key is pressed."""
-        if self.snapshot is not None and self.snapshot.playback.phase in (Phase.RUNNING, Phase.SEEKING):
+        if self.is_under_way:
             self.link.send(Pause())
             self.screen.tell("paused: nobody has pressed a key for some minutes", timeout=_UNTIL_SEEN)
 
