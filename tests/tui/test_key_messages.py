@@ -12,7 +12,6 @@ from textual.command import CommandPalette
 from textual.containers import VerticalScroll
 from textual.events import MouseDown
 from textual.pilot import Pilot
-from textual.widgets._toast import Toast
 
 from rl_tui.common.errors import UserError
 from rl_tui.lab.live.player import Player
@@ -52,7 +51,7 @@ async def test_a_message_covers_its_line_to_the_end(size: tuple[int, int], make_
     async with app.run_test(size=size, notifications=True) as pilot:
         await settle(pilot)
         await press(pilot, "s", "escape")
-        assert app.screen.query_one(Toast).region.bottom_right == size
+        assert app.screen.query_one("Toast").region.bottom_right == size
 
 
 async def test_a_message_goes_with_a_click_and_with_the_scenario(make_app: MakeApp) -> None:

@@ -169,8 +169,10 @@ async def test_the_key_line_says_what_keys_do_on_a_slider_and_answers_clicks(mak
         await press(pilot, "2")
         assert line.render_line(0).text.startswith(" γ discount   ← → move   enter type   esc leave")
         await pilot.resize_terminal(80, 24)
+        await settle(pilot)
         assert "enter type a number" in line.render_line(0).text
         await pilot.resize_terminal(60, 18)
+        await settle(pilot)
         await pilot.click(line, offset=(line.render_line(0).text.index("enter"), 0))
         await settle(pilot)
         assert slider(app, "gamma").is_typing
