@@ -263,6 +263,29 @@ async def test_an_exact_answer_that_comes_later_is_published(monkeypatch: pytest
     assert snapshot.exact_answer.solution.v[0] == pytest.approx(5.2 / 0.82)
 
 
+async def test_an_exact_answer_that_comes_while_a_snapshot_is_made_is_in_the_next(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr("rl_tui.lab.live.playback.AT_ONCE_STATES", 0)
+    make = Playback.snapshot
+
+    def make_slowly(self: Playback) -> Snapshot:
+        snapshot = make(self)
+        for thread in threading.enumerate():
+            if thread.name == "exact answers":
+                thread.join()
+        return snapshot
+
+    monkeypatch.setattr(Playback, "snapshot", make_slowly)
+    player = Player(recipe("student"))
+    async with asyncio.timeout(60):
+        async for snapshot in player.snapshots():
+            if snapshot.exact_answer.solution is not None:
+                break
+    player.close()
+    assert snapshot.exact_answer.solution is not None
+
+
 async def test_speed_is_measured_while_it_runs() -> None:
     player = Player(recipe("student"), speed=1.0)
     player.send(SetSpeed(None))

@@ -205,7 +205,7 @@ class Player:
                     return
                 item = self._commands.popleft()
             if isinstance(item, _Question):
-                snapshot = self._playback.snapshot()
+                snapshot = self._snapshot()
                 item.reply(snapshot)
                 self._hand_over(snapshot)
             elif isinstance(item, Restart) and self._record_sink is not None:
@@ -233,13 +233,19 @@ class Player:
         if self._put_off:
             return
         if self._owes_snapshot() or (playback.changed and playback.phase is Phase.PREPARING):
-            self._hand_over(playback.snapshot())
+            self._hand_over(self._snapshot())
+
+    def _snapshot(self) -> Snapshot:
+        """Return a snapshot; an exact answer that comes while it is made is news for the next."""
+        with self._changed:
+            self._outdated = False
+        return self._playback.snapshot()
 
     def _hand_over(self, snapshot: Snapshot) -> None:
         """Let the reader have ``snapshot`` next."""
         with self._changed:
             self._latest = snapshot
-            self._wanted = self._outdated = False
+            self._wanted = False
             if self._reader is not None:
                 self._reader.wake()
 
