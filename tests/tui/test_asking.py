@@ -189,8 +189,11 @@ async def test_the_help_begins_at_its_beginning_with_the_panels(height: int, mak
         await settle(pilot)
         await press(pilot, "question_mark")
         assert app.screen.query_one(VerticalScroll).scroll_y == 0
-        page = app.screen.query_one(Explained)
-        first_words = [page.render_line(y).text.split(" ")[0] for y in range(page.size.height)]
+        first_words = [
+            page.render_line(y).text.split(" ")[0]
+            for page in app.screen.query(Explained)
+            for y in range(page.size.height)
+        ]
         assert first_words.index("Panels") < first_words.index("Run")
 
 

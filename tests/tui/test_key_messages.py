@@ -256,7 +256,7 @@ async def test_in_the_least_terminal_names_of_numbers_are_written_close_together
         await settle(pilot)
         table = playground(pilot).board.table
         rows = [table.render_line(y).text for y in range(table.size.height)]
-        assert any("-.03,-.17" in row for row in rows)
+        assert any("−.03,−.17" in row for row in rows)
         assert not any("…" in row for row in rows)
 
 

@@ -121,8 +121,8 @@ async def test_palette_help_and_key_line_list_it() -> None:
         assert "f9 count steps" in screen.query_one(KeyLine).render_line(0).text
         await pilot.press("question_mark")
         await pilot.pause()
-        explained = app.screen.query_one(Explained)
-        lines = [explained.render_line(y).text for y in range(explained.size.height)]
+        pages = app.screen.query(Explained)
+        lines = [page.render_line(y).text for page in pages for y in range(page.size.height)]
         assert any("Count the steps." in line for line in lines)
         assert any(line.startswith("  Step count") for line in lines)
 
