@@ -84,15 +84,15 @@ def command(
             "--change and --runs exclude each other: the steps of a change are those of one run",
             click.get_current_context(),
         )
-    from rl_tui.lab.experiments.curve_file import curve_file
     from rl_tui.lab.experiments.training import Goal
+    from rl_tui.lab.experiments.whole_file import file_or_stream
     from rl_tui.lab.run.library import episodes_of, recipe_named
 
     recipe = recipe_named(scenario, overrides, seed)
     goal = Goal(steps=steps) if steps is not None else Goal(episodes=episodes or episodes_of(recipe.scenario))
     _warn_of_no_effect(recipe, overrides, changes)
     _warn_beyond_budget(recipe, goal)
-    with nullcontext() if curve is None else curve_file(curve) as points:
+    with nullcontext() if curve is None else file_or_stream(curve) as points:
         if runs is None:
             run, figures = _train_once(recipe, goal, csv, points, changes)
         else:

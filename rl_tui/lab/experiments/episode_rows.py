@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Final, TextIO
 
-from rl_tui.lab.experiments.whole_file import whole_file
+from rl_tui.lab.experiments.whole_file import file_or_stream
 from rl_tui.worlds.mdp.space import BoolArray, FloatArray, IntArray
 
 HEADER: Final = "run,episode,return,length\n"
@@ -34,12 +34,8 @@ class EpisodeRows:
 def csv_file(target: Path | TextIO) -> Iterator[TextIO]:
     """Yield ``target``, opened if it is a path, with the header written.
 
-    A file is kept or removed as :func:`whole_file` does. A stream stays open, and its errors are its own.
+    A file is kept or removed as :func:`file_or_stream` does. A stream stays open, and its errors are its own.
     """
-    if not isinstance(target, Path):
-        target.write(HEADER)
-        yield target
-        return
-    with whole_file(target) as stream:
+    with file_or_stream(target) as stream:
         stream.write(HEADER)
         yield stream

@@ -35,6 +35,19 @@ def whole_file(path: Path) -> Iterator[TextIO]:
         raise UserError(f"{path}: cannot be written ({error.strerror or error})") from error
 
 
+@contextmanager
+def file_or_stream(target: Path | TextIO) -> Iterator[TextIO]:
+    """Yield ``target``, opened if it is a path: that it cannot be written shows before there is anything.
+
+    A file is kept or removed as :func:`whole_file` does. A stream stays open, and its errors are its own.
+    """
+    if isinstance(target, Path):
+        with whole_file(target) as stream:
+            yield stream
+    else:
+        yield target
+
+
 def _remove(path: Path, begun: os.stat_result) -> None:
     with suppress(OSError):
         there = path.lstat()
