@@ -130,7 +130,7 @@ class LearningPace:
         if now - self._since >= QUIET and self._rise < len(SPEEDS[self._stage]) - 1:
             self._rise, self._since = self._rise + 1, now
 
-    def in_words(self, world: World) -> str:
+    def in_words(self) -> str:
         """Return what is waited for."""
         match self._stage:
             case Stage.FIRST_REWARD:

@@ -73,7 +73,7 @@ class Transport:
             return ""
         if not self._automatic:
             learning.look(run, self._clock())
-        return learning.in_words(run.world)
+        return learning.in_words()
 
     def start(self, *, at_once: bool) -> None:
         """Aim at the wanted speed from now on; ``at_once`` makes the first step due immediately."""

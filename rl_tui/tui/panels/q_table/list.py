@@ -199,18 +199,19 @@ def _arm_columns(scene: Scene, width: int) -> list[Column]:
 
 
 def _compared(scene: Scene) -> list[Layer]:
-    """Return what Q is held against: what is exact, once it is asked for, and another run likewise.
+    """Return what estimates of arms are held against: what is exact, and another run if that is asked for.
 
-    A bandit is asked for its means by a key of its own; of other worlds the layer in force has to be exact,
-    or the answer would stand beside the estimates before the first step.
+    A bandit is asked for its means by a key of its own; until then the figures have nothing exact.
     """
-    asked = EXACT_LAYERS if scene.world.is_bandit or scene.layer in EXACT_LAYERS else ()
-    compared = (*asked, Layer.LANES) if scene.layer is Layer.LANES else asked
+    compared = (*EXACT_LAYERS, Layer.LANES) if scene.layer is Layer.LANES else EXACT_LAYERS
     return [layer for layer in compared if layer in scene.figures]
 
 
 def _beside(layer: Layer) -> list[Layer]:
-    """Return what stands side by side where ``layer`` is asked for: Q, and what it is made of."""
+    """Return what stands side by side where ``layer`` is asked for: Q, and what it is made of.
+
+    What is exact comes only then: else the answer would stand beside the estimates before the first step.
+    """
     match layer:
         case Layer.OPTIMAL:
             return [Layer.Q, Layer.OPTIMAL]

@@ -19,10 +19,10 @@ from rl_tui.tui.panels.controls.settings import alpha_moves, called, epsilon_mov
 from rl_tui.tui.screens.dialogs.dialog import Dialog
 from rl_tui.tui.theme.look import Look
 
+NO_EFFECT: Final = "no effect now"
 _LEAST_SYMBOL = 12
 _VALUE = 15  # columns; a row fits into 51 even where symbols are spelled out
 _STEP_SIZE: Final = ("alpha", "step_size_schedule", "alpha_min", "alpha_decay")
-NO_EFFECT: Final = "no effect now"
 _EXPLORATION: Final = ("epsilon", "epsilon_schedule", "epsilon_min", "epsilon_decay")
 _MEANINGS: Final[Mapping[str, str]] = {
     "alpha": "step size",
