@@ -38,7 +38,7 @@ from rl_tui.tui.app.opening import MakePlayer, Opener, live_player
 from rl_tui.tui.app.palette_entries import ActionProvider
 from rl_tui.tui.draw.to_ascii import to_ascii
 from rl_tui.tui.panels.catalogue import PANELS, PanelRow
-from rl_tui.tui.screens.moment import Moment, hide_messages_behind
+from rl_tui.tui.screens.moment import MomentaryMessages, hide_messages_behind
 from rl_tui.tui.theme.depth import choose_look, depth_of, environment_for, is_native
 from rl_tui.tui.theme.encoding import encoding_of
 from rl_tui.tui.theme.glyphs import ASCII
@@ -112,7 +112,7 @@ class RlTuiApp(LinkedApp[UserError]):
         self._idleness = Idleness()
         self.bug: Exception | None = None
         """The unexpected fault that ended the program, with what became of the session; None if none did."""
-        self._moment = Moment(self)
+        self._moment = MomentaryMessages(self)
         self._key_queue = KeyQueue(self, self._type, tell_of_loss=self._tell_of_lost_keys)
         has_ascii_only = self.look.glyphs is ASCII
         self.set_class(has_ascii_only, "-ascii")

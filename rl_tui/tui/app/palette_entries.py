@@ -35,7 +35,7 @@ class HasActions(Protocol):
         """Return the help, from its first line on or from the keys on."""
 
 
-class Entry(NamedTuple):
+class PaletteEntry(NamedTuple):
     """What is listed, the sentence about it, what it does, and other words for it."""
 
     name: str
@@ -44,7 +44,7 @@ class Entry(NamedTuple):
     aliases: str = ""
 
 
-def relevance(query: str, entry: Entry) -> float:
+def relevance(query: str, entry: PaletteEntry) -> float:
     """Return how well ``query`` fits ``entry``, from 0 (not at all) to 1.
 
     Each word of it has to begin a word of the entry, or to stand somewhere in its name: letters strewn over
@@ -54,7 +54,7 @@ def relevance(query: str, entry: Entry) -> float:
     return min((_weight(word, entry) for word in words), default=0.0)
 
 
-def _weight(word: str, entry: Entry) -> float:
+def _weight(word: str, entry: PaletteEntry) -> float:
     name = _words(entry.name)
     if word in name:
         return 1.0
@@ -105,15 +105,17 @@ class ActionProvider(Provider):
         if isinstance(screen, HasActions):
             self.app.push_screen(screen.help_screen(at_keys=True))
 
-    def _entries(self) -> Iterator[Entry]:
+    def _entries(self) -> Iterator[PaletteEntry]:
         screen = self.screen
         if isinstance(screen, HasActions):
             for action in screen.actions:
                 name, sentence = (
                     to_ascii(text, screen.look.glyphs) for text in (palette_name(action), action.help)
                 )
-                yield Entry(name, sentence, partial(screen.run_action, action.textual_action), action.aliases)
-        yield Entry("Theme", "Choose the colours.", self.app.action_change_theme, "color dark light")
+                yield PaletteEntry(
+                    name, sentence, partial(screen.run_action, action.textual_action), action.aliases
+                )
+        yield PaletteEntry("Theme", "Choose the colours.", self.app.action_change_theme, "color dark light")
 
 
 def palette_name(action: Action) -> str:

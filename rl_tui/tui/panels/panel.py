@@ -15,6 +15,7 @@ from textual.widget import Widget
 
 from rl_tui.lab.live.snapshot import Phase, Snapshot
 from rl_tui.tui.draw.to_ascii import separated
+from rl_tui.tui.panels.bindings import key_of_hint
 from rl_tui.tui.panels.legend import Legend, legend_rows, legend_text
 from rl_tui.tui.theme.look import Look
 from rl_tui.worlds.world import World
@@ -23,15 +24,13 @@ BORDER_ENDS: Final = 4  # a piece of line and a blank on either side of a title
 
 
 _HINT: Final = re.compile(r"(\S+): ?.*?(?=\s+\S+: |\s+[·–-]\s|$)")
-_KEYS: Final = {"esc": "escape", "space": "space", "enter": "enter", "tab": "tab", "?": "question_mark"}
 
 
 def key_at(hints: str, column: int) -> str | None:
     """Return the key, as Textual calls it, whose hint (``esc: close``) stands in ``column`` of ``hints``."""
     for hint in _HINT.finditer(hints):
         if hint.start() <= column < hint.end():
-            key = _KEYS.get(hint[1], hint[1])
-            return key if len(key) == 1 or hint[1] in _KEYS else None
+            return key_of_hint(hint[1])
     return None
 
 

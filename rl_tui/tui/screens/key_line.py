@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Final
 
 from rich.cells import cell_len
 from rich.segment import Segment
@@ -14,11 +13,11 @@ from textual.widget import Widget
 
 from rl_tui.tui.actions.action import Action
 from rl_tui.tui.draw.to_ascii import to_ascii
+from rl_tui.tui.panels.bindings import key_of_hint
 from rl_tui.tui.theme.glyphs import Glyphs
 from rl_tui.tui.theme.look import Look
 
 _GAPS = (3, 2)
-_KEY_NAMES: Final = {"esc": "escape", "?": "question_mark", "space": "space", "enter": "enter"}
 
 Hints = tuple[tuple[str, str], ...]
 """Keys, and what they do in a word."""
@@ -142,8 +141,8 @@ class KeyLine(Widget):
         column = 1
         for hint in hints:
             end = column + _line_columns([hint], 0, self.look.glyphs) - 1
-            key = _KEY_NAMES.get(hint[0], hint[0])
-            if column <= x < end and (len(key) == 1 or key in _KEY_NAMES.values()):
+            key = key_of_hint(hint[0])
+            if column <= x < end and key is not None:
                 self.app.simulate_key(key)
             column = end + gap
         return column

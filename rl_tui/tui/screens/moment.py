@@ -12,7 +12,7 @@ class OfTheMoment(Notification):
     """A message that counts until the next key or click."""
 
 
-class Moment:
+class MomentaryMessages:
     """Takes the messages of the moment off the screen of ``app`` when that is over."""
 
     def __init__(self, app: App[Any]) -> None:
