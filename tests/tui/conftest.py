@@ -1,7 +1,7 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Callable, Iterator
+from collections.abc import AsyncIterator, Callable, Iterator
 from functools import partial
 from typing import Any
 
@@ -12,6 +12,7 @@ from textual.css.stylesheet import Stylesheet
 from textual.pilot import Pilot
 
 from rl_tui.lab.live.player import Player
+from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.run.library import recipe_for
 from rl_tui.tui.app.app import RlTuiApp
 from rl_tui.tui.app.display import Display
@@ -112,3 +113,17 @@ def make_app() -> MakeApp:
         return app
 
     return make
+
+
+@pytest.fixture
+def is_typed(monkeypatch: pytest.MonkeyPatch) -> asyncio.Event:
+    """What has to be set before a player shows anything: until then there is no world on screen."""
+    event, snapshots = asyncio.Event(), Player.snapshots
+
+    async def late(player: Player) -> AsyncIterator[Snapshot]:
+        await event.wait()
+        async for each in snapshots(player):
+            yield each
+
+    monkeypatch.setattr(Player, "snapshots", late)
+    return event

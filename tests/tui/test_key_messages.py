@@ -205,16 +205,8 @@ async def test_ctrl_c_asks_and_the_keys_that_it_names_quit(make_app: MakeApp, ke
 
 
 async def test_keys_typed_before_there_is_a_world_go_to_the_dialog_they_open(
-    make_app: MakeApp, monkeypatch: pytest.MonkeyPatch
+    make_app: MakeApp, is_typed: asyncio.Event
 ) -> None:
-    is_typed, snapshots = asyncio.Event(), Player.snapshots
-
-    async def late(player: Player) -> AsyncIterator[Snapshot]:
-        await is_typed.wait()
-        async for each in snapshots(player):
-            yield each
-
-    monkeypatch.setattr(Player, "snapshots", late)
     app = make_app("student")
     async with app.run_test(size=(80, 24)) as pilot:
         await pilot.press("s", "s", "g", "1", "enter", "a", "s")

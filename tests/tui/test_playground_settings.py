@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import AsyncIterator
 
-import pytest
 from conftest import MakeApp
 from seams import notes, playground, press, slider, snapshot, train
 from snapshots import changed
 from textual.widgets import Input
 
 from rl_tui.agents.hyperparameters import Hyperparameters
-from rl_tui.lab.live.player import Player
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.run.bandit import true_means
 from rl_tui.tui.app.screenshot import settle
@@ -188,16 +185,8 @@ async def test_the_key_line_says_what_keys_do_on_a_slider_and_answers_clicks(mak
 
 
 async def test_a_value_typed_before_there_is_a_world_is_set_once_there_is(
-    make_app: MakeApp, monkeypatch: pytest.MonkeyPatch
+    make_app: MakeApp, is_typed: asyncio.Event
 ) -> None:
-    is_typed, snapshots = asyncio.Event(), Player.snapshots
-
-    async def late(player: Player) -> AsyncIterator[Snapshot]:
-        await is_typed.wait()
-        async for each in snapshots(player):
-            yield each
-
-    monkeypatch.setattr(Player, "snapshots", late)
     app = make_app("student")
     async with app.run_test(size=(80, 24)) as pilot:
         await pilot.press("3", *"0.4", "enter")
