@@ -254,7 +254,7 @@ async def test_closing_does_not_wait_for_a_world_that_is_being_built(monkeypatch
 
 
 async def test_an_exact_answer_that_comes_later_is_published(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("rl_tui.lab.live.playback.AT_ONCE_STATES", 0)
+    monkeypatch.setattr("rl_tui.lab.run.exact_answers.AT_ONCE_STATES", 0)
     player = Player(recipe("student"))
     async for snapshot in player.snapshots():
         if snapshot.exact_answer.solution is not None:
@@ -266,7 +266,7 @@ async def test_an_exact_answer_that_comes_later_is_published(monkeypatch: pytest
 async def test_an_exact_answer_that_comes_while_a_snapshot_is_made_is_in_the_next(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr("rl_tui.lab.live.playback.AT_ONCE_STATES", 0)
+    monkeypatch.setattr("rl_tui.lab.run.exact_answers.AT_ONCE_STATES", 0)
     make = Playback.snapshot
 
     def make_slowly(self: Playback) -> Snapshot:

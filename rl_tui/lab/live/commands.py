@@ -150,19 +150,36 @@ class DropLane(Command):
 
 
 @dataclass(frozen=True, slots=True)
+class MarkLane(Command):
+    """Let a lane, counted from 0, stand beside the one shown."""
+
+    lane: int
+
+
+@dataclass(frozen=True, slots=True)
+class StudySeeds(Command):
+    """Work out, beside all else, what many seeds say of the runs as they are now; a study under way ends."""
+
+
+@dataclass(frozen=True, slots=True)
+class EndStudy(Command):
+    """Work out no more, and show nothing of it."""
+
+
+@dataclass(frozen=True, slots=True)
 class FollowCell(Command):
     """Tell in every snapshot how Q of ``pair`` went; None: of no pair."""
 
     pair: int | None
 
 
-LOOKING: Final = (LookAt, FollowCell, SetSpeed)
+LOOKING: Final = (LookAt, FollowCell, MarkLane, StudySeeds, EndStudy, SetSpeed)
 """Commands that leave nothing behind that is worth keeping."""
 
 MOVES: Final = (Play, WatchLearning, Pause, Step, RunEpisode, RunUntil, Take, Train)
 """Commands that mean nothing where a run takes no further step."""
 
-WHILE_SEEKING: Final = (StepBack, GoTo, Pause, SetSpeed, LookAt, FollowCell, DropLane)
+WHILE_SEEKING: Final = (StepBack, GoTo, Pause, DropLane, *LOOKING)
 """Commands that replace a seek under way, or leave it alone."""
 
 FROM_HERE: Final = (StepBack, EpisodeBack, ChooseBranch)

@@ -127,6 +127,9 @@ HANDLERS: Final[Mapping[type, Callable[[Playback, Any], None]]] = {
     commands.ChooseBranch: lambda playback, command: _seek_to(playback, branch=command.branch),
     commands.AddLane: _add_lane,
     commands.ChooseLane: lambda playback, command: _show_another(playback, playback.group.show, command.lane),
+    commands.MarkLane: lambda playback, command: playback.group.mark(command.lane),
+    commands.StudySeeds: lambda playback, _: playback.study_seeds(),
+    commands.EndStudy: lambda playback, _: playback.end_study(),
     commands.DropLane: lambda playback, command: _show_another(playback, playback.group.drop, command.lane),
 }
 """What a playback does with a command of each type."""

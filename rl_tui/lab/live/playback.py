@@ -17,7 +17,7 @@ from rl_tui.lab.live.state import BUSY, ENDED, PASSING, UNFINISHED, State
 from rl_tui.lab.live.stop_condition import StopCondition, breakpoint_in_words, until_in_words, watching_for
 from rl_tui.lab.live.until import Breakpoints, Event, Until
 from rl_tui.lab.live.viewport import Viewport
-from rl_tui.lab.run.exact_answers import AT_ONCE_STATES, Answer, ExactAnswers, exact_now
+from rl_tui.lab.run.exact_answers import Answer, RunAnswers
 from rl_tui.lab.run.recipe import Beginning, Recipe, begin
 from rl_tui.lab.timeline.branches import RunRecord
 
@@ -83,9 +83,8 @@ class Playback:
         self._record = record or Record((RunRecord(recipe),), speed=speed)
         self._automatic = automatic
         self._clock = clock
-        self._on_exact = on_exact
         self._beginning: Beginning | None = None
-        self._exact: ExactAnswers | None = None
+        self._answers = RunAnswers(on_exact)
         self._builder = SnapshotBuilder()
 
     @property
@@ -191,7 +190,7 @@ class Playback:
                 breakpoints=self.breakpoints,
                 handled=self.handled,
             ),
-            self.answer(),
+            self._answers.of,
             viewport=self.viewport,
             cell=self.cell,
         )
@@ -200,14 +199,7 @@ class Playback:
 
     def answer(self) -> Answer:
         """Return the exact answer for the γ in force, as far as it is known."""
-        run = self.group.current.run
-        learner, mdp = run.learner, run.world.mdp
-        gamma = learner.hyperparameters.gamma
-        if learner.drifted:
-            return exact_now(learner.mdp, gamma)
-        if self._exact is None or self._exact.mdp is not mdp:
-            self._exact = ExactAnswers(mdp, self._on_exact, at_once_states=AT_ONCE_STATES)
-        return self._exact.answer(gamma)
+        return self._answers.of(self.group.current.run)
 
     # From one state to another
 
@@ -311,6 +303,12 @@ class Playback:
         breakpoints.check(self.group.current.world.space)
         self.breakpoints = breakpoints
         self.watch()
+
+    def study_seeds(self) -> None:
+        """Work out what many seeds say of the runs as they are now."""
+
+    def end_study(self) -> None:
+        """Work out no more of it."""
 
     def take_in_change(self) -> None:
         """Take in that an agent has other settings, or that another one is shown."""

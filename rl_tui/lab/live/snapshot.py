@@ -14,6 +14,7 @@ from rl_tui.agents.last_step import Author
 from rl_tui.lab.live.state import ENDED, State
 from rl_tui.lab.live.until import Breakpoints
 from rl_tui.lab.live.viewport import CopiedPart
+from rl_tui.lab.many_seeds.figures import SeedStudy
 from rl_tui.lab.run.exact_answers import Answer
 from rl_tui.lab.run.recipe import Recipe
 from rl_tui.lab.run.results import RunResults
@@ -127,3 +128,7 @@ class Snapshot:
     """The runs side by side."""
     cell: CellHistory | None = None
     """How Q of the pair that was asked for went up to here; None: of no pair."""
+    beside: Snapshot | None = None
+    """The lane that stands beside the one shown, at its own moment, without cell; None: there is none."""
+    study: SeedStudy | None = None
+    """What many seeds say of these runs; None where nobody has asked."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -17,11 +18,13 @@ from rl_tui.lab.run.large_worlds import is_large
 from rl_tui.lab.run.recipe import Recipe, TakeAction, changed_recipe
 from rl_tui.lab.run.results import RunResults
 from rl_tui.lab.timeline.branches import Timeline
+from rl_tui.lab.timeline.lane_view import RunGroupView
 from rl_tui.worlds.mdp.space import IntArray
 from rl_tui.worlds.world import World
 
 if TYPE_CHECKING:
     from rl_tui.lab.run.run import Run
+    from rl_tui.lab.timeline.branching_run import BranchingRun
     from rl_tui.lab.timeline.run_group import RunGroup
 
 
@@ -51,28 +54,48 @@ class SnapshotBuilder:
         self,
         group: RunGroup,
         playback: PlaybackView,
-        exact_answer: Answer,
+        answer: Callable[[Run], Answer],
         *,
         viewport: Viewport | None,
         cell: int | None,
     ) -> Snapshot:
         """Return the snapshot of the run that ``group`` shows, with how Q of the pair ``cell`` went.
 
-        Of a large world it has what ``viewport`` shows, None: everything.
+        Of a large world it has what ``viewport`` shows, None: everything. ``answer`` gives the exact answer
+        for a run.
         """
-        current, run, run_group = group.current, group.current.run, group.view
+        current, beside, view = group.current, group.beside, group.view
+        snapshot = self._of(current, view, view.shown, playback, answer, viewport)
+        return replace(
+            snapshot,
+            cell=None if cell is None else current.cell_history(cell),
+            beside=None
+            if beside is None or view.beside is None
+            else self._of(beside, view, view.beside, playback, answer, viewport),
+        )
+
+    def _of(
+        self,
+        lane: BranchingRun,
+        view: RunGroupView,
+        number: int,
+        playback: PlaybackView,
+        answer: Callable[[Run], Answer],
+        viewport: Viewport | None,
+    ) -> Snapshot:
+        """Return the snapshot of ``lane``, which ``view`` has at the place ``number``."""
+        run = lane.run
         counters = run.learner.counters
         return Snapshot(
             world=run.world,
             recipe=run.recipe,
             agent=self._agent(run, counters, viewport),
             counters=counters,
-            results=run_group.lanes[run_group.shown].results if run_group.lanes else run.results,
-            exact_answer=exact_answer,
+            results=view.lanes[number].results if view.lanes else run.results,
+            exact_answer=answer(run),
             playback=playback,
-            timeline=current.timeline,
-            run_group=run_group,
-            cell=None if cell is None else current.cell_history(cell),
+            timeline=lane.timeline,
+            run_group=view,
         )
 
     def _agent(self, run: Run, counters: Counters, viewport: Viewport | None) -> AgentView:
@@ -136,4 +159,5 @@ def as_left(snapshot: Snapshot, record: Record) -> Snapshot:
         timeline=Timeline(lane.branches, lane.branch),
         run_group=replace(snapshot.run_group, lanes=tuple(views)),
         cell=None,
+        beside=None,
     )

@@ -5,10 +5,13 @@ from __future__ import annotations
 import threading
 from collections import OrderedDict
 from collections.abc import Callable
-from typing import Final, NamedTuple
+from typing import TYPE_CHECKING, Final, NamedTuple
 
 from rl_tui.agents.exact.solution import NoExactAnswer, Solution
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
+
+if TYPE_CHECKING:
+    from rl_tui.lab.run.run import Run
 
 AT_ONCE_STATES: Final = 200
 LIVE_STATES: Final = 20_000
@@ -123,3 +126,21 @@ class ExactAnswers:
         while len(self._answers) > KEPT:
             self._answers.popitem(last=False)
         return answer
+
+
+class RunAnswers:
+    """The exact answers of runs in one world at a time; ``on_ready`` as for :class:`ExactAnswers`."""
+
+    def __init__(self, on_ready: Callable[[], None]) -> None:
+        self._on_ready = on_ready
+        self._of_world: ExactAnswers | None = None
+
+    def of(self, run: Run) -> Answer:
+        """Return the exact answer for the γ in force in ``run``, as far as it is known."""
+        learner, mdp = run.learner, run.world.mdp
+        gamma = learner.hyperparameters.gamma
+        if learner.drifted:
+            return exact_now(learner.mdp, gamma)
+        if self._of_world is None or self._of_world.mdp is not mdp:
+            self._of_world = ExactAnswers(mdp, self._on_ready, at_once_states=AT_ONCE_STATES)
+        return self._of_world.answer(gamma)

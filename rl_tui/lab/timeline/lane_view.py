@@ -37,3 +37,5 @@ class RunGroupView:
     """The runs, the one shown among them; empty where there is only one."""
     shown: int = 0
     """The place of the one shown, from 0."""
+    beside: int | None = None
+    """The place of the one that stands beside it, from 0; None where there is no other."""

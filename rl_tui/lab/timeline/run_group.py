@@ -53,6 +53,7 @@ class RunGroup:
         """The number of the run shown."""
         self.step = 0
         """The step at which all are to stand."""
+        self._beside: BranchingRun | None = None
         self._resumes = False
         self._world = world
         self._clock = clock
@@ -66,6 +67,18 @@ class RunGroup:
         """Let the run with this ``number`` be shown, and lead."""
         self.shown, self.current = number, self._runs[number]
         self._others = [run for run in self._runs if run is not self.current]
+
+    @property
+    def beside(self) -> BranchingRun | None:
+        """The run that stands beside the one shown: the one marked, else the next; None if it is alone."""
+        if self._beside in self._others:
+            return self._beside
+        return self._runs[(self.shown + 1) % len(self._runs)] if self._others else None
+
+    def mark(self, number: int) -> None:
+        """Let the run with this ``number`` stand beside the one shown."""
+        if 0 <= number < len(self._runs):
+            self._beside = self._runs[number]
 
     @property
     def records(self) -> tuple[RunRecord, ...]:
@@ -193,6 +206,8 @@ class RunGroup:
         """Show another run."""
         if 0 <= number < len(self._runs):
             self.current.watch(None)
+            if self.beside is self._runs[number]:
+                self._beside = self.current  # the two change places
             self._lead(number)
 
     def drop(self, number: int) -> None:
@@ -212,7 +227,8 @@ class RunGroup:
             return RunGroupView()
         names = run_names([_recipe_now(each) for each in self._runs])
         views = tuple(_view(each, name) for each, name in zip(self._runs, names, strict=True))
-        return RunGroupView(views, self.shown)
+        beside = None if self.beside is None else self._runs.index(self.beside)
+        return RunGroupView(views, self.shown, beside)
 
     def _is_elsewhere(self, lane: BranchingRun) -> bool:
         return lane.seek is not None or lane.step > self.step or (lane.step < self.step and not lane.run.over)

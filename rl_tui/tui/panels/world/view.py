@@ -60,6 +60,7 @@ class WorldView(Panel, can_focus=True):
         self.title: tuple[str, ...] = ()
         self.prompt: tuple[str, ...] = ()
         self._is_manual = False
+        self._differing: frozenset[int] = frozenset()
         self.enter(world)
 
     def enter(self, world: World) -> None:
@@ -67,6 +68,17 @@ class WorldView(Panel, can_focus=True):
         self.world = world
         self.cursor: int | None = None  # where the user put it; None while it stays with the agent
         self._pointed: int | None = None  # where the cursor of another panel stands
+
+    @property
+    def differing(self) -> frozenset[int]:
+        """The states whose greedy actions are others in the lane beside this one."""
+        return self._differing
+
+    @differing.setter
+    def differing(self, states: frozenset[int]) -> None:
+        if states != self._differing:
+            self._differing = states
+            self.redraw()
 
     @property
     def is_manual(self) -> bool:

@@ -1,0 +1,1 @@
+"""The same runs under many seeds, worked out beside the one on screen."""
