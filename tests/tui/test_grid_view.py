@@ -82,10 +82,10 @@ def test_an_agent_in_a_hole_stands_beside_it() -> None:
 def test_ties_are_several_arrows_or_a_star_where_they_do_not_fit() -> None:
     start = lake(step=0)
     two = changed(start, q=q_of(start, {(1, LEFT): 0.5, (1, UP): 0.5}))
-    assert "←↑" in picture(two, 40, 8)[0]
+    assert "↑←" in picture(two, 40, 8)[0]
     assert small(two)[0] == "◉ .00 *.50  .00  .00"
     four = visited(start, 1)
-    assert "←↓→↑" in picture(four, 40, 8)[0]
+    assert "↑→↓←" in picture(four, 40, 8)[0]
     assert small(four)[0] == "◉ .00 *.00  .00  .00"
 
 
@@ -109,7 +109,7 @@ def test_nothing_known_has_no_arrow_and_another_style_than_a_zero_that_was_visit
     palette = look().palette
     view = GridView(start.world, look())
     unknown = view.picture(start, 40, 8)
-    assert not set("←↓→↑") & set("".join(strip.text for strip in unknown))
+    assert not set("↑→↓←") & set("".join(strip.text for strip in unknown))
     assert style_at(unknown[1], 14) == palette.unvisited
     known = view.picture(visited(start, 1), 40, 8)
     assert known[1].text == unknown[1].text
@@ -130,7 +130,7 @@ def test_optimistic_estimates_alone_are_not_knowledge() -> None:
     start = lake(step=0)
     rows = picture(changed(start, q=np.ones(start.world.space.pairs)), 40, 8)
     assert rows[1] == "   1.00      1.00      1.00      1.00   "
-    assert not set("←↓→↑") & set("".join(rows))
+    assert not set("↑→↓←") & set("".join(rows))
 
 
 def test_tints_run_from_the_least_to_the_greatest_value_with_zero_inside() -> None:

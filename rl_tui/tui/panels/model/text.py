@@ -12,6 +12,7 @@ from rich.cells import cell_len
 from rl_tui.common.words import counted
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.draw import names, numbers
+from rl_tui.tui.draw.action_order import shown_order, shown_pairs
 from rl_tui.tui.draw.pieces import Line, Piece, wrapped
 from rl_tui.tui.draw.to_ascii import to_ascii
 from rl_tui.tui.panels.last_step.update_text import setting
@@ -76,13 +77,14 @@ def pair_lines(snapshot: Snapshot, pair: int, look: Look, width: int, *, reveale
     world, space, palette, glyphs = snapshot.world, snapshot.world.space, look.palette, look.glyphs
     state, action = space.state_of(pair), int(space.pair_action[pair])
     secret = is_secret(snapshot, revealed=revealed)
+    number = 1 + space.pairs_of(state).start + shown_pairs(world, space.pairs_of(state)).index(pair)
     head: list[Piece] = [
         Piece(" state ", palette.dim),
         Piece(names.with_minus(space.state_names[state], look.glyphs), palette.strong),
         *([Piece(f" ({place})", palette.dim)] if (place := names.place(world, state)) else []),
         Piece("   action ", palette.dim),
         Piece(_action(snapshot, action, look), palette.strong),
-        Piece(f"   pair {pair + 1:,} of {space.pairs:,}", palette.dim),
+        Piece(f"   pair {number:,} of {space.pairs:,}", palette.dim),
     ]
     taken = int(snapshot.agent.visits[pair])
     learned = numbers.value(float(snapshot.agent.q[pair]), 7, glyphs) if taken else "not yet visited"
@@ -157,7 +159,7 @@ def _time_limit(space: FiniteSpace) -> str:
 
 
 def _actions(snapshot: Snapshot, look: Look) -> list[str]:
-    return [_action(snapshot, action, look) for action in range(len(snapshot.world.space.action_names))]
+    return [_action(snapshot, action, look) for action in shown_order(snapshot.world)]
 
 
 def _action(snapshot: Snapshot, action: int, look: Look) -> str:

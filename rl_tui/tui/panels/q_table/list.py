@@ -70,13 +70,14 @@ class ListForm:
 
     def entry(self, entry: int, is_first: bool) -> Pieces:
         """Return the row of a pair; the state is named in its first row and in the first of all."""
-        world = self.scene.world
-        is_new = is_first or entry == int(world.space.first_pair[world.space.state_of(entry)])
-        return [segment for column in self.columns for segment in column.draw(entry, is_new)]
+        world, pair = self.scene.world, self._pair_of(entry)
+        is_new = is_first or entry == int(world.space.first_pair[world.space.state_of(pair)])
+        return [segment for column in self.columns for segment in column.draw(pair, is_new)]
 
     def pairs_in(self, entry: int) -> range:
-        """Return the pair of the row."""
-        return range(entry, entry + 1)
+        """Return the pairs of the state of the row, among them that of the row."""
+        space = self.scene.world.space
+        return space.pairs_of(space.state_of(entry))
 
     def entry_of(self, state: int) -> int:
         """Return the row of the first pair of ``state``."""
@@ -84,16 +85,23 @@ class ListForm:
         return first if first < end else NO_ROW
 
     def entry_of_pair(self, pair: int) -> int:
-        """Return the row of ``pair``: pairs are listed in their order."""
-        return pair
+        """Return the row of ``pair``: states are listed in their order."""
+        world = self.scene.world
+        state = world.space.state_of(pair)
+        return int(world.space.first_pair[state]) + world.pairs_shown(state).index(pair)
 
     def moved(self, pair: int, rows: int, columns: int) -> int:
         """Return the pair so many rows below."""
-        return max(0, min(self.entries - 1, pair + rows))
+        return self._pair_of(max(0, min(self.entries - 1, self.entry_of_pair(pair) + rows)))
 
     def pair_at(self, entry: int, x: int) -> int | None:
         """Return the pair of the row."""
-        return entry
+        return self._pair_of(entry)
+
+    def _pair_of(self, entry: int) -> int:
+        world = self.scene.world
+        state = world.space.state_of(entry)  # its rows are as many as its pairs, and in the same place
+        return world.pairs_shown(state)[entry - int(world.space.first_pair[state])]
 
 
 def list_form(scene: Scene, width: int) -> ListForm:
@@ -110,7 +118,8 @@ def greedy_line(scene: Scene) -> str:
     states = []
     for state in world.live.tolist():
         greedy = scene.shown.greedy(world.space.pairs_of(state))
-        states.append("=".join(world.action_names[world.action_of(pair)] for pair in greedy) or NOT_TRIED)
+        shown = [pair for pair in world.pairs_shown(state) if pair in greedy]
+        states.append("=".join(world.action_names[world.action_of(pair)] for pair in shown) or NOT_TRIED)
     known = any(state != NOT_TRIED for state in states)
     return f"greedy: {' · '.join(states)}" if known else ""
 

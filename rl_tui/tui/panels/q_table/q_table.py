@@ -320,7 +320,7 @@ class QTable(Panel, can_focus=True):
         state = _followed(self.snapshot) if self._following else int(world.live[0])
         if world.row_of(state) == NO_ROW:
             state = int(world.live[0])
-        return world.space.pairs_of(state).start
+        return world.pairs_shown(state)[0]
 
     def _world_of(self, snapshot: Snapshot) -> TableWorld:
         if self._world is None or not self._world.describes(snapshot.world, self.look.glyphs):

@@ -8,6 +8,7 @@ import numpy as np
 
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.live.viewport import NO_STATE, first_state_of_cells, pairs_of_states
+from rl_tui.tui.draw.action_order import order_of
 from rl_tui.tui.panels.world.grid.rewards import CellReward, cell_rewards
 from rl_tui.worlds.drawing import CellKind, Grid
 from rl_tui.worlds.mdp.space import FiniteSpace, IntArray
@@ -29,9 +30,9 @@ class CellContent(NamedTuple):
 
     ``value`` is V(s) = max over a of Q(s, a), None where nothing can be done or the snapshot does not tell.
     ``known`` says that something was learned about the state: it was updated or its estimates differ.
-    ``greedy`` holds the greedy actions, all ties, as their direction or the first letter of their name; it is
-    empty where nothing is known. ``reward`` is what the cell pays where that is not the usual step's.
-    ``stops`` marks a breakpoint, ``cursor`` the cell the cursor stands on.
+    ``greedy`` holds the greedy actions, all ties, as direction or first letter of the name, in the
+    order in which actions are shown; it is empty where nothing is known. ``reward`` is what the cell pays
+    where that is not the usual step's. ``stops`` marks a breakpoint, ``cursor`` the cell the cursor is on.
     """
 
     kind: CellKind
@@ -58,6 +59,7 @@ class GridMap:
             (name[:1] or "?") if step is None else step
             for step, name in zip(grid.directions, space.action_names, strict=True)
         )
+        self._sign_places = {self.signs[action]: place for place, action in enumerate(order_of(space, grid))}
         self._states = first_state_of_cells(grid)
         self._rewards = cell_rewards(space, grid)
         self.rewards = tuple(sorted(set(self._rewards.values()), reverse=True))
@@ -96,7 +98,9 @@ class GridMap:
             if count == 0 or (held is not None and not held[first]):
                 contents.append(CellContent(kind, place == agent))
             else:
-                content = _content(kind, place == agent, q[first:last], visits[first:last], signs[first:last])
+                content = self._content(
+                    kind, place == agent, q[first:last], visits[first:last], signs[first:last]
+                )
                 reward = self._rewards.get(cell)
                 contents.append(content if reward is None else content._replace(reward=reward))
             first = last
@@ -132,17 +136,19 @@ class GridMap:
         inside = 0 <= row < part.rows and 0 <= column < part.columns
         return row * part.columns + column if inside else None
 
-
-def _content(
-    kind: CellKind,
-    agent: bool,
-    q: list[float],
-    visits: list[int],
-    signs: list[Sign],
-) -> CellContent:
-    value = max(q)
-    known = min(q) != value or any(visits)
-    if not known:
-        return CellContent(kind, agent, value)
-    greedy = tuple(sign for sign, each in zip(signs, q, strict=True) if each == value)
-    return CellContent(kind, agent, value, known, greedy)
+    def _content(
+        self,
+        kind: CellKind,
+        agent: bool,
+        q: list[float],
+        visits: list[int],
+        signs: list[Sign],
+    ) -> CellContent:
+        value = max(q)
+        known = min(q) != value or any(visits)
+        if not known:
+            return CellContent(kind, agent, value)
+        greedy = [sign for sign, each in zip(signs, q, strict=True) if each == value]
+        if len(greedy) > 1:
+            greedy.sort(key=self._sign_places.__getitem__)
+        return CellContent(kind, agent, value, known, tuple(greedy))
