@@ -57,7 +57,7 @@ def test_every_algorithm_and_policy_is_found(name: str) -> None:
         ("best for this γ 1.00", "γ", "gamma-best"),
         ("γ ━━━━●─── 0.990", "γ", "gamma"),
         ("step 2,000", "step", None),
-        ("ended episode 3", "ended", None),
+        ("ended its episode", "ended", None),
         ("Return per episode", "Return", "return"),
     ],
 )
