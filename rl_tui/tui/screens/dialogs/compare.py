@@ -36,6 +36,8 @@ _HINTS: Final = {
     "lanes": "returns, undiscounted: mean of the last 100; exact one of the greedy policy",
     ALGORITHM: "another way to learn, or to plan",
 }
+FIGURES: Final = ("step", "last 100", "greedy")
+"""The heads of the columns of figures."""
 _LEAST_NAME: Final = 8
 _NUMBER: Final = 10
 _LEAST_SYMBOL: Final = 12
@@ -123,7 +125,7 @@ class Compare(Dialog[Answer]):
             yield Option(self._entry(name, columns), id=f"{_WITH}{name}")
 
     def _head(self) -> Text:
-        return Text(self._columns("", "lane", "algorithm", "step", "last 100", "greedy"))
+        return Text(self._columns("", "lane", "algorithm", *FIGURES))
 
     def _lane_row(self, number: int, lane: LaneView) -> Text:
         mark = self._look.glyphs.cursor if number == self._shown else ""
