@@ -97,7 +97,9 @@ class GlossaryScreen(Dialog[bool]):
     def explain(self, event: OptionList.OptionHighlighted) -> None:
         """Show the paragraph of the word under the cursor."""
         if event.option_id == NUMBER and self._number is not None:
-            self._show(Text(self._written(self._number.meaning)))
+            number = self._number
+            text = Text(self._written(f"{number.meaning}\n\n"))
+            self._show(text.append(self._figure(glossary()[number.term])))
         elif event.option_id is not None:
             self._show(self._paragraph(glossary()[event.option_id]))
 
@@ -139,11 +141,14 @@ class GlossaryScreen(Dialog[bool]):
         book = term.book if term.is_elsewhere else f"{BOOK}, {term.book}"
         text = Text(self._written(f"{term.text}\n\n"))
         text.append(self._written(f"    {term.equation}\n\n"), "bold")
-        if term.figure is not None:
-            text.append(
-                self._written(separated(f"{figure_text(term.figure, self._setting)}\n\n", self._look.glyphs))
-            )
+        text.append(self._figure(term))
         return text.append(self._written(book), "italic")
+
+    def _figure(self, term: GlossaryTerm) -> str:
+        """Return what is said of a term that names a figure; nothing of others."""
+        if term.figure is None:
+            return ""
+        return self._written(separated(f"{figure_text(term.figure, self._setting)}\n\n", self._look.glyphs))
 
     def _show(self, text: Text) -> None:
         self.query_one("#paragraph", VerticalScroll).scroll_home(animate=False)

@@ -25,10 +25,14 @@ _COLUMNS: Final = 9
 
 
 class NumberHere(NamedTuple):
-    """A number on screen: ``name`` as ``Q(6,↓) = .942``, and what it means in a paragraph."""
+    """A number on screen: ``name`` as ``Q(6,↓) = .942``, and what it means in a paragraph.
+
+    ``term`` is the id of what the glossary says of such figures.
+    """
 
     name: str
     meaning: str
+    term: str
 
 
 def number_here(focused: Widget | None, look: Look) -> NumberHere | None:
@@ -88,28 +92,33 @@ class _Teller:
             return NumberHere(
                 f"N({name}) = {agent.visits[pair]:,}",
                 f"How often the agent has {taken}, counted over the run so far.",
+                "visits",
             )
         if layer is Layer.LANES and (other := other_lane(self._snapshot)) is not None:
             mine, its, gap = self._written(q, float(other.q[pair]), q - float(other.q[pair]))
             return NumberHere(
                 f"Q({name}) − Q of {other.name} = {gap}",
                 f"The estimate here, {mine}, less the one of {other.name}, {its}: both learned.",
+                "q",
             )
         if layer is Layer.OPTIMAL and exact is not None:
             return NumberHere(
                 f"Q*({name}) = {optimum}",
                 f"{self._best(pair)} Exact: worked out from the table of the world. The agent's estimate is "
                 f"{estimate}, {self._from_visits(pair)}.",
+                "q-star",
             )
         if layer is Layer.ERROR and exact is not None:
             return NumberHere(
                 f"Q({name}) − Q* = {error}",
                 f"The agent's estimate, {estimate}, less the exact value, {optimum}: above 0 it hopes for "
                 f"too much. The estimate is {self._from_visits(pair)}.",
+                "error",
             )
         return NumberHere(
             f"Q({name}) = {estimate}",
             f"{self._estimated(pair)}, {self._from_visits(pair)}. {self._truth(optimum)}".strip(),
+            "q",
         )
 
     def of_state(self, state: int) -> NumberHere:
@@ -119,7 +128,8 @@ class _Teller:
         name = names.state_name(self._world, state, glyphs)
         if not pairs:
             kind = names.landmark(self._world, state) or "terminal state"
-            return NumberHere(f"V({name}) = 0", f"A {kind}: nothing is earned after it, so its value is 0.")
+            meaning = f"A {kind}: nothing is earned after it, so its value is 0."
+            return NumberHere(f"V({name}) = 0", meaning, "value")
         best = max(float(agent.q[pair]) for pair in pairs)
         greedy = [pair for pair in shown_pairs(self._world, pairs) if float(agent.q[pair]) == best]
         exact = None
@@ -136,6 +146,7 @@ class _Teller:
             f"The largest of the agent's estimates Q in state {name}: {whose}. It says how much discounted "
             f"return is to be expected from there on, {self._from_visits(*pairs)}. "
             f"{self._truth(optimum, 'V*')}".strip(),
+            "value",
         )
 
     def _written(self, *values: float | None) -> tuple[str, ...]:
