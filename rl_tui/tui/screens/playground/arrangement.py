@@ -157,8 +157,9 @@ def _world_rows(shape: Shape, height: int, least_curve: int) -> int:
     most = max(_BORDERS + 1, height - least_curve)
     legend = shape.legend_rows if least_curve >= _LEAST_CURVE else 0
     match shape.drawing:
-        case Grid(rows=rows):
-            sizes = [rows * each + _BORDERS + more for each in (3, 2, 1) for more in (legend, 0)]
+        case Grid(rows=rows, wind=wind):
+            below = 1 if wind else 0
+            sizes = [rows * each + below + _BORDERS + more for each in (3, 2, 1) for more in (legend, 0)]
         case Arms():
             sizes = [
                 each + _BORDERS + more for each in (shape.arms * 2 + 1, shape.arms) for more in (legend, 0)

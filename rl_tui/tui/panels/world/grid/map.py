@@ -8,7 +8,9 @@ import numpy as np
 
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.live.viewport import NO_STATE, first_state_of_cells, pairs_of_states
+from rl_tui.tui.panels.world.grid.reach import unreached_cells
 from rl_tui.tui.panels.world.grid.rewards import CellReward, cell_rewards
+from rl_tui.tui.panels.world.grid.trail import Trace, traces
 from rl_tui.worlds.drawing import CellKind, Grid
 from rl_tui.worlds.mdp.space import FiniteSpace, IntArray
 
@@ -31,7 +33,8 @@ class CellContent(NamedTuple):
     ``known`` says that something was learned about the state: it was updated or its estimates differ.
     ``greedy`` holds the greedy actions, all ties, as their direction or the first letter of their name; it is
     empty where nothing is known. ``reward`` is what the cell pays where that is not the usual step's.
-    ``stops`` marks a breakpoint, ``cursor`` the cell the cursor stands on.
+    ``stops`` marks a breakpoint, ``cursor`` the cell the cursor stands on. ``trace`` is what the trail of the
+    episode left. ``is_reached`` is False where no way leads to, ``name`` that of the state where it is shown.
     """
 
     kind: CellKind
@@ -42,13 +45,17 @@ class CellContent(NamedTuple):
     reward: CellReward | None = None
     stops: bool = False
     cursor: bool = False
+    trace: Trace | None = None
+    is_reached: bool = True
+    name: str = ""
 
 
 class GridMap:
     """A map and its states. Reading a part of it costs the same in a map of any size.
 
     ``signs`` are those of the actions, in their order: a direction, else the first letter of the name.
-    ``ends`` are the kinds of cells in which nothing can be done, ``rewards`` the different ones of cells.
+    ``ends`` are the kinds of cells in which nothing can be done, ``rewards`` the different ones of cells,
+    ``unreached`` the cells that no way leads to.
     """
 
     def __init__(self, space: FiniteSpace, grid: Grid) -> None:
@@ -63,6 +70,7 @@ class GridMap:
         self.rewards = tuple(sorted(set(self._rewards.values()), reverse=True))
         acting = np.append(np.diff(space.first_pair) > 0, False)  # NO_STATE is the last one
         idle = np.flatnonzero(~acting[self._states.ravel()])
+        self.unreached = unreached_cells(space, grid)
         self.ends = frozenset(grid.kinds[cell] for cell in idle.tolist())
 
     def state_at(self, cell: int, snapshot: Snapshot | None) -> int | None:
@@ -72,10 +80,12 @@ class GridMap:
         state = int(self._states[divmod(cell, self.grid.columns)])
         return None if state == NO_STATE else state
 
-    def contents(self, part: MapPart, snapshot: Snapshot, cursor: int | None = None) -> list[CellContent]:
+    def contents(
+        self, part: MapPart, snapshot: Snapshot, cursor: int | None = None, *, named: bool = False
+    ) -> list[CellContent]:
         """Return what stands in the cells of ``part``, row by row; the cursor stands in the cell ``cursor``.
 
-        Of several states in one cell it is the agent's, else the first.
+        Of several states in one cell it is the agent's, else the first. With ``named`` they have their names.
         """
         kinds, columns = self.grid.kinds, self.grid.columns
         states = self._states_in(part, snapshot)
@@ -94,12 +104,21 @@ class GridMap:
             kind = kinds[cell]
             last = first + count
             if count == 0 or (held is not None and not held[first]):
-                contents.append(CellContent(kind, place == agent))
+                contents.append(CellContent(kind, place == agent, is_reached=cell not in self.unreached))
             else:
                 content = _content(kind, place == agent, q[first:last], visits[first:last], signs[first:last])
                 reward = self._rewards.get(cell)
                 contents.append(content if reward is None else content._replace(reward=reward))
             first = last
+        if named:
+            names = self._space.state_names
+            for place, state in enumerate(states.tolist()):
+                if state != NO_STATE:
+                    contents[place] = contents[place]._replace(name=names[state])
+        for cell, trace in traces(snapshot.trail, self.grid, self.signs).items():
+            marked = self._place(part, cell)
+            if marked is not None:
+                contents[marked] = contents[marked]._replace(trace=trace)
         for state in snapshot.playback.breakpoints.states:
             marked = self._place(part, int(self.grid.cell_of_state[state]))
             if marked is not None:
