@@ -37,10 +37,10 @@ def test_only_cells_in_view_are_read(monkeypatch: pytest.MonkeyPatch) -> None:
     contents = GridMap.contents
 
     def counted(
-        self: GridMap, part: MapPart, snapshot: Snapshot, cursor: int | None = None
+        self: GridMap, part: MapPart, snapshot: Snapshot, cursor: int | None = None, *, named: bool
     ) -> list[CellContent]:
         read.append(part)
-        return contents(self, part, snapshot, cursor)
+        return contents(self, part, snapshot, cursor, named=named)
 
     monkeypatch.setattr(GridMap, "contents", counted)
     view = GridView(snapshot.world, look())

@@ -11,7 +11,7 @@ from rich.style import Style
 
 from rl_tui.tui.draw import numbers
 from rl_tui.tui.draw.canvas import Canvas
-from rl_tui.tui.panels.world.grid.form import CellForm
+from rl_tui.tui.panels.world.grid.form import LEAST_ARROWS, CellForm
 from rl_tui.tui.panels.world.grid.map import CellContent, Sign
 from rl_tui.tui.panels.world.grid.rewards import CellReward
 from rl_tui.tui.panels.world.grid.trail import Trace, put_trace
@@ -111,8 +111,8 @@ def _signs(greedy: tuple[Sign, ...], look: Look) -> str:
 def _draw_cell(canvas: Canvas, face: Face, form: CellForm, look: Look) -> None:
     if face.cursor and form.height == 1:
         face = face._replace(style=look.palette.focus)
-    if form.has_values and face.text is not None and not form.has_corner:
-        face = face._replace(text=face.name if 0 < len(face.name) <= form.digits else face.text, name="")
+    if face.name:
+        face = _named(face, form)
     filling = _filling(face, look)
     for row in range(form.height):
         canvas.put(0, row, filling * form.width, face.style)
@@ -157,14 +157,26 @@ def _draw_large(canvas: Canvas, face: Face, form: CellForm, look: Look) -> None:
         canvas.put(form.width - 1, 0, look.glyphs.breakpoint, look.palette.breakpoint)
 
 
+def _named(face: Face, form: CellForm) -> Face:
+    """Return ``face`` with its name: in a corner, in place of the value, or in place of the arrows."""
+    if len(face.name) > form.longest_name:
+        return face._replace(name="")
+    if form.has_corner:
+        return face._replace(name=face.name.strip())
+    if form.has_values:
+        return face if face.text is None else face._replace(text=face.name, name="")
+    has_room = len(face.name) <= form.width - LEAST_ARROWS
+    return face if has_room or face.text is None else face._replace(signs="")
+
+
 def _put_name(canvas: Canvas, x: int, face: Face) -> int:
-    """Put the name of the state into the first row, if there is room; return what it takes with a blank."""
-    length = len(face.name)
-    is_free = canvas.is_blank(x, 0, min(length + 1, canvas.width - x)) or not face.is_reached
-    if not face.name or length >= canvas.width or not is_free:
+    """Put the name into the first row, if there is room; return what it takes with a blank."""
+    name = face.name
+    is_free = canvas.is_blank(x, 0, min(len(name) + 1, canvas.width - x)) or not face.is_reached
+    if not name or not is_free:
         return 0
-    canvas.put(x, 0, face.name, face.style)
-    return length + 1
+    canvas.put(x, 0, name, face.style)
+    return len(name) + 1
 
 
 def _value_row(form: CellForm) -> int:

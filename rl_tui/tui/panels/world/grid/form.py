@@ -43,9 +43,7 @@ class CellForm(NamedTuple):
     @property
     def longest_name(self) -> int:
         """How many characters of the name of a state there is room for."""
-        if self.has_corner:
-            return self.width - 1
-        return self.digits if self.has_values else self.width - LEAST_ARROWS
+        return self.digits if self.has_values and not self.has_corner else self.width - 1
 
     @property
     def digits(self) -> int:

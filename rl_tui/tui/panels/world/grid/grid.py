@@ -17,7 +17,7 @@ from rl_tui.tui.panels.legend import GREEDY_IN_FULL, Legend, LegendSign
 from rl_tui.tui.panels.scrolling import Scrolled, kept_in_view, scrolled_to
 from rl_tui.tui.panels.snapshot_facts import is_new_run
 from rl_tui.tui.panels.world.grid.cells import SEVERAL, START, CellArtist, reward_style
-from rl_tui.tui.panels.world.grid.form import LEAST_DIGITS, CellForm, cell_form, digits_needed
+from rl_tui.tui.panels.world.grid.form import LEAST_ARROWS, LEAST_DIGITS, CellForm, cell_form, digits_needed
 from rl_tui.tui.panels.world.grid.map import CellContent, GridMap, MapPart
 from rl_tui.tui.panels.world.grid.trail import traces, trail_signs
 from rl_tui.tui.panels.world.grid.wind import last_gust, wind_line, wind_sign, wind_strip
@@ -47,6 +47,7 @@ class GridView(WorldView):
     _requested: Cells | None = None
     _artist: CellArtist | None = None
     _digits = LEAST_DIGITS
+    _longest_name = 0  # of those in view, where names are shown
 
     def enter(self, world: World) -> None:
         """Take ``world`` for the one that is drawn, and follow the agent in it."""
@@ -156,8 +157,10 @@ class GridView(WorldView):
             gust = last_gust(grid, snapshot)
             row = wind_strip(grid, self._part, self._form, left, width, gust, self.look)
             strips.insert(top + self._part.rows * self._form.height, row)
-        elif not self.footing and self._is_whole:
-            self.footing = self.fitting((wind_line(grid, self.look),), width)
+        elif self._following:
+            line = wind_line(grid, self._part, self.look)
+            both = (f"{line} · {self.footing}",) if self.footing else ()
+            self.footing = self.fitting((*both, line), width) or self.footing
         return strips
 
     def _drawn_cells(self, snapshot: Snapshot, width: int, height: int) -> list[Strip]:
@@ -170,6 +173,7 @@ class GridView(WorldView):
         self._left = kept_in_view(self._left, column if self._following else None, columns, grid.columns)
         self._part = part = MapPart(self._top, self._left, rows, columns)
         cells = self._map.contents(part, snapshot, self.shown_cursor, named=self.is_numbered)
+        self._longest_name = max(len(each.name) for each in cells)
         needed = digits_needed(each.value for each in cells if each.value is not None)
         if needed > self._digits:  # they stay as wide, lest the map jump to and fro
             self._digits = needed
@@ -179,20 +183,23 @@ class GridView(WorldView):
         # where the border has no room for the legend, the heading says what is drawn
         forms = (heading,) if self._map.grid.legend else (*self.captioned(WORLD), heading)
         if self.is_numbered:
-            forms = self._numbered(heading, form, cells)
+            forms = self._numbered(heading, form)
         self.heading = self._title(self.fitting(forms, width) or heading, width)
         self.footing = self._where(width)
         self.free_rows = height - part.rows * form.height - max(0, (height - part.rows * form.height) // 2)
         self._form, self._origin = form, origin(form, part, width, height)
         return draw_grid(cells, self._artist_for(form), part, width, height)
 
-    def _numbered(self, heading: str, form: CellForm, cells: Sequence[CellContent]) -> tuple[str, ...]:
+    def _numbered(self, heading: str, form: CellForm) -> tuple[str, ...]:
         """Return headings for cells with the numbers of their states, the longest first."""
-        if min((len(each.name) for each in cells if each.name), default=0) > form.longest_name:
-            return (f"{WORLD} · no room for {STATE_NUMBERS}",)
+        longest = self._longest_name
+        if longest > form.longest_name:
+            return (heading,)
         if form.has_corner:
-            return f"{heading} · {STATE_NUMBERS}", f"{WORLD} · {STATE_NUMBERS}"
-        return f"{WORLD} · {STATE_NUMBERS} and greedy", f"{WORLD} · {STATE_NUMBERS}"
+            return f"{heading} · {STATE_NUMBERS}", f"{WORLD} · {STATE_NUMBERS}", STATE_NUMBERS
+        has_arrows = form.has_values or longest <= form.width - LEAST_ARROWS
+        what = f"{STATE_NUMBERS} and greedy" if has_arrows else STATE_NUMBERS
+        return f"{WORLD} · {what}", f"{WORLD} · {STATE_NUMBERS}", STATE_NUMBERS
 
     def signs(self) -> Legend:
         """Return the signs of cells that this map has."""
@@ -209,7 +216,9 @@ class GridView(WorldView):
             yield wind_sign(self._map.grid, self.look)
         if self._map.unreached:
             yield LegendSign(glyphs.unreached, "unreached", palette.dim, "never reached")
-        if self.is_numbered and self.snapshot is not None:
+        if form is not None and self._longest_name > form.longest_name:
+            yield LegendSign("#", "no room", palette.dim, f"no room for {STATE_NUMBERS}")
+        elif self.is_numbered and self.snapshot is not None:
             name = self.world.space.state_names[self.snapshot.counters.state]
             yield LegendSign(name, "state", palette.text, "number of a state")
         yield from self.value_signs()

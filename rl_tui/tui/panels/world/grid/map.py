@@ -34,7 +34,8 @@ class CellContent(NamedTuple):
     ``greedy`` holds the greedy actions, all ties, as their direction or the first letter of their name; it is
     empty where nothing is known. ``reward`` is what the cell pays where that is not the usual step's.
     ``stops`` marks a breakpoint, ``cursor`` the cell the cursor stands on. ``trace`` is what the trail of the
-    episode left. ``is_reached`` is False where no way leads to, ``name`` that of the state where it is shown.
+    episode left. ``is_reached`` is False where no way leads to, ``name`` that of the state where names
+    are shown: all are as long as the longest.
     """
 
     kind: CellKind
@@ -111,10 +112,10 @@ class GridMap:
                 contents.append(content if reward is None else content._replace(reward=reward))
             first = last
         if named:
-            names = self._space.state_names
-            for place, state in enumerate(states.tolist()):
-                if state != NO_STATE:
-                    contents[place] = contents[place]._replace(name=names[state])
+            names = [self._space.state_names[each] for each in owners.tolist()]
+            width = max(map(len, names), default=0)
+            for place, name in zip(np.flatnonzero(states != NO_STATE).tolist(), names, strict=True):
+                contents[place] = contents[place]._replace(name=name.rjust(width))
         for cell, trace in traces(snapshot.trail, self.grid, self.signs).items():
             marked = self._place(part, cell)
             if marked is not None:

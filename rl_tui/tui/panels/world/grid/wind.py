@@ -82,6 +82,7 @@ def wind_text(strength: int, look: Look) -> str:
     return str(strength).replace("-", look.glyphs.minus)
 
 
-def wind_line(grid: Grid, look: Look) -> str:
-    """Return the wind of all columns, for the border: ``wind 0 0 1 2``."""
-    return " ".join((WIND, *(wind_text(each, look) for each in grid.wind)))
+def wind_line(grid: Grid, part: MapPart, look: Look) -> str:
+    """Return the wind of the columns in ``part``, for the border: ``wind 0 0 1 2``."""
+    winds = grid.wind[part.left : part.left + part.columns]
+    return " ".join((WIND, *(wind_text(each, look) for each in winds)))

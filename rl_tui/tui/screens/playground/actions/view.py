@@ -42,7 +42,7 @@ class ViewActions(Subject):
 
     def numbers(self) -> None:
         """Show or hide the numbers of the states in the cells of a map."""
-        if self.snapshot is None or not isinstance(self.snapshot.world.drawing, Grid):
+        if self.snapshot is not None and not isinstance(self.snapshot.world.drawing, Grid):
             self.screen.tell("# numbers the states of a map, and this world has none")
             return
         self.board.is_numbered = not self.board.is_numbered
