@@ -42,16 +42,11 @@ class CellContent(NamedTuple):
 
         ``value`` is V(s) = max over a of Q(s, a), None where nothing can be done or the snapshot does not tell.
         ``known`` says that something was learned about the state: it was updated or its estimates differ.
-    <<<<<<< HEAD
-        ``greedy`` holds the greedy actions, all ties, as direction or first letter of the name, in the
-        order in which actions are shown; it is empty where nothing is known. ``reward`` is what the cell pays
-        where that is not the usual step's. ``stops`` marks a breakpoint, ``cursor`` the cell the cursor is on.
-    =======
-        ``greedy`` holds the greedy actions, all ties, as their direction or the first letter of their name; it is
-        empty where nothing is known. ``reward`` is what the cell pays where that is not the usual step's.
-        ``stops`` marks a breakpoint, ``cursor`` the cell the cursor stands on. ``differs`` says that the greedy
-        actions are others in the lane beside this one. ``actions`` are all actions in the order in which they are
-        shown, where they were asked for.
+    ``greedy`` holds the greedy actions, all ties, as direction or first letter of the name, in the
+    order in which actions are shown; it is empty where nothing is known. ``reward`` is what the cell pays
+    where that is not the usual step's. ``stops`` marks a breakpoint, ``cursor`` the cell the cursor is on.
+    ``differs`` says that the greedy actions are others in the lane beside this one. ``actions`` are all
+    actions in the order in which they are shown, where they were asked for.
     """
 
     kind: CellKind
