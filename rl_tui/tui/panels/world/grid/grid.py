@@ -16,8 +16,8 @@ from rl_tui.lab.run.large_worlds import is_large
 from rl_tui.tui.panels.legend import GREEDY_IN_FULL, Legend, LegendSign
 from rl_tui.tui.panels.scrolling import Scrolled, kept_in_view, scrolled_to
 from rl_tui.tui.panels.snapshot_facts import is_new_run
-from rl_tui.tui.panels.world.grid.cells import SEVERAL, START, CellArtist, reward_style
-from rl_tui.tui.panels.world.grid.form import LEAST_DIGITS, CellForm, cell_form, digits_needed
+from rl_tui.tui.panels.world.grid.cells import SEVERAL, START, CellArtist, differing_style, reward_style
+from rl_tui.tui.panels.world.grid.form import LEAST_ARROWS, LEAST_DIGITS, CellForm, cell_form, digits_needed
 from rl_tui.tui.panels.world.grid.map import CellContent, GridMap, MapPart
 from rl_tui.tui.panels.world.view import WorldView
 from rl_tui.worlds.drawing import CellKind, Grid
@@ -142,7 +142,7 @@ class GridView(WorldView):
         self._top = kept_in_view(self._top, row if self._following else None, rows, grid.rows)
         self._left = kept_in_view(self._left, column if self._following else None, columns, grid.columns)
         self._part = part = MapPart(self._top, self._left, rows, columns)
-        cells = self._map.contents(part, snapshot, self.shown_cursor)
+        cells = self._map.contents(part, snapshot, self.shown_cursor, self.differing)
         needed = digits_needed(each.value for each in cells if each.value is not None)
         if needed > self._digits:  # they stay as wide, lest the map jump to and fro
             self._digits = needed
@@ -164,6 +164,8 @@ class GridView(WorldView):
     def _signs(self) -> Iterator[LegendSign]:
         palette, glyphs = self.look.palette, self.look.glyphs
         form, signs = self._form, self._map.signs
+        if form is not None and self.differing:
+            yield self._differing_sign(form)
         if form is not None and self._map.rewards:  # what is hardest to guess stands first
             yield from self._reward_signs(form)
         if form is not None and len(signs) > form.most_signs:
@@ -185,6 +187,13 @@ class GridView(WorldView):
         yield LegendSign(sign, "greedy", palette.strong, GREEDY_IN_FULL)
         if CellKind.WALL in self._kinds:
             yield LegendSign(glyphs.wall, "wall", palette.wall)
+
+    def _differing_sign(self, form: CellForm) -> LegendSign:
+        glyphs, strong = self.look.glyphs, self.look.palette.strong
+        sign, style = (
+            (glyphs.differs, strong) if form.width > LEAST_ARROWS else (glyphs.up, differing_style(strong))
+        )
+        return LegendSign(sign, "differs", style, "greedy in the other lane differs")
 
     def _reward_signs(self, form: CellForm) -> Iterator[LegendSign]:
         """Yield how cells show what they pay: as a number, or whether it is more or less than usual."""
