@@ -63,7 +63,7 @@ def test_the_bellman_equation_of_the_student_is_the_one_worked_out_by_hand() -> 
     assert "Q*(Class,study) = Σ p · [r + γ · max Q*(s′,·)]" in text
     assert "= .8·[−2 + .90·10.0000] + .2·[−2 + .90·6.3415]" in text
     assert f"= {5.2 / 0.82:.4f}" in text
-    assert "learned Q(Class,study) = 6.370, taken 1,204 times" in text
+    assert "learned Q(Class,study) = 6.3700, taken 1,204 times" in text
     once = changed(student(), visits=np.ones(5, dtype=np.int64))
     assert drawn(panel(once, 0)).count(", taken 1 time\n") == 1
 

@@ -13,7 +13,8 @@ from snapshots import changed
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.lab.live.snapshot import Phase, Snapshot
 from rl_tui.tui.panels.q_table.layers import Figures, Layer
-from rl_tui.tui.panels.q_table.q_table import COMPUTING, FOLLOWS
+from rl_tui.tui.panels.q_table.q_table import COMPUTING
+from rl_tui.tui.panels.q_table.titles import FOLLOWS
 from rl_tui.worlds.drawing import Graph
 from rl_tui.worlds.mdp.tabular_mdp import Outcome, Transition, tabular_mdp
 from rl_tui.worlds.world import World
@@ -81,9 +82,9 @@ def test_the_signed_layer_is_tinted_around_zero() -> None:
     target = replace(exact, q=np.full(44, 0.5))
     drawn = Drawn(changed(state, solution=target), layer=Layer.ERROR)
     assert drawn.table.heading.startswith("Q − Q* · ")
-    assert drawn.style_of(1, "−0.30") == PALETTE.signed_value(-0.3 / 0.5)
-    assert drawn.style_of(1, "0.40") == PALETTE.signed_value(0.4 / 0.5)
-    assert drawn.style_of(1, "−0.50") == PALETTE.unvisited
+    assert drawn.style_of(1, "−.300") == PALETTE.signed_value(-0.3 / 0.5)
+    assert drawn.style_of(1, ".400") == PALETTE.signed_value(0.4 / 0.5)
+    assert drawn.style_of(1, "−.500") == PALETTE.unvisited
 
 
 def test_visits_are_tinted_by_their_logarithm() -> None:

@@ -14,7 +14,8 @@ from textual.strip import Strip
 from textual.widgets import Button
 
 from rl_tui.lab.live.snapshot import Snapshot
-from rl_tui.tui.panels.q_table.q_table import FOLLOW_HINT, FOLLOWS, QTable
+from rl_tui.tui.panels.q_table.q_table import QTable
+from rl_tui.tui.panels.q_table.titles import FOLLOW_HINT, FOLLOWS
 
 
 class Bench(App[None]):

@@ -34,7 +34,7 @@ def bellman_lines(snapshot: Snapshot, pair: int, look: Look, width: int, *, secr
     if snapshot.exact_answer.solution is None or mdp is None:
         why = snapshot.exact_answer.refused or "the exact answer is being computed"
         return [*lines, *wrapped(why, width, palette.dim, look, _CONTINUED, _CONTINUED)]
-    decimals = _decimals(mdp, snapshot.exact_answer.solution, pair)
+    decimals = decimals_of(mdp, snapshot.exact_answer.solution, pair)
     outcomes = shown_outcomes(snapshot.world, mdp, pair)
     terms = _terms(mdp, snapshot.exact_answer.solution, outcomes, look, decimals)
     text = "means as they are now" if mdp.drift_std else " + ".join(terms)
@@ -46,7 +46,7 @@ def bellman_lines(snapshot: Snapshot, pair: int, look: Look, width: int, *, secr
     ]
 
 
-def _decimals(mdp: TabularMDP, exact: Solution, pair: int) -> int:
+def decimals_of(mdp: TabularMDP, exact: Solution, pair: int) -> int:
     """Return four decimals, more where all values are small: the sum is that of the printed terms."""
     values = [float(exact.v[mdp.next_state[outcome]]) for outcome in mdp.outcomes_of(pair)]
     return _DECIMALS + max(0, leading_zeros(float(exact.q[pair]), *values) - 1)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from functools import lru_cache
 from typing import Final
@@ -14,9 +15,10 @@ from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.draw import names, numbers
 from rl_tui.tui.draw.action_order import shown_order, shown_pairs
 from rl_tui.tui.draw.pieces import Line, Piece, wrapped
+from rl_tui.tui.draw.precision import column_figure
 from rl_tui.tui.draw.to_ascii import to_ascii
 from rl_tui.tui.panels.last_step.update_text import setting
-from rl_tui.tui.panels.model.bellman import SECRET, bellman_lines
+from rl_tui.tui.panels.model.bellman import SECRET, bellman_lines, decimals_of
 from rl_tui.tui.panels.model.outcomes import outcome_lines
 from rl_tui.tui.panels.model.reward_range import reward_range
 from rl_tui.tui.panels.snapshot_facts import is_secret
@@ -87,7 +89,7 @@ def pair_lines(snapshot: Snapshot, pair: int, look: Look, width: int, *, reveale
         Piece(f"   pair {number:,} of {space.pairs:,}", palette.dim),
     ]
     taken = int(snapshot.agent.visits[pair])
-    learned = numbers.value(float(snapshot.agent.q[pair]), 7, glyphs) if taken else "not yet visited"
+    learned = _learned(snapshot, pair, look, secret=secret) if taken else "not yet visited"
     if not snapshot.agent.holds(pair):  # the next snapshot of a large world will have it
         learned = glyphs.ellipsis
     estimate: Line = [
@@ -104,6 +106,14 @@ def pair_lines(snapshot: Snapshot, pair: int, look: Look, width: int, *, reveale
         [Piece("", palette.text)],
         *bellman_lines(snapshot, pair, look, width, secret=secret),
     ]
+
+
+def _learned(snapshot: Snapshot, pair: int, look: Look, *, secret: bool) -> str:
+    """Return the estimate of ``pair``, with as many decimals as the exact value shown below it."""
+    x, mdp, exact = float(snapshot.agent.q[pair]), snapshot.world.mdp, snapshot.exact_answer.solution
+    if mdp is None or exact is None or secret or not math.isfinite(x):
+        return numbers.value(x, 7, look.glyphs)
+    return column_figure(x, decimals_of(mdp, exact, pair), look.glyphs)
 
 
 def _rewards(snapshot: Snapshot, mdp: TabularMDP, look: Look, *, revealed: bool) -> str:

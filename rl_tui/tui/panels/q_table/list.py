@@ -256,6 +256,7 @@ def _value_columns(scene: Scene, layers: Sequence[Layer]) -> list[Column]:
 
     While visits are in force they have them.
     """
+    _share_form(scene, layers)
     main = scene.layer if scene.layer is Layer.OPTIMAL and scene.layer in layers else layers[0]
     counts = scene.layer is Layer.VISITS
     shown = replace(scene, cursor=None) if counts else scene
@@ -266,6 +267,15 @@ def _value_columns(scene: Scene, layers: Sequence[Layer]) -> list[Column]:
         rank = (3 if counts else 0) if is_main else 2
         columns.append(Column(head, BOX, rank, _value(shown, layer, is_main, has_frames=not counts), _right))
     return columns
+
+
+def _share_form(scene: Scene, layers: Sequence[Layer]) -> None:
+    """Write the numbers of columns that are compared with as many decimals."""
+    compared = [scene.figures[layer] for layer in layers]
+    low, high = min(each.low for each in compared), max(each.high for each in compared)
+    form = scene.forms.form((*layers, DIGITS), low, high, DIGITS)
+    for each in compared:
+        each.share_form(DIGITS, form)
 
 
 def _value(scene: Scene, layer: Layer, is_main: bool, has_frames: bool) -> Draw:

@@ -11,6 +11,7 @@ from rich.style import Style
 
 from rl_tui.tui.draw import numbers
 from rl_tui.tui.draw.canvas import Canvas
+from rl_tui.tui.draw.number_form import NumberForm
 from rl_tui.tui.panels.world.grid.form import CellForm
 from rl_tui.tui.panels.world.grid.map import CellContent, Sign
 from rl_tui.tui.panels.world.grid.rewards import CellReward
@@ -20,8 +21,6 @@ from rl_tui.worlds.drawing import CellKind
 
 SEVERAL: Final = "*"  # in place of the arrows where they do not fit
 START: Final = "S"
-_ROOM_FOR_SMALL: Final = 6
-_LEAST_SHOWN: Final = 0.005  # what is below would be rounded to .00
 _MOST_KEPT: Final = 20_000
 
 Drawn = list[list[Segment]]
@@ -70,19 +69,21 @@ class CellArtist:
         self._has_table = has_table
         # what looks the same is drawn once
         self._drawn = lru_cache(_MOST_KEPT)(partial(_drawn, form=form, look=look))
-        self._text = lru_cache(_MOST_KEPT)(partial(_value_text, width=form.digits, look=look))
+        self._text = lru_cache(_MOST_KEPT)(partial(_value_text, look=look))
         self._signs = lru_cache(_MOST_KEPT)(partial(_signs, look=look))
 
-    def drawn(self, cells: Sequence[CellContent], low: float, high: float) -> list[Drawn]:
+    def drawn(
+        self, cells: Sequence[CellContent], low: float, high: float, number_form: NumberForm
+    ) -> list[Drawn]:
         """Return the rows of each of ``cells``, tinted by its value from ``low`` to ``high``."""
-        return [self._drawn(self._face(cell, low, high)) for cell in cells]
+        return [self._drawn(self._face(cell, low, high, number_form)) for cell in cells]
 
     def reward_text(self, reward: CellReward) -> str:
         """Return how a cell without other signs shows what it pays."""
         # a single row has one character for it, two rows have arrows beside it
         return _reward_text(reward, self.form.width if self.form.height > 2 else 1, self.look)
 
-    def _face(self, cell: CellContent, low: float, high: float) -> Face:
+    def _face(self, cell: CellContent, low: float, high: float, number_form: NumberForm) -> Face:
         kind, agent, value, known, greedy, reward, stops, cursor, differs, _ = cell
         palette = self.look.palette
         if value is None:
@@ -92,7 +93,7 @@ class CellArtist:
             )
         style = palette.value(fraction(value, low, high)) if known else palette.unvisited
         is_dot = not known and value == 0.0 and not self._has_table
-        text = self.look.glyphs.stay if is_dot else self._text(value)
+        text = self.look.glyphs.stay if is_dot else self._text(value, number_form)
         return Face(kind, agent, text, self._signs(greedy), style, reward, stops, cursor, differs)
 
 
@@ -170,11 +171,8 @@ def _draw_small(canvas: Canvas, face: Face, form: CellForm, look: Look) -> None:
     _put_mark_or_reward(canvas, before, face, look)
 
 
-def _value_text(x: float, width: int, look: Look) -> str:
-    """Return a value; one too small for two decimals as a bound where there is no room for more."""
-    if width < _ROOM_FOR_SMALL and numbers.NEGLIGIBLE <= x < _LEAST_SHOWN:
-        return "<.01" if width >= len("<.01") else ".00"
-    return numbers.value(x, width, look.glyphs, decimals=2)
+def _value_text(x: float, number_form: NumberForm, look: Look) -> str:
+    return number_form.text(x, look.glyphs)
 
 
 def _fitting(face: Face, most: int) -> str:

@@ -40,8 +40,8 @@ class ActionValue(NamedTuple):
 class CellContent(NamedTuple):
     """One cell.
 
-        ``value`` is V(s) = max over a of Q(s, a), None where nothing can be done or the snapshot does not tell.
-        ``known`` says that something was learned about the state: it was updated or its estimates differ.
+    ``value`` is V(s) = max over a of Q(s, a), None where nothing can be done or the snapshot does not tell.
+    ``known`` says that something was learned about the state: it was updated or its estimates differ.
     ``greedy`` holds the greedy actions, all ties, as direction or first letter of the name, in the
     order in which actions are shown; it is empty where nothing is known. ``reward`` is what the cell pays
     where that is not the usual step's. ``stops`` marks a breakpoint, ``cursor`` the cell the cursor is on.
