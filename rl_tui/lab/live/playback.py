@@ -18,6 +18,7 @@ from rl_tui.lab.live.state import BUSY, ENDED, PASSING, UNFINISHED, State, shows
 from rl_tui.lab.live.stop_condition import StopCondition, breakpoint_in_words, until_in_words, watching_for
 from rl_tui.lab.live.until import Breakpoints, Event, Until
 from rl_tui.lab.live.viewport import Viewport
+from rl_tui.lab.many_seeds.many_seeds import ManySeeds
 from rl_tui.lab.run.exact_answers import Answer, RunAnswers
 from rl_tui.lab.run.recipe import Beginning, Recipe, begin
 from rl_tui.lab.timeline.branches import RunRecord
@@ -37,7 +38,7 @@ class Playback:
     :meth:`takes` and take a :meth:`snapshot` where ``changed``. What each command does stands in
     ``handlers.py``. ``clock`` gives seconds. With ``automatic`` off no step passes but those that commands
     ask for. ``on_exact`` is called, from any thread, when an exact answer has come that the last snapshot
-    lacked. With ``record`` it begins where that was written.
+    lacked, or more of what many seeds say. With ``record`` it begins where that was written.
     """
 
     def __init__(
@@ -70,6 +71,8 @@ class Playback:
         """What the screen shows of a large world; None: it has not said, so everything may be shown."""
         self.cell: int | None = None
         """The pair of which snapshots tell how Q went."""
+        self.many_seeds: ManySeeds = ManySeeds(on_exact, automatic=automatic)
+        """What many seeds say of the runs."""
         self.group: RunGroup
         """The runs; none while it is building."""
         self.transport: Transport
@@ -186,6 +189,7 @@ class Playback:
             viewport=self.viewport,
             cell=self.cell,
             has_trail=has_trail,
+            study=self.many_seeds.told_of(self.group),
         )
         seeks = self.state is State.SEEKING
         returns = seeks and self.group.current.seek is not None and not self.touched
@@ -297,12 +301,6 @@ class Playback:
         breakpoints.check(self.group.current.world.space)
         self.breakpoints = breakpoints
         self.watch()
-
-    def study_seeds(self) -> None:
-        """Work out what many seeds say of the runs as they are now."""
-
-    def end_study(self) -> None:
-        """Work out no more of it."""
 
     def take_in_change(self) -> None:
         """Take in that an agent has other settings, or that another one is shown."""

@@ -14,6 +14,7 @@ from rl_tui.lab.live.snapshot import AgentView, PlaybackView, Snapshot
 from rl_tui.lab.live.state import State
 from rl_tui.lab.live.stop_condition import until_in_words
 from rl_tui.lab.live.viewport import PartCopier, Viewport
+from rl_tui.lab.many_seeds.figures import SeedStudy
 from rl_tui.lab.run.bandit import bandit_figures
 from rl_tui.lab.run.exact_answers import NO_TABLE, PENDING, Answer
 from rl_tui.lab.run.large_worlds import is_large
@@ -62,6 +63,7 @@ class SnapshotBuilder:
         viewport: Viewport | None,
         cell: int | None,
         has_trail: bool,
+        study: SeedStudy | None = None,
     ) -> Snapshot:
         """Return the snapshot of the run that ``group`` shows, with how Q of the pair ``cell`` went.
 
@@ -75,6 +77,7 @@ class SnapshotBuilder:
         return replace(
             snapshot,
             cell=None if cell is None else current.cell_history(cell),
+            study=study,
             beside=None
             if beside is None or view.beside is None
             else self._of(beside, view, view.beside, playback, answer, viewport, has_trail),

@@ -34,6 +34,7 @@ class Glyphs:
     trail_old: str
     slip: str
     unreached: str  # fills a cell that no way leads to
+    differs: str  # greedy actions that are others in the lane beside
     track_done: str  # slider
     track_rest: str
     thumb: str
@@ -108,6 +109,7 @@ _ROWS: Final[Mapping[str, tuple[Any, Any]]] = {
     "trail_old": ("◦", "'"),
     "slip": ("~", "~"),
     "unreached": ("░", ":"),
+    "differs": ("≠", "/"),
     "track_done": ("━", "="),
     "track_rest": ("─", "-"),
     "thumb": ("●", "o"),
