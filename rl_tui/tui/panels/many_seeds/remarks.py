@@ -19,6 +19,7 @@ from rl_tui.tui.panels.many_seeds.figures import (
     WINNINGS,
     decimals_of,
     deviation,
+    estimates_of,
     figure_text,
 )
 from rl_tui.tui.theme.glyphs import Glyphs
@@ -51,7 +52,7 @@ def _how_usual(study: SeedStudy, glyphs: Glyphs, *, secret: bool) -> str:
         if found is None:
             continue
         away, spread = found
-        sizes = f"(one is {figure_text(spread, decimals_of(figure, study.lanes), glyphs)})"
+        sizes = f"(one is {figure_text(spread, decimals_of(estimates_of(figure, study.lanes)), glyphs)})"
         sizes = sizes.replace(" ", KEPT_BLANK)
         if abs(away) <= 1.0:
             return f"this seed is a usual one: its {figure.name} is within one standard deviation {sizes}"
