@@ -16,6 +16,7 @@ from rl_tui.tui.draw.chart_plot import Plot
 from rl_tui.tui.panels.curve.smoothing import smoothed
 from rl_tui.tui.panels.legend import LegendSign
 from rl_tui.tui.panels.many_seeds.figures import LAST_100, decimals_of, estimate_text
+from rl_tui.tui.panels.snapshot_facts import current_study
 from rl_tui.tui.theme.look import Look
 from rl_tui.worlds.mdp.space import IntArray
 
@@ -45,10 +46,9 @@ class SeedBand:
 
 def seed_bands(snapshot: Snapshot) -> tuple[SeedBand, ...]:
     """Return a band for each run, as far as any has come; none without a study of these very runs."""
-    study = snapshot.study
-    runs = len(snapshot.run_group.lanes) or 1
+    study = current_study(snapshot)
     furthest = max([snapshot.counters.episodes, *(lane.episodes for lane in snapshot.run_group.lanes)])
-    if study is None or study.is_outdated or study.seeds < 2 or len(study.lanes) != runs:
+    if study is None:
         return ()
     found = []
     for number, lane in enumerate(study.lanes, 1):
