@@ -139,7 +139,7 @@ class Compare(Dialog[Answer]):
             if row.of_seeds:
                 text.append(f"\n{row.of_seeds}", "not bold")
             yield Option(text, id=f"{_LANE}{number}")
-        if len(rows) > 1:
+        if len(rows) > 1 or self._study is not None:
             said = _ONE_SEED if self._study is None else _MANY_SEEDS
             yield Option(to_ascii(said, self._look.glyphs), disabled=True)
 
