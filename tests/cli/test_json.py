@@ -256,6 +256,16 @@ def test_solve_at_gamma_0_25_is_where_studying_begins_to_pay() -> None:
     assert document("solve", "student", "--gamma", "0.26")["policy"][0] == ["study"]
 
 
+def test_solve_at_gamma_1_has_no_policy_that_never_ends() -> None:
+    answer = document("solve", "student", "--gamma", "1")
+    assert answer["policy"] == [["study"], ["quit"], ["sleep"], []]
+    assert answer["q"][0][:2] == pytest.approx([7.5, 7.5])
+    assert answer["expected_return"] == answer["best_expected_return"] == pytest.approx(7.5)
+    lake = document("solve", "frozenlake", "--gamma", "1")
+    assert lake["policy"] == document("solve", "frozenlake", "--gamma", "0.99")["policy"]
+    assert lake["expected_return"] == pytest.approx(1.0)
+
+
 def test_solve_draws_the_arms_from_the_seed() -> None:
     first, again, other = (document("solve", "bandit", "--seed", seed)["q"] for seed in ("1", "1", "2"))
     assert first == again != other

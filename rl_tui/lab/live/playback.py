@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Final
 
@@ -11,9 +12,9 @@ from rl_tui.lab.live.compilation import LOOK_AGAIN, Compilation
 from rl_tui.lab.live.handlers import HANDLERS
 from rl_tui.lab.live.record import LearnedTable, Record
 from rl_tui.lab.live.snapshot import PHASES, Phase, PlaybackView, Snapshot
-from rl_tui.lab.live.snapshot_builder import SnapshotBuilder, as_left
+from rl_tui.lab.live.snapshot_builder import SnapshotBuilder, as_left, view_of
 from rl_tui.lab.live.speed.pacing import AT_ONCE, CHUNK
-from rl_tui.lab.live.state import BUSY, ENDED, PASSING, UNFINISHED, State
+from rl_tui.lab.live.state import BUSY, ENDED, PASSING, UNFINISHED, State, shows_trail
 from rl_tui.lab.live.stop_condition import StopCondition, breakpoint_in_words, until_in_words, watching_for
 from rl_tui.lab.live.until import Breakpoints, Event, Until
 from rl_tui.lab.live.viewport import Viewport
@@ -167,7 +168,7 @@ class Playback:
             case State.RUNNING if self._automatic:
                 return self._continue_running()
             case _:
-                return None
+                return self._find_trails()
         return 0.0
 
     def snapshot(self) -> Snapshot:
@@ -178,26 +179,19 @@ class Playback:
                 raise RuntimeError("there is no world yet")
             preparing = PlaybackView(message=PREPARING, speed=self._record.speed)
             return as_left(self._builder.before(self._recipe, self._beginning.world, preparing), self._record)
-        run, seeks = self.group.current.run, self.state is State.SEEKING
+        has_trail = shows_trail(self.state, self.transport.speed)
+        if has_trail and not self._automatic:
+            self.group.find_trails(math.inf)  # in pieces it would depend on the time
         snapshot = self._builder.build(
             self.group,
-            PlaybackView(
-                phase=self.phase,
-                message=self.transport.seek_message(waits=self.waits) if seeks else run.message,
-                speed=self.transport.speed,
-                watching=self.transport.watching,
-                steps_per_second=self.transport.meter.steps_per_second,
-                interpreted=self.compilation.interpreted,
-                until="" if self.condition is None else until_in_words(self.condition.until, run.world),
-                paused_by=self.paused_by,
-                breakpoints=self.breakpoints,
-                handled=self.handled,
-            ),
+            view_of(self),
             self._answers.of,
             viewport=self.viewport,
             cell=self.cell,
+            has_trail=has_trail,
             study=self.many_seeds.told_of(self.group),
         )
+        seeks = self.state is State.SEEKING
         returns = seeks and self.group.current.seek is not None and not self.touched
         return as_left(snapshot, self._record) if returns else snapshot
 
@@ -386,6 +380,14 @@ class Playback:
                     self.paused_by = until_in_words(condition.until, run.world)
             if self._clock() >= until:
                 return
+
+    def _find_trails(self) -> float | None:
+        """Find out for some milliseconds how the episodes under way went."""
+        if not self._automatic or self.group.trails_are_whole:
+            return None
+        self.changed = True
+        self.group.find_trails(CHUNK)
+        return None if self.group.trails_are_whole else 0.0
 
     def _continue_running(self) -> float:
         run, before = self.group.current.run, self.group.current.run.step

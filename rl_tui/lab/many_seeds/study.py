@@ -110,7 +110,13 @@ class Study:
     def _ended_early(self) -> SeedStudy:
         """Return the last whole block; before the first one, what as many seeds of every lane say."""
         seeds = min(len(lane.rows) for lane in self._lanes)
-        if self._told.seeds or seeds < 2:
+        if seeds < 2:
+            return replace(
+                self._told,
+                state=StudyState.OUT_OF_TIME,
+                message=f"{MOST_SECONDS:.0f} s of processor time are not enough for 2 seeds",
+            )
+        if self._told.seeds:
             return replace(self._told, state=StudyState.OUT_OF_TIME)
         return self._tell(seeds, StudyState.OUT_OF_TIME)
 
