@@ -10,7 +10,7 @@ from rl_tui.common.errors import UserError
 from rl_tui.lab.live.commands import AddLane, ChooseLane, DropLane
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.timeline.lane_view import LaneView
-from rl_tui.tui.panels.snapshot_facts import is_secret
+from rl_tui.tui.panels.snapshot_facts import current_study, is_secret
 from rl_tui.tui.screens.dialogs.choice import algorithm_choice, policy_choice
 from rl_tui.tui.screens.dialogs.compare import Answer, Compare
 from rl_tui.tui.screens.dialogs.dialog import Dialog
@@ -30,7 +30,14 @@ class LaneActions(Subject):
             return
         hidden = is_secret(snapshot, revealed=self.board.curve.tells_all)
         lanes = snapshot.run_group.lanes or (_only_lane(snapshot),)
-        dialog = Compare(self.screen.look, lanes, snapshot.run_group.shown, in_force(snapshot), hidden=hidden)
+        dialog = Compare(
+            self.screen.look,
+            lanes,
+            snapshot.run_group.shown,
+            in_force(snapshot),
+            hidden=hidden,
+            study=current_study(snapshot),
+        )
         self.ask(dialog, self._compared)
 
     def next_lane(self) -> None:
