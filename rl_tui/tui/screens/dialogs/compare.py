@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import ClassVar, Final
 
 from rich.text import Text
@@ -13,7 +13,7 @@ from textual.widgets.option_list import Option
 
 from rl_tui.agents.catalogue import BY_ID
 from rl_tui.agents.hyperparameters import PARAMETERS
-from rl_tui.lab.live.commands import ChooseLane, DropLane
+from rl_tui.lab.live.commands import AddBranch, ChooseLane, DropLane
 from rl_tui.lab.run.recipe import Recipe
 from rl_tui.lab.timeline.lane_view import LaneView
 from rl_tui.tui.draw import numbers
@@ -27,13 +27,16 @@ from rl_tui.tui.theme.glyphs import ASCII
 from rl_tui.tui.theme.look import Look
 
 MOST_LANES: Final = 4
-Answer = ChooseLane | DropLane | str
-"""A lane to show or to end, or the name of what is to be different in another one."""
+MOST_BRANCHES: Final = 4
+Answer = ChooseLane | DropLane | AddBranch | str
+"""A lane to show or to end, a branch to stand beside, or the name of what another one has otherwise."""
 
 _LANE: Final = "lane-"
 _WITH: Final = "with-"
+_BRANCH: Final = "branch-"
 _HINTS: Final = {
     "lanes": "returns, undiscounted: mean of the last 100; exact one of the greedy policy",
+    "branch": "this run as it went there, and goes on; each is changed by itself from now on",
     ALGORITHM: "another way to learn, or to plan",
 }
 _LEAST_NAME: Final = 8
@@ -44,7 +47,8 @@ _LEAST_SYMBOL: Final = 12
 class Compare(Dialog[Answer]):
     """A list of ``lanes``, at least one, of which ``shown`` is on screen; below it what else to compare with.
 
-    ``recipe`` is what is in force in the one shown. Of a bandit that is ``hidden`` no greedy return is shown.
+    ``recipe`` is what is in force in the one shown. ``branches`` of it can stand beside it, in words by their
+    numbers: the last few are offered. Of a bandit that is ``hidden`` no greedy return is shown.
     """
 
     BINDINGS: ClassVar[list[BindingType]] = [
@@ -52,7 +56,14 @@ class Compare(Dialog[Answer]):
     ]
 
     def __init__(
-        self, look: Look, lanes: Sequence[LaneView], shown: int, recipe: Recipe, *, hidden: bool
+        self,
+        look: Look,
+        lanes: Sequence[LaneView],
+        shown: int,
+        recipe: Recipe,
+        *,
+        hidden: bool,
+        branches: Mapping[int, str] | None = None,
     ) -> None:
         super().__init__()
         self._look = look
@@ -60,6 +71,7 @@ class Compare(Dialog[Answer]):
         self._shown = shown
         self._recipe = recipe
         self._hidden = hidden
+        self._branches = branches or {}
 
     def compose(self) -> ComposeResult:
         """Yield the list and the sentence about the entry under the cursor."""
@@ -86,7 +98,12 @@ class Compare(Dialog[Answer]):
         """Describe the entry under the cursor."""
         entry = str(event.option_id)
         name = entry.removeprefix(_WITH)
-        hint = _HINTS["lanes"] if entry.startswith(_LANE) else _HINTS.get(name, "") or PARAMETERS[name].help
+        if entry.startswith(_LANE):
+            hint = _HINTS["lanes"]
+        elif entry.startswith(_BRANCH):
+            hint = _HINTS["branch"]
+        else:
+            hint = _HINTS.get(name, "") or PARAMETERS[name].help
         self.query_one(".hint", Static).update(to_ascii(hint, self._look.glyphs))
 
     def on_option_list_option_selected(self, event: OptionList.OptionSelected) -> None:
@@ -94,6 +111,8 @@ class Compare(Dialog[Answer]):
         entry = str(event.option_id)
         if entry.startswith(_LANE):
             self.dismiss(ChooseLane(int(entry.removeprefix(_LANE))))
+        elif entry.startswith(_BRANCH):
+            self.dismiss(AddBranch(int(entry.removeprefix(_BRANCH))))
         else:
             self.dismiss(entry.removeprefix(_WITH))
 
@@ -116,11 +135,24 @@ class Compare(Dialog[Answer]):
         if len(self._lanes) >= MOST_LANES:
             yield Option("Four lanes are the most: end one to open another.", disabled=True)
             return
+        yield from self._branch_rows()
         yield Option("Another lane, the same but for", disabled=True)
         names = what_may_differ(self._recipe)
         columns = max(_LEAST_SYMBOL, *(len(self._symbol(name)) for name in names))
         for name in names:
             yield Option(self._entry(name, columns), id=f"{_WITH}{name}")
+
+    def _branch_rows(self) -> Iterator[Option]:
+        if not self._branches:
+            return
+        yield Option("Another lane, a branch of this run", disabled=True)
+        glyphs, room = self._look.glyphs, self._room - 2
+        for number in list(self._branches)[-MOST_BRANCHES:]:
+            words = to_ascii(self._branches[number], glyphs)
+            yield Option(Text(f"  {shortened(words, room, glyphs.ellipsis)}"), id=f"{_BRANCH}{number}")
+        more = len(self._branches) - MOST_BRANCHES
+        if more > 0:
+            yield Option(f"  {more:,} more: j lists them", disabled=True)
 
     def _head(self) -> Text:
         return Text(self._columns("", "lane", "algorithm", "step", "last 100", "greedy"))
