@@ -124,6 +124,8 @@ def test_every_moment_looks_as_it_looked_then(scenario: str) -> None:
 def looks(snapshot: Snapshot) -> Any:
     """What a snapshot shows, but for what tells of other times."""
     about_now = {"timeline", "world", "exact_answer"}
+    if snapshot.world.new_environment is not None:
+        about_now.add("trail")  # of an environment that is stepped it is what was recorded
     shown = changed(snapshot, handled=0)
     return [bits(getattr(shown, each.name)) for each in fields(shown) if each.name not in about_now]
 

@@ -183,6 +183,21 @@ class RunGroup:
         lane.advance(max(0, min(steps, self.step - before)))
         return lane.step - before
 
+    @property
+    def trails_are_whole(self) -> bool:
+        """Whether nothing more can be found out of how the episodes of the two runs on view went."""
+        return not any(each.finds_trail for each in self._on_view)
+
+    def find_trails(self, seconds: float) -> None:
+        """Find out for about ``seconds``, or infinity, how the episodes of the two runs on view went."""
+        for each in self._on_view:
+            each.find_trail(seconds / len(self._on_view))
+
+    @property
+    def _on_view(self) -> list[BranchingRun]:
+        """The run shown and the one beside it."""
+        return [each for each in (self.current, self.beside) if each is not None]
+
     def stop_seek(self) -> None:
         """Seek no further; the others follow to where the one shown stands."""
         self.current.stop_seek()

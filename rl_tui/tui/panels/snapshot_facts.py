@@ -26,6 +26,11 @@ def is_secret(snapshot: Snapshot, *, revealed: bool) -> bool:
     return isinstance(snapshot.world.drawing, Arms) and not revealed
 
 
+def lacks_exact(snapshot: Snapshot) -> bool:
+    """Return whether the exact answer is still being worked out."""
+    return snapshot.exact_answer.solution is None and not snapshot.exact_answer.refused
+
+
 def passes_too_fast(snapshot: Snapshot) -> bool:
     """Return whether steps follow one another too fast to be shown one by one."""
     too_fast = snapshot.playback.speed is None or snapshot.playback.speed > _FASTEST_FOLLOWED

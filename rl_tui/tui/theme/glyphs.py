@@ -30,6 +30,7 @@ class Glyphs:
     lit_right: str
     cursor: str
     breakpoint: str
+    differs: str  # greedy actions that are others in the lane beside
     track_done: str  # slider
     track_rest: str
     thumb: str
@@ -100,6 +101,7 @@ _ROWS: Final[Mapping[str, tuple[Any, Any]]] = {
     "lit_right": ("▌", "}"),
     "cursor": ("▸", ">"),
     "breakpoint": ("!", "!"),
+    "differs": ("≠", "/"),
     "track_done": ("━", "="),
     "track_rest": ("─", "-"),
     "thumb": ("●", "o"),

@@ -11,6 +11,7 @@ from rich.style import Style
 
 from rl_tui.tui.draw import numbers
 from rl_tui.tui.draw.canvas import Canvas
+from rl_tui.tui.draw.number_form import NumberForm
 from rl_tui.tui.panels.world.grid.form import CellForm
 from rl_tui.tui.panels.world.grid.map import CellContent, Sign
 from rl_tui.tui.panels.world.grid.rewards import CellReward
@@ -20,8 +21,6 @@ from rl_tui.worlds.drawing import CellKind
 
 SEVERAL: Final = "*"  # in place of the arrows where they do not fit
 START: Final = "S"
-_ROOM_FOR_SMALL: Final = 6
-_LEAST_SHOWN: Final = 0.005  # what is below would be rounded to .00
 _MOST_KEPT: Final = 20_000
 
 Drawn = list[list[Segment]]
@@ -30,7 +29,8 @@ Drawn = list[list[Segment]]
 class Face(NamedTuple):
     """All that makes a cell look as it does; ``text`` is its value, None where nothing can be done.
 
-    ``stops`` marks a breakpoint, ``cursor`` the cell the cursor stands on.
+    ``stops`` marks a breakpoint, ``cursor`` the cell the cursor stands on, ``differs`` greedy actions that
+    are others in the lane beside this one.
     """
 
     kind: CellKind
@@ -41,6 +41,7 @@ class Face(NamedTuple):
     reward: CellReward | None = None
     stops: bool = False
     cursor: bool = False
+    differs: bool = False
 
 
 class CellArtist:
@@ -68,28 +69,32 @@ class CellArtist:
         self._has_table = has_table
         # what looks the same is drawn once
         self._drawn = lru_cache(_MOST_KEPT)(partial(_drawn, form=form, look=look))
-        self._text = lru_cache(_MOST_KEPT)(partial(_value_text, width=form.digits, look=look))
+        self._text = lru_cache(_MOST_KEPT)(partial(_value_text, look=look))
         self._signs = lru_cache(_MOST_KEPT)(partial(_signs, look=look))
 
-    def drawn(self, cells: Sequence[CellContent], low: float, high: float) -> list[Drawn]:
+    def drawn(
+        self, cells: Sequence[CellContent], low: float, high: float, number_form: NumberForm
+    ) -> list[Drawn]:
         """Return the rows of each of ``cells``, tinted by its value from ``low`` to ``high``."""
-        return [self._drawn(self._face(cell, low, high)) for cell in cells]
+        return [self._drawn(self._face(cell, low, high, number_form)) for cell in cells]
 
     def reward_text(self, reward: CellReward) -> str:
         """Return how a cell without other signs shows what it pays."""
         # a single row has one character for it, two rows have arrows beside it
         return _reward_text(reward, self.form.width if self.form.height > 2 else 1, self.look)
 
-    def _face(self, cell: CellContent, low: float, high: float) -> Face:
-        kind, agent, value, known, greedy, reward, stops, cursor = cell
+    def _face(self, cell: CellContent, low: float, high: float, number_form: NumberForm) -> Face:
+        kind, agent, value, known, greedy, reward, stops, cursor, differs, _ = cell
         palette = self.look.palette
         if value is None:
             style = self._idle_styles.get(kind, palette.dim)
-            return Face(kind, agent, None, self._idle_signs.get(kind, ""), style, None, stops, cursor)
+            return Face(
+                kind, agent, None, self._idle_signs.get(kind, ""), style, None, stops, cursor, differs
+            )
         style = palette.value(fraction(value, low, high)) if known else palette.unvisited
         is_dot = not known and value == 0.0 and not self._has_table
-        text = self.look.glyphs.stay if is_dot else self._text(value)
-        return Face(kind, agent, text, self._signs(greedy), style, reward, stops, cursor)
+        text = self.look.glyphs.stay if is_dot else self._text(value, number_form)
+        return Face(kind, agent, text, self._signs(greedy), style, reward, stops, cursor, differs)
 
 
 def _drawn(face: Face, form: CellForm, look: Look) -> Drawn:
@@ -126,7 +131,9 @@ def _draw_large(canvas: Canvas, face: Face, form: CellForm, look: Look) -> None:
     row = _value_row(form) - 1
     signs = _fitting(face, most=form.most_signs)
     start = (form.width - max(1, len(signs))) // 2
-    canvas.put(start, row, signs, _sign_style(face))
+    after = start + max(1, len(signs))
+    has_room = after < form.width - (face.stops and row == 0)
+    _put_signs(canvas, start, row, signs, after if has_room else None, face, look)
     mark = start - (2 if form.width >= 10 else 1)
     _put_mark(canvas, mark, row, face, look)
     _put_reward(canvas, 0, 0, form.width if row else mark if _mark(face, look) else start, face, look)
@@ -145,7 +152,8 @@ def _value_row(form: CellForm) -> int:
 def _draw_signs_alone(canvas: Canvas, face: Face, form: CellForm, look: Look) -> None:
     """Draw mark and arrow."""
     middle = max(1, (form.width - 1) // 2)
-    canvas.put(middle, 0, _fitting(face, most=1), _sign_style(face))
+    after = middle + 1 if middle + 1 < form.width else None
+    _put_signs(canvas, middle, 0, _fitting(face, most=1), after, face, look)
     _put_mark_or_reward(canvas, middle - 1, face, look)
 
 
@@ -157,15 +165,14 @@ def _draw_small(canvas: Canvas, face: Face, form: CellForm, look: Look) -> None:
     signs = _fitting(face, most=max(1, form.most_signs - mark))
     end = form.width - form.digits
     canvas.put(end, 0, text, face.style)
-    canvas.put(end - len(signs), 0, signs, _sign_style(face))
-    _put_mark_or_reward(canvas, end - max(1, len(signs)) - 1, face, look)
+    before = end - max(1, len(signs)) - 1
+    beside = before if not mark else None if signs else end - 1
+    _put_signs(canvas, end - len(signs), 0, signs, beside, face, look)
+    _put_mark_or_reward(canvas, before, face, look)
 
 
-def _value_text(x: float, width: int, look: Look) -> str:
-    """Return a value; one too small for two decimals as a bound where there is no room for more."""
-    if width < _ROOM_FOR_SMALL and numbers.NEGLIGIBLE <= x < _LEAST_SHOWN:
-        return "<.01" if width >= len("<.01") else ".00"
-    return numbers.value(x, width, look.glyphs, decimals=2)
+def _value_text(x: float, number_form: NumberForm, look: Look) -> str:
+    return number_form.text(x, look.glyphs)
 
 
 def _fitting(face: Face, most: int) -> str:
@@ -175,6 +182,23 @@ def _fitting(face: Face, most: int) -> str:
 
 def _sign_style(face: Face) -> Style:
     return face.style if face.text is None else face.style + Style(bold=True)
+
+
+def _put_signs(
+    canvas: Canvas, x: int, y: int, signs: str, beside: int | None, face: Face, look: Look
+) -> None:
+    """Put the arrows, and ``beside`` them whether they differ; where that is None they are reversed then."""
+    style = _sign_style(face)
+    if face.differs and beside is None:
+        style = differing_style(style)
+    elif face.differs and beside is not None:
+        canvas.put(beside, y, look.glyphs.differs, style)
+    canvas.put(x, y, signs, style)
+
+
+def differing_style(style: Style) -> Style:
+    """Return ``style`` of an arrow for one that differs, where there is no room for a sign beside it."""
+    return style + Style(reverse=not style.reverse)
 
 
 def _mark(face: Face, look: Look) -> str:

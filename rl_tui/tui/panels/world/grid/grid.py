@@ -13,11 +13,12 @@ from textual.strip import Strip
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.live.viewport import Cells
 from rl_tui.lab.run.large_worlds import is_large
+from rl_tui.tui.draw.number_form import SteadyForms
 from rl_tui.tui.panels.legend import GREEDY_IN_FULL, Legend, LegendSign
 from rl_tui.tui.panels.scrolling import Scrolled, kept_in_view, scrolled_to
 from rl_tui.tui.panels.snapshot_facts import is_new_run
-from rl_tui.tui.panels.world.grid.cells import SEVERAL, START, CellArtist, reward_style
-from rl_tui.tui.panels.world.grid.form import LEAST_DIGITS, CellForm, cell_form, digits_needed
+from rl_tui.tui.panels.world.grid.cells import SEVERAL, START, CellArtist, differing_style, reward_style
+from rl_tui.tui.panels.world.grid.form import LEAST_ARROWS, LEAST_DIGITS, CellForm, cell_form, digits_needed
 from rl_tui.tui.panels.world.grid.map import CellContent, GridMap, MapPart
 from rl_tui.tui.panels.world.view import WorldView
 from rl_tui.worlds.drawing import CellKind, Grid
@@ -28,6 +29,7 @@ HEADING: Final = f"{WORLD} · V and greedy"
 HEADING_WITHOUT_VALUES: Final = f"{WORLD} · greedy, V as tint"
 HEADING_GREEDY: Final = f"{WORLD} · greedy"
 FOLLOWS: Final = "follows the agent"
+_DECIMALS: Final = 2
 _LEAST_WITH_LEGEND: Final = 8  # rows of a map that scrolls
 FOLLOW_HINT: Final = "esc: follow the agent"
 
@@ -54,6 +56,7 @@ class GridView(WorldView):
         self._kinds = frozenset(world.drawing.kinds)
         self._top = self._left = 0
         self._following = True
+        self._number_forms = SteadyForms()
         self.heading = HEADING
 
     @property
@@ -122,6 +125,7 @@ class GridView(WorldView):
         """Draw ``snapshot``. Its numbers only ever get wider, until another run starts."""
         if is_new_run(self.snapshot, snapshot):
             self._digits = LEAST_DIGITS
+            self._number_forms.clear()
         super().show(snapshot)
 
     def drawing(self, snapshot: Snapshot, width: int, height: int) -> list[Strip]:
@@ -142,7 +146,7 @@ class GridView(WorldView):
         self._top = kept_in_view(self._top, row if self._following else None, rows, grid.rows)
         self._left = kept_in_view(self._left, column if self._following else None, columns, grid.columns)
         self._part = part = MapPart(self._top, self._left, rows, columns)
-        cells = self._map.contents(part, snapshot, self.shown_cursor)
+        cells = self._map.contents(part, snapshot, self.shown_cursor, self.differing)
         needed = digits_needed(each.value for each in cells if each.value is not None)
         if needed > self._digits:  # they stay as wide, lest the map jump to and fro
             self._digits = needed
@@ -155,7 +159,7 @@ class GridView(WorldView):
         self.footing = self._where(width)
         self.free_rows = height - part.rows * form.height - max(0, (height - part.rows * form.height) // 2)
         self._form, self._origin = form, origin(form, part, width, height)
-        return draw_grid(cells, self._artist_for(form), part, width, height)
+        return draw_grid(cells, self._artist_for(form), part, width, height, self._number_forms)
 
     def signs(self) -> Legend:
         """Return the signs of cells that this map has."""
@@ -164,6 +168,8 @@ class GridView(WorldView):
     def _signs(self) -> Iterator[LegendSign]:
         palette, glyphs = self.look.palette, self.look.glyphs
         form, signs = self._form, self._map.signs
+        if form is not None and self.differing:
+            yield self._differing_sign(form)
         if form is not None and self._map.rewards:  # what is hardest to guess stands first
             yield from self._reward_signs(form)
         if form is not None and len(signs) > form.most_signs:
@@ -185,6 +191,13 @@ class GridView(WorldView):
         yield LegendSign(sign, "greedy", palette.strong, GREEDY_IN_FULL)
         if CellKind.WALL in self._kinds:
             yield LegendSign(glyphs.wall, "wall", palette.wall)
+
+    def _differing_sign(self, form: CellForm) -> LegendSign:
+        glyphs, strong = self.look.glyphs, self.look.palette.strong
+        sign, style = (
+            (glyphs.differs, strong) if form.width > LEAST_ARROWS else (glyphs.up, differing_style(strong))
+        )
+        return LegendSign(sign, "differs", style, "greedy in the other lane differs")
 
     def _reward_signs(self, form: CellForm) -> Iterator[LegendSign]:
         """Yield how cells show what they pay: as a number, or whether it is more or less than usual."""
@@ -290,16 +303,22 @@ def origin(form: CellForm, part: MapPart, width: int, height: int) -> tuple[int,
 
 
 def draw_grid(
-    cells: Sequence[CellContent], artist: CellArtist, part: MapPart, width: int, height: int
+    cells: Sequence[CellContent],
+    artist: CellArtist,
+    part: MapPart,
+    width: int,
+    height: int,
+    number_forms: SteadyForms | None = None,
 ) -> list[Strip]:
     """Return ``cells``, those of ``part`` row by row, in the middle of width × height characters.
 
-    The tints go from the least to the greatest value in ``part``, 0 included.
+    The tints go from the least to the greatest value in ``part``, 0 included; all values have one form.
     """
     form, text = artist.form, artist.look.palette.text
     shown = [each.value for each in cells if each.value is not None and math.isfinite(each.value)]
     low, high = min(shown, default=0.0), max(shown, default=0.0)
-    drawn = artist.drawn(cells, min(low, 0.0), max(high, 0.0))
+    number_form = (number_forms or SteadyForms()).form("values", low, high, form.digits, most=_DECIMALS)
+    drawn = artist.drawn(cells, min(low, 0.0), max(high, 0.0), number_form)
     left, top = origin(form, part, width, height)
     before = Segment(" " * left, text)
     after = Segment(" " * max(0, width - part.columns * form.width - len(before.text)), text)
