@@ -15,12 +15,13 @@ from rl_tui.tui.panels.budget import budget_lines
 from rl_tui.tui.panels.catalogue import BUDGET, CURVE, LAST_STEP, PANELS, TABLE, WORLD
 from rl_tui.tui.panels.curve.text import figure_names
 from rl_tui.tui.panels.last_step.last_step import last_step_lines
+from rl_tui.tui.panels.many_seeds import figures as study_figures
 from rl_tui.tui.panels.q_table.layers import Layer
 from rl_tui.tui.panels.status_line import status_line
-from rl_tui.tui.screens.dialogs.compare import FIGURES
 from rl_tui.tui.theme.glyphs import UNICODE
 
 TERMS = {row.id: row.terms for row in PANELS}
+STUDIED = [name for each in study_figures.FIGURES for name in (each.name, each.in_full)]
 SHOWN = (lake(), planning(), bandit(400))
 
 
@@ -41,7 +42,7 @@ def numbered(text: str) -> list[str]:
 
 
 @pytest.mark.parametrize(
-    "label", [*figure_names(), *FIGURES, *(str(each) for each in Layer if each is not Layer.LANES)]
+    "label", [*figure_names(), *STUDIED, *(str(each) for each in Layer if each is not Layer.LANES)]
 )
 def test_a_label_of_a_figure_names_one(label: str) -> None:
     assert figures_in(label)

@@ -242,3 +242,46 @@ def test_cells_that_pay_something_unusual_say_so() -> None:
     start = lake(step=0)
     assert isinstance(start.world.drawing, Grid)
     assert cell_rewards(start.world.space, start.world.drawing) == {}
+
+
+@pytest.mark.parametrize(
+    ("size", "expected"),
+    [((60, 12), "  ←≠"), ((40, 8), " ←≠"), ((20, 4), "≠←.54"), ((12, 4), " ←≠")],
+)
+def test_a_state_whose_greedy_actions_differ_in_the_other_lane_says_so(
+    size: tuple[int, int], expected: str
+) -> None:
+    start = lake(step=0)
+    view = GridView(start.world, look())
+    snapshot = changed(start, q=q_of(start, {(2, LEFT): 0.54}))
+    assert "≠" not in "".join(strip.text for strip in view.picture(snapshot, *size))
+    assert "≠" not in {each.sign for each in view.signs()}
+    view.differing = frozenset({2})
+    rows = [strip.text for strip in view.picture(snapshot, *size)]
+    assert "".join(rows).count("≠") == 1
+    assert any(expected in row for row in rows)
+    assert "≠" in {each.sign for each in view.signs()}
+
+
+def test_where_there_is_no_room_for_that_the_arrow_is_reversed() -> None:
+    start = lake(step=0)
+    palette = look().palette
+    for size, column in (((20, 4), 1), ((8, 4), 1)):
+        view = GridView(start.world, look())
+        view.differing = frozenset({0})
+        view.snapshot = start
+        strip = view.picture(changed(start, q=q_of(start, {(0, LEFT): 0.54}), state=0), *size)[0]
+        assert "≠" not in strip.text
+        assert strip.text[column] == "←"
+        assert style_at(strip, column) == palette.value(1.0) + Style(bold=True, reverse=True)
+
+
+def test_ascii_has_a_sign_for_what_differs() -> None:
+    start = lake(step=0)
+    view = GridView(start.world, look(ascii=True))
+    view.differing = frozenset({2})
+    text = "".join(
+        strip.text for strip in view.picture(changed(start, q=q_of(start, {(2, LEFT): 0.54})), 40, 8)
+    )
+    assert "/" in text
+    assert text.isascii()

@@ -13,6 +13,7 @@ _KINDS: Final = {
     FigureKind.LEARNED: "learned: the agent's estimate, as far as it has got",
     FigureKind.COUNTED: "counted",
 }
+_OF_SEEDS: Final = "sampled: over many seeds, each with luck of its own"
 _LIMITS: Final = {
     FigureLimit.EPISODE: "within the time limit of an episode, if it has one",
     FigureLimit.NONE: "as if there were no time limit",
@@ -41,7 +42,8 @@ class FigureSetting(NamedTuple):
 
 def figure_text(facts: FigureFacts, now: FigureSetting | None = None) -> str:
     """Return a line about a figure, with the numbers of ``now`` where that is known."""
-    parts = [_KINDS[facts.kind], _discounted(facts, now), _limit(facts.limit, now), _mean(facts, now)]
+    kind = _OF_SEEDS if facts.over_seeds else _KINDS[facts.kind]
+    parts = [kind, _discounted(facts, now), _limit(facts.limit, now), _mean(facts, now)]
     return " · ".join(filter(None, parts))
 
 

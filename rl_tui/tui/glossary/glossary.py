@@ -50,13 +50,14 @@ class FigureFacts:
     """What has to be known of a figure before it is compared with another one.
 
     ``discounted`` is None where it means nothing. ``episodes`` is over how many of the last ones it is a
-    mean, None where it is of one.
+    mean, None where it is of one; ``over_seeds`` says that other seeds were counted too.
     """
 
     kind: FigureKind
     discounted: bool | None
     limit: FigureLimit
     episodes: int | None = None
+    over_seeds: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -109,7 +110,7 @@ def _figure(row: Mapping[str, Any]) -> FigureFacts | None:
     if "kind" not in row:
         return None
     kind, limit = FigureKind(row["kind"]), FigureLimit(row["limit"])
-    return FigureFacts(kind, row.get("discounted"), limit, row.get("episodes"))
+    return FigureFacts(kind, row.get("discounted"), limit, row.get("episodes"), row.get("over_seeds", False))
 
 
 def terms_called(names: Iterable[str]) -> tuple[str, ...]:
