@@ -94,6 +94,8 @@ class StepWriter:
     def _progress(self) -> Line:
         """Return how the sweep is getting on, in full or its first part."""
         planning = self._story.planning
+        if planning.startswith("sweep "):  # which one it is stands above
+            planning = planning.partition(": ")[2]
         return self._fitting(
             [self._label(""), self._plain(each)] for each in (planning, planning.split(":")[0])
         )
