@@ -24,7 +24,7 @@ def _restart(playback: Playback, command: commands.Restart) -> None:
     learning, scenario = playback.transport.learning, playback.group.current.recipe.scenario
     playback.restart(command.recipe)
     if command.recipe.scenario != scenario:
-        playback.many_seeds.end()
+        playback.seed_studies.end()
     if learning is not None:
         playback.transport.go_by_learning(playback.answer)
 
@@ -137,8 +137,8 @@ HANDLERS: Final[Mapping[type, Callable[[Playback, Any], None]]] = {
     commands.AddBranch: _add_branch,
     commands.ChooseLane: lambda playback, command: _show_another(playback, playback.group.show, command.lane),
     commands.MarkLane: lambda playback, command: playback.group.mark(command.lane),
-    commands.StudySeeds: lambda playback, _: playback.many_seeds.begin(playback.group),
-    commands.EndStudy: lambda playback, _: playback.many_seeds.end(),
+    commands.StudySeeds: lambda playback, _: playback.seed_studies.begin(playback.group),
+    commands.EndStudy: lambda playback, _: playback.seed_studies.end(),
     commands.DropLane: lambda playback, command: _show_another(playback, playback.group.drop, command.lane),
 }
 """What a playback does with a command of each type."""

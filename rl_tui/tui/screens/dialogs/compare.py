@@ -14,14 +14,14 @@ from textual.widgets.option_list import Option
 from rl_tui.agents.catalogue import BY_ID
 from rl_tui.agents.hyperparameters import PARAMETERS
 from rl_tui.lab.live.commands import AddBranch, ChooseLane, DropLane
+from rl_tui.lab.many_seeds.figures import SeedStudy
 from rl_tui.lab.run.recipe import Recipe
 from rl_tui.lab.timeline.lane_view import LaneView
-from rl_tui.tui.draw import numbers
 from rl_tui.tui.draw.canvas import shortened
 from rl_tui.tui.draw.to_ascii import to_ascii
-from rl_tui.tui.panels.curve.text import amount, decimals_for
 from rl_tui.tui.screens.dialogs.dialog import Dialog
 from rl_tui.tui.screens.dialogs.lane_changes import ALGORITHM, what_may_differ
+from rl_tui.tui.screens.dialogs.lane_table import lane_rows
 from rl_tui.tui.screens.dialogs.options import in_force
 from rl_tui.tui.theme.glyphs import ASCII
 from rl_tui.tui.theme.look import Look
@@ -39,8 +39,8 @@ _HINTS: Final = {
     "branch": "this run as it went on that branch; each lane is changed by itself from now on",
     ALGORITHM: "another way to learn, or to plan",
 }
-_LEAST_NAME: Final = 8
-_NUMBER: Final = 10
+_ONE_SEED: Final = "One seed decides nothing: M counts many."
+_MANY_SEEDS: Final = "Below each: mean ± standard error of many seeds."
 _LEAST_SYMBOL: Final = 12
 
 
@@ -49,6 +49,8 @@ class Compare(Dialog[Answer]):
 
     ``recipe`` is what is in force in the one shown. ``branches`` of it can stand beside it, in words by their
     numbers: the last few are offered. Of a bandit that is ``hidden`` no greedy return is shown.
+    ``recipe`` is what is in force in the one shown. Of a bandit that is ``hidden`` nothing exact is shown.
+    ``study`` is what many seeds say of these lanes, None where that is not known.
     """
 
     BINDINGS: ClassVar[list[BindingType]] = [
@@ -64,6 +66,7 @@ class Compare(Dialog[Answer]):
         *,
         hidden: bool,
         branches: Mapping[int, str] | None = None,
+        study: SeedStudy | None = None,
     ) -> None:
         super().__init__()
         self._look = look
@@ -72,6 +75,7 @@ class Compare(Dialog[Answer]):
         self._recipe = recipe
         self._hidden = hidden
         self._branches = branches or {}
+        self._study = study
 
     def compose(self) -> ComposeResult:
         """Yield the list and the sentence about the entry under the cursor."""
@@ -127,9 +131,7 @@ class Compare(Dialog[Answer]):
             self.notify("the only run cannot be ended; esc leaves it")
 
     def _options(self) -> Iterator[Option | None]:
-        yield Option(self._head(), disabled=True)
-        for number, lane in enumerate(self._lanes):
-            yield Option(self._lane_row(number, lane), id=f"{_LANE}{number}")
+        yield from self._lane_options()
         # Textual draws the line between the options itself, and not in ASCII
         yield None if self._look.glyphs is not ASCII else Option("", disabled=True)
         if len(self._lanes) >= MOST_LANES:
@@ -154,43 +156,20 @@ class Compare(Dialog[Answer]):
         if more > 0:
             yield Option(f"  {more:,} more: j lists them", disabled=True)
 
-    def _head(self) -> Text:
-        return Text(self._columns("", "lane", "algorithm", "step", "last 100", "greedy"))
-
-    def _lane_row(self, number: int, lane: LaneView) -> Text:
-        mark = self._look.glyphs.cursor if number == self._shown else ""
-        greedy = None if self._hidden else lane.results.greedy_return
-        text = self._columns(
-            f"{mark:<1} {number + 1}",
-            lane.name,
-            BY_ID[lane.algorithm].name,
-            numbers.count(lane.step, _NUMBER),
-            self._figure(lane.results.return_last_100),
-            self._figure(greedy),
+    def _lane_options(self) -> Iterator[Option]:
+        """Yield a heading, the lanes, and how far to trust their figures."""
+        head, rows = lane_rows(
+            self._lanes, self._shown, self._study, self._look, self._room, hidden=self._hidden
         )
-        return Text(text, "bold" if number == self._shown else "not bold")
-
-    def _columns(self, mark: str, name: str, algorithm: str, step: str, mean: str, greedy: str) -> str:
-        glyphs = self._look.glyphs
-        algorithms = max(len(to_ascii(BY_ID[lane.algorithm].name, glyphs)) for lane in self._lanes)
-        algorithms = max(algorithms, len("algorithm"))
-        right = "".join(f" {each:>{_NUMBER}}" for each in (step, mean, greedy))
-        room = self._room - len("> 1 ") - len(right)
-        if room - 1 - algorithms >= _LEAST_NAME:  # else the name alone has to tell the lanes apart
-            room -= 1 + algorithms
-            right = f" {to_ascii(algorithm, glyphs):<{algorithms}}{right}"
-        return f"{mark:<3} {shortened(to_ascii(name, glyphs), room, glyphs.ellipsis):<{room}}{right}"
-
-    def _figure(self, value: float | None) -> str:
-        if value is None:
-            return "-" if self._look.glyphs.name == "ascii" else "–"
-        known = [
-            each
-            for lane in self._lanes
-            for each in (lane.results.return_last_100, lane.results.greedy_return)
-        ]
-        sizes = [abs(each) for each in known if each is not None]
-        return amount(value, decimals_for(0.0, max(sizes)), self._look.glyphs)
+        yield Option(head, disabled=True)
+        for number, row in enumerate(rows):
+            text = Text(row.own, "bold" if number == self._shown else "not bold")
+            if row.of_seeds:
+                text.append(f"\n{row.of_seeds}", "not bold")
+            yield Option(text, id=f"{_LANE}{number}")
+        if len(rows) > 1 or self._study is not None:
+            said = _ONE_SEED if self._study is None else _MANY_SEEDS
+            yield Option(to_ascii(said, self._look.glyphs), disabled=True)
 
     def _symbol(self, name: str) -> str:
         return name if name == ALGORITHM else to_ascii(PARAMETERS[name].symbol, self._look.glyphs)

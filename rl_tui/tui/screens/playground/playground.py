@@ -116,6 +116,7 @@ class Playground(ActionScreen):
         self.status.begin_with(recipe.scenario.title)
         self.board = Board(look, self.wanted, panels)
         self.board.is_explained = self.legends.is_on
+        self.board.legends = self.legends
         self.link = PlayerLink(player, self.wanted, self._note_sent)
         of = self, self.board, self.link
         self.run = RunActions(*of, ScenarioFile(*of, resumed is None, self._reopen))

@@ -10,7 +10,7 @@ from rl_tui.common.errors import UserError
 from rl_tui.lab.live.commands import AddBranch, AddLane, ChooseLane, DropLane
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.timeline.lane_view import LaneView
-from rl_tui.tui.panels.snapshot_facts import is_secret
+from rl_tui.tui.panels.snapshot_facts import current_study, is_secret
 from rl_tui.tui.screens.dialogs.choice import algorithm_choice, policy_choice
 from rl_tui.tui.screens.dialogs.compare import Answer, Compare
 from rl_tui.tui.screens.dialogs.dialog import Dialog
@@ -37,6 +37,7 @@ class LaneActions(Subject):
             in_force(snapshot),
             hidden=hidden,
             branches=branches_beside(snapshot),
+            study=current_study(snapshot),
         )
         self.ask(dialog, self._compared)
 
