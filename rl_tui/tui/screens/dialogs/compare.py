@@ -47,10 +47,9 @@ _LEAST_SYMBOL: Final = 12
 class Compare(Dialog[Answer]):
     """A list of ``lanes``, at least one, of which ``shown`` is on screen; below it what else to compare with.
 
-    ``recipe`` is what is in force in the one shown. ``branches`` of it can stand beside it, in words by their
-    numbers: the last few are offered. Of a bandit that is ``hidden`` no greedy return is shown.
     ``recipe`` is what is in force in the one shown. Of a bandit that is ``hidden`` nothing exact is shown.
-    ``study`` is what many seeds say of these lanes, None where that is not known.
+    ``study`` is what many seeds say of these lanes, None where that is not known. ``branches`` of the one
+    shown can stand beside it, in words by their numbers: the last few are offered.
     """
 
     BINDINGS: ClassVar[list[BindingType]] = [
@@ -65,8 +64,8 @@ class Compare(Dialog[Answer]):
         recipe: Recipe,
         *,
         hidden: bool,
-        branches: Mapping[int, str] | None = None,
         study: SeedStudy | None = None,
+        branches: Mapping[int, str] | None = None,
     ) -> None:
         super().__init__()
         self._look = look
@@ -74,8 +73,8 @@ class Compare(Dialog[Answer]):
         self._shown = shown
         self._recipe = recipe
         self._hidden = hidden
-        self._branches = branches or {}
         self._study = study
+        self._branches = branches or {}
 
     def compose(self) -> ComposeResult:
         """Yield the list and the sentence about the entry under the cursor."""

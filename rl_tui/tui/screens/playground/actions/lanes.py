@@ -36,8 +36,8 @@ class LaneActions(Subject):
             snapshot.run_group.shown,
             in_force(snapshot),
             hidden=hidden,
-            branches=branches_beside(snapshot),
             study=current_study(snapshot),
+            branches=branches_beside(snapshot),
         )
         self.ask(dialog, self._compared)
 
