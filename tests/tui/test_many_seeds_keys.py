@@ -175,7 +175,7 @@ def test_each_lane_has_its_band(depth: str, ascii: bool) -> None:  # noqa: A002
     if ascii:
         assert "=" in drawn
     error = "+/-" if ascii else "±"
-    assert f"{error} .5, 2: " in drawn
+    assert f"{error} .5, 2) " in drawn
 
 
 def test_the_axis_has_room_for_the_mean_of_seeds() -> None:

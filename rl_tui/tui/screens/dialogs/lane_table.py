@@ -13,7 +13,7 @@ from rl_tui.lab.timeline.lane_view import LaneView
 from rl_tui.tui.draw import numbers
 from rl_tui.tui.draw.canvas import shortened
 from rl_tui.tui.draw.to_ascii import to_ascii
-from rl_tui.tui.panels.budget import sum_text
+from rl_tui.tui.panels.budget import sum_decimals, sum_text
 from rl_tui.tui.panels.curve.text import amount, decimals_for
 from rl_tui.tui.panels.many_seeds.figures import (
     GREEDY,
@@ -125,9 +125,14 @@ def _columns(
         _Column("last 100", returns(recent), of_seeds(LAST_100), 1),
     ]
     spent = [lane.results.bandit for lane in lanes]
-    if any(each is not None for each in spent):
-        won = [_dash(look) if each is None else sum_text(each.winnings, look) for each in spent]
-        lost = [_dash(look) if each is None or hidden else sum_text(each.regret, look) for each in spent]
+    known = [each for each in spent if each is not None]
+    sums = [each.winnings for each in known] + [each.regret for each in known if not hidden]
+    if sums:
+        digits = sum_decimals(sums)
+        won = [_dash(look) if each is None else sum_text(each.winnings, digits, look) for each in spent]
+        lost = [
+            _dash(look) if each is None or hidden else sum_text(each.regret, digits, look) for each in spent
+        ]
         columns += [
             _Column("winnings", won, of_seeds(WINNINGS), 2),
             _Column("regret", lost, of_seeds(REGRET, secret=hidden), 3),
