@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import ClassVar, Final
 
 from rich.text import Text
@@ -13,10 +13,11 @@ from textual.widgets.option_list import Option
 
 from rl_tui.agents.catalogue import BY_ID
 from rl_tui.agents.hyperparameters import PARAMETERS
-from rl_tui.lab.live.commands import ChooseLane, DropLane
+from rl_tui.lab.live.commands import AddBranch, ChooseLane, DropLane
 from rl_tui.lab.many_seeds.figures import SeedStudy
 from rl_tui.lab.run.recipe import Recipe
 from rl_tui.lab.timeline.lane_view import LaneView
+from rl_tui.tui.draw.canvas import shortened
 from rl_tui.tui.draw.to_ascii import to_ascii
 from rl_tui.tui.screens.dialogs.dialog import Dialog
 from rl_tui.tui.screens.dialogs.lane_changes import ALGORITHM, what_may_differ
@@ -26,13 +27,16 @@ from rl_tui.tui.theme.glyphs import ASCII
 from rl_tui.tui.theme.look import Look
 
 MOST_LANES: Final = 4
-Answer = ChooseLane | DropLane | str
-"""A lane to show or to end, or the name of what is to be different in another one."""
+MOST_BRANCHES: Final = 4
+Answer = ChooseLane | DropLane | AddBranch | str
+"""A lane to show or to end, a branch to stand beside, or the name of what another one has otherwise."""
 
 _LANE: Final = "lane-"
 _WITH: Final = "with-"
+_BRANCH: Final = "branch-"
 _HINTS: Final = {
     "lanes": "returns, undiscounted: mean of the last 100; exact one of the greedy policy",
+    "branch": "this run as it went there, and goes on; each is changed by itself from now on",
     ALGORITHM: "another way to learn, or to plan",
 }
 _ONE_SEED: Final = "One seed decides nothing: M counts many."
@@ -44,7 +48,8 @@ class Compare(Dialog[Answer]):
     """A list of ``lanes``, at least one, of which ``shown`` is on screen; below it what else to compare with.
 
     ``recipe`` is what is in force in the one shown. Of a bandit that is ``hidden`` nothing exact is shown.
-    ``study`` is what many seeds say of these lanes, None where that is not known.
+    ``study`` is what many seeds say of these lanes, None where that is not known. ``branches`` of the one
+    shown can stand beside it, in words by their numbers: the last few are offered.
     """
 
     BINDINGS: ClassVar[list[BindingType]] = [
@@ -60,6 +65,7 @@ class Compare(Dialog[Answer]):
         *,
         hidden: bool,
         study: SeedStudy | None = None,
+        branches: Mapping[int, str] | None = None,
     ) -> None:
         super().__init__()
         self._look = look
@@ -68,6 +74,7 @@ class Compare(Dialog[Answer]):
         self._recipe = recipe
         self._hidden = hidden
         self._study = study
+        self._branches = branches or {}
 
     def compose(self) -> ComposeResult:
         """Yield the list and the sentence about the entry under the cursor."""
@@ -94,7 +101,12 @@ class Compare(Dialog[Answer]):
         """Describe the entry under the cursor."""
         entry = str(event.option_id)
         name = entry.removeprefix(_WITH)
-        hint = _HINTS["lanes"] if entry.startswith(_LANE) else _HINTS.get(name, "") or PARAMETERS[name].help
+        if entry.startswith(_LANE):
+            hint = _HINTS["lanes"]
+        elif entry.startswith(_BRANCH):
+            hint = _HINTS["branch"]
+        else:
+            hint = _HINTS.get(name, "") or PARAMETERS[name].help
         self.query_one(".hint", Static).update(to_ascii(hint, self._look.glyphs))
 
     def on_option_list_option_selected(self, event: OptionList.OptionSelected) -> None:
@@ -102,6 +114,8 @@ class Compare(Dialog[Answer]):
         entry = str(event.option_id)
         if entry.startswith(_LANE):
             self.dismiss(ChooseLane(int(entry.removeprefix(_LANE))))
+        elif entry.startswith(_BRANCH):
+            self.dismiss(AddBranch(int(entry.removeprefix(_BRANCH))))
         else:
             self.dismiss(entry.removeprefix(_WITH))
 
@@ -122,11 +136,24 @@ class Compare(Dialog[Answer]):
         if len(self._lanes) >= MOST_LANES:
             yield Option("Four lanes are the most: end one to open another.", disabled=True)
             return
+        yield from self._branch_rows()
         yield Option("Another lane, the same but for", disabled=True)
         names = what_may_differ(self._recipe)
         columns = max(_LEAST_SYMBOL, *(len(self._symbol(name)) for name in names))
         for name in names:
             yield Option(self._entry(name, columns), id=f"{_WITH}{name}")
+
+    def _branch_rows(self) -> Iterator[Option]:
+        if not self._branches:
+            return
+        yield Option("Another lane, a branch of this run", disabled=True)
+        glyphs, room = self._look.glyphs, self._room - 2
+        for number in list(self._branches)[-MOST_BRANCHES:]:
+            words = to_ascii(self._branches[number], glyphs)
+            yield Option(Text(f"  {shortened(words, room, glyphs.ellipsis)}"), id=f"{_BRANCH}{number}")
+        more = len(self._branches) - MOST_BRANCHES
+        if more > 0:
+            yield Option(f"  {more:,} more: j lists them", disabled=True)
 
     def _lane_options(self) -> Iterator[Option]:
         """Yield a heading, the lanes, and how far to trust their figures."""
