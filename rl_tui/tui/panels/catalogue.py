@@ -269,7 +269,7 @@ PANELS: Final[tuple[PanelRow, ...]] = (
             "Run the same under many other seeds: the mean of each figure, with its error, beside this seed.",
             rank=17,
         ),
-        in_place_of=(TABLE,),
+        in_place_of=(TABLE, BUDGET),
     ),
 )
 """In the order of the tab key."""
