@@ -98,7 +98,10 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         "rewards leaves in it. ▸ marks the greedy arm, ◉ the last pull. In focus it has a cursor, as the "
         "table has; the place where one stands is marked in the other.",
         caption="as the agent meets it",
-        terms=("agent", "state", "action", "reward", "value", "greedy", "terminal", "ties", "policy", "mdp"),
+        terms=(
+            *("agent", "state", "action", "reward", "value", "greedy", "terminal", "ties", "policy", "mdp"),
+            *("trail", "slip", "wind"),
+        ),
         is_twofold=True,
     ),
     PanelRow(

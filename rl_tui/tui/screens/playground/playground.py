@@ -116,6 +116,7 @@ class Playground(ActionScreen):
         self.status.begin_with(recipe.scenario.title)
         self.board = Board(look, self.wanted, panels)
         self.board.is_explained = self.legends.is_on
+        self.board.legends = self.legends
         self.link = PlayerLink(player, self.wanted, self._note_sent)
         of = self, self.board, self.link
         self.run = RunActions(*of, ScenarioFile(*of, resumed is None, self._reopen))
@@ -272,7 +273,7 @@ class Playground(ActionScreen):
         if before is None:
             self.agent.set_what_waits()
         self.time.announce_fork(before, snapshot)
-        self.time.announce_end(snapshot)
+        self.time.announce_arrival(snapshot)
         self.session.compare_with_saved(snapshot)
         self.redraw()
         if self._has_world:
