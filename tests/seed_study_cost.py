@@ -86,12 +86,14 @@ async def seed_study_cost(rounds: int) -> list[tuple[float, float]]:
     while len(ratios) < rounds:
         if not live.is_beside_a_study:
             await live.is_studied()
-        os.kill(processes[-1].pid, signal.SIGSTOP)
-        alone, thrift_alone = await live.speed()
+        turns = []
+        for wanted in (signal.SIGSTOP, signal.SIGCONT, signal.SIGSTOP):
+            os.kill(processes[-1].pid, wanted)
+            turns.append(await live.speed())
         os.kill(processes[-1].pid, signal.SIGCONT)
-        beside, thrift_beside = await live.speed()
+        before, beside, after = turns
         if live.is_beside_a_study:
-            ratios.append((beside / alone, thrift_beside / thrift_alone))
+            ratios.append((2 * beside[0] / (before[0] + after[0]), 2 * beside[1] / (before[1] + after[1])))
     live.close()
     await reading
     return ratios

@@ -90,7 +90,19 @@ def _tell(stdout: IO[bytes], told: dict[str, Any]) -> None:
 
 def _let_others_go_first() -> None:
     """Take the lowest priority there is; nothing raises it again."""
-    with suppress(AttributeError, OSError):
-        os.setpriority(os.PRIO_PROCESS, 0, LAST_NICENESS)
-    with suppress(AttributeError, OSError):
-        os.sched_setscheduler(0, os.SCHED_IDLE, os.sched_param(0))
+    for thread in _threads():
+        with suppress(AttributeError, OSError):
+            os.setpriority(os.PRIO_PROCESS, thread, LAST_NICENESS)
+        with suppress(AttributeError, OSError):
+            os.sched_setscheduler(thread, os.SCHED_IDLE, os.sched_param(0))
+    # Linux may share the processor out among sessions first, and this process has one of its own
+    with suppress(OSError), open("/proc/self/autogroup", "w", encoding="ascii") as of_session:
+        of_session.write(str(LAST_NICENESS))
+
+
+def _threads() -> list[int]:
+    """Return all threads of this process: on Linux each has a priority of its own, also those of a library."""
+    try:
+        return list(map(int, os.listdir("/proc/self/task")))
+    except OSError:
+        return [0]  # this process
