@@ -42,8 +42,8 @@ class ActionValue(NamedTuple):
 class CellExtra(NamedTuple):
     """What only some cells have: in one field of theirs, since every field costs time in every frame.
 
-    ``trace`` is what the trail of the episode left. ``is_reached`` is False where no way leads to. ``name`` is
-    that of the state where names were asked for: all are as long as the longest.
+    ``trace`` is what the trail of the episode left. ``is_reached`` is False where no way leads to. ``name``
+    is that of the state where names were asked for: all are as long as the longest.
     """
 
     trace: Trace | None = None
