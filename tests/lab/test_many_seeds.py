@@ -43,7 +43,7 @@ from rl_tui.lab.live.commands import (
 from rl_tui.lab.live.playback import Playback
 from rl_tui.lab.live.player import Player
 from rl_tui.lab.live.snapshot import Phase
-from rl_tui.lab.many_seeds import many_seeds, study, study_process
+from rl_tui.lab.many_seeds import seed_studies, study, study_process
 from rl_tui.lab.many_seeds.estimates import as_json, difference_of, of_json
 from rl_tui.lab.many_seeds.figures import Estimate, LaneStudy, SeedStudy, StudyState
 from rl_tui.lab.many_seeds.request import StudyRequest, study_request
@@ -350,7 +350,7 @@ class ToldAtOnce:
 
 
 def test_it_is_outdated_where_runs_were_changed_and_only_there(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(many_seeds, "StudyProcess", ToldAtOnce)
+    monkeypatch.setattr(seed_studies, "StudyProcess", ToldAtOnce)
     playback = begin(recipe("student"))
 
     def is_outdated(*commands: Command) -> bool:
@@ -419,7 +419,7 @@ def test_a_study_under_way_ends(command: Command, processes: list[subprocess.Pop
     until(lambda: is_gone(processes[0]))
     told = playback.snapshot().study
     assert (told is None) == (not isinstance(command, StudySeeds))
-    playback.many_seeds.close()
+    playback.seed_studies.close()
     for process in processes:
         until(lambda process=process: is_gone(process))
     playback.handle(StudySeeds())

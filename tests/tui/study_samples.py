@@ -35,7 +35,7 @@ def lake_study(**changes: Any) -> SeedStudy:
         {"return_last_100": 0.41, "expected_return": 0.73},
         curve=seed_curve(0.0, 0.4, width=312),
     )
-    return _study((lane,), **changes)
+    return _study({"lanes": (lane,)}, changes)
 
 
 def cliff_study(**changes: Any) -> SeedStudy:
@@ -51,7 +51,7 @@ def cliff_study(**changes: Any) -> SeedStudy:
         {"return_last_100": -22.0, "expected_return": -17.0},
         curve=seed_curve(-100.0, -24.0),
     )
-    return _study((q_learning, sarsa), shown=1, **changes)
+    return _study({"lanes": (q_learning, sarsa), "shown": 1}, changes)
 
 
 def bandit_study(**changes: Any) -> SeedStudy:
@@ -76,9 +76,9 @@ def bandit_study(**changes: Any) -> SeedStudy:
         "expected_return": difference(0.07, 0.04, 20, 33),
     }
     lanes = (ucb, LaneStudy(greedy.estimates, greedy.this_seed, apart, greedy.curve))
-    return _study(lanes, episodes=1_000, **changes)
+    return _study({"lanes": lanes, "episodes": 1_000}, changes)
 
 
-def _study(lanes: tuple[LaneStudy, ...], **changes: Any) -> SeedStudy:
-    usual: dict[str, Any] = {"seeds": 64, "most": 256, "episodes": 500}
-    return SeedStudy(StudyState.RUNNING, lanes, **(usual | changes))
+def _study(own: dict[str, Any], changes: dict[str, Any]) -> SeedStudy:
+    usual: dict[str, Any] = {"state": StudyState.RUNNING, "seeds": 64, "most": 256, "episodes": 500}
+    return SeedStudy(**(usual | own | changes))

@@ -16,6 +16,7 @@ from rl_tui.lab.run.figures import BANDIT_FIGURES, exact_world, greedy_figures, 
 from rl_tui.lab.run.recipe import JournalEntry, Recipe, begin
 from rl_tui.lab.run.run import OnEpisodes, Run
 from rl_tui.worlds.drawing import Arms
+from rl_tui.worlds.world import World
 
 FIGURES: Final = (
     "steps",
@@ -34,14 +35,16 @@ FIGURES: Final = (
 class SeededRuns:
     """Trains ``recipe`` under one seed after the other, from several threads if need be.
 
-    They share a world that no seed shapes, and its exact answer. The settings of ``journal`` are made in each
-    of them on the way. Raises UserError where the world cannot be built.
+    They share a world that no seed shapes, ``known`` if it is at hand, and its exact answer. The settings of
+    ``journal`` are made in each of them on the way. Raises UserError where the world cannot be built.
     """
 
-    def __init__(self, recipe: Recipe, journal: Sequence[JournalEntry] = ()) -> None:
+    def __init__(
+        self, recipe: Recipe, journal: Sequence[JournalEntry] = (), known: World | None = None
+    ) -> None:
         self.recipe = recipe
         """The recipe of the first of them."""
-        self.first = Run(recipe, evaluate=False)
+        self.first = Run(recipe, begin(recipe, known), evaluate=False)
         """The first of them, not trained."""
         self.is_bandit = isinstance(self.first.world.drawing, Arms)
         """Whether their world is a bandit."""

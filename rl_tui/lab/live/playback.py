@@ -18,7 +18,7 @@ from rl_tui.lab.live.state import BUSY, ENDED, PASSING, UNFINISHED, State, shows
 from rl_tui.lab.live.stop_condition import StopCondition, breakpoint_in_words, until_in_words, watching_for
 from rl_tui.lab.live.until import Breakpoints, Event, Until
 from rl_tui.lab.live.viewport import Viewport
-from rl_tui.lab.many_seeds.many_seeds import ManySeeds
+from rl_tui.lab.many_seeds.seed_studies import SeedStudies
 from rl_tui.lab.run.exact_answers import Answer, RunAnswers
 from rl_tui.lab.run.recipe import Beginning, Recipe, begin
 from rl_tui.lab.timeline.branches import RunRecord
@@ -71,7 +71,7 @@ class Playback:
         """What the screen shows of a large world; None: it has not said, so everything may be shown."""
         self.cell: int | None = None
         """The pair of which snapshots tell how Q went."""
-        self.many_seeds: ManySeeds = ManySeeds(on_exact, automatic=automatic)
+        self.seed_studies: SeedStudies = SeedStudies(on_exact, automatic=automatic)
         """What many seeds say of the runs."""
         self.group: RunGroup
         """The runs; none while it is building."""
@@ -189,7 +189,7 @@ class Playback:
             viewport=self.viewport,
             cell=self.cell,
             has_trail=has_trail,
-            study=self.many_seeds.told_of(self.group),
+            study=self.seed_studies.told_of(self.group),
         )
         seeks = self.state is State.SEEKING
         returns = seeks and self.group.current.seek is not None and not self.touched

@@ -21,6 +21,7 @@ from rl_tui.lab.many_seeds.figures import LaneStudy, SeedCurve, SeedStudy, Study
 from rl_tui.lab.many_seeds.request import FIRST_BLOCK, StudiedRun, StudyRequest
 from rl_tui.lab.run.figures import finite
 from rl_tui.lab.run.run import Run
+from rl_tui.worlds.world import World
 
 MOST_STEPS: Final = 2_000_000
 """Steps of one seed."""
@@ -42,7 +43,10 @@ class Study:
     def __init__(self, request: StudyRequest) -> None:
         self._request = request
         self._goal = Goal(episodes=request.episodes)
-        self._lanes = [_Lane(lane) for lane in request.lanes]
+        self._lanes: list[_Lane] = []
+        for lane in request.lanes:
+            known = self._lanes[0].runs.first.world if self._lanes else None
+            self._lanes.append(_Lane(lane, known))
         self._told = request.nothing_yet
 
     @property
@@ -134,8 +138,8 @@ class Study:
 class _Lane:
     """One of the runs on screen under seed after seed."""
 
-    def __init__(self, lane: StudiedRun) -> None:
-        self.runs = SeededRuns(lane.recipe, lane.journal)
+    def __init__(self, lane: StudiedRun, known: World | None) -> None:
+        self.runs = SeededRuns(lane.recipe, lane.journal, known)
         self.rows: list[Row] = []
         self._curves: list[RunCurve] = []
         self._curve_episodes = 0

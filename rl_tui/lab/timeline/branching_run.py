@@ -142,8 +142,7 @@ class BranchingRun:
         run.apply(change)
         journal = run.journal
         if in_past or applied < len(kept.branch.journal):
-            name = f"branch {len(self._branches) + 1}"
-            branch = Branch(name, journal, self._number, step, step)
+            branch = Branch(self._new_name(), journal, self._number, step, step)
             kept.branch = left
             kept = KeptBranch(branch, kept.checkpoints.up_to(step, applied), kept.samples.up_to(step))
             self._branches.append(kept)
@@ -151,6 +150,13 @@ class BranchingRun:
         kept.branch = replace(kept.branch, journal=journal)
         self._recorder.note(run.learner.last_step)  # a person may have taken a step
         self._keep(run, kept)
+
+    def _new_name(self) -> str:
+        """Return the name of the next branch: a run that began as a branch of another has that one's name."""
+        names, number = {each.branch.name for each in self._branches}, len(self._branches) + 1
+        while f"branch {number}" in names:
+            number += 1
+        return f"branch {number}"
 
     def _check_room(self) -> None:
         most = limits()
@@ -167,16 +173,18 @@ class BranchingRun:
     ) -> None:
         """Begin to seek ``step``, or where ``episode`` (from 1) begins, as far as the branch has come.
 
-        With ``branch`` alone it is where that one was left. Raises UserError where there is no such branch,
-        or the environment of a run from the seed cannot be made; the run then stays where it stands.
+        With ``branch`` alone it is the step at which the run stands, or is to stand. Raises UserError where
+        there is no such branch, or the environment of a run from the seed cannot be made; the run then stays
+        where it stands.
         """
-        number = self._number if branch is None else branch
+        timeline = self.timeline
+        number = timeline.branch if branch is None else branch
         if not 0 <= number < len(self._branches):
             raise UserError(f"there is no branch {number + 1} here: they are 1 to {len(self._branches)}")
         run, kept = self.run, self._branches[number]
         self.kept.branch = replace(self.kept.branch, here=run.step)
         if step is None and episode is None:
-            step = kept.branch.here
+            step = timeline.current.here
         target = Target(number, kept.branch.end, step=step, episode=episode)
         start = kept.checkpoints.last_before(target)
         stays = number == self._number and (start is None or start.step <= run.step)

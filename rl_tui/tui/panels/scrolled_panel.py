@@ -49,8 +49,8 @@ class ScrolledPanel(Panel, can_focus=True):
         """Return all rows, of ``width`` cells each; ``height`` of them are in view."""
         raise NotImplementedError
 
-    def keys(self, snapshot: Snapshot | None) -> str:
-        """Return the keys for the lower border besides those that scroll."""
+    def keys(self, snapshot: Snapshot | None) -> Sequence[str]:
+        """Return the keys for the lower border besides those that scroll, the longest form first."""
         raise NotImplementedError
 
     def picture(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
@@ -109,9 +109,8 @@ def _scroll_bar(first: int, height: int, rows: int, look: Look) -> list[Strip]:
     return canvas.strips()
 
 
-def _hints(keys: str, *, is_scrolled: bool) -> Sequence[str]:
-    """Return the keys of the panel, longest form first."""
-    last = keys.rpartition(" · ")[2]
+def _hints(keys: Sequence[str], *, is_scrolled: bool) -> Sequence[str]:
+    """Return the keys of the panel with those that scroll, longest form first."""
     if not is_scrolled:
-        return keys, last
-    return f"↑ ↓ pgup pgdn: more · {keys}", f"↑ ↓: more · {keys}", keys, last
+        return keys
+    return f"↑ ↓ pgup pgdn: more · {keys[0]}", *(f"↑ ↓: more · {form}" for form in keys), *keys

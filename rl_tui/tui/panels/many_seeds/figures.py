@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -31,6 +31,7 @@ class StudyFigure:
     lower_is_better: bool = False
 
 
+RETURN: Final = StudyFigure("return_mean", "return", "mean return")
 LAST_100: Final = StudyFigure("return_last_100", "last 100", "last 100")
 WINNINGS: Final = StudyFigure("winnings", "winnings", "winnings")
 REGRET: Final = StudyFigure("regret", "regret", "regret", is_secret=True, lower_is_better=True)
@@ -39,10 +40,11 @@ FIGURES: Final = (
     WINNINGS,
     REGRET,
     StudyFigure("best_arm_rate", "best arm", "best arm pulled", is_secret=True),
+    RETURN,
     LAST_100,
     GREEDY,
 )
-"""In the order in which they are shown; a world that is no bandit has the last two."""
+"""In the order in which they are shown; a world that is no bandit has only the last three."""
 
 
 def may_count_again(study: SeedStudy | None) -> bool:
@@ -53,20 +55,29 @@ def may_count_again(study: SeedStudy | None) -> bool:
 
 
 def shown_figures(study: SeedStudy, *, secret: bool) -> list[StudyFigure]:
-    """Return the figures that any lane has, but for what must be hidden while ``secret``."""
+    """Return the figures that any lane has, but for what must be hidden while ``secret``.
+
+    The mean return of a bandit's pulls says no more than its winnings.
+    """
     return [
         figure
         for figure in FIGURES
-        if any(figure.id in lane.estimates for lane in study.lanes) and not (secret and figure.is_secret)
+        if any(figure.id in lane.estimates for lane in study.lanes)
+        and not (secret and figure.is_secret)
+        and not (figure is RETURN and any(WINNINGS.id in lane.estimates for lane in study.lanes))
     ]
 
 
-def decimals_of(figure: StudyFigure, lanes: Iterable[LaneStudy]) -> int:
-    """Return the decimals of ``figure`` in all ``lanes``: those that the least standard error needs.
+def estimates_of(figure: StudyFigure, lanes: Iterable[LaneStudy]) -> list[Estimate]:
+    """Return the estimates of ``figure`` in those of ``lanes`` that have it."""
+    return [lane.estimates[figure.id] for lane in lanes if figure.id in lane.estimates]
+
+
+def decimals_of(found: Sequence[Estimate]) -> int:
+    """Return the decimals for all estimates ``found`` of a figure: those that the least error needs.
 
     It has one digit, two where that is a 1; where there is no error to go by, up to three show the means.
     """
-    found = [lane.estimates[figure.id] for lane in lanes if figure.id in lane.estimates]
     errors = [each.stderr for each in found if each.stderr is not None and each.stderr > numbers.NEGLIGIBLE]
     if errors:
         return min(_MOST_DECIMALS, max(0, -math.floor(math.log10(min(errors) / 2.0))))

@@ -27,6 +27,7 @@ from rl_tui.tui.panels.many_seeds.table import table_lines
 from rl_tui.tui.panels.scrolled_panel import ScrolledPanel, scroll_bindings
 from rl_tui.tui.panels.snapshot_facts import is_secret
 from rl_tui.tui.theme.look import Look
+from rl_tui.worlds.drawing import Arms
 
 _LEAST_BAR: Final = 8
 _MOST_BAR: Final = 32
@@ -45,12 +46,16 @@ class ManySeeds(ScrolledPanel):
     def rows(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
         """Return all rows of what is known so far."""
         lines = list(study_lines(snapshot, self.look, width, revealed=self.tells_all))
+        if len(lines) > height:
+            lines = [line for line in lines if line]
         return strips_of(lines, width, len(lines), self.look)
 
-    def keys(self, snapshot: Snapshot | None) -> str:
+    def keys(self, snapshot: Snapshot | None) -> Sequence[str]:
         """Return the key that closes it, and enter where there is something to count again."""
         study = None if snapshot is None else snapshot.study
-        return "enter: count again · M: close" if may_count_again(study) else "M: close"
+        if not may_count_again(study):
+            return ("M: close",)
+        return "enter: count again · M: close", "enter: again · M: close"
 
 
 def study_lines(snapshot: Snapshot | None, look: Look, width: int, *, revealed: bool) -> Iterator[Line]:
@@ -63,11 +68,11 @@ def study_lines(snapshot: Snapshot | None, look: Look, width: int, *, revealed: 
     if not study.lanes or not study.seeds:
         return
     secret = is_secret(snapshot, revealed=revealed)
-    yield [Piece("", look.palette.text)]
+    yield []
     yield from table_lines(study, _names(study, snapshot), shown_figures(study, secret=secret), look, width)
     if secret:
         yield from wrapped("h shows regret and best arm", width, look.palette.dim, look, " ", "   ")
-    yield [Piece("", look.palette.text)]
+    yield []
     yield from remarks(study, snapshot, look, width, secret=secret)
 
 
@@ -101,12 +106,11 @@ def _progress(study: SeedStudy, look: Look, width: int) -> Line:
     """Return ``64 of 256 seeds`` and a bar, or what is left of that."""
     palette, glyphs = look.palette, look.glyphs
     is_whole = study.seeds >= study.most
-    said = Piece(
-        f" {study.seeds} seeds" if is_whole else f" {study.seeds} of {study.most} seeds", palette.strong
-    )
+    count = f"{study.seeds}" if is_whole else f"{study.seeds} of {study.most}"
+    said = Piece(f" {count} seeds", palette.strong)
     way = Piece(" · low priority", palette.dim)
     parts = [said, way] if study.state in _UNDER_WAY else [said]
-    forms: list[Line] = [parts, [said], [Piece(f" {study.seeds}{of_most}", palette.strong)]]
+    forms: list[Line] = [parts, [said], [Piece(f" {count}", palette.strong)]]
     fitting = first_that_fits(forms, width, look)
     room = min(_MOST_BAR, width - length(spelled(fitting, look)) - 2)
     if is_whole or room < _LEAST_BAR:
@@ -124,7 +128,8 @@ def _what_is_counted(study: SeedStudy, snapshot: Snapshot) -> str:
     if not study.seeds:
         return ""
     if study.episodes is not None:
-        span = f"first {study.episodes:,} episodes" if study.episodes != 1 else "first episode"
+        unit = "pull" if isinstance(snapshot.world.drawing, Arms) else "episode"
+        span = f"first {study.episodes:,} {unit}s" if study.episodes != 1 else f"first {unit}"
     elif study.steps is not None:
         span = f"first {study.steps:,} steps"
     else:

@@ -19,6 +19,7 @@ from rl_tui.tui.panels.many_seeds.figures import (
     WINNINGS,
     decimals_of,
     deviation,
+    estimates_of,
     figure_text,
 )
 from rl_tui.tui.theme.glyphs import Glyphs
@@ -31,10 +32,11 @@ _RECENT: Final = 100  # episodes in the mean of the last
 def remarks(study: SeedStudy, snapshot: Snapshot, look: Look, width: int, *, secret: bool) -> Iterator[Line]:
     """Yield the lines; ``secret`` says that a bandit's true means must not show."""
     palette, glyphs = look.palette, look.glyphs
-    own = [] if study.is_outdated else [(_how_usual(study, glyphs, secret=secret), palette.text)]
+    usual = "" if study.is_outdated else _how_usual(study, glyphs, secret=secret)
     texts = [
-        *own,
-        (_noise(study, snapshot, glyphs, secret=secret), palette.text),
+        (_luck_now(snapshot, glyphs, secret=secret), palette.text),
+        (usual, palette.text),
+        (_luck_of_100(snapshot, glyphs, secret=secret), palette.text),
         (_arms(study, snapshot), palette.dim),
         (_meaning(study), palette.dim),
     ]
@@ -51,7 +53,7 @@ def _how_usual(study: SeedStudy, glyphs: Glyphs, *, secret: bool) -> str:
         if found is None:
             continue
         away, spread = found
-        sizes = f"(one is {figure_text(spread, decimals_of(figure, study.lanes), glyphs)})"
+        sizes = f"(one is {figure_text(spread, decimals_of(estimates_of(figure, study.lanes)), glyphs)})"
         sizes = sizes.replace(" ", KEPT_BLANK)
         if abs(away) <= 1.0:
             return f"this seed is a usual one: its {figure.name} is within one standard deviation {sizes}"
@@ -63,24 +65,33 @@ def _how_usual(study: SeedStudy, glyphs: Glyphs, *, secret: bool) -> str:
     return ""
 
 
-def _noise(study: SeedStudy, snapshot: Snapshot, glyphs: Glyphs, *, secret: bool) -> str:
-    """Return why the mean of the last 100 pulls of a bandit may be above the best arm's."""
+def _luck_now(snapshot: Snapshot, glyphs: Glyphs, *, secret: bool) -> str:
+    """Return that the mean of the last 100 pulls is above the best arm's, where it is, and why."""
     mdp, recent = snapshot.world.mdp, snapshot.results.return_last_100
-    if not isinstance(snapshot.world.drawing, Arms) or mdp is None or recent is None:
+    is_bandit = isinstance(snapshot.world.drawing, Arms)
+    if not is_bandit or secret or mdp is None or mdp.drift_std > 0.0 or recent is None:
         return ""
-    pulls = min(_RECENT, snapshot.counters.episodes)
-    noise = np.unique(mdp.reward_std)
-    # one and the same for all arms, or else it would tell of the arm that is pulled
-    is_known = len(noise) == 1 and float(noise[0]) > 0.0
-    off = f" by about {figure_text(float(noise[0]) / math.sqrt(pulls), 2, glyphs)}" if is_known else ""
-    luck = f"a mean of {pulls} noisy rewards is off{off} by luck alone"
-    if secret or mdp.drift_std > 0.0:
-        return f"last 100: {luck}, so it can be above the best arm's mean"
     best = float(true_means(mdp).max())
     if recent <= best:
         return ""
     shown, above = (figure_text(each, 2, glyphs) for each in (recent, best))
-    return f"last 100, {shown}, is above the best arm's mean, {above}: {luck}"
+    return f"last 100, {shown}, is above the best arm's mean, {above}: {_noise(snapshot, glyphs)}"
+
+
+def _luck_of_100(snapshot: Snapshot, glyphs: Glyphs, *, secret: bool) -> str:
+    """Return that it may be, while the means are secret."""
+    if not secret or snapshot.results.return_last_100 is None:
+        return ""
+    return f"last 100: {_noise(snapshot, glyphs)}, so it can be above the best arm's mean"
+
+
+def _noise(snapshot: Snapshot, glyphs: Glyphs) -> str:
+    """Return how far the mean of the last pulls is off by luck; a number where all arms have one noise."""
+    pulls = min(_RECENT, snapshot.counters.episodes)
+    noise = np.unique([] if snapshot.world.mdp is None else snapshot.world.mdp.reward_std)
+    is_known = len(noise) == 1 and float(noise[0]) > 0.0  # or else it would tell which arm is pulled
+    off = f" by about {figure_text(float(noise[0]) / math.sqrt(pulls), 2, glyphs)}" if is_known else ""
+    return f"a mean of {pulls} noisy rewards is off{off} by luck alone"
 
 
 def _arms(study: SeedStudy, snapshot: Snapshot) -> str:

@@ -18,6 +18,7 @@ from rl_tui.tui.panels.many_seeds.figures import (
     decimals_of,
     error_text,
     estimate_text,
+    estimates_of,
     figure_text,
     verdict_of,
 )
@@ -64,12 +65,12 @@ def table_lines(
         tables = [(figure, _table(study, names, figure, look, in_full=in_full)) for figure in figures]
         rows = [row for _, table in tables for row in table]
         form = _form(rows, look, width)
-        if not form.is_stacked and form.name >= max((_cells(row.name, look) for row in rows), default=0):
+        if form.heads == _HEADS[0]:
             break
     is_alone = len(study.lanes) == 1
     for number, (figure, table) in enumerate(tables):
         if number and not is_alone:
-            yield [Piece("", look.palette.text)]
+            yield []
         for row in table:
             if not (row.is_head and is_alone and number):  # then one heading serves for all figures
                 yield from _lines(row, form, look)
@@ -81,7 +82,7 @@ def _table(
     study: SeedStudy, names: Sequence[str], figure: StudyFigure, look: Look, *, in_full: bool
 ) -> list[_Row]:
     """Return a heading and a row for each lane; what is not headed by the figure's name has it itself."""
-    decimals, palette = decimals_of(figure, study.lanes), look.palette
+    decimals, palette = decimals_of(estimates_of(figure, study.lanes)), look.palette
     is_alone = len(study.lanes) == 1
     called = figure.in_full if in_full else figure.name
     rows = [_Row("" if is_alone else called, "", "", palette.accent, is_head=True)]
@@ -170,7 +171,7 @@ def _verdict_text(study: SeedStudy, figure: StudyFigure, other: int, look: Look)
     verdict = verdict_of(figure, difference)
     if verdict is None:
         return ""
-    decimals = max(decimals_of(figure, study.lanes), _decimals(verdict.stderr))
+    decimals = max(decimals_of(estimates_of(figure, study.lanes)), _decimals(verdict.stderr))
 
     def number(x: float) -> str:
         return figure_text(x, decimals, glyphs)

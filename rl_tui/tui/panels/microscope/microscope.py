@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import ClassVar, Final
 
 from rich.segment import Segment
@@ -53,9 +54,9 @@ class Microscope(ScrolledPanel):
         """Return all rows of the page."""
         return page(snapshot, self.pair, self.look, width, height, revealed=self.tells_all)
 
-    def keys(self, snapshot: Snapshot | None) -> str:
+    def keys(self, snapshot: Snapshot | None) -> Sequence[str]:
         """Return the key that closes it."""
-        return "d: close"
+        return ("d: close",)
 
 
 def lit_sources(snapshot: Snapshot) -> frozenset[int]:

@@ -273,7 +273,7 @@ class Playground(ActionScreen):
         if before is None:
             self.agent.set_what_waits()
         self.time.announce_fork(before, snapshot)
-        self.time.announce_end(snapshot)
+        self.time.announce_arrival(snapshot)
         self.session.compare_with_saved(snapshot)
         self.redraw()
         if self._has_world:

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from rl_tui.lab.timeline.run_group import RunGroup
 
 
-class ManySeeds:
+class SeedStudies:
     """Has studies worked out in a process of their own, at the lowest priority.
 
     ``on_news`` is called, from any thread, when there is more to tell. With ``automatic`` off :meth:`begin`
