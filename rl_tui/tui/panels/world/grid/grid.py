@@ -177,7 +177,8 @@ class GridView(WorldView):
         self._left = kept_in_view(self._left, column if self._following else None, columns, grid.columns)
         self._part = part = MapPart(self._top, self._left, rows, columns)
         cells = self._map.contents(part, snapshot, self.shown_cursor, self.differing, named=self.is_numbered)
-        self._longest_name = max(len(each.name) for each in cells)
+        names = [each.extra.name for each in cells if each.extra is not None] if self.is_numbered else []
+        self._longest_name = max(map(len, names), default=0)
         needed = digits_needed(each.value for each in cells if each.value is not None)
         if needed > self._digits:  # they stay as wide, lest the map jump to and fro
             self._digits = needed
