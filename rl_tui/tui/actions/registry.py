@@ -206,6 +206,9 @@ _ACTIONS: Final[tuple[Action, ...]] = (
         rank=4,
     ),
     Action(
+        "view.turn_actions", "V", "Q in cells", "Let cells of a map show Q of every action, or V.", Group.VIEW
+    ),
+    Action(
         "view.zoom",
         "f",
         "zoom",

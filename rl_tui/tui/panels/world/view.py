@@ -61,6 +61,7 @@ class WorldView(Panel, can_focus=True):
         self.prompt: tuple[str, ...] = ()
         self._is_manual = False
         self._differing: frozenset[int] = frozenset()
+        self._shows_actions = False
         self.enter(world)
 
     def enter(self, world: World) -> None:
@@ -79,6 +80,22 @@ class WorldView(Panel, can_focus=True):
         if states != self._differing:
             self._differing = states
             self.redraw()
+
+    @property
+    def shows_actions(self) -> bool:
+        """Whether the cells of a map show Q of every action, where they have room, in place of V."""
+        return self._shows_actions
+
+    @shows_actions.setter
+    def shows_actions(self, shows_actions: bool) -> None:
+        if shows_actions != self._shows_actions:
+            self._shows_actions = shows_actions
+            self.redraw()
+
+    @property
+    def lacks_room(self) -> bool:
+        """Whether cells are too small for Q of every action, though they are to show it."""
+        return False
 
     @property
     def is_manual(self) -> bool:

@@ -33,6 +33,7 @@ from rl_tui.tui.panels.panel import BoardPanel
 from rl_tui.tui.panels.pointing import Pointed
 from rl_tui.tui.panels.q_table.q_table import QTable
 from rl_tui.tui.panels.timeline.timeline import HINTS, TimelineBar
+from rl_tui.tui.panels.world.choice import MapChoice
 from rl_tui.tui.panels.world.make_view import make_world_view
 from rl_tui.tui.panels.world.view import WorldView
 from rl_tui.tui.screens.playground.arrangement import Shape, arrangement
@@ -59,6 +60,7 @@ class Board(Container):
         self.rows = {row.id: row for row in panels}
         self._panels = {row.id: row.make(look) for row in panels}
         self.world: WorldView | None = None
+        self.map_choice = MapChoice()
         self._is_explained = False
         self.table = self._made(TABLE, QTable)
         self.curve = self._made(CURVE, ReturnCurve)
@@ -89,6 +91,7 @@ class Board(Container):
         if self.world is None:
             self.world = make_world_view(snapshot.world, self.look, id=WORLD, classes="panel")
             self.world.caption, self.world.is_explained = self.rows[WORLD].caption, self.is_explained
+            self.world.shows_actions = self.map_choice.shows_actions
             self._panels[WORLD] = self.world
             self.run_worker(self._replace_placeholder(self.world))
         self.table.sources = lit_sources(snapshot) if self.opened == MICROSCOPE else frozenset()

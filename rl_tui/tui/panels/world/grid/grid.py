@@ -16,6 +16,9 @@ from rl_tui.lab.run.large_worlds import is_large
 from rl_tui.tui.panels.legend import GREEDY_IN_FULL, Legend, LegendSign
 from rl_tui.tui.panels.scrolling import Scrolled, kept_in_view, scrolled_to
 from rl_tui.tui.panels.snapshot_facts import is_new_run
+from rl_tui.tui.panels.world.grid.action_form import ActionForm, part_form, whole_map_form
+from rl_tui.tui.panels.world.grid.action_legend import action_signs, heading_of
+from rl_tui.tui.panels.world.grid.action_values import ActionArtist, sign_text
 from rl_tui.tui.panels.world.grid.cells import SEVERAL, START, CellArtist, differing_style, reward_style
 from rl_tui.tui.panels.world.grid.form import LEAST_ARROWS, LEAST_DIGITS, CellForm, cell_form, digits_needed
 from rl_tui.tui.panels.world.grid.map import CellContent, GridMap, MapPart
@@ -40,10 +43,13 @@ class GridView(WorldView):
 
     _part: MapPart | None = None
     _form: CellForm | None = None
+    _action_form: ActionForm | None = None  # while cells show every action
     _origin = (0, 0)  # column and row of the first cell's first character
     _requested: Cells | None = None
     _artist: CellArtist | None = None
+    _action_artist: ActionArtist | None = None
     _digits = LEAST_DIGITS
+    _action_digits = LEAST_DIGITS
 
     def enter(self, world: World) -> None:
         """Take ``world`` for the one that is drawn, and follow the agent in it."""
@@ -121,7 +127,8 @@ class GridView(WorldView):
     def show(self, snapshot: Snapshot) -> None:
         """Draw ``snapshot``. Its numbers only ever get wider, until another run starts."""
         if is_new_run(self.snapshot, snapshot):
-            self._digits = LEAST_DIGITS
+            self._digits = self._action_digits = LEAST_DIGITS
+            self._action_artist = None
         super().show(snapshot)
 
     def drawing(self, snapshot: Snapshot, width: int, height: int) -> list[Strip]:
@@ -135,27 +142,59 @@ class GridView(WorldView):
 
     def _drawn_map(self, snapshot: Snapshot, width: int, height: int) -> list[Strip]:
         grid = self._map.grid
-        form = cell_form(grid.rows, grid.columns, width, height, self._digits)
+        actions = self._action_form = self._form_of_actions(width, height)
+        if actions is None:
+            form = cell_form(grid.rows, grid.columns, width, height, self._digits)
+        else:
+            form = CellForm(actions.width, actions.height)
         rows = min(grid.rows, max(1, height // form.height))
         columns = min(grid.columns, max(1, width // form.width))
         row, column = divmod(self.agent_place(snapshot), grid.columns)
         self._top = kept_in_view(self._top, row if self._following else None, rows, grid.rows)
         self._left = kept_in_view(self._left, column if self._following else None, columns, grid.columns)
         self._part = part = MapPart(self._top, self._left, rows, columns)
-        cells = self._map.contents(part, snapshot, self.shown_cursor, self.differing)
-        needed = digits_needed(each.value for each in cells if each.value is not None)
-        if needed > self._digits:  # they stay as wide, lest the map jump to and fro
-            self._digits = needed
+        cells = self._map.contents(
+            part, snapshot, self.shown_cursor, self.differing, with_actions=actions is not None
+        )
+        artist = self._artist_for(form)
+        needed = digits_needed(artist.values(cells))
+        if needed > (self._digits if actions is None else self._action_digits):
+            if actions is None:  # they stay as wide, lest the map jump to and fro
+                self._digits = needed
+            else:
+                self._action_digits = needed
             return self._drawn_map(snapshot, width, height)
-        without = HEADING_WITHOUT_VALUES if self.look.palette.tints else HEADING_GREEDY
-        heading = HEADING if form.has_values else without
-        # where the border has no room for the legend, the heading says what is drawn
-        forms = (heading,) if self._map.grid.legend else (*self.captioned(WORLD), heading)
-        self.heading = self._title(self.fitting(forms, width) or heading, width)
+        self.heading = self._title(self._what_is_drawn(form, width), width)
         self.footing = self._where(width)
         self.free_rows = height - part.rows * form.height - max(0, (height - part.rows * form.height) // 2)
         self._form, self._origin = form, origin(form, part, width, height)
-        return draw_grid(cells, self._artist_for(form), part, width, height)
+        return draw_grid(cells, artist, part, width, height)
+
+    def _form_of_actions(self, width: int, height: int) -> ActionForm | None:
+        """Return the form of cells with every action, None where they are not wanted or have no room."""
+        if not self.shows_actions:
+            return None
+        grid, kinds, digits = self._map.grid, self._map.action_kinds, self._action_digits
+        signs = max(len(sign_text(each, self.look)) for each in self._map.signs)
+        size = grid.rows, grid.columns, width, height, digits, signs
+        return whole_map_form(kinds, *size, tints=self.look.palette.tints) or part_form(kinds, *size)
+
+    def _what_is_drawn(self, form: CellForm, width: int) -> str:
+        """Return the heading without what rows and columns mean.
+
+        Where the border has no room for the legend, it says what is drawn; with every action it always does.
+        """
+        if self._action_form is not None:
+            return f"{WORLD} · {heading_of(self._action_form)}"
+        without = HEADING_WITHOUT_VALUES if self.look.palette.tints else HEADING_GREEDY
+        heading = HEADING if form.has_values else without
+        forms = (heading,) if self._map.grid.legend else (*self.captioned(WORLD), heading)
+        return self.fitting(forms, width) or heading
+
+    @property
+    def lacks_room(self) -> bool:
+        """Whether cells are too small for Q of every action, though they are to show it."""
+        return self.shows_actions and self._form is not None and self._action_form is None
 
     def signs(self) -> Legend:
         """Return the signs of cells that this map has."""
@@ -163,14 +202,17 @@ class GridView(WorldView):
 
     def _signs(self) -> Iterator[LegendSign]:
         palette, glyphs = self.look.palette, self.look.glyphs
-        form, signs = self._form, self._map.signs
+        form, signs, actions = self._form, self._map.signs, self._action_form
         if form is not None and self.differing:
             yield self._differing_sign(form)
         if form is not None and self._map.rewards:  # what is hardest to guess stands first
             yield from self._reward_signs(form)
-        if form is not None and len(signs) > form.most_signs:
+        if actions is not None:
+            yield from action_signs(actions, self.look)
+        elif form is not None and len(signs) > form.most_signs:
             yield LegendSign(SEVERAL, "tie", palette.strong, "tie: equally good")
-        yield from self.value_signs()
+        if actions is None:
+            yield from self.value_signs()
         yield LegendSign(glyphs.agent, "agent", palette.agent)
         ends = (
             (CellKind.HOLE, glyphs.hole, palette.hole),
@@ -182,9 +224,9 @@ class GridView(WorldView):
         )
         if CellKind.START in self._kinds:
             yield LegendSign(START, "start", palette.start)
-        greedy = ([each for each in signs if isinstance(each, tuple)] or signs)[-1]
-        sign = glyphs.direction(greedy) if isinstance(greedy, tuple) else greedy
-        yield LegendSign(sign, "greedy", palette.strong, GREEDY_IN_FULL)
+        if actions is None:
+            greedy = ([each for each in signs if isinstance(each, tuple)] or signs)[-1]
+            yield LegendSign(sign_text(greedy, self.look), "greedy", palette.strong, GREEDY_IN_FULL)
         if CellKind.WALL in self._kinds:
             yield LegendSign(glyphs.wall, "wall", palette.wall)
 
@@ -198,7 +240,7 @@ class GridView(WorldView):
     def _reward_signs(self, form: CellForm) -> Iterator[LegendSign]:
         """Yield how cells show what they pay: as a number, or whether it is more or less than usual."""
         rewards = self._map.rewards
-        texts = [self._artist_for(form).reward_text(each) for each in rewards]
+        texts = [self._artist_for(form).shown_reward(each) for each in rewards]
         if len(texts[0]) > 1:
             yield LegendSign(texts[0], "reward", reward_style(rewards[0], self.look))
             return
@@ -225,7 +267,13 @@ class GridView(WorldView):
         """Keep the agent in view again."""
         self._following = True
 
-    def _artist_for(self, form: CellForm) -> CellArtist:
+    def _artist_for(self, form: CellForm) -> CellArtist | ActionArtist:
+        """Return what draws cells of ``form``, with every action where these have a form."""
+        if self._action_form is not None:
+            drawing = self._action_artist
+            if drawing is None or drawing.form != self._action_form or drawing.look is not self.look:
+                drawing = self._action_artist = ActionArtist(self.look, self._action_form)
+            return drawing
         artist = self._artist
         if artist is None or artist.form != form or artist.look is not self.look:
             artist = self._artist = CellArtist(self.look, form, has_table=self.world.mdp is not None)
@@ -290,7 +338,7 @@ def _stretch(first: int, shown: int, total: int) -> str:
     return f"{first}–{first + shown - 1} of {total:,}"
 
 
-def origin(form: CellForm, part: MapPart, width: int, height: int) -> tuple[int, int]:
+def origin(form: CellForm | ActionForm, part: MapPart, width: int, height: int) -> tuple[int, int]:
     """Return column and row at which ``part`` begins, in the middle of width × height characters."""
     return (
         max(0, (width - part.columns * form.width) // 2),
@@ -299,14 +347,14 @@ def origin(form: CellForm, part: MapPart, width: int, height: int) -> tuple[int,
 
 
 def draw_grid(
-    cells: Sequence[CellContent], artist: CellArtist, part: MapPart, width: int, height: int
+    cells: Sequence[CellContent], artist: CellArtist | ActionArtist, part: MapPart, width: int, height: int
 ) -> list[Strip]:
     """Return ``cells``, those of ``part`` row by row, in the middle of width × height characters.
 
     The tints go from the least to the greatest value in ``part``, 0 included.
     """
     form, text = artist.form, artist.look.palette.text
-    shown = [each.value for each in cells if each.value is not None and math.isfinite(each.value)]
+    shown = [each for each in artist.values(cells) if math.isfinite(each)]
     low, high = min(shown, default=0.0), max(shown, default=0.0)
     drawn = artist.drawn(cells, min(low, 0.0), max(high, 0.0))
     left, top = origin(form, part, width, height)

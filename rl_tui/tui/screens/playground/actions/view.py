@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from rl_tui.lab.live.commands import LookAt
 from rl_tui.lab.live.snapshot import Snapshot
+from rl_tui.tui.panels.catalogue import WORLD
 from rl_tui.tui.screens.dialogs.model import ModelScreen
 from rl_tui.tui.screens.playground.actions.subject import Subject
-from rl_tui.worlds.drawing import Arms
+from rl_tui.worlds.drawing import Arms, Grid
 
 
 class ViewActions(Subject):
@@ -27,6 +28,22 @@ class ViewActions(Subject):
     def next_layer(self) -> None:
         """Go to the next layer of the table."""
         self.board.table.next_layer()
+
+    def turn_actions(self) -> None:
+        """Let the cells of a map show Q of every action, or V and greedy actions again."""
+        view = self.board.world
+        if view is None:
+            return
+        if not isinstance(view.world.drawing, Grid):
+            is_bandit = isinstance(view.world.drawing, Arms)
+            here = "each bar is Q of its arm" if is_bandit else "Q of every action stands in the table"
+            self.screen.tell(f"V is for maps, whose cells it turns to Q; here {here}")
+            return
+        choice = self.board.map_choice
+        choice.shows_actions = view.shows_actions = not choice.shows_actions
+        if view.lacks_room:
+            zoom = "" if self.board.zoomed == WORLD else "f, which shows the world alone, or "
+            self.screen.tell(f"cells are too small for Q of every action; {zoom}a larger terminal helps")
 
     def zoom(self) -> None:
         """Show one panel alone, or all again."""
