@@ -314,10 +314,7 @@ async def test_where_cells_are_too_small_it_says_so_and_the_zoom_helps(make_app:
         assert world is not None
         before = str(world.border_title)
         await press(pilot, "V")
-        assert notes(app) == [
-            "cells are too small for Q of every action; "
-            "f, which shows the world alone, or a larger terminal helps"
-        ]
+        assert notes(app) == ["cells too small for Q of every action; f, the world alone, has room"]
         assert str(world.border_title) == before
         await press(pilot, "f")
         assert not world.lacks_room
@@ -335,7 +332,7 @@ async def test_other_worlds_say_where_q_stands(scenario: str, where: str, make_a
         await settle(pilot)
         await press(pilot, "V")
         assert notes(app)[0].endswith(where)
-        assert not playground(pilot).board.map_choice.shows_actions
+        assert not playground(pilot).board.shows_actions
 
 
 @pytest.mark.screen

@@ -35,6 +35,7 @@ PLAYGROUND_KEYS = {
     "o",
     "f",
     "L",
+    "number_sign",
     "m",
     "h",
     "b",

@@ -109,7 +109,7 @@ _ACTIONS: Final[tuple[Action, ...]] = (
         "time.show_branches",
         "j",
         "journal",
-        "Show the branches of the run and what was changed in each; enter goes to one.",
+        "Show the branches of the run and what was changed in each; enter goes to one, c compares.",
         Group.TIME,
         rank=16,
         needs_world=True,
@@ -205,9 +205,7 @@ _ACTIONS: Final[tuple[Action, ...]] = (
         Group.VIEW,
         rank=4,
     ),
-    Action(
-        "view.turn_actions", "V", "Q in cells", "Let cells of a map show Q of every action, or V.", Group.VIEW
-    ),
+    Action("view.turn_actions", "V", "Q in cells", "Show Q of every action in a map, or V.", Group.VIEW),
     Action(
         "view.zoom",
         "f",
@@ -220,13 +218,14 @@ _ACTIONS: Final[tuple[Action, ...]] = (
         "lanes.compare",
         "c",
         "compare",
-        "Run another agent beside this one, with one thing different.",
+        "Run another agent beside this one, with one thing different, or another branch.",
         Group.VIEW,
         rank=7,
         needs_world=True,
     ),
     Action("lanes.next_lane", "l", "next lane", "Show the next of the runs side by side.", Group.VIEW),
     Action("turn_legends", "L", "legends", "Hide or show what panels and their signs mean.", Group.VIEW),
+    Action("view.numbers", "number_sign", "numbers", "Number the states of a map.", Group.VIEW, symbol="#"),
     Action(
         "view.model",
         "m",

@@ -7,7 +7,7 @@ catalogue not for numpy and a dozen widgets.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Protocol
 
@@ -15,7 +15,6 @@ from rl_tui.common.errors import UserError
 from rl_tui.lab.run.recipe import Recipe
 from rl_tui.tui.actions.action import Place
 from rl_tui.tui.panels.catalogue import PanelRow
-from rl_tui.tui.panels.world.choice import MapChoice
 from rl_tui.tui.theme.look import Look
 
 if TYPE_CHECKING:
@@ -59,8 +58,6 @@ class Opener:
     """That of the newest playground."""
     legends: LegendSwitch | None = None
     """Whether panels explain themselves, in all playgrounds alike."""
-    map_choice: MapChoice = field(default_factory=MapChoice)
-    """What maps show, in all playgrounds alike."""
     autosave: Autosave | None = None
     """What keeps the newest playground's session, if anything does."""
     _earlier: Autosave | None = None
@@ -139,5 +136,4 @@ class Opener:
         )
         if self.kiosk:
             playground.place |= Place.KIOSK
-        playground.board.map_choice = self.map_choice
         return playground

@@ -60,6 +60,7 @@ class WorldView(Panel, can_focus=True):
         self.title: tuple[str, ...] = ()
         self.prompt: tuple[str, ...] = ()
         self._is_manual = False
+        self._is_numbered = False
         self._differing: frozenset[int] = frozenset()
         self._shows_actions = False
         self.enter(world)
@@ -96,6 +97,21 @@ class WorldView(Panel, can_focus=True):
     def lacks_room(self) -> bool:
         """Whether cells are too small for Q of every action, though they are to show it."""
         return False
+
+    def has_room_in(self, width: int, height: int) -> bool:
+        """Return whether cells have room for what they are to show in a panel of that size."""
+        return True
+
+    @property
+    def is_numbered(self) -> bool:
+        """Whether the cells of a map have the numbers of their states."""
+        return self._is_numbered
+
+    @is_numbered.setter
+    def is_numbered(self, is_numbered: bool) -> None:
+        if is_numbered != self._is_numbered:
+            self._is_numbered = is_numbered
+            self.redraw()
 
     @property
     def is_manual(self) -> bool:

@@ -62,6 +62,16 @@ class ActionForm(NamedTuple):
         return self.places is Places.LIST and self.height > self.most_actions
 
     @property
+    def list_rows(self) -> int:
+        """The rows of a list."""
+        return self.most_actions if self.places is Places.LIST else -(-self.most_actions // 2)
+
+    @property
+    def tinted_width(self) -> int:
+        """The columns that have tints: one is blank between neighbours where there is room."""
+        return self.width - (self.width > _LEAST_TINTED)
+
+    @property
     def is_framed(self) -> bool:
         """Whether a greedy number has a mark on either side: in a list only where a blank remains."""
         return not self.places.is_list or self.entry_width > self.sign_width + self.digits + FRAME
@@ -117,7 +127,7 @@ def forms_for(
     if rows > 1 and 2 * height >= rows and lists.entry_width >= entry:
         yield lists._replace(digits=_digits(lists.entry_width - sign_width - FRAME - 1, digits))
     if kinds.have_sides and width >= _LEAST_TINTED and height >= (3 if kinds.are_diagonal else 2):
-        yield ActionForm(Places.TINTS, width, height, digits)
+        yield ActionForm(Places.TINTS, width, height, digits, sign_width, rows)
 
 
 def _with_sides(kinds: ActionKinds, width: int, height: int, digits: int) -> Iterable[ActionForm]:

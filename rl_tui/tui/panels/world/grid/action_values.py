@@ -9,11 +9,13 @@ from typing import Final, NamedTuple
 from rich.style import Style
 
 from rl_tui.tui.draw.canvas import Canvas
+from rl_tui.tui.draw.number_form import NumberForm
 from rl_tui.tui.panels.world.grid.action_form import FRAME, ActionForm, Places, side_of
 from rl_tui.tui.panels.world.grid.cells import CellArtist, Drawn, mark_of, put_reward, reward_text, value_text
 from rl_tui.tui.panels.world.grid.form import LEAST_DIGITS, CellForm
 from rl_tui.tui.panels.world.grid.map import ActionValue, CellContent, Sign
 from rl_tui.tui.panels.world.grid.rewards import CellReward
+from rl_tui.tui.panels.world.grid.trail import Trace, put_trace
 from rl_tui.tui.panels.world.state_values import fraction
 from rl_tui.tui.theme.look import Look
 from rl_tui.worlds.drawing import CellKind
@@ -43,6 +45,8 @@ class ActionFace(NamedTuple):
     stops: bool
     cursor: bool
     differs: bool
+    trace: Trace | None
+    name: str
 
 
 class ActionArtist:
@@ -55,38 +59,43 @@ class ActionArtist:
         # what looks the same is drawn once
         self._drawn = lru_cache(_MOST_KEPT)(partial(_drawn, form=form, look=look))
         self._field = LEAST_DIGITS  # characters of the widest number so far: they stay as wide
-        self._text = lru_cache(_MOST_TEXTS)(partial(value_text, width=form.digits, look=look))
+        self._text = lru_cache(_MOST_TEXTS)(partial(value_text, look=look))
 
     def values(self, cells: Sequence[CellContent]) -> list[float]:
-        """Return the numbers between whose ends the tints run."""
+        """Return the numbers that all have one form, and between whose ends the tints run."""
         return [action.q for cell in cells for action in cell.actions]
 
     def shown_reward(self, reward: CellReward) -> str:
         """Return how a cell without other signs shows what it pays."""
         return reward_text(reward, _reward_room(self.form), self.look)
 
-    def drawn(self, cells: Sequence[CellContent], low: float, high: float) -> list[Drawn]:
+    def drawn(
+        self, cells: Sequence[CellContent], low: float, high: float, number_form: NumberForm
+    ) -> list[Drawn]:
         """Return the rows of each of ``cells``, each action tinted by its value from ``low`` to ``high``."""
-        faces = [self._face(cell, low, high) if cell.actions else None for cell in cells]
+        faces = [self._face(cell, low, high, number_form) if cell.actions else None for cell in cells]
         texts = (entry.text for face in faces if face for entry in face.entries)
         self._field = max(self._field, max(map(len, texts), default=0))
         return [
-            self._drawn(face, self._field) if face is not None else self._idle.drawn((cell,), low, high)[0]
+            self._drawn(face, self._field)
+            if face is not None
+            else self._idle.drawn((cell,), low, high, number_form)[0]
             for face, cell in zip(faces, cells, strict=True)
         ]
 
-    def _face(self, cell: CellContent, low: float, high: float) -> ActionFace:
-        entries = tuple(self._entry(action, low, high) for action in cell.actions)
-        return ActionFace(cell.kind, cell.agent, entries, cell.reward, cell.stops, cell.cursor, cell.differs)
+    def _face(self, cell: CellContent, low: float, high: float, number_form: NumberForm) -> ActionFace:
+        entries = tuple(self._entry(action, low, high, number_form) for action in cell.actions)
+        marks = cell.reward, cell.stops, cell.cursor, cell.differs, cell.trace, cell.name.strip()
+        return ActionFace(cell.kind, cell.agent, entries, *marks)
 
-    def _entry(self, action: ActionValue, low: float, high: float) -> Entry:
+    def _entry(self, action: ActionValue, low: float, high: float, number_form: NumberForm) -> Entry:
         palette = self.look.palette
         sign, q, is_new, is_greedy = action
         style = palette.unvisited if is_new else palette.value(fraction(q, low, high))
         if self.form.places is Places.TINTS:
             text = ""
         else:
-            text = self.look.glyphs.stay if is_new and q == 0.0 else self._text(q)
+            text = self.look.glyphs.stay if is_new and q == 0.0 else self._text(q, number_form)
         return Entry(sign, text, style, is_new, is_greedy)
 
 
@@ -100,6 +109,8 @@ def _drawn(face: ActionFace, field: int, form: ActionForm, look: Look) -> Drawn:
         _draw_tints(canvas, face, form, look)
     else:
         _draw_sides(canvas, face, form, look)
+    if face.trace is not None:
+        put_trace(canvas, face.trace, look)
     return [list(strip) for strip in canvas.strips()]
 
 
@@ -191,9 +202,12 @@ def _put_marks_amid(
         here = (centre + 1, block.middle) if is_wide else (block.end - 1, corner)
         canvas.put(*here, look.glyphs.differs, look.palette.strong)
     if form.places is not Places.KEYPAD:
-        put_reward(canvas, block.left - 1, corner, _reward_room(form), face.reward, look)
+        _put_name(canvas, block.left - 1, corner, face, form)
+        reward = 2 * block.middle - corner if face.name else corner
+        put_reward(canvas, block.left - 1, reward, _reward_room(form), face.reward, look)
     elif not _has_mark(face):
-        put_reward(canvas, centre, block.middle, _reward_room(form), face.reward, look)
+        _put_name(canvas, block.centre - 1, block.middle, face, form)
+        put_reward(canvas, centre, block.middle, _reward_room(form) * (not face.name), face.reward, look)
 
 
 def _reward_room(form: ActionForm) -> int:
@@ -204,16 +218,35 @@ def _reward_room(form: ActionForm) -> int:
     return max(1, form.width // 2 - 2) if form.has_header else 1
 
 
+def name_room(form: ActionForm) -> int:
+    """Return how many characters of the name of a state there is room for."""
+    match form.places:
+        case Places.CROSS | Places.SPREAD_KEYPAD:
+            return _reward_room(form)
+        case Places.KEYPAD:
+            return form.digits + FRAME
+        case Places.TINTS:
+            return 0 if form.most_actions > 4 else _edge(form, diagonals=False)
+    if form.has_header:
+        return form.width // 2 - 1
+    return form.width if form.places is Places.TWO_LISTS and form.height > form.list_rows else 0
+
+
+def _put_name(canvas: Canvas, x: int, y: int, face: ActionFace, form: ActionForm) -> None:
+    if len(face.name) <= name_room(form):
+        canvas.put_over(x, y, face.name, Style.null())
+
+
 def _draw_list(canvas: Canvas, face: ActionFace, form: ActionForm, look: Look) -> None:
     """Draw the actions below one another, in one column or two, and the marks above, before or between."""
     width = form.sign_width + form.digits + (FRAME if form.is_framed else 1)
     if form.places is Places.LIST:
-        rows, start, blank = form.height, form.width - form.entry_width, form.entry_width - width
+        start, blank = form.width - form.entry_width, form.entry_width - width
         start += blank // 2
     else:
-        rows, start, blank = -(-form.most_actions // 2), 0, form.width - 2 * width - 1
+        start, blank = 0, form.width - 2 * width - 1
     for number, entry in enumerate(face.entries):
-        column, row = divmod(number, rows)
+        column, row = divmod(number, form.list_rows)
         x, y = start + column * (width + 1), row + form.has_header
         if blank > 0 and form.places is Places.TWO_LISTS:  # both are seen to be one cell's
             canvas.put(x, y, " " * width, entry.style)
@@ -235,11 +268,13 @@ def _put_marks_of_list(canvas: Canvas, face: ActionFace, form: ActionForm, colum
         _put_mark(canvas, centre, 0, face, look, beside=centre - 1)
         if face.differs:
             canvas.put(centre + 1, 0, look.glyphs.differs, palette.strong)
-        put_reward(canvas, 0, 0, _reward_room(form), face.reward, look)
+        _put_name(canvas, 0, 0, face, form)
+        put_reward(canvas, 0, 0, _reward_room(form) * (not face.name), face.reward, look)
         return
     if face.cursor:
         for row in range(form.height):
             canvas.put(column, row, " ", palette.focus)
+    _put_name(canvas, 0, form.height - 1, face, form)
     _put_mark(canvas, column, 0, face, look)
     if form.height > 1 or not _has_mark(face):
         put_reward(canvas, column, min(1, form.height - 1), 1, face.reward, look)
@@ -252,8 +287,7 @@ def _put_marks_of_list(canvas: Canvas, face: ActionFace, form: ActionForm, colum
 def _draw_tints(canvas: Canvas, face: ActionFace, form: ActionForm, look: Look) -> None:
     """Draw each side of the cell in the tint of its action, with an arrow where that is greedy."""
     diagonals = any(all(side) for each in face.entries if (side := side_of(each.sign)) is not None)
-    width = form.width - (form.width > 5)  # a blank between neighbours
-    edge = max(2, width // 3) if diagonals else max(1, (width - 1) // 3)
+    width, edge = form.tinted_width, _edge(form, diagonals)
     columns = ((0, edge), (edge, width - edge), (width - edge, width))
     others = [entry for entry in face.entries if side_of(entry.sign) is None]
     for entry in face.entries:
@@ -266,7 +300,14 @@ def _draw_tints(canvas: Canvas, face: ActionFace, form: ActionForm, look: Look) 
             first, last = columns[side[1] + 1]
             rows = _rows_of_side(side, form.height, diagonals)
         _fill(canvas, first, last, rows, entry, _row_of_sign(side, rows), look)
-    _put_marks_on_tints(canvas, face, form, width, edge, look)
+    _put_name(canvas, 0, 0, face, form)
+    _put_marks_on_tints(canvas, face, form, edge, look)
+
+
+def _edge(form: ActionForm, diagonals: bool) -> int:
+    """Return the columns of the sides left and right."""
+    width = form.tinted_width
+    return max(2, width // 3) if diagonals else max(1, (width - 1) // 3)
 
 
 def _rows_of_side(side: tuple[int, int], height: int, diagonals: bool) -> range:
@@ -292,11 +333,9 @@ def _fill(canvas: Canvas, first: int, last: int, rows: range, entry: Entry, row:
         canvas.put((first + last - 1) // 2, row, look.glyphs.stay, entry.style)
 
 
-def _put_marks_on_tints(
-    canvas: Canvas, face: ActionFace, form: ActionForm, width: int, edge: int, look: Look
-) -> None:
+def _put_marks_on_tints(canvas: Canvas, face: ActionFace, form: ActionForm, edge: int, look: Look) -> None:
     """Put the marks in the middle; in two rows that is beside the arrows up and down."""
-    low = form.height == 2
+    low, width = form.height == 2, form.tinted_width
     has_letter = any(side_of(entry.sign) is None for entry in face.entries)
     centre, row = (width - 1) // 2 - has_letter, 0 if low else form.height // 2
     left, right = centre - 1, centre + 1

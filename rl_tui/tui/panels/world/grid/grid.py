@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterator, Sequence
-from itertools import chain
+from collections.abc import Iterator
 from typing import Final
 
 from rich.segment import Segment
@@ -13,23 +11,32 @@ from textual.strip import Strip
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.live.viewport import Cells
 from rl_tui.lab.run.large_worlds import is_large
+from rl_tui.tui.draw.number_form import SteadyForms
 from rl_tui.tui.panels.legend import GREEDY_IN_FULL, Legend, LegendSign
 from rl_tui.tui.panels.scrolling import Scrolled, kept_in_view, scrolled_to
 from rl_tui.tui.panels.snapshot_facts import is_new_run
 from rl_tui.tui.panels.world.grid.action_form import ActionForm, part_form, whole_map_form
 from rl_tui.tui.panels.world.grid.action_legend import action_signs, heading_of
-from rl_tui.tui.panels.world.grid.action_values import ActionArtist, sign_text
+from rl_tui.tui.panels.world.grid.action_values import ActionArtist, name_room, sign_text
 from rl_tui.tui.panels.world.grid.cells import SEVERAL, START, CellArtist, differing_style, reward_style
 from rl_tui.tui.panels.world.grid.form import LEAST_ARROWS, LEAST_DIGITS, CellForm, cell_form, digits_needed
-from rl_tui.tui.panels.world.grid.map import CellContent, GridMap, MapPart
+from rl_tui.tui.panels.world.grid.headings import (
+    HEADING,
+    STATE_NUMBERS,
+    WORLD,
+    heading_of_values,
+    numbered,
+    shorter,
+    stretch,
+)
+from rl_tui.tui.panels.world.grid.map import GridMap, MapPart
+from rl_tui.tui.panels.world.grid.strips import draw_grid, origin
+from rl_tui.tui.panels.world.grid.trail import traces, trail_signs
+from rl_tui.tui.panels.world.grid.wind import last_gust, wind_line, wind_sign, wind_strip
 from rl_tui.tui.panels.world.view import WorldView
 from rl_tui.worlds.drawing import CellKind, Grid
 from rl_tui.worlds.world import World
 
-WORLD: Final = "World"
-HEADING: Final = f"{WORLD} · V and greedy"
-HEADING_WITHOUT_VALUES: Final = f"{WORLD} · greedy, V as tint"
-HEADING_GREEDY: Final = f"{WORLD} · greedy"
 FOLLOWS: Final = "follows the agent"
 _LEAST_WITH_LEGEND: Final = 8  # rows of a map that scrolls
 FOLLOW_HINT: Final = "esc: follow the agent"
@@ -50,6 +57,7 @@ class GridView(WorldView):
     _action_artist: ActionArtist | None = None
     _digits = LEAST_DIGITS
     _action_digits = LEAST_DIGITS
+    _longest_name = 0  # of those in view, where names are shown
 
     def enter(self, world: World) -> None:
         """Take ``world`` for the one that is drawn, and follow the agent in it."""
@@ -60,6 +68,7 @@ class GridView(WorldView):
         self._kinds = frozenset(world.drawing.kinds)
         self._top = self._left = 0
         self._following = True
+        self._number_forms = SteadyForms()
         self.heading = HEADING
 
     @property
@@ -107,6 +116,11 @@ class GridView(WorldView):
         """Return the state of a cell: of several the agent's, else the first; None in a wall."""
         return self._map.state_at(place, self.snapshot)
 
+    def name_at(self, place: int) -> str:
+        """Return which state stands in a cell, and whether the agent can never be there."""
+        name = super().name_at(place)
+        return f"{name}, never reached" if place in self._map.unreached else name
+
     def place_of(self, pair: int) -> int:
         """Return the cell of the state that owns ``pair``."""
         return int(self._map.grid.cell_of_state[self.world.space.state_of(pair)])
@@ -129,6 +143,7 @@ class GridView(WorldView):
         if is_new_run(self.snapshot, snapshot):
             self._digits = self._action_digits = LEAST_DIGITS
             self._action_artist = None
+            self._number_forms.clear()
         super().show(snapshot)
 
     def drawing(self, snapshot: Snapshot, width: int, height: int) -> list[Strip]:
@@ -141,12 +156,30 @@ class GridView(WorldView):
         return self._drawn_map(snapshot, width, height)
 
     def _drawn_map(self, snapshot: Snapshot, width: int, height: int) -> list[Strip]:
+        """Return the map, below it the wind of its columns where a row is free for that."""
         grid = self._map.grid
-        actions = self._action_form = self._form_of_actions(width, height)
-        if actions is None:
-            form = cell_form(grid.rows, grid.columns, width, height, self._digits)
-        else:
-            form = CellForm(actions.width, actions.height)
+        if not grid.wind:
+            return self._drawn_cells(snapshot, width, height)
+        form = self._cell_form(width, height)
+        is_free = height > grid.rows * form.height or grid.rows > height >= _LEAST_WITH_LEGEND
+        strips = self._drawn_cells(snapshot, width, height - is_free)
+        assert self._part is not None
+        assert self._form is not None
+        if is_free:
+            left, top = self._origin
+            gust = last_gust(grid, snapshot)
+            row = wind_strip(grid, self._part, self._form, left, width, gust, self.look)
+            strips.insert(top + self._part.rows * self._form.height, row)
+        elif self._following:
+            line = wind_line(grid, self._part, self.look)
+            both = (f"{line} · {self.footing}",) if self.footing else ()
+            self.footing = self.fitting((*both, line), width) or self.footing
+        return strips
+
+    def _drawn_cells(self, snapshot: Snapshot, width: int, height: int) -> list[Strip]:
+        grid = self._map.grid
+        form = self._cell_form(width, height)
+        actions = self._action_form
         rows = min(grid.rows, max(1, height // form.height))
         columns = min(grid.columns, max(1, width // form.width))
         row, column = divmod(self.agent_place(snapshot), grid.columns)
@@ -154,8 +187,14 @@ class GridView(WorldView):
         self._left = kept_in_view(self._left, column if self._following else None, columns, grid.columns)
         self._part = part = MapPart(self._top, self._left, rows, columns)
         cells = self._map.contents(
-            part, snapshot, self.shown_cursor, self.differing, with_actions=actions is not None
+            part,
+            snapshot,
+            self.shown_cursor,
+            self.differing,
+            with_actions=actions is not None,
+            named=self.is_numbered,
         )
+        self._longest_name = max(len(each.name) for each in cells)
         artist = self._artist_for(form)
         needed = digits_needed(artist.values(cells))
         if needed > (self._digits if actions is None else self._action_digits):
@@ -163,12 +202,20 @@ class GridView(WorldView):
                 self._digits = needed
             else:
                 self._action_digits = needed
-            return self._drawn_map(snapshot, width, height)
+            return self._drawn_cells(snapshot, width, height)
         self.heading = self._title(self._what_is_drawn(form, width), width)
         self.footing = self._where(width)
         self.free_rows = height - part.rows * form.height - max(0, (height - part.rows * form.height) // 2)
         self._form, self._origin = form, origin(form, part, width, height)
-        return draw_grid(cells, artist, part, width, height)
+        return draw_grid(cells, artist, part, width, height, self._number_forms)
+
+    def _cell_form(self, width: int, height: int) -> CellForm:
+        """Return the form of cells; first it settles whether they show every action."""
+        grid, actions = self._map.grid, self._form_of_actions(width, height)
+        self._action_form = actions
+        if actions is not None:
+            return CellForm(actions.width, actions.height)
+        return cell_form(grid.rows, grid.columns, width, height, self._digits)
 
     def _form_of_actions(self, width: int, height: int) -> ActionForm | None:
         """Return the form of cells with every action, None where they are not wanted or have no room."""
@@ -185,16 +232,27 @@ class GridView(WorldView):
         Where the border has no room for the legend, it says what is drawn; with every action it always does.
         """
         if self._action_form is not None:
-            return f"{WORLD} · {heading_of(self._action_form)}"
-        without = HEADING_WITHOUT_VALUES if self.look.palette.tints else HEADING_GREEDY
-        heading = HEADING if form.has_values else without
-        forms = (heading,) if self._map.grid.legend else (*self.captioned(WORLD), heading)
+            heading = f"{WORLD} · {heading_of(self._action_form)}"
+        else:
+            heading = heading_of_values(form, self.look)
+        forms: tuple[str, ...] = (heading,)
+        if self.is_numbered and self._longest_name <= self._room_for_names(form):
+            forms = numbered(heading, form, self._longest_name, in_corner=self._action_form is not None)
+        elif self._action_form is None and not self._map.grid.legend:
+            forms = (*self.captioned(WORLD), heading)
         return self.fitting(forms, width) or heading
 
     @property
     def lacks_room(self) -> bool:
         """Whether cells are too small for Q of every action, though they are to show it."""
         return self.shows_actions and self._form is not None and self._action_form is None
+
+    def has_room_in(self, width: int, height: int) -> bool:
+        """Return whether cells have room for what they are to show in a panel of that size."""
+        return not self.shows_actions or self._form_of_actions(width, height) is not None
+
+    def _room_for_names(self, form: CellForm) -> int:
+        return form.longest_name if self._action_form is None else name_room(self._action_form)
 
     def signs(self) -> Legend:
         """Return the signs of cells that this map has."""
@@ -211,9 +269,21 @@ class GridView(WorldView):
             yield from action_signs(actions, self.look)
         elif form is not None and len(signs) > form.most_signs:
             yield LegendSign(SEVERAL, "tie", palette.strong, "tie: equally good")
+        if self._map.grid.wind:
+            yield wind_sign(self._map.grid, self.look)
+        if self._map.unreached:
+            yield LegendSign(glyphs.unreached, "unreached", palette.dim, "never reached")
+        if form is not None and self._longest_name > self._room_for_names(form):
+            yield LegendSign("#", "no room", palette.dim, f"no room for {STATE_NUMBERS}")
+        elif self.is_numbered and self.snapshot is not None:
+            name = self.world.space.state_names[self.snapshot.counters.state]
+            yield LegendSign(name, "state", palette.text, "number of a state")
         if actions is None:
             yield from self.value_signs()
         yield LegendSign(glyphs.agent, "agent", palette.agent)
+        if self.snapshot is not None and form is not None:
+            left = traces(self.snapshot.trail, self._map.grid, signs)
+            yield from trail_signs(left.values(), self.look, is_high=form.height > 1)
         ends = (
             (CellKind.HOLE, glyphs.hole, palette.hole),
             (CellKind.CLIFF, glyphs.cliff, palette.cliff),
@@ -305,7 +375,7 @@ class GridView(WorldView):
         grid, part = self._map.grid, self._part
         assert part is not None
         top, left, rows, columns = part
-        return _stretch(top, rows, grid.rows), _stretch(left, columns, grid.columns)
+        return stretch(top, rows, grid.rows), stretch(left, columns, grid.columns)
 
     def _where(self, width: int) -> str:
         """Return which part is in view, and how to follow again.
@@ -314,9 +384,9 @@ class GridView(WorldView):
         """
         legend = self._map.grid.legend
         if self._is_whole or self._part is None:
-            return self.fitting(_shorter(legend), width)
+            return self.fitting(shorter(legend), width)
         if self._following and legend and legend not in self.heading:
-            return self.fitting((*_shorter(legend), FOLLOWS), width)
+            return self.fitting((*shorter(legend), FOLLOWS), width)
         down, across = self._in_view()
         follow = FOLLOWS if self._following else FOLLOW_HINT
         forms = (
@@ -326,50 +396,3 @@ class GridView(WorldView):
             follow,
         )
         return self.fitting(forms, width)
-
-
-def _shorter(legend: str) -> tuple[str, ...]:
-    """Return ``legend``, then rows and columns alone, without further parts and what precedes a colon."""
-    rows_and_columns = ", ".join(legend.split(", ")[:2])
-    return legend, rows_and_columns, rows_and_columns.rpartition(": ")[2]
-
-
-def _stretch(first: int, shown: int, total: int) -> str:
-    return f"{first}–{first + shown - 1} of {total:,}"
-
-
-def origin(form: CellForm | ActionForm, part: MapPart, width: int, height: int) -> tuple[int, int]:
-    """Return column and row at which ``part`` begins, in the middle of width × height characters."""
-    return (
-        max(0, (width - part.columns * form.width) // 2),
-        max(0, (height - part.rows * form.height) // 2),
-    )
-
-
-def draw_grid(
-    cells: Sequence[CellContent], artist: CellArtist | ActionArtist, part: MapPart, width: int, height: int
-) -> list[Strip]:
-    """Return ``cells``, those of ``part`` row by row, in the middle of width × height characters.
-
-    The tints go from the least to the greatest value in ``part``, 0 included.
-    """
-    form, text = artist.form, artist.look.palette.text
-    shown = [each for each in artist.values(cells) if math.isfinite(each)]
-    low, high = min(shown, default=0.0), max(shown, default=0.0)
-    drawn = artist.drawn(cells, min(low, 0.0), max(high, 0.0))
-    left, top = origin(form, part, width, height)
-    before = Segment(" " * left, text)
-    after = Segment(" " * max(0, width - part.columns * form.width - len(before.text)), text)
-    strips = [Strip([Segment(" " * width, text)], width)] * top
-    for row in range(part.rows):
-        faces = drawn[row * part.columns : (row + 1) * part.columns]
-        for line in range(form.height):
-            segments = [before, *chain.from_iterable(face[line] for face in faces), after]
-            strips.append(
-                Strip(Segment.simplify(filter(_has_text, segments))).adjust_cell_length(width, text)
-            )
-    return strips + [Strip([Segment(" " * width, text)], width)] * (height - len(strips))
-
-
-def _has_text(segment: Segment) -> bool:
-    return bool(segment.text)

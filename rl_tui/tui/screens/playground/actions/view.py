@@ -5,6 +5,7 @@ from __future__ import annotations
 from rl_tui.lab.live.commands import LookAt
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.panels.catalogue import WORLD
+from rl_tui.tui.panels.panel import BORDERS
 from rl_tui.tui.screens.dialogs.model import ModelScreen
 from rl_tui.tui.screens.playground.actions.subject import Subject
 from rl_tui.worlds.drawing import Arms, Grid
@@ -39,11 +40,12 @@ class ViewActions(Subject):
             here = "each bar is Q of its arm" if is_bandit else "Q of every action stands in the table"
             self.screen.tell(f"V is for maps, whose cells it turns to Q; here {here}")
             return
-        choice = self.board.map_choice
-        choice.shows_actions = view.shows_actions = not choice.shows_actions
+        self.board.shows_actions = not self.board.shows_actions
         if view.lacks_room:
-            zoom = "" if self.board.zoomed == WORLD else "f, which shows the world alone, or "
-            self.screen.tell(f"cells are too small for Q of every action; {zoom}a larger terminal helps")
+            width, height = self.board.size
+            alone = self.board.zoomed != WORLD and view.has_room_in(width - BORDERS, height - BORDERS)
+            room = "f, the world alone, has room" if alone else "a larger terminal has room"
+            self.screen.tell(f"cells too small for Q of every action; {room}")
 
     def zoom(self) -> None:
         """Show one panel alone, or all again."""
@@ -56,6 +58,13 @@ class ViewActions(Subject):
             return
         self.link.wanted.revealed = not self.link.wanted.revealed
         self.board.show(self.snapshot)
+
+    def numbers(self) -> None:
+        """Show or hide the numbers of the states in the cells of a map."""
+        if self.snapshot is not None and not isinstance(self.snapshot.world.drawing, Grid):
+            self.screen.tell("# numbers the states of a map, and this world has none")
+            return
+        self.board.is_numbered = not self.board.is_numbered
 
     def model(self) -> None:
         """Show the model until it is closed."""
