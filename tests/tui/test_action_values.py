@@ -17,6 +17,7 @@ from snapshots import changed
 
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.live.until import Breakpoints
+from rl_tui.lab.timeline.trail import TrailStep
 from rl_tui.tui.app.screenshot import settle
 from rl_tui.tui.panels.world.grid.action_form import ActionKinds, Places, part_form, whole_map_form
 from rl_tui.tui.panels.world.grid.grid import GridView
@@ -249,6 +250,25 @@ def test_holes_and_the_goal_look_as_they_do_beside_values() -> None:
     for size in ((60, 12), (40, 8)):
         rows = drawn(with_actions(snapshot), snapshot, *size)
         assert ("".join(rows).count("●"), "".join(rows).count("★")) == (4, 1)
+
+
+def test_numbers_of_states_stand_in_a_corner_if_all_have_room() -> None:
+    snapshot = learned()
+    for size, expected in (((60, 12), "15 "), ((60, 16), "15 "), ((28, 8), "")):
+        view = with_actions(snapshot)
+        view.is_numbered = True
+        text = "".join(drawn(view, snapshot, *size))
+        assert ("10" in text) is bool(expected)
+        assert (" 1 " in text) is bool(expected)
+        assert ("no room" in {sign.meaning for sign in view.signs()}) is not bool(expected)
+
+
+def test_the_trail_is_seen_beside_the_numbers() -> None:
+    snapshot = learned()
+    trail = (TrailStep(1, 0, DOWN, RIGHT, 1),)
+    for size in ((60, 12), (40, 8), (28, 16)):
+        rows = drawn(with_actions(snapshot), changed(snapshot, trail=trail), *size)
+        assert look().glyphs.slip in "".join(rows)
 
 
 def test_only_signs_that_are_drawn_are_explained() -> None:

@@ -86,7 +86,7 @@ class ActionArtist:
     def _face(self, cell: CellContent, low: float, high: float, number_form: NumberForm) -> ActionFace:
         entries = tuple(self._entry(action, low, high, number_form) for action in cell.actions)
         extra = cell.extra or PLAIN
-        marks = cell.reward, cell.stops, cell.cursor, cell.differs, extra.trace, extra.name.strip()
+        marks = cell.reward, cell.stops, cell.cursor, cell.differs, extra.trace, extra.name
         return ActionFace(cell.kind, cell.agent, entries, *marks)
 
     def _entry(self, action: ActionValue, low: float, high: float, number_form: NumberForm) -> Entry:
@@ -101,15 +101,14 @@ class ActionArtist:
 
 
 def _drawn(face: ActionFace, field: int, form: ActionForm, look: Look) -> Drawn:
-    """Return the rows of a cell, whose numbers take ``field`` characters: what ``form`` has, or less."""
-    form = form._replace(digits=field)
+    """Return the rows of a cell; on its sides numbers take ``field`` characters, which may be fewer."""
     canvas = Canvas(form.width, form.height, look.palette.text)
     if form.places.is_list:
         _draw_list(canvas, face, form, look)
     elif form.places is Places.TINTS:
         _draw_tints(canvas, face, form, look)
     else:
-        _draw_sides(canvas, face, form, look)
+        _draw_sides(canvas, face, form._replace(digits=field), look)
     if face.trace is not None:
         put_trace(canvas, face.trace, look)
     return [list(strip) for strip in canvas.strips()]
@@ -234,8 +233,8 @@ def name_room(form: ActionForm) -> int:
 
 
 def _put_name(canvas: Canvas, x: int, y: int, face: ActionFace, form: ActionForm) -> None:
-    if len(face.name) <= name_room(form):
-        canvas.put_over(x, y, face.name, Style.null())
+    if len(face.name) <= name_room(form):  # they are as wide as the longest: all have room, or none
+        canvas.put_over(x, y, face.name.strip(), Style.null())
 
 
 def _draw_list(canvas: Canvas, face: ActionFace, form: ActionForm, look: Look) -> None:
@@ -307,8 +306,8 @@ def _draw_tints(canvas: Canvas, face: ActionFace, form: ActionForm, look: Look) 
 
 def _edge(form: ActionForm, diagonals: bool) -> int:
     """Return the columns of the sides left and right."""
-    width = form.tinted_width
-    return max(2, width // 3) if diagonals else max(1, (width - 1) // 3)
+    width, marks = form.tinted_width, 1 if form.height == 2 else 0
+    return max(2, width // 3) if diagonals else max(1, (width - marks) // 3)
 
 
 def _rows_of_side(side: tuple[int, int], height: int, diagonals: bool) -> range:
