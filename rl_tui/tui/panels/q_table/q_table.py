@@ -11,7 +11,6 @@ from textual.binding import BindingType
 from textual.message import Message
 from textual.strip import Strip
 
-from rl_tui.common.words import counted
 from rl_tui.lab.live.snapshot import Phase, Snapshot
 from rl_tui.lab.live.viewport import RowRange, followed_state
 from rl_tui.lab.run.large_worlds import is_large
@@ -19,8 +18,8 @@ from rl_tui.tui.draw.pieces import Piece, strips_of, wrapped
 from rl_tui.tui.draw.to_ascii import separated, to_ascii
 from rl_tui.tui.panels.bindings import binding
 from rl_tui.tui.panels.legend import GREEDY_IN_FULL, Legend, LegendSign
-from rl_tui.tui.panels.panel import Panel
-from rl_tui.tui.panels.pointing import NOWHERE, Pointed
+from rl_tui.tui.panels.panel import BoardPanel, Panel
+from rl_tui.tui.panels.pointing import NOWHERE, Moved, Pointed
 from rl_tui.tui.panels.q_table.form import Scene
 from rl_tui.tui.panels.q_table.layers import (
     EXACT_LAYERS,
@@ -30,9 +29,10 @@ from rl_tui.tui.panels.q_table.layers import (
     lit_pair,
     other_lane,
 )
-from rl_tui.tui.panels.q_table.list import ListForm, list_form
+from rl_tui.tui.panels.q_table.list import list_form
 from rl_tui.tui.panels.q_table.matrix import matrix_form
 from rl_tui.tui.panels.q_table.sheet import Form, Sheet, strip_cache
+from rl_tui.tui.panels.q_table.titles import CAPTIONS, TITLES, headings, layer_keys, size_in_words
 from rl_tui.tui.panels.q_table.world import NO_ROW, TableWorld
 from rl_tui.tui.panels.scrolling import Scrolled
 from rl_tui.tui.panels.snapshot_facts import is_secret
@@ -43,18 +43,6 @@ COMPUTING: Final = "computing the exact answer …"
 FOLLOWS: Final = "follows the agent"
 FOLLOW_HINT: Final = "esc: follow the agent"
 _WHEEL_ROWS: Final = 3
-_TITLES: Final = {
-    Layer.Q: "Q",
-    Layer.OPTIMAL: "Q*, exact",
-    Layer.ERROR: "Q − Q*",
-    Layer.LANES: "Q − other lane",
-    Layer.VISITS: "Visits",
-}
-_CAPTIONS: Final = {
-    Layer.OPTIMAL: "what each action is worth",
-    Layer.ERROR: "how wrong each estimate is",
-    Layer.VISITS: "how often each was tried",
-}
 
 
 class QTable(Panel, can_focus=True):
@@ -62,7 +50,8 @@ class QTable(Panel, can_focus=True):
 
     It follows the agent until a key, the wheel or a click moves cursor or view; escape goes back to it.
     ``lights`` lets the cell that was just updated light up, while steps are slow enough to follow;
-    ``sources`` are the pairs that light up because the update looked them up.
+    ``sources`` are the pairs that light up because the update looked them up. Beside the table of another
+    lane ``lane`` is the number of its own, and ``differing`` are the states with other greedy actions there.
     """
 
     BINDINGS: ClassVar[list[BindingType]] = [
@@ -87,6 +76,8 @@ class QTable(Panel, can_focus=True):
         super().__init__(look, id=id, classes=classes)
         self.lights = True
         self.sources: frozenset[int] = frozenset()
+        self.lane = ""
+        self.differing: frozenset[int] = frozenset()
         # where the user put the cursor; None while the table follows the agent
         self.cursor_pair: int | None = None
         self.heading = "Q"
@@ -179,23 +170,26 @@ class QTable(Panel, can_focus=True):
         if snapshot is None:
             return strips_of([[Piece(f" {WAITING}", self.look.palette.dim)]], width, height, self.look)
         if self.shown_layer in EXACT_LAYERS and exact_q(snapshot, self.revealed) is None:
-            self.heading = _TITLES[self.shown_layer]
+            self.heading = TITLES[self.shown_layer]
             self.footing = self._footing(width, is_scrolled=False)
             return self._message(snapshot, width, height)
         form, scene = self._form(snapshot, width, height)
-        if self._following and height != self._height:
+        if self._following and height != self._height and not self.is_led:
             self._first = 0  # where it came to stand while the layout was not done must not be seen later
         self._height = height
         self._sheet = sheet = Sheet(form, scene, width, height)
         if self.pointed:
             sheet.scroll_to(self._first, self.pointed.start)
         else:
-            sheet.scroll(self._first, _followed(snapshot) if self._following else None)
-            if self._following and self.sources and snapshot.counters.last_step is not None:
+            follows = self._following and not self.is_led
+            sheet.scroll(self._first, _followed(snapshot) if follows else None)
+            if follows and self.sources and snapshot.counters.last_step is not None:
                 sheet.reach(snapshot.counters.last_step.updated_pair, _followed(snapshot))
         self._first = sheet.first
         self.free_rows = sheet.free_rows
-        self.heading = self._heading(snapshot, _size_in_words(scene, form), width)
+        captions = self.captioned(TITLES[self.shown_layer], CAPTIONS.get(self.shown_layer, ""))
+        forms = headings(snapshot, self.shown_layer, self.lane, captions, size_in_words(scene, form))
+        self.heading = self.fitting(forms, width)
         self.footing = self._footing(width, sheet.is_scrolled and not self.pointed)
         return sheet.strips(self._cache)
 
@@ -264,6 +258,7 @@ class QTable(Panel, can_focus=True):
             if start - 1 <= column <= end:
                 event.prevent_default()
                 self.shown_layer = layer
+                self.post_message(Moved(self))
                 return
 
     def on_mouse_scroll_down(self, event: events.MouseScrollDown) -> None:
@@ -273,6 +268,11 @@ class QTable(Panel, can_focus=True):
     def on_mouse_scroll_up(self, event: events.MouseScrollUp) -> None:
         """Scroll up."""
         self._scroll_by(-_WHEEL_ROWS, event)
+
+    def on_resize(self) -> None:
+        """Bring the rows that are in view now into view in the lane beside."""
+        if not self.is_led:
+            self.post_message(Moved(self))
 
     def watch_has_focus(self, has_focus: bool) -> None:
         """Show or hide the cursor."""
@@ -286,6 +286,17 @@ class QTable(Panel, can_focus=True):
             self.pointed = pairs
             self.redraw()
 
+    @property
+    def stance(self) -> object:
+        """The cursor, the rows in view and the layer."""
+        return self.cursor_pair, self._following, self._first, self._layer
+
+    def align_with(self, twin: BoardPanel) -> None:
+        """Take the stance of the table ``twin``."""
+        if isinstance(twin, QTable):
+            self.cursor_pair, self._following, self._first = twin.cursor_pair, twin._following, twin._first
+            self._layer = twin._layer
+
     def _tell(self) -> None:
         """Tell other panels where the cursor stands."""
         if self.is_attached:
@@ -298,6 +309,7 @@ class QTable(Panel, can_focus=True):
             self._following = False
             self._first += rows
             self.redraw()
+            self.post_message(Moved(self))
 
     def _put_cursor(self, pair: int) -> None:
         self.cursor_pair, self._following = pair, False
@@ -355,6 +367,7 @@ class QTable(Panel, can_focus=True):
             look=self.look,
             breakpoints=snapshot.playback.breakpoints,
             pointed=self.pointed,
+            differing=self.differing,
         )
 
     def _message(self, snapshot: Snapshot, width: int, height: int) -> list[Strip]:
@@ -363,25 +376,8 @@ class QTable(Panel, can_focus=True):
         lines = wrapped(text, max(1, width - 2), palette.text if refused else palette.dim, self.look)
         return strips_of([[Piece(" ", palette.text), *line] for line in lines], width, height, self.look)
 
-    def _heading(self, snapshot: Snapshot, size: str, width: int) -> str:
-        other = other_lane(snapshot) if self.shown_layer is Layer.LANES else None
-        if other is None:
-            title = _TITLES[self.shown_layer]
-            captions = self.captioned(title, _CAPTIONS.get(self.shown_layer, ""))
-            forms = (*(f"{each} · {size}" for each in captions), *captions, f"{title} · {size}", title)
-            return self.fitting(forms, width)
-        title, own = f"Q − Q of {other.name}", snapshot.run_group.lanes[snapshot.run_group.shown].name
-        number = 1 + next(place for place, lane in enumerate(snapshot.run_group.lanes) if lane is other)
-        forms = (f"Q of {own} − Q of {other.name} · {size}", f"{title} · {size}", title)
-        return self.fitting((*forms, f"Q − Q of lane {number}"), width)
-
     def _footing(self, width: int, is_scrolled: bool) -> str:
-        glyphs = self.look.glyphs
-        marked = [
-            f"{glyphs.mark_left}{layer}{glyphs.mark_right}" if layer is self.shown_layer else f" {layer} "
-            for layer in self.layer_choices
-        ]
-        layers, short = f"v:{''.join(marked)}".rstrip(), f"v: {self.shown_layer}"
+        layers, short = layer_keys(self.layer_choices, self.shown_layer, self.look.glyphs)
         forms = [layers, short]
         if is_scrolled:
             follow = FOLLOWS if self._following else FOLLOW_HINT
@@ -391,10 +387,3 @@ class QTable(Panel, can_focus=True):
 
 def _followed(snapshot: Snapshot) -> int:
     return followed_state(snapshot.world.space, snapshot.counters.state, snapshot.counters.last_step)
-
-
-def _size_in_words(scene: Scene, form: Form) -> str:
-    if isinstance(form, ListForm):
-        noun = "arm" if scene.world.is_bandit else "pair"
-        return counted(form.entries, noun)
-    return f"{form.entries:,} states × {len(scene.world.action_names)}"

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import asyncio
 from collections.abc import Iterator, Sequence
-from typing import TypeVar
+from dataclasses import replace
+from typing import Any, TypeVar
 
 from textual import events
 from textual.app import ComposeResult
@@ -24,14 +26,16 @@ from rl_tui.tui.panels.catalogue import (
     TIMELINE,
     WORLD,
     PanelRow,
+    beside,
 )
 from rl_tui.tui.panels.controls.controls import Controls
 from rl_tui.tui.panels.controls.slider import Slider
 from rl_tui.tui.panels.curve.curve import ReturnCurve
 from rl_tui.tui.panels.microscope.microscope import Microscope, lit_sources
 from rl_tui.tui.panels.panel import BoardPanel
-from rl_tui.tui.panels.pointing import Pointed
+from rl_tui.tui.panels.pointing import Moved, Pointed
 from rl_tui.tui.panels.q_table.q_table import QTable
+from rl_tui.tui.panels.side_by_side import greedy_differences, name_panels, sides, stand_alone
 from rl_tui.tui.panels.timeline.timeline import HINTS, TimelineBar
 from rl_tui.tui.panels.world.make_view import make_world_view
 from rl_tui.tui.panels.world.view import WorldView
@@ -48,6 +52,9 @@ class Board(Container):
     One panel may be zoomed to cover all others, and one of those that have a key of their own may be open.
     ``show`` draws a snapshot on all of them, and what is ``wanted`` though no snapshot has it yet. The view
     of the world is made for the first one: only then is its kind known.
+
+    Where two lanes stand side by side, a row that is twofold has a second widget, for the lane at the right.
+    The left one has the lower number, whichever is led: ``world`` and ``table`` are those of the lane led.
     """
 
     class Toggled(Message):
@@ -58,9 +65,11 @@ class Board(Container):
         self.look = look
         self.rows = {row.id: row for row in panels}
         self._panels = {row.id: row.make(look) for row in panels}
-        self.world: WorldView | None = None
+        self._twins: dict[str, BoardPanel] = {}
+        """The second widgets, by the ids of their rows; none before there is a second lane."""
+        self._is_paired = self._leads_right = self._is_one_lane = False
+        self._note: tuple[str, ...] = ()
         self._is_explained = False
-        self.table = self._made(TABLE, QTable)
         self.curve = self._made(CURVE, ReturnCurve)
         self.timeline = self._made(TIMELINE, TimelineBar)
         self.controls = self._made(CONTROLS, Controls)
@@ -70,38 +79,181 @@ class Board(Container):
         self._focused_before: Widget | None = None
         self._focused_beside_sliders: Widget | None = None
         self._arrangement = _BoardLayout(panels)
+        self._snapshot: Snapshot | None = None
+        self._mounting = asyncio.Lock()
 
     def _made(self, panel: str, kind: type[Kind]) -> Kind:
-        made = self._panels[panel]
+        made = self.panel(panel)
         assert isinstance(made, kind)
         return made
+
+    @property
+    def table(self) -> QTable:
+        """The table of the lane that is led."""
+        return self._made(self._led(TABLE), QTable)
+
+    @property
+    def world(self) -> WorldView | None:
+        """The world of the lane that is led, None before the first snapshot."""
+        made = self.panel(self._led(WORLD))
+        return made if isinstance(made, WorldView) else None
+
+    def _led(self, panel: str) -> str:
+        """Return the id of that widget of the row ``panel`` which shows the lane that is led."""
+        return beside(panel) if self._leads_right and panel in self._twins else panel
 
     def compose(self) -> ComposeResult:
         """Yield the panels in the order of the tab key."""
         yield from self._panels.values()
 
     def panel(self, panel: str) -> BoardPanel:
-        """Return the widget of the row ``panel``."""
-        return self._panels[panel]
+        """Return the widget with the id ``panel``."""
+        return self._widgets()[panel]
+
+    def _widgets(self) -> dict[str, BoardPanel]:
+        return self._panels | {beside(row): twin for row, twin in self._twins.items()}
 
     def show(self, snapshot: Snapshot) -> None:
         """Draw ``snapshot``; what a person can set is drawn as it is wanted."""
+        self._snapshot = snapshot
         if self.world is None:
-            self.world = make_world_view(snapshot.world, self.look, id=WORLD, classes="panel")
-            self.world.caption, self.world.is_explained = self.rows[WORLD].caption, self.is_explained
-            self._panels[WORLD] = self.world
-            self.run_worker(self._replace_placeholder(self.world))
+            self._panels[WORLD] = view = make_world_view(snapshot.world, self.look, id=WORLD, classes="panel")
+            self.run_worker(self._replace_placeholder(self._explained(view, WORLD)))
+        if snapshot.beside is not None and not self._twins:
+            self._make_twins(snapshot)
+        self._reshape(lanes=snapshot.beside is not None and not self._is_one_lane)
+        self._take_lead(snapshot)
         self.table.sources = lit_sources(snapshot) if self.opened == MICROSCOPE else frozenset()
         self.controls.wanted = self._wanted.recipe.hyperparameters
         self.timeline.sought = self._wanted.step
+        twofold = [self._panels[row] for row in self._twins] if self._is_paired else []
         for panel in self._shown():
             panel.revealed = self._wanted.revealed or snapshot.playback.phase is Phase.SPENT
-            panel.show(snapshot)
+            if panel not in twofold and panel not in self._twins.values():
+                panel.show(snapshot)
+        if self._is_paired:
+            self._show_pair(*sides(snapshot))
         world = snapshot.world
-        shape = Shape(world.drawing, self.table.rows, world.space.pairs, int(self.is_explained))
+        self._reshape(
+            drawing=world.drawing,
+            table_rows=self.table.rows,
+            arms=world.space.pairs,
+            legend_rows=int(self.is_explained),
+        )
+
+    def _reshape(self, **changes: Any) -> None:
+        """Arrange the panels again where what that depends on has changed."""
+        shape = replace(self._arrangement.shape, **changes)
         if shape != self._arrangement.shape:
             self._arrangement.shape = shape
             self._arrange_again()
+
+    def _take_lead(self, snapshot: Snapshot) -> None:
+        """Let the panels of the lane led be those that keys are about."""
+        was_paired, led_right, world = self._is_paired, self._leads_right, self.world
+        self._is_paired = beside(WORLD) in self._arrangement.regions(self.size, None)
+        group = snapshot.run_group
+        self._leads_right = self._is_paired and group.beside is not None and group.beside < group.shown
+        if (was_paired, led_right) == (self._is_paired, self._leads_right):
+            return
+        self.set_class(self._is_paired, "-lanes")
+        if world is not None and self.world is not None and world is not self.world:
+            self.world.is_manual, world.is_manual = world.is_manual, False
+            self.world.title, self.world.prompt = world.title, world.prompt
+        if not self._is_paired:
+            for row in self._twins:
+                stand_alone(self._panels[row])
+        if self.zoomed is not None and _row_of(self.zoomed) in self._twins:
+            self.zoom(self._led(_row_of(self.zoomed)))
+        self._keep_focus_in_view()
+
+    def _show_pair(self, left: Snapshot, right: Snapshot) -> None:
+        """Draw two lanes; that which is led says which part of them is in view."""
+        left_panels = [self._panels[row] for row in self._twins]
+        differences = greedy_differences(left, right)
+        for lane, panels, is_led in (
+            (left, left_panels, not self._leads_right),
+            (right, list(self._twins.values()), self._leads_right),
+        ):
+            name_panels(panels, lane, differences, is_led=is_led, look=self.look)
+        self._note = differences.words(left)
+        self._place_note()
+        led, other = (right, left) if self._leads_right else (left, right)
+        for row, twin in self._twins.items():
+            first, second = self._panels[row], twin
+            if self._leads_right:
+                first, second = second, first
+            first.show(led)
+            second.align_with(first)
+            second.show(other)
+            if first.stance != second.stance:
+                first.align_with(second)
+                first.redraw()
+
+    def _place_note(self) -> None:
+        """Write below one of the worlds where they differ: not below the one in focus, which has its keys."""
+        left, right = (self._widgets().get(panel) for panel in (WORLD, beside(WORLD)))
+        if isinstance(left, WorldView) and isinstance(right, WorldView):
+            left.note, right.note = ((), self._note) if not right.has_focus else (self._note, ())
+
+    def _make_twins(self, snapshot: Snapshot) -> None:
+        """Make the second widgets of the rows that have some."""
+        for row in self.rows.values():
+            if row.is_twofold:
+                name = beside(row.id)
+                twin = (
+                    make_world_view(snapshot.world, self.look, id=name, classes="panel")
+                    if row.id == WORLD
+                    else row.make(self.look, name)
+                )
+                self._twins[row.id] = self._explained(twin, row.id)
+        self.run_worker(self._mount_twins())
+
+    async def _mount_twins(self) -> None:
+        async with self._mounting:
+            if self.is_attached:
+                for row, twin in self._twins.items():
+                    await self.mount(twin, after=f"#{row}")
+                self._arrange_again()
+
+    def _explained(self, panel: Kind, row: str) -> Kind:
+        panel.caption, panel.is_explained = self.rows[row].caption, self.is_explained
+        return panel
+
+    @property
+    def is_one_lane(self) -> bool:
+        """Whether one lane alone is to be seen, though there are several."""
+        return self._is_one_lane
+
+    @is_one_lane.setter
+    def is_one_lane(self, is_one_lane: bool) -> None:
+        self._is_one_lane = is_one_lane
+        if self._snapshot is not None:
+            self.show(self._snapshot)
+
+    @property
+    def is_paired(self) -> bool:
+        """Whether two lanes stand side by side."""
+        return self._is_paired
+
+    def on_resize(self) -> None:
+        """Show one lane or two, as there is room."""
+        if self._snapshot is not None and self._snapshot.beside is not None:
+            self.show(self._snapshot)
+
+    def next_layer(self) -> None:
+        """Go to the next layer of the tables; where none is in view, show the one of the lane led alone."""
+        table = self._led(TABLE)
+        if (
+            self.zoomed is None
+            and self._is_paired
+            and table not in self._arrangement.regions(self.size, None)
+        ):
+            self.zoom(table)
+            self.table.focus()
+            return
+        self.table.next_layer()
+        self._align(self.table)
 
     @property
     def is_explained(self) -> bool:
@@ -111,7 +263,7 @@ class Board(Container):
     @is_explained.setter
     def is_explained(self, is_explained: bool) -> None:
         self._is_explained = is_explained
-        for panel in self._panels.values():
+        for panel in self._widgets().values():
             panel.is_explained = is_explained
 
     def _shown(self) -> Iterator[BoardPanel]:
@@ -119,12 +271,16 @@ class Board(Container):
         for row in self.rows.values():
             if row.opened_by is None or row.id == self.opened:
                 yield self._panels[row.id]
+                if self._is_paired and row.id in self._twins:
+                    yield self._twins[row.id]
 
     def on_descendant_focus(self, event: events.DescendantFocus) -> None:
         """Write the keys of the timeline, which has no border, on the border of the curve above it."""
         self.curve.hints = HINTS if event.widget is self.timeline else ()
         if not isinstance(event.widget, Slider):
             self._focused_beside_sliders = event.widget
+        if self._is_paired:
+            self._place_note()
 
     def leave_slider(self) -> None:
         """Give the focus back to the panel that had it before the sliders; to none if none had."""
@@ -136,11 +292,26 @@ class Board(Container):
         self.curve.hints = ()
 
     def on_pointed(self, event: Pointed) -> None:
-        """Show in the table where the world's cursor stands, and in the world where the table's does."""
+        """Show where the cursor of a world or a table stands in all others."""
         event.stop()
-        for panel in (self.table, self.world):
-            if panel is not None and panel is not event.panel:
+        self._align(event.panel)
+        for panel in self._widgets().values():
+            if isinstance(panel, QTable | WorldView) and panel is not event.panel:
                 panel.point_at(event.pairs)
+
+    def on_moved(self, event: Moved) -> None:
+        """Bring the same part into view in the other lane."""
+        event.stop()
+        self._align(event.panel)
+
+    def _align(self, panel: Widget) -> None:
+        for row, twin in self._twins.items():
+            pair = self._panels[row], twin
+            if self._is_paired and panel in pair:
+                moved, other = pair if panel is pair[0] else pair[::-1]
+                if moved.stance != other.stance:
+                    other.align_with(moved)
+                    other.redraw()
 
     @property
     def viewport(self) -> Viewport:
@@ -161,6 +332,18 @@ class Board(Container):
         """Let ``panel`` cover all others; None shows all."""
         self._arrangement.zoomed = panel
         self._arrange_again()
+        self._keep_focus_in_view()
+
+    def _keep_focus_in_view(self) -> None:
+        """Let the lane led have the focus of a panel of two that is not in view any more."""
+        focused, regions = self.screen.focused, self._arrangement.regions(self.size, self.zoomed)
+        panel = self.panel_of(focused)
+        if focused is None or panel in regions or _row_of(panel) not in self._twins:
+            return
+        for each in (self._led(_row_of(panel)), self._led(WORLD)):
+            if each in regions:
+                self.panel(each).focus()
+                return
 
     @property
     def opened(self) -> str | None:
@@ -198,7 +381,8 @@ class Board(Container):
         self.post_message(self.Toggled())
 
     def bring_into_view(self, panel: str) -> None:
-        """Show ``panel``: end the zoom, and close the panel that stands in its place."""
+        """Show ``panel``, of the lane led: end the zoom, and close the panel that stands in its place."""
+        panel = self._led(panel)
         if self.zoomed not in (None, panel):
             self.zoom(None)
         if panel not in self._arrangement.regions(self.size, None):
@@ -225,11 +409,17 @@ class Board(Container):
         self.table.refresh(layout=True)
 
     async def _replace_placeholder(self, view: WorldView) -> None:
-        if not self.is_attached:
-            return
-        with self.app.batch_update():
-            await self.query_one(f"#{WORLD}").remove()
-            await self.mount(view, before=0)
+        async with self._mounting:
+            if not self.is_attached:
+                return
+            with self.app.batch_update():
+                await self.query_one(f"#{WORLD}").remove()
+                await self.mount(view, before=0)
+
+
+def _row_of(panel: str) -> str:
+    """Return the id of the row that has the widget ``panel``."""
+    return next((row.id for row in PANELS if panel == beside(row.id)), panel)
 
 
 class _BoardLayout(Layout):

@@ -14,19 +14,19 @@ from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.live.viewport import Cells
 from rl_tui.lab.run.large_worlds import is_large
 from rl_tui.tui.panels.legend import GREEDY_IN_FULL, Legend, LegendSign
+from rl_tui.tui.panels.panel import BoardPanel
 from rl_tui.tui.panels.scrolling import Scrolled, kept_in_view, scrolled_to
 from rl_tui.tui.panels.snapshot_facts import is_new_run
 from rl_tui.tui.panels.world.grid.cells import SEVERAL, START, CellArtist, differing_style, reward_style
 from rl_tui.tui.panels.world.grid.form import LEAST_ARROWS, LEAST_DIGITS, CellForm, cell_form, digits_needed
 from rl_tui.tui.panels.world.grid.map import CellContent, GridMap, MapPart
-from rl_tui.tui.panels.world.view import WorldView
+from rl_tui.tui.panels.world.view import TITLE, WorldView
 from rl_tui.worlds.drawing import CellKind, Grid
 from rl_tui.worlds.world import World
 
-WORLD: Final = "World"
-HEADING: Final = f"{WORLD} · V and greedy"
-HEADING_WITHOUT_VALUES: Final = f"{WORLD} · greedy, V as tint"
-HEADING_GREEDY: Final = f"{WORLD} · greedy"
+HEADING: Final = f"{TITLE} · V and greedy"
+HEADING_WITHOUT_VALUES: Final = f"{TITLE} · greedy, V as tint"
+HEADING_GREEDY: Final = f"{TITLE} · greedy"
 FOLLOWS: Final = "follows the agent"
 _LEAST_WITH_LEGEND: Final = 8  # rows of a map that scrolls
 FOLLOW_HINT: Final = "esc: follow the agent"
@@ -118,6 +118,18 @@ class GridView(WorldView):
             self._top = scrolled_to(self._top, row, self._part.rows)
             self._left = scrolled_to(self._left, column, self._part.columns)
 
+    @property
+    def stance(self) -> object:
+        """The cursor, the part in view and the width of the numbers."""
+        return self.cursor, self._following, self._top, self._left, self._digits
+
+    def align_with(self, twin: BoardPanel) -> None:
+        """Take the stance of the map ``twin``; numbers are as wide as the wider ones."""
+        super().align_with(twin)
+        if isinstance(twin, GridView):
+            self._following, self._top, self._left = twin._following, twin._top, twin._left
+            self._digits = max(self._digits, twin._digits)
+
     def show(self, snapshot: Snapshot) -> None:
         """Draw ``snapshot``. Its numbers only ever get wider, until another run starts."""
         if is_new_run(self.snapshot, snapshot):
@@ -139,8 +151,9 @@ class GridView(WorldView):
         rows = min(grid.rows, max(1, height // form.height))
         columns = min(grid.columns, max(1, width // form.width))
         row, column = divmod(self.agent_place(snapshot), grid.columns)
-        self._top = kept_in_view(self._top, row if self._following else None, rows, grid.rows)
-        self._left = kept_in_view(self._left, column if self._following else None, columns, grid.columns)
+        follows = self._following and not self.is_led
+        self._top = kept_in_view(self._top, row if follows else None, rows, grid.rows)
+        self._left = kept_in_view(self._left, column if follows else None, columns, grid.columns)
         self._part = part = MapPart(self._top, self._left, rows, columns)
         cells = self._map.contents(part, snapshot, self.shown_cursor, self.differing)
         needed = digits_needed(each.value for each in cells if each.value is not None)
@@ -150,7 +163,7 @@ class GridView(WorldView):
         without = HEADING_WITHOUT_VALUES if self.look.palette.tints else HEADING_GREEDY
         heading = HEADING if form.has_values else without
         # where the border has no room for the legend, the heading says what is drawn
-        forms = (heading,) if self._map.grid.legend else (*self.captioned(WORLD), heading)
+        forms = (heading,) if self._map.grid.legend else (*self.captioned(TITLE), heading)
         self.heading = self._title(self.fitting(forms, width) or heading, width)
         self.footing = self._where(width)
         self.free_rows = height - part.rows * form.height - max(0, (height - part.rows * form.height) // 2)
@@ -244,12 +257,12 @@ class GridView(WorldView):
         legend = self._map.grid.legend
         if self._is_whole or not legend:
             return heading
-        heading_with_legend = self.fitting((f"{heading} · {legend}", f"{WORLD} · {legend}"), width)
+        heading_with_legend = self.fitting((f"{heading} · {legend}", f"{TITLE} · {legend}"), width)
         if heading_with_legend or not self._following:
             return heading_with_legend or heading
         down, across = self._in_view()
-        brief = f"{WORLD} {down}, {across}".replace(" of ", "/")
-        forms = (f"{WORLD} · rows {down}, columns {across}", f"rows {down}, columns {across}", brief)
+        brief = f"{TITLE} {down}, {across}".replace(" of ", "/")
+        forms = (f"{TITLE} · rows {down}, columns {across}", f"rows {down}, columns {across}", brief)
         return self.fitting(forms, width) or heading
 
     def _in_view(self) -> tuple[str, str]:

@@ -26,7 +26,7 @@ class ViewActions(Subject):
 
     def next_layer(self) -> None:
         """Go to the next layer of the table."""
-        self.board.table.next_layer()
+        self.board.next_layer()
 
     def zoom(self) -> None:
         """Show one panel alone, or all again."""
