@@ -51,6 +51,10 @@ class Scene:
             return Segment(glyphs.agent if state == self.state else glyphs.breakpoint, palette.breakpoint)
         return Segment(glyphs.agent, palette.agent) if state == self.state else Segment(" ", palette.text)
 
+    def is_pointed(self, pairs: range) -> bool:
+        """Return whether the cursor of another panel stands on the state that owns ``pairs``, or on one."""
+        return bool(self.pointed) and self.pointed.start in pairs
+
     def difference_mark(self, state: int) -> Segment | None:
         """Return the mark behind a state where the lane beside has other greedy actions, None elsewhere."""
         look = self.look

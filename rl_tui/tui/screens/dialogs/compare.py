@@ -13,7 +13,7 @@ from textual.widgets.option_list import Option
 
 from rl_tui.agents.catalogue import BY_ID
 from rl_tui.agents.hyperparameters import PARAMETERS
-from rl_tui.lab.live.commands import ChooseLane, DropLane
+from rl_tui.lab.live.commands import ChooseLane, DropLane, MarkLane
 from rl_tui.lab.run.recipe import Recipe
 from rl_tui.lab.timeline.lane_view import LaneView
 from rl_tui.tui.draw import numbers
@@ -27,12 +27,15 @@ from rl_tui.tui.theme.glyphs import ASCII
 from rl_tui.tui.theme.look import Look
 
 MOST_LANES: Final = 4
-Answer = ChooseLane | DropLane | str
-"""A lane to show or to end, or the name of what is to be different in another one."""
+Answer = ChooseLane | MarkLane | DropLane | str
+"""A lane to show, to have beside that or to end, or the name of what is to be different in another one."""
 
+_PAIR: Final = 2
+_MARK: Final = "+"
 _LANE: Final = "lane-"
 _WITH: Final = "with-"
 _HINTS: Final = {
+    "marked": "+ stands beside the one shown, and space chooses it",
     "lanes": "returns, undiscounted: mean of the last 100; exact one of the greedy policy",
     ALGORITHM: "another way to learn, or to plan",
 }
@@ -44,26 +47,37 @@ _LEAST_SYMBOL: Final = 12
 class Compare(Dialog[Answer]):
     """A list of ``lanes``, at least one, of which ``shown`` is on screen; below it what else to compare with.
 
-    ``recipe`` is what is in force in the one shown. Of a bandit that is ``hidden`` no greedy return is shown.
+    ``beside`` is the one that stands beside it, None without one. ``recipe`` is what is in force in the one
+    shown. Of a bandit that is ``hidden`` no greedy return is shown.
     """
 
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("delete,backspace", "end", "end lane", id="compare.end", tooltip="End the run chosen."),
+        Binding("space", "mark", "beside", id="compare.mark", tooltip="Have the run beside the one shown."),
     ]
 
     def __init__(
-        self, look: Look, lanes: Sequence[LaneView], shown: int, recipe: Recipe, *, hidden: bool
+        self,
+        look: Look,
+        lanes: Sequence[LaneView],
+        shown: int,
+        recipe: Recipe,
+        *,
+        hidden: bool,
+        beside: int | None = None,
     ) -> None:
         super().__init__()
         self._look = look
         self._lanes = lanes
         self._shown = shown
+        self._beside = beside
         self._recipe = recipe
         self._hidden = hidden
 
     def compose(self) -> ComposeResult:
         """Yield the list and the sentence about the entry under the cursor."""
-        with self.box("Compare", "enter: choose   del: end lane   esc: close"):
+        marks = "   space: beside" if len(self._lanes) > _PAIR else ""
+        with self.box("Compare", f"enter: choose{marks}   del: end lane   esc: close"):
             yield OptionList()
             yield Static(classes="hint", markup=False)
 
@@ -87,6 +101,8 @@ class Compare(Dialog[Answer]):
         entry = str(event.option_id)
         name = entry.removeprefix(_WITH)
         hint = _HINTS["lanes"] if entry.startswith(_LANE) else _HINTS.get(name, "") or PARAMETERS[name].help
+        if entry.startswith(_LANE) and len(self._lanes) > _PAIR:
+            hint = f"{hint}. {_HINTS['marked']}"
         self.query_one(".hint", Static).update(to_ascii(hint, self._look.glyphs))
 
     def on_option_list_option_selected(self, event: OptionList.OptionSelected) -> None:
@@ -106,6 +122,19 @@ class Compare(Dialog[Answer]):
             self.dismiss(DropLane(int(str(option.id).removeprefix(_LANE))))
         else:
             self.notify("the only run cannot be ended; esc leaves it")
+
+    def action_mark(self) -> None:
+        """Answer the lane to have beside the one shown."""
+        option = self.query_one(OptionList).highlighted_option
+        if option is None or not str(option.id).startswith(_LANE):
+            return
+        lane = int(str(option.id).removeprefix(_LANE))
+        if len(self._lanes) <= _PAIR:
+            self.notify("of three or four lanes one is chosen to stand beside the one shown")
+        elif lane == self._shown:
+            self.notify("this one is shown; choose another to stand beside it")
+        else:
+            self.dismiss(MarkLane(lane))
 
     def _options(self) -> Iterator[Option | None]:
         yield Option(self._head(), disabled=True)
@@ -127,6 +156,8 @@ class Compare(Dialog[Answer]):
 
     def _lane_row(self, number: int, lane: LaneView) -> Text:
         mark = self._look.glyphs.cursor if number == self._shown else ""
+        if number == self._beside and len(self._lanes) > _PAIR:
+            mark = _MARK
         greedy = None if self._hidden else lane.results.greedy_return
         text = self._columns(
             f"{mark:<1} {number + 1}",

@@ -10,8 +10,7 @@ from typing import Any, TypeVar
 from textual import events
 from textual.app import ComposeResult
 from textual.containers import Container
-from textual.geometry import NULL_OFFSET, NULL_SPACING, Region, Size
-from textual.layout import ArrangeResult, Layout, WidgetPlacement
+from textual.layout import Layout
 from textual.message import Message
 from textual.widget import Widget
 
@@ -35,11 +34,11 @@ from rl_tui.tui.panels.microscope.microscope import Microscope, lit_sources
 from rl_tui.tui.panels.panel import BoardPanel
 from rl_tui.tui.panels.pointing import Moved, Pointed
 from rl_tui.tui.panels.q_table.q_table import QTable
-from rl_tui.tui.panels.side_by_side import greedy_differences, name_panels, sides, stand_alone
 from rl_tui.tui.panels.timeline.timeline import HINTS, TimelineBar
 from rl_tui.tui.panels.world.make_view import make_world_view
 from rl_tui.tui.panels.world.view import WorldView
-from rl_tui.tui.screens.playground.arrangement import Shape, arrangement
+from rl_tui.tui.screens.playground.board_layout import BoardLayout
+from rl_tui.tui.screens.playground.lane_pair import LanePair
 from rl_tui.tui.screens.playground.wanted import Wanted
 from rl_tui.tui.theme.look import Look
 
@@ -65,11 +64,8 @@ class Board(Container):
         self.look = look
         self.rows = {row.id: row for row in panels}
         self._panels = {row.id: row.make(look) for row in panels}
-        self._twins: dict[str, BoardPanel] = {}
-        """The second widgets, by the ids of their rows; none before there is a second lane."""
-        self._is_paired = self._leads_right = self._is_one_lane = False
-        self._note: tuple[str, ...] = ()
-        self._is_explained = False
+        self._pair = LanePair(self._panels, look)
+        self._is_one_lane = self._is_explained = False
         self.curve = self._made(CURVE, ReturnCurve)
         self.timeline = self._made(TIMELINE, TimelineBar)
         self.controls = self._made(CONTROLS, Controls)
@@ -78,7 +74,7 @@ class Board(Container):
         self._wanted = wanted
         self._focused_before: Widget | None = None
         self._focused_beside_sliders: Widget | None = None
-        self._arrangement = _BoardLayout(panels)
+        self._arrangement = BoardLayout(panels)
         self._snapshot: Snapshot | None = None
         self._mounting = asyncio.Lock()
 
@@ -90,17 +86,13 @@ class Board(Container):
     @property
     def table(self) -> QTable:
         """The table of the lane that is led."""
-        return self._made(self._led(TABLE), QTable)
+        return self._made(self._pair.led(TABLE), QTable)
 
     @property
     def world(self) -> WorldView | None:
         """The world of the lane that is led, None before the first snapshot."""
-        made = self.panel(self._led(WORLD))
+        made = self.panel(self._pair.led(WORLD))
         return made if isinstance(made, WorldView) else None
-
-    def _led(self, panel: str) -> str:
-        """Return the id of that widget of the row ``panel`` which shows the lane that is led."""
-        return beside(panel) if self._leads_right and panel in self._twins else panel
 
     def compose(self) -> ComposeResult:
         """Yield the panels in the order of the tab key."""
@@ -111,28 +103,30 @@ class Board(Container):
         return self._widgets()[panel]
 
     def _widgets(self) -> dict[str, BoardPanel]:
-        return self._panels | {beside(row): twin for row, twin in self._twins.items()}
+        return self._panels | {beside(row): twin for row, twin in self._pair.twins.items()}
 
     def show(self, snapshot: Snapshot) -> None:
         """Draw ``snapshot``; what a person can set is drawn as it is wanted."""
         self._snapshot = snapshot
         if self.world is None:
             self._panels[WORLD] = view = make_world_view(snapshot.world, self.look, id=WORLD, classes="panel")
-            self.run_worker(self._replace_placeholder(self._explained(view, WORLD)))
-        if snapshot.beside is not None and not self._twins:
-            self._make_twins(snapshot)
+            view.caption, view.is_explained = self.rows[WORLD].caption, self.is_explained
+            self.run_worker(self._replace_placeholder(view))
+        if snapshot.beside is not None and not self._pair.twins:
+            self._pair.make(snapshot, self.rows.values())
+            self.is_explained = self.is_explained
+            self.run_worker(self._mount_twins())
         self._reshape(lanes=snapshot.beside is not None and not self._is_one_lane)
         self._take_lead(snapshot)
         self.table.sources = lit_sources(snapshot) if self.opened == MICROSCOPE else frozenset()
         self.controls.wanted = self._wanted.recipe.hyperparameters
         self.timeline.sought = self._wanted.step
-        twofold = [self._panels[row] for row in self._twins] if self._is_paired else []
         for panel in self._shown():
             panel.revealed = self._wanted.revealed or snapshot.playback.phase is Phase.SPENT
-            if panel not in twofold and panel not in self._twins.values():
+            if not self._pair.has(panel):
                 panel.show(snapshot)
-        if self._is_paired:
-            self._show_pair(*sides(snapshot))
+        if self._pair.is_shown:
+            self._pair.show(snapshot)
         world = snapshot.world
         self._reshape(
             drawing=world.drawing,
@@ -150,75 +144,24 @@ class Board(Container):
 
     def _take_lead(self, snapshot: Snapshot) -> None:
         """Let the panels of the lane led be those that keys are about."""
-        was_paired, led_right, world = self._is_paired, self._leads_right, self.world
-        self._is_paired = beside(WORLD) in self._arrangement.regions(self.size, None)
-        group = snapshot.run_group
-        self._leads_right = self._is_paired and group.beside is not None and group.beside < group.shown
-        if (was_paired, led_right) == (self._is_paired, self._leads_right):
+        world = self.world
+        if not self._pair.take_lead(snapshot, is_shown=self._arrangement.is_pair(self.size)):
             return
-        self.set_class(self._is_paired, "-lanes")
+        self.set_class(self.is_paired, "-lanes")
         if world is not None and self.world is not None and world is not self.world:
             self.world.is_manual, world.is_manual = world.is_manual, False
             self.world.title, self.world.prompt = world.title, world.prompt
-        if not self._is_paired:
-            for row in self._twins:
-                stand_alone(self._panels[row])
-        if self.zoomed is not None and _row_of(self.zoomed) in self._twins:
-            self.zoom(self._led(_row_of(self.zoomed)))
+        zoomed = None if self.zoomed is None else self._pair.row_of(self.zoomed)
+        if zoomed is not None:
+            self.zoom(self._pair.led(zoomed))
         self._keep_focus_in_view()
-
-    def _show_pair(self, left: Snapshot, right: Snapshot) -> None:
-        """Draw two lanes; that which is led says which part of them is in view."""
-        left_panels = [self._panels[row] for row in self._twins]
-        differences = greedy_differences(left, right)
-        for lane, panels, is_led in (
-            (left, left_panels, not self._leads_right),
-            (right, list(self._twins.values()), self._leads_right),
-        ):
-            name_panels(panels, lane, differences, is_led=is_led, look=self.look)
-        self._note = differences.words(left)
-        self._place_note()
-        led, other = (right, left) if self._leads_right else (left, right)
-        for row, twin in self._twins.items():
-            first, second = self._panels[row], twin
-            if self._leads_right:
-                first, second = second, first
-            first.show(led)
-            second.align_with(first)
-            second.show(other)
-            if first.stance != second.stance:
-                first.align_with(second)
-                first.redraw()
-
-    def _place_note(self) -> None:
-        """Write below one of the worlds where they differ: not below the one in focus, which has its keys."""
-        left, right = (self._widgets().get(panel) for panel in (WORLD, beside(WORLD)))
-        if isinstance(left, WorldView) and isinstance(right, WorldView):
-            left.note, right.note = ((), self._note) if not right.has_focus else (self._note, ())
-
-    def _make_twins(self, snapshot: Snapshot) -> None:
-        """Make the second widgets of the rows that have some."""
-        for row in self.rows.values():
-            if row.is_twofold:
-                name = beside(row.id)
-                twin = (
-                    make_world_view(snapshot.world, self.look, id=name, classes="panel")
-                    if row.id == WORLD
-                    else row.make(self.look, name)
-                )
-                self._twins[row.id] = self._explained(twin, row.id)
-        self.run_worker(self._mount_twins())
 
     async def _mount_twins(self) -> None:
         async with self._mounting:
             if self.is_attached:
-                for row, twin in self._twins.items():
+                for row, twin in self._pair.twins.items():
                     await self.mount(twin, after=f"#{row}")
                 self._arrange_again()
-
-    def _explained(self, panel: Kind, row: str) -> Kind:
-        panel.caption, panel.is_explained = self.rows[row].caption, self.is_explained
-        return panel
 
     @property
     def is_one_lane(self) -> bool:
@@ -234,7 +177,7 @@ class Board(Container):
     @property
     def is_paired(self) -> bool:
         """Whether two lanes stand side by side."""
-        return self._is_paired
+        return self._pair.is_shown
 
     def on_resize(self) -> None:
         """Show one lane or two, as there is room."""
@@ -243,17 +186,13 @@ class Board(Container):
 
     def next_layer(self) -> None:
         """Go to the next layer of the tables; where none is in view, show the one of the lane led alone."""
-        table = self._led(TABLE)
-        if (
-            self.zoomed is None
-            and self._is_paired
-            and table not in self._arrangement.regions(self.size, None)
-        ):
+        table = self._pair.led(TABLE)
+        if self.zoomed is None and self.is_paired and not self.shows(table):
             self.zoom(table)
             self.table.focus()
             return
         self.table.next_layer()
-        self._align(self.table)
+        self._pair.align(self.table)
 
     @property
     def is_explained(self) -> bool:
@@ -271,16 +210,15 @@ class Board(Container):
         for row in self.rows.values():
             if row.opened_by is None or row.id == self.opened:
                 yield self._panels[row.id]
-                if self._is_paired and row.id in self._twins:
-                    yield self._twins[row.id]
+                if self.is_paired and row.id in self._pair.twins:
+                    yield self._pair.twins[row.id]
 
     def on_descendant_focus(self, event: events.DescendantFocus) -> None:
         """Write the keys of the timeline, which has no border, on the border of the curve above it."""
         self.curve.hints = HINTS if event.widget is self.timeline else ()
         if not isinstance(event.widget, Slider):
             self._focused_beside_sliders = event.widget
-        if self._is_paired:
-            self._place_note()
+        self._pair.follow_focus()
 
     def leave_slider(self) -> None:
         """Give the focus back to the panel that had it before the sliders; to none if none had."""
@@ -294,7 +232,7 @@ class Board(Container):
     def on_pointed(self, event: Pointed) -> None:
         """Show where the cursor of a world or a table stands in all others."""
         event.stop()
-        self._align(event.panel)
+        self._pair.align(event.panel)
         for panel in self._widgets().values():
             if isinstance(panel, QTable | WorldView) and panel is not event.panel:
                 panel.point_at(event.pairs)
@@ -302,16 +240,7 @@ class Board(Container):
     def on_moved(self, event: Moved) -> None:
         """Bring the same part into view in the other lane."""
         event.stop()
-        self._align(event.panel)
-
-    def _align(self, panel: Widget) -> None:
-        for row, twin in self._twins.items():
-            pair = self._panels[row], twin
-            if self._is_paired and panel in pair:
-                moved, other = pair if panel is pair[0] else pair[::-1]
-                if moved.stance != other.stance:
-                    other.align_with(moved)
-                    other.redraw()
+        self._pair.align(event.panel)
 
     @property
     def viewport(self) -> Viewport:
@@ -338,9 +267,10 @@ class Board(Container):
         """Let the lane led have the focus of a panel of two that is not in view any more."""
         focused, regions = self.screen.focused, self._arrangement.regions(self.size, self.zoomed)
         panel = self.panel_of(focused)
-        if focused is None or panel in regions or _row_of(panel) not in self._twins:
+        row = None if focused is None else self._pair.row_of(panel)
+        if row is None or panel in regions:
             return
-        for each in (self._led(_row_of(panel)), self._led(WORLD)):
+        for each in (self._pair.led(row), self._pair.led(WORLD)):
             if each in regions:
                 self.panel(each).focus()
                 return
@@ -382,7 +312,7 @@ class Board(Container):
 
     def bring_into_view(self, panel: str) -> None:
         """Show ``panel``, of the lane led: end the zoom, and close the panel that stands in its place."""
-        panel = self._led(panel)
+        panel = self._pair.led(panel)
         if self.zoomed not in (None, panel):
             self.zoom(None)
         if panel not in self._arrangement.regions(self.size, None):
@@ -393,11 +323,11 @@ class Board(Container):
         return panel in self._arrangement.placed
 
     def panel_of(self, widget: Widget | None) -> str:
-        """Return the id of the panel that ``widget`` stands in; of the world if in none."""
+        """Return the id of the panel that ``widget`` stands in; of the world of the lane led if in none."""
         for node in widget.ancestors_with_self if widget else ():
             if node.parent is self and node.id:
                 return node.id
-        return WORLD
+        return self._pair.led(WORLD)
 
     @property
     def layout(self) -> Layout:
@@ -415,33 +345,3 @@ class Board(Container):
             with self.app.batch_update():
                 await self.query_one(f"#{WORLD}").remove()
                 await self.mount(view, before=0)
-
-
-def _row_of(panel: str) -> str:
-    """Return the id of the row that has the widget ``panel``."""
-    return next((row.id for row in PANELS if panel == beside(row.id)), panel)
-
-
-class _BoardLayout(Layout):
-    name = "board"
-
-    def __init__(self, panels: Sequence[PanelRow]) -> None:
-        self.shape = Shape()
-        self.zoomed: str | None = None
-        self.opened: str | None = None
-        self.placed: frozenset[str] = frozenset()
-        self._panels = panels
-
-    def regions(self, size: Size, zoomed: str | None) -> dict[str, Region]:
-        return arrangement(size, self.shape, zoomed, self.opened, self._panels)
-
-    def arrange(
-        self, parent: Widget, children: list[Widget], size: Size, greedy: bool = True
-    ) -> ArrangeResult:
-        regions = self.regions(size, self.zoomed)
-        self.placed = frozenset(regions)
-        return [
-            WidgetPlacement(regions[child.id], NULL_OFFSET, NULL_SPACING, child)
-            for child in children
-            if child.id in regions
-        ]
