@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from conftest import MakeApp
@@ -65,6 +67,7 @@ def test_only_states_known_to_both_are_counted() -> None:
     assert (found.states, found.known, found.is_part) == (frozenset({1}), 2, False)
     assert "1 of 2 states known to both" in found.words(left)[0]
     assert greedy_differences(lake(0), lake(0)).words(left) == ()
+    assert "1 of 2 states in view" in replace(found, is_part=True).words(left)[0]
 
 
 def test_a_tie_is_another_set_of_greedy_actions_than_one_of_the_two() -> None:

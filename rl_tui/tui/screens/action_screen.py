@@ -15,7 +15,7 @@ from textual.widgets import Static
 from rl_tui.tui.actions.action import Action, Place
 from rl_tui.tui.actions.registry import actions_of
 from rl_tui.tui.draw.to_ascii import to_ascii
-from rl_tui.tui.panels.catalogue import PANELS, PanelRow
+from rl_tui.tui.panels.catalogue import PANELS, PanelRow, beside
 from rl_tui.tui.screens.key_line import KeyLine
 from rl_tui.tui.screens.moment import tell
 from rl_tui.tui.screens.playground.arrangement import ROOMY_HEIGHT, ROOMY_WIDTH
@@ -99,7 +99,7 @@ class ActionScreen(Screen[None]):
         """Explain what the mouse or the focus is on; where that is no word, show the help."""
         from rl_tui.tui.screens.asking import words_here  # brings widgets that the first paint has no need of
 
-        rows = {row.id: row for row in self.panel_rows}
+        rows = {name: row for row in self.panel_rows for name in (row.id, beside(row.id))}
         here = words_here(self, rows, self.look.glyphs)
         if here:
             self.show_words(here)
