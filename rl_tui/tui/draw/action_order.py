@@ -2,13 +2,14 @@
 
 Every world counts its actions in an order of its own: lakes ← ↓ → ↑, the cliff ↑ → ↓ ←. Kernels, ties, the
 JSON, journals and exports keep that. On screen, and nowhere else, directions come clockwise from the top,
-↑ → ↓ ← and then ↗ ↘ ↙ ↖, after them staying where one is, last what is no direction, in the world's own order.
+↑ → ↓ ← and then ↗ ↘ ↙ ↖, after them staying, and last what is no direction, in the world's own order.
 
 Whatever draws several actions of a state asks here, and whatever is clicked or moved to as well:
 
 * :func:`shown_order` for columns and lists of all actions: ``[names[a] for a in shown_order(world)]``;
 * :func:`shown_pairs` for the pairs of one state, and for those of them that are greedy, tie or are listed;
-* :func:`shown_place` to sort anything else that belongs to an action, such as the outcomes of a slip.
+* :func:`shown_outcomes` for what may follow a pair;
+* :func:`shown_place` to sort anything else that belongs to an action.
 
 The numbers of actions and pairs stay the world's own: only the order in which they are gone through changes.
 """
@@ -21,6 +22,7 @@ from typing import Final
 
 from rl_tui.worlds.drawing import Drawing, Grid
 from rl_tui.worlds.mdp.space import FiniteSpace
+from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 from rl_tui.worlds.world import World
 
 Direction = tuple[int, int]
@@ -45,7 +47,7 @@ def order_of(space: FiniteSpace, drawing: Drawing) -> tuple[int, ...]:
 
 
 def shown_place(world: World, action: int) -> int:
-    """Return where ``action`` comes in that order, from 0: a key to sort by; an unknown one (< 0) comes last."""
+    """Return where ``action`` comes in that order, from 0, to sort by; an unknown one (< 0) comes last."""
     if action < 0:
         return len(world.space.action_names)
     drawing = world.drawing
@@ -59,6 +61,11 @@ def shown_pairs(world: World, pairs: Iterable[int]) -> list[int]:
         return sorted(listed)
     places, actions = _inverse(world.drawing.directions), world.space.pair_action
     return sorted(listed, key=lambda pair: places[int(actions[pair])])
+
+
+def shown_outcomes(world: World, mdp: TabularMDP, pair: int) -> list[int]:
+    """Return the outcomes of ``pair`` in the order of the actions that really happen in them."""
+    return sorted(mdp.outcomes_of(pair), key=lambda each: shown_place(world, int(mdp.outcome_action[each])))
 
 
 @lru_cache

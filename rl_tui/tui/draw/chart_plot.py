@@ -61,6 +61,10 @@ class Plot(NamedTuple):
         """Return the dots of ``line`` where there are columns × rows of them, [rows, columns]."""
         return braille.dots_of(braille.joined(self._span(line, columns, rows)), rows)
 
+    def filled_dots(self, band: Steps, columns: int, rows: int) -> BoolArray:
+        """Return the dots from the lowest to the highest of ``band``, as :meth:`line_dots` does."""
+        return braille.dots_of(self._span(band, columns, rows), rows)
+
     def _span(self, line: Steps, columns: int, rows: int) -> braille.Span:
         low, high = braille.decimated(line, self.right, columns)
         return braille.span(low, high, self.scale.low, self.top, rows)

@@ -21,6 +21,7 @@ BUDGET: Final = "budget"
 CONTROLS: Final = "controls"
 LAST_STEP: Final = "last_step"
 MICROSCOPE: Final = "microscope"
+MANY_SEEDS: Final = "many_seeds"
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,7 +101,10 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         "greedy actions differ, ties counted. Only states known to both count: updated, or with estimates "
         "that differ.",
         caption="as the agent meets it",
-        terms=("agent", "state", "action", "reward", "value", "greedy", "terminal", "ties", "policy", "mdp"),
+        terms=(
+            *("agent", "state", "action", "reward", "value", "greedy", "terminal", "ties", "policy", "mdp"),
+            *("trail", "slip", "wind"),
+        ),
         is_twofold=True,
     ),
     PanelRow(
@@ -228,6 +232,36 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         ),
         in_place_of=(WORLD, CURVE),
         is_wide=True,
+    ),
+    PanelRow(
+        MANY_SEEDS,
+        "rl_tui.tui.panels.many_seeds.many_seeds:ManySeeds",
+        "Many seeds",
+        "One seed decides nothing. M runs the same again under other seeds, beside this run and at low "
+        "priority: 8, then 16, up to 256, for as many episodes as this run has had, within bounds. Each "
+        "figure of this seed stands beside the mean over all, with the standard error of that mean. With "
+        "lanes, each seed runs in every one, and the difference is told seed by seed, in brackets with two "
+        "standard errors on either side; of regret, less is better. The curve has the mean over seeds behind "
+        "its own lines, two standard errors wide on either side. What was changed since is not in it: enter "
+        "counts again.",
+        caption="is it luck, or better?",
+        terms=(
+            "standard-error",
+            "many-seeds",
+            "paired-difference",
+            "seed",
+            "lane",
+            "regret",
+            "last-100",
+            "greedy",
+        ),
+        opened_by=OpeningKey(
+            "M",
+            "many seeds",
+            "Run the same under many other seeds: the mean of each figure, with its error, beside this seed.",
+            rank=17,
+        ),
+        in_place_of=(TABLE,),
     ),
 )
 """In the order of the tab key."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Final
 
 from rl_tui.lab.live.snapshot import Phase, Snapshot
+from rl_tui.lab.many_seeds.figures import SeedStudy
 from rl_tui.worlds.drawing import Arms
 
 _FASTEST_FOLLOWED: Final = 30.0  # steps a second; above it single steps would only flicker
@@ -24,6 +25,20 @@ def is_new_run(before: Snapshot | None, now: Snapshot) -> bool:
 def is_secret(snapshot: Snapshot, *, revealed: bool) -> bool:
     """Return whether what is exact must be hidden: the true means of a bandit, until they are revealed."""
     return isinstance(snapshot.world.drawing, Arms) and not revealed
+
+
+def current_study(snapshot: Snapshot) -> SeedStudy | None:
+    """Return what many seeds say of the runs as they are; None where that is not known."""
+    study = snapshot.study
+    runs = len(snapshot.run_group.lanes) or 1
+    if study is None or study.is_outdated or study.seeds < 2 or len(study.lanes) != runs:
+        return None
+    return study
+
+
+def lacks_exact(snapshot: Snapshot) -> bool:
+    """Return whether the exact answer is still being worked out."""
+    return snapshot.exact_answer.solution is None and not snapshot.exact_answer.refused
 
 
 def passes_too_fast(snapshot: Snapshot) -> bool:

@@ -20,6 +20,7 @@ from rl_tui.tui.draw.scale import Scale, round_range
 from rl_tui.tui.panels.curve.chart_lanes import lane_cells
 from rl_tui.tui.panels.curve.data import CurveData
 from rl_tui.tui.panels.curve.lane_text import lane_columns, lane_labels
+from rl_tui.tui.panels.curve.seed_band import seed_cells
 from rl_tui.tui.panels.curve.text import LineLabel, barren_words, empty_words, label_columns, labels
 from rl_tui.tui.theme.look import Look
 
@@ -28,7 +29,7 @@ LEAST_HEIGHT: Final = 3
 _TICK_COLUMNS: Final = 11  # a labelled episode number at most every so many columns
 _UNIT_ROOM: Final = 40
 # What a cell shows, the more important the greater; after the greedy line come the lanes
-_NOTHING, _LEVEL, _BAND, _EPISODES, _GREEDY = range(5)
+_NOTHING, _LEVEL, _BAND, _SEEDS, _EPISODES, _GREEDY = range(6)
 
 
 def plot_columns(scale: Scale, look: Look, width: int) -> int:
@@ -90,10 +91,19 @@ def _draw_lines(canvas: Canvas, plot: Plot, data: CurveData, look: Look) -> None
     if data.optimum is not None:
         level = _level_cells(plot, data, data.optimum, look)
         shown[level], kind[level] = ord(look.glyphs.level), _LEVEL
+    seeds, _ = seed_cells(plot, data.seeds, look)
+    shown[seeds > 0], kind[seeds > 0] = seeds[seeds > 0], _SEEDS
     lay(codes.episodes, _EPISODES, everywhere)
     lay(codes.greedy, _GREEDY, ~codes.yielded)
     palette = look.palette
-    styles = (palette.text, palette.optimum, palette.band, palette.episodes, palette.greedy_line)
+    styles = (
+        palette.text,
+        palette.optimum,
+        palette.band,
+        palette.dim,
+        palette.episodes,
+        palette.greedy_line,
+    )
     _put_cells(canvas, plot, kind, shown, styles)
 
 
@@ -104,11 +114,22 @@ def _draw_lanes(canvas: Canvas, plot: Plot, data: CurveData, look: Look) -> None
     if data.optimum is not None:
         level = _level_cells(plot, data, data.optimum, look)
         shown[level], kind[level] = ord(look.glyphs.level), _LEVEL
+    seeds, whose = seed_cells(plot, data.seeds, look)
+    shown[seeds > 0], kind[seeds > 0] = seeds[seeds > 0], (_GREEDY + len(palette.lanes) + whose)[seeds > 0]
     there = cells.line >= 0
     shown[there], kind[there] = cells.codes[there], _GREEDY + cells.line[there]
     lane = next(lane.number for lane in data.lanes if lane.shown)
     band = palette.lanes[lane - 1] + Style(dim=True)
-    styles = (palette.text, palette.optimum, band, palette.episodes, palette.greedy_line, *palette.lanes)
+    styles = (
+        palette.text,
+        palette.optimum,
+        band,
+        palette.dim,
+        palette.episodes,
+        palette.greedy_line,
+        *palette.lanes,
+        *(style + Style(dim=True) for style in palette.lanes),
+    )
     _put_cells(canvas, plot, kind, shown, styles)
 
 

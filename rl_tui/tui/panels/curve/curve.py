@@ -13,6 +13,7 @@ from rl_tui.tui.draw.scale import Scale, settled
 from rl_tui.tui.panels.curve.chart import draw_chart, plot_columns
 from rl_tui.tui.panels.curve.data import CurveData, curve_data
 from rl_tui.tui.panels.curve.lane_text import lane_remark, lane_titles
+from rl_tui.tui.panels.curve.seed_band import seed_bands, seed_sign, with_room_for
 from rl_tui.tui.panels.curve.text import decimals_for, remark, titles
 from rl_tui.tui.panels.legend import Legend, LegendSign
 from rl_tui.tui.panels.panel import Panel
@@ -56,8 +57,9 @@ class ReturnCurve(Panel, can_focus=True):
             self.heading = self.fitting(titles(None, self.look.glyphs, 2, width), width)
             return strips_of([[Piece(f" {WAITING}", self.look.palette.dim)]], width, height, self.look)
         data = curve_data(snapshot, revealed=self.tells_all)
-        scale = settled(self.scale, *data.range, may_shrink=not snapshot.timeline.in_past)
-        if any(data.range):
+        seen = with_room_for(data.range, data.seeds)
+        scale = settled(self.scale, *seen, may_shrink=not snapshot.timeline.in_past)
+        if any(seen):
             # else nothing stood on it, and how soon the exact answer came must not be seen later
             self.scale = scale
         decimals = decimals_for(scale.low, scale.high)
@@ -75,11 +77,13 @@ class ReturnCurve(Panel, can_focus=True):
 
     def legend(self, snapshot: Snapshot) -> Legend:
         """Return what the axis counts, and the band: the lines have their names where they end."""
+        seeds = seed_bands(snapshot)
+        more = (seed_sign(seeds, self.look),) if seeds else ()
         if isinstance(snapshot.world.drawing, Arms):
-            return ()
+            return more
         palette, plans = self.look.palette, BY_ID[snapshot.agent.algorithm].planner
         band = LegendSign("dim dots", "= lowest to highest", palette.band)
-        return (LegendSign("return", "= undiscounted sum", palette.text), *([] if plans else [band]))
+        return (LegendSign("return", "= undiscounted sum", palette.text), *more, *([] if plans else [band]))
 
     def _words(
         self, snapshot: Snapshot, data: CurveData, scale: Scale, width: int, in_border: bool
@@ -92,6 +96,5 @@ class ReturnCurve(Panel, can_focus=True):
         words = remark(snapshot, data, look.glyphs, decimals, with_figures=not (fast and in_border))
         if not data.lanes:
             return heads, words
-        if not data.hidden:
-            words = lane_remark(data, look, plot_columns(scale, look, width))
+        words = lane_remark(data, look, plot_columns(scale, look, width))
         return lane_titles(data, heads, look.glyphs), words

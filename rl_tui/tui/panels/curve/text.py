@@ -59,11 +59,13 @@ def labels(
     names = _names(data, room)
     if names is None:
         return []
-    lines = (
+    lines: list[tuple[str, float | None, Style]] = [
         (names[0], data.greedy_now if greedy else None, palette.greedy_line),
         (names[1], data.mean_now if mean else None, palette.episodes),
         (names[2], data.optimum, palette.optimum),
-    )
+    ]
+    if mean:  # lanes have theirs in the remark
+        lines += [(f"{each.seeds} seeds", each.value, palette.dim) for each in data.seeds]
     return [
         LineLabel(to_ascii(_with_number(name, value, decimals, room, look.glyphs), look.glyphs), value, style)
         for name, value, style in lines

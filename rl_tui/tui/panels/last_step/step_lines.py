@@ -7,6 +7,7 @@ from typing import Final
 
 from rl_tui.tui.draw.pieces import Line, Piece, first_that_fits, length, spelled
 from rl_tui.tui.panels.last_step.equation import equation, error_piece, in_brackets
+from rl_tui.tui.panels.last_step.update_text import subtracts
 from rl_tui.tui.panels.last_step.words import StepWords
 from rl_tui.tui.theme.look import Look
 
@@ -171,7 +172,8 @@ class StepWriter:
         """Return δ as a difference, and δ alone."""
         symbol, error = self._dim(f"{gap}δ = "), error_piece(self.words, self._look)
         before = in_brackets(self.words.update.before, self._look)
-        difference = self._plain(f"{self.words.update.target} {self._minus} {before} = ")
+        equals = "=" if subtracts(self.words.update, self._look.glyphs) else "≈"
+        difference = self._plain(f"{self.words.update.target} {self._minus} {before} {equals} ")
         return [[symbol, difference, error], [symbol, error]]
 
     def _delta(self, label: str = "") -> Line:

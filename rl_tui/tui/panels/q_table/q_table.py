@@ -14,8 +14,8 @@ from textual.strip import Strip
 from rl_tui.lab.live.snapshot import Phase, Snapshot
 from rl_tui.lab.live.viewport import RowRange, followed_state
 from rl_tui.lab.run.large_worlds import is_large
+from rl_tui.tui.draw.number_form import SteadyForms
 from rl_tui.tui.draw.pieces import Piece, strips_of, wrapped
-from rl_tui.tui.draw.to_ascii import separated, to_ascii
 from rl_tui.tui.panels.bindings import binding
 from rl_tui.tui.panels.legend import GREEDY_IN_FULL, Legend, LegendSign
 from rl_tui.tui.panels.panel import BoardPanel, Panel
@@ -32,16 +32,21 @@ from rl_tui.tui.panels.q_table.layers import (
 from rl_tui.tui.panels.q_table.list import list_form
 from rl_tui.tui.panels.q_table.matrix import matrix_form
 from rl_tui.tui.panels.q_table.sheet import Form, Sheet, strip_cache
-from rl_tui.tui.panels.q_table.titles import CAPTIONS, TITLES, headings, layer_keys, size_in_words
+from rl_tui.tui.panels.q_table.titles import (
+    TITLES,
+    followed,
+    footings,
+    headings,
+    layer_at,
+    size_in_words,
+)
 from rl_tui.tui.panels.q_table.world import NO_ROW, TableWorld
 from rl_tui.tui.panels.scrolling import Scrolled
-from rl_tui.tui.panels.snapshot_facts import is_secret
+from rl_tui.tui.panels.snapshot_facts import is_new_run, is_secret
 from rl_tui.tui.theme.look import Look
 
 WAITING: Final = "the estimates Q(s, a) come with the first step"
 COMPUTING: Final = "computing the exact answer …"
-FOLLOWS: Final = "follows the agent"
-FOLLOW_HINT: Final = "esc: follow the agent"
 _WHEEL_ROWS: Final = 3
 
 
@@ -90,6 +95,7 @@ class QTable(Panel, can_focus=True):
         self._sheet: Sheet | None = None
         self._cache = strip_cache()
         self._requested: RowRange | None = None
+        self._forms = SteadyForms()
 
     @property
     def shown_layer(self) -> Layer:
@@ -162,6 +168,8 @@ class QTable(Panel, can_focus=True):
             self.cursor_pair, self._following, self._first, self.pointed = None, True, 0, NOWHERE
         if self._following and self.snapshot is not None and self.snapshot.playback.phase is Phase.PREPARING:
             self._first = 0  # while a run was prepared there was no step to follow
+        if is_new_run(self.snapshot, snapshot):
+            self._forms.clear()
         super().show(snapshot)
 
     def picture(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
@@ -187,10 +195,10 @@ class QTable(Panel, can_focus=True):
                 sheet.reach(snapshot.counters.last_step.updated_pair, _followed(snapshot))
         self._first = sheet.first
         self.free_rows = sheet.free_rows
-        captions = self.captioned(TITLES[self.shown_layer], CAPTIONS.get(self.shown_layer, ""))
-        forms = headings(snapshot, self.shown_layer, self.lane, captions, size_in_words(scene, form))
-        self.heading = self.fitting(forms, width)
-        self.footing = self._footing(width, sheet.is_scrolled and not self.pointed)
+        self.heading = self.fitting(
+            headings(snapshot, self.shown_layer, size_in_words(scene, form), self, self.lane), width
+        )
+        self.footing = self._footing(width, is_scrolled=sheet.is_scrolled and not self.pointed)
         return sheet.strips(self._cache)
 
     def legend(self, snapshot: Snapshot) -> Legend:
@@ -237,29 +245,19 @@ class QTable(Panel, can_focus=True):
     def on_click(self, event: events.Click) -> None:
         """Put the cursor on the cell under the pointer; on the border go to the layer named there."""
         column = self.footing_column(event)
-        if column is not None:
-            self._click_layer(column, event)
+        layer = (
+            None if column is None else layer_at(self.footing, column, self.layer_choices, self.look.glyphs)
+        )
+        if layer is not None:
+            event.prevent_default()
+            self.shown_layer = layer
+            self.post_message(Moved(self))
         offset = event.get_content_offset(self)
         if offset is None or self._sheet is None:
             return
         pair = self._sheet.pair_at(offset.x, offset.y)
         if pair is not None:
             self._put_cursor(pair)
-
-    def _click_layer(self, column: int, event: events.Click) -> None:
-        text = separated(self.footing, self.look.glyphs)
-        end = text.find("v:") + len("v:")
-        for layer in self.layer_choices:
-            name = to_ascii(layer, self.look.glyphs)
-            start = text.find(name, end)
-            if start < 0:
-                return  # there is room for one name only: a click is the key
-            end = start + len(name)
-            if start - 1 <= column <= end:
-                event.prevent_default()
-                self.shown_layer = layer
-                self.post_message(Moved(self))
-                return
 
     def on_mouse_scroll_down(self, event: events.MouseScrollDown) -> None:
         """Scroll down."""
@@ -332,7 +330,7 @@ class QTable(Panel, can_focus=True):
         state = _followed(self.snapshot) if self._following else int(world.live[0])
         if world.row_of(state) == NO_ROW:
             state = int(world.live[0])
-        return world.space.pairs_of(state).start
+        return world.pairs_shown(state)[0]
 
     def _world_of(self, snapshot: Snapshot) -> TableWorld:
         if self._world is None or not self._world.describes(snapshot.world, self.look.glyphs):
@@ -355,7 +353,7 @@ class QTable(Panel, can_focus=True):
         return Scene(
             world=self._world_of(snapshot),
             figures={
-                layer: Figures(snapshot, layer, self.look, exact, lit, self.sources)
+                layer: Figures(snapshot, layer, self.look, exact, lit, self.sources, self._forms)
                 for layer in layers
                 if exact is not None or layer not in EXACT_LAYERS
             },
@@ -368,21 +366,20 @@ class QTable(Panel, can_focus=True):
             breakpoints=snapshot.playback.breakpoints,
             pointed=self.pointed,
             differing=self.differing,
+            forms=self._forms,
         )
+
+    def _footing(self, width: int, *, is_scrolled: bool) -> str:
+        forms = footings(self.shown_layer, self.layer_choices, self.look.glyphs)
+        if is_scrolled:
+            forms = followed(forms, is_following=self._following)
+        return self.fitting(forms, width)
 
     def _message(self, snapshot: Snapshot, width: int, height: int) -> list[Strip]:
         palette, refused = self.look.palette, snapshot.exact_answer.refused
         text = f"No exact answer: {refused}" if refused else COMPUTING
         lines = wrapped(text, max(1, width - 2), palette.text if refused else palette.dim, self.look)
         return strips_of([[Piece(" ", palette.text), *line] for line in lines], width, height, self.look)
-
-    def _footing(self, width: int, is_scrolled: bool) -> str:
-        layers, short = layer_keys(self.layer_choices, self.shown_layer, self.look.glyphs)
-        forms = [layers, short]
-        if is_scrolled:
-            follow = FOLLOWS if self._following else FOLLOW_HINT
-            forms = [f"{follow} · {layers}", f"{follow} · {short}", follow]
-        return self.fitting(forms, width)
 
 
 def _followed(snapshot: Snapshot) -> int:

@@ -64,6 +64,7 @@ class WorldView(Panel, can_focus=True):
         self.lane: tuple[str, ...] = ()
         self.note: tuple[str, ...] = ()
         self._is_manual = False
+        self._is_numbered = False
         self._differing: frozenset[int] = frozenset()
         self.enter(world)
 
@@ -81,6 +82,17 @@ class WorldView(Panel, can_focus=True):
     @differing.setter
     def differing(self, states: frozenset[int]) -> None:
         self._differing = states
+
+    @property
+    def is_numbered(self) -> bool:
+        """Whether the cells of a map have the numbers of their states."""
+        return self._is_numbered
+
+    @is_numbered.setter
+    def is_numbered(self, is_numbered: bool) -> None:
+        if is_numbered != self._is_numbered:
+            self._is_numbered = is_numbered
+            self.redraw()
 
     @property
     def is_manual(self) -> bool:

@@ -209,10 +209,9 @@ def _world_rows(shape: Shape, height: int, least_curve: int, *, most_lines: int 
     most = max(_BORDERS + 1, height - least_curve)
     legend = shape.legend_rows if least_curve >= _LEAST_CURVE else 0
     match shape.drawing:
-        case Grid(rows=rows):
-            sizes = [
-                rows * each + _BORDERS + more for each in range(most_lines, 0, -1) for more in (legend, 0)
-            ]
+        case Grid(rows=rows, wind=wind):
+            below = _BORDERS + (1 if wind else 0)
+            sizes = [rows * each + below + more for each in range(most_lines, 0, -1) for more in (legend, 0)]
         case Arms():
             sizes = [
                 each + _BORDERS + more for each in (shape.arms * 2 + 1, shape.arms) for more in (legend, 0)

@@ -37,6 +37,7 @@ from rl_tui.tui.panels.q_table.q_table import QTable
 from rl_tui.tui.panels.timeline.timeline import HINTS, TimelineBar
 from rl_tui.tui.panels.world.make_view import make_world_view
 from rl_tui.tui.panels.world.view import WorldView
+from rl_tui.tui.screens.legend_switch import LegendSwitch
 from rl_tui.tui.screens.playground.board_layout import BoardLayout
 from rl_tui.tui.screens.playground.lane_pair import LanePair
 from rl_tui.tui.screens.playground.wanted import Wanted
@@ -66,6 +67,7 @@ class Board(Container):
         self._panels = {row.id: row.make(look) for row in panels}
         self._pair = LanePair(self._panels, look)
         self._is_one_lane = self._is_explained = False
+        self.legends = LegendSwitch(None)
         self.curve = self._made(CURVE, ReturnCurve)
         self.timeline = self._made(TIMELINE, TimelineBar)
         self.controls = self._made(CONTROLS, Controls)
@@ -111,10 +113,11 @@ class Board(Container):
         if self.world is None:
             self._panels[WORLD] = view = make_world_view(snapshot.world, self.look, id=WORLD, classes="panel")
             view.caption, view.is_explained = self.rows[WORLD].caption, self.is_explained
+            view.is_numbered = self.is_numbered
             self.run_worker(self._replace_placeholder(view))
         if snapshot.beside is not None and not self._pair.twins:
             self._pair.make(snapshot, self.rows.values())
-            self.is_explained = self.is_explained
+            self.is_explained, self.is_numbered = self.is_explained, self.is_numbered
             self.run_worker(self._mount_twins())
         self._reshape(lanes=snapshot.beside is not None and not self._is_one_lane)
         self._take_lead(snapshot)
@@ -204,6 +207,18 @@ class Board(Container):
         self._is_explained = is_explained
         for panel in self._widgets().values():
             panel.is_explained = is_explained
+
+    @property
+    def is_numbered(self) -> bool:
+        """Whether the cells of a map have the numbers of their states."""
+        return self.legends.numbers_states
+
+    @is_numbered.setter
+    def is_numbered(self, is_numbered: bool) -> None:
+        self.legends.numbers_states = is_numbered
+        for panel in self._widgets().values():
+            if isinstance(panel, WorldView):
+                panel.is_numbered = is_numbered
 
     def _shown(self) -> Iterator[BoardPanel]:
         """Yield the panels that are not closed."""

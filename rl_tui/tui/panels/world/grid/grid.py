@@ -13,6 +13,7 @@ from textual.strip import Strip
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.live.viewport import Cells
 from rl_tui.lab.run.large_worlds import is_large
+from rl_tui.tui.draw.number_form import SteadyForms
 from rl_tui.tui.panels.legend import GREEDY_IN_FULL, Legend, LegendSign
 from rl_tui.tui.panels.panel import BoardPanel
 from rl_tui.tui.panels.scrolling import Scrolled, kept_in_view, scrolled_to
@@ -20,6 +21,9 @@ from rl_tui.tui.panels.snapshot_facts import is_new_run
 from rl_tui.tui.panels.world.grid.cells import SEVERAL, START, CellArtist, differing_style, reward_style
 from rl_tui.tui.panels.world.grid.form import LEAST_ARROWS, LEAST_DIGITS, CellForm, cell_form, digits_needed
 from rl_tui.tui.panels.world.grid.map import CellContent, GridMap, MapPart
+from rl_tui.tui.panels.world.grid.part_words import shorter, stretch
+from rl_tui.tui.panels.world.grid.trail import traces, trail_signs
+from rl_tui.tui.panels.world.grid.wind import last_gust, wind_line, wind_sign, wind_strip
 from rl_tui.tui.panels.world.view import TITLE, WorldView
 from rl_tui.worlds.drawing import CellKind, Grid
 from rl_tui.worlds.world import World
@@ -27,7 +31,9 @@ from rl_tui.worlds.world import World
 HEADING: Final = f"{TITLE} · V and greedy"
 HEADING_WITHOUT_VALUES: Final = f"{TITLE} · greedy, V as tint"
 HEADING_GREEDY: Final = f"{TITLE} · greedy"
+STATE_NUMBERS: Final = "state numbers"
 FOLLOWS: Final = "follows the agent"
+_DECIMALS: Final = 2
 _LEAST_WITH_LEGEND: Final = 8  # rows of a map that scrolls
 FOLLOW_HINT: Final = "esc: follow the agent"
 
@@ -44,6 +50,7 @@ class GridView(WorldView):
     _requested: Cells | None = None
     _artist: CellArtist | None = None
     _digits = LEAST_DIGITS
+    _longest_name = 0  # of those in view, where names are shown
 
     def enter(self, world: World) -> None:
         """Take ``world`` for the one that is drawn, and follow the agent in it."""
@@ -54,6 +61,7 @@ class GridView(WorldView):
         self._kinds = frozenset(world.drawing.kinds)
         self._top = self._left = 0
         self._following = True
+        self._number_forms = SteadyForms()
         self.heading = HEADING
 
     @property
@@ -101,6 +109,11 @@ class GridView(WorldView):
         """Return the state of a cell: of several the agent's, else the first; None in a wall."""
         return self._map.state_at(place, self.snapshot)
 
+    def name_at(self, place: int) -> str:
+        """Return which state stands in a cell, and whether the agent can never be there."""
+        name = super().name_at(place)
+        return f"{name}, never reached" if place in self._map.unreached else name
+
     def place_of(self, pair: int) -> int:
         """Return the cell of the state that owns ``pair``."""
         return int(self._map.grid.cell_of_state[self.world.space.state_of(pair)])
@@ -134,6 +147,7 @@ class GridView(WorldView):
         """Draw ``snapshot``. Its numbers only ever get wider, until another run starts."""
         if is_new_run(self.snapshot, snapshot):
             self._digits = LEAST_DIGITS
+            self._number_forms.clear()
         super().show(snapshot)
 
     def drawing(self, snapshot: Snapshot, width: int, height: int) -> list[Strip]:
@@ -146,6 +160,27 @@ class GridView(WorldView):
         return self._drawn_map(snapshot, width, height)
 
     def _drawn_map(self, snapshot: Snapshot, width: int, height: int) -> list[Strip]:
+        """Return the map, below it the wind of its columns where a row is free for that."""
+        grid = self._map.grid
+        if not grid.wind:
+            return self._drawn_cells(snapshot, width, height)
+        form = cell_form(grid.rows, grid.columns, width, height, self._digits)
+        is_free = height > grid.rows * form.height or grid.rows > height >= _LEAST_WITH_LEGEND
+        strips = self._drawn_cells(snapshot, width, height - is_free)
+        assert self._part is not None
+        assert self._form is not None
+        if is_free:
+            left, top = self._origin
+            gust = last_gust(grid, snapshot)
+            row = wind_strip(grid, self._part, self._form, left, width, gust, self.look)
+            strips.insert(top + self._part.rows * self._form.height, row)
+        elif self._following:
+            line = wind_line(grid, self._part, self.look)
+            both = (f"{line} · {self.footing}",) if self.footing else ()
+            self.footing = self.fitting((*both, line), width) or self.footing
+        return strips
+
+    def _drawn_cells(self, snapshot: Snapshot, width: int, height: int) -> list[Strip]:
         grid = self._map.grid
         form = cell_form(grid.rows, grid.columns, width, height, self._digits)
         rows = min(grid.rows, max(1, height // form.height))
@@ -155,20 +190,34 @@ class GridView(WorldView):
         self._top = kept_in_view(self._top, row if follows else None, rows, grid.rows)
         self._left = kept_in_view(self._left, column if follows else None, columns, grid.columns)
         self._part = part = MapPart(self._top, self._left, rows, columns)
-        cells = self._map.contents(part, snapshot, self.shown_cursor, self.differing)
+        cells = self._map.contents(part, snapshot, self.shown_cursor, self.differing, named=self.is_numbered)
+        self._longest_name = max(len(each.name) for each in cells)
         needed = digits_needed(each.value for each in cells if each.value is not None)
         if needed > self._digits:  # they stay as wide, lest the map jump to and fro
             self._digits = needed
-            return self._drawn_map(snapshot, width, height)
+            return self._drawn_cells(snapshot, width, height)
         without = HEADING_WITHOUT_VALUES if self.look.palette.tints else HEADING_GREEDY
         heading = HEADING if form.has_values else without
         # where the border has no room for the legend, the heading says what is drawn
         forms = (heading,) if self._map.grid.legend else (*self.captioned(TITLE), heading)
+        if self.is_numbered:
+            forms = self._numbered(heading, form)
         self.heading = self._title(self.fitting(forms, width) or heading, width)
         self.footing = self._where(width)
         self.free_rows = height - part.rows * form.height - max(0, (height - part.rows * form.height) // 2)
         self._form, self._origin = form, origin(form, part, width, height)
-        return draw_grid(cells, self._artist_for(form), part, width, height)
+        return draw_grid(cells, self._artist_for(form), part, width, height, self._number_forms)
+
+    def _numbered(self, heading: str, form: CellForm) -> tuple[str, ...]:
+        """Return headings for cells with the numbers of their states, the longest first."""
+        longest = self._longest_name
+        if longest > form.longest_name:
+            return (heading,)
+        if form.has_corner:
+            return f"{heading} · {STATE_NUMBERS}", f"{TITLE} · {STATE_NUMBERS}", STATE_NUMBERS
+        has_arrows = form.has_values or longest <= form.width - LEAST_ARROWS
+        what = f"{STATE_NUMBERS} and greedy" if has_arrows else STATE_NUMBERS
+        return f"{TITLE} · {what}", f"{TITLE} · {STATE_NUMBERS}", STATE_NUMBERS
 
     def signs(self) -> Legend:
         """Return the signs of cells that this map has."""
@@ -183,8 +232,20 @@ class GridView(WorldView):
             yield from self._reward_signs(form)
         if form is not None and len(signs) > form.most_signs:
             yield LegendSign(SEVERAL, "tie", palette.strong, "tie: equally good")
+        if self._map.grid.wind:
+            yield wind_sign(self._map.grid, self.look)
+        if self._map.unreached:
+            yield LegendSign(glyphs.unreached, "unreached", palette.dim, "never reached")
+        if form is not None and self._longest_name > form.longest_name:
+            yield LegendSign("#", "no room", palette.dim, f"no room for {STATE_NUMBERS}")
+        elif self.is_numbered and self.snapshot is not None:
+            name = self.world.space.state_names[self.snapshot.counters.state]
+            yield LegendSign(name, "state", palette.text, "number of a state")
         yield from self.value_signs()
         yield LegendSign(glyphs.agent, "agent", palette.agent)
+        if self.snapshot is not None and form is not None:
+            left = traces(self.snapshot.trail, self._map.grid, signs)
+            yield from trail_signs(left.values(), self.look, is_high=form.height > 1)
         ends = (
             (CellKind.HOLE, glyphs.hole, palette.hole),
             (CellKind.CLIFF, glyphs.cliff, palette.cliff),
@@ -270,7 +331,7 @@ class GridView(WorldView):
         grid, part = self._map.grid, self._part
         assert part is not None
         top, left, rows, columns = part
-        return _stretch(top, rows, grid.rows), _stretch(left, columns, grid.columns)
+        return stretch(top, rows, grid.rows), stretch(left, columns, grid.columns)
 
     def _where(self, width: int) -> str:
         """Return which part is in view, and how to follow again.
@@ -279,9 +340,9 @@ class GridView(WorldView):
         """
         legend = self._map.grid.legend
         if self._is_whole or self._part is None:
-            return self.fitting(_shorter(legend), width)
+            return self.fitting(shorter(legend), width)
         if self._following and legend and legend not in self.heading:
-            return self.fitting((*_shorter(legend), FOLLOWS), width)
+            return self.fitting((*shorter(legend), FOLLOWS), width)
         down, across = self._in_view()
         follow = FOLLOWS if self._following else FOLLOW_HINT
         forms = (
@@ -293,16 +354,6 @@ class GridView(WorldView):
         return self.fitting(forms, width)
 
 
-def _shorter(legend: str) -> tuple[str, ...]:
-    """Return ``legend``, then rows and columns alone, without further parts and what precedes a colon."""
-    rows_and_columns = ", ".join(legend.split(", ")[:2])
-    return legend, rows_and_columns, rows_and_columns.rpartition(": ")[2]
-
-
-def _stretch(first: int, shown: int, total: int) -> str:
-    return f"{first}–{first + shown - 1} of {total:,}"
-
-
 def origin(form: CellForm, part: MapPart, width: int, height: int) -> tuple[int, int]:
     """Return column and row at which ``part`` begins, in the middle of width × height characters."""
     return (
@@ -312,16 +363,22 @@ def origin(form: CellForm, part: MapPart, width: int, height: int) -> tuple[int,
 
 
 def draw_grid(
-    cells: Sequence[CellContent], artist: CellArtist, part: MapPart, width: int, height: int
+    cells: Sequence[CellContent],
+    artist: CellArtist,
+    part: MapPart,
+    width: int,
+    height: int,
+    number_forms: SteadyForms | None = None,
 ) -> list[Strip]:
     """Return ``cells``, those of ``part`` row by row, in the middle of width × height characters.
 
-    The tints go from the least to the greatest value in ``part``, 0 included.
+    The tints go from the least to the greatest value in ``part``, 0 included; all values have one form.
     """
     form, text = artist.form, artist.look.palette.text
     shown = [each.value for each in cells if each.value is not None and math.isfinite(each.value)]
     low, high = min(shown, default=0.0), max(shown, default=0.0)
-    drawn = artist.drawn(cells, min(low, 0.0), max(high, 0.0))
+    number_form = (number_forms or SteadyForms()).form("values", low, high, form.digits, most=_DECIMALS)
+    drawn = artist.drawn(cells, min(low, 0.0), max(high, 0.0), number_form)
     left, top = origin(form, part, width, height)
     before = Segment(" " * left, text)
     after = Segment(" " * max(0, width - part.columns * form.width - len(before.text)), text)

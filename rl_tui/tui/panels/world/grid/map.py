@@ -9,7 +9,9 @@ import numpy as np
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.live.viewport import NO_STATE, first_state_of_cells, pairs_of_states
 from rl_tui.tui.draw.action_order import order_of
+from rl_tui.tui.panels.world.grid.reach import unreached_cells
 from rl_tui.tui.panels.world.grid.rewards import CellReward, cell_rewards
+from rl_tui.tui.panels.world.grid.trail import Trace, traces
 from rl_tui.worlds.drawing import CellKind, Grid
 from rl_tui.worlds.mdp.space import FiniteSpace, IntArray
 
@@ -42,11 +44,13 @@ class CellContent(NamedTuple):
 
     ``value`` is V(s) = max over a of Q(s, a), None where nothing can be done or the snapshot does not tell.
     ``known`` says that something was learned about the state: it was updated or its estimates differ.
-    ``greedy`` holds the greedy actions, all ties, as their direction or the first letter of their name; it is
-    empty where nothing is known. ``reward`` is what the cell pays where that is not the usual step's.
-    ``stops`` marks a breakpoint, ``cursor`` the cell the cursor stands on. ``differs`` says that the greedy
-    actions are others in the lane beside this one. ``actions`` are all actions in the order in which they are
-    shown, where they were asked for.
+    ``greedy`` holds the greedy actions, all ties, as direction or first letter of the name, in the
+    order in which actions are shown; it is empty where nothing is known. ``reward`` is what the cell pays
+    where that is not the usual step's. ``stops`` marks a breakpoint, ``cursor`` the cell the cursor is on.
+    ``differs`` says that the greedy actions are others in the lane beside this one. ``actions`` are all
+    actions in the order in which they are shown, where they were asked for. ``trace`` is what the trail of
+    the episode left. ``is_reached`` is False where no way leads to. ``name`` is that of the state where names
+    were asked for: all are as long as the longest.
     """
 
     kind: CellKind
@@ -59,13 +63,17 @@ class CellContent(NamedTuple):
     cursor: bool = False
     differs: bool = False
     actions: tuple[ActionValue, ...] = ()
+    trace: Trace | None = None
+    is_reached: bool = True
+    name: str = ""
 
 
 class GridMap:
     """A map and its states. Reading a part of it costs the same in a map of any size.
 
     ``signs`` are those of the actions, in their order: a direction, else the first letter of the name.
-    ``ends`` are the kinds of cells in which nothing can be done, ``rewards`` the different ones of cells.
+    ``ends`` are the kinds of cells in which nothing can be done, ``rewards`` the different ones of cells,
+    ``unreached`` the cells that no way leads to.
     """
 
     def __init__(self, space: FiniteSpace, grid: Grid) -> None:
@@ -76,11 +84,13 @@ class GridMap:
             for step, name in zip(grid.directions, space.action_names, strict=True)
         )
         self._order = order_of(space, grid)
+        self._sign_places = {self.signs[action]: place for place, action in enumerate(self._order)}
         self._states = first_state_of_cells(grid)
         self._rewards = cell_rewards(space, grid)
         self.rewards = tuple(sorted(set(self._rewards.values()), reverse=True))
         acting = np.append(np.diff(space.first_pair) > 0, False)  # NO_STATE is the last one
         idle = np.flatnonzero(~acting[self._states.ravel()])
+        self.unreached = unreached_cells(space, grid)
         self.ends = frozenset(grid.kinds[cell] for cell in idle.tolist())
 
     def state_at(self, cell: int, snapshot: Snapshot | None) -> int | None:
@@ -98,10 +108,11 @@ class GridMap:
         differing: frozenset[int] = frozenset(),
         *,
         with_actions: bool = False,
+        named: bool = False,
     ) -> list[CellContent]:
         """Return what stands in the cells of ``part``, row by row; the cursor stands in the cell ``cursor``.
 
-        Of several states in one cell it is the agent's, else the first.
+        Of several states in one cell it is the agent's, else the first. With ``named`` they have their names.
         """
         kinds, columns = self.grid.kinds, self.grid.columns
         states = self._states_in(part, snapshot)
@@ -121,18 +132,36 @@ class GridMap:
             kind = kinds[cell]
             last = first + count
             if count == 0 or (held is not None and not held[first]):
-                contents.append(CellContent(kind, place == agent))
+                contents.append(CellContent(kind, place == agent, is_reached=cell not in self.unreached))
             else:
-                content = _content(kind, place == agent, q[first:last], visits[first:last], signs[first:last])
+                content = self._content(
+                    kind, place == agent, q[first:last], visits[first:last], signs[first:last]
+                )
                 if with_actions:
                     own = q[first:last], visits[first:last], actions[first:last]
                     content = content._replace(actions=self._actions(*own, content.known))
                 reward = self._rewards.get(cell)
                 contents.append(content if reward is None else content._replace(reward=reward))
             first = last
+        if named:
+            names = [self._space.state_names[each] for each in owners.tolist()]
+            width = max(map(len, names), default=0)
+            for place, name in zip(np.flatnonzero(states != NO_STATE).tolist(), names, strict=True):
+                contents[place] = contents[place]._replace(name=name.rjust(width))
         for place, state in enumerate(states.tolist() if differing else ()):
             if state in differing:
                 contents[place] = contents[place]._replace(differs=True)
+        self._mark(contents, part, snapshot, cursor)
+        return contents
+
+    def _mark(
+        self, contents: list[CellContent], part: MapPart, snapshot: Snapshot, cursor: int | None
+    ) -> None:
+        """Put trail, breakpoints and cursor into ``contents``, which are those of ``part``."""
+        for cell, trace in traces(snapshot.trail, self.grid, self.signs).items():
+            marked = self._place(part, cell)
+            if marked is not None:
+                contents[marked] = contents[marked]._replace(trace=trace)
         for state in snapshot.playback.breakpoints.states:
             marked = self._place(part, int(self.grid.cell_of_state[state]))
             if marked is not None:
@@ -140,7 +169,6 @@ class GridMap:
         marked = None if cursor is None else self._place(part, cursor)
         if marked is not None:
             contents[marked] = contents[marked]._replace(cursor=True)
-        return contents
 
     def _actions(
         self, q: list[float], visits: list[int], actions: list[int], known: bool
@@ -176,17 +204,19 @@ class GridMap:
         inside = 0 <= row < part.rows and 0 <= column < part.columns
         return row * part.columns + column if inside else None
 
-
-def _content(
-    kind: CellKind,
-    agent: bool,
-    q: list[float],
-    visits: list[int],
-    signs: list[Sign],
-) -> CellContent:
-    value = max(q)
-    known = min(q) != value or any(visits)
-    if not known:
-        return CellContent(kind, agent, value)
-    greedy = tuple(sign for sign, each in zip(signs, q, strict=True) if each == value)
-    return CellContent(kind, agent, value, known, greedy)
+    def _content(
+        self,
+        kind: CellKind,
+        agent: bool,
+        q: list[float],
+        visits: list[int],
+        signs: list[Sign],
+    ) -> CellContent:
+        value = max(q)
+        known = min(q) != value or any(visits)
+        if not known:
+            return CellContent(kind, agent, value)
+        greedy = [sign for sign, each in zip(signs, q, strict=True) if each == value]
+        if len(greedy) > 1:
+            greedy.sort(key=self._sign_places.__getitem__)
+        return CellContent(kind, agent, value, known, tuple(greedy))
