@@ -102,7 +102,7 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         caption="as the agent meets it",
         terms=(
             *("agent", "state", "action", "reward", "value", "greedy", "terminal", "ties", "policy", "mdp"),
-            *("trail", "slip", "wind"),
+            *("arm", "standard-error", "trail", "slip", "wind"),
         ),
         is_twofold=True,
     ),
@@ -136,6 +136,8 @@ PANELS: Final[tuple[PanelRow, ...]] = (
             "greedy",
             "last-100",
             "gamma-best",
+            "best-arm",
+            "gap",
             "explore",
             "discounted-return",
             "sweep",
@@ -163,7 +165,17 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         "of the best arm less that of the arm pulled. Luck is left out, so winnings and regret need not add "
         "up to the best possible.",
         caption="what the pulls earned",
-        terms=("regret", "bandit", "arm", "reward"),
+        terms=(
+            "winnings",
+            "regret",
+            "best-possible",
+            "best-arm-share",
+            "best-arm",
+            "bandit",
+            "arm",
+            "reward",
+            "step",
+        ),
         needs=_has_arms,
     ),
     PanelRow(
@@ -259,7 +271,7 @@ PANELS: Final[tuple[PanelRow, ...]] = (
             "Run the same under many other seeds: the mean of each figure, with its error, beside this seed.",
             rank=17,
         ),
-        in_place_of=(TABLE,),
+        in_place_of=(TABLE, BUDGET),
     ),
 )
 """In the order of the tab key."""

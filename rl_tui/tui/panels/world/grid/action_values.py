@@ -13,7 +13,7 @@ from rl_tui.tui.draw.number_form import NumberForm
 from rl_tui.tui.panels.world.grid.action_form import FRAME, ActionForm, Places, side_of
 from rl_tui.tui.panels.world.grid.cells import CellArtist, Drawn, mark_of, put_reward, reward_text, value_text
 from rl_tui.tui.panels.world.grid.form import LEAST_DIGITS, CellForm
-from rl_tui.tui.panels.world.grid.map import ActionValue, CellContent, Sign
+from rl_tui.tui.panels.world.grid.map import PLAIN, ActionValue, CellContent, Sign
 from rl_tui.tui.panels.world.grid.rewards import CellReward
 from rl_tui.tui.panels.world.grid.trail import Trace, put_trace
 from rl_tui.tui.panels.world.state_values import fraction
@@ -85,7 +85,8 @@ class ActionArtist:
 
     def _face(self, cell: CellContent, low: float, high: float, number_form: NumberForm) -> ActionFace:
         entries = tuple(self._entry(action, low, high, number_form) for action in cell.actions)
-        marks = cell.reward, cell.stops, cell.cursor, cell.differs, cell.trace, cell.name
+        extra = cell.extra or PLAIN
+        marks = cell.reward, cell.stops, cell.cursor, cell.differs, extra.trace, extra.name
         return ActionFace(cell.kind, cell.agent, entries, *marks)
 
     def _entry(self, action: ActionValue, low: float, high: float, number_form: NumberForm) -> Entry:

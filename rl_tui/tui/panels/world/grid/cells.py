@@ -13,9 +13,9 @@ from rl_tui.tui.draw import numbers
 from rl_tui.tui.draw.canvas import Canvas
 from rl_tui.tui.draw.number_form import NumberForm
 from rl_tui.tui.panels.world.grid.form import LEAST_ARROWS, CellForm
-from rl_tui.tui.panels.world.grid.map import CellContent, Sign
+from rl_tui.tui.panels.world.grid.map import PLAIN, CellContent, CellExtra, Sign
 from rl_tui.tui.panels.world.grid.rewards import CellReward
-from rl_tui.tui.panels.world.grid.trail import Trace, put_trace
+from rl_tui.tui.panels.world.grid.trail import put_trace
 from rl_tui.tui.panels.world.state_values import fraction
 from rl_tui.tui.theme.look import Look
 from rl_tui.worlds.drawing import CellKind
@@ -43,9 +43,7 @@ class Face(NamedTuple):
     stops: bool = False
     cursor: bool = False
     differs: bool = False
-    trace: Trace | None = None
-    is_reached: bool = True
-    name: str = ""
+    extra: CellExtra | None = None
 
 
 class CellArtist:
@@ -92,16 +90,17 @@ class CellArtist:
         return reward_text(reward, self.form.width if self.form.height > 2 else 1, self.look)
 
     def _face(self, cell: CellContent, low: float, high: float, number_form: NumberForm) -> Face:
-        kind, agent, value, known, greedy, reward, stops, cursor, differs, _, trace, is_reached, name = cell
-        marks = stops, cursor, differs, trace, is_reached, name
+        kind, agent, value, known, greedy, reward, stops, cursor, differs, _, extra = cell
         palette = self.look.palette
         if value is None:
             style = self._idle_styles.get(kind, palette.dim)
-            return Face(kind, agent, None, self._idle_signs.get(kind, ""), style, None, *marks)
+            return Face(
+                kind, agent, None, self._idle_signs.get(kind, ""), style, None, stops, cursor, differs, extra
+            )
         style = palette.value(fraction(value, low, high)) if known else palette.unvisited
         is_dot = not known and value == 0.0 and not self._has_table
         text = self.look.glyphs.stay if is_dot else self._text(value, number_form)
-        return Face(kind, agent, text, self._signs(greedy), style, reward, *marks)
+        return Face(kind, agent, text, self._signs(greedy), style, reward, stops, cursor, differs, extra)
 
 
 def _drawn(face: Face, form: CellForm, look: Look) -> Drawn:
@@ -118,8 +117,9 @@ def _signs(greedy: tuple[Sign, ...], look: Look) -> str:
 def _draw_cell(canvas: Canvas, face: Face, form: CellForm, look: Look) -> None:
     if face.cursor and form.height == 1:
         face = face._replace(style=look.palette.focus)
-    if face.name:
-        face = _named(face, form)
+    extra = face.extra or PLAIN
+    if extra.name:
+        face = _named(face, extra.name, form)
     filling = _filling(face, look)
     for row in range(form.height):
         canvas.put(0, row, filling * form.width, face.style)
@@ -134,16 +134,16 @@ def _draw_cell(canvas: Canvas, face: Face, form: CellForm, look: Look) -> None:
     else:
         _draw_large(canvas, face, form, look)
     if form.height == 1:
-        _put_name(canvas, form.width - len(face.name), face)
-    if face.trace is not None:
-        put_trace(canvas, face.trace, look)
+        _put_name(canvas, form.width - len(extra.name), face)
+    if extra.trace is not None:
+        put_trace(canvas, extra.trace, look)
 
 
 def _filling(face: Face, look: Look) -> str:
     if face.kind is CellKind.WALL:
         return look.glyphs.wall
     is_floor = face.kind in (CellKind.FLOOR, CellKind.START)
-    return look.glyphs.unreached if is_floor and not face.is_reached else " "
+    return look.glyphs.unreached if is_floor and not (face.extra or PLAIN).is_reached else " "
 
 
 def _draw_large(canvas: Canvas, face: Face, form: CellForm, look: Look) -> None:
@@ -166,22 +166,24 @@ def _draw_large(canvas: Canvas, face: Face, form: CellForm, look: Look) -> None:
         canvas.put(form.width - 1, 0, look.glyphs.breakpoint, look.palette.breakpoint)
 
 
-def _named(face: Face, form: CellForm) -> Face:
+def _named(face: Face, name: str, form: CellForm) -> Face:
     """Return ``face`` with its name: in a corner, in place of the value, or in place of the arrows."""
-    if len(face.name) > form.longest_name:
-        return face._replace(name="")
+    extra = face.extra or PLAIN
+    if len(name) > form.longest_name:
+        return face._replace(extra=extra._replace(name=""))
     if form.has_corner:
-        return face._replace(name=face.name.strip())
+        return face._replace(extra=extra._replace(name=name.strip()))
+    if face.text is None:
+        return face
     if form.has_values:
-        return face if face.text is None else face._replace(text=face.name, name="")
-    has_room = len(face.name) <= form.width - LEAST_ARROWS
-    return face if has_room or face.text is None else face._replace(signs="")
+        return face._replace(text=name, extra=extra._replace(name=""))
+    return face if len(name) <= form.width - LEAST_ARROWS else face._replace(signs="")
 
 
 def _put_name(canvas: Canvas, x: int, face: Face) -> int:
-    """Put the name into the first row, if there is room; return what it takes with a blank."""
-    name = face.name
-    is_free = canvas.is_blank(x, 0, min(len(name) + 1, canvas.width - x)) or not face.is_reached
+    """Put the name of the state into the first row, if there is room; return what it takes with a blank."""
+    name, is_reached = (face.extra or PLAIN).name, (face.extra or PLAIN).is_reached
+    is_free = canvas.is_blank(x, 0, min(len(name) + 1, canvas.width - x)) or not is_reached
     if not name or not is_free:
         return 0
     canvas.put(x, 0, name, face.style)

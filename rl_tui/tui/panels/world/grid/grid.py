@@ -194,7 +194,8 @@ class GridView(WorldView):
             with_actions=actions is not None,
             named=self.is_numbered,
         )
-        self._longest_name = max(len(each.name) for each in cells)
+        names = [each.extra.name for each in cells if each.extra is not None] if self.is_numbered else []
+        self._longest_name = max(map(len, names), default=0)
         artist = self._artist_for(form)
         needed = digits_needed(artist.values(cells))
         if needed > (self._digits if actions is None else self._action_digits):
