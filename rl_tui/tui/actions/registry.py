@@ -224,7 +224,7 @@ _ACTIONS: Final[tuple[Action, ...]] = (
     ),
     Action("lanes.next_lane", "l", "next lane", "Show the next of the runs side by side.", Group.VIEW),
     Action("turn_legends", "L", "legends", "Hide or show what panels and their signs mean.", Group.VIEW),
-    Action("view.numbers", "number_sign", "numbers", "Number the states of a map.", Group.VIEW, symbol="#"),
+    Action("view.numbers", "number_sign", "numbers", "Number the states in cells.", Group.VIEW, symbol="#"),
     Action(
         "view.model",
         "m",
