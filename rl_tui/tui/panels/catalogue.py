@@ -92,7 +92,9 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         "The scenario as the agent finds it. In a grid the tint and the number are V(s), the best estimate "
         "of the state; arrows are the greedy actions, several (or * where there is no room) where they tie, "
         "none where nothing is known yet, letters where actions have no direction; ◉ is the agent, ● a hole, "
-        "▓ a cliff, ★ the goal, S the start. In a graph each edge names action, "
+        "▓ a cliff, ★ the goal, S the start. V turns to Q of every action, each at its side of the cell or "
+        "behind its sign, · where it was never tried: the greedy ones are framed, or have an arrow where the "
+        "tint stands for the number. In a graph each edge names action, "
         "probability and reward, and the greedy action is bold. An arm of a "
         "bandit shows its estimate ± its standard error, the standard deviation that the noise of the "
         "rewards leaves in it. ▸ marks the greedy arm, ◉ the last pull. In focus it has a cursor, as the "
@@ -100,7 +102,7 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         caption="as the agent meets it",
         terms=(
             *("agent", "state", "action", "reward", "value", "greedy", "terminal", "ties", "policy", "mdp"),
-            *("trail", "slip", "wind"),
+            *("arm", "standard-error", "trail", "slip", "wind"),
         ),
         is_twofold=True,
     ),
@@ -134,6 +136,8 @@ PANELS: Final[tuple[PanelRow, ...]] = (
             "greedy",
             "last-100",
             "gamma-best",
+            "best-arm",
+            "gap",
             "explore",
             "discounted-return",
             "sweep",
@@ -161,7 +165,17 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         "of the best arm less that of the arm pulled. Luck is left out, so winnings and regret need not add "
         "up to the best possible.",
         caption="what the pulls earned",
-        terms=("regret", "bandit", "arm", "reward"),
+        terms=(
+            "winnings",
+            "regret",
+            "best-possible",
+            "best-arm-share",
+            "best-arm",
+            "bandit",
+            "arm",
+            "reward",
+            "step",
+        ),
         needs=_has_arms,
     ),
     PanelRow(
