@@ -140,3 +140,8 @@ def test_a_greedy_policy_below_the_axis_has_an_arrow_and_its_number_at_its_end()
 
 def test_what_is_on_the_axis_has_no_arrows() -> None:
     assert "↓" not in drawn(lake())[0]
+
+
+def test_as_long_as_every_episode_is_on_the_line_there_is_no_band() -> None:
+    few = changed(far_below(), marks=NO_MARKS, greedy_return=None)
+    assert not any(style.bgcolor for row in cells(few, look()) for _, style in row)

@@ -9,7 +9,7 @@ import numpy as np
 
 from rl_tui.agents.catalogue import BY_ID
 from rl_tui.lab.live.snapshot import Snapshot
-from rl_tui.lab.run.results import RunResults
+from rl_tui.lab.run.results import Curve, RunResults
 from rl_tui.lab.timeline.lane_view import LaneView
 from rl_tui.tui.draw.braille import NO_STEPS, Steps
 from rl_tui.tui.panels.model.reward_range import reward_range
@@ -46,13 +46,14 @@ class LaneLine:
 class CurveData:
     """The curves and the figures beside them.
 
-    ``episodes`` is the smoothed mean of the returns, ``band`` their lowest and highest, ``greedy`` the exact
-    expected return of the greedy policy, each over episodes from 0. ``greedy_now``, ``mean_now`` (of the
-    last 100 episodes) and ``optimum`` are the values to print, None where unknown or hidden. ``hidden`` tells
-    that greedy and optimum are kept secret, ``barren`` that there were many episodes and none had a reward,
-    ``is_decided`` that somewhere one action is estimated above another, so that being greedy means something
-    (true as well where there is no choice, false where ``greedy_now`` is unknown).
-    ``greedy_ends`` is, where the greedy policy has no return, how likely an episode of it ends; else None.
+    ``episodes`` is the smoothed mean of the returns, ``band`` their lowest and highest (none as long as each
+    episode is on the line itself), ``greedy`` the exact expected return of the greedy policy, each over
+    episodes from 0. ``greedy_now``, ``mean_now`` (of the last 100 episodes) and ``optimum`` are the values to
+    print, None where unknown or hidden. ``hidden`` tells that greedy and optimum are kept secret, ``barren``
+    that there were many episodes and none had a reward, ``is_decided`` that somewhere one action is estimated
+    above another, so that being greedy means something (true as well where there is no choice, false where
+    ``greedy_now`` is unknown). ``greedy_ends`` is, where the greedy policy has no return, how likely an
+    episode of it ends; else None.
     ``unit`` is what the horizontal axis counts: pulls, a planner's sweeps, or episodes. The optimum is the
     undiscounted return of the policy that is best for the γ in force.
 
@@ -135,7 +136,7 @@ def curve_data(snapshot: Snapshot, *, revealed: bool) -> CurveData:
         finished=snapshot.counters.episodes,
         limit=None if plans else snapshot.world.budget,
         episodes=episodes,
-        band=Steps(episodes.start, episodes.end, curve.return_low, curve.return_high),
+        band=_band(episodes, curve),
         greedy=NO_STEPS if hidden else _greedy(snapshot.results, snapshot.counters.episodes),
         greedy_now=None if hidden else snapshot.results.greedy_return,
         mean_now=snapshot.results.return_last_100,
@@ -174,6 +175,13 @@ def _episodes(results: RunResults) -> Steps:
     start = np.concatenate(([0.0], end[:-1])) if len(end) else end
     mean = smoothed(results.curve.return_mean)
     return Steps(start, end, mean, mean)
+
+
+def _band(episodes: Steps, curve: Curve) -> Steps:
+    """Return the lowest and the highest returns, none where ``episodes`` is the return of each episode."""
+    if np.array_equal(curve.return_low, episodes.low) and np.array_equal(curve.return_high, episodes.high):
+        return NO_STEPS
+    return Steps(episodes.start, episodes.end, curve.return_low, curve.return_high)
 
 
 def smoothed(values: FloatArray) -> FloatArray:

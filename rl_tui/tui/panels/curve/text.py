@@ -199,7 +199,7 @@ def line_notes(
             (
                 "no greedy line where that policy may never end: it has no return there",
                 "no greedy line where it may never end",
-                "gaps: may never end",
+                "no line: may never end",
             )
         )
     if (lowest := data.lowest) < low:
