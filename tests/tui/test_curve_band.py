@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from colour_vision import contrast
 from drawn_curves import NO_MARKS, WIDE, drawn
+from lane_samples import side_by_side
 from rich.style import Style
 from samples import lake, look, student
 from snapshots import changed
@@ -145,3 +146,19 @@ def test_what_is_on_the_axis_has_no_arrows() -> None:
 def test_as_long_as_every_episode_is_on_the_line_there_is_no_band() -> None:
     few = changed(far_below(), marks=NO_MARKS, greedy_return=None)
     assert not any(style.bgcolor for row in cells(few, look()) for _, style in row)
+
+
+@pytest.mark.parametrize(
+    ("depth", "is_ascii", "alone", "among_lanes"),
+    [
+        ("truecolor", False, ["return", "shade"], ["return", "dim dots"]),
+        ("16", False, ["return", "dim dots"], ["return", "dim dots"]),
+        ("none", True, ["return", "dashes"], ["return"]),
+    ],
+)
+def test_the_legend_names_the_band_as_it_is_drawn(
+    depth: str, is_ascii: bool, alone: list[str], among_lanes: list[str]
+) -> None:
+    widget = ReturnCurve(look(is_ascii, depth))
+    assert [sign.sign for sign in widget.legend(lake())] == alone
+    assert [sign.sign for sign in widget.legend(side_by_side(2))] == among_lanes

@@ -52,8 +52,10 @@ def _dashes(plot: Plot, band: Steps) -> npt.NDArray[np.int64]:
     return codes
 
 
-def band_sign(look: Look) -> LegendSign:
-    """Return what the legend says of the band of a run."""
-    if look.palette.fills_bands:
-        return LegendSign("shade", _MEANING, look.palette.text)
-    return LegendSign("dim dots" if look.glyphs.braille else "dashes", _MEANING, look.palette.band)
+def band_signs(look: Look, *, lanes: bool) -> tuple[LegendSign, ...]:
+    """Return what the legend says of the band of a run alone, or of the run shown among ``lanes``."""
+    if lanes and not look.glyphs.braille:
+        return ()
+    if look.palette.fills_bands and not lanes:
+        return (LegendSign("shade", _MEANING, look.palette.text),)
+    return (LegendSign("dim dots" if look.glyphs.braille else "dashes", _MEANING, look.palette.band),)

@@ -12,7 +12,7 @@ from rl_tui.tui.draw.pieces import Piece, strips_of
 from rl_tui.tui.draw.scale import Scale, settled
 from rl_tui.tui.draw.to_ascii import separated
 from rl_tui.tui.panels.curve.chart import draw_chart, plot_columns
-from rl_tui.tui.panels.curve.chart_band import band_sign
+from rl_tui.tui.panels.curve.chart_band import band_signs
 from rl_tui.tui.panels.curve.data import CurveData, curve_data
 from rl_tui.tui.panels.curve.lane_text import lane_remark, lane_titles
 from rl_tui.tui.panels.curve.text import decimals_for, line_notes, remark, titles, with_notes
@@ -82,7 +82,7 @@ class ReturnCurve(Panel, can_focus=True):
             return ()
         plans = BY_ID[snapshot.agent.algorithm].planner
         sums = LegendSign("return", "= undiscounted sum", self.look.palette.text)
-        return (sums,) if plans else (sums, band_sign(self.look))
+        return (sums,) if plans else (sums, *band_signs(self.look, lanes=bool(snapshot.run_group.lanes)))
 
     def _words(
         self, snapshot: Snapshot, data: CurveData, scale: Scale, width: int, in_border: bool

@@ -204,7 +204,9 @@ def line_notes(
         )
     if (lowest := data.lowest) < low:
         longer = (f"{glyphs.down} is below the axis, down to {amount(lowest, decimals, glyphs)}",)
-        notes.append((*(longer if with_figures else ()), f"{glyphs.down} below the axis"))
+        notes.append(
+            (*(longer if with_figures else ()), f"{glyphs.down} below the axis", f"{glyphs.down} below")
+        )
     return notes
 
 
