@@ -25,6 +25,7 @@ from frame_times import frame_times
 from journeys import journeys
 from player_calls import player_calls
 from pseudo_terminal import RL_TUI, PseudoTerminal
+from seed_study_cost import seed_study_cost
 
 import rl_tui
 
@@ -275,6 +276,14 @@ def player() -> Rows:
         yield f"functions on the player's thread, {key}", f"{len(calls)}", WANTED_CALLS[key]
 
 
+def seeds(rounds: int) -> Rows:
+    """What is left of the live run's speed beside a study of many seeds; it wants two quiet cores."""
+    speeds, thrifts = zip(*asyncio.run(seed_study_cost(8 * rounds)), strict=True)
+    load = f"load {os.getloadavg()[0]:.1f} of {os.cpu_count()}"
+    yield "live speed beside many seeds", f"{median(speeds):.1%}, {load}", "at least 95 %"
+    yield "its steps a second of processor", f"{median(thrifts):.1%}", ""
+
+
 def memory(steps: int) -> Rows:
     """Resident memory of a run after ten million steps and after ``steps``."""
     code = MEMORY.format(scenario=SCENARIO, first=10_000_000, last=steps)
@@ -291,7 +300,7 @@ def main() -> None:
         "what",
         nargs="*",
         help="start-up, beginnings, bench, algorithms, sizes, frames, first-paint, live, travel, player, "
-        "memory; default: all",
+        "seeds, memory; default: all",
     )
     parser.add_argument("--rounds", type=int, default=5)
     parser.add_argument("--memory-steps", type=int, default=1_000_000_000)
@@ -308,6 +317,7 @@ def main() -> None:
         "live": lambda: live(options.rounds),
         "travel": lambda: travel(100_000_000),
         "player": player,
+        "seeds": lambda: seeds(options.rounds),
         "memory": lambda: memory(options.memory_steps),
     }
     for name in options.what or measures:

@@ -29,9 +29,10 @@ def snapshot_of(
     viewport: Viewport | None = None,
 ) -> Snapshot:
     """What a player would show of ``run``."""
-    alone: Any = SimpleNamespace(current=SimpleNamespace(run=run, timeline=Timeline()), view=RunGroupView())
+    lane = SimpleNamespace(run=run, timeline=Timeline())
+    alone: Any = SimpleNamespace(current=lane, beside=None, view=RunGroupView())
     playback = PlaybackView(phase, message)
-    return SnapshotBuilder().build(alone, playback, exact_answer, viewport=viewport, cell=None)
+    return SnapshotBuilder().build(alone, playback, lambda _: exact_answer, viewport=viewport, cell=None)
 
 
 def changed(picture: Picture, **changes: Any) -> Picture:

@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 import json
+import math
 import sys
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, Final
 
 import click
 
 from rl_tui.common.findings import printable
+
+_DIGITS: Final = 5
+_SMALLEST: Final = 1e-5
+_NOISE: Final = 1e-12  # what binary fractions leave of a zero
 
 
 def print_json(document: Any) -> None:
@@ -39,10 +44,42 @@ def columns(rows: Sequence[Sequence[str]], right: Sequence[int] = ()) -> str:
 
 
 def number(value: float | str | None, form: str = ".5g") -> str:
-    """Return a figure as people read it; a word stays as it is, and what is not known is a dash."""
+    """Return a figure as people read it; a word stays as it is, and what is not known is a dash.
+
+    What rounding errors leave of a zero is 0.
+    """
     if value is None:
         return "-"
-    return value if isinstance(value, str) else format(value, form)
+    return value if isinstance(value, str) else format(_without_noise(value), form)
+
+
+def alike(values: Sequence[float | None]) -> list[str]:
+    """Return figures that stand beside one another with as many decimals each, five digits of the largest.
+
+    Where they all are below 1e-5 they all have an exponent. Zeros that all of them end with are left out, and
+    what would read 0 and is not is a bound.
+    """
+    known = [_without_noise(value) for value in values if value is not None]
+    largest = max(map(abs, known), default=0.0)
+    if 0.0 < largest < _SMALLEST:
+        return [number(value, ".3e") if value else number(value) for value in values]
+    decimals = max(0, _DIGITS - 1 - math.floor(math.log10(largest))) if largest else 0
+    plain = [f"{value:.{decimals}f}" for value in known]
+    while decimals and all(text.endswith("0") for text in plain):
+        decimals, plain = decimals - 1, [text[:-1].removesuffix(".") for text in plain]
+    shown = iter(_told(value, text, decimals) for value, text in zip(known, plain, strict=True))
+    return ["-" if value is None else next(shown) for value in values]
+
+
+def _told(value: float, text: str, decimals: int) -> str:
+    if any(digit in text for digit in "123456789"):
+        return text
+    bound = f"{10.0**-decimals:.{decimals}f}"
+    return text.removeprefix("-") if not value else f"<{bound}" if value > 0.0 else f">-{bound}"
+
+
+def _without_noise(value: float) -> float:
+    return 0.0 if abs(value) < _NOISE else value
 
 
 def can_print(text: str) -> bool:

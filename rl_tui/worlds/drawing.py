@@ -24,7 +24,8 @@ class Grid:
     ``kinds`` holds rows · columns cells, row by row. ``cell_of_state[s]`` is the cell (row · columns +
     column) where state s is drawn. ``directions[a]`` is the step (rows down, columns right) that action a
     means, or None where the action is not a direction. ``legend`` says in a line what rows and columns mean
-    where the grid is no place to walk about in; empty where it is.
+    where the grid is no place to walk about in; empty where it is. ``wind`` says of each column how many
+    cells it blows up, below 0 down; empty where there is none.
     """
 
     rows: int
@@ -33,6 +34,7 @@ class Grid:
     cell_of_state: tuple[int, ...]
     directions: tuple[tuple[int, int] | None, ...]
     legend: str = ""
+    wind: tuple[int, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

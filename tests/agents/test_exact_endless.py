@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from exact_reference import student, world
 
-from rl_tui.agents.exact.policy_evaluation import evaluate
+from rl_tui.agents.exact.policy_evaluation import always_ends, evaluate
 from rl_tui.agents.exact.solution import NoExactAnswer
-from rl_tui.agents.exact.solve import best_expected_return, figures, solve
+from rl_tui.agents.exact.solve import best_expected_return, figures, solve, uniform_over
 
 
 def test_a_state_that_cannot_reach_an_end_is_named() -> None:
@@ -144,3 +144,31 @@ def test_a_discount_one_bit_below_one_still_has_its_value() -> None:
     gamma = 1.0 - 2.0**-53
     mdp = world(("A", "on", [(1.0, "B", 1.0)]), ("B", "back", [(1.0, "A", 1.0)]))
     assert solve(mdp, gamma).value_at_start == pytest.approx(2.0**53, rel=1e-12)
+
+
+def test_at_gamma_1_no_greedy_pair_goes_round_for_ever() -> None:
+    mdp = student()
+    solution = solve(mdp, 1.0)
+    study, check_phone, _scroll, leave, sleep = range(5)
+    assert np.flatnonzero(solution.best).tolist() == [study, check_phone, leave, sleep]
+    assert np.flatnonzero(solution.greedy).tolist() == [study, leave, sleep]
+    assert solution.expected_return == pytest.approx(7.5, abs=1e-12)
+    assert figures(mdp, uniform_over(mdp, solution.greedy), 1.0).greedy_ends == pytest.approx(1.0)
+
+
+def test_a_tie_that_leads_to_an_end_sooner_or_later_stays() -> None:
+    # to wait once is as good as to go, and so is the long way round: nothing comes back
+    mdp = world(
+        ("A", "go", [(1.0, "end", 1.0)]),
+        ("A", "wait", [(1.0, "B", 0.0)]),
+        ("B", "go", [(1.0, "end", 1.0)]),
+        ("B", "try", [(0.5, "B", 0.0), (0.5, "end", 1.0)]),
+    )
+    assert solve(mdp, 1.0).greedy.all()
+
+
+def test_whether_a_policy_always_ends_counts_from_the_start() -> None:
+    mdp = student(time_limit=0)
+    assert always_ends(mdp, np.array([1.0, 0.0, 1.0, 0.0, 1.0]))
+    assert not always_ends(mdp, np.array([0.0, 1.0, 0.0, 1.0, 1.0]))
+    assert always_ends(mdp, np.array([0.5, 0.5, 0.0, 1.0, 1.0]))

@@ -8,9 +8,11 @@ import numpy as np
 import pytest
 from exact_reference import (
     best_rational,
+    deterministic_policies,
     leads_to,
     live,
     policy_iteration_of_the_box,
+    rational_values,
     recurrent,
     return_within,
     worlds,
@@ -78,11 +80,30 @@ def test_values_satisfy_the_optimality_equation_and_ties_are_marked(mdp: Tabular
         assert solution.v[state] == pytest.approx(own.max(), abs=1e-11)
         assert solution.greedy[list(mdp.pairs_of(state))].any()
         assert all(
-            solution.greedy[p] == (solution.q[p] >= own.max() - 1e-9) or abs(own.max() - solution.q[p]) < 2e-9
+            solution.best[p] == (solution.q[p] >= own.max() - 1e-9) or abs(own.max() - solution.q[p]) < 2e-9
             for p in mdp.pairs_of(state)
         )
+    assert not (solution.greedy & ~solution.best).any()
     found = evaluate(mdp, uniform_over(mdp, solution.greedy), gamma)
     assert found.at_start == pytest.approx(solution.value_at_start, abs=1e-6)
+
+
+@settings(max_examples=150, deadline=None)
+@given(worlds(largest_reward=1))
+def test_undiscounted_every_choice_among_the_greedy_pairs_ends_and_is_worth_v(mdp: TabularMDP) -> None:
+    try:
+        solution = solve(mdp, 1.0)
+    except NoExactAnswer:
+        return
+    endless = False
+    for policy in deterministic_policies(mdp):
+        loops = any(recurrent(mdp, list(policy.values()), state) for state in policy)
+        endless = endless or (loops and all(solution.best[pair] for pair in policy.values()))
+        if all(solution.greedy[pair] for pair in policy.values()):
+            assert not loops
+            values = rational_values(mdp, policy, Fraction(1))
+            assert [float(values[state]) for state in live(mdp)] == pytest.approx(solution.v[live(mdp)])
+    assert endless == (solution.greedy.tolist() != solution.best.tolist())
 
 
 @quick

@@ -35,6 +35,7 @@ TRAIN = [
     "optimal_value_at_start",
     "expected_return",
     "max_error",
+    "return_mean",
     "return_last_100",
     "length_last_100",
     "greedy_ends",
@@ -48,6 +49,7 @@ RUN = [
     "value_at_start",
     "expected_return",
     "max_error",
+    "return_mean",
     "return_last_100",
     "length_last_100",
     "first_reward_episode",
@@ -252,6 +254,16 @@ def test_solve(args: tuple[str, ...], value: float) -> None:
 def test_solve_at_gamma_0_25_is_where_studying_begins_to_pay() -> None:
     assert document("solve", "student", "--gamma", "0.24")["policy"][0] == ["check phone"]
     assert document("solve", "student", "--gamma", "0.26")["policy"][0] == ["study"]
+
+
+def test_solve_at_gamma_1_has_no_policy_that_never_ends() -> None:
+    answer = document("solve", "student", "--gamma", "1")
+    assert answer["policy"] == [["study"], ["quit"], ["sleep"], []]
+    assert answer["q"][0][:2] == pytest.approx([7.5, 7.5])
+    assert answer["expected_return"] == answer["best_expected_return"] == pytest.approx(7.5)
+    lake = document("solve", "frozenlake", "--gamma", "1")
+    assert lake["policy"] == document("solve", "frozenlake", "--gamma", "0.99")["policy"]
+    assert lake["expected_return"] == pytest.approx(1.0)
 
 
 def test_solve_draws_the_arms_from_the_seed() -> None:

@@ -13,7 +13,7 @@ import pytest
 from click.testing import CliRunner
 
 from rl_tui.cli.main import program
-from rl_tui.cli.output import columns, number
+from rl_tui.cli.output import alike, columns, number
 from rl_tui.cli.progress import progress
 from rl_tui.cli.reports.policy_map import policy_map
 from rl_tui.cli.reports.training import no_reward
@@ -138,6 +138,8 @@ def test_solve_says_what_it_counts_and_what_the_clock_has_to_do_with_it() -> Non
     assert "undiscounted, within 100 steps, of this policy" in text
     assert "likewise, choosing by the clock too" in text
     assert "clock" not in report("solve", "bandit")
+    assert "left out: 1 action." in report("solve", "student", "--gamma", "1")
+    assert "left out" not in report("solve", "cliff") + report("solve", "windy") + text
 
 
 def test_solve_draws_the_policy_on_the_map() -> None:
@@ -199,3 +201,13 @@ def test_a_bar_is_drawn_on_a_terminal_only(monkeypatch: pytest.MonkeyPatch) -> N
         assert bool(stream.getvalue()) is drawn
     assert "100%" in stream.getvalue()
     assert "9 of 7" in stream.getvalue()
+
+
+def test_figures_beside_one_another_have_as_many_decimals() -> None:
+    assert alike([0.71, 0.0012, 0.6, None]) == ["0.7100", "0.0012", "0.6000", "-"]
+    assert alike([-3.17e-36, 0.0, 0.5]) == ["0.0", "0.0", "0.5"]
+    assert alike([1.0, 1.0]) == ["1", "1"]
+    assert alike([-43.25, 1e-7, -1e-7]) == ["-43.25", "<0.01", ">-0.01"]
+    assert alike([-3.17e-36, -0.0]) == ["0", "0"]
+    assert alike([4e-7, 3.2e-8, 0.0]) == ["4.000e-07", "3.200e-08", "0"]
+    assert number(-3.17e-36) == "0"

@@ -125,3 +125,16 @@ def test_two_arrows_of_the_textbook_turn_with_the_discount() -> None:
         if (patient[pairs.start : pairs.stop] != hasty[pairs.start : pairs.stop]).any()
     }
     assert turned == {("left", "right"), ("left", "up")}
+
+
+def test_at_gamma_1_the_student_who_always_checks_the_phone_gets_nothing() -> None:
+    is_said("student", "*check phone* is worth 7.5 as *study* is")
+    is_said("student", "never sleeps, and gets 0")
+    mdp = table_of("student")
+    solution = solve(mdp, 1.0)
+    study, check_phone = mdp.pairs_of(0)
+    assert solution.q[[study, check_phone]] == pytest.approx([7.5, 7.5], abs=1e-12)
+    assert solution.greedy[[study, check_phone]].tolist() == [True, False]
+    never_studies = np.where(np.arange(mdp.pairs) == study, 0.0, uniform_over(mdp, solution.best))
+    never_studies[check_phone] = 1.0
+    assert expected_return(mdp, never_studies) == 0.0

@@ -16,6 +16,7 @@ from snapshots import changed
 
 from rl_tui.agents.hyperparameters import SAMPLE_AVERAGE
 from rl_tui.lab.live.commands import (
+    AddBranch,
     AddLane,
     Apply,
     ChooseBranch,
@@ -79,6 +80,7 @@ COMMANDS = st.one_of(
     st.builds(ToggleBreakpoint, st.integers(0, 3)),
     st.just(ClearBreakpoints()),
     st.builds(AddLane, st.tuples(SETTINGS)),
+    st.builds(AddBranch, st.integers(0, 2)),
     st.builds(ChooseLane, st.integers(0, 3)),
     st.builds(DropLane, st.integers(0, 3)),
     st.just("save and load"),
@@ -122,6 +124,8 @@ def test_every_moment_looks_as_it_looked_then(scenario: str) -> None:
 def looks(snapshot: Snapshot) -> Any:
     """What a snapshot shows, but for what tells of other times."""
     about_now = {"timeline", "world", "exact_answer"}
+    if snapshot.world.new_environment is not None:
+        about_now.add("trail")  # of an environment that is stepped it is what was recorded
     shown = changed(snapshot, handled=0)
     return [bits(getattr(shown, each.name)) for each in fields(shown) if each.name not in about_now]
 
@@ -147,12 +151,30 @@ def test_a_change_in_the_past_forks_and_one_can_go_back_to_either() -> None:
     branch = shown.timeline.current
     assert (branch.name, branch.parent, branch.fork, branch.end) == ("branch 2", 0, 400, 500)
     shown = do(playback, ChooseBranch(0))
-    assert (shown.counters.step, shown.timeline.current.end) == (400, 1000)  # where it was left
+    assert (shown.counters.step, shown.timeline.current.end) == (500, 1000)  # the moment stays
     do(playback, GoTo(1000))
     assert stand(playback.group.current.run) == first
     shown = do(playback, ChooseBranch(1))
+    assert shown.counters.step == 500  # it has come no further
     assert stand(playback.group.current.run) == second
     assert shown.agent.hyperparameters.alpha == 0.5
+    shown = do(playback, GoTo(450), ChooseBranch(0), ChooseBranch(1))
+    assert (shown.counters.step, shown.agent.hyperparameters.alpha) == (450, 0.5)
+
+
+def test_on_the_way_to_a_branch_all_moments_are_those_of_that_branch() -> None:
+    playback = begin(recipe("frozenlake-slippery"))
+    do(playback, Train(1000), GoTo(400), Apply(SetParameter("alpha", 0.5)), Train(600))
+    group = playback.group
+    for command, step in ((GoTo(700), 700), (StepBack(), 899)):
+        group.seek_to(branch=1, step=900)
+        while group.seeking:
+            group.continue_seek(100)
+        group.seek_to(branch=0)
+        assert group.seeking
+        shown = do(playback, command)
+        assert (shown.counters.step, shown.timeline.branch) == (step, 0)
+    assert_true_to_the_record(playback)
 
 
 def test_a_change_at_the_very_end_is_no_fork() -> None:

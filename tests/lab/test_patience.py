@@ -10,7 +10,7 @@ import pytest
 
 from rl_tui.agents.compiling.background import BACKGROUND
 from rl_tui.agents.kernels.machine_code import Loop
-from rl_tui.lab.experiments import many_runs, patience
+from rl_tui.lab.experiments import many_runs, patience, seeded_runs
 from rl_tui.lab.experiments.patience import FIRST_LOOK, SURE_ENOUGH, WORTH_COMPILING, WORTH_READING, Patience
 from rl_tui.lab.experiments.training import Goal, train
 from rl_tui.lab.run.library import recipe_named
@@ -176,7 +176,7 @@ def test_many_runs_wait_where_it_pays(
 ) -> None:
     if noted:
         machine.noted.add(LOOP)
-    monkeypatch.setattr(many_runs, "seconds_interpreted", lambda *_, **__: seconds / 4)
+    monkeypatch.setattr(seeded_runs, "seconds_interpreted", lambda *_, **__: seconds / 4)
     said: list[str] = []
     figures = many_runs.many_runs(
         recipe_named("student", {}, 0), 4, Goal(episodes=3), on_compiling=lambda: said.append("compiling")

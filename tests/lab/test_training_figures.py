@@ -16,7 +16,8 @@ from rl_tui.lab.run.run import Run
 FIELDS = {
     "scenario", "algorithm", "seed", "hyperparameters", "episodes", "steps", "seconds", "steps_per_second",
     "states", "actions", "q", "visits", "policy", "value_at_start", "optimal_value_at_start", "max_error",
-    "expected_return", "return_last_100", "length_last_100", "greedy_ends", "first_reward_episode",
+    "expected_return", "return_mean", "return_last_100", "length_last_100", "greedy_ends",
+    "first_reward_episode",
 }  # fmt: skip
 
 
@@ -35,6 +36,7 @@ def test_a_lake_is_learned() -> None:
     assert document["q"][5] == [None] * 4
     assert max(document["q"][0]) == pytest.approx(0.95099, abs=1e-3)
     assert 0.7 < document["return_last_100"] < 1.0
+    assert document["return_mean"] < document["return_last_100"]
     assert document["hyperparameters"]["epsilon_min"] == 0.0
 
 

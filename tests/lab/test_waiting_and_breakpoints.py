@@ -6,6 +6,7 @@ import pytest
 from playing import begin, do
 from recipes import recipe, replay
 
+from rl_tui.agents.exact.solve import solve
 from rl_tui.lab.live.commands import (
     Apply,
     ClearBreakpoints,
@@ -18,6 +19,7 @@ from rl_tui.lab.live.commands import (
     Train,
 )
 from rl_tui.lab.live.snapshot import Snapshot
+from rl_tui.lab.live.stop_condition import is_optimal
 from rl_tui.lab.live.until import Event, Until
 from rl_tui.lab.run.recipe import SetParameter
 
@@ -53,6 +55,19 @@ def test_the_first_moment_the_policy_is_optimal() -> None:
     assert before.results.greedy_return != pytest.approx(shown.exact_answer.solution.expected_return)
     assert "already" in do(playback, Step(), RunUntil(Until(Event.OPTIMAL))).playback.paused_by
     assert "optimal" in do(begin(recipe("cartpole")), RunUntil(Until(Event.OPTIMAL))).playback.paused_by
+
+
+def test_at_gamma_1_a_policy_that_never_ends_is_not_optimal() -> None:
+    mdp = begin(recipe("student")).group.current.world.mdp
+    assert mdp is not None
+    optimum = solve(mdp, 1.0)
+    q = optimum.q.copy()
+    assert is_optimal(mdp, q, "random", optimum)
+    assert is_optimal(mdp, q, "first", optimum)
+    q[1] += 1.0  # to check the phone is as good by Q*, but not if nothing else is ever done
+    assert not is_optimal(mdp, q, "random", optimum)
+    q[0] += 2.0
+    assert is_optimal(mdp, q, "random", optimum)
 
 
 def test_the_best_arm_is_looked_for_where_it_drifts_to() -> None:

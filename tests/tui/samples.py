@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any, cast
 
 import numpy as np
@@ -57,7 +58,7 @@ def scenario(id: str, title: str, kind: str) -> Scenario:  # noqa: A002
         kind=kind,
         defaults={},
         source=Path(f"{id}.toml"),
-        section=cast("Any", None),
+        section=cast("Any", SimpleNamespace(drawn_from_seed=kind == "bandit")),
     )
 
 

@@ -34,6 +34,7 @@ PLAYGROUND_KEYS = {
     "o",
     "f",
     "L",
+    "number_sign",
     "m",
     "h",
     "b",

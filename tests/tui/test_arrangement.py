@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 from textual.geometry import Region, Size
 
-from rl_tui.tui.panels.catalogue import BUDGET, PANELS
+from rl_tui.tui.panels.catalogue import BUDGET, CONTROLS, LAST_STEP, PANELS
 from rl_tui.tui.screens.playground.arrangement import Shape, arrangement, is_roomy
 from rl_tui.worlds.drawing import Arms, CellKind, Drawing, Graph, Grid
 
@@ -54,11 +54,19 @@ def test_the_world_of_4x4_at_80x24_has_two_rows_a_cell_as_drawn() -> None:
     assert regions["last_step"] == Region(0, 21, 80, 1)
 
 
-def test_a_long_table_stands_beside_controls_and_last_step_at_120x40() -> None:
+@pytest.mark.parametrize("size", [(60, 16), (80, 22), (100, 32), (120, 38), (200, 58)])
+def test_controls_and_last_step_stand_at_one_place_whatever_the_scenario(size: tuple[int, int]) -> None:
+    placed = [arrangement(Size(*size), shape) for shape in SHAPES.values()]
+    for panel in (CONTROLS, LAST_STEP):
+        assert len({regions[panel] for regions in placed}) == 1, panel
+
+
+def test_controls_stand_between_table_and_last_step_at_120x40() -> None:
     regions = arrangement(Size(120, 38), SHAPES["lake 8x8"])
-    assert regions["world"].height == 8 * 2 + 2
-    assert regions["table"] == Region(62, 0, 58, 30)
-    assert regions["controls"].y == regions["last_step"].y == 30
+    assert regions["world"].height == 8 * 3 + 2
+    assert regions["table"] == Region(62, 0, 58, 20)
+    assert regions["controls"] == Region(62, 20, 58, 8)
+    assert regions["last_step"] == Region(62, 28, 58, 10)
 
 
 @pytest.mark.parametrize(("drawing", "has_budget"), [(Arms(), True), (lake(4), False), (Graph(()), False)])

@@ -5,7 +5,7 @@ from samples import bandit, lake, look
 
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.run.bandit import BanditFigures
-from rl_tui.tui.panels.budget import BudgetPanel, sum_text
+from rl_tui.tui.panels.budget import BudgetPanel, sum_decimals, sum_text
 
 
 def drawn(snapshot: Snapshot | None, width: int = 54, height: int = 4, *, revealed: bool = False) -> str:
@@ -64,7 +64,14 @@ def test_before_the_first_pull_there_is_no_share() -> None:
     ("x", "text"), [(12.34, "12.3"), (-12.34, "−12.3"), (1_213.4, "1,213"), (-2_000.2, "−2,000"), (0.0, "0")]
 )
 def test_sums(x: float, text: str) -> None:
-    assert sum_text(x, look()) == text
+    assert sum_text(x, sum_decimals([x]), look()) == text
+
+
+def test_sums_beside_one_another_have_as_many_decimals() -> None:
+    figures = BanditFigures(60, 1_000, 70.44, 12.3, 0.5, 120.0)
+    text = drawn(bandit(bandit=figures), revealed=True)
+    assert "winnings  70 " in text
+    assert "regret    12 " in text
 
 
 @pytest.mark.parametrize("snapshot", [None, lake(), bandit(0), bandit(400), bandit()])

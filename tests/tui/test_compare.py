@@ -8,15 +8,16 @@ import pytest
 from conftest import MakeApp
 from lane_samples import lane_views, showing
 from sample_worlds import bandit_world, lake_world
-from seams import choose, notes, playground, show
+from seams import choose, notes, playground, show, snapshot
 from snapshots import changed
 from textual.pilot import Pilot
 from textual.widgets import Input, OptionList, Static
 
 from rl_tui.common.errors import UserError
-from rl_tui.lab.live.commands import AddLane, ChooseLane, Command, DropLane
+from rl_tui.lab.live.commands import AddBranch, AddLane, ChooseLane, Command, DropLane
 from rl_tui.lab.run.library import recipe_for
-from rl_tui.lab.run.recipe import SetParameter, SwitchAlgorithm
+from rl_tui.lab.run.recipe import JournalEntry, SetParameter, SwitchAlgorithm
+from rl_tui.lab.timeline.branches import Branch, Timeline
 from rl_tui.tui.app.screenshot import settle
 from rl_tui.tui.screens.dialogs.choice import Choice
 from rl_tui.tui.screens.dialogs.compare import Compare
@@ -89,6 +90,28 @@ async def beside(pilot: Pilot[UserError], count: int, monkeypatch: pytest.Monkey
     show(screen, changed(showing(before, lanes[shown]), lanes=lanes if count > 1 else (), shown=shown))
     await pilot.pause()
     return sent
+
+
+async def test_the_last_branches_of_the_run_can_be_lanes(
+    make_app: MakeApp, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def entry(step: int) -> JournalEntry:
+        return JournalEntry(step, SetParameter("epsilon", step / 100))
+
+    first = Branch("branch 1", end=1_000, here=7)
+    forks = (Branch(f"branch {n}", (entry(n),), 0, n, end=700 + n, here=9) for n in range(2, 8))
+    async with make_app("frozenlake-slippery").run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        sent = await beside(pilot, 1, monkeypatch)
+        show(playground(pilot), changed(snapshot(pilot), timeline=Timeline((first, *forks), 6)))
+        await pilot.press("c")
+        listed = rows(pilot)
+        at = listed.index("Another lane, a branch of this run")
+        assert listed[at + 1].strip() == "branch 3: ε 0.03 from step 3 · to step 703"
+        assert listed[at + 4].strip() == "branch 6: ε 0.06 from step 6 · to step 706"
+        assert listed[at + 5].strip() == "2 more: j lists them"
+        await choose(pilot, "branch-5")
+        assert sent == [AddBranch(5)]
 
 
 async def test_it_lists_the_lanes_and_what_may_be_different(

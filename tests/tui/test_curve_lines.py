@@ -17,7 +17,8 @@ from rl_tui.tui.draw.chart_plot import Plot
 from rl_tui.tui.draw.scale import Scale, round_range, round_scale, settled, tick_label, tick_step
 from rl_tui.tui.panels.curve.chart import apart, taking_turns
 from rl_tui.tui.panels.curve.curve import ReturnCurve
-from rl_tui.tui.panels.curve.data import curve_data, smoothed
+from rl_tui.tui.panels.curve.data import curve_data
+from rl_tui.tui.panels.curve.smoothing import smoothed
 
 # Axes
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -37,10 +38,10 @@ def test_only_cells_in_view_are_read(monkeypatch: pytest.MonkeyPatch) -> None:
     contents = GridMap.contents
 
     def counted(
-        self: GridMap, part: MapPart, snapshot: Snapshot, cursor: int | None = None
+        self: GridMap, part: MapPart, snapshot: Snapshot, *more: Any, **options: Any
     ) -> list[CellContent]:
         read.append(part)
-        return contents(self, part, snapshot, cursor)
+        return contents(self, part, snapshot, *more, **options)
 
     monkeypatch.setattr(GridMap, "contents", counted)
     view = GridView(snapshot.world, look())

@@ -82,10 +82,10 @@ def test_an_agent_in_a_hole_stands_beside_it() -> None:
 def test_ties_are_several_arrows_or_a_star_where_they_do_not_fit() -> None:
     start = lake(step=0)
     two = changed(start, q=q_of(start, {(1, LEFT): 0.5, (1, UP): 0.5}))
-    assert "←↑" in picture(two, 40, 8)[0]
+    assert "↑←" in picture(two, 40, 8)[0]
     assert small(two)[0] == "◉ .00 *.50  .00  .00"
     four = visited(start, 1)
-    assert "←↓→↑" in picture(four, 40, 8)[0]
+    assert "↑→↓←" in picture(four, 40, 8)[0]
     assert small(four)[0] == "◉ .00 *.00  .00  .00"
 
 
@@ -100,8 +100,10 @@ def test_a_value_too_small_for_a_narrow_cell_is_a_bound() -> None:
     row = picture(tiny, 40, 8)[1]
     assert "<.01" in row
     assert ".13" in row
-    assert "e-" not in "".join(picture(tiny, 40, 8) + picture(tiny, 20, 4))
-    assert "2e-3" in "".join(picture(tiny, 60, 12))
+    drawn = ["".join(picture(tiny, *size)) for size in ((40, 8), (20, 4), (60, 12))]
+    assert not any("e-" in each for each in drawn)
+    assert "0⁺" in drawn[1]
+    assert "<.01" in drawn[2]
 
 
 def test_nothing_known_has_no_arrow_and_another_style_than_a_zero_that_was_visited() -> None:
@@ -109,7 +111,7 @@ def test_nothing_known_has_no_arrow_and_another_style_than_a_zero_that_was_visit
     palette = look().palette
     view = GridView(start.world, look())
     unknown = view.picture(start, 40, 8)
-    assert not set("←↓→↑") & set("".join(strip.text for strip in unknown))
+    assert not set("↑→↓←") & set("".join(strip.text for strip in unknown))
     assert style_at(unknown[1], 14) == palette.unvisited
     known = view.picture(visited(start, 1), 40, 8)
     assert known[1].text == unknown[1].text
@@ -130,7 +132,7 @@ def test_optimistic_estimates_alone_are_not_knowledge() -> None:
     start = lake(step=0)
     rows = picture(changed(start, q=np.ones(start.world.space.pairs)), 40, 8)
     assert rows[1] == "   1.00      1.00      1.00      1.00   "
-    assert not set("←↓→↑") & set("".join(rows))
+    assert not set("↑→↓←") & set("".join(rows))
 
 
 def test_tints_run_from_the_least_to_the_greatest_value_with_zero_inside() -> None:
@@ -138,7 +140,7 @@ def test_tints_run_from_the_least_to_the_greatest_value_with_zero_inside() -> No
     palette = look().palette
     q = q_of(start, {(0, place): -1.0 - place for place in range(4)} | {(1, 0): -0.5, (2, 0): 3.0})
     strip = GridView(start.world, look()).picture(changed(start, q=q), 40, 8)[1]
-    assert strip.text == "   −1.0      .00       3.00      .00    "
+    assert strip.text == "   −1.0       .0       3.0        .0    "
     assert style_at(strip, 3) == palette.value(0.0)
     assert style_at(strip, 14) == palette.value(0.25)
     assert style_at(strip, 24) == palette.value(1.0)
@@ -240,3 +242,46 @@ def test_cells_that_pay_something_unusual_say_so() -> None:
     start = lake(step=0)
     assert isinstance(start.world.drawing, Grid)
     assert cell_rewards(start.world.space, start.world.drawing) == {}
+
+
+@pytest.mark.parametrize(
+    ("size", "expected"),
+    [((60, 12), "  ←≠"), ((40, 8), " ←≠"), ((20, 4), "≠←.54"), ((12, 4), " ←≠")],
+)
+def test_a_state_whose_greedy_actions_differ_in_the_other_lane_says_so(
+    size: tuple[int, int], expected: str
+) -> None:
+    start = lake(step=0)
+    view = GridView(start.world, look())
+    snapshot = changed(start, q=q_of(start, {(2, LEFT): 0.54}))
+    assert "≠" not in "".join(strip.text for strip in view.picture(snapshot, *size))
+    assert "≠" not in {each.sign for each in view.signs()}
+    view.differing = frozenset({2})
+    rows = [strip.text for strip in view.picture(snapshot, *size)]
+    assert "".join(rows).count("≠") == 1
+    assert any(expected in row for row in rows)
+    assert "≠" in {each.sign for each in view.signs()}
+
+
+def test_where_there_is_no_room_for_that_the_arrow_is_reversed() -> None:
+    start = lake(step=0)
+    palette = look().palette
+    for size, column in (((20, 4), 1), ((8, 4), 1)):
+        view = GridView(start.world, look())
+        view.differing = frozenset({0})
+        view.snapshot = start
+        strip = view.picture(changed(start, q=q_of(start, {(0, LEFT): 0.54}), state=0), *size)[0]
+        assert "≠" not in strip.text
+        assert strip.text[column] == "←"
+        assert style_at(strip, column) == palette.value(1.0) + Style(bold=True, reverse=True)
+
+
+def test_ascii_has_a_sign_for_what_differs() -> None:
+    start = lake(step=0)
+    view = GridView(start.world, look(ascii=True))
+    view.differing = frozenset({2})
+    text = "".join(
+        strip.text for strip in view.picture(changed(start, q=q_of(start, {(2, LEFT): 0.54})), 40, 8)
+    )
+    assert "/" in text
+    assert text.isascii()

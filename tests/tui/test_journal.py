@@ -2,15 +2,21 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
+from lane_samples import lane_views
 from samples import bandit, lake, look, planning, student
+from seams import notes
+from snapshots import changed
 from textual.app import App
 from textual.widgets import OptionList, Static
 
-from rl_tui.lab.live.commands import GoTo
+from rl_tui.lab.live.commands import AddBranch, GoTo
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.run.recipe import JournalEntry, SetParameter, SwitchAlgorithm, TakeAction
 from rl_tui.lab.timeline.branches import Branch, Timeline
+from rl_tui.lab.timeline.lane_names import LanePast
 from rl_tui.tui.draw.to_ascii import to_ascii
 from rl_tui.tui.screens.dialogs.goto import goto_prompt, parse_goto
 from rl_tui.tui.screens.dialogs.journal import HOW_TO_BRANCH, NO_CHANGE, JournalScreen, Moment, journal_lines
@@ -91,7 +97,7 @@ class Bench(App[None]):
     def __init__(self, timeline: Timeline, snapshot: Snapshot | None = None) -> None:
         super().__init__()
         self.snapshot = snapshot or lake(timeline=timeline)
-        self.answers: list[Moment | None] = []
+        self.answers: list[Moment | AddBranch | None] = []
 
     def on_mount(self) -> None:
         self.push_screen(JournalScreen(look(), self.snapshot), self.answers.append)
@@ -139,6 +145,24 @@ async def test_enter_goes_to_a_branch_or_to_a_change(keys: list[str], answer: Mo
     async with app.run_test(size=(80, 24)) as pilot:
         await pilot.press(*keys)
     assert app.answers == [answer]
+
+
+async def test_c_compares_with_another_branch_that_is_no_lane_yet() -> None:
+    app = Bench(TWO)
+    async with app.run_test(size=(80, 24), notifications=True) as pilot:
+        await pilot.press("c")
+        assert notes(app) == ["branch 2 is the one shown: choose another one"]
+        assert app.answers == []
+        await pilot.press("up", "c")
+    assert app.answers == [AddBranch(0)]
+    snapshot = lake(timeline=TWO)
+    past = LanePast(snapshot.recipe, snapshot.recipe, "branch 1", FIRST)
+    there = replace(lane_views(2)[1], past=past)
+    app = Bench(TWO, changed(snapshot, lanes=(lane_views(2)[0], there)))
+    async with app.run_test(size=(80, 24), notifications=True) as pilot:
+        await pilot.press("up", "c")
+        assert notes(app) == ["branch 1 is a lane already: l shows it"]
+    assert app.answers == []
 
 
 async def test_steps_by_hand_are_counted_apart() -> None:

@@ -54,7 +54,7 @@ def test_every_lane_is_named_with_its_mean() -> None:
     for said in ("α 0.1: .50", "α 0.5: .32", "SARSA: .44", "softmax, τ 0.3: .62", "greedy, exact .60"):
         assert said in text
     assert "best for this γ .54" in text
-    assert "beside each name: the mean return of its last 100 episodes" in text
+    assert "beside names: last 100 episodes, one seed; M counts many" in text
     assert widget.heading == "Return per episode · lane 2 of 4: α 0.5"
     assert widget.footing == ""
 
@@ -70,7 +70,7 @@ def test_a_narrow_panel_says_which_lane_is_shown() -> None:
     lines, widget = drawn(side_by_side(2, 1), NARROW)
     assert "α 0.1: .500" in "\n".join(lines)
     assert widget.heading == "Return · lane 2 of 2: α 0.5"
-    assert widget.footing == "mean of the last 100 each"
+    assert widget.footing == "last 100 of one seed; M counts many"
     assert drawn(side_by_side(4, 3), (24, 7))[1].heading == "lane 4 of 4"
 
 

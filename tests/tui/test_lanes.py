@@ -32,6 +32,26 @@ def curve_text(pilot: Pilot[UserError]) -> str:
     return "\n".join(curve.render_line(y).text for y in range(curve.size.height))
 
 
+async def test_a_branch_becomes_a_lane_from_the_journal_and_from_compare(make_app: MakeApp) -> None:
+    app = make_app("frozenlake-slippery")
+    async with app.run_test(size=(80, 24), notifications=True) as pilot:
+        await settle(pilot)
+        await train(pilot, 500)
+        await press(pilot, "B", "3", "right")
+        app.set_focus(None)
+        await train(pilot, 100)
+        for keys in (["j", "up", "c"], ["c", "up", "enter"]):
+            here = snapshot(pilot).counters.step
+            shown = await press(pilot, *keys)
+            assert [lane.step for lane in shown.run_group.lanes] == [here, here]
+            first, second = shown.run_group.lanes
+            assert first.name.startswith("branch 2: ε 0.11 from step ")
+            assert second.name == "branch 1"
+            assert "branch 1" in curve_text(pilot)
+            await press(pilot, "c", "down", "delete")
+            assert snapshot(pilot).run_group.lanes == ()
+
+
 async def test_two_lanes_from_the_first_key_to_the_last(make_app: MakeApp) -> None:
     app = make_app("frozenlake-slippery")
     async with app.run_test(size=(80, 24), notifications=True) as pilot:

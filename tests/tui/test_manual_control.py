@@ -29,8 +29,8 @@ def ended(snapshot: Snapshot, state: int, start: int = 0) -> Snapshot:
     return changed(snapshot, state=state, episode_step=0, step_from=start)
 
 
-def test_digits_take_the_legal_actions_in_their_order() -> None:
-    assert digit_keys(lake()) == {"1": LEFT, "2": 1, "3": RIGHT, "4": UP}
+def test_digits_take_the_legal_actions_in_the_order_in_which_they_are_shown() -> None:
+    assert digit_keys(lake()) == {"1": UP, "2": RIGHT, "3": 1, "4": LEFT}
     assert digit_keys(student(state=0)) == {"1": STUDY, "2": PHONE}
     assert digit_keys(student(state=1)) == {"1": SCROLL, "2": QUIT}
     assert digit_keys(student(state=2)) == {"1": SLEEP}
@@ -46,7 +46,7 @@ def test_arms_that_are_called_by_digits_have_those_keys() -> None:
 
 def test_after_an_episode_the_start_counts() -> None:
     assert legal_actions(ended(student(), 3)) == (STUDY, PHONE)
-    assert legal_actions(ended(lake(), 5)) == (0, 1, 2, 3)
+    assert legal_actions(ended(lake(), 5)) == (3, 2, 1, 0)
     assert legal_actions(ended(student(), 3, start=1)) == (SCROLL, QUIT)
 
 
@@ -65,9 +65,9 @@ def test_the_keys_are_told() -> None:
     assert acting_keys(bandit(5)) == "0…9"
     assert prompts(student(state=0), GLYPHS)[0] == "1 study  2 check phone · y: hand back"
     assert prompts(lake(), GLYPHS)[:3] == (
-        "1 ←  2 ↓  3 →  4 ↑ · y: hand back",
-        "1← 2↓ 3→ 4↑ · y: hand back",
-        "1 ←  2 ↓  3 →  4 ↑",
+        "1 ↑  2 →  3 ↓  4 ← · y: hand back",
+        "1↑ 2→ 3↓ 4← · y: hand back",
+        "1 ↑  2 →  3 ↓  4 ←",
     )
     assert "1 study 2 chec…" in prompts(student(state=0), GLYPHS)
     assert prompts(bandit(5), GLYPHS)[0] == "0…9: act · y: hand back"

@@ -114,7 +114,7 @@ def test_a_mean_over_the_policy_lists_its_cells() -> None:
     )
     text = " ".join(shown(changed(LAKE, algorithm="expected-sarsa", last_step=mean, q=q), 90))
     text = " ".join(text.split())
-    assert "= .925·.400 + .025·(−.200) + .025·0 + .025·.100" in text
+    assert "= .025·.100 + .025·0 + .025·(−.200) + .925·.400" in text
 
 
 def test_several_rewards_of_one_target_are_listed() -> None:
@@ -159,8 +159,8 @@ def test_the_backup_is_a_tree_over_all_outcomes() -> None:
         " └● ←",
         "  │  went    p  r  s′       max Q(s′,·)",
         " ▸├○ ↑     1/3  0  2               .313",
-        "  ├○ ←     1/3  0  5: hole            0",
-        "  └○ ↓     1/3  0  10              .419",
+        "  ├○ ↓     1/3  0  10              .419",
+        "  └○ ←     1/3  0  5: hole            0",
     ]
     # (0 + .99·.3126) and a third of (.99·.3126 + 0 + .99·.4190)
     assert lines[6:] == [

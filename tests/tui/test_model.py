@@ -32,7 +32,7 @@ def test_the_five_parts_of_a_grid() -> None:
     made = panel(lake())
     text = drawn(made)
     assert "S       16 states, 11 with actions: 0, 1, 2" in text
-    assert "A       4 actions: ← left, ↓ down, → right, ↑ up" in text
+    assert "A       4 actions: ↑ up, → right, ↓ down, ← left" in text
     assert "P       44 legal pairs (s, a), 132 outcomes" in text
     assert "R       from 0 to 1" in text
     assert "γ       .99" in text
@@ -53,9 +53,9 @@ def test_the_outcomes_of_a_pair_and_where_it_slips() -> None:
     snapshot = lake()
     down = int(snapshot.world.space.first_pair[4]) + 1
     lines = [" ".join(line.split()) for line in drawn(panel(snapshot, down)).splitlines()]
-    assert f"state 4 (row 1, column 0, counted from 0) action ↓ down pair {down + 1} of 44" in lines
+    assert f"state 4 (row 1, column 0, counted from 0) action ↓ down pair {down + 2} of 44" in lines
     table = lines[lines.index("p went r s′") + 1 :]
-    assert table[:3] == ["1/3 ← 0 4", "1/3 ↓ 0 8", "1/3 → 0 5: hole ends"]
+    assert table[:3] == ["1/3 → 0 5: hole ends", "1/3 ↓ 0 8", "1/3 ← 0 4"]
 
 
 def test_the_bellman_equation_of_the_student_is_the_one_worked_out_by_hand() -> None:
@@ -63,7 +63,7 @@ def test_the_bellman_equation_of_the_student_is_the_one_worked_out_by_hand() -> 
     assert "Q*(Class,study) = Σ p · [r + γ · max Q*(s′,·)]" in text
     assert "= .8·[−2 + .90·10.0000] + .2·[−2 + .90·6.3415]" in text
     assert f"= {5.2 / 0.82:.4f}" in text
-    assert "learned Q(Class,study) = 6.370, taken 1,204 times" in text
+    assert "learned Q(Class,study) = 6.3700, taken 1,204 times" in text
     once = changed(student(), visits=np.ones(5, dtype=np.int64))
     assert drawn(panel(once, 0)).count(", taken 1 time\n") == 1
 
@@ -160,15 +160,15 @@ async def test_arrows_go_through_the_pairs() -> None:
         made.show(lake())
         made.focus()
         first = lake().world.space.first_pair
-        assert made.pair == 0
+        assert made.pair == 3  # up
         await pilot.press("left", "up")
-        assert made.pair == 0
+        assert made.pair == 3
         await pilot.press("right", "down")
-        assert made.pair == first[1] + 1
+        assert made.pair == first[1] + 2
         await pilot.press(*["down"] * 4)
-        assert made.pair == first[6] + 1  # state 5 is a hole
+        assert made.pair == first[6] + 2  # state 5 is a hole
         await pilot.press(*["down"] * 20)
-        assert made.pair == first[14] + 1
+        assert made.pair == first[14] + 2
         made.show_pair(int(first[8]))
         await pilot.press("up")
         assert made.pair == first[6]

@@ -15,7 +15,7 @@ from rl_tui.lab.last_step.backup import Backup, Leaf
 from rl_tui.lab.last_step.story import story_of
 from rl_tui.tui.draw import numbers
 from rl_tui.tui.draw.precision import figure
-from rl_tui.tui.panels.last_step.update_text import UpdateText, update_text
+from rl_tui.tui.panels.last_step.update_text import UpdateText, subtracts, update_text
 from rl_tui.tui.panels.last_step.words import words_of
 from rl_tui.tui.panels.microscope.backup_columns import outcome_rows
 from rl_tui.tui.panels.microscope.targets import target_lines
@@ -125,6 +125,24 @@ def test_numbers_of_a_common_size_stay_short(before: float, bootstrap: float, st
     text = update_text(last, step_size, UNICODE, bootstraps=True)
     for each in (text.before, text.bootstrap, text.target, text.error, text.after):
         assert len(each.lstrip("+−").partition(".")[2]) <= 7
+
+
+THOUSANDTHS = st.integers(-20_000, 20_000).map(lambda thousandths: thousandths / 1000)
+
+
+@given(before=THOUSANDTHS, reward=st.integers(-2, 2), bootstrap=THOUSANDTHS)
+@example(-4.385, -1, -3.94)
+def test_the_printed_difference_is_that_of_the_printed_numbers(
+    before: float, reward: int, bootstrap: float
+) -> None:
+    last = learned_from(LAST, before=before, gathered=float(reward), bootstrap=bootstrap, discount=1.0)
+    text = update_text(last, last.step_size, UNICODE, bootstraps=True)
+    assert subtracts(text, UNICODE)
+    assert Fraction(_plain(text.target)) - Fraction(_plain(text.before)) == Fraction(_plain(text.error))
+
+
+def _plain(text: str) -> str:
+    return text.replace(UNICODE.minus, "-")
 
 
 def test_small_values_are_printed_with_digits_to_work_with() -> None:

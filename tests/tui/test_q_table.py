@@ -13,7 +13,8 @@ from snapshots import changed
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.lab.live.snapshot import Phase, Snapshot
 from rl_tui.tui.panels.q_table.layers import Figures, Layer
-from rl_tui.tui.panels.q_table.q_table import COMPUTING, FOLLOWS
+from rl_tui.tui.panels.q_table.q_table import COMPUTING
+from rl_tui.tui.panels.q_table.titles import FOLLOWS
 from rl_tui.worlds.drawing import Graph
 from rl_tui.worlds.mdp.tabular_mdp import Outcome, Transition, tabular_mdp
 from rl_tui.worlds.world import World
@@ -21,7 +22,7 @@ from rl_tui.worlds.world import World
 
 def test_rows_are_live_states_and_columns_actions() -> None:
     drawn = Drawn(lake())
-    assert drawn.rows[0].split() == ["←", "↓", "→", "↑"]
+    assert drawn.rows[0].split() == ["↑", "→", "↓", "←"]
     states = [row.replace("◉", " ").split()[0] for row in drawn.rows[1:12]]
     assert states == ["0", "1", "2", "3", "4", "6", "8", "9", "10", "13", "14"]
     assert not "".join(drawn.rows[12:]).strip()
@@ -40,7 +41,8 @@ def test_every_number_is_printed_where_its_pair_stands() -> None:
             float(word) for word in row.replace("▌", " ").replace("▐", " ").replace("◉", " ").split()[1:]
         ]
         first = int(state.world.space.first_pair[live])
-        assert numbers == [round(value, 3) for value in state.exact_answer.solution.q[first : first + 4]]
+        shown = state.exact_answer.solution.q[first : first + 4][::-1]  # ↑ → ↓ ←
+        assert numbers == [round(value, 3) for value in shown]
 
 
 def test_all_exact_ties_are_framed_and_none_where_nothing_is_known() -> None:
@@ -64,7 +66,7 @@ def test_the_frames_of_the_exact_layer_are_the_ties_of_the_solution() -> None:
 
 def test_unvisited_differs_from_zero() -> None:
     drawn = Drawn(lake_of({0: 0.0, 1: 0.7}))
-    assert drawn.row("0").split() == ["◉", "0", "0.000", "▌0.700▐", "·", "·"]
+    assert drawn.row("0").split() == ["◉", "0", "·", "·", "▌0.700▐", "0.000"]
     assert drawn.style_of(1, "·") == PALETTE.unvisited
     assert drawn.style_of(1, "0.000") == PALETTE.value(0.0)
     assert drawn.style_of(1, "0.700") == PALETTE.value(1.0)
@@ -80,15 +82,15 @@ def test_the_signed_layer_is_tinted_around_zero() -> None:
     target = replace(exact, q=np.full(44, 0.5))
     drawn = Drawn(changed(state, solution=target), layer=Layer.ERROR)
     assert drawn.table.heading.startswith("Q − Q* · ")
-    assert drawn.style_of(1, "−0.30") == PALETTE.signed_value(-0.3 / 0.5)
-    assert drawn.style_of(1, "0.40") == PALETTE.signed_value(0.4 / 0.5)
-    assert drawn.style_of(1, "−0.50") == PALETTE.unvisited
+    assert drawn.style_of(1, "−.300") == PALETTE.signed_value(-0.3 / 0.5)
+    assert drawn.style_of(1, ".400") == PALETTE.signed_value(0.4 / 0.5)
+    assert drawn.style_of(1, "−.500") == PALETTE.unvisited
 
 
 def test_visits_are_tinted_by_their_logarithm() -> None:
     visits = [0, 9, 99, 9_999, *([0] * 40)]
     drawn = Drawn(fresh(lake(0), [0.0] * 44, visits), layer=Layer.VISITS)
-    assert drawn.row("0").replace("▌", " ").replace("▐", " ").split() == ["◉", "0", "·", "9", "99", "9,999"]
+    assert drawn.row("0").replace("▌", " ").replace("▐", " ").split() == ["◉", "0", "9,999", "99", "9", "·"]
     assert drawn.style_of(1, "9,999") == PALETTE.value(1.0)
     assert drawn.style_of(1, "   99") == PALETTE.value(0.5)
 
@@ -135,14 +137,14 @@ def test_the_layout_does_not_change_with_the_first_negative_number() -> None:
     costly = replace(start.world, space=replace(mdp, reward=mdp.reward - 1.0))
     before = changed(start, world=costly)
     heads = [Drawn(each, 56, 28).rows[0].split() for each in (start, before)]
-    assert heads == [["←", "↓", "→", "↑"] * 2, ["←", "↓", "→", "↑"]]
+    assert heads == [["↑", "→", "↓", "←"] * 2, ["↑", "→", "↓", "←"]]
     after = changed(before, q=start.agent.q - 5.0)
     assert Drawn(after, 56, 28).rows[0] == Drawn(before, 56, 28).rows[0]
 
 
 def test_two_blocks_stand_side_by_side_where_that_saves_scrolling() -> None:
     drawn = Drawn(big_lake(), 56, 28)
-    assert drawn.rows[0].split() == ["←", "↓", "→", "↑"] * 2
+    assert drawn.rows[0].split() == ["↑", "→", "↓", "←"] * 2
     assert "◉28" in drawn.rows[1]
     assert not drawn.table.footing.startswith(FOLLOWS)
     numbers = [

@@ -14,7 +14,8 @@ from textual.strip import Strip
 from textual.widgets import Button
 
 from rl_tui.lab.live.snapshot import Snapshot
-from rl_tui.tui.panels.q_table.q_table import FOLLOW_HINT, FOLLOWS, QTable
+from rl_tui.tui.panels.q_table.q_table import QTable
+from rl_tui.tui.panels.q_table.titles import FOLLOW_HINT, FOLLOWS
 
 
 class Bench(App[None]):
@@ -46,6 +47,12 @@ class Bench(App[None]):
         return "\n".join(self.strip(y).text for y in range(self.table.size.height))
 
 
+class NarrowBench(Bench):
+    """No room for columns: the table is a list of pairs."""
+
+    CSS = "QTable { width: 22; height: 19; border: round white; } Button { height: 3; }"
+
+
 def pair_of(state: Snapshot, cell: int, action: int) -> int:
     return int(state.world.space.first_pair[cell]) + action
 
@@ -62,14 +69,14 @@ async def test_the_arrows_move_the_cursor_from_where_the_agent_is() -> None:
     async with app.run_test(size=(80, 30)) as pilot:
         assert app.table.cursor_pair is None
         await pilot.press("right", "right", "right", "right", "down", "left")
-        steps = [(6, 1), (6, 2), (6, 3), (6, 3), (8, 3), (8, 2)]
+        steps = [(6, 2), (6, 1), (6, 0), (6, 0), (8, 0), (8, 1)]  # ↑ → ↓ ←
         assert app.moves == [pair_of(state, *step) for step in steps]
         await pilot.press("end", "down", "home", "up", "pagedown", "pageup")
-        assert app.table.cursor_pair == pair_of(state, 0, 2)
+        assert app.table.cursor_pair == pair_of(state, 0, 1)
         assert "▸" in app.strip(1).text
         await pilot.press("tab")
         assert "▸" not in app.text
-        assert app.table.cursor_pair == pair_of(state, 0, 2)
+        assert app.table.cursor_pair == pair_of(state, 0, 1)
 
 
 async def test_a_moved_cursor_stops_the_following_until_escape() -> None:
@@ -77,7 +84,7 @@ async def test_a_moved_cursor_stops_the_following_until_escape() -> None:
     app = Bench(state)
     async with app.run_test(size=(80, 30)) as pilot:
         await pilot.press("end")
-        assert app.table.cursor_pair == pair_of(state, 62, 0)
+        assert app.table.cursor_pair == pair_of(state, 62, 3)
         assert " 62 " in app.text
         assert FOLLOW_HINT in app.table.footing
         app.table.show(changed(state, state=0))
@@ -154,3 +161,18 @@ async def test_another_world_starts_at_the_top() -> None:
         app.table.show(lake(0))
         assert app.table.cursor_pair is None
         assert "◉ 0" in app.strip(1).text
+
+
+async def test_a_list_of_pairs_has_the_order_of_the_columns() -> None:
+    state = lake()
+    app = NarrowBench(state)
+    async with app.run_test(size=(80, 30)) as pilot:
+        await pilot.press("home")
+        listed = [app.strip(y).text.split() for y in range(1, 5)]
+        assert [row[0] for row in listed[1:]] == ["→", "↓", "←"]
+        assert "↑" in listed[0]
+        assert app.table.cursor_pair == pair_of(state, 0, 3)
+        await pilot.press("down", "down", "down", "down")
+        assert app.moves[1:] == [pair_of(state, *each) for each in ((0, 2), (0, 1), (0, 0), (1, 3))]
+        await pilot.click(app.table, offset=(5, 1 + 3))
+        assert app.table.cursor_pair == pair_of(state, 0, 1)

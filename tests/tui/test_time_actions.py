@@ -145,6 +145,27 @@ async def test_j_goes_to_another_branch_or_to_a_change_in_it(
         assert sent[1:] == [ChooseBranch(0), GoTo(40)]
 
 
+async def test_on_another_branch_it_says_which_moment_that_is(
+    make_app: MakeApp, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    async with make_app("student").run_test(size=(80, 24), notifications=True) as pilot:
+        await settle(pilot)
+        shows(pilot, two(1))
+        recorded(pilot, monkeypatch)
+        await pilot.press("j", "up", "enter")
+        shows(pilot, two(0), phase=Phase.SEEKING)
+        assert notes(pilot.app) == []
+        first, second = two(0).branches
+        for here in (80, 90):
+            shows(pilot, Timeline((replace(first, here=here), second)), phase=Phase.PAUSED)
+        await pilot.pause()
+        assert notes(pilot.app) == ["branch 1, step 80: as before"]
+        await pilot.press("j", "down", "enter")
+        shows(pilot, two(1))
+        await pilot.pause()
+        assert notes(pilot.app)[-1] == "branch 2, step 80: as far as it has come"
+
+
 async def test_a_fork_is_told_once(make_app: MakeApp) -> None:
     async with make_app("student").run_test(size=(80, 24), notifications=True) as pilot:
         await settle(pilot)

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import json
 import os
-import subprocess
-import sys
 import threading
 from contextlib import suppress
 from queue import Empty, SimpleQueue
@@ -14,44 +12,28 @@ from typing import IO, Final
 from rl_tui.agents.compiling import worker
 from rl_tui.agents.compiling.cache_folder import base_folder
 from rl_tui.agents.kernels.machine_code import Loop
+from rl_tui.common.child_process import python_process
 
 IDLE_NICENESS: Final = 19
 """How much lower its priority is once nobody waits."""
 GONE: Final = ""
 """In place of an answer, from a worker that has ended."""
-_SCRIPT: Final = """\
-import sys
-sys.path[:] = {path!r}
-from {module} import main
-main(alone={alone!r})
-"""
 
 
 class WorkerProcess:
-    """A process that compiles into the cache.
+    """A process that compiles into the cache, and ends with this one, however that ends.
 
-    It has a session of its own and no terminal, so that no key and no hang-up reaches it, and ends with this
-    process, however that ends. It imports what this process would, but nothing from the current folder, which
-    may be anybody's or gone. With ``alone`` on it does not wait while another process compiles.
+    With ``alone`` on it does not wait while another process compiles.
 
     Raises OSError where no process can be started.
     """
 
     def __init__(self, *, alone: bool = False) -> None:
-        if not sys.executable:
-            raise FileNotFoundError("which Python this is is not known")
-        path = [folder for folder in sys.path if folder]
-        script = _SCRIPT.format(path=path, module=worker.__name__, alone=alone)
-        self._process = subprocess.Popen(
-            [sys.executable, "-P", "-c", script],
-            bufsize=0,
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.DEVNULL,
-            cwd=os.path.abspath(os.sep),
-            env=os.environ | {"RL_TUI_CACHE_DIR": str(base_folder().absolute())},
-            start_new_session=True,
-            creationflags=getattr(subprocess, "CREATE_NEW_PROCESS_GROUP", 0),  # the same, on Windows
+        self._process = python_process(
+            worker.__name__,
+            {"alone": alone},
+            os.environ | {"RL_TUI_CACHE_DIR": str(base_folder().absolute())},
+            folder=os.path.abspath(os.sep),
         )
         assert self._process.stdin is not None
         assert self._process.stdout is not None

@@ -61,14 +61,25 @@ def policy_value(model: ExactModel, policy: FloatArray, gamma: float) -> PolicyV
 
 def ending_probability(model: ExactModel, policy: FloatArray) -> float:
     """Return the probability that ``policy``, [P], ever ends an episode that starts at the start."""
-    usable = policy > 0.0
-    can_end = model.steps_to([model.end], usable) >= 0
-    may_fail = model.steps_to(np.flatnonzero(~can_end[:-1]), usable) >= 0
+    can_end, may_fail = _ways_to_end(model, policy)
     chance = np.where(can_end, 1.0, 0.0).astype(np.longdouble)
     unsure = can_end & may_fail
     chance[unsure] = 0.0
     solve_chain(model, policy, 1.0, unsure, chance, np.zeros_like(model.reward))
     return min(1.0, max(0.0, model.mdp.average_at_start(chance)))
+
+
+def always_ends(mdp: TabularMDP, policy: FloatArray) -> bool:
+    """Return True if ``policy``, [P], ends every episode with probability 1, given time enough."""
+    _, may_fail = _ways_to_end(exact_model(mdp), policy)
+    return not may_fail[mdp.start_state].any()
+
+
+def _ways_to_end(model: ExactModel, policy: FloatArray) -> tuple[BoolArray, BoolArray]:
+    """Return from which states, [S+1], ``policy`` may come to an end, and from which it may never do so."""
+    usable = policy > 0.0
+    can_end = model.steps_to([model.end], usable) >= 0
+    return can_end, model.steps_to(np.flatnonzero(~can_end[:-1]), usable) >= 0
 
 
 def _undiscounted(model: ExactModel, policy: FloatArray) -> ExtendedArray:

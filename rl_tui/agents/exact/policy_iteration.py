@@ -21,10 +21,14 @@ MOST_NAMES: Final = 6
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Optimum:
-    """The optimal values ``v``, [S+1], and q − v, [P]; ``iterations`` counts evaluations of a policy."""
+    """The optimal values ``v``, [S+1], and q − v, [P]; ``iterations`` counts evaluations of a policy.
+
+    ``policy``, [N] pairs, is the one found last: at γ = 1 it ends with probability 1.
+    """
 
     v: ExtendedArray
     advantage: ExtendedArray
+    policy: IntArray
     iterations: int
 
 
@@ -44,7 +48,7 @@ def policy_iteration(model: ExactModel, gamma: float) -> Optimum:
         better = _improved(model, policy, advantage, _least_gain(v, gamma, error))
         # A policy that comes back is as good as the others of the circle: rounding alone tells them apart
         if better.tobytes() in seen:
-            return Optimum(v, advantage, len(seen))
+            return Optimum(v, advantage, policy, len(seen))
         if gamma == 1.0:
             _check_that_it_ends(model, better)
         policy = better

@@ -16,9 +16,12 @@ class NoExactAnswer(UserError):  # noqa: N818 - it is an answer
 class Solution:
     """The optimal values and policy for an unlimited horizon.
 
-    ``v`` is [S] (0 where a state owns no pair), ``q`` [P], ``greedy`` [P] marks the pairs within 1e-9 of the
-    best of their state. ``value_at_start`` averages v over the start distribution. ``expected_return`` is the
-    undiscounted return of the greedy policy (uniform over its ties) within the time limit,
+    ``v`` is [S] (0 where a state owns no pair), ``q`` [P]. ``best`` [P] marks the pairs within 1e-9 of the
+    best of their state, ``greedy`` [P] those of them that are shown as the optimal policy: all below γ = 1;
+    at γ = 1 those of :func:`~rl_tui.agents.exact.ending_ties.ending_ties`, since a choice among the best
+    pairs may never end there, and earns what they promise only if it does. ``value_at_start`` averages v over
+    the start distribution. ``expected_return`` is the undiscounted return of the greedy policy (uniform over
+    its ties) within the time limit,
     ``best_expected_return`` that of the best policy that may look at the clock; without a time limit both are
     of an unlimited horizon, None where that has no answer. ``iterations`` counts the policies that policy
     iteration evaluated.
@@ -27,6 +30,7 @@ class Solution:
     gamma: float
     v: FloatArray
     q: FloatArray
+    best: BoolArray
     greedy: BoolArray
     value_at_start: float
     expected_return: float | None

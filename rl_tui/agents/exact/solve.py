@@ -9,6 +9,7 @@ from typing import Final
 import numpy as np
 
 from rl_tui.agents.exact.backward_induction import best_values, policy_values
+from rl_tui.agents.exact.ending_ties import ending_ties
 from rl_tui.agents.exact.exact_model import ExactModel, exact_model
 from rl_tui.agents.exact.policy_evaluation import ending_probability, evaluate, policy_value
 from rl_tui.agents.exact.policy_iteration import Optimum, policy_iteration
@@ -46,15 +47,18 @@ def solve(mdp: TabularMDP, gamma: float) -> Solution:
     model = exact_model(mdp)
     optimum = policy_iteration(model, gamma)
     advantage = optimum.advantage
-    tied = advantage >= np.repeat(model.best(advantage), model.pairs_each) - TIE
+    best = advantage >= np.repeat(model.best(advantage), model.pairs_each) - TIE
+    best[optimum.policy] = True  # where values are so large that rounding is more than that
+    greedy = ending_ties(model, best) if gamma == 1.0 else best
     discounts_nothing = gamma == 1.0 or bool(mdp.terminated.all())
     return Solution(
         gamma=gamma,
         v=optimum.v[:-1].astype(np.float64),
         q=(optimum.v[model.pair_state] + advantage).astype(np.float64),
-        greedy=tied,
+        best=best,
+        greedy=greedy,
         value_at_start=mdp.average_at_start(optimum.v),
-        expected_return=expected_return(mdp, uniform_over(mdp, tied)),
+        expected_return=expected_return(mdp, uniform_over(mdp, greedy)),
         best_expected_return=_best_expected_return(model, optimum if discounts_nothing else None),
         iterations=optimum.iterations,
     )

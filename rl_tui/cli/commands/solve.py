@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final
 
 import click
 
@@ -14,6 +14,10 @@ from rl_tui.common.words import counted
 
 if TYPE_CHECKING:
     from rl_tui.worlds.world import World
+
+_GREEDY_IS_NOT_ENOUGH: Final = """\
+At γ = 1 it is not enough to be greedy for Q*: by best actions alone one may go round for ever and never
+earn what Q* promises. Of equally good actions the policy has only those that come to an end; left out: {}."""
 
 
 @click.command("solve")
@@ -62,10 +66,12 @@ def command(scenario: str, gamma: float | None, seed: int, as_json: bool) -> Non
     if as_json:
         print_json(answer)
     else:
-        click.echo(_report(recipe.scenario.title, world, answer))
+        left_out = int((solution.best & ~solution.greedy).sum())
+        click.echo(_report(recipe.scenario.title, world, answer, left_out))
 
 
-def _report(title: str, world: World, answer: dict[str, Any]) -> str:
+def _report(title: str, world: World, answer: dict[str, Any], left_out: int) -> str:
+    """Return ``answer`` as text; ``left_out`` pairs are as good by Q* as the policy's, but need not end."""
     from rl_tui.cli.reports.policy_map import policy_map
     from rl_tui.worlds.drawing import Grid
 
@@ -96,4 +102,7 @@ def _report(title: str, world: World, answer: dict[str, Any]) -> str:
     parts += [columns([head, *rows], right=range(1, len(head) - 1)), ""]
     if isinstance(world.drawing, Grid):
         parts += [policy_map(world, answer["policy"]), ""]
-    return "\n".join([*parts, columns(summary)])
+    parts.append(columns(summary))
+    if left_out:
+        parts += ["", _GREEDY_IS_NOT_ENOUGH.format(counted(left_out, "action"))]
+    return "\n".join(parts)

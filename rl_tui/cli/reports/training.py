@@ -8,7 +8,7 @@ from typing import Any, Final
 from rl_tui.agents.catalogue import BY_ID, POLICY_BY_ID, parameters_of
 from rl_tui.agents.exact.solve import best_expected_return
 from rl_tui.agents.hyperparameters import PARAMETERS, Hyperparameters
-from rl_tui.cli.output import columns, number
+from rl_tui.cli.output import alike, columns, number
 from rl_tui.cli.reports.policy_map import policy_map
 from rl_tui.common.words import counted
 from rl_tui.lab.run.bandit import BanditFigures
@@ -58,8 +58,8 @@ def several_runs(recipe: Recipe, figures: Figures) -> str:
         summary = figures["summary"][name]
         if summary["count"] == 0 and name in EXACT:
             continue
-        form = ",.0f" if name in _WHOLE else ".5g"
-        shown = [number(summary[key], form) for key in ("mean", "stderr", "min", "max")]
+        known = [summary[key] for key in ("mean", "stderr", "min", "max")]
+        shown = [number(each, ",.0f") for each in known] if name in _WHOLE else alike(known)
         rows.append((title, shown[0], shown[1], shown[2], shown[3], f"{summary['count']:,}"))
     last = runs[-1]["seed"]
     seeds = f"seeds {recipe.seed} to {last}" if last != recipe.seed else f"seed {recipe.seed}"
@@ -90,7 +90,7 @@ def _planned(run: Run, figures: Figures) -> str:
 
 def _rows(run: Run, figures: Figures) -> list[Row]:
     mdp = exact_world(run)
-    best = number(best_expected_return(mdp) if mdp else None)
+    best = best_expected_return(mdp) if mdp else None
     if run.learner.plans:
         return _greedy_rows(figures, best)
     first = figures["first_reward_episode"]
@@ -101,12 +101,13 @@ def _rows(run: Run, figures: Figures) -> list[Row]:
     ]
 
 
-def _greedy_rows(figures: Figures, best: str) -> list[Row]:
-    value, optimum = number(figures["value_at_start"]), number(figures["optimal_value_at_start"])
-    expected, ends = number(figures["expected_return"]), figures["greedy_ends"]
+def _greedy_rows(figures: Figures, best: float | None) -> list[Row]:
+    value, optimum = alike([figures["value_at_start"], figures["optimal_value_at_start"]])
+    expected, possible = alike([figures["expected_return"], best])
+    ends = figures["greedy_ends"]
     return [
         ("value at the start", f"{value} of {optimum}", "discounted: greedy policy of optimum"),
-        ("expected return", f"{expected} of {best}", "undiscounted: greedy policy of best"),
+        ("expected return", f"{expected} of {possible}", "undiscounted: greedy policy of best"),
         ("greedy policy ends", "-" if ends is None else f"with probability {number(ends)}", ""),
         ("largest error of Q", number(figures["max_error"]), "max |Q - Q*|"),
     ]
@@ -126,7 +127,7 @@ def _last_rows(figures: Figures) -> list[Row]:
 
 
 def _bandit_rows(figures: Figures, spent: BanditFigures) -> list[Row]:
-    greedy, best = number(figures["expected_return"]), number(figures["optimal_value_at_start"])
+    greedy, best = alike([figures["expected_return"], figures["optimal_value_at_start"]])
     share = "-" if spent.best_arm_rate is None else f"{spent.best_arm_rate:.1%} of the time"
     winnings = f"{spent.winnings:,.1f} of {spent.best_possible:,.1f}"
     return [

@@ -9,48 +9,25 @@ import time
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor, wait
 from contextlib import ExitStack
-from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from shutil import copyfileobj
 from tempfile import TemporaryDirectory
 from typing import Any, Final, TextIO, TypeVar
 
-from rl_tui.agents.compiling.background import BACKGROUND
-from rl_tui.agents.exact.solution import Solution
-from rl_tui.common.errors import UserError
 from rl_tui.lab.experiments.episode_rows import EpisodeRows, csv_file
-from rl_tui.lab.experiments.learning_curve import RunCurve, each_of, mean_curve, no_curve
-from rl_tui.lab.experiments.patience import cores, pays, seconds_interpreted
-from rl_tui.lab.experiments.training import Goal, OnProgress, no_progress, train
+from rl_tui.lab.experiments.learning_curve import RunCurve, mean_curve, no_curve
+from rl_tui.lab.experiments.patience import cores
+from rl_tui.lab.experiments.seeded_runs import SeededRuns
+from rl_tui.lab.experiments.training import Goal, OnProgress, no_progress
 from rl_tui.lab.experiments.whole_file import whole_file
-from rl_tui.lab.run.figures import (
-    BANDIT_FIGURES,
-    exact_world,
-    finite,
-    greedy_figures,
-    head,
-    optimum_of,
-    pulls,
-)
-from rl_tui.lab.run.recipe import Recipe, begin
+from rl_tui.lab.run.figures import finite, head
+from rl_tui.lab.run.recipe import Recipe
 from rl_tui.lab.run.run import OnEpisodes, Run
-from rl_tui.worlds.drawing import Arms
 
 Result = TypeVar("Result")
 
 LONGEST_GOODBYE: Final = 2.0
-
-FIGURES: Final = (
-    "steps",
-    "episodes",
-    "value_at_start",
-    "expected_return",
-    "max_error",
-    "return_last_100",
-    "length_last_100",
-    "first_reward_episode",
-)
 
 
 def no_compiling() -> None:
@@ -108,7 +85,7 @@ class _GivenUpError(Exception):
 
 
 class _Experiment:
-    """The runs and what they share: a world that no seed shapes, and its exact answer."""
+    """The runs, in parallel."""
 
     def __init__(
         self,
@@ -119,7 +96,8 @@ class _Experiment:
         workers: int,
         on_compiling: Callable[[], None],
     ) -> None:
-        self._recipes = [replace(recipe, seed=recipe.seed + index) for index in range(runs)]
+        self._runs = SeededRuns(recipe)
+        self._count = runs
         self._goal = goal
         self._on_progress = on_progress
         self._workers = min(workers, runs)
@@ -127,26 +105,14 @@ class _Experiment:
         self._given_up = False
         self._done = [0] * runs
         self._curves: list[RunCurve | None] = [None] * runs
-        first = Run(recipe, evaluate=False)
-        self._planner = first.learner.plans
-        self._bandit = isinstance(first.world.drawing, Arms)
-        self._world = None if recipe.scenario.section.drawn_from_seed else first.world
-        # Where the world drifts, each run comes to other means, and so to another exact answer
-        self._shared = self._world is not None and first.learner.drifted is None
-        self._optimum = self._optimum_of(first) if self._shared else None
-        # Interpreted, all runs together have one core. An environment that is stepped is not tried: it may do
-        # anything, and takes most of the time itself
-        wanted, by_episodes = goal.steps or goal.episodes or 0, goal.steps is None
-        if first.learner.rewindable:
-            seconds = runs * seconds_interpreted(first.learner, wanted, episodes=by_episodes)
-            if pays(first.learner.loop, seconds):
-                on_compiling()
-                BACKGROUND.get(first.learner.loop)
+        self._planner = self._runs.first.learner.plans
+        self._bandit = self._runs.is_bandit
+        self._runs.get_machine_code(runs, goal, on_compiling)
 
     @property
     def figures(self) -> tuple[str, ...]:
         """The names of a run's figures."""
-        return (*FIGURES, *BANDIT_FIGURES) if self._bandit else FIGURES
+        return self._runs.figures
 
     def rows(self, csv: Path | TextIO | None) -> list[dict[str, Any]]:
         """Train every run to the goal and return its figures."""
@@ -188,7 +154,7 @@ class _Experiment:
         results = []
         handed_on = 0
         pool = ThreadPoolExecutor(self._workers, thread_name_prefix="run")
-        futures = [pool.submit(work, index) for index in range(len(self._recipes))]
+        futures = [pool.submit(work, index) for index in range(self._count)]
         try:
             for index, future in enumerate(futures):
                 wait([future])
@@ -212,33 +178,14 @@ class _Experiment:
         else:
             with whole_file(part) as stream:
                 run = self._train(index, EpisodeRows(stream, index + 1))
-        optimum = self._optimum if self._shared else self._optimum_of(run)
-        exact = greedy_figures(run, optimum)
-        mean_return, mean_length = run.history.last_100
-        return {
-            "seed": run.recipe.seed,
-            "steps": run.step,
-            "episodes": run.learner.episodes,
-            "value_at_start": exact.value_at_start,
-            "expected_return": exact.expected_return,
-            "max_error": exact.max_error,
-            "return_last_100": mean_return,
-            "length_last_100": mean_length,
-            "first_reward_episode": run.learner.first_reward_episode or None,
-            **pulls(run),
-        }
+        return self._runs.row(run)
 
     def _train(self, index: int, *also: OnEpisodes) -> Run:
-        recipe = self._recipes[index]
-        beginning = begin(recipe, self._world)
         curve = None
         if self._goal.episodes and not self._planner:
             curve = self._curves[index] = RunCurve(self._goal.episodes)
-        run = Run(recipe, beginning, evaluate=False, on_episodes=each_of(*also, curve))
-        try:
-            train(run, self._goal, partial(self._note_progress, index))
-        except UserError as error:
-            raise UserError(f"seed {recipe.seed}: {error}") from error
+        run = self._runs.new_run(self._runs.recipe.seed + index, *also, curve)
+        self._runs.train(run, self._goal, partial(self._note_progress, index))
         return run
 
     def _note_progress(self, index: int, done: int, wanted: int) -> None:
@@ -247,7 +194,3 @@ class _Experiment:
         with self._lock:
             self._done[index] = done
             self._on_progress(sum(self._done), wanted * len(self._done))
-
-    @staticmethod
-    def _optimum_of(run: Run) -> Solution | None:
-        return optimum_of(exact_world(run), run.recipe.hyperparameters.gamma)

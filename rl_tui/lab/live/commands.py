@@ -96,7 +96,7 @@ class GoTo(Command):
 
 @dataclass(frozen=True, slots=True)
 class ChooseBranch(Command):
-    """Go to another branch, where it was left, and pause there."""
+    """Go to another branch and pause there: at this step, or as far as it has come if that is less."""
 
     branch: int
 
@@ -133,6 +133,13 @@ class AddLane(Command):
     """Begin another run beside the one shown, the same but for ``changes``, and let it catch up."""
 
     changes: tuple[Setting, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class AddBranch(Command):
+    """Let a branch of the run shown, counted from 0, stand beside it as a run of its own."""
+
+    branch: int
 
 
 @dataclass(frozen=True, slots=True)

@@ -21,8 +21,10 @@ def _watch_learning(playback: Playback, _: commands.WatchLearning) -> None:
 
 
 def _restart(playback: Playback, command: commands.Restart) -> None:
-    learning = playback.transport.learning
+    learning, scenario = playback.transport.learning, playback.group.current.recipe.scenario
     playback.restart(command.recipe)
+    if command.recipe.scenario != scenario:
+        playback.seed_studies.end()
     if learning is not None:
         playback.transport.go_by_learning(playback.answer)
 
@@ -96,6 +98,12 @@ def _add_lane(playback: Playback, command: commands.AddLane) -> None:
     playback.seek()
 
 
+def _add_branch(playback: Playback, command: commands.AddBranch) -> None:
+    playback.group.add_branch(command.branch)
+    playback.take_in_change()
+    playback.seek()
+
+
 def _show_another(playback: Playback, show: Callable[[int], None], lane: int) -> None:
     if playback.condition is not None:
         playback.rest()  # what was waited for was of the lane shown until now
@@ -126,10 +134,11 @@ HANDLERS: Final[Mapping[type, Callable[[Playback, Any], None]]] = {
     commands.GoTo: lambda playback, command: _seek_to(playback, step=command.step, episode=command.episode),
     commands.ChooseBranch: lambda playback, command: _seek_to(playback, branch=command.branch),
     commands.AddLane: _add_lane,
+    commands.AddBranch: _add_branch,
     commands.ChooseLane: lambda playback, command: _show_another(playback, playback.group.show, command.lane),
     commands.MarkLane: lambda playback, command: playback.group.mark(command.lane),
-    commands.StudySeeds: lambda playback, _: playback.study_seeds(),
-    commands.EndStudy: lambda playback, _: playback.end_study(),
+    commands.StudySeeds: lambda playback, _: playback.seed_studies.begin(playback.group),
+    commands.EndStudy: lambda playback, _: playback.seed_studies.end(),
     commands.DropLane: lambda playback, command: _show_another(playback, playback.group.drop, command.lane),
 }
 """What a playback does with a command of each type."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Final
 
@@ -11,12 +12,13 @@ from rl_tui.lab.live.compilation import LOOK_AGAIN, Compilation
 from rl_tui.lab.live.handlers import HANDLERS
 from rl_tui.lab.live.record import LearnedTable, Record
 from rl_tui.lab.live.snapshot import PHASES, Phase, PlaybackView, Snapshot
-from rl_tui.lab.live.snapshot_builder import SnapshotBuilder, as_left
+from rl_tui.lab.live.snapshot_builder import SnapshotBuilder, as_left, view_of
 from rl_tui.lab.live.speed.pacing import AT_ONCE, CHUNK
-from rl_tui.lab.live.state import BUSY, ENDED, PASSING, UNFINISHED, State
+from rl_tui.lab.live.state import BUSY, ENDED, PASSING, UNFINISHED, State, shows_trail
 from rl_tui.lab.live.stop_condition import StopCondition, breakpoint_in_words, until_in_words, watching_for
 from rl_tui.lab.live.until import Breakpoints, Event, Until
 from rl_tui.lab.live.viewport import Viewport
+from rl_tui.lab.many_seeds.seed_studies import SeedStudies
 from rl_tui.lab.run.exact_answers import Answer, RunAnswers
 from rl_tui.lab.run.recipe import Beginning, Recipe, begin
 from rl_tui.lab.timeline.branches import RunRecord
@@ -36,7 +38,7 @@ class Playback:
     :meth:`takes` and take a :meth:`snapshot` where ``changed``. What each command does stands in
     ``handlers.py``. ``clock`` gives seconds. With ``automatic`` off no step passes but those that commands
     ask for. ``on_exact`` is called, from any thread, when an exact answer has come that the last snapshot
-    lacked. With ``record`` it begins where that was written.
+    lacked, or more of what many seeds say. With ``record`` it begins where that was written.
     """
 
     def __init__(
@@ -69,6 +71,8 @@ class Playback:
         """What the screen shows of a large world; None: it has not said, so everything may be shown."""
         self.cell: int | None = None
         """The pair of which snapshots tell how Q went."""
+        self.seed_studies: SeedStudies = SeedStudies(on_exact, automatic=automatic)
+        """What many seeds say of the runs."""
         self.group: RunGroup
         """The runs; none while it is building."""
         self.transport: Transport
@@ -164,7 +168,7 @@ class Playback:
             case State.RUNNING if self._automatic:
                 return self._continue_running()
             case _:
-                return None
+                return self._find_trails()
         return 0.0
 
     def snapshot(self) -> Snapshot:
@@ -175,25 +179,19 @@ class Playback:
                 raise RuntimeError("there is no world yet")
             preparing = PlaybackView(message=PREPARING, speed=self._record.speed)
             return as_left(self._builder.before(self._recipe, self._beginning.world, preparing), self._record)
-        run, seeks = self.group.current.run, self.state is State.SEEKING
+        has_trail = shows_trail(self.state, self.transport.speed)
+        if has_trail and not self._automatic:
+            self.group.find_trails(math.inf)  # in pieces it would depend on the time
         snapshot = self._builder.build(
             self.group,
-            PlaybackView(
-                phase=self.phase,
-                message=self.transport.seek_message(waits=self.waits) if seeks else run.message,
-                speed=self.transport.speed,
-                watching=self.transport.watching,
-                steps_per_second=self.transport.meter.steps_per_second,
-                interpreted=self.compilation.interpreted,
-                until="" if self.condition is None else until_in_words(self.condition.until, run.world),
-                paused_by=self.paused_by,
-                breakpoints=self.breakpoints,
-                handled=self.handled,
-            ),
+            view_of(self),
             self._answers.of,
             viewport=self.viewport,
             cell=self.cell,
+            has_trail=has_trail,
+            study=self.seed_studies.told_of(self.group),
         )
+        seeks = self.state is State.SEEKING
         returns = seeks and self.group.current.seek is not None and not self.touched
         return as_left(snapshot, self._record) if returns else snapshot
 
@@ -304,12 +302,6 @@ class Playback:
         self.breakpoints = breakpoints
         self.watch()
 
-    def study_seeds(self) -> None:
-        """Work out what many seeds say of the runs as they are now."""
-
-    def end_study(self) -> None:
-        """Work out no more of it."""
-
     def take_in_change(self) -> None:
         """Take in that an agent has other settings, or that another one is shown."""
         self.paused_by = ""
@@ -388,6 +380,14 @@ class Playback:
                     self.paused_by = until_in_words(condition.until, run.world)
             if self._clock() >= until:
                 return
+
+    def _find_trails(self) -> float | None:
+        """Find out for some milliseconds how the episodes under way went."""
+        if not self._automatic or self.group.trails_are_whole:
+            return None
+        self.changed = True
+        self.group.find_trails(CHUNK)
+        return None if self.group.trails_are_whole else 0.0
 
     def _continue_running(self) -> float:
         run, before = self.group.current.run, self.group.current.run.step

@@ -21,6 +21,7 @@ from rl_tui.lab.run.results import RunResults
 from rl_tui.lab.timeline.branches import Timeline
 from rl_tui.lab.timeline.lane_view import RunGroupView
 from rl_tui.lab.timeline.table_samples import CellHistory
+from rl_tui.lab.timeline.trail import Trail
 from rl_tui.worlds.mdp.space import FloatArray, IntArray
 from rl_tui.worlds.world import World
 
@@ -132,3 +133,5 @@ class Snapshot:
     """The lane that stands beside the one shown, at its own moment, without cell; None: there is none."""
     study: SeedStudy | None = None
     """What many seeds say of these runs; None where nobody has asked."""
+    trail: Trail = ()
+    """The last steps of the episode up to the last one, oldest first; none where they are not known."""

@@ -11,7 +11,10 @@ import numpy as np
 from rl_tui.agents.counters import Counters
 from rl_tui.lab.live.record import Record
 from rl_tui.lab.live.snapshot import AgentView, PlaybackView, Snapshot
+from rl_tui.lab.live.state import State
+from rl_tui.lab.live.stop_condition import until_in_words
 from rl_tui.lab.live.viewport import PartCopier, Viewport
+from rl_tui.lab.many_seeds.figures import SeedStudy
 from rl_tui.lab.run.bandit import bandit_figures
 from rl_tui.lab.run.exact_answers import NO_TABLE, PENDING, Answer
 from rl_tui.lab.run.large_worlds import is_large
@@ -23,6 +26,7 @@ from rl_tui.worlds.mdp.space import IntArray
 from rl_tui.worlds.world import World
 
 if TYPE_CHECKING:
+    from rl_tui.lab.live.playback import Playback
     from rl_tui.lab.run.run import Run
     from rl_tui.lab.timeline.branching_run import BranchingRun
     from rl_tui.lab.timeline.run_group import RunGroup
@@ -58,20 +62,25 @@ class SnapshotBuilder:
         *,
         viewport: Viewport | None,
         cell: int | None,
+        has_trail: bool,
+        study: SeedStudy | None = None,
     ) -> Snapshot:
         """Return the snapshot of the run that ``group`` shows, with how Q of the pair ``cell`` went.
+
+        With ``has_trail`` it has the trail of the episode, as far as that is known.
 
         Of a large world it has what ``viewport`` shows, None: everything. ``answer`` gives the exact answer
         for a run.
         """
         current, beside, view = group.current, group.beside, group.view
-        snapshot = self._of(current, view, view.shown, playback, answer, viewport)
+        snapshot = self._of(current, view, view.shown, playback, answer, viewport, has_trail)
         return replace(
             snapshot,
             cell=None if cell is None else current.cell_history(cell),
+            study=study,
             beside=None
             if beside is None or view.beside is None
-            else self._of(beside, view, view.beside, playback, answer, viewport),
+            else self._of(beside, view, view.beside, playback, answer, viewport, has_trail),
         )
 
     def _of(
@@ -82,6 +91,7 @@ class SnapshotBuilder:
         playback: PlaybackView,
         answer: Callable[[Run], Answer],
         viewport: Viewport | None,
+        has_trail: bool,
     ) -> Snapshot:
         """Return the snapshot of ``lane``, which ``view`` has at the place ``number``."""
         run = lane.run
@@ -96,6 +106,7 @@ class SnapshotBuilder:
             playback=playback,
             timeline=lane.timeline,
             run_group=view,
+            trail=lane.trail if has_trail else (),
         )
 
     def _agent(self, run: Run, counters: Counters, viewport: Viewport | None) -> AgentView:
@@ -117,6 +128,24 @@ class SnapshotBuilder:
             planning=learner.planning,
             author=learner.author,
         )
+
+
+def view_of(playback: Playback) -> PlaybackView:
+    """Return what ``playback``, which has a run already, is doing, and what was asked of it."""
+    transport, run = playback.transport, playback.group.current.run
+    seeks = playback.state is State.SEEKING
+    return PlaybackView(
+        phase=playback.phase,
+        message=transport.seek_message(waits=playback.waits) if seeks else run.message,
+        speed=transport.speed,
+        watching=transport.watching,
+        steps_per_second=transport.meter.steps_per_second,
+        interpreted=playback.compilation.interpreted,
+        until="" if playback.condition is None else until_in_words(playback.condition.until, run.world),
+        paused_by=playback.paused_by,
+        breakpoints=playback.breakpoints,
+        handled=playback.handled,
+    )
 
 
 def as_left(snapshot: Snapshot, record: Record) -> Snapshot:
@@ -160,4 +189,5 @@ def as_left(snapshot: Snapshot, record: Record) -> Snapshot:
         run_group=replace(snapshot.run_group, lanes=tuple(views)),
         cell=None,
         beside=None,
+        trail=(),
     )

@@ -40,3 +40,13 @@ UNFINISHED: Final = frozenset({State.BUILDING, State.UNTIL, *PASSING})
 
 BUSY: Final = frozenset({State.BUILDING, State.TRAINING})
 """No command at all can be taken."""
+
+LIVELY: Final = 30.0
+"""Steps a second up to which every step is seen, and with it the trail of the episode."""
+
+
+def shows_trail(state: State, speed: float | None) -> bool:
+    """Return whether a playback in ``state`` shows the way that the agent went, at the wanted ``speed``."""
+    if state is State.RUNNING:
+        return speed is not None and speed <= LIVELY
+    return state not in (State.UNTIL, *BUSY)

@@ -103,12 +103,22 @@ def is_optimal(mdp: TabularMDP, q: FloatArray, ties: Ties, optimum: Solution) ->
     """Tell whether the greedy policy of ``q``, [P], is optimal from the start of an episode.
 
     It is if in every state it can come to it takes, of the pairs that ``optimum`` has for the best, one or
-    some, and no other.
+    some, and no other. At γ = 1 it has to end with probability 1 too, since otherwise it never earns what
+    these promise.
     """
+    from rl_tui.agents.exact.policy_evaluation import always_ends
     from rl_tui.agents.exact.solve import greedy_policy
 
     policy = greedy_policy(mdp, q, ties)
-    wrong = (policy > 0.0) & ~optimum.greedy
+    if not _takes_the_best(mdp, policy, optimum):
+        return False
+    any_choice_will_do = np.array_equal(optimum.best, optimum.greedy)
+    return any_choice_will_do or always_ends(mdp, policy)
+
+
+def _takes_the_best(mdp: TabularMDP, policy: FloatArray, optimum: Solution) -> bool:
+    """Tell whether ``policy``, [P], takes nothing but best pairs from the start of an episode."""
+    wrong = (policy > 0.0) & ~optimum.best
     if not wrong.any():
         return True
     reached = np.zeros(mdp.states, dtype=np.bool_)

@@ -30,6 +30,14 @@ class Estimate:
     count: int
     """The seeds that have this figure."""
 
+    @property
+    def interval(self) -> tuple[float, float] | None:
+        """The mean ± 2 standard errors, None where there is none: about 95 % certain at one look.
+
+        Who looks at every step of the growth and stops at will is less certain than that, so it is no test.
+        """
+        return None if self.stderr is None else (self.mean - 2 * self.stderr, self.mean + 2 * self.stderr)
+
 
 @dataclass(frozen=True, slots=True)
 class PairedDifference:
@@ -75,7 +83,7 @@ class SeedStudy:
     shown: int = 0
     """Which of them was shown when it began; differences are from it."""
     seeds: int = 0
-    """How many seeds are done in every lane: 8, 16, 32 … 256."""
+    """How many seeds are done in every lane: 8, 16, 32 … 256; fewer than 8 where time was up before."""
     most: int = 0
     """How many seeds it is to come to."""
     episodes: int | None = None

@@ -108,6 +108,7 @@ def training_figures(run: Run, seconds: float) -> dict[str, Any]:
             "optimal_value_at_start": exact.optimal_value_at_start,
             "expected_return": exact.expected_return,
             "max_error": exact.max_error,
+            "return_mean": run.mean_return,
             "return_last_100": mean_return,
             "length_last_100": mean_length,
             "greedy_ends": exact.greedy_ends,

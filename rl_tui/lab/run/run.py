@@ -120,6 +120,12 @@ class Run:
         return bandit_figures(self.world, pulled, self.history.total_return, learner.drifted)
 
     @property
+    def mean_return(self) -> float | None:
+        """The mean return of all finished episodes, sweeps of a planner left out; None before the first."""
+        episodes = self.learner.episodes - self.learner.planned.sweeps
+        return self.history.total_return / episodes if episodes else None
+
+    @property
     def results(self) -> RunResults:
         """What it has achieved so far."""
         learner, history = self.learner, self.history

@@ -24,10 +24,12 @@ from rl_tui.lab.timeline.checkpoints import Checkpoints
 from rl_tui.lab.timeline.memory_limits import limits
 from rl_tui.lab.timeline.seek import Seek, Target
 from rl_tui.lab.timeline.table_samples import CellHistory, TableSamples
+from rl_tui.lab.timeline.trail import FEW_STEPS, MOST_PAIRS, MOST_STEPS, Trail, TrailRecorder, TrailReplay
 from rl_tui.worlds.world import World
 
 # Between two states that are kept in a seek it goes on for so many times as long as to keep one takes
 _COPY_SHARE: Final = 4
+_PATIENCE: Final = 0.015  # seconds after which an environment that is stepped is asked for no further step
 
 
 @dataclass(slots=True, eq=False)
@@ -75,6 +77,8 @@ class BranchingRun:
         self._sought = 0.0  # seconds since something was kept in a seek
         self._copying = 0.0  # seconds that keeping it took
         self._spare: Run | None = None
+        self._recorder = TrailRecorder(world)
+        self._replay: TrailReplay | None = None
         self._watching: Watching | None = None
 
     @property
@@ -111,7 +115,18 @@ class BranchingRun:
         """
         run, kept = self.run, self.kept
         until = min(run.step + steps, _end_of_loop(run, kept.branch.journal))
-        self._follow(run, kept, until, run.learner.episodes + episodes)
+        last_episode = run.learner.episodes + episodes
+        if not 0 < steps <= FEW_STEPS:
+            self._follow(run, kept, until, last_episode)
+            return
+        before, start = -1, self._clock()
+        while before < run.step < until and run.learner.episodes < last_episode:
+            before = run.step
+            self._follow(run, kept, before + 1, last_episode)
+            self._recorder.note(run.learner.last_step)
+            takes_long = not run.learner.rewindable and self._clock() - start > _PATIENCE
+            if run.noticed or run.over or takes_long:
+                return
 
     def apply(self, change: Change) -> None:
         """Change something before the next step; where the run has been further, on a branch of its own.
@@ -127,14 +142,21 @@ class BranchingRun:
         run.apply(change)
         journal = run.journal
         if in_past or applied < len(kept.branch.journal):
-            name = f"branch {len(self._branches) + 1}"
-            branch = Branch(name, journal, self._number, step, step)
+            branch = Branch(self._new_name(), journal, self._number, step, step)
             kept.branch = left
             kept = KeptBranch(branch, kept.checkpoints.up_to(step, applied), kept.samples.up_to(step))
             self._branches.append(kept)
             self._put_in_force(len(self._branches) - 1)
         kept.branch = replace(kept.branch, journal=journal)
+        self._recorder.note(run.learner.last_step)  # a person may have taken a step
         self._keep(run, kept)
+
+    def _new_name(self) -> str:
+        """Return the name of the next branch: a run that began as a branch of another has that one's name."""
+        names, number = {each.branch.name for each in self._branches}, len(self._branches) + 1
+        while f"branch {number}" in names:
+            number += 1
+        return f"branch {number}"
 
     def _check_room(self) -> None:
         most = limits()
@@ -151,16 +173,18 @@ class BranchingRun:
     ) -> None:
         """Begin to seek ``step``, or where ``episode`` (from 1) begins, as far as the branch has come.
 
-        With ``branch`` alone it is where that one was left. Raises UserError where there is no such branch,
-        or the environment of a run from the seed cannot be made; the run then stays where it stands.
+        With ``branch`` alone it is the step at which the run stands, or is to stand. Raises UserError where
+        there is no such branch, or the environment of a run from the seed cannot be made; the run then stays
+        where it stands.
         """
-        number = self._number if branch is None else branch
+        timeline = self.timeline
+        number = timeline.branch if branch is None else branch
         if not 0 <= number < len(self._branches):
             raise UserError(f"there is no branch {number + 1} here: they are 1 to {len(self._branches)}")
         run, kept = self.run, self._branches[number]
         self.kept.branch = replace(self.kept.branch, here=run.step)
         if step is None and episode is None:
-            step = kept.branch.here
+            step = timeline.current.here
         target = Target(number, kept.branch.end, step=step, episode=episode)
         start = kept.checkpoints.last_before(target)
         stays = number == self._number and (start is None or start.step <= run.step)
@@ -196,6 +220,34 @@ class BranchingRun:
         self.seek = None
         self.run.learner.watch(self._watching)
 
+    @property
+    def trail(self) -> Trail:
+        """The steps of the episode up to the last one, as far as they are known; none while it seeks."""
+        return self._recorder.up_to(self.run.learner.last_step)
+
+    @property
+    def finds_trail(self) -> bool:
+        """Whether :meth:`find_trail` may tell more of the trail than is known."""
+        run, recorder = self.run, self._recorder
+        may_replay = run.learner.rewindable and self.world.space.pairs <= MOST_PAIRS and self.seek is None
+        return may_replay and recorder.given_up != run.step and not recorder.is_whole(run.learner.last_step)
+
+    def find_trail(self, seconds: float) -> None:
+        """Replay the steps of the trail that are not known, for about ``seconds``; call it again for more.
+
+        They are replayed by another run, which leaves this one as it is.
+        """
+        last = self.run.learner.last_step
+        if last is None or not self.finds_trail:
+            return
+        if self._replay is None or self._replay.last != last.step:
+            first = last.step - min(MOST_STEPS, last.episode_step)
+            start = self.kept.checkpoints.last_before(Target(self._number, last.step, step=first))
+            journal = self.kept.branch.journal
+            self._replay = TrailReplay(self._run_at(start), journal, first, last.step, self._recorder)
+        if self._replay.go_on(seconds, self._clock):
+            self._spare, self._replay = self._replay.run, None
+
     def cell_history(self, pair: int) -> CellHistory | None:
         """Return how the estimate of ``pair`` came to be what it is; None if the world has no such pair."""
         if pair >= self.world.space.pairs:
@@ -224,7 +276,10 @@ class BranchingRun:
             self.run = run
         # a checkpoint may be older than what was set there last, and at the seed nothing is set yet
         run.follow(self._branches[number].branch.journal, run.step)
+        self._recorder.go_back(run.step)
+        self._replay = None
         if number != self._number:
+            self._recorder.forget()
             self._put_in_force(number)
         self.stop_seek()
 

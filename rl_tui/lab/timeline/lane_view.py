@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.lab.run.results import RunResults
+from rl_tui.lab.timeline.lane_names import LanePast
 from rl_tui.worlds.mdp.space import FloatArray
 
 
@@ -27,6 +28,8 @@ class LaneView:
     """[P], a copy of the estimates; of a large world empty."""
     results: RunResults
     """What the run has achieved."""
+    past: LanePast | None = None
+    """What it was made from and what was changed in it; None where that is not told."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -27,8 +27,9 @@ from rl_tui.lab.run.recipe import (
 )
 from rl_tui.lab.timeline.branches import Branch, RunRecord
 from rl_tui.lab.timeline.branching_run import BranchingRun
+from rl_tui.lab.timeline.lane_names import LanePast, lane_names
 from rl_tui.lab.timeline.lane_view import LaneView, RunGroupView
-from rl_tui.lab.timeline.run_names import run_names
+from rl_tui.worlds.drawing import Arms
 from rl_tui.worlds.world import World
 
 MOST: Final = 4
@@ -56,6 +57,9 @@ class RunGroup:
         self._beside: BranchingRun | None = None
         self._resumes = False
         self._world = world
+        self._unit = "pull" if isinstance(world.drawing, Arms) else "step"
+        self._pasts: list[LanePast] = []
+        self._names: list[str] = []
         self._clock = clock
         self._runs = [self._new_run(record) for record in records]
         self.current: BranchingRun
@@ -179,6 +183,21 @@ class RunGroup:
         lane.advance(max(0, min(steps, self.step - before)))
         return lane.step - before
 
+    @property
+    def trails_are_whole(self) -> bool:
+        """Whether nothing more can be found out of how the episodes of the two runs on view went."""
+        return not any(each.finds_trail for each in self._on_view)
+
+    def find_trails(self, seconds: float) -> None:
+        """Find out for about ``seconds``, or infinity, how the episodes of the two runs on view went."""
+        for each in self._on_view:
+            each.find_trail(seconds / len(self._on_view))
+
+    @property
+    def _on_view(self) -> list[BranchingRun]:
+        """The run shown and the one beside it."""
+        return [each for each in (self.current, self.beside) if each is not None]
+
     def stop_seek(self) -> None:
         """Seek no further; the others follow to where the one shown stands."""
         self.current.stop_seek()
@@ -190,17 +209,43 @@ class RunGroup:
         It keeps what was changed on the way, but for what differs, and but for steps taken by a person.
         Raises UserError where there is no room for another, or it cannot work.
         """
-        if len(self._runs) == MOST:
-            raise UserError(f"there are {MOST} lanes already; end one first")
+        self._check_room()
         model, step = self.current, self.step
         recipe = changed_recipe(model.recipe, *changes)
         left_out = {"", *(_subject(change) for change in changes)}
         journal = tuple(entry for entry in model.run.journal if _subject(entry.change) not in left_out)
         _check(self._world, recipe, journal)
         added = self._new_run(RunRecord(recipe, (Branch("branch 1", journal, end=step),)))
+        self._let_catch_up(added)
+
+    def add_branch(self, number: int) -> None:
+        """Add a run that is the branch with this ``number`` of the one shown, and let it stand beside that.
+
+        All that was done on the branch is done in it, steps of a person too. It is a run of its own: what is
+        changed in one of the two is not changed in the other. It comes to the step where all are to stand,
+        beyond the end of the branch as the branch would. Raises UserError where there is no room for another,
+        or no such branch, or it is the one in force.
+        """
+        self._check_room()
+        timeline = self.current.timeline
+        if not 0 <= number < len(timeline.branches):
+            raise UserError(f"there is no branch {number + 1} here: they are 1 to {len(timeline.branches)}")
+        branch = timeline.branches[number]
+        if number == timeline.branch:
+            raise UserError(f"{branch.name} is what is shown: choose another to stand beside it")
+        alone = replace(branch, parent=None, fork=0, here=0)
+        added = self._new_run(RunRecord(self.current.recipe, (alone,)))
+        self._let_catch_up(added)
+        self._beside = added
+
+    def _check_room(self) -> None:
+        if len(self._runs) == MOST:
+            raise UserError(f"there are {MOST} lanes already; end one first")
+
+    def _let_catch_up(self, added: BranchingRun) -> None:
         self._runs.append(added)
         self._others.append(added)
-        added.seek_to(step=step)
+        added.seek_to(step=self.step)
 
     def show(self, number: int) -> None:
         """Show another run."""
@@ -225,8 +270,11 @@ class RunGroup:
         """How each is getting on; nothing where there is one."""
         if len(self._runs) == 1:
             return RunGroupView()
-        names = run_names([_recipe_now(each) for each in self._runs])
-        views = tuple(_view(each, name) for each, name in zip(self._runs, names, strict=True))
+        pasts = [_past(each) for each in self._runs]
+        if pasts != self._pasts:  # a journal may be long, and frames are many
+            self._pasts, self._names = pasts, lane_names(pasts, self._unit)
+        named = zip(self._runs, self._names, pasts, strict=True)
+        views = tuple(_view(each, name, past) for each, name, past in named)
         beside = None if self.beside is None else self._runs.index(self.beside)
         return RunGroupView(views, self.shown, beside)
 
@@ -258,7 +306,12 @@ def _recipe_now(lane: BranchingRun) -> Recipe:
     return replace(lane.recipe, algorithm=learner.algorithm, hyperparameters=learner.hyperparameters)
 
 
-def _view(lane: BranchingRun, name: str) -> LaneView:
+def _past(lane: BranchingRun) -> LanePast:
+    branch = lane.timeline.current
+    return LanePast(lane.recipe, _recipe_now(lane), branch.name, branch.journal)
+
+
+def _view(lane: BranchingRun, name: str, past: LanePast) -> LaneView:
     run, learner = lane.run, lane.run.learner
     return LaneView(
         name=name,
@@ -268,4 +321,5 @@ def _view(lane: BranchingRun, name: str) -> LaneView:
         episodes=learner.episodes,
         q=np.empty(0) if is_large(run.world) else learner.q.copy(),
         results=run.results,
+        past=past,
     )

@@ -9,7 +9,7 @@ from rl_tui.agents.catalogue import BY_ID, POLICY_BY_ID, parameters_of
 from rl_tui.agents.hyperparameters import PARAMETERS, SAMPLE_AVERAGE, Hyperparameters
 from rl_tui.lab.run.recipe import Recipe
 
-_ALGORITHM: Final = "algorithm"
+ALGORITHM: Final = "algorithm"
 _SEED: Final = "seed"
 Features = Mapping[str, float | str]
 
@@ -25,7 +25,7 @@ def run_names(recipes: Sequence[Recipe]) -> list[str]:
     differing = {name for other in others for name in _different(base, other, recipes[0])}
     contrast = [feature_text(name, value) for name, value in base.items() if name in differing]
     names = [", ".join(contrast), *(difference(recipes[0], other) for other in recipes[1:])]
-    return _distinct([name or BY_ID[each.algorithm].name for name, each in zip(names, recipes, strict=True)])
+    return distinct([name or BY_ID[each.algorithm].name for name, each in zip(names, recipes, strict=True)])
 
 
 def difference(base: Recipe, other: Recipe) -> str:
@@ -48,7 +48,7 @@ def _different(base: Features, other: Features, known: Recipe) -> Iterator[str]:
 
 def features_of(algorithm: str, values: Hyperparameters, seed: int) -> Features:
     """Return all that counts, by name, alike for settings that come to the same."""
-    features: dict[str, float | str] = {_ALGORITHM: algorithm}
+    features: dict[str, float | str] = {ALGORITHM: algorithm}
     for name in parameters_of(algorithm, values.policy):
         features[name] = values.value(name)
     if values.sample_average and "alpha" in features:
@@ -75,7 +75,7 @@ def _without_idle_schedule(features: dict[str, float | str], schedule: str, sche
 
 def feature_text(name: str, value: float | str) -> str:
     """Return in a few words that the feature ``name`` has this ``value``: ``α 0.5``."""
-    if name == _ALGORITHM:
+    if name == ALGORITHM:
         return BY_ID[str(value)].name
     if name == "policy":
         return POLICY_BY_ID[str(value)].name
@@ -92,7 +92,7 @@ def _number(value: float) -> str:
     return f"−{text[1:]}" if text.startswith("-") else text
 
 
-def _distinct(names: Sequence[str]) -> list[str]:
+def distinct(names: Sequence[str]) -> list[str]:
     """Return ``names``, numbered where one comes again."""
     return [
         name if name not in names[:place] else f"{name} ({names[:place].count(name) + 1})"

@@ -40,6 +40,20 @@ class Canvas:
         self._characters[y][x : x + len(characters)] = characters
         self._styles[y][x : x + len(characters)] = styles
 
+    def is_blank(self, x: int, y: int, length: int) -> bool:
+        """Return whether nothing was written yet in ``length`` cells of row ``y`` from column ``x`` on."""
+        return x >= 0 and self._characters[y][x : x + length] == [" "] * length
+
+    def put_over(self, x: int, y: int, text: str, style: Style) -> None:
+        """Write ``text``, one cell a character, in the styles that are there, each with ``style`` over it."""
+        for place, character in enumerate(text, start=x):
+            self.put(place, y, character, self._styles[y][place] + style)
+
+    def restyle(self, x: int, y: int, length: int, style: Style) -> None:
+        """Lay ``style`` over ``length`` cells of row ``y`` from column ``x`` on."""
+        for place in range(x, x + length):
+            self._styles[y][place] += style
+
     def strips(self) -> list[Strip]:
         """Return the rows, neighbours of one style joined."""
         return [

@@ -65,8 +65,7 @@ class Plot(NamedTuple):
 
     def filled_halves(self, band: Steps) -> IntArray:
         """Return which half of each cell ``band`` takes from lowest to highest, as :meth:`halves` does."""
-        rows = 2 * self.rows
-        return _of_cells(braille.dots_of(self._span(band, self.columns, rows), rows))
+        return _of_cells(self.filled_dots(band, self.columns, 2 * self.rows))
 
     def halves(self, line: Steps) -> IntArray:
         """Return which half of a cell ``line`` takes, [rows, columns]: 1 the upper, 2 the lower, 3 both."""
@@ -82,6 +81,10 @@ class Plot(NamedTuple):
     def line_dots(self, line: Steps, columns: int, rows: int) -> BoolArray:
         """Return the dots of ``line`` where there are columns × rows of them, [rows, columns]."""
         return braille.dots_of(braille.joined(self._span(line, columns, rows)), rows)
+
+    def filled_dots(self, band: Steps, columns: int, rows: int) -> BoolArray:
+        """Return the dots from the lowest to the highest of ``band``, as :meth:`line_dots` does."""
+        return braille.dots_of(self._span(band, columns, rows), rows)
 
     def _span(self, line: Steps, columns: int, rows: int) -> braille.Span:
         low, high = braille.decimated(line, self.right, columns)

@@ -8,6 +8,7 @@ from typing import Final
 
 from rl_tui.lab.live.until import Breakpoints
 from rl_tui.tui.draw import numbers
+from rl_tui.tui.draw.action_order import shown_place
 from rl_tui.tui.draw.canvas import shortened
 from rl_tui.tui.theme.glyphs import Glyphs
 from rl_tui.worlds.drawing import Arms, CellKind, Grid
@@ -98,6 +99,11 @@ def pair_in_words(world: World, pair: int, glyphs: Glyphs) -> str:
 def breakpoints_text(world: World, breakpoints: Breakpoints, glyphs: Glyphs) -> str:
     """Return all breakpoints in a line, states first: ``state 6; 4,←``; of many the first and a count."""
     listed = [f"state {state_name(world, state, glyphs)}" for state in sorted(breakpoints.states)]
-    listed += [pair_in_words(world, pair, glyphs) for pair in sorted(breakpoints.pairs)]
+    space = world.space
+    pairs = sorted(
+        breakpoints.pairs,
+        key=lambda pair: (space.state_of(pair), shown_place(world, int(space.pair_action[pair]))),
+    )
+    listed += [pair_in_words(world, pair, glyphs) for pair in pairs]
     more = len(listed) - _MOST_LISTED
     return "; ".join(listed[:_MOST_LISTED]) + (f" and {more:,} more" if more > 0 else "")

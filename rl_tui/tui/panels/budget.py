@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Final
 
 from textual.strip import Strip
@@ -60,12 +61,14 @@ def _pulls(figures: BanditFigures, look: Look, spent: bool, drifts: bool) -> Lin
 
 def _winnings(figures: BanditFigures, look: Look, width: int, known: bool) -> list[Line]:
     palette = look.palette
-    winnings = _figure("winnings", sum_text(figures.winnings, look), look)
+    shown = [figures.winnings] if not known else [figures.winnings, figures.regret, figures.best_possible]
+    decimals = sum_decimals(shown)
+    winnings = _figure("winnings", sum_text(figures.winnings, decimals, look), look)
     if not known:
         mean = [] if not figures.pulls else [_mean(figures, look)]
         return [[*winnings, *mean]]
-    regret = _figure("regret", sum_text(figures.regret, look), look)
-    best = sum_text(figures.best_possible, look)
+    regret = _figure("regret", sum_text(figures.regret, decimals, look), look)
+    best = sum_text(figures.best_possible, decimals, look)
     possible = Piece(f"   best possible {best} on average", palette.text)
     shorter = Piece(f"   best {best} on average", palette.text)
     rate = "" if figures.best_arm_rate is None else numbers.percent(figures.best_arm_rate)
@@ -88,11 +91,14 @@ def _figure(label: str, number: str, look: Look) -> list[Piece]:
     return [Piece(f" {label:<{_LABEL}}", palette.dim), Piece(f"{number:<{_FIGURE}}", palette.strong)]
 
 
-def sum_text(x: float, look: Look) -> str:
-    """Return a sum of rewards: whole and with commas from 100 on, with one decimal below."""
+def sum_decimals(sums: Iterable[float]) -> int:
+    """Return the decimals of sums of rewards beside one another: none where one is 100 or more, else one."""
+    return 0 if max(map(abs, sums)) >= _MANY else 1
+
+
+def sum_text(x: float, decimals: int, look: Look) -> str:
+    """Return a sum of rewards with commas and so many decimals; 0 as it is."""
     if x == 0.0:
         return "0"
-    if abs(x) < _MANY:
-        return numbers.fixed(x, 1, look.glyphs)
-    text = f"{abs(x):,.0f}" if abs(x) < 1e9 else numbers.value(abs(x), _FIGURE, look.glyphs)
-    return look.glyphs.minus + text if x < 0 else text
+    text = f"{abs(x):,.{decimals}f}" if abs(x) < 1e9 else numbers.value(abs(x), _FIGURE, look.glyphs)
+    return look.glyphs.minus + text if x < 0 and numbers.has_digits(text) else text

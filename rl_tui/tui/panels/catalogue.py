@@ -21,6 +21,7 @@ BUDGET: Final = "budget"
 CONTROLS: Final = "controls"
 LAST_STEP: Final = "last_step"
 MICROSCOPE: Final = "microscope"
+MANY_SEEDS: Final = "many_seeds"
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,7 +47,8 @@ class PanelRow:
     in view it covers the board. With ``is_wide`` it has the whole width below world and table where there is
     room for that. The microscope does both. ``needs`` says whether there is anything to show, by how the
     world is drawn. ``caption`` says in some five words what the panel is, and ``terms`` are the ids of
-    the terms of the glossary that it is about, what is asked first before the rest.
+    the terms of the glossary that it is about, what is asked first before the rest. With ``is_twofold`` each
+    of two lanes side by side has one; :func:`beside` is the id of the second.
     """
 
     id: str
@@ -59,17 +61,23 @@ class PanelRow:
     in_place_of: tuple[str, ...] = ()
     is_wide: bool = False
     has_border: bool = True
+    is_twofold: bool = False
     needs: Callable[[Drawing | None], bool] = lambda _: True
 
-    def make(self, look: Look) -> BoardPanel:
-        """Return the panel, hidden if a key opens it."""
+    def make(self, look: Look, panel_id: str | None = None) -> BoardPanel:
+        """Return the panel, hidden if a key opens it; ``panel_id`` is its id, None: that of the row."""
         panel: BoardPanel = pkgutil.resolve_name(self.widget)(
-            look, id=self.id, classes="panel" if self.has_border else None
+            look, id=panel_id or self.id, classes="panel" if self.has_border else None
         )
         panel.caption = self.caption
         if self.opened_by is not None:
             panel.can_focus, panel.display = True, False
         return panel
+
+
+def beside(panel: str) -> str:
+    """Return the id of the panel that shows of a second lane what ``panel`` shows of the first."""
+    return f"{panel}-beside"
 
 
 def _has_arms(drawing: Drawing | None) -> bool:
@@ -90,7 +98,11 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         "rewards leaves in it. ▸ marks the greedy arm, ◉ the last pull. In focus it has a cursor, as the "
         "table has; the place where one stands is marked in the other.",
         caption="as the agent meets it",
-        terms=("agent", "state", "action", "reward", "value", "greedy", "terminal", "ties", "policy", "mdp"),
+        terms=(
+            *("agent", "state", "action", "reward", "value", "greedy", "terminal", "ties", "policy", "mdp"),
+            *("arm", "standard-error", "trail", "slip", "wind"),
+        ),
+        is_twofold=True,
     ),
     PanelRow(
         TABLE,
@@ -102,6 +114,7 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         "the pair under it, and esc follows the agent again.",
         caption="what each action seems worth",
         terms=("q", "pair", "greedy", "agent", "target", "q-star", "error", "visits", "ties", "optimism"),
+        is_twofold=True,
     ),
     PanelRow(
         CURVE,
@@ -123,6 +136,8 @@ PANELS: Final[tuple[PanelRow, ...]] = (
             "greedy",
             "last-100",
             "gamma-best",
+            "best-arm",
+            "gap",
             "explore",
             "discounted-return",
             "sweep",
@@ -150,7 +165,17 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         "of the best arm less that of the arm pulled. Luck is left out, so winnings and regret need not add "
         "up to the best possible.",
         caption="what the pulls earned",
-        terms=("regret", "bandit", "arm", "reward"),
+        terms=(
+            "winnings",
+            "regret",
+            "best-possible",
+            "best-arm-share",
+            "best-arm",
+            "bandit",
+            "arm",
+            "reward",
+            "step",
+        ),
         needs=_has_arms,
     ),
     PanelRow(
@@ -217,6 +242,36 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         ),
         in_place_of=(WORLD, CURVE),
         is_wide=True,
+    ),
+    PanelRow(
+        MANY_SEEDS,
+        "rl_tui.tui.panels.many_seeds.many_seeds:ManySeeds",
+        "Many seeds",
+        "One seed decides nothing. M runs the same again under other seeds, beside this run and at low "
+        "priority: 8, then 16, up to 256, for as many episodes as this run has had, within bounds. Each "
+        "figure of this seed stands beside the mean over all, with the standard error of that mean. With "
+        "lanes, each seed runs in every one, and the difference is told seed by seed, in brackets with two "
+        "standard errors on either side; of regret, less is better. The curve has the mean over seeds behind "
+        "its own lines, two standard errors wide on either side. What was changed since is not in it: enter "
+        "counts again.",
+        caption="is it luck, or better?",
+        terms=(
+            "standard-error",
+            "many-seeds",
+            "paired-difference",
+            "seed",
+            "lane",
+            "regret",
+            "last-100",
+            "greedy",
+        ),
+        opened_by=OpeningKey(
+            "M",
+            "many seeds",
+            "Run the same under many other seeds: the mean of each figure, with its error, beside this seed.",
+            rank=17,
+        ),
+        in_place_of=(TABLE, BUDGET),
     ),
 )
 """In the order of the tab key."""

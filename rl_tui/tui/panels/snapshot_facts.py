@@ -5,6 +5,10 @@ from __future__ import annotations
 from typing import Final
 
 from rl_tui.lab.live.snapshot import Phase, Snapshot
+from rl_tui.lab.many_seeds.figures import SeedStudy
+from rl_tui.tui.draw import numbers
+from rl_tui.tui.glossary.figure_text import FigureSetting
+from rl_tui.tui.theme.glyphs import Glyphs
 from rl_tui.worlds.drawing import Arms
 
 _FASTEST_FOLLOWED: Final = 30.0  # steps a second; above it single steps would only flicker
@@ -26,10 +30,36 @@ def is_secret(snapshot: Snapshot, *, revealed: bool) -> bool:
     return isinstance(snapshot.world.drawing, Arms) and not revealed
 
 
+def current_study(snapshot: Snapshot) -> SeedStudy | None:
+    """Return what many seeds say of the runs as they are; None where that is not known."""
+    study = snapshot.study
+    runs = len(snapshot.run_group.lanes) or 1
+    if study is None or study.is_outdated or study.seeds < 2 or len(study.lanes) != runs:
+        return None
+    return study
+
+
+def lacks_exact(snapshot: Snapshot) -> bool:
+    """Return whether the exact answer is still being worked out."""
+    return snapshot.exact_answer.solution is None and not snapshot.exact_answer.refused
+
+
 def passes_too_fast(snapshot: Snapshot) -> bool:
     """Return whether steps follow one another too fast to be shown one by one."""
     too_fast = snapshot.playback.speed is None or snapshot.playback.speed > _FASTEST_FOLLOWED
     return too_fast and snapshot.playback.phase is Phase.RUNNING
+
+
+def figure_setting(snapshot: Snapshot, glyphs: Glyphs) -> FigureSetting:
+    """Return what is said with every figure of ``snapshot``: γ, time limit, steps and episodes so far."""
+    return FigureSetting(
+        gamma=numbers.brief(snapshot.agent.hyperparameters.gamma, glyphs),
+        time_limit=snapshot.world.space.time_limit,
+        steps=snapshot.counters.step,
+        episodes=snapshot.counters.episodes,
+        is_bandit=isinstance(snapshot.world.drawing, Arms),
+        budget=snapshot.world.budget,
+    )
 
 
 def episode_under_way(snapshot: Snapshot) -> int:

@@ -18,6 +18,8 @@ class LegendSwitch:
     def __init__(self, folder: Path | None) -> None:
         self._folder = folder
         self.is_on = True
+        self.numbers_states = False
+        """Whether the cells of maps have the numbers of their states; that is not remembered."""
         if folder is not None:
             with suppress(OSError):
                 self.is_on = not (folder / _FILE).exists()

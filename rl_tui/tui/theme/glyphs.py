@@ -30,6 +30,11 @@ class Glyphs:
     lit_right: str
     cursor: str
     breakpoint: str
+    trail: str  # on a map: left not long ago, left long ago, where the world slipped
+    trail_old: str
+    slip: str
+    unreached: str  # fills a cell that no way leads to
+    differs: str  # greedy actions that are others in the lane beside
     track_done: str  # slider
     track_rest: str
     thumb: str
@@ -100,6 +105,11 @@ _ROWS: Final[Mapping[str, tuple[Any, Any]]] = {
     "lit_right": ("▌", "}"),
     "cursor": ("▸", ">"),
     "breakpoint": ("!", "!"),
+    "trail": ("•", '"'),
+    "trail_old": ("◦", "'"),
+    "slip": ("~", "~"),
+    "unreached": ("░", ":"),
+    "differs": ("≠", "/"),
     "track_done": ("━", "="),
     "track_rest": ("─", "-"),
     "thumb": ("●", "o"),

@@ -84,7 +84,7 @@ class GridSection(WorldSection):
 
         states = GridStates(self.cells(generator))
         mdp = grid_table(states, self)
-        return World(mdp, grid_drawing(states, mdp.action_names))
+        return World(mdp, grid_drawing(states, mdp.action_names, self.wind))
 
     def cells(self, generator: Generator) -> CellMap:
         """Return the map, drawn from ``generator`` where it is random, as :meth:`build` does."""

@@ -107,8 +107,8 @@ class GridStates:
         return self._lookup(quality, kind)[self._codes]
 
 
-def grid_drawing(states: GridStates, actions: Sequence[str]) -> Grid:
-    """Return the drawing of a map; ``actions`` are the names of its actions."""
+def grid_drawing(states: GridStates, actions: Sequence[str], wind: Sequence[int] = ()) -> Grid:
+    """Return the drawing of a map; ``actions`` are the names of its actions, ``wind`` that of its columns."""
     rows, columns = states.map.codes.shape
     kinds = np.array([entry.kind for entry in states.map.entries], dtype=object)
     steps = [STEPS.get(name, (0, 0)) for name in actions]
@@ -118,4 +118,5 @@ def grid_drawing(states: GridStates, actions: Sequence[str]) -> Grid:
         kinds=tuple(kinds[states.map.codes.ravel()].tolist()),
         cell_of_state=tuple(states.numbers.tolist()),
         directions=tuple(step if any(step) else None for step in steps),
+        wind=tuple(wind) if any(wind) else (),
     )

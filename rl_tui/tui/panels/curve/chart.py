@@ -23,6 +23,7 @@ from rl_tui.tui.panels.curve.chart_band import band_cells
 from rl_tui.tui.panels.curve.chart_lanes import lane_cells, lane_lines
 from rl_tui.tui.panels.curve.data import CurveData
 from rl_tui.tui.panels.curve.lane_text import lane_columns, lane_labels
+from rl_tui.tui.panels.curve.seed_band import seed_cells
 from rl_tui.tui.panels.curve.text import LineLabel, barren_words, empty_words, label_columns, labels
 from rl_tui.tui.theme.look import Look
 
@@ -32,7 +33,7 @@ _TICK_COLUMNS: Final = 11  # a labelled episode number at most every so many col
 _UNIT_ROOM: Final = 40
 _ARROWS_APART: Final = 8  # columns between the arrows of a line that stays below the axis
 # What a cell shows, the more important the greater; after the greedy line come the lanes
-_NOTHING, _LEVEL, _BAND, _EPISODES, _GREEDY = range(5)
+_NOTHING, _LEVEL, _BAND, _SEEDS, _EPISODES, _GREEDY = range(6)
 
 
 def plot_columns(scale: Scale, look: Look, width: int) -> int:
@@ -87,13 +88,24 @@ def _draw_lines(canvas: Canvas, plot: Plot, data: CurveData, look: Look) -> None
     if data.optimum is not None:
         level = _level_cells(plot, data, data.optimum, look)
         shown[level], kind[level] = ord(look.glyphs.level), _LEVEL
-    for line, what, where in ((codes.episodes, _EPISODES, True), (codes.greedy, _GREEDY, ~codes.yielded)):
+    seeds, _ = seed_cells(plot, data.seeds, look)
+    for line, what, where in (
+        (seeds, _SEEDS, True),
+        (codes.episodes, _EPISODES, True),
+        (codes.greedy, _GREEDY, ~codes.yielded),
+    ):
         there = (line > 0) & where
         shown[there], kind[there] = line[there], what
-    off = off_axis(plot, (data.episodes, data.greedy))
+    _mark_off_axis(shown, kind, off_axis(plot, (data.episodes, data.greedy)), _EPISODES, look)
     palette = look.palette
-    styles = (palette.text, palette.optimum, palette.band, palette.episodes, palette.greedy_line)
-    _mark_off_axis(shown, kind, off, _EPISODES, look)
+    styles = (
+        palette.text,
+        palette.optimum,
+        palette.band,
+        palette.dim,
+        palette.episodes,
+        palette.greedy_line,
+    )
     _put_cells(canvas, plot, _Cells(kind, shown, band.filled), styles, look)
 
 
@@ -104,12 +116,23 @@ def _draw_lanes(canvas: Canvas, plot: Plot, data: CurveData, look: Look) -> None
     if data.optimum is not None:
         level = _level_cells(plot, data, data.optimum, look)
         shown[level], kind[level] = ord(look.glyphs.level), _LEVEL
+    seeds, whose = seed_cells(plot, data.seeds, look)
+    shown[seeds > 0], kind[seeds > 0] = seeds[seeds > 0], (_GREEDY + len(palette.lanes) + whose)[seeds > 0]
     there = cells.line >= 0
     shown[there], kind[there] = cells.codes[there], _GREEDY + cells.line[there]
     _mark_off_axis(shown, kind, off_axis(plot, lane_lines(data)), _GREEDY, look)
     lane = next(lane.number for lane in data.lanes if lane.shown)
     band = palette.lanes[lane - 1] + Style(dim=True)
-    styles = (palette.text, palette.optimum, band, palette.episodes, palette.greedy_line, *palette.lanes)
+    styles = (
+        palette.text,
+        palette.optimum,
+        band,
+        palette.dim,
+        palette.episodes,
+        palette.greedy_line,
+        *palette.lanes,
+        *(style + Style(dim=True) for style in palette.lanes),
+    )
     _put_cells(canvas, plot, _Cells(kind, shown, np.zeros(kind.shape, dtype=np.bool_)), styles, look)
 
 

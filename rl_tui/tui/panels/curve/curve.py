@@ -15,6 +15,7 @@ from rl_tui.tui.panels.curve.chart import draw_chart, plot_columns
 from rl_tui.tui.panels.curve.chart_band import band_signs
 from rl_tui.tui.panels.curve.data import CurveData, curve_data
 from rl_tui.tui.panels.curve.lane_text import lane_remark, lane_titles
+from rl_tui.tui.panels.curve.seed_band import seed_bands, seed_sign, with_room_for
 from rl_tui.tui.panels.curve.text import decimals_for, line_notes, remark, titles, with_notes
 from rl_tui.tui.panels.legend import Legend, LegendSign
 from rl_tui.tui.panels.panel import Panel
@@ -58,7 +59,7 @@ class ReturnCurve(Panel, can_focus=True):
             self.heading = self.fitting(titles(None, self.look.glyphs, 2, width), width)
             return strips_of([[Piece(f" {WAITING}", self.look.palette.dim)]], width, height, self.look)
         data = curve_data(snapshot, revealed=self.tells_all)
-        low, high = data.range
+        low, high = with_room_for(data.range, data.seeds)
         scale = settled(self.scale, low, high, may_shrink=not snapshot.timeline.in_past)
         if low or high:
             # else nothing stood on it, and how soon the exact answer came must not be seen later
@@ -78,11 +79,14 @@ class ReturnCurve(Panel, can_focus=True):
 
     def legend(self, snapshot: Snapshot) -> Legend:
         """Return what the axis counts, and the band: the lines have their names where they end."""
+        seeds = seed_bands(snapshot)
+        more = (seed_sign(seeds, self.look),) if seeds else ()
         if isinstance(snapshot.world.drawing, Arms):
-            return ()
+            return more
         plans = BY_ID[snapshot.agent.algorithm].planner
         sums = LegendSign("return", "= undiscounted sum", self.look.palette.text)
-        return (sums,) if plans else (sums, *band_signs(self.look, lanes=bool(snapshot.run_group.lanes)))
+        band = () if plans else band_signs(self.look, lanes=bool(snapshot.run_group.lanes))
+        return (sums, *more, *band)
 
     def _words(
         self, snapshot: Snapshot, data: CurveData, scale: Scale, width: int, in_border: bool
@@ -94,7 +98,7 @@ class ReturnCurve(Panel, can_focus=True):
         heads = titles(None if fast and not data.is_bandit else data, look.glyphs, decimals, width)
         with_figures = not (fast and in_border)
         words = remark(snapshot, data, look.glyphs, decimals, with_figures=with_figures)
-        if data.lanes and not data.hidden:
+        if data.lanes:
             words = lane_remark(data, look, plot_columns(scale, look, width))
         notes = line_notes(data, scale.low, look.glyphs, decimals, with_figures=with_figures)
         heads = lane_titles(data, heads, look.glyphs) if data.lanes else heads

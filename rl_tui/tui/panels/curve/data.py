@@ -12,12 +12,13 @@ from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.run.results import Curve, RunResults
 from rl_tui.lab.timeline.lane_view import LaneView
 from rl_tui.tui.draw.braille import NO_STEPS, Steps
+from rl_tui.tui.panels.curve.seed_band import SeedBand, seed_bands
+from rl_tui.tui.panels.curve.smoothing import smoothed
 from rl_tui.tui.panels.model.reward_range import reward_range
 from rl_tui.tui.panels.snapshot_facts import is_secret
 from rl_tui.worlds.drawing import Arms
 from rl_tui.worlds.mdp.space import FloatArray
 
-_SMOOTHED_SHARE: Final = 24  # a mean is taken over one in so many of the bins
 _MANY_WITHOUT_REWARD: Final = 10
 
 
@@ -58,6 +59,7 @@ class CurveData:
     undiscounted return of the policy that is best for the γ in force.
 
     All this is of the run shown; ``lanes`` are the runs side by side, itself among them, none if it is alone.
+    ``seeds`` is what many seeds say of the same runs, none while that is not known.
     """
 
     finished: int
@@ -75,6 +77,7 @@ class CurveData:
     is_decided: bool
     greedy_ends: float | None
     lanes: tuple[LaneLine, ...] = ()
+    seeds: tuple[SeedBand, ...] = ()
 
     @property
     def has_both_units(self) -> bool:
@@ -151,6 +154,7 @@ def curve_data(snapshot: Snapshot, *, revealed: bool) -> CurveData:
             _lane(number, lane, shown=number - 1 == snapshot.run_group.shown, hidden=hidden)
             for number, lane in enumerate(snapshot.run_group.lanes, 1)
         ),
+        seeds=seed_bands(snapshot),
     )
 
 
@@ -182,17 +186,6 @@ def _band(episodes: Steps, curve: Curve) -> Steps:
     if np.array_equal(curve.return_low, episodes.low) and np.array_equal(curve.return_high, episodes.high):
         return NO_STEPS
     return Steps(episodes.start, episodes.end, curve.return_low, curve.return_high)
-
-
-def smoothed(values: FloatArray) -> FloatArray:
-    """Return the mean of each of ``values`` and its neighbours, one in 24 of all, fewer at the ends."""
-    reach = len(values) // _SMOOTHED_SHARE // 2
-    if reach == 0:
-        return values
-    sums = np.concatenate(([0.0], np.cumsum(values)))
-    places = np.arange(len(values))
-    first, behind = np.maximum(places - reach, 0), np.minimum(places + reach + 1, len(values))
-    return np.asarray((sums[behind] - sums[first]) / (behind - first))
 
 
 def _greedy(results: RunResults, episodes: int) -> Steps:

@@ -11,6 +11,7 @@ from rich.style import Style
 from rl_tui.tui.draw.canvas import shortened
 from rl_tui.tui.draw.to_ascii import to_ascii
 from rl_tui.tui.panels.curve.data import CurveData, LaneLine
+from rl_tui.tui.panels.curve.seed_band import seed_remark
 from rl_tui.tui.panels.curve.text import (
     NUMBER,
     ROOM_FOR_NAMES,
@@ -81,17 +82,22 @@ def lane_remark(data: CurveData, look: Look, room: int) -> tuple[str, ...]:
     """Return what the figures beside the names are, the longest form first; nothing where there are none."""
     if room < ROOM_FOR_NAMES or not data.furthest or not _form(data, look, room).number:
         return ()
+    if data.seeds:
+        return seed_remark(data.seeds, look)
     what = "pulls" if data.is_bandit else "episodes"
     if any(lane.is_exact for lane in data.lanes):
         return (
-            f"beside names: mean of the last 100 {what}; of planners the exact return",
+            f"beside names: mean of the last 100 {what} of one seed; of planners the exact return",
             "mean of the last 100; planners: exact",
             "mean of the last 100, or exact",
         )
     return (
-        f"beside each name: the mean return of its last 100 {what}",
-        f"beside names: mean of the last 100 {what}",
-        "mean of the last 100 each",
+        f"beside names: mean of the last 100 {what} of one seed; M counts many",
+        *(("one seed; M counts many · h adds the best arm",) if data.hidden else ()),
+        f"beside names: last 100 {what}, one seed; M counts many",
+        "last 100 of one seed; M counts many",
+        "one seed; M counts many",
+        "one seed",
     )
 
 
@@ -119,7 +125,8 @@ def _names(data: CurveData, look: Look, width: int) -> list[str]:
 
 
 def _clipped(name: str, width: int, ellipsis: str) -> str:
-    return shortened(name, width, ellipsis).replace(f",{ellipsis}", ellipsis)
+    short = shortened(name, width, ellipsis)
+    return short.replace(f",{ellipsis}", ellipsis).replace(f":{ellipsis}", ellipsis)
 
 
 def _said(lane: LaneLine, name: str, form: _Form, decimals: int, glyphs: Glyphs) -> str:

@@ -76,11 +76,13 @@ def labels(
     names = _names(data, room)
     if names is None:
         return []
-    lines = (
+    lines: list[tuple[str, float | None, Style]] = [
         (names[0], data.greedy_now if greedy else None, palette.greedy_line),
         (names[1], data.mean_now if mean else None, palette.episodes),
         (names[2], data.optimum, palette.optimum),
-    )
+    ]
+    if mean:  # lanes have theirs in the remark
+        lines += [(f"{each.seeds} seeds", each.value, palette.dim) for each in data.seeds]
     found = [
         LineLabel(to_ascii(_with_number(name, value, decimals, room, look.glyphs), look.glyphs), value, style)
         for name, value, style in lines
@@ -122,6 +124,13 @@ def _usual_names(is_bandit: bool, room: int, recent: str) -> tuple[str, str, str
         return "greedy, exact", f"episodes, {recent}", "best for this γ"
     mean = recent if room >= ROOM_FOR_NUMBERS else "pulls" if is_bandit else "episodes"
     return ("greedy arm", mean, "best arm") if is_bandit else ("greedy", mean, "γ-best")
+
+
+def figure_names() -> tuple[str, ...]:
+    """Return all names beside which a number stands, in any room."""
+    rooms = (ROOM_FOR_NUMBERS, ROOM_FOR_LONG)
+    forms = (_usual_names(bandit, room, f"last {_RECENT}:") for bandit in (False, True) for room in rooms)
+    return tuple(dict.fromkeys(name for form in forms for name in form))
 
 
 def _with_number(name: str, value: float, decimals: int, room: int, glyphs: Glyphs) -> str:

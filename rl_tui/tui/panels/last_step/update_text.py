@@ -17,6 +17,7 @@ _FINER: Final = 2  # decimals that terms may have beyond those of the results
 _CLOSER: Final = 4  # decimals more that are worth it for results that come out to half a digit
 _DIGITS: Final = 6  # behind the first one of the largest term; results below them are shown as 0
 _NOISE: Final = 1e-12  # of the largest term: what rounding errors may leave of a term
+_EXACT: Final = 1e-12  # what binary fractions leave of an exact difference
 _FACTOR: Final = 4  # decimals of a factor that is no short number
 
 
@@ -45,22 +46,31 @@ class _Rounding:
 def update_text(last: LastStep, alpha: float | str, glyphs: Glyphs, *, bootstraps: bool) -> UpdateText:
     """Write the numbers of ``last`` with as few decimals as let the printed arithmetic come out.
 
-    What is worked out from the printed terms is the printed target, δ and new estimate up to the last digit,
-    mostly up to half of it. ``alpha`` is the step size in force: a step of 1/N that is not it is written as a
+    The printed δ is the printed target less the printed estimate. What else is worked out from the printed
+    terms is what is printed up to half of the last digit. Where so few decimals do not do that, it is up to a
+    whole one. ``alpha`` is the step size in force: a step of 1/N that is not it is written as a
     fraction. Without ``bootstraps`` the target is what was gathered.
     """
-    best: UpdateText | None = None
+    closest: dict[float, UpdateText] = {}  # the first one that comes out to so much of the last digit
     most = _DIGITS - magnitude(_largest(last))
     fewest = min(_decimals_that_show(last), most)
     for rounding in _roundings(fewest, most):
         text = _written(last, alpha, glyphs, rounding, bootstraps=bootstraps)
-        if best and rounding.results > fewest + _CLOSER:
+        if closest and rounding.results > fewest + _CLOSER:
             break
-        if _comes_out(last, text, rounding, glyphs, bootstraps=bootstraps, digits=0.5):
-            return text
-        if not best and _comes_out(last, text, rounding, glyphs, bootstraps=bootstraps, digits=1.0):
-            best = text
-    return best or text
+        for digits in (0.5, 1.0):
+            if _comes_out(last, text, rounding, glyphs, bootstraps=bootstraps, digits=digits):
+                if digits < 1.0 and subtracts(text, glyphs):
+                    return text
+                closest.setdefault(digits, text)
+                break
+    return closest[min(closest)] if closest else text
+
+
+def subtracts(text: UpdateText, glyphs: Glyphs) -> bool:
+    """Return whether target − before is δ to the last digit of what is printed; else it is about δ."""
+    target, before, error = (parsed(each, glyphs) for each in (text.target, text.before, text.error))
+    return abs(target - before - error) <= _EXACT * max(abs(target), abs(before))
 
 
 def _written(

@@ -10,6 +10,7 @@ import numpy as np
 
 from rl_tui.lab.last_step.backup import Backup, Leaf
 from rl_tui.tui.draw import names
+from rl_tui.tui.draw.action_order import shown_place
 from rl_tui.tui.draw.pieces import Line, Piece
 from rl_tui.tui.panels.last_step.words import StepWords
 from rl_tui.tui.panels.microscope.backup_columns import outcome_rows
@@ -62,7 +63,8 @@ def _leaf_rows(world: World) -> int:
 def _tree(world: World, backup: Backup, look: Look, width: int, *, secret: bool) -> list[Line]:
     """Return the state, the action below it, and the leaves that hang from it."""
     palette, glyphs = look.palette, look.glyphs
-    shown, left_out = _chosen(backup.leaves)
+    leaves = sorted(backup.leaves, key=lambda leaf: shown_place(world, leaf.action))
+    shown, left_out = _chosen(leaves)
     heads, *rows = outcome_rows(world, backup, shown, look, width - _TRUNK, secret=secret)
     state = names.state_name(world, backup.state, glyphs)
     action = names.action_name(world, int(world.space.pair_action[backup.pair]), glyphs)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from itertools import groupby
 from typing import Final
 
@@ -10,11 +11,12 @@ from textual.strip import Strip
 
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.timeline.table_samples import CellHistory
-from rl_tui.tui.draw import braille, names, numbers
+from rl_tui.tui.draw import braille, names
 from rl_tui.tui.draw.axes import draw_count_axis, draw_value_axis, value_axis_columns
 from rl_tui.tui.draw.braille import Steps
 from rl_tui.tui.draw.canvas import Canvas
 from rl_tui.tui.draw.chart_plot import Plot
+from rl_tui.tui.draw.number_form import number_form
 from rl_tui.tui.draw.pieces import wrapped
 from rl_tui.tui.draw.scale import round_range, round_scale
 from rl_tui.tui.panels.microscope.section import MicroscopeSection, columns_of, stacked
@@ -28,6 +30,7 @@ NOT_KEPT: Final = "of a table as large as this no history is kept"
 LEAST_HEIGHT: Final = 4
 _LEAST_WIDTH: Final = 16
 _TICK_COLUMNS: Final = 9
+_VALUE_COLUMNS: Final = 7
 _UNIT: Final = " step"
 # What stands for a cell of which the line takes neither half, the upper one, the lower one, both
 _HALVES: Final = np.array([ord(each) for each in " '.:"])
@@ -60,13 +63,14 @@ def history_strips(
 
 
 def _values_text(snapshot: Snapshot, pair: int, exact: float | None, look: Look) -> tuple[str, ...]:
-    """Return the value now and the exact one, longest form first."""
-    now = look.glyphs.ellipsis
-    if snapshot.agent.holds(pair):
-        now = numbers.value(float(snapshot.agent.q[pair]), 7, look.glyphs)
+    """Return the value now and the exact one, with as many decimals, longest form first."""
+    q = float(snapshot.agent.q[pair])
+    known = [each for each in (q, exact) if each is not None and math.isfinite(each)]
+    form = number_form(min(known, default=0.0), max(known, default=0.0), _VALUE_COLUMNS)
+    now = form.text(q, look.glyphs) if snapshot.agent.holds(pair) else look.glyphs.ellipsis
     if exact is None:
         return (f"now {now}",)
-    return f"now {now}, exact {numbers.value(exact, 7, look.glyphs)}", f"now {now}"
+    return f"now {now}, exact {form.text(exact, look.glyphs)}", f"now {now}"
 
 
 def _is_kept(cell: CellHistory) -> bool:

@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import ClassVar, Final
 
 from rich.segment import Segment
-from textual import events
 from textual.binding import BindingType
 from textual.strip import Strip
 
 from rl_tui.lab.last_step.story import StepStory, story_of
 from rl_tui.lab.live.snapshot import Snapshot
-from rl_tui.tui.draw.canvas import Canvas
 from rl_tui.tui.draw.pieces import KEPT_BLANK, Line, Piece, strips_of, wrapped
-from rl_tui.tui.panels.bindings import binding
 from rl_tui.tui.panels.last_step.last_step import nothing_yet
 from rl_tui.tui.panels.last_step.words import words_of
 from rl_tui.tui.panels.microscope.backup_tree import BACKUP_HEADING, backup_rows, backup_section
@@ -22,40 +20,29 @@ from rl_tui.tui.panels.microscope.return_text import RETURN_HEADING, RETURN_ROWS
 from rl_tui.tui.panels.microscope.section import MicroscopeSection, stacked
 from rl_tui.tui.panels.microscope.step import STEP_HEADING, STEP_ROWS, step_section
 from rl_tui.tui.panels.microscope.update import UPDATE_HEADING, update_rows, update_section
-from rl_tui.tui.panels.panel import Panel
+from rl_tui.tui.panels.scrolled_panel import ScrolledPanel, scroll_bindings
 from rl_tui.tui.panels.snapshot_facts import is_secret, passes_too_fast
 from rl_tui.tui.theme.look import Look
 
-_WHEEL_ROWS: Final = 3
 ROOM_FOR_TWO: Final = 96
 TOO_FAST: Final = f"steps pass too fast to take one apart: space pauses, −{KEPT_BLANK}slows down"
 _HISTORY_ROWS: Final = 7  # its heading, some rows of dots and the steps below them
 _GAP: Final = 2
 
 
-class Microscope(Panel, can_focus=True):
+class Microscope(ScrolledPanel):
     """Sections below one another, in two columns where there is room; arrows and pgup, pgdn scroll them.
 
     ``pair`` is the one whose history is shown. Where steps pass too fast to be taken apart, only that history
     is drawn.
     """
 
-    BINDINGS: ClassVar[list[BindingType]] = [
-        binding("up", "scroll_rows(-1)", "microscope.up", "Scroll up"),
-        binding("down", "scroll_rows(1)", "microscope.down", "Scroll down"),
-        binding("pageup", "scroll_pages(-1)", "microscope.page_up", "A page up"),
-        binding("pagedown", "scroll_pages(1)", "microscope.page_down", "A page down"),
-        binding("home", "scroll_rows(-999)", "microscope.first", "To the top"),
-        binding("end", "scroll_rows(999)", "microscope.last", "To the end"),
-    ]
+    BINDINGS: ClassVar[list[BindingType]] = scroll_bindings("microscope")
+    title = "Microscope"
 
     def __init__(self, look: Look, *, id: str | None = None, classes: str | None = None) -> None:  # noqa: A002
         super().__init__(look, id=id, classes=classes)
         self.pair: int | None = None
-        self.heading = "Microscope"
-        self._first = 0
-        self._rows_in_all = 0
-        self._has_bar = False
 
     @property
     def is_complete(self) -> bool:
@@ -63,75 +50,19 @@ class Microscope(Panel, can_focus=True):
         cell = None if self.snapshot is None else self.snapshot.cell
         return self.pair is None or (cell is not None and cell.pair == self.pair)
 
-    def picture(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
-        """Return the rows in view, with a bar at the right where there are more."""
-        rows, is_scrolled = self._page(snapshot, width, height)
-        self.heading = self.fitting((*self.captioned("Microscope"), "Microscope"), width)
-        self._rows_in_all = len(rows)
-        self._first = max(0, min(self._first, len(rows) - height))
-        shown = rows[self._first : self._first + height]
-        self.footing = self.fitting(_keys(is_scrolled=is_scrolled), width)
-        shown += [Strip.blank(width, self.look.palette.text)] * (height - len(shown))
-        if not is_scrolled:
-            return shown
-        bar = _scroll_bar(self._first, height, len(rows), self.look)
-        return [Strip([*row, *end], width) for row, end in zip(shown, bar, strict=True)]
+    def rows(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
+        """Return all rows of the page."""
+        return page(snapshot, self.pair, self.look, width, height, revealed=self.tells_all)
 
-    def _page(self, snapshot: Snapshot | None, width: int, height: int) -> tuple[list[Strip], bool]:
-        """Return all rows, and whether they need a bar beside them; mostly as it was the last time."""
-        for has_bar in (self._has_bar, not self._has_bar):
-            room = width - 1 if has_bar else width
-            rows = page(snapshot, self.pair, self.look, room, height, revealed=self.tells_all)
-            self._has_bar = len(rows) > height
-            if self._has_bar is has_bar:
-                break
-        return rows, has_bar
-
-    def action_scroll_rows(self, rows: int) -> None:
-        """Scroll by so many rows."""
-        self._scroll(rows)
-
-    def action_scroll_pages(self, pages: int) -> None:
-        """Scroll by so many pages, a row less each, so that nothing is skipped."""
-        self._scroll(pages * max(1, self.size.height - 1))
-
-    def on_mouse_scroll_down(self, event: events.MouseScrollDown) -> None:
-        """Scroll down by a few rows."""
-        event.stop()
-        self._scroll(_WHEEL_ROWS)
-
-    def on_mouse_scroll_up(self, event: events.MouseScrollUp) -> None:
-        """Scroll up by a few rows."""
-        event.stop()
-        self._scroll(-_WHEEL_ROWS)
-
-    def _scroll(self, rows: int) -> None:
-        self._first = max(0, min(self._first + rows, self._rows_in_all - self.size.height))
-        self.redraw()
+    def keys(self, snapshot: Snapshot | None) -> Sequence[str]:
+        """Return the key that closes it."""
+        return ("d: close",)
 
 
 def lit_sources(snapshot: Snapshot) -> frozenset[int]:
     """Return the pairs that the table lights up as looked up; none where steps pass too fast to follow."""
     story = None if passes_too_fast(snapshot) else story_of(snapshot)
     return frozenset() if story is None else frozenset(story.sources)
-
-
-def _scroll_bar(first: int, height: int, rows: int, look: Look) -> list[Strip]:
-    canvas, glyphs = Canvas(1, height, look.palette.dim), look.glyphs
-    length = max(1, height * height // rows)
-    start = round((height - length) * first / max(1, rows - height))
-    for y in range(height):
-        inside = start <= y < start + length
-        canvas.put(0, y, glyphs.bar if inside else glyphs.axis_vertical, look.palette.dim)
-    return canvas.strips()
-
-
-def _keys(*, is_scrolled: bool) -> list[str]:
-    """Return the keys of the panel, longest form first."""
-    close = "d: close"
-    if not is_scrolled:
-        return [close]
-    return [f"↑ ↓ pgup pgdn: more · {close}", f"↑ ↓: more · {close}", close]
 
 
 def page(

@@ -6,6 +6,7 @@ from typing import Final
 
 from rl_tui.agents.update_terms import Lookup, UpdateTerms
 from rl_tui.tui.draw import names, numbers
+from rl_tui.tui.draw.action_order import shown_pairs
 from rl_tui.tui.draw.pieces import Line, Piece
 from rl_tui.tui.draw.precision import column_figure, comes_to, parsed
 from rl_tui.tui.panels.last_step.equation import bracketed, equation, error_piece
@@ -97,12 +98,12 @@ class _Writer:
 
     def _mixed(self) -> list[tuple[str, str]]:
         """Return weights and estimates with the fewest decimals that give the bootstrap as it is printed."""
-        glyphs = self._look.glyphs
+        glyphs, mixed = self._look.glyphs, dict(zip(self._story.sources, self._story.looked_up, strict=True))
         shown: list[tuple[str, str]] = []
         for decimals in range(_FEWEST, _MOST + 1):
             shown = [
                 (numbers.brief(weight, glyphs, decimals=decimals), column_figure(estimate, decimals, glyphs))
-                for weight, estimate in self._story.looked_up
+                for weight, estimate in map(mixed.__getitem__, shown_pairs(self._story.world, mixed))
             ]
             worked_out = sum(parsed(weight, glyphs) * parsed(each, glyphs) for weight, each in shown)
             if comes_to(worked_out, self._words.update.bootstrap, glyphs):

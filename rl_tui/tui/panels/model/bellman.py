@@ -7,6 +7,7 @@ from typing import Final
 from rl_tui.agents.exact.solution import Solution
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.draw import names, numbers
+from rl_tui.tui.draw.action_order import shown_outcomes
 from rl_tui.tui.draw.pieces import KEPT_BLANK as K
 from rl_tui.tui.draw.pieces import Line, Piece, wrapped
 from rl_tui.tui.draw.precision import column_figure, leading_zeros
@@ -33,8 +34,9 @@ def bellman_lines(snapshot: Snapshot, pair: int, look: Look, width: int, *, secr
     if snapshot.exact_answer.solution is None or mdp is None:
         why = snapshot.exact_answer.refused or "the exact answer is being computed"
         return [*lines, *wrapped(why, width, palette.dim, look, _CONTINUED, _CONTINUED)]
-    decimals = _decimals(mdp, snapshot.exact_answer.solution, pair)
-    terms = _terms(mdp, snapshot.exact_answer.solution, pair, look, decimals)
+    decimals = decimals_of(mdp, snapshot.exact_answer.solution, pair)
+    outcomes = shown_outcomes(snapshot.world, mdp, pair)
+    terms = _terms(mdp, snapshot.exact_answer.solution, outcomes, look, decimals)
     text = "means as they are now" if mdp.drift_std else " + ".join(terms)
     result = column_figure(float(snapshot.exact_answer.solution.q[pair]), decimals, look.glyphs)
     return [
@@ -44,17 +46,17 @@ def bellman_lines(snapshot: Snapshot, pair: int, look: Look, width: int, *, secr
     ]
 
 
-def _decimals(mdp: TabularMDP, exact: Solution, pair: int) -> int:
+def decimals_of(mdp: TabularMDP, exact: Solution, pair: int) -> int:
     """Return four decimals, more where all values are small: the sum is that of the printed terms."""
     values = [float(exact.v[mdp.next_state[outcome]]) for outcome in mdp.outcomes_of(pair)]
     return _DECIMALS + max(0, leading_zeros(float(exact.q[pair]), *values) - 1)
 
 
-def _terms(mdp: TabularMDP, exact: Solution, pair: int, look: Look, decimals: int) -> list[str]:
-    """Return ``1/3·[0 + .99·.5420]`` for each outcome."""
+def _terms(mdp: TabularMDP, exact: Solution, outcomes: list[int], look: Look, decimals: int) -> list[str]:
+    """Return ``1/3·[0 + .99·.5420]`` for each of ``outcomes``."""
     glyphs = look.glyphs
     terms = []
-    for outcome in mdp.outcomes_of(pair):
+    for outcome in outcomes:
         reward = numbers.brief(float(mdp.reward[outcome]), glyphs, decimals=_DECIMALS)
         target = reward
         if not mdp.terminated[outcome]:

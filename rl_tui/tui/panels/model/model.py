@@ -9,6 +9,7 @@ from textual.binding import BindingType
 from textual.strip import Strip
 
 from rl_tui.lab.live.snapshot import Snapshot
+from rl_tui.tui.draw.action_order import shown_pairs, shown_place
 from rl_tui.tui.draw.pieces import Line, Piece, strips_of
 from rl_tui.tui.panels.bindings import binding
 from rl_tui.tui.panels.model.text import model_lines, pair_lines
@@ -40,7 +41,8 @@ class ModelPanel(Panel, can_focus=True):
         if self._pair is None and self.snapshot is not None:
             space, mdp = self.snapshot.world.space, self.snapshot.world.mdp
             start = self.snapshot.counters.state if mdp is None else int(mdp.start_state[0])
-            return min(int(space.first_pair[start]), space.pairs - 1)
+            pairs = space.pairs_of(start)
+            return shown_pairs(self.snapshot.world, pairs)[0] if pairs else space.pairs - 1
         return self._pair
 
     def show_pair(self, pair: int) -> None:
@@ -71,14 +73,15 @@ class ModelPanel(Panel, can_focus=True):
         """Go to the next state that owns pairs, ``step`` of them on, keeping the action where it is legal."""
         if self.snapshot is None or self.pair is None:
             return
-        space = self.snapshot.world.space
-        action = int(space.pair_action[self.pair])
+        world, space = self.snapshot.world, self.snapshot.world.space
+        place = shown_place(world, int(space.pair_action[self.pair]))
         state = space.state_of(self.pair) + step
         while 0 <= state < space.states and not len(space.pairs_of(state)):
             state += step
         if 0 <= state < space.states:
+            pairs = shown_pairs(world, space.pairs_of(state))
             self.show_pair(
-                min(space.pairs_of(state), key=lambda pair: abs(int(space.pair_action[pair]) - action))
+                min(pairs, key=lambda pair: abs(shown_place(world, int(space.pair_action[pair])) - place))
             )
 
     def action_move_action(self, step: int) -> None:
@@ -86,9 +89,10 @@ class ModelPanel(Panel, can_focus=True):
         if self.snapshot is None or self.pair is None:
             return
         space = self.snapshot.world.space
-        pairs = space.pairs_of(space.state_of(self.pair))
-        if self.pair + step in pairs:
-            self.show_pair(self.pair + step)
+        pairs = shown_pairs(self.snapshot.world, space.pairs_of(space.state_of(self.pair)))
+        place = pairs.index(self.pair) + step
+        if 0 <= place < len(pairs):
+            self.show_pair(pairs[place])
 
     def action_scroll_by(self, pages: int) -> None:
         """Scroll by so many pages."""

@@ -7,6 +7,7 @@ from typing import Final
 from rich.cells import cell_len
 
 from rl_tui.tui.draw import names, numbers
+from rl_tui.tui.draw.action_order import shown_outcomes
 from rl_tui.tui.draw.pieces import Line, Piece
 from rl_tui.tui.draw.to_ascii import to_ascii
 from rl_tui.tui.theme.look import Look
@@ -22,7 +23,7 @@ def outcome_lines(world: World, mdp: TabularMDP, pair: int, look: Look, *, secre
     meant = int(mdp.pair_action[pair])
     slips = any(mdp.outcome_action[each] not in (UNKNOWN_ACTION, meant) for each in mdp.outcomes_of(pair))
     rows = []
-    for outcome in mdp.outcomes_of(pair):
+    for outcome in shown_outcomes(world, mdp, pair):
         next_state = int(mdp.next_state[outcome])
         happened = int(mdp.outcome_action[outcome])
         landing = names.state_name(world, next_state, glyphs)

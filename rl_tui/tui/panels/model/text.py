@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from functools import lru_cache
 from typing import Final
@@ -12,10 +13,12 @@ from rich.cells import cell_len
 from rl_tui.common.words import counted
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.draw import names, numbers
+from rl_tui.tui.draw.action_order import shown_order, shown_pairs
 from rl_tui.tui.draw.pieces import Line, Piece, wrapped
+from rl_tui.tui.draw.precision import column_figure
 from rl_tui.tui.draw.to_ascii import to_ascii
 from rl_tui.tui.panels.last_step.update_text import setting
-from rl_tui.tui.panels.model.bellman import SECRET, bellman_lines
+from rl_tui.tui.panels.model.bellman import SECRET, bellman_lines, decimals_of
 from rl_tui.tui.panels.model.outcomes import outcome_lines
 from rl_tui.tui.panels.model.reward_range import reward_range
 from rl_tui.tui.panels.snapshot_facts import is_secret
@@ -76,16 +79,17 @@ def pair_lines(snapshot: Snapshot, pair: int, look: Look, width: int, *, reveale
     world, space, palette, glyphs = snapshot.world, snapshot.world.space, look.palette, look.glyphs
     state, action = space.state_of(pair), int(space.pair_action[pair])
     secret = is_secret(snapshot, revealed=revealed)
+    number = 1 + space.pairs_of(state).start + shown_pairs(world, space.pairs_of(state)).index(pair)
     head: list[Piece] = [
         Piece(" state ", palette.dim),
         Piece(names.with_minus(space.state_names[state], look.glyphs), palette.strong),
         *([Piece(f" ({place})", palette.dim)] if (place := names.place(world, state)) else []),
         Piece("   action ", palette.dim),
         Piece(_action(snapshot, action, look), palette.strong),
-        Piece(f"   pair {pair + 1:,} of {space.pairs:,}", palette.dim),
+        Piece(f"   pair {number:,} of {space.pairs:,}", palette.dim),
     ]
     taken = int(snapshot.agent.visits[pair])
-    learned = numbers.value(float(snapshot.agent.q[pair]), 7, glyphs) if taken else "not yet visited"
+    learned = _learned(snapshot, pair, look, secret=secret) if taken else "not yet visited"
     if not snapshot.agent.holds(pair):  # the next snapshot of a large world will have it
         learned = glyphs.ellipsis
     estimate: Line = [
@@ -102,6 +106,14 @@ def pair_lines(snapshot: Snapshot, pair: int, look: Look, width: int, *, reveale
         [Piece("", palette.text)],
         *bellman_lines(snapshot, pair, look, width, secret=secret),
     ]
+
+
+def _learned(snapshot: Snapshot, pair: int, look: Look, *, secret: bool) -> str:
+    """Return the estimate of ``pair``, with as many decimals as the exact value shown below it."""
+    x, mdp, exact = float(snapshot.agent.q[pair]), snapshot.world.mdp, snapshot.exact_answer.solution
+    if mdp is None or exact is None or secret or not math.isfinite(x):
+        return numbers.value(x, 7, look.glyphs)
+    return column_figure(x, decimals_of(mdp, exact, pair), look.glyphs)
 
 
 def _rewards(snapshot: Snapshot, mdp: TabularMDP, look: Look, *, revealed: bool) -> str:
@@ -157,7 +169,7 @@ def _time_limit(space: FiniteSpace) -> str:
 
 
 def _actions(snapshot: Snapshot, look: Look) -> list[str]:
-    return [_action(snapshot, action, look) for action in range(len(snapshot.world.space.action_names))]
+    return [_action(snapshot, action, look) for action in shown_order(snapshot.world)]
 
 
 def _action(snapshot: Snapshot, action: int, look: Look) -> str:

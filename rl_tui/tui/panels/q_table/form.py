@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Final
 
 from rich.cells import cell_len
 from rich.segment import Segment
 
 from rl_tui.lab.live.until import Breakpoints
+from rl_tui.tui.draw.number_form import SteadyForms
 from rl_tui.tui.panels.pointing import NOWHERE
 from rl_tui.tui.panels.q_table.layers import Figures, Layer
 from rl_tui.tui.panels.q_table.world import TableWorld
@@ -37,6 +38,7 @@ class Scene:
     look: Look
     breakpoints: Breakpoints = NO_BREAKPOINTS
     pointed: range = NOWHERE
+    forms: SteadyForms = field(default_factory=SteadyForms)
 
     @property
     def shown(self) -> Figures:

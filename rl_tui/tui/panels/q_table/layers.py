@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from enum import StrEnum
-from typing import Final, NamedTuple
+from typing import Final
 
 import numpy as np
 import numpy.typing as npt
@@ -14,13 +14,11 @@ from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.run.bandit import best_arms, true_means
 from rl_tui.lab.timeline.lane_view import LaneView
 from rl_tui.tui.draw import numbers
+from rl_tui.tui.draw.number_form import NumberForm, SteadyForms
 from rl_tui.tui.panels.snapshot_facts import passes_too_fast
-from rl_tui.tui.theme.glyphs import Glyphs
 from rl_tui.tui.theme.look import Look
 from rl_tui.worlds.drawing import Arms
 from rl_tui.worlds.mdp.space import BoolArray, FloatArray
-
-_ROOM_FOR_THREE: Final = 5
 
 
 class Layer(StrEnum):
@@ -72,6 +70,9 @@ class Figures:
     layer of Q*. No pair is greedy where nothing is known about the state. ``sources`` are pairs that the last
     update looked up. Of a large world ``low`` and ``high`` are the ends of what the snapshot holds, which is
     what is in view and around.
+
+    All numbers of a layer have one form, that of ``low`` and ``high``; ``forms`` keeps it steady from one
+    moment to the next.
     """
 
     def __init__(
@@ -82,6 +83,7 @@ class Figures:
         exact: tuple[FloatArray, BoolArray] | None,
         lit: int | None = None,
         sources: frozenset[int] = frozenset(),
+        forms: SteadyForms | None = None,
     ) -> None:
         self.layer = layer
         self._look = look
@@ -95,7 +97,8 @@ class Figures:
         self._held = None if window is None else window.held
         self.low, self.high = _ends(self._values if window is None else self._values[window.pairs])
         self._total_visits: int | None = None
-        self._forms: dict[int, _NumberForm] = {}
+        self._steady = SteadyForms() if forms is None else forms
+        self._forms: dict[int, NumberForm] = {}
 
     def text(self, pair: int, width: int) -> str:
         """Return the number of ``pair`` in at most ``width`` cells; a dot for what was never updated."""
@@ -107,7 +110,7 @@ class Figures:
             return "." if glyphs.name == "ascii" else "·"
         if self.layer is Layer.VISITS:
             return numbers.count(int(x), width)
-        return numbers.value(x, width, glyphs, self._form(width).decimals)
+        return self._form(width).text(x, glyphs)
 
     def cells(self, width: int) -> int:
         """Return how many of ``width`` cells the longest number takes."""
@@ -181,26 +184,15 @@ class Figures:
         span = high - low
         return palette.value((x - low) / span if 0.0 < span < math.inf else 0.0)
 
-    def _form(self, width: int) -> _NumberForm:
+    def _form(self, width: int) -> NumberForm:
         form = self._forms.get(width)
         if form is None:
-            form = self._forms[width] = _number_form(self.low, self.high, width, self._look.glyphs)
+            form = self._forms[width] = self._steady.form((self.layer, width), self.low, self.high, width)
         return form
 
-
-class _NumberForm(NamedTuple):
-    """The decimals of numbers and the cells that the longest one takes."""
-
-    decimals: int
-    cells: int
-
-
-def _number_form(low: float, high: float, width: int, glyphs: Glyphs) -> _NumberForm:
-    """Return 3 decimals where all numbers have room for them, so that their points line up; else 2."""
-    decimals = 2
-    if width >= _ROOM_FOR_THREE:
-        decimals = 3 if all(len(numbers.fixed(end, 3, glyphs)) <= width for end in (low, high)) else 2
-    return _NumberForm(decimals, max(len(numbers.value(end, width, glyphs, decimals)) for end in (low, high)))
+    def share_form(self, width: int, form: NumberForm) -> None:
+        """Write the numbers that get ``width`` cells like those of other layers beside them."""
+        self._forms[width] = form
 
 
 def _values(

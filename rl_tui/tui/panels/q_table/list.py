@@ -70,13 +70,14 @@ class ListForm:
 
     def entry(self, entry: int, is_first: bool) -> Pieces:
         """Return the row of a pair; the state is named in its first row and in the first of all."""
-        world = self.scene.world
-        is_new = is_first or entry == int(world.space.first_pair[world.space.state_of(entry)])
-        return [segment for column in self.columns for segment in column.draw(entry, is_new)]
+        world, pair = self.scene.world, self._pair_of(entry)
+        is_new = is_first or entry == int(world.space.first_pair[world.space.state_of(pair)])
+        return [segment for column in self.columns for segment in column.draw(pair, is_new)]
 
     def pairs_in(self, entry: int) -> range:
-        """Return the pair of the row."""
-        return range(entry, entry + 1)
+        """Return the pairs of the state of the row, among them that of the row."""
+        space = self.scene.world.space
+        return space.pairs_of(space.state_of(entry))
 
     def entry_of(self, state: int) -> int:
         """Return the row of the first pair of ``state``."""
@@ -84,16 +85,23 @@ class ListForm:
         return first if first < end else NO_ROW
 
     def entry_of_pair(self, pair: int) -> int:
-        """Return the row of ``pair``: pairs are listed in their order."""
-        return pair
+        """Return the row of ``pair``: states are listed in their order."""
+        world = self.scene.world
+        state = world.space.state_of(pair)
+        return int(world.space.first_pair[state]) + world.pairs_shown(state).index(pair)
 
     def moved(self, pair: int, rows: int, columns: int) -> int:
         """Return the pair so many rows below."""
-        return max(0, min(self.entries - 1, pair + rows))
+        return self._pair_of(max(0, min(self.entries - 1, self.entry_of_pair(pair) + rows)))
 
     def pair_at(self, entry: int, x: int) -> int | None:
         """Return the pair of the row."""
-        return entry
+        return self._pair_of(entry)
+
+    def _pair_of(self, entry: int) -> int:
+        world = self.scene.world
+        state = world.space.state_of(entry)  # its rows are as many as its pairs, and in the same place
+        return world.pairs_shown(state)[entry - int(world.space.first_pair[state])]
 
 
 def list_form(scene: Scene, width: int) -> ListForm:
@@ -110,7 +118,8 @@ def greedy_line(scene: Scene) -> str:
     states = []
     for state in world.live.tolist():
         greedy = scene.shown.greedy(world.space.pairs_of(state))
-        states.append("=".join(world.action_names[world.action_of(pair)] for pair in greedy) or NOT_TRIED)
+        shown = [pair for pair in world.pairs_shown(state) if pair in greedy]
+        states.append("=".join(world.action_names[world.action_of(pair)] for pair in shown) or NOT_TRIED)
     known = any(state != NOT_TRIED for state in states)
     return f"greedy: {' · '.join(states)}" if known else ""
 
@@ -247,6 +256,7 @@ def _value_columns(scene: Scene, layers: Sequence[Layer]) -> list[Column]:
 
     While visits are in force they have them.
     """
+    _share_form(scene, layers)
     main = scene.layer if scene.layer is Layer.OPTIMAL and scene.layer in layers else layers[0]
     counts = scene.layer is Layer.VISITS
     shown = replace(scene, cursor=None) if counts else scene
@@ -257,6 +267,15 @@ def _value_columns(scene: Scene, layers: Sequence[Layer]) -> list[Column]:
         rank = (3 if counts else 0) if is_main else 2
         columns.append(Column(head, BOX, rank, _value(shown, layer, is_main, has_frames=not counts), _right))
     return columns
+
+
+def _share_form(scene: Scene, layers: Sequence[Layer]) -> None:
+    """Write the numbers of columns that are compared with as many decimals."""
+    compared = [scene.figures[layer] for layer in layers]
+    low, high = min(each.low for each in compared), max(each.high for each in compared)
+    form = scene.forms.form((*layers, DIGITS), low, high, DIGITS)
+    for each in compared:
+        each.share_form(DIGITS, form)
 
 
 def _value(scene: Scene, layer: Layer, is_main: bool, has_frames: bool) -> Draw:

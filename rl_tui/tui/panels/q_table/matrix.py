@@ -54,7 +54,7 @@ class MatrixForm:
         """Return the actions, each above the middle of its column."""
         width, ellipsis = self.field + _MARKS, self.scene.look.glyphs.ellipsis
         text = " " * (self.label + _AROUND_LABEL)
-        names = self._world.action_names
+        names = [self._world.action_names[action] for action in self._world.shown_actions]
         for name, following in zip(names, (*names[1:], ""), strict=True):
             # the gap may be used where no other name begins right behind it
             reach = width + _GAP if cell_len(following) < width - 1 else width
@@ -77,15 +77,15 @@ class MatrixForm:
         ]
         greedy = scene.shown.greedy(pairs)
         digits = min(self.field, MOST_DIGITS)
-        expected = 0
-        for pair, action in zip(
-            pairs, world.space.pair_action[pairs.start : pairs.stop].tolist(), strict=True
-        ):
-            pieces += self._empty(action - expected)
+        pair_of = world.pair_of_action(state)
+        for action in world.shown_actions:
+            pair = pair_of.get(action)
+            if pair is None:
+                pieces.append(Segment(" " * self._column, palette.text))
+                continue
             pieces += boxed(scene, scene.shown, pair, self.field, digits, pair in greedy)
             pieces.append(Segment(" " * _GAP, palette.text))
-            expected = action + 1
-        return pieces + self._empty(len(world.action_names) - expected)
+        return pieces
 
     def pairs_in(self, entry: int) -> range:
         """Return the pairs of the state."""
@@ -105,17 +105,16 @@ class MatrixForm:
         if rows:
             row = max(0, min(self.entries - 1, world.row_of(state) + rows))
             return world.pair_near(int(world.live[row]), world.action_of(pair))
-        pairs = world.space.pairs_of(state)
-        return max(pairs.start, min(pairs.stop - 1, pair + columns))
+        pairs = world.pairs_shown(state)
+        return pairs[max(0, min(len(pairs) - 1, pairs.index(pair) + columns))]
 
     def pair_at(self, entry: int, x: int) -> int | None:
         """Return the pair of the action whose column is at ``x``."""
-        action = (x - self.label - _AROUND_LABEL) // self._column
-        pairs = self._world.space.pairs_of(int(self._world.live[entry]))
-        return next((pair for pair in pairs if self._world.action_of(pair) == action), None)
-
-    def _empty(self, actions: int) -> Pieces:
-        return [Segment(" " * (actions * self._column), self.scene.look.palette.text)] if actions else []
+        column = (x - self.label - _AROUND_LABEL) // self._column
+        if not 0 <= column < len(self._world.shown_actions):
+            return None
+        pair_of = self._world.pair_of_action(int(self._world.live[entry]))
+        return pair_of.get(self._world.shown_actions[column])
 
 
 def matrix_form(scene: Scene, width: int, lines: int) -> MatrixForm | None:

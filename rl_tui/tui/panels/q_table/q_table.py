@@ -11,12 +11,11 @@ from textual.binding import BindingType
 from textual.message import Message
 from textual.strip import Strip
 
-from rl_tui.common.words import counted
 from rl_tui.lab.live.snapshot import Phase, Snapshot
 from rl_tui.lab.live.viewport import RowRange, followed_state
 from rl_tui.lab.run.large_worlds import is_large
+from rl_tui.tui.draw.number_form import SteadyForms
 from rl_tui.tui.draw.pieces import Piece, strips_of, wrapped
-from rl_tui.tui.draw.to_ascii import separated, to_ascii
 from rl_tui.tui.panels.bindings import binding
 from rl_tui.tui.panels.legend import GREEDY_IN_FULL, Legend, LegendSign
 from rl_tui.tui.panels.panel import Panel
@@ -30,31 +29,25 @@ from rl_tui.tui.panels.q_table.layers import (
     lit_pair,
     other_lane,
 )
-from rl_tui.tui.panels.q_table.list import ListForm, list_form
+from rl_tui.tui.panels.q_table.list import list_form
 from rl_tui.tui.panels.q_table.matrix import matrix_form
 from rl_tui.tui.panels.q_table.sheet import Form, Sheet, strip_cache
+from rl_tui.tui.panels.q_table.titles import (
+    TITLES,
+    followed,
+    footings,
+    headings,
+    layer_at,
+    size_in_words,
+)
 from rl_tui.tui.panels.q_table.world import NO_ROW, TableWorld
 from rl_tui.tui.panels.scrolling import Scrolled
-from rl_tui.tui.panels.snapshot_facts import is_secret
+from rl_tui.tui.panels.snapshot_facts import is_new_run, is_secret
 from rl_tui.tui.theme.look import Look
 
 WAITING: Final = "the estimates Q(s, a) come with the first step"
 COMPUTING: Final = "computing the exact answer …"
-FOLLOWS: Final = "follows the agent"
-FOLLOW_HINT: Final = "esc: follow the agent"
 _WHEEL_ROWS: Final = 3
-_TITLES: Final = {
-    Layer.Q: "Q",
-    Layer.OPTIMAL: "Q*, exact",
-    Layer.ERROR: "Q − Q*",
-    Layer.LANES: "Q − other lane",
-    Layer.VISITS: "Visits",
-}
-_CAPTIONS: Final = {
-    Layer.OPTIMAL: "what each action is worth",
-    Layer.ERROR: "how wrong each estimate is",
-    Layer.VISITS: "how often each was tried",
-}
 
 
 class QTable(Panel, can_focus=True):
@@ -99,6 +92,7 @@ class QTable(Panel, can_focus=True):
         self._sheet: Sheet | None = None
         self._cache = strip_cache()
         self._requested: RowRange | None = None
+        self._forms = SteadyForms()
 
     @property
     def shown_layer(self) -> Layer:
@@ -171,6 +165,8 @@ class QTable(Panel, can_focus=True):
             self.cursor_pair, self._following, self._first, self.pointed = None, True, 0, NOWHERE
         if self._following and self.snapshot is not None and self.snapshot.playback.phase is Phase.PREPARING:
             self._first = 0  # while a run was prepared there was no step to follow
+        if is_new_run(self.snapshot, snapshot):
+            self._forms.clear()
         super().show(snapshot)
 
     def picture(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
@@ -179,7 +175,7 @@ class QTable(Panel, can_focus=True):
         if snapshot is None:
             return strips_of([[Piece(f" {WAITING}", self.look.palette.dim)]], width, height, self.look)
         if self.shown_layer in EXACT_LAYERS and exact_q(snapshot, self.revealed) is None:
-            self.heading = _TITLES[self.shown_layer]
+            self.heading = TITLES[self.shown_layer]
             self.footing = self._footing(width, is_scrolled=False)
             return self._message(snapshot, width, height)
         form, scene = self._form(snapshot, width, height)
@@ -195,8 +191,10 @@ class QTable(Panel, can_focus=True):
                 sheet.reach(snapshot.counters.last_step.updated_pair, _followed(snapshot))
         self._first = sheet.first
         self.free_rows = sheet.free_rows
-        self.heading = self._heading(snapshot, _size_in_words(scene, form), width)
-        self.footing = self._footing(width, sheet.is_scrolled and not self.pointed)
+        self.heading = self.fitting(
+            headings(snapshot, self.shown_layer, size_in_words(scene, form), self), width
+        )
+        self.footing = self._footing(width, is_scrolled=sheet.is_scrolled and not self.pointed)
         return sheet.strips(self._cache)
 
     def legend(self, snapshot: Snapshot) -> Legend:
@@ -243,28 +241,18 @@ class QTable(Panel, can_focus=True):
     def on_click(self, event: events.Click) -> None:
         """Put the cursor on the cell under the pointer; on the border go to the layer named there."""
         column = self.footing_column(event)
-        if column is not None:
-            self._click_layer(column, event)
+        layer = (
+            None if column is None else layer_at(self.footing, column, self.layer_choices, self.look.glyphs)
+        )
+        if layer is not None:
+            event.prevent_default()
+            self.shown_layer = layer
         offset = event.get_content_offset(self)
         if offset is None or self._sheet is None:
             return
         pair = self._sheet.pair_at(offset.x, offset.y)
         if pair is not None:
             self._put_cursor(pair)
-
-    def _click_layer(self, column: int, event: events.Click) -> None:
-        text = separated(self.footing, self.look.glyphs)
-        end = text.find("v:") + len("v:")
-        for layer in self.layer_choices:
-            name = to_ascii(layer, self.look.glyphs)
-            start = text.find(name, end)
-            if start < 0:
-                return  # there is room for one name only: a click is the key
-            end = start + len(name)
-            if start - 1 <= column <= end:
-                event.prevent_default()
-                self.shown_layer = layer
-                return
 
     def on_mouse_scroll_down(self, event: events.MouseScrollDown) -> None:
         """Scroll down."""
@@ -320,7 +308,7 @@ class QTable(Panel, can_focus=True):
         state = _followed(self.snapshot) if self._following else int(world.live[0])
         if world.row_of(state) == NO_ROW:
             state = int(world.live[0])
-        return world.space.pairs_of(state).start
+        return world.pairs_shown(state)[0]
 
     def _world_of(self, snapshot: Snapshot) -> TableWorld:
         if self._world is None or not self._world.describes(snapshot.world, self.look.glyphs):
@@ -343,7 +331,7 @@ class QTable(Panel, can_focus=True):
         return Scene(
             world=self._world_of(snapshot),
             figures={
-                layer: Figures(snapshot, layer, self.look, exact, lit, self.sources)
+                layer: Figures(snapshot, layer, self.look, exact, lit, self.sources, self._forms)
                 for layer in layers
                 if exact is not None or layer not in EXACT_LAYERS
             },
@@ -355,7 +343,14 @@ class QTable(Panel, can_focus=True):
             look=self.look,
             breakpoints=snapshot.playback.breakpoints,
             pointed=self.pointed,
+            forms=self._forms,
         )
+
+    def _footing(self, width: int, *, is_scrolled: bool) -> str:
+        forms = footings(self.shown_layer, self.layer_choices, self.look.glyphs)
+        if is_scrolled:
+            forms = followed(forms, is_following=self._following)
+        return self.fitting(forms, width)
 
     def _message(self, snapshot: Snapshot, width: int, height: int) -> list[Strip]:
         palette, refused = self.look.palette, snapshot.exact_answer.refused
@@ -363,38 +358,6 @@ class QTable(Panel, can_focus=True):
         lines = wrapped(text, max(1, width - 2), palette.text if refused else palette.dim, self.look)
         return strips_of([[Piece(" ", palette.text), *line] for line in lines], width, height, self.look)
 
-    def _heading(self, snapshot: Snapshot, size: str, width: int) -> str:
-        other = other_lane(snapshot) if self.shown_layer is Layer.LANES else None
-        if other is None:
-            title = _TITLES[self.shown_layer]
-            captions = self.captioned(title, _CAPTIONS.get(self.shown_layer, ""))
-            forms = (*(f"{each} · {size}" for each in captions), *captions, f"{title} · {size}", title)
-            return self.fitting(forms, width)
-        title, own = f"Q − Q of {other.name}", snapshot.run_group.lanes[snapshot.run_group.shown].name
-        number = 1 + next(place for place, lane in enumerate(snapshot.run_group.lanes) if lane is other)
-        forms = (f"Q of {own} − Q of {other.name} · {size}", f"{title} · {size}", title)
-        return self.fitting((*forms, f"Q − Q of lane {number}"), width)
-
-    def _footing(self, width: int, is_scrolled: bool) -> str:
-        glyphs = self.look.glyphs
-        marked = [
-            f"{glyphs.mark_left}{layer}{glyphs.mark_right}" if layer is self.shown_layer else f" {layer} "
-            for layer in self.layer_choices
-        ]
-        layers, short = f"v:{''.join(marked)}".rstrip(), f"v: {self.shown_layer}"
-        forms = [layers, short]
-        if is_scrolled:
-            follow = FOLLOWS if self._following else FOLLOW_HINT
-            forms = [f"{follow} · {layers}", f"{follow} · {short}", follow]
-        return self.fitting(forms, width)
-
 
 def _followed(snapshot: Snapshot) -> int:
     return followed_state(snapshot.world.space, snapshot.counters.state, snapshot.counters.last_step)
-
-
-def _size_in_words(scene: Scene, form: Form) -> str:
-    if isinstance(form, ListForm):
-        noun = "arm" if scene.world.is_bandit else "pair"
-        return counted(form.entries, noun)
-    return f"{form.entries:,} states × {len(scene.world.action_names)}"

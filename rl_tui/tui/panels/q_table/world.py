@@ -10,6 +10,7 @@ from typing import Final
 import numpy as np
 from rich.cells import cell_len
 
+from rl_tui.tui.draw.action_order import shown_order, shown_pairs, shown_place
 from rl_tui.tui.draw.canvas import shortened
 from rl_tui.tui.draw.names import action_name, with_minus
 from rl_tui.tui.draw.to_ascii import to_ascii
@@ -25,7 +26,10 @@ _LEADING_ZERO: Final = re.compile(r"(?<![\d.])0(?=\.\d)")
 
 
 class TableWorld:
-    """A world's states and pairs as the table lists them: live states only, in their order."""
+    """A world's states and pairs as the table lists them: live states only, in their order.
+
+    ``shown_actions`` are the numbers of all actions in the order of the columns.
+    """
 
     def __init__(self, world: World, glyphs: Glyphs) -> None:
         self._world = world
@@ -34,6 +38,7 @@ class TableWorld:
         self.is_bandit = isinstance(world.drawing, Arms)
         self.live: IntArray = np.flatnonzero(np.diff(self.space.first_pair))
         self.state_width = min(LONGEST_STATE, self._longest(str))
+        self.shown_actions = shown_order(world)
         self.action_names = tuple(
             to_ascii(action_name(world, action, glyphs), glyphs)
             for action in range(len(self.space.action_names))
@@ -80,16 +85,26 @@ class TableWorld:
         """Return the action of ``pair``."""
         return int(self.space.pair_action[pair])
 
+    def pairs_shown(self, state: int) -> list[int]:
+        """Return the pairs of ``state`` in the order in which their actions are shown."""
+        return shown_pairs(self._world, self.space.pairs_of(state))
+
+    def pair_of_action(self, state: int) -> dict[int, int]:
+        """Return the pair of each action that is legal in ``state``."""
+        return {self.action_of(pair): pair for pair in self.space.pairs_of(state)}
+
     def row_of(self, state: int) -> int:
         """Return which of the live states ``state`` is, ``NO_ROW`` if none."""
         row = int(np.searchsorted(self.live, state))
         return row if row < len(self.live) and self.live[row] == state else NO_ROW
 
     def pair_near(self, state: int, action: int) -> int:
-        """Return the pair of ``state`` whose action is nearest to ``action``."""
-        pairs = self.space.pairs_of(state)
-        actions = self.space.pair_action[pairs.start : pairs.stop]
-        return pairs.start + int(np.argmin(np.abs(actions - action)))
+        """Return the pair of ``state`` whose column is nearest to that of ``action``."""
+        column = shown_place(self._world, action)
+        return min(
+            self.pairs_shown(state),
+            key=lambda pair: abs(shown_place(self._world, self.action_of(pair)) - column),
+        )
 
 
 def _brief(name: str) -> str:

@@ -4,12 +4,16 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Final
 
 from rich.style import Style
 
 from rl_tui.lab.live.snapshot import Snapshot
+from rl_tui.tui.draw.number_form import NumberForm, SteadyForms
 from rl_tui.tui.theme.look import Look
 from rl_tui.worlds.mdp.space import FiniteSpace
+
+_DECIMALS: Final = 2
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,6 +27,11 @@ class StateValues:
     value: tuple[float | None, ...]
     known: frozenset[int]
     greedy: frozenset[int]
+
+    def number_form(self, width: int, forms: SteadyForms) -> NumberForm:
+        """Return the form of all values in ``width`` cells."""
+        shown = [each for each in self.value if each is not None and math.isfinite(each)]
+        return forms.form("values", min(shown, default=0.0), max(shown, default=0.0), width, _DECIMALS)
 
     def style(self, state: int, look: Look) -> Style:
         """Return the background of a state, tinted from the least to the greatest value, 0 included."""

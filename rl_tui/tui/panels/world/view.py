@@ -60,6 +60,7 @@ class WorldView(Panel, can_focus=True):
         self.title: tuple[str, ...] = ()
         self.prompt: tuple[str, ...] = ()
         self._is_manual = False
+        self._is_numbered = False
         self._differing: frozenset[int] = frozenset()
         self.enter(world)
 
@@ -78,6 +79,17 @@ class WorldView(Panel, can_focus=True):
     def differing(self, states: frozenset[int]) -> None:
         if states != self._differing:
             self._differing = states
+            self.redraw()
+
+    @property
+    def is_numbered(self) -> bool:
+        """Whether the cells of a map have the numbers of their states."""
+        return self._is_numbered
+
+    @is_numbered.setter
+    def is_numbered(self, is_numbered: bool) -> None:
+        if is_numbered != self._is_numbered:
+            self._is_numbered = is_numbered
             self.redraw()
 
     @property

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import ClassVar, Final
 
 from rich.text import Text
@@ -13,38 +13,43 @@ from textual.widgets.option_list import Option
 
 from rl_tui.agents.catalogue import BY_ID
 from rl_tui.agents.hyperparameters import PARAMETERS
-from rl_tui.lab.live.commands import ChooseLane, DropLane
+from rl_tui.lab.live.commands import AddBranch, ChooseLane, DropLane
+from rl_tui.lab.many_seeds.figures import SeedStudy
 from rl_tui.lab.run.recipe import Recipe
 from rl_tui.lab.timeline.lane_view import LaneView
-from rl_tui.tui.draw import numbers
 from rl_tui.tui.draw.canvas import shortened
 from rl_tui.tui.draw.to_ascii import to_ascii
-from rl_tui.tui.panels.curve.text import amount, decimals_for
 from rl_tui.tui.screens.dialogs.dialog import Dialog
 from rl_tui.tui.screens.dialogs.lane_changes import ALGORITHM, what_may_differ
+from rl_tui.tui.screens.dialogs.lane_table import lane_rows
 from rl_tui.tui.screens.dialogs.options import in_force
 from rl_tui.tui.theme.glyphs import ASCII
 from rl_tui.tui.theme.look import Look
 
 MOST_LANES: Final = 4
-Answer = ChooseLane | DropLane | str
-"""A lane to show or to end, or the name of what is to be different in another one."""
+MOST_BRANCHES: Final = 4
+Answer = ChooseLane | DropLane | AddBranch | str
+"""A lane to show or to end, a branch to stand beside, or the name of what another one has otherwise."""
 
 _LANE: Final = "lane-"
 _WITH: Final = "with-"
+_BRANCH: Final = "branch-"
 _HINTS: Final = {
     "lanes": "returns, undiscounted: mean of the last 100; exact one of the greedy policy",
+    "branch": "this run as it went on that branch; each lane is changed by itself from now on",
     ALGORITHM: "another way to learn, or to plan",
 }
-_LEAST_NAME: Final = 8
-_NUMBER: Final = 10
+_ONE_SEED: Final = "One seed decides nothing: M counts many."
+_MANY_SEEDS: Final = "Below each: mean ± standard error of many seeds."
 _LEAST_SYMBOL: Final = 12
 
 
 class Compare(Dialog[Answer]):
     """A list of ``lanes``, at least one, of which ``shown`` is on screen; below it what else to compare with.
 
-    ``recipe`` is what is in force in the one shown. Of a bandit that is ``hidden`` no greedy return is shown.
+    ``recipe`` is what is in force in the one shown. Of a bandit that is ``hidden`` nothing exact is shown.
+    ``study`` is what many seeds say of these lanes, None where that is not known. ``branches`` of the one
+    shown can stand beside it, in words by their numbers: the last few are offered.
     """
 
     BINDINGS: ClassVar[list[BindingType]] = [
@@ -52,7 +57,15 @@ class Compare(Dialog[Answer]):
     ]
 
     def __init__(
-        self, look: Look, lanes: Sequence[LaneView], shown: int, recipe: Recipe, *, hidden: bool
+        self,
+        look: Look,
+        lanes: Sequence[LaneView],
+        shown: int,
+        recipe: Recipe,
+        *,
+        hidden: bool,
+        study: SeedStudy | None = None,
+        branches: Mapping[int, str] | None = None,
     ) -> None:
         super().__init__()
         self._look = look
@@ -60,6 +73,8 @@ class Compare(Dialog[Answer]):
         self._shown = shown
         self._recipe = recipe
         self._hidden = hidden
+        self._study = study
+        self._branches = branches or {}
 
     def compose(self) -> ComposeResult:
         """Yield the list and the sentence about the entry under the cursor."""
@@ -86,7 +101,12 @@ class Compare(Dialog[Answer]):
         """Describe the entry under the cursor."""
         entry = str(event.option_id)
         name = entry.removeprefix(_WITH)
-        hint = _HINTS["lanes"] if entry.startswith(_LANE) else _HINTS.get(name, "") or PARAMETERS[name].help
+        if entry.startswith(_LANE):
+            hint = _HINTS["lanes"]
+        elif entry.startswith(_BRANCH):
+            hint = _HINTS["branch"]
+        else:
+            hint = _HINTS.get(name, "") or PARAMETERS[name].help
         self.query_one(".hint", Static).update(to_ascii(hint, self._look.glyphs))
 
     def on_option_list_option_selected(self, event: OptionList.OptionSelected) -> None:
@@ -94,6 +114,8 @@ class Compare(Dialog[Answer]):
         entry = str(event.option_id)
         if entry.startswith(_LANE):
             self.dismiss(ChooseLane(int(entry.removeprefix(_LANE))))
+        elif entry.startswith(_BRANCH):
+            self.dismiss(AddBranch(int(entry.removeprefix(_BRANCH))))
         else:
             self.dismiss(entry.removeprefix(_WITH))
 
@@ -108,57 +130,45 @@ class Compare(Dialog[Answer]):
             self.notify("the only run cannot be ended; esc leaves it")
 
     def _options(self) -> Iterator[Option | None]:
-        yield Option(self._head(), disabled=True)
-        for number, lane in enumerate(self._lanes):
-            yield Option(self._lane_row(number, lane), id=f"{_LANE}{number}")
+        yield from self._lane_options()
         # Textual draws the line between the options itself, and not in ASCII
         yield None if self._look.glyphs is not ASCII else Option("", disabled=True)
         if len(self._lanes) >= MOST_LANES:
             yield Option("Four lanes are the most: end one to open another.", disabled=True)
             return
+        yield from self._branch_rows()
         yield Option("Another lane, the same but for", disabled=True)
         names = what_may_differ(self._recipe)
         columns = max(_LEAST_SYMBOL, *(len(self._symbol(name)) for name in names))
         for name in names:
             yield Option(self._entry(name, columns), id=f"{_WITH}{name}")
 
-    def _head(self) -> Text:
-        return Text(self._columns("", "lane", "algorithm", "step", "last 100", "greedy"))
+    def _branch_rows(self) -> Iterator[Option]:
+        if not self._branches:
+            return
+        yield Option("Another lane, a branch of this run", disabled=True)
+        glyphs, room = self._look.glyphs, self._room - 2
+        for number in list(self._branches)[-MOST_BRANCHES:]:
+            words = to_ascii(self._branches[number], glyphs)
+            yield Option(Text(f"  {shortened(words, room, glyphs.ellipsis)}"), id=f"{_BRANCH}{number}")
+        more = len(self._branches) - MOST_BRANCHES
+        if more > 0:
+            yield Option(f"  {more:,} more: j lists them", disabled=True)
 
-    def _lane_row(self, number: int, lane: LaneView) -> Text:
-        mark = self._look.glyphs.cursor if number == self._shown else ""
-        greedy = None if self._hidden else lane.results.greedy_return
-        text = self._columns(
-            f"{mark:<1} {number + 1}",
-            lane.name,
-            BY_ID[lane.algorithm].name,
-            numbers.count(lane.step, _NUMBER),
-            self._figure(lane.results.return_last_100),
-            self._figure(greedy),
+    def _lane_options(self) -> Iterator[Option]:
+        """Yield a heading, the lanes, and how far to trust their figures."""
+        head, rows = lane_rows(
+            self._lanes, self._shown, self._study, self._look, self._room, hidden=self._hidden
         )
-        return Text(text, "bold" if number == self._shown else "not bold")
-
-    def _columns(self, mark: str, name: str, algorithm: str, step: str, mean: str, greedy: str) -> str:
-        glyphs = self._look.glyphs
-        algorithms = max(len(to_ascii(BY_ID[lane.algorithm].name, glyphs)) for lane in self._lanes)
-        algorithms = max(algorithms, len("algorithm"))
-        right = "".join(f" {each:>{_NUMBER}}" for each in (step, mean, greedy))
-        room = self._room - len("> 1 ") - len(right)
-        if room - 1 - algorithms >= _LEAST_NAME:  # else the name alone has to tell the lanes apart
-            room -= 1 + algorithms
-            right = f" {to_ascii(algorithm, glyphs):<{algorithms}}{right}"
-        return f"{mark:<3} {shortened(to_ascii(name, glyphs), room, glyphs.ellipsis):<{room}}{right}"
-
-    def _figure(self, value: float | None) -> str:
-        if value is None:
-            return "-" if self._look.glyphs.name == "ascii" else "–"
-        known = [
-            each
-            for lane in self._lanes
-            for each in (lane.results.return_last_100, lane.results.greedy_return)
-        ]
-        sizes = [abs(each) for each in known if each is not None]
-        return amount(value, decimals_for(0.0, max(sizes)), self._look.glyphs)
+        yield Option(head, disabled=True)
+        for number, row in enumerate(rows):
+            text = Text(row.own, "bold" if number == self._shown else "not bold")
+            if row.of_seeds:
+                text.append(f"\n{row.of_seeds}", "not bold")
+            yield Option(text, id=f"{_LANE}{number}")
+        if len(rows) > 1 or self._study is not None:
+            said = _ONE_SEED if self._study is None else _MANY_SEEDS
+            yield Option(to_ascii(said, self._look.glyphs), disabled=True)
 
     def _symbol(self, name: str) -> str:
         return name if name == ALGORITHM else to_ascii(PARAMETERS[name].symbol, self._look.glyphs)

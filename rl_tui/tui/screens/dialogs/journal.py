@@ -1,15 +1,16 @@
-"""The branches of a run and what was changed in each; enter goes to a branch, or to a change in one."""
+"""The branches of a run and what was changed in each: to go to one, to a change, or to compare with one."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import groupby
-from typing import NamedTuple
+from typing import ClassVar, NamedTuple
 
 from rich.text import Text
 from textual import events
 from textual.app import ComposeResult
+from textual.binding import Binding, BindingType
 from textual.content import Content
 from textual.widgets import OptionList, Static
 from textual.widgets.option_list import Option
@@ -17,6 +18,7 @@ from textual.widgets.option_list import Option
 from rl_tui.agents.catalogue import BY_ID
 from rl_tui.agents.hyperparameters import PARAMETERS
 from rl_tui.common.words import counted
+from rl_tui.lab.live.commands import AddBranch
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.run.recipe import (
     JournalEntry,
@@ -31,6 +33,7 @@ from rl_tui.tui.draw.names import action_name
 from rl_tui.tui.draw.to_ascii import to_ascii
 from rl_tui.tui.panels.controls.settings import called
 from rl_tui.tui.screens.dialogs.dialog import Dialog
+from rl_tui.tui.screens.dialogs.lane_changes import branches_beside
 from rl_tui.tui.theme.glyphs import Glyphs
 from rl_tui.tui.theme.look import Look
 from rl_tui.worlds.drawing import Arms
@@ -41,14 +44,23 @@ NO_CHANGE = "Nothing was changed in this branch."
 
 
 class Moment(NamedTuple):
-    """Where to go: to a branch, counted from 0, and there to a step; None where it was left."""
+    """Where to go: to a branch, counted from 0, and there to a step; None: to the moment shown."""
 
     branch: int
     step: int | None = None
 
 
-class JournalScreen(Dialog[Moment]):
-    """Branches above, and the journal of the one under the cursor below. Answers where to go."""
+class JournalScreen(Dialog[Moment | AddBranch]):
+    """Branches above, and the journal of the one under the cursor below.
+
+    Answers where to go, or the branch to compare with.
+    """
+
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding(
+            "c", "compare", "compare", id="journal.compare", tooltip="Open the branch chosen as another lane."
+        ),
+    ]
 
     def __init__(self, look: Look, snapshot: Snapshot) -> None:
         super().__init__()
@@ -59,11 +71,12 @@ class JournalScreen(Dialog[Moment]):
             journal_lines(branch.journal, snapshot.recipe, snapshot.world, look.glyphs)
             for branch in snapshot.timeline.branches
         ]
+        self._beside = branches_beside(snapshot)
         self._shown = snapshot.timeline.branch
 
     def compose(self) -> ComposeResult:
         """Yield the two lists, and how to make a branch."""
-        with self.box("Journal", "enter: go there   tab: changes   esc: close"):
+        with self.box("Journal", "enter: go   c: compare   tab: list   esc: close"):
             yield OptionList(*map(self._described, range(len(self._lines))), id="branches")
             yield Static(classes="hint", id="whose", markup=False)
             yield OptionList(id="entries")
@@ -97,6 +110,18 @@ class JournalScreen(Dialog[Moment]):
             self.dismiss(Moment(event.option_index))
         else:
             self.dismiss(Moment(self._shown, self._lines[self._shown][event.option_index].step))
+
+    def action_compare(self) -> None:
+        """Answer the branch to stand beside the one in force."""
+        name = self._timeline.branches[self._shown].name
+        if self._shown in self._beside:
+            self.dismiss(AddBranch(self._shown))
+        elif self._shown != self._timeline.branch:
+            self.notify(f"{name} is a lane already: l shows it")
+        elif len(self._lines) > 1:
+            self.notify(f"{name} is the one shown: choose another one")
+        else:
+            self.notify("there is no other branch to compare with")
 
     @property
     def _branches(self) -> OptionList:

@@ -5,9 +5,12 @@ from __future__ import annotations
 from rl_tui.agents.catalogue import parameters_of
 from rl_tui.agents.hyperparameters import PARAMETERS
 from rl_tui.common.errors import UserError
+from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.run.recipe import Recipe, SetParameter, Setting, SwitchAlgorithm, changed_recipe
 from rl_tui.lab.run.settings import settings_for
+from rl_tui.lab.timeline.lane_names import branch_in_words
 from rl_tui.lab.timeline.run_names import difference
+from rl_tui.worlds.drawing import Arms
 from rl_tui.worlds.mdp.space import FiniteSpace
 
 ALGORITHM = "algorithm"
@@ -29,3 +32,19 @@ def lane_changes(space: FiniteSpace, recipe: Recipe, name: str, value: float | s
     if not difference(recipe, changed_recipe(recipe, *changes)):
         raise UserError("that is no difference from this lane: choose another value")
     return changes
+
+
+def branches_beside(snapshot: Snapshot) -> dict[int, str]:
+    """Return which of its own branches can stand beside the run shown and do not, by number, in words.
+
+    They say what was done there only, and how far it came: ``branch 2: ε 0.3 from step 400 · to step 700``.
+    """
+    timeline, is_bandit = snapshot.timeline, isinstance(snapshot.world.drawing, Arms)
+    unit, here = "pull" if is_bandit else "step", timeline.current.journal
+    pasts = [lane.past for lane in snapshot.run_group.lanes if lane.past is not None]
+    there = [past.journal for past in pasts if past.begun == snapshot.recipe]
+    return {
+        number: f"{branch_in_words(branch.name, branch.journal, [here], unit)} · to {unit} {branch.end:,}"
+        for number, branch in enumerate(timeline.branches)
+        if number != timeline.branch and branch.journal not in there
+    }

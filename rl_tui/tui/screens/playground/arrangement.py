@@ -18,6 +18,7 @@ from rl_tui.tui.panels.catalogue import (
     TIMELINE,
     WORLD,
     PanelRow,
+    beside,
 )
 from rl_tui.worlds.drawing import Arms, Drawing, Grid
 
@@ -25,12 +26,18 @@ ROOMY_WIDTH: Final = 100
 ROOMY_HEIGHT: Final = 32
 
 _BORDERS = 2
-_LOOP_ROWS = 8  # the six lines of the controls, or of the last step, and their borders
+_CONTROLS_ROWS = 8  # six lines and their borders
+_LAST_STEP_ROWS = (10, 8)  # the longest form and the one that takes less, with their borders
+_LEAST_TABLE = 18  # beside controls and a budget, where the last step has its longest form
 _BUDGET_ROWS = 6
 _LINES_BELOW = 3  # compact: sliders, settings, last step; a line each, without borders
 _LEAST_CURVE = 12  # with the timeline
 _TIMELINE_ROWS = 1
-_USUAL_TABLE = 15
+_LEAST_PAIR_WIDTH = 76  # for two worlds side by side
+_LEAST_PAIR_HEIGHT = 20
+_LEAST_PAIR_CURVE = 9  # with the timeline
+_LEAST_PAIR_TABLE = 8
+_LEAST_TALL_CELL = 8  # a cell of a map that is narrower gains nothing by a third row
 _LEAST_WIDE = 20  # rows of a panel that has the whole width
 
 
@@ -38,13 +45,15 @@ _LEAST_WIDE = 20  # rows of a panel that has the whole width
 class Shape:
     """What the arrangement depends on besides the size; ``table_rows`` is what the whole table takes.
 
-    Where there is room for it, world and table have ``legend_rows`` more than their pictures take.
+    Where there is room for it, the world has ``legend_rows`` more than its picture takes. With ``lanes`` two
+    runs are to stand side by side.
     """
 
     drawing: Drawing | None = None
     table_rows: int = 11
     arms: int = 0
     legend_rows: int = 0
+    lanes: bool = False
 
 
 def is_roomy(size: Size) -> bool:
@@ -61,7 +70,9 @@ def arrangement(
 ) -> dict[str, Region]:
     """Return the region of each of ``panels`` by its id; those that are not shown are left out.
 
-    The one ``zoomed`` covers all others. The one ``opened`` by its key stands as its row says.
+    The one ``zoomed`` covers all others. The one ``opened`` by its key stands as its row says; two lanes side
+    by side make room for it at the right of the curve, unless it stands in place of a world: then there is
+    one lane.
     """
     if zoomed in (CURVE, TIMELINE):
         return _curve_and_timeline(0, size.width, size.height)
@@ -69,6 +80,8 @@ def arrangement(
         return {zoomed: Region(0, 0, size.width, size.height)}
     rows = {row.id: row for row in panels}
     budget = _BUDGET_ROWS if rows[BUDGET].needs(shape.drawing) else 0
+    if _is_pair(size, shape) and (opened is None or WORLD not in rows[opened].in_place_of):
+        return _pair(size, shape, opened or (BUDGET if budget and is_roomy(size) else None))
     regions = (_roomy if is_roomy(size) else _compact)(size, shape, budget)
     if opened is None:
         return regions
@@ -78,42 +91,80 @@ def arrangement(
     return regions | {opened: Region.from_union(taken)} if taken else {opened: size.region}
 
 
+def _is_pair(size: Size, shape: Shape) -> bool:
+    return shape.lanes and size.width >= _LEAST_PAIR_WIDTH and size.height >= _LEAST_PAIR_HEIGHT
+
+
+def _pair(size: Size, shape: Shape, aside: str | None) -> dict[str, Region]:
+    """Return two worlds, two tables where there is room, and one curve; ``aside`` stands at its right."""
+    width, height = size
+    left, body = width // 2, height - _LINES_BELOW
+    if is_roomy(size):
+        least = min(shape.table_rows + 1 + _BORDERS, _LEAST_PAIR_TABLE)
+        world = _world_rows(shape, body - least, _LEAST_PAIR_CURVE, most_lines=_most_lines(shape, left))
+        table = _pair_table_rows(shape, body - world)
+    else:
+        world = _world_rows(shape, body, least_curve=max(6, body * 7 // 19))
+        table = 0
+    regions = {}
+    for panel, y, rows in ((WORLD, 0, world), (TABLE, world, table)):
+        if rows:
+            regions[panel] = Region(0, y, left, rows)
+            regions[beside(panel)] = Region(left, y, width - left, rows)
+    y = world + table
+    curve = body - _TIMELINE_ROWS - y
+    if aside is not None:
+        regions[aside] = Region(left, y, width - left, curve)
+    regions[CURVE] = Region(0, y, width if aside is None else left, curve)
+    regions[TIMELINE] = Region(0, y + curve, width, _TIMELINE_ROWS)
+    return regions | _lines_below(width, body)
+
+
+def _most_lines(shape: Shape, width: int) -> int:
+    """Return how many rows a cell of a map in ``width`` columns is worth."""
+    columns = shape.drawing.columns if isinstance(shape.drawing, Grid) else 1
+    return 3 if (width - _BORDERS) // columns >= _LEAST_TALL_CELL else 2
+
+
+def _pair_table_rows(shape: Shape, rows: int) -> int:
+    """Return how many of ``rows`` the tables take: all they need, else about as many as the curve."""
+    whole = shape.table_rows + 1 + _BORDERS
+    return min(whole, rows - (_LEAST_PAIR_CURVE if whole <= rows - _LEAST_PAIR_CURVE else _share(rows)))
+
+
+def _share(rows: int) -> int:
+    return max(_LEAST_PAIR_CURVE, rows * 12 // 25)
+
+
+def _lines_below(width: int, y: int) -> dict[str, Region]:
+    """Return controls and last step in lines without borders."""
+    return {CONTROLS: Region(0, y, width, 2), LAST_STEP: Region(0, y + 2, width, 1)}
+
+
 def _compact(size: Size, shape: Shape, budget: int) -> dict[str, Region]:
     width, height = size
     left, body = round(width * 42 / 80), max(0, height - _LINES_BELOW)
     world = _world_rows(shape, body, least_curve=max(6, body * 7 // 19))
     regions = _left_column(left, world, body) | _right_column(left, width - left, body, budget)
-    regions[CONTROLS] = Region(0, body, width, 2)
-    regions[LAST_STEP] = Region(0, body + 2, width, 1)
-    return regions
+    return regions | _lines_below(width, body)
 
 
 def _roomy(size: Size, shape: Shape, budget: int) -> dict[str, Region]:
+    """Return one layout for all scenarios, so that no slider moves from one to the next."""
     width, height = size
     left = round(width * 62 / 120)
-    table = shape.table_rows + 1 + _BORDERS
-    if table > height - 2 * _LOOP_ROWS:
-        body = height - _LOOP_ROWS
-        world = _world_rows(shape, body, least_curve=_LEAST_CURVE)
-        regions = _left_column(left, world, body) | _right_column(left, width - left, body, budget)
-        regions[CONTROLS] = Region(0, body, left, _LOOP_ROWS)
-        regions[LAST_STEP] = Region(left, body, width - left, _LOOP_ROWS)
-        return regions
     world = _world_rows(shape, height, least_curve=_LEAST_CURVE)
-    regions = _left_column(left, world, height)
-    table = max(table + shape.legend_rows, min(world, _USUAL_TABLE))
-    table = min(table, height - 2 * _LOOP_ROWS - budget)
-    y = 0
-    for panel, rows in (
-        (TABLE, table),
-        (CONTROLS, _LOOP_ROWS),
-        (BUDGET, budget),
-    ):
-        if rows:
-            regions[panel] = Region(left, y, width - left, rows)
-            y += rows
-    regions[LAST_STEP] = Region(left, y, width - left, height - y)
-    return regions
+    longest, shorter = _LAST_STEP_ROWS
+    last_step = longest if height - longest - _CONTROLS_ROWS >= _LEAST_TABLE else shorter
+    above = height - last_step - _CONTROLS_ROWS
+    return (
+        _left_column(left, world, height)
+        | _right_column(left, width - left, above, budget)
+        | {
+            CONTROLS: Region(left, above, width - left, _CONTROLS_ROWS),
+            LAST_STEP: Region(left, above + _CONTROLS_ROWS, width - left, last_step),
+        }
+    )
 
 
 def _above_wide(size: Size, shape: Shape, panel: str) -> dict[str, Region]:
@@ -149,16 +200,18 @@ def _right_column(x: int, width: int, height: int, budget: int) -> dict[str, Reg
     return regions
 
 
-def _world_rows(shape: Shape, height: int, least_curve: int) -> int:
+def _world_rows(shape: Shape, height: int, least_curve: int, *, most_lines: int = 3) -> int:
     """Return the rows of the world panel: whole rows of what it draws, enough left for curve and timeline.
 
-    A legend has rows of its own in a roomy terminal, where nothing need be drawn smaller for it.
+    A row of a map has ``most_lines``, or fewer. A legend has rows of its own where the curve has room enough:
+    there nothing need be drawn smaller for it.
     """
     most = max(_BORDERS + 1, height - least_curve)
     legend = shape.legend_rows if least_curve >= _LEAST_CURVE else 0
     match shape.drawing:
-        case Grid(rows=rows):
-            sizes = [rows * each + _BORDERS + more for each in (3, 2, 1) for more in (legend, 0)]
+        case Grid(rows=rows, wind=wind):
+            below = _BORDERS + (1 if wind else 0)
+            sizes = [rows * each + below + more for each in range(most_lines, 0, -1) for more in (legend, 0)]
         case Arms():
             sizes = [
                 each + _BORDERS + more for each in (shape.arms * 2 + 1, shape.arms) for more in (legend, 0)

@@ -35,6 +35,7 @@ from rl_tui.tui.panels.q_table.q_table import QTable
 from rl_tui.tui.panels.timeline.timeline import HINTS, TimelineBar
 from rl_tui.tui.panels.world.make_view import make_world_view
 from rl_tui.tui.panels.world.view import WorldView
+from rl_tui.tui.screens.legend_switch import LegendSwitch
 from rl_tui.tui.screens.playground.arrangement import Shape, arrangement
 from rl_tui.tui.screens.playground.wanted import Wanted
 from rl_tui.tui.theme.look import Look
@@ -60,6 +61,7 @@ class Board(Container):
         self._panels = {row.id: row.make(look) for row in panels}
         self.world: WorldView | None = None
         self._is_explained = False
+        self.legends = LegendSwitch(None)
         self.table = self._made(TABLE, QTable)
         self.curve = self._made(CURVE, ReturnCurve)
         self.timeline = self._made(TIMELINE, TimelineBar)
@@ -89,6 +91,7 @@ class Board(Container):
         if self.world is None:
             self.world = make_world_view(snapshot.world, self.look, id=WORLD, classes="panel")
             self.world.caption, self.world.is_explained = self.rows[WORLD].caption, self.is_explained
+            self.world.is_numbered = self.is_numbered
             self._panels[WORLD] = self.world
             self.run_worker(self._replace_placeholder(self.world))
         self.table.sources = lit_sources(snapshot) if self.opened == MICROSCOPE else frozenset()
@@ -113,6 +116,17 @@ class Board(Container):
         self._is_explained = is_explained
         for panel in self._panels.values():
             panel.is_explained = is_explained
+
+    @property
+    def is_numbered(self) -> bool:
+        """Whether the cells of a map have the numbers of their states."""
+        return self.legends.numbers_states
+
+    @is_numbered.setter
+    def is_numbered(self, is_numbered: bool) -> None:
+        self.legends.numbers_states = is_numbered
+        if self.world is not None:
+            self.world.is_numbered = is_numbered
 
     def _shown(self) -> Iterator[BoardPanel]:
         """Yield the panels that are not closed."""

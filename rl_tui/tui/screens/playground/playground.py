@@ -28,6 +28,7 @@ from rl_tui.tui.actions.registry import actions_of
 from rl_tui.tui.panels.catalogue import PANELS, PanelRow
 from rl_tui.tui.panels.controls.slider import Slider, key_hints
 from rl_tui.tui.panels.q_table.q_table import QTable
+from rl_tui.tui.panels.snapshot_facts import lacks_exact
 from rl_tui.tui.panels.status_line import StatusLine
 from rl_tui.tui.panels.timeline.timeline import TimelineBar
 from rl_tui.tui.screens.action_screen import ActionScreen
@@ -41,6 +42,7 @@ from rl_tui.tui.screens.playground.actions.manual import MANUAL_BINDINGS, Manual
 from rl_tui.tui.screens.playground.actions.microscope import MicroscopeActions
 from rl_tui.tui.screens.playground.actions.run import RunActions
 from rl_tui.tui.screens.playground.actions.scenario_file import ScenarioFile
+from rl_tui.tui.screens.playground.actions.seeds import SeedActions
 from rl_tui.tui.screens.playground.actions.session import SessionActions
 from rl_tui.tui.screens.playground.actions.time import TimeActions
 from rl_tui.tui.screens.playground.actions.until import UntilActions
@@ -114,6 +116,7 @@ class Playground(ActionScreen):
         self.status.begin_with(recipe.scenario.title)
         self.board = Board(look, self.wanted, panels)
         self.board.is_explained = self.legends.is_on
+        self.board.legends = self.legends
         self.link = PlayerLink(player, self.wanted, self._note_sent)
         of = self, self.board, self.link
         self.run = RunActions(*of, ScenarioFile(*of, resumed is None, self._reopen))
@@ -124,6 +127,7 @@ class Playground(ActionScreen):
         self.lanes = LaneActions(*of)
         self.view = ViewActions(*of)
         self.microscope = MicroscopeActions(*of)
+        self.seeds = SeedActions(*of)
         self.session = SessionActions(*of, self.status, autosave, resumed)
         self.export = ExportActions(*of)
         self._left_after: int | None = None
@@ -269,7 +273,7 @@ class Playground(ActionScreen):
         if before is None:
             self.agent.set_what_waits()
         self.time.announce_fork(before, snapshot)
-        self.time.announce_end(snapshot)
+        self.time.announce_arrival(snapshot)
         self.session.compare_with_saved(snapshot)
         self.redraw()
         if self._has_world:
@@ -282,6 +286,7 @@ class Playground(ActionScreen):
         if snapshot is None:
             return
         self.microscope.follow_update()
+        self.seeds.follow_panel()
         with self.app.batch_update():
             self.session.show_name()
             self.status.show(snapshot)
@@ -309,14 +314,14 @@ class Playground(ActionScreen):
                 await self._framed.wait()  # it comes to be drawn too, or a newer one
             if self.snapshot is done and self._is_complete(done):
                 return
-            while not self._is_over and self.snapshot and _lacks_exact(self.snapshot):
+            while not self._is_over and self.snapshot and lacks_exact(self.snapshot):
                 self._framed.clear()
                 await self._framed.wait()
             if not self.board.is_complete:
                 self.view.look_at()
 
     def _is_complete(self, drawn: Snapshot) -> bool:
-        return not _lacks_exact(drawn) and self.board.is_complete
+        return not lacks_exact(drawn) and self.board.is_complete
 
     async def _carried_out(self) -> Snapshot:
         try:
@@ -391,8 +396,3 @@ class Playground(ActionScreen):
         return drawn is not None and (
             drawn.counters.step > 0 or drawn.playback.handled < self.wanted.last_deed
         )
-
-
-def _lacks_exact(snapshot: Snapshot) -> bool:
-    """Return whether the exact answer is still being worked out."""
-    return snapshot.exact_answer.solution is None and not snapshot.exact_answer.refused

@@ -12,10 +12,18 @@ from rl_tui.agents.hyperparameters import SAMPLE_AVERAGE, StepSize
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.run.bandit import true_means
 from rl_tui.tui.draw.names import pair_in_words
+from rl_tui.tui.draw.number_form import SteadyForms
 from rl_tui.tui.panels.legend import GREEDY_IN_FULL, Legend, LegendSign
 from rl_tui.tui.panels.scrolling import scrolled_to
 from rl_tui.tui.panels.snapshot_facts import is_new_run
-from rl_tui.tui.panels.world.arms.bars import Arm, draw_arms, names_width, rows_an_arm, true_mean_glyph
+from rl_tui.tui.panels.world.arms.bars import (
+    Arm,
+    draw_arms,
+    names_width,
+    rows_an_arm,
+    true_mean_glyph,
+    value_width,
+)
 from rl_tui.tui.panels.world.arms.scale import NO_SCALE, ArmsScale, bound_text, grown, shown_scale
 from rl_tui.tui.panels.world.view import WorldView
 from rl_tui.worlds.drawing import Arms
@@ -43,12 +51,14 @@ class ArmsView(WorldView):
             raise TypeError("an ArmsView draws worlds that have a table and whose drawing is Arms")
         super().enter(world)
         self._mdp = world.mdp
+        self._number_forms = SteadyForms()
         self.heading = HEADINGS[0]
 
     def show(self, snapshot: Snapshot) -> None:
         """Draw ``snapshot``. The scale only ever widens, until another run starts."""
         if is_new_run(self.snapshot, snapshot):
             self.scale = NO_SCALE
+            self._number_forms.clear()
         super().show(snapshot)
 
     def drawing(self, snapshot: Snapshot, width: int, height: int) -> list[Strip]:
@@ -74,7 +84,11 @@ class ArmsView(WorldView):
             parts.append(f"{true_mean_glyph(self.look)} true mean  {self.look.glyphs.best_arm} best arm")
         self.footing = self.fitting(("  ".join(parts), *parts), width)
         names = names_width(arms, self.look)
-        return draw_arms(arms[self._top : self._top + shown], scale, self.look, width, height, each, names)
+        known = [arm.estimate for arm in arms if arm.error is not None and math.isfinite(arm.estimate)]
+        low, high = min(known, default=0.0), max(known, default=0.0)
+        form = self._number_forms.form("estimates", low, high, value_width(width, names))
+        in_view = arms[self._top : self._top + shown]
+        return draw_arms(in_view, scale, self.look, width, height, each, names, form)
 
     def signs(self) -> Legend:
         """Return the signs of an arm and its bar."""

@@ -12,6 +12,7 @@ from textual.strip import Strip
 
 from rl_tui.tui.draw import numbers
 from rl_tui.tui.draw.canvas import Canvas, shortened
+from rl_tui.tui.draw.number_form import NumberForm
 from rl_tui.tui.draw.to_ascii import to_ascii
 from rl_tui.tui.panels.world.arms.scale import ArmsScale, bound_text, ticks
 from rl_tui.tui.theme.look import Look
@@ -21,6 +22,8 @@ _MOST_NAME: Final = 12
 _LEAST_PLOT: Final = 10
 _VALUES_FROM: Final = 76  # from this width on estimate and pulls are written beside the bars
 _VALUES_WIDTH: Final = 18
+_VALUE: Final = 6  # cells of an estimate
+_LEAST_VALUE: Final = 3
 
 
 class Arm(NamedTuple):
@@ -77,13 +80,25 @@ def names_width(arms: Sequence[Arm], look: Look) -> int:
     return min(_MOST_NAME, max((cell_len(to_ascii(arm.name, look.glyphs)) for arm in arms), default=0))
 
 
+def value_width(width: int, names: int) -> int:
+    """Return the cells that an estimate gets in a panel of ``width`` cells with ``names`` cells of names."""
+    return _VALUE if width >= _VALUES_FROM else max(_LEAST_VALUE, min(_VALUE, width - names - 3))
+
+
 def draw_arms(
-    arms: Sequence[Arm], scale: ArmsScale, look: Look, width: int, height: int, each: int, names: int
+    arms: Sequence[Arm],
+    scale: ArmsScale,
+    look: Look,
+    width: int,
+    height: int,
+    each: int,
+    names: int,
+    form: NumberForm,
 ) -> list[Strip]:
     """Return the bars of ``arms``, ``each`` rows an arm, and below them the axis where a row is left.
 
     A row: ▸ where greedy, ◉ where pulled last, the name, a breakpoint, the bar; the best arm has a ★ at the
-    end once the truth is shown. Names get ``names`` cells.
+    end once the truth is shown. Names get ``names`` cells; estimates are in ``form``.
     """
     glyphs, palette = look.glyphs, look.palette
     canvas = Canvas(width, height, palette.text)
@@ -94,9 +109,9 @@ def draw_arms(
         if plot.width >= _LEAST_PLOT:
             for y in range(index * each, min(height, (index + 1) * each)):
                 canvas.put(plot.column(0.0), y, glyphs.zero_line, palette.dim)
-            _draw_bar(canvas, index * each, arm, plot, look)
+            _draw_bar(canvas, index * each, arm, plot, look, form)
         else:
-            _draw_value(canvas, index * each, arm, left, look)
+            _draw_value(canvas, index * each, arm, left, look, form)
     axis = len(arms) * each
     if axis < height and plot.width >= _LEAST_PLOT:
         _draw_axis(canvas, axis, plot, look)
@@ -116,7 +131,7 @@ def _draw_head(canvas: Canvas, y: int, arm: Arm, names: int, look: Look) -> None
         canvas.put(2 + names, y, glyphs.breakpoint, palette.breakpoint)
 
 
-def _draw_bar(canvas: Canvas, y: int, arm: Arm, plot: _Plot, look: Look) -> None:
+def _draw_bar(canvas: Canvas, y: int, arm: Arm, plot: _Plot, look: Look, form: NumberForm) -> None:
     glyphs, palette = look.glyphs, look.palette
     if arm.error is None:
         _draw_not_pulled(canvas, y, arm, plot, look)
@@ -130,7 +145,7 @@ def _draw_bar(canvas: Canvas, y: int, arm: Arm, plot: _Plot, look: Look) -> None
     if arm.best:
         canvas.put(plot.left + plot.width + 1, y, glyphs.best_arm, palette.optimum + Style(bold=True))
     if canvas.width >= _VALUES_FROM and arm.error is not None:
-        text = f"{numbers.value(arm.estimate, 6, glyphs):>6}{numbers.count(arm.pulls, 7):>8}"
+        text = f"{form.text(arm.estimate, glyphs):>{_VALUE}}{numbers.count(arm.pulls, 7):>8}"
         canvas.put(canvas.width - len(text) - 1, y, text, palette.dim)
 
 
@@ -145,14 +160,11 @@ def _draw_not_pulled(canvas: Canvas, y: int, arm: Arm, plot: _Plot, look: Look) 
                 return
 
 
-def _draw_value(canvas: Canvas, y: int, arm: Arm, left: int, look: Look) -> None:
+def _draw_value(canvas: Canvas, y: int, arm: Arm, left: int, look: Look, form: NumberForm) -> None:
     """Write the estimate where a bar would have no room."""
-    room = canvas.width - left
-    if room < 3:
+    if canvas.width - left < _LEAST_VALUE:
         return
-    text = (
-        look.glyphs.ellipsis if arm.error is None else numbers.value(arm.estimate, min(6, room), look.glyphs)
-    )
+    text = look.glyphs.ellipsis if arm.error is None else form.text(arm.estimate, look.glyphs)
     canvas.put(left, y, text, look.palette.greedy if arm.greedy else look.palette.text)
 
 

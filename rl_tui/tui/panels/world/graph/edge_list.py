@@ -7,8 +7,8 @@ from typing import Final
 from rich.style import Style
 from textual.strip import Strip
 
-from rl_tui.tui.draw import numbers
 from rl_tui.tui.draw.canvas import Canvas
+from rl_tui.tui.draw.number_form import NumberForm
 from rl_tui.tui.panels.world.graph.shape import GraphAction, GraphShape, Signs
 from rl_tui.tui.panels.world.state_values import StateValues
 from rl_tui.tui.theme.look import Look
@@ -18,7 +18,14 @@ _LEAST_TEXT: Final = 20  # of an edge, below which names and values are left out
 
 
 def draw_edge_list(
-    shape: GraphShape, values: StateValues, signs: Signs, look: Look, width: int, height: int, top: int
+    shape: GraphShape,
+    values: StateValues,
+    form: NumberForm,
+    signs: Signs,
+    look: Look,
+    width: int,
+    height: int,
+    top: int,
 ) -> list[Strip]:
     """Return one line an action from number ``top`` on: state, V, action with its reward, where it may lead.
 
@@ -38,7 +45,7 @@ def draw_edge_list(
                 style = look.palette.focus if state == signs.cursor else look.palette.text + Style(bold=True)
                 canvas.put(1, y, shape.nodes[state].name, style)
             if with_values:
-                text = numbers.value(values.value[state] or 0.0, _VALUE_WIDTH, look.glyphs, decimals=2)
+                text = form.text(values.value[state] or 0.0, look.glyphs)
                 canvas.put(2 + names, y, text.rjust(_VALUE_WIDTH), values.style(state, look))
         greedy = action.pair in values.greedy
         style = look.palette.greedy if greedy else look.palette.text

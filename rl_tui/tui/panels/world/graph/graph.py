@@ -8,10 +8,11 @@ from rich.style import Style
 from textual.strip import Strip
 
 from rl_tui.lab.live.snapshot import Snapshot
-from rl_tui.tui.draw import numbers
 from rl_tui.tui.draw.canvas import Canvas, centred, shortened
+from rl_tui.tui.draw.number_form import NumberForm, SteadyForms
 from rl_tui.tui.panels.legend import GREEDY_IN_FULL, Legend, LegendSign
 from rl_tui.tui.panels.scrolling import scrolled_to
+from rl_tui.tui.panels.snapshot_facts import is_new_run
 from rl_tui.tui.panels.world.graph.edge_list import draw_edge_list
 from rl_tui.tui.panels.world.graph.layout import GraphLayout, graph_layout
 from rl_tui.tui.panels.world.graph.routing import Box
@@ -50,6 +51,13 @@ class GraphView(WorldView):
         self._graph, self._mdp = world.drawing, world.mdp
         self._shape = graph_shape(self._mdp, self._graph, self.look.glyphs)
         self._shape_glyphs = self.look.glyphs
+        self._number_forms = SteadyForms()
+
+    def show(self, snapshot: Snapshot) -> None:
+        """Draw ``snapshot``; the form of its numbers is steady until another run starts."""
+        if is_new_run(self.snapshot, snapshot):
+            self._number_forms.clear()
+        super().show(snapshot)
 
     def drawing(self, snapshot: Snapshot, width: int, height: int) -> list[Strip]:
         """Return the graph, or the list of its edges where it does not fit."""
@@ -58,16 +66,17 @@ class GraphView(WorldView):
             self._shape_glyphs = self.look.glyphs
         self.heading = self.fitting((*self.captioned(WORLD), HEADING), width) or HEADING
         values = state_values(self.world.space, snapshot)
+        form = values.number_form(VALUE_WIDTH, self._number_forms)
         signs = Signs(snapshot.counters.state, self.shown_cursor, snapshot.playback.breakpoints)
         self._layout = layout = graph_layout(self._shape, width, height)
         if layout is not None:
             self.footing = ""
-            return draw_graph(self._shape, layout, values, signs, self.look, width, height)
+            return draw_graph(self._shape, layout, values, form, signs, self.look, width, height)
         rows = len(self._shape.actions)
         self._height = height
         self._top = max(0, min(self._top, rows - height))
         self.footing = f"↑↓ {self._top + 1}–{self._top + height} of {rows}" if rows > height else ""
-        return draw_edge_list(self._shape, values, signs, self.look, width, height, self._top)
+        return draw_edge_list(self._shape, values, form, signs, self.look, width, height, self._top)
 
     def signs(self) -> Legend:
         """Return the signs of states and edges."""
@@ -121,6 +130,7 @@ def draw_graph(
     shape: GraphShape,
     layout: GraphLayout,
     values: StateValues,
+    form: NumberForm,
     signs: Signs,
     look: Look,
     width: int,
@@ -129,7 +139,7 @@ def draw_graph(
     """Return ``layout`` with the values, the greedy actions, agent, cursor and breakpoints stamped on it."""
     canvas = Canvas(width, height, look.palette.text)
     for state, (node, box) in enumerate(zip(shape.nodes, layout.boxes, strict=True)):
-        _draw_box(canvas, box, node, values, state, signs, look)
+        _draw_box(canvas, box, node, values, form, state, signs, look)
     _draw_lines(canvas, layout, values, signs.agent, look)
     for fork in layout.forks:
         canvas.put(fork.x, fork.y, look.glyphs.estimate, _edge_style(fork.pair in values.greedy, look))
@@ -149,7 +159,14 @@ def draw_graph(
 
 
 def _draw_box(
-    canvas: Canvas, box: Box, node: Node, values: StateValues, state: int, signs: Signs, look: Look
+    canvas: Canvas,
+    box: Box,
+    node: Node,
+    values: StateValues,
+    form: NumberForm,
+    state: int,
+    signs: Signs,
+    look: Look,
 ) -> None:
     glyphs, palette, agent = look.glyphs, look.palette, state == signs.agent
     if node.terminal:
@@ -174,7 +191,7 @@ def _draw_box(
             box.x + 1 + start - (2 if start > 1 else 1), first, glyphs.agent, background + palette.agent
         )
     value = values.value[state]
-    text = END if value is None else numbers.value(value, VALUE_WIDTH, glyphs, decimals=2)
+    text = END if value is None else form.text(value, glyphs)
     style = palette.focus if state == signs.cursor else background
     canvas.put(box.x + 1, first + 1, centred(text, inner), style)
 

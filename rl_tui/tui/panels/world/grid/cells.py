@@ -11,17 +11,17 @@ from rich.style import Style
 
 from rl_tui.tui.draw import numbers
 from rl_tui.tui.draw.canvas import Canvas
-from rl_tui.tui.panels.world.grid.form import CellForm
-from rl_tui.tui.panels.world.grid.map import CellContent, Sign
+from rl_tui.tui.draw.number_form import NumberForm
+from rl_tui.tui.panels.world.grid.form import LEAST_ARROWS, CellForm
+from rl_tui.tui.panels.world.grid.map import PLAIN, CellContent, CellExtra, Sign
 from rl_tui.tui.panels.world.grid.rewards import CellReward
+from rl_tui.tui.panels.world.grid.trail import put_trace
 from rl_tui.tui.panels.world.state_values import fraction
 from rl_tui.tui.theme.look import Look
 from rl_tui.worlds.drawing import CellKind
 
 SEVERAL: Final = "*"  # in place of the arrows where they do not fit
 START: Final = "S"
-_ROOM_FOR_SMALL: Final = 6
-_LEAST_SHOWN: Final = 0.005  # what is below would be rounded to .00
 _MOST_KEPT: Final = 20_000
 
 Drawn = list[list[Segment]]
@@ -30,7 +30,8 @@ Drawn = list[list[Segment]]
 class Face(NamedTuple):
     """All that makes a cell look as it does; ``text`` is its value, None where nothing can be done.
 
-    ``stops`` marks a breakpoint, ``cursor`` the cell the cursor stands on.
+    ``stops`` marks a breakpoint, ``cursor`` the cell the cursor stands on, ``differs`` greedy actions that
+    are others in the lane beside this one.
     """
 
     kind: CellKind
@@ -41,6 +42,8 @@ class Face(NamedTuple):
     reward: CellReward | None = None
     stops: bool = False
     cursor: bool = False
+    differs: bool = False
+    extra: CellExtra | None = None
 
 
 class CellArtist:
@@ -68,28 +71,32 @@ class CellArtist:
         self._has_table = has_table
         # what looks the same is drawn once
         self._drawn = lru_cache(_MOST_KEPT)(partial(_drawn, form=form, look=look))
-        self._text = lru_cache(_MOST_KEPT)(partial(_value_text, width=form.digits, look=look))
+        self._text = lru_cache(_MOST_KEPT)(partial(_value_text, look=look))
         self._signs = lru_cache(_MOST_KEPT)(partial(_signs, look=look))
 
-    def drawn(self, cells: Sequence[CellContent], low: float, high: float) -> list[Drawn]:
+    def drawn(
+        self, cells: Sequence[CellContent], low: float, high: float, number_form: NumberForm
+    ) -> list[Drawn]:
         """Return the rows of each of ``cells``, tinted by its value from ``low`` to ``high``."""
-        return [self._drawn(self._face(cell, low, high)) for cell in cells]
+        return [self._drawn(self._face(cell, low, high, number_form)) for cell in cells]
 
     def reward_text(self, reward: CellReward) -> str:
         """Return how a cell without other signs shows what it pays."""
         # a single row has one character for it, two rows have arrows beside it
         return _reward_text(reward, self.form.width if self.form.height > 2 else 1, self.look)
 
-    def _face(self, cell: CellContent, low: float, high: float) -> Face:
-        kind, agent, value, known, greedy, reward, stops, cursor = cell
+    def _face(self, cell: CellContent, low: float, high: float, number_form: NumberForm) -> Face:
+        kind, agent, value, known, greedy, reward, stops, cursor, differs, _, extra = cell
         palette = self.look.palette
         if value is None:
             style = self._idle_styles.get(kind, palette.dim)
-            return Face(kind, agent, None, self._idle_signs.get(kind, ""), style, None, stops, cursor)
+            return Face(
+                kind, agent, None, self._idle_signs.get(kind, ""), style, None, stops, cursor, differs, extra
+            )
         style = palette.value(fraction(value, low, high)) if known else palette.unvisited
         is_dot = not known and value == 0.0 and not self._has_table
-        text = self.look.glyphs.stay if is_dot else self._text(value)
-        return Face(kind, agent, text, self._signs(greedy), style, reward, stops, cursor)
+        text = self.look.glyphs.stay if is_dot else self._text(value, number_form)
+        return Face(kind, agent, text, self._signs(greedy), style, reward, stops, cursor, differs, extra)
 
 
 def _drawn(face: Face, form: CellForm, look: Look) -> Drawn:
@@ -106,7 +113,10 @@ def _signs(greedy: tuple[Sign, ...], look: Look) -> str:
 def _draw_cell(canvas: Canvas, face: Face, form: CellForm, look: Look) -> None:
     if face.cursor and form.height == 1:
         face = face._replace(style=look.palette.focus)
-    filling = look.glyphs.wall if face.kind is CellKind.WALL else " "
+    extra = face.extra or PLAIN
+    if extra.name:
+        face = _named(face, extra.name, form)
+    filling = _filling(face, look)
     for row in range(form.height):
         canvas.put(0, row, filling * form.width, face.style)
     if face.cursor:
@@ -119,6 +129,17 @@ def _draw_cell(canvas: Canvas, face: Face, form: CellForm, look: Look) -> None:
         _draw_small(canvas, face, form, look)
     else:
         _draw_large(canvas, face, form, look)
+    if form.height == 1:
+        _put_name(canvas, form.width - len(extra.name), face)
+    if extra.trace is not None:
+        put_trace(canvas, extra.trace, look)
+
+
+def _filling(face: Face, look: Look) -> str:
+    if face.kind is CellKind.WALL:
+        return look.glyphs.wall
+    is_floor = face.kind in (CellKind.FLOOR, CellKind.START)
+    return look.glyphs.unreached if is_floor and not (face.extra or PLAIN).is_reached else " "
 
 
 def _draw_large(canvas: Canvas, face: Face, form: CellForm, look: Look) -> None:
@@ -126,15 +147,43 @@ def _draw_large(canvas: Canvas, face: Face, form: CellForm, look: Look) -> None:
     row = _value_row(form) - 1
     signs = _fitting(face, most=form.most_signs)
     start = (form.width - max(1, len(signs))) // 2
-    canvas.put(start, row, signs, _sign_style(face))
+    after = start + max(1, len(signs))
+    has_room = after < form.width - (face.stops and row == 0)
+    _put_signs(canvas, start, row, signs, after if has_room else None, face, look)
     mark = start - (2 if form.width >= 10 else 1)
     _put_mark(canvas, mark, row, face, look)
-    _put_reward(canvas, 0, 0, form.width if row else mark if _mark(face, look) else start, face, look)
+    named = _put_name(canvas, 0, face)
+    room = form.width if row else mark if _mark(face, look) else start
+    _put_reward(canvas, named, 0, room - named, face, look)
     if face.text is not None:
         style = look.palette.focus if face.cursor else face.style
         canvas.put((form.width - len(face.text)) // 2, row + 1, face.text, style)
     if face.stops:
         canvas.put(form.width - 1, 0, look.glyphs.breakpoint, look.palette.breakpoint)
+
+
+def _named(face: Face, name: str, form: CellForm) -> Face:
+    """Return ``face`` with its name: in a corner, in place of the value, or in place of the arrows."""
+    extra = face.extra or PLAIN
+    if len(name) > form.longest_name:
+        return face._replace(extra=extra._replace(name=""))
+    if form.has_corner:
+        return face._replace(extra=extra._replace(name=name.strip()))
+    if face.text is None:
+        return face
+    if form.has_values:
+        return face._replace(text=name, extra=extra._replace(name=""))
+    return face if len(name) <= form.width - LEAST_ARROWS else face._replace(signs="")
+
+
+def _put_name(canvas: Canvas, x: int, face: Face) -> int:
+    """Put the name of the state into the first row, if there is room; return what it takes with a blank."""
+    name, is_reached = (face.extra or PLAIN).name, (face.extra or PLAIN).is_reached
+    is_free = canvas.is_blank(x, 0, min(len(name) + 1, canvas.width - x)) or not is_reached
+    if not name or not is_free:
+        return 0
+    canvas.put(x, 0, name, face.style)
+    return len(name) + 1
 
 
 def _value_row(form: CellForm) -> int:
@@ -145,7 +194,8 @@ def _value_row(form: CellForm) -> int:
 def _draw_signs_alone(canvas: Canvas, face: Face, form: CellForm, look: Look) -> None:
     """Draw mark and arrow."""
     middle = max(1, (form.width - 1) // 2)
-    canvas.put(middle, 0, _fitting(face, most=1), _sign_style(face))
+    after = middle + 1 if middle + 1 < form.width else None
+    _put_signs(canvas, middle, 0, _fitting(face, most=1), after, face, look)
     _put_mark_or_reward(canvas, middle - 1, face, look)
 
 
@@ -157,15 +207,14 @@ def _draw_small(canvas: Canvas, face: Face, form: CellForm, look: Look) -> None:
     signs = _fitting(face, most=max(1, form.most_signs - mark))
     end = form.width - form.digits
     canvas.put(end, 0, text, face.style)
-    canvas.put(end - len(signs), 0, signs, _sign_style(face))
-    _put_mark_or_reward(canvas, end - max(1, len(signs)) - 1, face, look)
+    before = end - max(1, len(signs)) - 1
+    beside = before if not mark else None if signs else end - 1
+    _put_signs(canvas, end - len(signs), 0, signs, beside, face, look)
+    _put_mark_or_reward(canvas, before, face, look)
 
 
-def _value_text(x: float, width: int, look: Look) -> str:
-    """Return a value; one too small for two decimals as a bound where there is no room for more."""
-    if width < _ROOM_FOR_SMALL and numbers.NEGLIGIBLE <= x < _LEAST_SHOWN:
-        return "<.01" if width >= len("<.01") else ".00"
-    return numbers.value(x, width, look.glyphs, decimals=2)
+def _value_text(x: float, number_form: NumberForm, look: Look) -> str:
+    return number_form.text(x, look.glyphs)
 
 
 def _fitting(face: Face, most: int) -> str:
@@ -175,6 +224,23 @@ def _fitting(face: Face, most: int) -> str:
 
 def _sign_style(face: Face) -> Style:
     return face.style if face.text is None else face.style + Style(bold=True)
+
+
+def _put_signs(
+    canvas: Canvas, x: int, y: int, signs: str, beside: int | None, face: Face, look: Look
+) -> None:
+    """Put the arrows, and ``beside`` them whether they differ; where that is None they are reversed then."""
+    style = _sign_style(face)
+    if face.differs and beside is None:
+        style = differing_style(style)
+    elif face.differs and beside is not None:
+        canvas.put(beside, y, look.glyphs.differs, style)
+    canvas.put(x, y, signs, style)
+
+
+def differing_style(style: Style) -> Style:
+    """Return ``style`` of an arrow for one that differs, where there is no room for a sign beside it."""
+    return style + Style(reverse=not style.reverse)
 
 
 def _mark(face: Face, look: Look) -> str:

@@ -10,6 +10,7 @@ MOST_DIGITS_NEEDED: Final = 4  # −100, −12k
 _WITH_DIGITS: Final = 2  # mark and arrow beside a value in one row
 LEAST_ARROWS: Final = 2  # mark and arrow
 MOST_HEIGHT: Final = 5
+_WITH_CORNER: Final = 10  # of two rows
 
 
 class CellForm(NamedTuple):
@@ -33,6 +34,16 @@ class CellForm(NamedTuple):
         if not self.has_values:
             return 1
         return self.width - 2 if self.height > 1 else max(1, self.width - self.digits - 1)
+
+    @property
+    def has_corner(self) -> bool:
+        """Whether the name of a state has room in the corner; elsewhere it takes the place of the value."""
+        return self.height > 2 or (self.height == 2 and self.width >= _WITH_CORNER)
+
+    @property
+    def longest_name(self) -> int:
+        """How many characters of the name of a state there is room for."""
+        return self.digits if self.has_values and not self.has_corner else self.width - 1
 
     @property
     def digits(self) -> int:

@@ -13,12 +13,15 @@ from textual.strip import Strip
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.live.viewport import Cells
 from rl_tui.lab.run.large_worlds import is_large
+from rl_tui.tui.draw.number_form import SteadyForms
 from rl_tui.tui.panels.legend import GREEDY_IN_FULL, Legend, LegendSign
 from rl_tui.tui.panels.scrolling import Scrolled, kept_in_view, scrolled_to
 from rl_tui.tui.panels.snapshot_facts import is_new_run
-from rl_tui.tui.panels.world.grid.cells import SEVERAL, START, CellArtist, reward_style
-from rl_tui.tui.panels.world.grid.form import LEAST_DIGITS, CellForm, cell_form, digits_needed
+from rl_tui.tui.panels.world.grid.cells import SEVERAL, START, CellArtist, differing_style, reward_style
+from rl_tui.tui.panels.world.grid.form import LEAST_ARROWS, LEAST_DIGITS, CellForm, cell_form, digits_needed
 from rl_tui.tui.panels.world.grid.map import CellContent, GridMap, MapPart
+from rl_tui.tui.panels.world.grid.trail import traces, trail_signs
+from rl_tui.tui.panels.world.grid.wind import last_gust, wind_line, wind_sign, wind_strip
 from rl_tui.tui.panels.world.view import WorldView
 from rl_tui.worlds.drawing import CellKind, Grid
 from rl_tui.worlds.world import World
@@ -27,7 +30,9 @@ WORLD: Final = "World"
 HEADING: Final = f"{WORLD} · V and greedy"
 HEADING_WITHOUT_VALUES: Final = f"{WORLD} · greedy, V as tint"
 HEADING_GREEDY: Final = f"{WORLD} · greedy"
+STATE_NUMBERS: Final = "state numbers"
 FOLLOWS: Final = "follows the agent"
+_DECIMALS: Final = 2
 _LEAST_WITH_LEGEND: Final = 8  # rows of a map that scrolls
 FOLLOW_HINT: Final = "esc: follow the agent"
 
@@ -44,6 +49,7 @@ class GridView(WorldView):
     _requested: Cells | None = None
     _artist: CellArtist | None = None
     _digits = LEAST_DIGITS
+    _longest_name = 0  # of those in view, where names are shown
 
     def enter(self, world: World) -> None:
         """Take ``world`` for the one that is drawn, and follow the agent in it."""
@@ -54,6 +60,7 @@ class GridView(WorldView):
         self._kinds = frozenset(world.drawing.kinds)
         self._top = self._left = 0
         self._following = True
+        self._number_forms = SteadyForms()
         self.heading = HEADING
 
     @property
@@ -101,6 +108,11 @@ class GridView(WorldView):
         """Return the state of a cell: of several the agent's, else the first; None in a wall."""
         return self._map.state_at(place, self.snapshot)
 
+    def name_at(self, place: int) -> str:
+        """Return which state stands in a cell, and whether the agent can never be there."""
+        name = super().name_at(place)
+        return f"{name}, never reached" if place in self._map.unreached else name
+
     def place_of(self, pair: int) -> int:
         """Return the cell of the state that owns ``pair``."""
         return int(self._map.grid.cell_of_state[self.world.space.state_of(pair)])
@@ -122,6 +134,7 @@ class GridView(WorldView):
         """Draw ``snapshot``. Its numbers only ever get wider, until another run starts."""
         if is_new_run(self.snapshot, snapshot):
             self._digits = LEAST_DIGITS
+            self._number_forms.clear()
         super().show(snapshot)
 
     def drawing(self, snapshot: Snapshot, width: int, height: int) -> list[Strip]:
@@ -134,6 +147,27 @@ class GridView(WorldView):
         return self._drawn_map(snapshot, width, height)
 
     def _drawn_map(self, snapshot: Snapshot, width: int, height: int) -> list[Strip]:
+        """Return the map, below it the wind of its columns where a row is free for that."""
+        grid = self._map.grid
+        if not grid.wind:
+            return self._drawn_cells(snapshot, width, height)
+        form = cell_form(grid.rows, grid.columns, width, height, self._digits)
+        is_free = height > grid.rows * form.height or grid.rows > height >= _LEAST_WITH_LEGEND
+        strips = self._drawn_cells(snapshot, width, height - is_free)
+        assert self._part is not None
+        assert self._form is not None
+        if is_free:
+            left, top = self._origin
+            gust = last_gust(grid, snapshot)
+            row = wind_strip(grid, self._part, self._form, left, width, gust, self.look)
+            strips.insert(top + self._part.rows * self._form.height, row)
+        elif self._following:
+            line = wind_line(grid, self._part, self.look)
+            both = (f"{line} · {self.footing}",) if self.footing else ()
+            self.footing = self.fitting((*both, line), width) or self.footing
+        return strips
+
+    def _drawn_cells(self, snapshot: Snapshot, width: int, height: int) -> list[Strip]:
         grid = self._map.grid
         form = cell_form(grid.rows, grid.columns, width, height, self._digits)
         rows = min(grid.rows, max(1, height // form.height))
@@ -142,20 +176,35 @@ class GridView(WorldView):
         self._top = kept_in_view(self._top, row if self._following else None, rows, grid.rows)
         self._left = kept_in_view(self._left, column if self._following else None, columns, grid.columns)
         self._part = part = MapPart(self._top, self._left, rows, columns)
-        cells = self._map.contents(part, snapshot, self.shown_cursor)
+        cells = self._map.contents(part, snapshot, self.shown_cursor, self.differing, named=self.is_numbered)
+        names = [each.extra.name for each in cells if each.extra is not None] if self.is_numbered else []
+        self._longest_name = max(map(len, names), default=0)
         needed = digits_needed(each.value for each in cells if each.value is not None)
         if needed > self._digits:  # they stay as wide, lest the map jump to and fro
             self._digits = needed
-            return self._drawn_map(snapshot, width, height)
+            return self._drawn_cells(snapshot, width, height)
         without = HEADING_WITHOUT_VALUES if self.look.palette.tints else HEADING_GREEDY
         heading = HEADING if form.has_values else without
         # where the border has no room for the legend, the heading says what is drawn
         forms = (heading,) if self._map.grid.legend else (*self.captioned(WORLD), heading)
+        if self.is_numbered:
+            forms = self._numbered(heading, form)
         self.heading = self._title(self.fitting(forms, width) or heading, width)
         self.footing = self._where(width)
         self.free_rows = height - part.rows * form.height - max(0, (height - part.rows * form.height) // 2)
         self._form, self._origin = form, origin(form, part, width, height)
-        return draw_grid(cells, self._artist_for(form), part, width, height)
+        return draw_grid(cells, self._artist_for(form), part, width, height, self._number_forms)
+
+    def _numbered(self, heading: str, form: CellForm) -> tuple[str, ...]:
+        """Return headings for cells with the numbers of their states, the longest first."""
+        longest = self._longest_name
+        if longest > form.longest_name:
+            return (heading,)
+        if form.has_corner:
+            return f"{heading} · {STATE_NUMBERS}", f"{WORLD} · {STATE_NUMBERS}", STATE_NUMBERS
+        has_arrows = form.has_values or longest <= form.width - LEAST_ARROWS
+        what = f"{STATE_NUMBERS} and greedy" if has_arrows else STATE_NUMBERS
+        return f"{WORLD} · {what}", f"{WORLD} · {STATE_NUMBERS}", STATE_NUMBERS
 
     def signs(self) -> Legend:
         """Return the signs of cells that this map has."""
@@ -164,12 +213,26 @@ class GridView(WorldView):
     def _signs(self) -> Iterator[LegendSign]:
         palette, glyphs = self.look.palette, self.look.glyphs
         form, signs = self._form, self._map.signs
+        if form is not None and self.differing:
+            yield self._differing_sign(form)
         if form is not None and self._map.rewards:  # what is hardest to guess stands first
             yield from self._reward_signs(form)
         if form is not None and len(signs) > form.most_signs:
             yield LegendSign(SEVERAL, "tie", palette.strong, "tie: equally good")
+        if self._map.grid.wind:
+            yield wind_sign(self._map.grid, self.look)
+        if self._map.unreached:
+            yield LegendSign(glyphs.unreached, "unreached", palette.dim, "never reached")
+        if form is not None and self._longest_name > form.longest_name:
+            yield LegendSign("#", "no room", palette.dim, f"no room for {STATE_NUMBERS}")
+        elif self.is_numbered and self.snapshot is not None:
+            name = self.world.space.state_names[self.snapshot.counters.state]
+            yield LegendSign(name, "state", palette.text, "number of a state")
         yield from self.value_signs()
         yield LegendSign(glyphs.agent, "agent", palette.agent)
+        if self.snapshot is not None and form is not None:
+            left = traces(self.snapshot.trail, self._map.grid, signs)
+            yield from trail_signs(left.values(), self.look, is_high=form.height > 1)
         ends = (
             (CellKind.HOLE, glyphs.hole, palette.hole),
             (CellKind.CLIFF, glyphs.cliff, palette.cliff),
@@ -185,6 +248,13 @@ class GridView(WorldView):
         yield LegendSign(sign, "greedy", palette.strong, GREEDY_IN_FULL)
         if CellKind.WALL in self._kinds:
             yield LegendSign(glyphs.wall, "wall", palette.wall)
+
+    def _differing_sign(self, form: CellForm) -> LegendSign:
+        glyphs, strong = self.look.glyphs, self.look.palette.strong
+        sign, style = (
+            (glyphs.differs, strong) if form.width > LEAST_ARROWS else (glyphs.up, differing_style(strong))
+        )
+        return LegendSign(sign, "differs", style, "greedy in the other lane differs")
 
     def _reward_signs(self, form: CellForm) -> Iterator[LegendSign]:
         """Yield how cells show what they pay: as a number, or whether it is more or less than usual."""
@@ -290,16 +360,22 @@ def origin(form: CellForm, part: MapPart, width: int, height: int) -> tuple[int,
 
 
 def draw_grid(
-    cells: Sequence[CellContent], artist: CellArtist, part: MapPart, width: int, height: int
+    cells: Sequence[CellContent],
+    artist: CellArtist,
+    part: MapPart,
+    width: int,
+    height: int,
+    number_forms: SteadyForms | None = None,
 ) -> list[Strip]:
     """Return ``cells``, those of ``part`` row by row, in the middle of width × height characters.
 
-    The tints go from the least to the greatest value in ``part``, 0 included.
+    The tints go from the least to the greatest value in ``part``, 0 included; all values have one form.
     """
     form, text = artist.form, artist.look.palette.text
     shown = [each.value for each in cells if each.value is not None and math.isfinite(each.value)]
     low, high = min(shown, default=0.0), max(shown, default=0.0)
-    drawn = artist.drawn(cells, min(low, 0.0), max(high, 0.0))
+    number_form = (number_forms or SteadyForms()).form("values", low, high, form.digits, most=_DECIMALS)
+    drawn = artist.drawn(cells, min(low, 0.0), max(high, 0.0), number_form)
     left, top = origin(form, part, width, height)
     before = Segment(" " * left, text)
     after = Segment(" " * max(0, width - part.columns * form.width - len(before.text)), text)

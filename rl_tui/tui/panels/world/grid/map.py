@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.live.viewport import NO_STATE, first_state_of_cells, pairs_of_states
+from rl_tui.tui.draw.action_order import order_of
+from rl_tui.tui.panels.world.grid.reach import unreached_cells
 from rl_tui.tui.panels.world.grid.rewards import CellReward, cell_rewards
+from rl_tui.tui.panels.world.grid.trail import Trace, traces
 from rl_tui.worlds.drawing import CellKind, Grid
 from rl_tui.worlds.mdp.space import FiniteSpace, IntArray
 
@@ -24,14 +27,44 @@ class MapPart(NamedTuple):
     columns: int
 
 
+class ActionValue(NamedTuple):
+    """One action of a state: its direction or the first letter of its name, and Q.
+
+    ``is_new`` says that the pair was never updated, ``is_greedy`` that it is one of the greedy ones.
+    """
+
+    sign: Sign
+    q: float
+    is_new: bool
+    is_greedy: bool
+
+
+class CellExtra(NamedTuple):
+    """What only some cells have: in one field of theirs, since every field costs time in every frame.
+
+    ``trace`` is what the trail of the episode left. ``is_reached`` is False where no way leads to. ``name``
+    is that of the state where names were asked for: all are as long as the longest.
+    """
+
+    trace: Trace | None = None
+    is_reached: bool = True
+    name: str = ""
+
+
+PLAIN: Final = CellExtra()
+_UNREACHED: Final = CellExtra(is_reached=False)
+
+
 class CellContent(NamedTuple):
     """One cell.
 
     ``value`` is V(s) = max over a of Q(s, a), None where nothing can be done or the snapshot does not tell.
     ``known`` says that something was learned about the state: it was updated or its estimates differ.
-    ``greedy`` holds the greedy actions, all ties, as their direction or the first letter of their name; it is
-    empty where nothing is known. ``reward`` is what the cell pays where that is not the usual step's.
-    ``stops`` marks a breakpoint, ``cursor`` the cell the cursor stands on.
+    ``greedy`` holds the greedy actions, all ties, as direction or first letter of the name, in the
+    order in which actions are shown; it is empty where nothing is known. ``reward`` is what the cell pays
+    where that is not the usual step's. ``stops`` marks a breakpoint, ``cursor`` the cell the cursor is on.
+    ``differs`` says that the greedy actions are others in the lane beside this one. ``actions`` are all
+    actions in the order in which they are shown, where they were asked for. ``extra`` is what few cells have.
     """
 
     kind: CellKind
@@ -42,13 +75,22 @@ class CellContent(NamedTuple):
     reward: CellReward | None = None
     stops: bool = False
     cursor: bool = False
+    differs: bool = False
+    actions: tuple[ActionValue, ...] = ()
+    extra: CellExtra | None = None
+
+
+def with_extra(content: CellContent, **more: Any) -> CellContent:
+    """Return ``content`` with ``more`` of what few cells have."""
+    return content._replace(extra=(content.extra or PLAIN)._replace(**more))
 
 
 class GridMap:
     """A map and its states. Reading a part of it costs the same in a map of any size.
 
     ``signs`` are those of the actions, in their order: a direction, else the first letter of the name.
-    ``ends`` are the kinds of cells in which nothing can be done, ``rewards`` the different ones of cells.
+    ``ends`` are the kinds of cells in which nothing can be done, ``rewards`` the different ones of cells,
+    ``unreached`` the cells that no way leads to.
     """
 
     def __init__(self, space: FiniteSpace, grid: Grid) -> None:
@@ -58,11 +100,14 @@ class GridMap:
             (name[:1] or "?") if step is None else step
             for step, name in zip(grid.directions, space.action_names, strict=True)
         )
+        self._order = order_of(space, grid)
+        self._sign_places = {self.signs[action]: place for place, action in enumerate(self._order)}
         self._states = first_state_of_cells(grid)
         self._rewards = cell_rewards(space, grid)
         self.rewards = tuple(sorted(set(self._rewards.values()), reverse=True))
         acting = np.append(np.diff(space.first_pair) > 0, False)  # NO_STATE is the last one
         idle = np.flatnonzero(~acting[self._states.ravel()])
+        self.unreached = unreached_cells(space, grid)
         self.ends = frozenset(grid.kinds[cell] for cell in idle.tolist())
 
     def state_at(self, cell: int, snapshot: Snapshot | None) -> int | None:
@@ -72,10 +117,19 @@ class GridMap:
         state = int(self._states[divmod(cell, self.grid.columns)])
         return None if state == NO_STATE else state
 
-    def contents(self, part: MapPart, snapshot: Snapshot, cursor: int | None = None) -> list[CellContent]:
+    def contents(
+        self,
+        part: MapPart,
+        snapshot: Snapshot,
+        cursor: int | None = None,
+        differing: frozenset[int] = frozenset(),
+        *,
+        with_actions: bool = False,
+        named: bool = False,
+    ) -> list[CellContent]:
         """Return what stands in the cells of ``part``, row by row; the cursor stands in the cell ``cursor``.
 
-        Of several states in one cell it is the agent's, else the first.
+        Of several states in one cell it is the agent's, else the first. With ``named`` they have their names.
         """
         kinds, columns = self.grid.kinds, self.grid.columns
         states = self._states_in(part, snapshot)
@@ -85,7 +139,8 @@ class GridMap:
         counts[states != NO_STATE] = self._space.first_pair[owners + 1] - self._space.first_pair[owners]
         held = None if snapshot.agent.part is None else snapshot.agent.part.held[pairs].tolist()
         q, visits = snapshot.agent.q[pairs].tolist(), snapshot.agent.visits[pairs].tolist()
-        signs = [self.signs[action] for action in self._space.pair_action[pairs].tolist()]
+        actions = self._space.pair_action[pairs].tolist()
+        signs = [self.signs[action] for action in actions]
         agent = self._place(part, int(self.grid.cell_of_state[snapshot.counters.state]))
         contents, first = [], 0
         for place, count in enumerate(counts.tolist()):
@@ -94,12 +149,37 @@ class GridMap:
             kind = kinds[cell]
             last = first + count
             if count == 0 or (held is not None and not held[first]):
-                contents.append(CellContent(kind, place == agent))
+                extra = _UNREACHED if cell in self.unreached else None
+                contents.append(CellContent(kind, place == agent, extra=extra))
             else:
-                content = _content(kind, place == agent, q[first:last], visits[first:last], signs[first:last])
+                content = self._content(
+                    kind, place == agent, q[first:last], visits[first:last], signs[first:last]
+                )
+                if with_actions:
+                    own = q[first:last], visits[first:last], actions[first:last]
+                    content = content._replace(actions=self._actions(*own, content.known))
                 reward = self._rewards.get(cell)
                 contents.append(content if reward is None else content._replace(reward=reward))
             first = last
+        if named:
+            names = [self._space.state_names[each] for each in owners.tolist()]
+            width = max(map(len, names), default=0)
+            for place, name in zip(np.flatnonzero(states != NO_STATE).tolist(), names, strict=True):
+                contents[place] = with_extra(contents[place], name=name.rjust(width))
+        for place, state in enumerate(states.tolist() if differing else ()):
+            if state in differing:
+                contents[place] = contents[place]._replace(differs=True)
+        self._mark(contents, part, snapshot, cursor)
+        return contents
+
+    def _mark(
+        self, contents: list[CellContent], part: MapPart, snapshot: Snapshot, cursor: int | None
+    ) -> None:
+        """Put trail, breakpoints and cursor into ``contents``, which are those of ``part``."""
+        for cell, trace in traces(snapshot.trail, self.grid, self.signs).items():
+            marked = self._place(part, cell)
+            if marked is not None:
+                contents[marked] = with_extra(contents[marked], trace=trace)
         for state in snapshot.playback.breakpoints.states:
             marked = self._place(part, int(self.grid.cell_of_state[state]))
             if marked is not None:
@@ -107,7 +187,17 @@ class GridMap:
         marked = None if cursor is None else self._place(part, cursor)
         if marked is not None:
             contents[marked] = contents[marked]._replace(cursor=True)
-        return contents
+
+    def _actions(
+        self, q: list[float], visits: list[int], actions: list[int], known: bool
+    ) -> tuple[ActionValue, ...]:
+        """Return the actions of one state; none is greedy where nothing is ``known``."""
+        best = max(q) if known else None
+        own = {
+            action: ActionValue(self.signs[action], each, not taken, each == best)
+            for action, each, taken in zip(actions, q, visits, strict=True)
+        }
+        return tuple(own[action] for action in self._order if action in own)
 
     def holds(self, part: MapPart, snapshot: Snapshot) -> bool:
         """Return whether ``snapshot`` has all that is to be seen in ``part``."""
@@ -132,17 +222,19 @@ class GridMap:
         inside = 0 <= row < part.rows and 0 <= column < part.columns
         return row * part.columns + column if inside else None
 
-
-def _content(
-    kind: CellKind,
-    agent: bool,
-    q: list[float],
-    visits: list[int],
-    signs: list[Sign],
-) -> CellContent:
-    value = max(q)
-    known = min(q) != value or any(visits)
-    if not known:
-        return CellContent(kind, agent, value)
-    greedy = tuple(sign for sign, each in zip(signs, q, strict=True) if each == value)
-    return CellContent(kind, agent, value, known, greedy)
+    def _content(
+        self,
+        kind: CellKind,
+        agent: bool,
+        q: list[float],
+        visits: list[int],
+        signs: list[Sign],
+    ) -> CellContent:
+        value = max(q)
+        known = min(q) != value or any(visits)
+        if not known:
+            return CellContent(kind, agent, value)
+        greedy = [sign for sign, each in zip(signs, q, strict=True) if each == value]
+        if len(greedy) > 1:
+            greedy.sort(key=self._sign_places.__getitem__)
+        return CellContent(kind, agent, value, known, tuple(greedy))

@@ -7,14 +7,14 @@ from typing import Any
 
 from rl_tui.agents.catalogue import BY_ID
 from rl_tui.common.errors import UserError
-from rl_tui.lab.live.commands import AddLane, ChooseLane, DropLane
+from rl_tui.lab.live.commands import AddBranch, AddLane, ChooseLane, DropLane
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.timeline.lane_view import LaneView
-from rl_tui.tui.panels.snapshot_facts import is_secret
+from rl_tui.tui.panels.snapshot_facts import current_study, is_secret
 from rl_tui.tui.screens.dialogs.choice import algorithm_choice, policy_choice
 from rl_tui.tui.screens.dialogs.compare import Answer, Compare
 from rl_tui.tui.screens.dialogs.dialog import Dialog
-from rl_tui.tui.screens.dialogs.lane_changes import ALGORITHM, lane_changes
+from rl_tui.tui.screens.dialogs.lane_changes import ALGORITHM, branches_beside, lane_changes
 from rl_tui.tui.screens.dialogs.questions import ask_value
 from rl_tui.tui.screens.playground.actions.subject import Subject
 from rl_tui.tui.screens.playground.wanted import in_force
@@ -30,7 +30,15 @@ class LaneActions(Subject):
             return
         hidden = is_secret(snapshot, revealed=self.board.curve.tells_all)
         lanes = snapshot.run_group.lanes or (_only_lane(snapshot),)
-        dialog = Compare(self.screen.look, lanes, snapshot.run_group.shown, in_force(snapshot), hidden=hidden)
+        dialog = Compare(
+            self.screen.look,
+            lanes,
+            snapshot.run_group.shown,
+            in_force(snapshot),
+            hidden=hidden,
+            study=current_study(snapshot),
+            branches=branches_beside(snapshot),
+        )
         self.ask(dialog, self._compared)
 
     def next_lane(self) -> None:
@@ -46,6 +54,8 @@ class LaneActions(Subject):
             self._show_lane(answer.lane)
         elif isinstance(answer, DropLane):
             self._drop_lane(answer.lane)
+        elif isinstance(answer, AddBranch):
+            self.link.send(answer)
         else:
             self._ask_difference(answer)
 

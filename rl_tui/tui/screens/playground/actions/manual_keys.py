@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from typing import Final
 
 from rl_tui.lab.live.snapshot import Snapshot
+from rl_tui.tui.draw.action_order import shown_pairs
 from rl_tui.tui.draw.canvas import shortened
 from rl_tui.tui.draw.names import LONGEST_NAME, action_name, state_name
 from rl_tui.tui.theme.glyphs import Glyphs
@@ -19,9 +20,10 @@ _STRAIGHT: Final = ((-1, 0), (1, 0), (0, -1), (0, 1))
 
 
 def legal_actions(snapshot: Snapshot) -> tuple[int, ...]:
-    """Return the actions that may be taken next, by their numbers."""
-    space = snapshot.world.space
-    return tuple(int(space.pair_action[pair]) for pair in space.pairs_of(_acts_in(snapshot)))
+    """Return the actions that may be taken next, by their numbers, in the order in which they are shown."""
+    world, space = snapshot.world, snapshot.world.space
+    pairs = shown_pairs(world, space.pairs_of(_acts_in(snapshot)))
+    return tuple(int(space.pair_action[pair]) for pair in pairs)
 
 
 def _acts_in(snapshot: Snapshot) -> int:

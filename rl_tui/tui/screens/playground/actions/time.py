@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from rl_tui.lab.live.commands import ChooseBranch, EpisodeBack, GoTo, StepBack
+from rl_tui.lab.live.commands import AddBranch, ChooseBranch, EpisodeBack, GoTo, StepBack
 from rl_tui.lab.live.snapshot import Phase, Snapshot
 from rl_tui.tui.panels.snapshot_facts import episode_under_way
 from rl_tui.tui.screens.dialogs.goto import goto_prompt, parse_goto, unit_of
 from rl_tui.tui.screens.dialogs.journal import JournalScreen, Moment
 from rl_tui.tui.screens.playground.actions.subject import Subject
+from rl_tui.worlds.drawing import Arms
 
 
 class TimeActions(Subject):
@@ -15,6 +16,8 @@ class TimeActions(Subject):
 
     _sought_episode: int | None = None
     """The episode that the run is on its way to, if it is one."""
+    _sought_branch: int | None = None
+    """The branch that the run is on its way to, if it goes to another one as such."""
 
     def step_back(self) -> None:
         """Go one step back."""
@@ -49,12 +52,19 @@ class TimeActions(Subject):
         self.link.wanted.step = step
         self.link.send(GoTo(step))
 
-    def announce_end(self, now: Snapshot) -> None:
-        """Say so where the run ends before the episode that was sought: in the past that is not known."""
-        episode = self._sought_episode
-        if episode is None or now.playback.phase is Phase.SEEKING or not self.link.wanted.is_taken_in(now):
+    def announce_arrival(self, now: Snapshot) -> None:
+        """Say where the run has come to: on another branch, or not as far as was asked."""
+        if now.playback.phase is Phase.SEEKING or not self.link.wanted.is_taken_in(now):
             return
-        self._sought_episode = None
+        episode, branch = self._sought_episode, self._sought_branch
+        self._sought_episode = self._sought_branch = None
+        if episode is not None:
+            self._announce_end(episode, now)
+        if branch is not None and branch == now.timeline.branch:
+            self.screen.tell(_arrived_on_branch(now))
+
+    def _announce_end(self, episode: int, now: Snapshot) -> None:
+        """Say so where the run ends before the ``episode`` that was sought: in the past that is not known."""
         # in the past it was held up, or sent elsewhere: where the run ends is not known there
         if now.counters.episodes < episode - 1 and not now.timeline.in_past:
             here = f"{unit_of(now)} {episode_under_way(now):,}, step {now.counters.step:,}"
@@ -74,11 +84,22 @@ class TimeActions(Subject):
         else:
             self.link.send(command)
 
-    def _go_to_branch(self, moment: Moment) -> None:
+    def _go_to_branch(self, moment: Moment | AddBranch) -> None:
+        if isinstance(moment, AddBranch):
+            self.link.send(moment)
+            return
         if self.snapshot is not None and moment.branch != self.snapshot.timeline.branch:
+            self._sought_branch = moment.branch if moment.step is None else None
             self.link.send(ChooseBranch(moment.branch))
         if moment.step is not None:
             self.link.send(GoTo(moment.step))
+
+
+def _arrived_on_branch(now: Snapshot) -> str:
+    """Return which moment of which branch is shown, and why not the one that was shown before."""
+    unit = "pull" if isinstance(now.world.drawing, Arms) else "step"
+    stays = "as before" if now.timeline.in_past else "as far as it has come"
+    return f"{now.timeline.current.name}, {unit} {now.counters.step:,}: {stays}"
 
 
 def _has_forked(before: Snapshot, now: Snapshot) -> bool:

@@ -6,7 +6,7 @@ from rl_tui.lab.live.commands import LookAt
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.screens.dialogs.model import ModelScreen
 from rl_tui.tui.screens.playground.actions.subject import Subject
-from rl_tui.worlds.drawing import Arms
+from rl_tui.worlds.drawing import Arms, Grid
 
 
 class ViewActions(Subject):
@@ -39,6 +39,13 @@ class ViewActions(Subject):
             return
         self.link.wanted.revealed = not self.link.wanted.revealed
         self.board.show(self.snapshot)
+
+    def numbers(self) -> None:
+        """Show or hide the numbers of the states in the cells of a map."""
+        if self.snapshot is not None and not isinstance(self.snapshot.world.drawing, Grid):
+            self.screen.tell("# numbers the states of a map, and this world has none")
+            return
+        self.board.is_numbered = not self.board.is_numbered
 
     def model(self) -> None:
         """Show the model until it is closed."""

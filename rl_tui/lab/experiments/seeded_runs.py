@@ -1,0 +1,113 @@
+"""Runs of one recipe that differ in their seed, one at a time: what they share is made once."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from typing import Any, Final
+
+from rl_tui.agents.compiling.background import BACKGROUND
+from rl_tui.agents.exact.solution import Solution
+from rl_tui.common.errors import UserError
+from rl_tui.lab.experiments.learning_curve import each_of
+from rl_tui.lab.experiments.patience import pays, seconds_interpreted
+from rl_tui.lab.experiments.training import Goal, OnProgress, train
+from rl_tui.lab.run.figures import BANDIT_FIGURES, exact_world, greedy_figures, optimum_of, pulls
+from rl_tui.lab.run.recipe import JournalEntry, Recipe, begin
+from rl_tui.lab.run.run import OnEpisodes, Run
+from rl_tui.worlds.drawing import Arms
+from rl_tui.worlds.world import World
+
+FIGURES: Final = (
+    "steps",
+    "episodes",
+    "value_at_start",
+    "expected_return",
+    "max_error",
+    "return_mean",
+    "return_last_100",
+    "length_last_100",
+    "first_reward_episode",
+)
+"""The names of a run's figures, each a key of its row."""
+
+
+class SeededRuns:
+    """Trains ``recipe`` under one seed after the other, from several threads if need be.
+
+    They share a world that no seed shapes, ``known`` if it is at hand, and its exact answer. The settings of
+    ``journal`` are made in each of them on the way. Raises UserError where the world cannot be built.
+    """
+
+    def __init__(
+        self, recipe: Recipe, journal: Sequence[JournalEntry] = (), known: World | None = None
+    ) -> None:
+        self.recipe = recipe
+        """The recipe of the first of them."""
+        self.first = Run(recipe, begin(recipe, known), evaluate=False)
+        """The first of them, not trained."""
+        self.is_bandit = isinstance(self.first.world.drawing, Arms)
+        """Whether their world is a bandit."""
+        self._journal = journal
+        self._world = None if recipe.scenario.section.drawn_from_seed else self.first.world
+        # Where the world drifts, each run comes to other means, and so to another exact answer
+        self._has_one_answer = self._world is not None and self.first.learner.drifted is None
+        self._optima = dict[float, Solution | None]()  # by γ, which may be set on the way
+        if self._has_one_answer:
+            self._optimum_of(self.first)
+
+    @property
+    def figures(self) -> tuple[str, ...]:
+        """The names of a run's figures."""
+        return (*FIGURES, *BANDIT_FIGURES) if self.is_bandit else FIGURES
+
+    def get_machine_code(self, runs: int, goal: Goal, on_compiling: Callable[[], None]) -> None:
+        """Have machine code for so many runs where that pays; ``on_compiling`` is called before it is had."""
+        # Interpreted, all runs together have one core. An environment that is stepped is not tried: it may do
+        # anything, and takes most of the time itself
+        learner = self.first.learner
+        if learner.rewindable:
+            wanted, by_episodes = goal.steps or goal.episodes or 0, goal.steps is None
+            seconds = runs * seconds_interpreted(learner, wanted, episodes=by_episodes)
+            if pays(learner.loop, seconds):
+                on_compiling()
+                BACKGROUND.get(learner.loop)
+
+    def new_run(self, seed: int, *on_episodes: OnEpisodes | None) -> Run:
+        """Return the run of ``seed``, not trained; each of ``on_episodes`` hears of its episodes."""
+        recipe = replace(self.recipe, seed=seed)
+        beginning = begin(recipe, self._world)
+        return Run(recipe, beginning, evaluate=False, on_episodes=each_of(*on_episodes))
+
+    def train(self, run: Run, goal: Goal, on_progress: OnProgress) -> None:
+        """Advance ``run`` to ``goal``. Raises UserError, naming the seed, where it broke down."""
+        try:
+            train(run, goal, on_progress, self._journal)
+        except UserError as error:
+            raise UserError(f"seed {run.recipe.seed}: {error}") from error
+
+    def row(self, run: Run) -> dict[str, Any]:
+        """Return the seed and the figures of ``run``, as ``train --runs --json`` prints them."""
+        exact = greedy_figures(run, self._optimum_of(run))
+        mean_return, mean_length = run.history.last_100
+        return {
+            "seed": run.recipe.seed,
+            "steps": run.step,
+            "episodes": run.learner.episodes,
+            "value_at_start": exact.value_at_start,
+            "expected_return": exact.expected_return,
+            "max_error": exact.max_error,
+            "return_mean": run.mean_return,
+            "return_last_100": mean_return,
+            "length_last_100": mean_length,
+            "first_reward_episode": run.learner.first_reward_episode or None,
+            **pulls(run),
+        }
+
+    def _optimum_of(self, run: Run) -> Solution | None:
+        gamma = run.learner.hyperparameters.gamma
+        if not self._has_one_answer:
+            return optimum_of(exact_world(run), gamma)
+        if gamma not in self._optima:
+            self._optima[gamma] = optimum_of(exact_world(run), gamma)
+        return self._optima[gamma]

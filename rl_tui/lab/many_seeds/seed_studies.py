@@ -1,0 +1,76 @@
+"""What many seeds say of the runs of a playground: at most one study at a time."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from rl_tui.common.errors import UserError
+from rl_tui.lab.many_seeds.figures import SeedStudy, StudyState
+from rl_tui.lab.many_seeds.request import StudiedRun, studied_runs, study_request
+from rl_tui.lab.many_seeds.study_process import StudyProcess
+
+if TYPE_CHECKING:
+    from rl_tui.lab.timeline.run_group import RunGroup
+
+
+class SeedStudies:
+    """Has studies worked out in a process of their own, at the lowest priority.
+
+    ``on_news`` is called, from any thread, when there is more to tell. With ``automatic`` off :meth:`begin`
+    waits for the end of a study of one block, so that what is told does not depend on the time.
+    """
+
+    def __init__(self, on_news: Callable[[], None], *, automatic: bool) -> None:
+        self._on_news = on_news
+        self._automatic = automatic
+        self._lock = threading.Lock()  # guards the process and whether there may be one
+        self._process: StudyProcess | None = None
+        self._is_closed = False
+        self._refused: SeedStudy | None = None
+        self._lanes: tuple[StudiedRun, ...] = ()
+
+    def begin(self, group: RunGroup) -> None:
+        """Begin a study of the runs of ``group`` as they are now, in place of any other.
+
+        Where there can be none, what is told says why.
+        """
+        self.end()
+        self._lanes = studied_runs(group)
+        try:
+            request = study_request(group, is_awaited=not self._automatic)
+            with self._lock:
+                if self._is_closed:
+                    return
+                process = self._process = StudyProcess(request, self._on_news)
+        except (UserError, OSError) as reason:
+            why = str(reason) if isinstance(reason, UserError) else f"no process can be started: {reason}"
+            self._refused = SeedStudy(StudyState.FAILED, message=why)
+            return
+        if not self._automatic:
+            process.wait()
+
+    def end(self) -> None:
+        """End the study; there is nothing to tell of it any more."""
+        with self._lock:
+            process, self._process = self._process, None
+        self._refused = None
+        if process is not None:
+            process.end()
+
+    def close(self) -> None:
+        """End the study, from any thread, and begin none any more."""
+        with self._lock:
+            self._is_closed = True
+            if self._process is not None:
+                self._process.end()
+
+    def told_of(self, group: RunGroup) -> SeedStudy | None:
+        """Return what is known by now, with whether it is of the runs of ``group``; None without a study."""
+        process = self._process
+        told = self._refused if process is None else process.told
+        if told is None or studied_runs(group) == self._lanes:
+            return told
+        return replace(told, is_outdated=True)

@@ -1,0 +1,203 @@
+"""The work of a study: seed after seed of every lane, and what they say, block by block."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
+from typing import Final
+
+import numpy as np
+
+from rl_tui.agents.compiling.cache_folder import was_compiled
+from rl_tui.common.words import counted
+from rl_tui.lab.experiments.learning_curve import RunCurve, mean_curve
+from rl_tui.lab.experiments.many_runs import no_compiling
+from rl_tui.lab.experiments.seeded_runs import SeededRuns
+from rl_tui.lab.experiments.training import Goal
+from rl_tui.lab.many_seeds.estimates import Row, differences_of, estimates_of
+from rl_tui.lab.many_seeds.figures import LaneStudy, SeedCurve, SeedStudy, StudyState
+from rl_tui.lab.many_seeds.request import FIRST_BLOCK, StudiedRun, StudyRequest
+from rl_tui.lab.run.figures import finite
+from rl_tui.lab.run.run import Run
+from rl_tui.worlds.world import World
+
+MOST_STEPS: Final = 2_000_000
+"""Steps of one seed."""
+MOST_SECONDS: Final = 60.0
+"""Seconds of processor time of a whole study, compiling left out."""
+
+
+class _TooLongError(Exception):
+    """A seed comes to more steps than it may take before it has finished its episodes."""
+
+
+class _OutOfTimeError(Exception):
+    """The study has taken all the processor time that it may."""
+
+
+class Study:
+    """Works out what ``request`` asks for. Raises UserError where a world cannot be built."""
+
+    def __init__(self, request: StudyRequest) -> None:
+        self._request = request
+        self._goal = Goal(episodes=request.episodes)
+        self._lanes: list[_Lane] = []
+        for lane in request.lanes:
+            known = self._lanes[0].runs.first.world if self._lanes else None
+            self._lanes.append(_Lane(lane, known))
+        self._told = request.nothing_yet
+
+    @property
+    def has_machine_code(self) -> bool:
+        """Whether all machine code that runs begin with is in the cache."""
+        return all(was_compiled(lane.runs.first.learner.loop) for lane in self._lanes)
+
+    def get_machine_code(self) -> None:
+        """Have machine code for what is long enough to need it; it may take a while."""
+        for lane in self._lanes:
+            lane.runs.get_machine_code(self._request.most, self._goal, no_compiling)
+
+    def reports(self, clock: Callable[[], float] = time.process_time) -> Iterator[SeedStudy]:
+        """Yield what is known after 8 seeds, 16, 32 …; the last one says why it ends.
+
+        ``clock`` gives seconds of processor time, of which it takes 60 from here on. Raises UserError where a
+        run breaks down.
+        """
+        end = clock() + MOST_SECONDS
+
+        def check() -> None:
+            if clock() >= end:
+                raise _OutOfTimeError
+
+        try:
+            yield from self._blocks(check)
+        except _OutOfTimeError:
+            yield self._ended_early()
+
+    def _blocks(self, check: Callable[[], None]) -> Iterator[SeedStudy]:
+        try:
+            yield from self._blocks_of_goal(check)
+        except _TooLongError:
+            self._goal = Goal(steps=MOST_STEPS)
+            episodes = counted(self._request.episodes, "episode")
+            why = f"each seed ends after {MOST_STEPS:,} steps: {episodes} would take one of them more"
+            self._told = replace(
+                self._told,
+                state=StudyState.RUNNING,
+                lanes=(),
+                seeds=0,
+                episodes=None,
+                steps=MOST_STEPS,
+                message="; ".join(filter(None, (self._request.message, why))),
+            )
+            yield self._told
+            for lane in self._lanes:
+                lane.begin_anew()
+            yield from self._blocks_of_goal(check)
+
+    def _blocks_of_goal(self, check: Callable[[], None]) -> Iterator[SeedStudy]:
+        """Yield what is known after each block, every seed trained to the same goal."""
+        seeds, block = 0, FIRST_BLOCK
+        while seeds < self._request.most:
+            for _ in range(seeds, block):
+                for lane in self._lanes:
+                    lane.add_seed(self._goal, check)
+            for lane in self._lanes:
+                lane.complete_curve(self._goal, check)
+            seeds, block = block, min(2 * block, self._request.most)
+            is_last = seeds == self._request.most
+            yield self._tell(seeds, StudyState.DONE if is_last else StudyState.RUNNING)
+
+    def _ended_early(self) -> SeedStudy:
+        """Return the last whole block; before the first one, what as many seeds of every lane say."""
+        seeds = min(len(lane.rows) for lane in self._lanes)
+        if seeds < 2:
+            return replace(
+                self._told,
+                state=StudyState.OUT_OF_TIME,
+                message=f"{MOST_SECONDS:.0f} s of processor time are not enough for 2 seeds",
+            )
+        if self._told.seeds:
+            return replace(self._told, state=StudyState.OUT_OF_TIME)
+        return self._tell(seeds, StudyState.OUT_OF_TIME)
+
+    def _tell(self, seeds: int, state: StudyState) -> SeedStudy:
+        shown = self._lanes[self._request.shown]
+        self._told = replace(
+            self._told,
+            state=state,
+            seeds=seeds,
+            lanes=tuple(lane.study(seeds, None if lane is shown else shown) for lane in self._lanes),
+        )
+        return self._told
+
+
+class _Lane:
+    """One of the runs on screen under seed after seed."""
+
+    def __init__(self, lane: StudiedRun, known: World | None) -> None:
+        self.runs = SeededRuns(lane.recipe, lane.journal, known)
+        self.rows: list[Row] = []
+        self._curves: list[RunCurve] = []
+        self._curve_episodes = 0
+        self._plans = lane.plans
+
+    def begin_anew(self) -> None:
+        """Forget all seeds."""
+        self.rows, self._curves, self._curve_episodes = [], [], 0
+
+    def add_seed(self, goal: Goal, check: Callable[[], None]) -> None:
+        """Train the next seed to ``goal``; raises what ``check`` does, which is called now and then."""
+        if goal.episodes is not None and not self._plans:
+            self._curve_episodes = goal.episodes
+        curve = RunCurve(self._curve_episodes) if self._curve_episodes else None
+        run = self._trained(len(self.rows), goal, check, curve)
+        self.rows.append(self.runs.row(run))
+        if curve is not None:
+            self._curves.append(curve)
+
+    def complete_curve(self, goal: Goal, check: Callable[[], None]) -> None:
+        """Have the curve where a number of steps ends each seed: how wide its bins are shows only now.
+
+        The first block is simply trained once more, to the fewest episodes of its seeds: later ones have
+        bins of that width.
+        """
+        if self._curve_episodes or goal.episodes is not None or self._plans:
+            return
+        self._curve_episodes = min(row["episodes"] for row in self.rows)
+        if self._curve_episodes:
+            for index in range(len(self.rows)):
+                self._curves.append(RunCurve(self._curve_episodes))
+                self._trained(index, Goal(episodes=self._curve_episodes), check, self._curves[-1])
+
+    def _trained(self, index: int, goal: Goal, check: Callable[[], None], curve: RunCurve | None) -> Run:
+        run = self.runs.new_run(self.runs.recipe.seed + index, curve)
+
+        def on_progress(done: int, wanted: int) -> None:
+            check()
+            if run.step > MOST_STEPS or (run.step == MOST_STEPS and done < wanted and not run.over):
+                raise _TooLongError
+
+        self.runs.train(run, goal, on_progress)
+        return run
+
+    def study(self, seeds: int, shown: _Lane | None) -> LaneStudy:
+        """Return what so many seeds say, with the differences from the lane ``shown``, if that is another."""
+        rows, names = self.rows[:seeds], self.runs.figures
+        common = [] if shown is None else [name for name in names if name in shown.runs.figures]
+        return LaneStudy(
+            estimates=estimates_of(rows, names),
+            this_seed={name: finite(rows[0][name]) for name in names},
+            differences=differences_of(shown.rows[:seeds] if shown else rows, rows, common),
+            curve=self._mean_curve(rows),
+        )
+
+    def _mean_curve(self, rows: Sequence[Row]) -> SeedCurve:
+        if len(self._curves) < len(rows):
+            return SeedCurve()
+        curve = mean_curve(self._curves[: len(rows)], self.runs.is_bandit)
+        episode = np.array(curve["episode"], np.int64)
+        whole = episode <= min(row["episodes"] for row in rows)  # a later seed may have finished fewer
+        mean, stderr = np.array(curve["return_mean"]), np.array(curve["return_stderr"])
+        return SeedCurve(episode[whole], mean[whole], stderr[whole])

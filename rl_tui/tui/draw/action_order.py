@@ -1,0 +1,86 @@
+"""The order in which the screen shows actions: the same in every world that has directions.
+
+Every world counts its actions in an order of its own: lakes ← ↓ → ↑, the cliff ↑ → ↓ ←. Kernels, ties, the
+JSON, journals and exports keep that. On screen, and nowhere else, directions come clockwise from the top,
+↑ → ↓ ← and then ↗ ↘ ↙ ↖, after them staying, and last what is no direction, in the world's own order.
+
+Whatever draws several actions of a state asks here, and whatever is clicked or moved to as well:
+
+* :func:`shown_order` for columns and lists of all actions: ``[names[a] for a in shown_order(world)]``;
+* :func:`shown_pairs` for the pairs of one state, and for those of them that are greedy, tie or are listed;
+* :func:`shown_outcomes` for what may follow a pair;
+* :func:`shown_place` to sort anything else that belongs to an action.
+
+The numbers of actions and pairs stay the world's own: only the order in which they are gone through changes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from functools import lru_cache
+from typing import Final
+
+from rl_tui.worlds.drawing import Drawing, Grid
+from rl_tui.worlds.mdp.space import FiniteSpace
+from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
+from rl_tui.worlds.world import World
+
+Direction = tuple[int, int]
+_CLOCKWISE: Final[tuple[Direction, ...]] = (
+    *((-1, 0), (0, 1), (1, 0), (0, -1)),
+    *((-1, 1), (1, 1), (1, -1), (-1, -1)),
+    (0, 0),
+)
+_PLACES: Final = {step: place for place, step in enumerate(_CLOCKWISE)}
+
+
+def shown_order(world: World) -> tuple[int, ...]:
+    """Return the numbers of all actions of ``world`` in the order in which they are shown."""
+    return order_of(world.space, world.drawing)
+
+
+def order_of(space: FiniteSpace, drawing: Drawing) -> tuple[int, ...]:
+    """Return the same where only the space and the drawing of a world are at hand."""
+    if isinstance(drawing, Grid):
+        return _order(drawing.directions)
+    return tuple(range(len(space.action_names)))
+
+
+def shown_place(world: World, action: int) -> int:
+    """Return where ``action`` comes in that order, from 0, to sort by; an unknown one (< 0) comes last."""
+    if action < 0:
+        return len(world.space.action_names)
+    drawing = world.drawing
+    return _inverse(drawing.directions)[action] if isinstance(drawing, Grid) else action
+
+
+def shown_pairs(world: World, pairs: Iterable[int]) -> list[int]:
+    """Return ``pairs``, all of one state, in the order in which their actions are shown."""
+    listed = list(pairs)
+    if not isinstance(world.drawing, Grid):
+        return sorted(listed)
+    places, actions = _inverse(world.drawing.directions), world.space.pair_action
+    return sorted(listed, key=lambda pair: places[int(actions[pair])])
+
+
+def shown_outcomes(world: World, mdp: TabularMDP, pair: int) -> list[int]:
+    """Return the outcomes of ``pair`` in the order of the actions that really happen in them."""
+    return sorted(mdp.outcomes_of(pair), key=lambda each: shown_place(world, int(mdp.outcome_action[each])))
+
+
+@lru_cache
+def _order(directions: tuple[Direction | None, ...]) -> tuple[int, ...]:
+    last = len(_CLOCKWISE)
+
+    def place(action: int) -> int:
+        step = directions[action]
+        return last if step is None else _PLACES.get(step, last)
+
+    return tuple(sorted(range(len(directions)), key=place))
+
+
+@lru_cache
+def _inverse(directions: tuple[Direction | None, ...]) -> tuple[int, ...]:
+    """Return of each action, in the world's order, its place on screen."""
+    order = _order(directions)
+    return tuple(order.index(action) for action in range(len(order)))

@@ -1,0 +1,99 @@
+"""What a study of many seeds costs the live run.
+
+The live run plays at full speed, a reader takes snapshots as often as a screen draws them, and the process of
+the study is stopped and goes on in turns: so short ones that what else the machine does is much the same.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import os
+import signal
+import subprocess
+import time
+from typing import Any, Final
+
+from rl_tui.lab.live.commands import Play, StudySeeds
+from rl_tui.lab.live.player import Player
+from rl_tui.lab.live.snapshot import Snapshot
+from rl_tui.lab.many_seeds import study_process
+from rl_tui.lab.many_seeds.figures import StudyState
+from rl_tui.lab.run.library import recipe_named
+
+SCENARIO: Final = "taxi"
+SECONDS: Final = 0.5
+FRAME: Final = 1 / 30
+
+
+class _LiveRun:
+    """A player at full speed whose snapshots are read as a screen reads them."""
+
+    def __init__(self) -> None:
+        self._player = Player(recipe_named(SCENARIO), speed=None)
+        self._newest: Snapshot | None = None
+
+    async def read(self) -> None:
+        async for snapshot in self._player.snapshots():
+            self._newest = snapshot
+            await asyncio.sleep(FRAME)
+
+    async def is_at_full_speed(self) -> None:
+        self._player.send(Play())
+        while self._newest is None or self._newest.playback.interpreted or not self._newest.counters.step:
+            await asyncio.sleep(FRAME)
+
+    async def is_studied(self) -> None:
+        self._player.send(StudySeeds())
+        while self._newest is None or self._newest.study is None or not self._newest.study.seeds:
+            await asyncio.sleep(FRAME)
+
+    async def speed(self) -> tuple[float, float]:
+        """Return its steps by seconds, and by seconds of processor."""
+        before, start, used = self._steps, time.perf_counter(), time.process_time()
+        await asyncio.sleep(SECONDS)
+        steps = self._steps - before
+        return steps / (time.perf_counter() - start), steps / (time.process_time() - used)
+
+    @property
+    def is_beside_a_study(self) -> bool:
+        study = None if self._newest is None else self._newest.study
+        return study is not None and study.state is StudyState.RUNNING
+
+    def close(self) -> None:
+        self._player.close()
+
+    @property
+    def _steps(self) -> int:
+        return 0 if self._newest is None else self._newest.counters.step
+
+
+async def seed_study_cost(rounds: int) -> list[tuple[float, float]]:
+    """Return what is left beside a study, each round: of the speed, and of the steps a second of processor.
+
+    The second leaves out what others took away, and shows what is lost in the caches.
+    """
+    processes: list[subprocess.Popen[bytes]] = []
+    start_process = study_process.python_process
+
+    def noted(*args: Any) -> subprocess.Popen[bytes]:
+        processes.append(start_process(*args))
+        return processes[-1]
+
+    study_process.python_process = noted
+    live, ratios = _LiveRun(), list[tuple[float, float]]()
+    reading = asyncio.create_task(live.read())
+    await live.is_at_full_speed()
+    while len(ratios) < rounds:
+        if not live.is_beside_a_study:
+            await live.is_studied()
+        turns = []
+        for wanted in (signal.SIGSTOP, signal.SIGCONT, signal.SIGSTOP):
+            os.kill(processes[-1].pid, wanted)
+            turns.append(await live.speed())
+        os.kill(processes[-1].pid, signal.SIGCONT)
+        before, beside, after = turns
+        if live.is_beside_a_study:
+            ratios.append((2 * beside[0] / (before[0] + after[0]), 2 * beside[1] / (before[1] + after[1])))
+    live.close()
+    await reading
+    return ratios

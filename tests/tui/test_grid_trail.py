@@ -1,0 +1,264 @@
+"""What a map shows besides values and arrows: trail, slips, wind, cells never reached, state numbers."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+import pytest
+from conftest import MakeApp
+from drawn_grids import picture, style_at, visited
+from samples import lake, learned_from, look
+from seams import press, screen_text, snapshot, train
+from snapshots import changed
+
+from rl_tui.lab.live.snapshot import Snapshot
+from rl_tui.lab.timeline.trail import TrailStep
+from rl_tui.tui.app.screenshot import settle
+from rl_tui.tui.panels.panel import Panel
+from rl_tui.tui.panels.world.grid.grid import STATE_NUMBERS, GridView
+from rl_tui.worlds.grid.section import GridSection
+from rl_tui.worlds.world import World
+
+LEFT, DOWN, RIGHT = 0, 1, 2
+
+
+def steps(*taken: tuple[int, int, int, int], first: int = 1) -> tuple[TrailStep, ...]:
+    """(state, action, what happened, next state) of each step."""
+    return tuple(TrailStep(number, *each) for number, each in enumerate(taken, start=first))
+
+
+def with_trail(*taken: tuple[int, int, int, int], at: int = 6) -> Snapshot:
+    return replace(changed(lake(step=0), state=at), trail=steps(*taken))
+
+
+def straight(count: int) -> list[tuple[int, int, int, int]]:
+    """To and fro between the states 1 and 2, after a start in 0."""
+    way = [0, *([1, 2] * count)][: count + 1]
+    return [(one, RIGHT, RIGHT, other) for one, other in pairwise(way)]
+
+
+def test_cells_that_were_left_have_a_mark_and_the_cell_of_the_agent_has_none() -> None:
+    snapshot = with_trail((0, RIGHT, RIGHT, 1), (1, RIGHT, RIGHT, 2), (2, DOWN, DOWN, 6))
+    rows = picture(snapshot, 40, 8)
+    assert rows[1] == "   .00   •   .00   •   .00   •   .00    "
+    assert sum(row.count("•") for row in rows) == 3
+    assert picture(snapshot, 20, 4)[0] == "S•.00• .00• .00  .00"
+
+
+def test_an_older_mark_is_fainter() -> None:
+    snapshot = replace(changed(lake(step=0), state=2), trail=steps(*straight(20)))
+    rows = picture(snapshot, 40, 8)
+    assert rows[1][9] == "◦"
+    assert rows[1][19] == "•"
+
+
+def test_a_slip_has_a_sign_of_its_own_with_what_was_meant_where_there_is_room() -> None:
+    snapshot = with_trail((0, RIGHT, RIGHT, 1), (1, DOWN, RIGHT, 2), (2, DOWN, DOWN, 6))
+    rows = picture(snapshot, 40, 8)
+    assert rows[1][17:20] == " ~↓"
+    assert picture(snapshot, 20, 4)[0] == "S•.00~ .00• .00  .00"
+    assert picture(snapshot, 40, 8, ascii=True)[1][17:20] == " ~v"
+
+
+def test_a_slip_that_led_nowhere_stands_with_the_agent() -> None:
+    rows = picture(with_trail((0, DOWN, LEFT, 0), at=0), 40, 8)
+    assert "◉" in rows[0]
+    assert "~↓" in rows[1]
+
+
+def test_marks_are_seen_without_colours_and_in_ascii() -> None:
+    snapshot = with_trail((0, RIGHT, RIGHT, 1), (1, RIGHT, RIGHT, 2), (2, DOWN, DOWN, 6))
+    assert picture(snapshot, 40, 8, ascii=True)[1][9] == '"'
+    view = GridView(snapshot.world, look(depth="none"))
+    assert view.picture(snapshot, 40, 8)[1].text[9] == "•"
+
+
+def test_a_mark_hides_neither_arrows_nor_value_nor_tint() -> None:
+    snapshot = visited(with_trail((1, RIGHT, RIGHT, 2)), 1)
+    view = GridView(snapshot.world, look())
+    rows = view.picture(snapshot, 40, 8)
+    assert set("←↓→↑") <= set(rows[0].text[10:20])
+    assert ".00" in rows[1].text[10:20]
+    style = style_at(rows[1], 19)
+    assert style is not None
+    assert style.bgcolor == look().palette.value(0.0).bgcolor
+
+
+def test_where_a_cell_has_no_room_its_lower_row_is_underlined() -> None:
+    snapshot = visited(with_trail((0, RIGHT, RIGHT, 1)), 0)
+    view = GridView(snapshot.world, look(depth="none"))
+    style = style_at(view.picture(snapshot, 8, 4)[0], 1)
+    assert style is not None
+    assert style.underline
+
+
+def test_a_step_that_is_not_known_leaves_no_mark_on_the_map() -> None:
+    snapshot = lake(step=0)
+    assert snapshot.trail == ()
+    assert not any(sign in row for sign in "•◦~" for row in picture(snapshot, 40, 8))
+
+
+def signs(panel: Panel) -> dict[str, str]:
+    assert panel.snapshot is not None
+    return {each.meaning: each.sign for each in panel.legend(panel.snapshot)}
+
+
+def test_the_legend_has_trail_and_slip_only_while_they_are_on_screen() -> None:
+    slipping = with_trail((0, RIGHT, RIGHT, 1), (1, DOWN, RIGHT, 2), (2, DOWN, DOWN, 6))
+    view = GridView(slipping.world, look())
+    for moment, expected in (
+        (lake(step=0), set()),
+        (with_trail((0, RIGHT, RIGHT, 1)), {"trail"}),
+        (slipping, {"trail", "slip"}),
+    ):
+        view.snapshot = moment
+        view.picture(moment, 40, 8)
+        assert signs(view).keys() & {"trail", "slip"} == expected
+    assert signs(view)["slip"] == "~↓"
+
+
+def windy(**rules: Any) -> World:
+    table = {"map": ".....\n.....\nS...G\n", "wind": [0, 1, 2, 0, 0], **rules}
+    return GridSection.model_validate(table).build(np.random.default_rng(0))
+
+
+def in_wind(world: World, state: int, action: int, place: int = 0) -> Snapshot:
+    """The moment after ``action`` in ``state`` had its outcome at this ``place``."""
+    mdp = world.mdp
+    assert mdp is not None
+    pair = mdp.pair_of(state, action)
+    assert pair is not None
+    outcome = mdp.outcomes_of(pair)[place]
+    q, visits = np.zeros(mdp.pairs), np.zeros(mdp.pairs, dtype=np.int64)
+    begun = lake(step=1)
+    last = begun.counters.last_step
+    assert last is not None
+    after = int(mdp.next_state[outcome])
+    last = learned_from(last, state=state, pair=pair, outcome=outcome, next_state=after, updated_pair=pair)
+    return changed(begun, world=world, q=q, visits=visits, state=after, last_step=last)
+
+
+def test_the_wind_stands_below_its_columns() -> None:
+    world = windy()
+    rows = picture(in_wind(world, 10, RIGHT), 30, 4)
+    assert rows[-1].split() == ["0", "1", "2", "0", "0"]
+    assert rows[2].strip()[0] == "S"
+
+
+@pytest.mark.parametrize(
+    ("state", "action", "lit"),
+    [(10, RIGHT, None), (11, RIGHT, 1), (12, LEFT, 2), (6, DOWN, 1), (11, DOWN, None), (1, RIGHT, None)],
+)
+def test_the_wind_is_lit_where_it_moved_the_agent(state: int, action: int, lit: int | None) -> None:
+    snapshot = in_wind(windy(), state, action)
+    view = GridView(snapshot.world, look())
+    row = view.picture(snapshot, 30, 4)[-1]
+    lit_columns = [
+        x // 6
+        for x, character in enumerate(row.text)
+        if character.isdigit() and style_at(row, x) == look().palette.updated
+    ]
+    assert lit_columns == ([] if lit is None else [lit])
+
+
+def test_a_gust_that_is_stronger_than_usual_says_so() -> None:
+    world = windy(gusts=True)
+    mdp = world.mdp
+    assert mdp is not None
+    pair = mdp.pair_of(11, RIGHT)
+    assert pair is not None
+    landings = [int(mdp.next_state[each]) for each in mdp.outcomes_of(pair)]
+    shown = {
+        landing: picture(in_wind(world, 11, RIGHT, place), 30, 4)[-1].split()[1]
+        for place, landing in enumerate(landings)
+    }
+    assert shown == {12: "1", 7: "1", 2: "1+"}
+
+
+def test_without_a_free_row_the_wind_stands_on_the_border() -> None:
+    snapshot = in_wind(windy(), 10, RIGHT)
+    view = GridView(snapshot.world, look())
+    rows = view.picture(snapshot, 30, 3)
+    assert len(rows) == 3
+    assert view.footing == "wind 0 1 2 0 0"
+
+
+def test_a_world_without_wind_has_no_row_for_it() -> None:
+    world = windy(wind=[0, 0, 0, 0, 0])
+    assert picture(in_wind(world, 10, RIGHT), 30, 4)[-1].strip() in ("", ".00")
+
+
+def walled_in() -> Snapshot:
+    """A map of which the last column can never be reached."""
+    world = GridSection.model_validate({"map": "S.G#.\n...#.\n"}).build(np.random.default_rng(0))
+    pairs = world.space.pairs
+    return changed(
+        lake(step=0), world=world, state=0, q=np.zeros(pairs), visits=np.zeros(pairs, dtype=np.int64)
+    )
+
+
+def test_a_cell_that_is_never_reached_has_a_pattern_unlike_a_wall() -> None:
+    snapshot = walled_in()
+    rows = picture(snapshot, 25, 2)
+    assert [row[15:20] for row in rows] == ["█" * 5] * 2
+    assert [row[20:] for row in rows] == ["░" * 5] * 2
+    assert picture(snapshot, 25, 2, ascii=True)[0][15:] == "#####:::::"
+
+
+def test_legend_and_cursor_tell_of_cells_that_are_never_reached() -> None:
+    snapshot = walled_in()
+    view = GridView(snapshot.world, look())
+    view.snapshot = snapshot
+    view.picture(snapshot, 25, 2)
+    assert signs(view)["unreached"] == "░"
+    assert view.name_at(4) == "state 4, never reached"
+    assert view.name_at(1) == "state 1"
+    view = GridView(lake().world, look())
+    view.snapshot = lake()
+    assert "unreached" not in signs(view)
+
+
+@pytest.mark.parametrize(
+    ("size", "row", "expected"),
+    [
+        ((60, 12), 0, "  0             1             2             3"),
+        ((40, 8), 0, "0 S       1 ◉       2         3"),
+        ((32, 8), 1, "    0       1       2       3"),
+        ((32, 4), 0, "  S    0  ◉    1       2       3"),
+        ((26, 5), 0, "  S   0 ◉   1     2     3"),
+    ],
+)
+def test_cells_have_the_numbers_of_their_states(size: tuple[int, int], row: int, expected: str) -> None:
+    snapshot = changed(lake(step=0), state=1)
+    view = GridView(snapshot.world, look())
+    view.is_numbered = True
+    assert view.picture(snapshot, *size)[row].text.rstrip() == expected
+    assert STATE_NUMBERS in view.heading
+
+
+async def test_a_key_shows_state_numbers_on_every_map_until_it_is_pressed_again(make_app: MakeApp) -> None:
+    app = make_app("frozenlake")
+    async with app.run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        assert STATE_NUMBERS not in screen_text(app)
+        await press(pilot, "number_sign")
+        assert STATE_NUMBERS in screen_text(app)
+        await press(pilot, "right_square_bracket", "number_sign", "left_square_bracket")
+        assert STATE_NUMBERS in screen_text(app)
+        await press(pilot, "number_sign")
+        assert STATE_NUMBERS not in screen_text(app)
+
+
+async def test_steps_leave_a_trail_and_going_back_takes_it_away(make_app: MakeApp) -> None:
+    app = make_app("cliff")
+    async with app.run_test(size=(120, 40)) as pilot:
+        await settle(pilot)
+        marks = []
+        for key in ("s", "s", "s", "b", "b", "b"):
+            await press(pilot, key)
+            marks.append(len(snapshot(pilot).trail))
+        assert marks == [1, 2, 3, 2, 1, 0]
+        assert len((await train(pilot, 40)).trail) > 3
