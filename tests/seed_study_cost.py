@@ -93,7 +93,8 @@ async def seed_study_cost(rounds: int) -> list[tuple[float, float]]:
         os.kill(processes[-1].pid, signal.SIGCONT)
         before, beside, after = turns
         if live.is_beside_a_study:
-            ratios.append((2 * beside[0] / (before[0] + after[0]), 2 * beside[1] / (before[1] + after[1])))
+            speed, thrift = (2 * beside[kind] / (before[kind] + after[kind]) for kind in (0, 1))
+            ratios.append((speed, thrift))
     live.close()
     await reading
     return ratios

@@ -101,7 +101,7 @@ def _let_others_go_first() -> None:
 
 
 def _threads() -> list[int]:
-    """Return all threads of this process: on Linux each has a priority of its own, also those of a library."""
+    """Return the threads of this process, a library's too: on Linux each has a priority of its own."""
     try:
         return list(map(int, os.listdir("/proc/self/task")))
     except OSError:

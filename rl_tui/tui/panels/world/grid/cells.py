@@ -71,8 +71,12 @@ class CellArtist:
         self._has_table = has_table
         # what looks the same is drawn once
         self._drawn = lru_cache(_MOST_KEPT)(partial(_drawn, form=form, look=look))
-        self._text = lru_cache(_MOST_KEPT)(partial(_value_text, look=look))
+        self._text = lru_cache(_MOST_KEPT)(partial(value_text, look=look))
         self._signs = lru_cache(_MOST_KEPT)(partial(_signs, look=look))
+
+    def values(self, cells: Sequence[CellContent]) -> list[float]:
+        """Return the numbers that all have one form, and between whose ends the tints run."""
+        return [cell.value for cell in cells if cell.value is not None]
 
     def drawn(
         self, cells: Sequence[CellContent], low: float, high: float, number_form: NumberForm
@@ -80,10 +84,10 @@ class CellArtist:
         """Return the rows of each of ``cells``, tinted by its value from ``low`` to ``high``."""
         return [self._drawn(self._face(cell, low, high, number_form)) for cell in cells]
 
-    def reward_text(self, reward: CellReward) -> str:
+    def shown_reward(self, reward: CellReward) -> str:
         """Return how a cell without other signs shows what it pays."""
         # a single row has one character for it, two rows have arrows beside it
-        return _reward_text(reward, self.form.width if self.form.height > 2 else 1, self.look)
+        return reward_text(reward, self.form.width if self.form.height > 2 else 1, self.look)
 
     def _face(self, cell: CellContent, low: float, high: float, number_form: NumberForm) -> Face:
         kind, agent, value, known, greedy, reward, stops, cursor, differs, _, extra = cell
@@ -154,7 +158,7 @@ def _draw_large(canvas: Canvas, face: Face, form: CellForm, look: Look) -> None:
     _put_mark(canvas, mark, row, face, look)
     named = _put_name(canvas, 0, face)
     room = form.width if row else mark if _mark(face, look) else start
-    _put_reward(canvas, named, 0, room - named, face, look)
+    put_reward(canvas, named, 0, room - named, face.reward, look)
     if face.text is not None:
         style = look.palette.focus if face.cursor else face.style
         canvas.put((form.width - len(face.text)) // 2, row + 1, face.text, style)
@@ -213,7 +217,8 @@ def _draw_small(canvas: Canvas, face: Face, form: CellForm, look: Look) -> None:
     _put_mark_or_reward(canvas, before, face, look)
 
 
-def _value_text(x: float, number_form: NumberForm, look: Look) -> str:
+def value_text(x: float, number_form: NumberForm, look: Look) -> str:
+    """Return a value in the form of all."""
     return number_form.text(x, look.glyphs)
 
 
@@ -243,10 +248,15 @@ def differing_style(style: Style) -> Style:
     return style + Style(reverse=not style.reverse)
 
 
-def _mark(face: Face, look: Look) -> str:
-    if face.agent:
+def mark_of(kind: CellKind, agent: bool, look: Look) -> str:
+    """Return what marks a cell of ``kind``, in which the ``agent`` is or not; empty where nothing does."""
+    if agent:
         return look.glyphs.agent
-    return START if face.kind is CellKind.START else ""
+    return START if kind is CellKind.START else ""
+
+
+def _mark(face: Face, look: Look) -> str:
+    return mark_of(face.kind, face.agent, look)
 
 
 def _put_mark(canvas: Canvas, x: int, y: int, face: Face, look: Look) -> None:
@@ -265,20 +275,21 @@ def _put_mark_or_reward(canvas: Canvas, x: int, face: Face, look: Look) -> None:
     elif _mark(face, look):
         _put_mark(canvas, x, 0, face, look)
     else:
-        _put_reward(canvas, x, 0, 1, face, look)
+        put_reward(canvas, x, 0, 1, face.reward, look)
 
 
-def _put_reward(canvas: Canvas, x: int, y: int, room: int, face: Face, look: Look) -> None:
-    """Put what the cell pays; where it does not fit, whether that is more or less than usual.
+def put_reward(canvas: Canvas, x: int, y: int, room: int, reward: CellReward | None, look: Look) -> None:
+    """Put what a cell pays; where it does not fit, whether that is more or less than usual.
 
     It stands on the background of the panel, so that it is seen on every tint.
     """
-    if face.reward is None or room < 1:
+    if reward is None or room < 1:
         return
-    canvas.put(x, y, _reward_text(face.reward, room, look), reward_style(face.reward, look))
+    canvas.put(x, y, reward_text(reward, room, look), reward_style(reward, look))
 
 
-def _reward_text(reward: CellReward, room: int, look: Look) -> str:
+def reward_text(reward: CellReward, room: int, look: Look) -> str:
+    """Return what a cell pays in ``room`` characters; where it does not fit, whether that is much."""
     text = ("+" if reward.reward > 0.0 else "") + numbers.brief(reward.reward, look.glyphs, decimals=2)
     if len(text) <= room:
         return text

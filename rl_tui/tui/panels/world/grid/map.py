@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import Any, Final, NamedTuple
 
 import numpy as np
@@ -9,6 +10,7 @@ import numpy as np
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.live.viewport import NO_STATE, first_state_of_cells, pairs_of_states
 from rl_tui.tui.draw.action_order import order_of
+from rl_tui.tui.panels.world.grid.action_form import ActionKinds, action_kinds
 from rl_tui.tui.panels.world.grid.reach import unreached_cells
 from rl_tui.tui.panels.world.grid.rewards import CellReward, cell_rewards
 from rl_tui.tui.panels.world.grid.trail import Trace, traces
@@ -109,6 +111,11 @@ class GridMap:
         idle = np.flatnonzero(~acting[self._states.ravel()])
         self.unreached = unreached_cells(space, grid)
         self.ends = frozenset(grid.kinds[cell] for cell in idle.tolist())
+
+    @cached_property
+    def action_kinds(self) -> ActionKinds:
+        """What the actions of all states have in common."""
+        return action_kinds(self._space, self.grid)
 
     def state_at(self, cell: int, snapshot: Snapshot | None) -> int | None:
         """Return the state in ``cell``: of several the agent's, else the first; None where there is none."""
