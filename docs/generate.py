@@ -22,6 +22,7 @@ from rl_tui.cli.options.help_sections import OPTIONS, SOME, TITLES, section_of
 from rl_tui.lab.run.library import listing
 from rl_tui.tui.actions.action import Action, Group, Place
 from rl_tui.tui.actions.registry import ACTIONS
+from rl_tui.tui.glossary.figure_text import figure_text
 from rl_tui.tui.glossary.glossary import BOOK
 from rl_tui.tui.glossary.glossary import glossary as terms
 from rl_tui.worlds.files.catalogue import scenarios as read_scenarios
@@ -113,7 +114,8 @@ def glossary() -> str:
         named = f" (on screen also {others})" if others else ""
         where = term.book if term.is_elsewhere else f"{BOOK}, {term.book}"
         text = _wrapped(f"{term.text}{named}")
-        parts.append(f"### {term.word}\n\n{text}\n\n    {term.equation}\n\n{_wrapped(where)}")
+        figure = "" if term.figure is None else f"{_wrapped(_sentence(figure_text(term.figure)))}\n\n"
+        parts.append(f"### {term.word}\n\n{text}\n\n    {term.equation}\n\n{figure}{_wrapped(where)}")
     return "\n\n".join(parts)
 
 

@@ -29,10 +29,12 @@ def snapshot_of(
     viewport: Viewport | None = None,
 ) -> Snapshot:
     """What a player would show of ``run``."""
-    lane = SimpleNamespace(run=run, timeline=Timeline())
+    lane = SimpleNamespace(run=run, timeline=Timeline(), trail=())
     alone: Any = SimpleNamespace(current=lane, beside=None, view=RunGroupView())
     playback = PlaybackView(phase, message)
-    return SnapshotBuilder().build(alone, playback, lambda _: exact_answer, viewport=viewport, cell=None)
+    return SnapshotBuilder().build(
+        alone, playback, lambda _: exact_answer, viewport=viewport, cell=None, has_trail=False
+    )
 
 
 def changed(picture: Picture, **changes: Any) -> Picture:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import pytest
 from conftest import MakeApp
-from seams import playground, press, slider
+from samples import bandit, lake, look
+from seams import playground, press, slider, train
 from textual.containers import VerticalScroll
 from textual.geometry import Region
 from textual.pilot import Pilot
@@ -14,9 +15,12 @@ from rl_tui.common.errors import UserError
 from rl_tui.tui.app.screenshot import settle
 from rl_tui.tui.glossary.glossary import glossary
 from rl_tui.tui.panels.catalogue import LAST_STEP, PANELS
+from rl_tui.tui.panels.model.bellman import SECRET
+from rl_tui.tui.panels.q_table.layers import Layer
 from rl_tui.tui.screens.explained import Explained
-from rl_tui.tui.screens.glossary import GlossaryScreen
+from rl_tui.tui.screens.glossary import NUMBER, GlossaryScreen
 from rl_tui.tui.screens.help import HelpScreen
+from rl_tui.tui.screens.number_here import number_of_pair
 from rl_tui.tui.screens.playground.playground import Playground
 
 TERMS = {row.id: list(row.terms) for row in PANELS}
@@ -79,8 +83,8 @@ async def test_a_panel_in_focus_lists_its_words_and_arrows_go_through_them(make_
     async with app.run_test(size=(80, 24)) as pilot:
         await settle(pilot)
         await press(pilot, "tab", "question_mark")
-        assert listed(pilot) == TERMS["world"]
-        await press(pilot, "down")
+        assert listed(pilot) == [NUMBER, *TERMS["world"]]
+        await press(pilot, "down", "down")
         assert glossary()[TERMS["world"][1]].text in told(pilot)
         await press(pilot, "escape")
         assert isinstance(app.screen, Playground)
@@ -140,7 +144,7 @@ async def test_typing_searches_all_words(make_app: MakeApp) -> None:
         assert listed(pilot)[0] == "regret"
         assert glossary()["regret"].text in told(pilot)
         await press(pilot, *["backspace"] * 6)
-        assert listed(pilot) == TERMS["world"]
+        assert listed(pilot) == [NUMBER, *TERMS["world"]]
         await press(pilot, *"qqq")
         assert listed(pilot) == []
         assert told(pilot) == "nothing found"
@@ -211,3 +215,46 @@ async def test_a_help_whose_notes_alone_make_it_scroll_begins_at_its_beginning(m
         scroll = page.query_one(VerticalScroll)
         assert scroll.max_scroll_y > 0
         assert scroll.scroll_y == 0
+
+
+async def test_the_number_under_the_cursor_is_explained_first(make_app: MakeApp) -> None:
+    app = make_app("student")
+    async with app.run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        now = await train(pilot, 400)
+        await press(pilot, "tab", "tab", "home", "question_mark")
+        assert listed(pilot)[0] == NUMBER
+        visits = f"{int(now.agent.visits[0]):,} visit"
+        for part in ("study in state Class", visits, "exact Q* here is"):
+            assert part in told(pilot)
+        await press(pilot, "escape", "v", "question_mark")
+        assert "Exact" in told(pilot)
+
+
+@pytest.mark.parametrize("layer", list(Layer))
+def test_every_layer_of_the_table_says_what_its_number_is(layer: Layer) -> None:
+    told = number_of_pair(lake(), 24, layer, look())
+    assert told is not None
+    assert "= " in told.name
+    assert told.meaning.endswith(".")
+
+
+def test_what_is_secret_is_not_told() -> None:
+    arm = number_of_pair(bandit(400), 5, Layer.Q, look())
+    assert arm is not None
+    assert SECRET in arm.meaning
+    assert "exact" not in arm.meaning
+    known = number_of_pair(bandit(400), 5, Layer.Q, look(), revealed=True)
+    assert known is not None
+    assert "exact" in known.meaning
+
+
+async def test_figures_say_the_limits_of_this_world(make_app: MakeApp) -> None:
+    for scenario, limit in (("frozenlake", "time limit of 100 steps"), ("cliff", "no time limit")):
+        app = make_app(scenario)
+        async with app.run_test(size=(80, 24)) as pilot:
+            await settle(pilot)
+            await press(pilot, "slash", *"return")
+            assert listed(pilot)[0] == "return"
+            assert limit in " ".join(told(pilot).split())
+            assert "undiscounted" in told(pilot)

@@ -22,7 +22,7 @@ from rl_tui.tui.app.display import Display
 from rl_tui.tui.app.screenshot import settle
 from rl_tui.tui.panels.catalogue import CONTROLS, CURVE, LAST_STEP, PANELS, TABLE, WORLD
 from rl_tui.tui.panels.curve.curve import ReturnCurve
-from rl_tui.tui.panels.last_step.last_step import LastStepPanel
+from rl_tui.tui.panels.last_step.last_step import ENDED, LastStepPanel
 from rl_tui.tui.panels.legend import LegendSign, legend_text
 from rl_tui.tui.panels.panel import Panel
 from rl_tui.tui.panels.q_table.q_table import QTable
@@ -173,14 +173,15 @@ def test_the_curve_says_that_returns_are_not_discounted() -> None:
     assert legend(explained(ReturnCurve(look()), bandit(400), 60, 8)) == []
 
 
-def test_the_last_step_says_which_episode_it_ended() -> None:
+def test_the_last_step_of_an_episode_does_not_number_it() -> None:
     panel = LastStepPanel(look())
     step = lake().counters.last_step
     assert step is not None
     for ends in (False, True):
         shown = lake(last_step=replace(step, terminated=ends, truncated=False))
         panel.picture(shown, 58, 12)
-        assert ("ended episode" in panel.footing) is ends
+        assert (ENDED in panel.footing) is ends
+        assert (f"episode {step.episode:,}" in panel.footing) is not ends
 
 
 @pytest.mark.screen

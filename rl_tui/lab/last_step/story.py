@@ -59,6 +59,8 @@ class StepStory:
     """The rewards of the episode, oldest first; of a long one the last of them; none for a planner."""
     discounted_return: float
     """The return of the episode so far, each reward discounted by the γ in force at its step."""
+    ends_episode: bool
+    """Whether it was the last step of its episode, of a planner the last backup of its sweep."""
     mean: FloatArray | None
     """[P], the mean rewards as they are now, where they drift and are known."""
 
@@ -176,6 +178,9 @@ def story_of(snapshot: Snapshot) -> StepStory | None:
         planning=agent.planning if last.planned and taken_by == agent.algorithm else "",
         rewards=snapshot.counters.rewards.tolist(),
         discounted_return=snapshot.counters.discounted_return,
+        ends_episode=last.terminated
+        or last.truncated
+        or (last.planned and snapshot.counters.episode_step == 0),
         mean=solution.q if drifts and solution is not None else None,
     )
 

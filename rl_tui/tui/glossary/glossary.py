@@ -6,9 +6,10 @@ import re
 import tomllib
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
+from enum import StrEnum
 from functools import cache
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 from rl_tui.tui.draw.to_ascii import to_ascii
 from rl_tui.tui.theme.glyphs import ASCII, Glyphs
@@ -20,12 +21,51 @@ _NO_LINE_AFTER: Final = "(?!─)"
 _FILE: Final = Path(__file__).with_name("glossary.toml")
 
 
+class FigureKind(StrEnum):
+    """How a figure on screen comes about."""
+
+    EXACT = "exact"
+    SAMPLED = "sampled"
+    LEARNED = "learned"
+    COUNTED = "counted"
+
+
+class FigureLimit(StrEnum):
+    """Within what a figure counts."""
+
+    EPISODE = "episode"
+    """An episode, up to the time limit."""
+    NONE = "none"
+    """All that is to come, whatever the time limit."""
+    STEP = "step"
+    """One step."""
+    RUN = "run"
+    """All of the run so far."""
+    MOMENT = "moment"
+    """The last moments on the clock."""
+
+
+@dataclass(frozen=True, slots=True)
+class FigureFacts:
+    """What has to be known of a figure before it is compared with another one.
+
+    ``discounted`` is None where it means nothing. ``episodes`` is over how many of the last ones it is a
+    mean, None where it is of one; ``over_seeds`` says that other seeds were counted too.
+    """
+
+    kind: FigureKind
+    discounted: bool | None
+    limit: FigureLimit
+    episodes: int | None = None
+    over_seeds: bool = False
+
+
 @dataclass(frozen=True, slots=True)
 class GlossaryTerm:
     """One ``word``; ``also`` are the symbols and other ways in which the screens write it.
 
     ``text`` is a paragraph, ``equation`` a line, ``book`` where it stands in Sutton & Barto (2nd ed.) or
-    elsewhere.
+    elsewhere. ``figure`` is what a term that names a figure on screen says of it.
     """
 
     id: str
@@ -34,6 +74,7 @@ class GlossaryTerm:
     text: str
     equation: str
     book: str
+    figure: FigureFacts | None = None
 
     @property
     def is_elsewhere(self) -> bool:
@@ -58,10 +99,18 @@ def glossary() -> Mapping[str, GlossaryTerm]:
             text=" ".join(row["text"].split()),
             equation=row["equation"],
             book=row["book"],
+            figure=_figure(row),
         )
         for row in rows
     )
     return {term.id: term for term in terms}
+
+
+def _figure(row: Mapping[str, Any]) -> FigureFacts | None:
+    if "kind" not in row:
+        return None
+    kind, limit = FigureKind(row["kind"]), FigureLimit(row["limit"])
+    return FigureFacts(kind, row.get("discounted"), limit, row.get("episodes"), row.get("over_seeds", False))
 
 
 def terms_called(names: Iterable[str]) -> tuple[str, ...]:

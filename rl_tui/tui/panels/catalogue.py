@@ -92,15 +92,20 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         "The scenario as the agent finds it. In a grid the tint and the number are V(s), the best estimate "
         "of the state; arrows are the greedy actions, several (or * where there is no room) where they tie, "
         "none where nothing is known yet, letters where actions have no direction; ◉ is the agent, ● a hole, "
-        "▓ a cliff, ★ the goal, S the start. In a graph each edge names action, "
+        "▓ a cliff, ★ the goal, S the start. V turns to Q of every action, each at its side of the cell or "
+        "behind its sign, · where it was never tried: the greedy ones are framed, or have an arrow where the "
+        "tint stands for the number. In a graph each edge names action, "
         "probability and reward, and the greedy action is bold. An arm of a "
         "bandit shows its estimate ± its standard error, the standard deviation that the noise of the "
         "rewards leaves in it. ▸ marks the greedy arm, ◉ the last pull. In focus it has a cursor, as the "
-        "table has; the place where one stands is marked in the other.",
+        "table has; the place where one stands is marked in the other. Two lanes stand side by side, the "
+        "lower number left; ▸ marks the one that keys and sliders are about, and ≠ the states where their "
+        "greedy actions differ, ties counted. Only states known to both count: updated, or with estimates "
+        "that differ.",
         caption="as the agent meets it",
         terms=(
             *("agent", "state", "action", "reward", "value", "greedy", "terminal", "ties", "policy", "mdp"),
-            *("trail", "slip", "wind"),
+            *("arm", "standard-error", "trail", "slip", "wind"),
         ),
         is_twofold=True,
     ),
@@ -111,7 +116,8 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         "One row a state, one column an action. The frame marks the greedy cell; the cell that the last "
         "step updated is lit; an unvisited cell looks different from a zero. v turns to the exact Q*, the "
         "error Q−Q* and visits. It has a cursor: tab to the table, then the arrows; m shows the model of "
-        "the pair under it, and esc follows the agent again.",
+        "the pair under it, and esc follows the agent again. The tables of two lanes have cursor, rows and "
+        "layer in common; ≠ stands behind a state where their greedy actions differ.",
         caption="what each action seems worth",
         terms=("q", "pair", "greedy", "agent", "target", "q-star", "error", "visits", "ties", "optimism"),
         is_twofold=True,
@@ -134,6 +140,8 @@ PANELS: Final[tuple[PanelRow, ...]] = (
             "greedy",
             "last-100",
             "gamma-best",
+            "best-arm",
+            "gap",
             "explore",
             "discounted-return",
             "sweep",
@@ -161,7 +169,17 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         "of the best arm less that of the arm pulled. Luck is left out, so winnings and regret need not add "
         "up to the best possible.",
         caption="what the pulls earned",
-        terms=("regret", "bandit", "arm", "reward"),
+        terms=(
+            "winnings",
+            "regret",
+            "best-possible",
+            "best-arm-share",
+            "best-arm",
+            "bandit",
+            "arm",
+            "reward",
+            "step",
+        ),
         needs=_has_arms,
     ),
     PanelRow(
@@ -257,7 +275,7 @@ PANELS: Final[tuple[PanelRow, ...]] = (
             "Run the same under many other seeds: the mean of each figure, with its error, beside this seed.",
             rank=17,
         ),
-        in_place_of=(TABLE,),
+        in_place_of=(TABLE, BUDGET),
     ),
 )
 """In the order of the tab key."""

@@ -6,6 +6,9 @@ from typing import Final
 
 from rl_tui.lab.live.snapshot import Phase, Snapshot
 from rl_tui.lab.many_seeds.figures import SeedStudy
+from rl_tui.tui.draw import numbers
+from rl_tui.tui.glossary.figure_text import FigureSetting
+from rl_tui.tui.theme.glyphs import Glyphs
 from rl_tui.worlds.drawing import Arms
 
 _FASTEST_FOLLOWED: Final = 30.0  # steps a second; above it single steps would only flicker
@@ -45,6 +48,18 @@ def passes_too_fast(snapshot: Snapshot) -> bool:
     """Return whether steps follow one another too fast to be shown one by one."""
     too_fast = snapshot.playback.speed is None or snapshot.playback.speed > _FASTEST_FOLLOWED
     return too_fast and snapshot.playback.phase is Phase.RUNNING
+
+
+def figure_setting(snapshot: Snapshot, glyphs: Glyphs) -> FigureSetting:
+    """Return what is said with every figure of ``snapshot``: γ, time limit, steps and episodes so far."""
+    return FigureSetting(
+        gamma=numbers.brief(snapshot.agent.hyperparameters.gamma, glyphs),
+        time_limit=snapshot.world.space.time_limit,
+        steps=snapshot.counters.step,
+        episodes=snapshot.counters.episodes,
+        is_bandit=isinstance(snapshot.world.drawing, Arms),
+        budget=snapshot.world.budget,
+    )
 
 
 def episode_under_way(snapshot: Snapshot) -> int:

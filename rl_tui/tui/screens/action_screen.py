@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 from textual.actions import parse
 from textual.app import ComposeResult
@@ -15,11 +15,14 @@ from textual.widgets import Static
 from rl_tui.tui.actions.action import Action, Place
 from rl_tui.tui.actions.registry import actions_of
 from rl_tui.tui.draw.to_ascii import to_ascii
-from rl_tui.tui.panels.catalogue import PANELS, PanelRow
+from rl_tui.tui.panels.catalogue import PANELS, PanelRow, beside
 from rl_tui.tui.screens.key_line import KeyLine
 from rl_tui.tui.screens.moment import tell
 from rl_tui.tui.screens.playground.arrangement import ROOMY_HEIGHT, ROOMY_WIDTH
 from rl_tui.tui.theme.look import Look
+
+if TYPE_CHECKING:
+    from rl_tui.tui.screens.number_here import NumberHere
 
 LEAST_WIDTH: Final = 60
 LEAST_HEIGHT: Final = 18
@@ -97,12 +100,15 @@ class ActionScreen(Screen[None]):
 
     def action_help(self) -> None:
         """Explain what the mouse or the focus is on; where that is no word, show the help."""
-        from rl_tui.tui.screens.asking import words_here  # brings widgets that the first paint has no need of
+        # these bring widgets that the first paint has no need of
+        from rl_tui.tui.screens.asking import words_here
+        from rl_tui.tui.screens.number_here import number_here
 
-        rows = {row.id: row for row in self.panel_rows}
-        here = words_here(self, rows, self.look.glyphs)
+        rows = {name: row for row in self.panel_rows for name in (row.id, beside(row.id))}
+        number = number_here(self.focused, self.look)
+        here = words_here(self, rows, self.look.glyphs, has_number=number is not None)
         if here:
-            self.show_words(here)
+            self.show_words(here, number)
         else:
             self.app.push_screen(self.help_screen())
 
@@ -110,15 +116,21 @@ class ActionScreen(Screen[None]):
         """Show all words."""
         self.show_words(())
 
-    def show_words(self, here: Sequence[str]) -> None:
-        """Show the terms with the ids ``here``, or all; from there the help is a key away."""
+    def show_words(self, here: Sequence[str], number: NumberHere | None = None) -> None:
+        """Show the terms with the ids ``here``, or all; from there the help is a key away.
+
+        ``number`` is what is under the cursor, for ``NUMBER`` among the ids.
+        """
+        from rl_tui.tui.screens.asking import setting_here
         from rl_tui.tui.screens.glossary import GlossaryScreen
 
         def closed(asks_for_help: bool | None) -> None:
             if asks_for_help:
                 self.app.push_screen(self.help_screen())
 
-        self.app.push_screen(GlossaryScreen(self.look, here), closed)
+        self.app.push_screen(
+            GlossaryScreen(self.look, here, number, setting_here(self, self.look.glyphs)), closed
+        )
 
     def help_screen(self, *, at_keys: bool = False) -> Screen[None]:
         """Return the help, from its first line on or from the keys on."""

@@ -8,23 +8,39 @@ from textual.geometry import Region
 from textual.screen import Screen
 from textual.widget import Widget
 
+from rl_tui.tui.glossary.figure_text import FigureSetting
 from rl_tui.tui.glossary.glossary import term_at, terms_called
 from rl_tui.tui.panels.catalogue import PanelRow
 from rl_tui.tui.panels.controls.slider import Slider
+from rl_tui.tui.panels.panel import Panel
+from rl_tui.tui.panels.snapshot_facts import figure_setting
+from rl_tui.tui.screens.glossary import NUMBER
 from rl_tui.tui.theme.glyphs import Glyphs
 
 
-def words_here(screen: Screen[None], rows: Mapping[str, PanelRow], glyphs: Glyphs) -> tuple[str, ...]:
+def words_here(
+    screen: Screen[None], rows: Mapping[str, PanelRow], glyphs: Glyphs, *, has_number: bool = False
+) -> tuple[str, ...]:
     """Return the ids of the terms to explain, the one pointed at first; none where nothing is asked about.
 
     A word under the mouse comes before what is in focus, and brings those of its panel with it.
+    ``has_number`` says that a cursor is in focus: the number under it, ``NUMBER``, is asked about next.
     """
     under_mouse, word = _word_under_mouse(screen, rows, glyphs)
     found = [word] if word is not None else []
+    if has_number:
+        found.append(NUMBER)
     for widget in (under_mouse if word is not None else None, screen.focused):
         if widget is not None:
             found += _words_of(widget, rows)
     return tuple(dict.fromkeys(found))
+
+
+def setting_here(screen: Screen[None], glyphs: Glyphs) -> FigureSetting | None:
+    """Return what is in force for the figures on ``screen``, None where it shows no run."""
+    shown = (panel.snapshot for panel in screen.query(Panel) if panel.snapshot is not None)
+    snapshot = next(shown, None)
+    return None if snapshot is None else figure_setting(snapshot, glyphs)
 
 
 def _word_under_mouse(

@@ -14,12 +14,15 @@ from textual.containers import VerticalScroll
 from textual.widgets import Input, OptionList, Static
 from textual.widgets.option_list import Option
 
-from rl_tui.tui.draw.to_ascii import to_ascii
+from rl_tui.tui.draw.to_ascii import separated, to_ascii
+from rl_tui.tui.glossary.figure_text import FigureSetting, figure_text
 from rl_tui.tui.glossary.glossary import BOOK, GlossaryTerm, glossary, search
 from rl_tui.tui.screens.dialogs.dialog import Dialog
+from rl_tui.tui.screens.number_here import NumberHere
 from rl_tui.tui.theme.look import Look
 
 ASKS_FOR_HELP: Final = True
+NUMBER: Final = "number under the cursor"  # in place of the id of a term
 _LONGEST_LINE: Final = 44  # cells of a word and its other names in the list
 _LONGEST: Final = 40  # characters of a search
 
@@ -35,7 +38,9 @@ class GlossarySearch(Input):
 class GlossaryScreen(Dialog[bool]):
     """The terms with the ids ``here``, the first of them shown; all terms where there are none.
 
-    What is typed searches all. Answers ``ASKS_FOR_HELP`` where the whole help is wanted.
+    ``NUMBER`` among them is the ``number`` under the cursor. What is said of a figure has the numbers of
+    ``setting``, where there is a run. What is typed searches all. Answers ``ASKS_FOR_HELP`` where the whole
+    help is wanted.
     """
 
     BINDINGS: ClassVar[list[BindingType]] = [
@@ -52,10 +57,18 @@ class GlossaryScreen(Dialog[bool]):
         ),
     ]
 
-    def __init__(self, look: Look, here: Sequence[str] = ()) -> None:
+    def __init__(
+        self,
+        look: Look,
+        here: Sequence[str] = (),
+        number: NumberHere | None = None,
+        setting: FigureSetting | None = None,
+    ) -> None:
         super().__init__()
         self._look = look
         self._here = tuple(here)
+        self._number = number
+        self._setting = setting
 
     def compose(self) -> ComposeResult:
         """Yield the search, the list and the paragraph."""
@@ -83,7 +96,11 @@ class GlossaryScreen(Dialog[bool]):
     @on(OptionList.OptionHighlighted)
     def explain(self, event: OptionList.OptionHighlighted) -> None:
         """Show the paragraph of the word under the cursor."""
-        if event.option_id is not None:
+        if event.option_id == NUMBER and self._number is not None:
+            number = self._number
+            text = Text(self._written(f"{number.meaning}\n\n"))
+            self._show(text.append(self._figure(glossary()[number.term])))
+        elif event.option_id is not None:
             self._show(self._paragraph(glossary()[event.option_id]))
 
     def action_move(self, command: str) -> None:
@@ -102,13 +119,16 @@ class GlossaryScreen(Dialog[bool]):
     def _list(self, ids: Sequence[str]) -> None:
         words = self.query_one(OptionList)
         words.clear_options()
-        words.add_options(Option(self._line(glossary()[each]), id=each) for each in ids)
+        words.add_options(Option(self._line(each), id=each) for each in ids)
         if ids:
             words.highlighted = 0
         else:
             self._show(Text("nothing found"))
 
-    def _line(self, term: GlossaryTerm) -> Text:
+    def _line(self, id_: str) -> Text:
+        if id_ == NUMBER and self._number is not None:
+            return Text(self._written(self._number.name), "bold").append("  under the cursor", "not bold dim")
+        term = glossary()[id_]
         word, others = self._written(term.word), ""
         for name in term.also:
             longer = f"{others}, {self._written(name)}" if others else f"  {self._written(name)}"
@@ -121,7 +141,14 @@ class GlossaryScreen(Dialog[bool]):
         book = term.book if term.is_elsewhere else f"{BOOK}, {term.book}"
         text = Text(self._written(f"{term.text}\n\n"))
         text.append(self._written(f"    {term.equation}\n\n"), "bold")
+        text.append(self._figure(term))
         return text.append(self._written(book), "italic")
+
+    def _figure(self, term: GlossaryTerm) -> str:
+        """Return what is said of a term that names a figure; nothing of others."""
+        if term.figure is None:
+            return ""
+        return self._written(separated(f"{figure_text(term.figure, self._setting)}\n\n", self._look.glyphs))
 
     def _show(self, text: Text) -> None:
         self.query_one("#paragraph", VerticalScroll).scroll_home(animate=False)

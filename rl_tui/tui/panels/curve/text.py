@@ -104,6 +104,13 @@ def _usual_names(is_bandit: bool, room: int, recent: str) -> tuple[str, str, str
     return ("greedy arm", mean, "best arm") if is_bandit else ("greedy", mean, "γ-best")
 
 
+def figure_names() -> tuple[str, ...]:
+    """Return all names beside which a number stands, in any room."""
+    rooms = (ROOM_FOR_NUMBERS, ROOM_FOR_LONG)
+    forms = (_usual_names(bandit, room, f"last {_RECENT}:") for bandit in (False, True) for room in rooms)
+    return tuple(dict.fromkeys(name for form in forms for name in form))
+
+
 def _with_number(name: str, value: float, decimals: int, room: int, glyphs: Glyphs) -> str:
     has_number = room >= ROOM_FOR_NUMBERS and name != _TIES
     return f"{name} {amount(value, decimals, glyphs)}" if has_number else name

@@ -20,6 +20,8 @@ from rl_tui.tui.theme.look import Look
 from rl_tui.worlds.drawing import Arms
 
 NOTHING_YET: Final = "no step yet: s takes one"
+ENDED: Final = "ended its episode"
+ENDED_SWEEP: Final = "ended its sweep"
 NOT_REPLAYED_YET: Final = "the last step is told once it is replayed"
 _USUAL_ROWS: Final = 8  # of the longest form
 _ROOM_ON_BORDER: Final = 76
@@ -54,16 +56,20 @@ class LastStepPanel(Panel):
 
 
 def _which(snapshot: Snapshot | None) -> str:
-    """Return which step it was; nothing while they pass too fast to tell, since a title redraws the panel."""
-    if snapshot is None or snapshot.counters.last_step is None or passes_too_fast(snapshot):
+    """Return which step it was; nothing while they pass too fast to tell, since a title redraws the panel.
+
+    One number of an episode is on screen at a time, that of the episode under way: after its last step the
+    one that ended is not numbered any more.
+    """
+    story = None if snapshot is None or passes_too_fast(snapshot) else story_of(snapshot)
+    if story is None:
         return ""
-    last = snapshot.counters.last_step
+    last, ended = story.last, story.ends_episode
     if last.planned:
-        return f"step {last.step:,} · sweep {last.episode:,}"
-    if isinstance(snapshot.world.drawing, Arms):
+        return f"step {last.step:,} · {ENDED_SWEEP if ended else f'sweep {last.episode:,}'}"
+    if story.is_bandit:
         return f"pull {last.step:,}"
-    ended = "ended " if last.terminated or last.truncated else ""
-    return f"step {last.step:,} · {ended}episode {last.episode:,}"
+    return f"step {last.step:,} · {ENDED if ended else f'episode {last.episode:,}'}"
 
 
 def nothing_yet(snapshot: Snapshot | None) -> str:

@@ -81,15 +81,21 @@ class StepWriter:
 
     def _sweep(self) -> Line:
         """Return which state a planner backed up."""
-        start = [self._label("planner"), self._plain(f"sweep {self._last.episode:,}")]
+        start = [self._label("planner"), self._plain(self._which_sweep)]
         state = self._strong(self.words.state)
         symbols = (f"{_GAP}backs up state s = ", f"{_GAP}s = ")
         forms = [[*start, self._dim(each), state, *place] for place in self._places() for each in symbols]
         return self._fitting(forms)
 
+    @property
+    def _which_sweep(self) -> str:
+        return "end of a sweep" if self._story.ends_episode else f"sweep {self._last.episode:,}"
+
     def _progress(self) -> Line:
         """Return how the sweep is getting on, in full or its first part."""
         planning = self._story.planning
+        if planning.startswith("sweep "):  # which one it is stands above
+            planning = planning.partition(": ")[2]
         return self._fitting(
             [self._label(""), self._plain(each)] for each in (planning, planning.split(":")[0])
         )
@@ -255,7 +261,7 @@ class StepWriter:
         words = self.words
         others = [self._dim(f"  {words.others[-1]}")] if words.others else []
         if self._last.planned:
-            return [*others, self._plain(f"  sweep {self._last.episode:,}")]
+            return [*others, self._plain(f"  {self._which_sweep}")]
         choice = self._plain(f"  {words.choices[-1]}")
         remarks = self._remarks("  ")[-1]
         if words.went:

@@ -8,6 +8,7 @@ from typing import Final
 from rl_tui.lab.last_step.story import StepStory
 from rl_tui.tui.draw.names import COUNTED
 from rl_tui.tui.draw.pieces import Line, Piece, first_that_fits
+from rl_tui.tui.panels.last_step.last_step import ENDED, ENDED_SWEEP
 from rl_tui.tui.panels.last_step.words import StepWords
 from rl_tui.tui.panels.microscope.section import MicroscopeSection
 from rl_tui.tui.theme.look import Look
@@ -89,13 +90,14 @@ def _moved(words: StepWords) -> list[str]:
 
 
 def _which(story: StepStory) -> Sequence[str]:
-    """Return which step of the run it is, longest form first."""
+    """Return which step of the run it is, longest form first; an episode that has ended has no number."""
     last = story.last
     step = f"{last.step:,}"
     if last.planned:
-        return f"{step}, sweep {last.episode:,}", step
+        return f"{step}, {ENDED_SWEEP if story.ends_episode else f'sweep {last.episode:,}'}", step
     if story.is_bandit:
         return (step,)
-    episode = f"{step}, episode {last.episode:,}"
-    place = f"{episode}, its step {last.episode_step:,}" if last.episode_step else episode
+    episode = f"{step}, {ENDED if story.ends_episode else f'episode {last.episode:,}'}"
+    where = f"with step {last.episode_step:,}" if story.ends_episode else f"its step {last.episode_step:,}"
+    place = f"{episode}, {where}" if last.episode_step else episode
     return place, episode, step

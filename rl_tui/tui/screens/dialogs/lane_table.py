@@ -65,8 +65,11 @@ def lane_rows(
     width: int,
     *,
     hidden: bool,
+    marked: int | None = None,
 ) -> tuple[str, list[LaneRow]]:
     """Return a heading and a row for each of ``lanes``, of ``width`` cells; the lane ``shown`` is marked.
+
+    So is the one ``marked`` to stand beside it, None where that goes without saying.
 
     ``study`` is one of these lanes, or None. Of a bandit that is ``hidden`` nothing exact is told. Columns
     for which the names leave no room are left out.
@@ -84,7 +87,7 @@ def lane_rows(
     seeds = "" if study is None else f"  {study.seeds} seeds"
     found = []
     for number, lane in enumerate(lanes):
-        mark = look.glyphs.cursor if number == shown else ""
+        mark = look.glyphs.cursor if number == shown else "+" if number == marked else ""
         own = row(
             f"{mark:<1} {number + 1}", to_ascii(lane.name, look.glyphs), [c.own[number] for c in columns]
         )
@@ -125,11 +128,13 @@ def _columns(
         _Column("last 100", returns(recent), of_seeds(LAST_100), 1),
     ]
     spent = [lane.results.bandit for lane in lanes]
-    if any(each is not None for each in spent):
-        sums = sum_decimals(x for each in spent if each is not None for x in (each.winnings, each.regret))
-        won = [_dash(look) if each is None else sum_text(each.winnings, sums, look) for each in spent]
+    known = [each for each in spent if each is not None]
+    sums = [each.winnings for each in known] + [each.regret for each in known if not hidden]
+    if sums:
+        digits = sum_decimals(sums)
+        won = [_dash(look) if each is None else sum_text(each.winnings, digits, look) for each in spent]
         lost = [
-            _dash(look) if each is None or hidden else sum_text(each.regret, sums, look) for each in spent
+            _dash(look) if each is None or hidden else sum_text(each.regret, digits, look) for each in spent
         ]
         columns += [
             _Column("winnings", won, of_seeds(WINNINGS), 2),

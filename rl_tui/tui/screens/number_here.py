@@ -1,0 +1,193 @@
+"""What the number under the cursor of world or table is, with its pair, its visits and the exact one."""
+
+from __future__ import annotations
+
+import math
+from typing import Final, NamedTuple
+
+from textual.widget import Widget
+
+from rl_tui.agents.catalogue import BY_ID
+from rl_tui.common.words import counted
+from rl_tui.lab.live.snapshot import Snapshot
+from rl_tui.tui.draw import names
+from rl_tui.tui.draw.action_order import shown_pairs
+from rl_tui.tui.draw.number_form import number_form
+from rl_tui.tui.panels.model.bellman import SECRET
+from rl_tui.tui.panels.q_table.layers import Layer, exact_q, other_lane
+from rl_tui.tui.panels.q_table.q_table import QTable
+from rl_tui.tui.panels.snapshot_facts import is_secret
+from rl_tui.tui.panels.world.view import WorldView
+from rl_tui.tui.theme.look import Look
+from rl_tui.worlds.drawing import Arms
+
+_COLUMNS: Final = 9
+
+
+class NumberHere(NamedTuple):
+    """A number on screen: ``name`` as ``Q(6,↓) = .942``, and what it means in a paragraph.
+
+    ``term`` is the id of what the glossary says of such figures.
+    """
+
+    name: str
+    meaning: str
+    term: str
+
+
+def number_here(focused: Widget | None, look: Look) -> NumberHere | None:
+    """Return the number under the cursor of the panel in focus, None where there is no cursor."""
+    if isinstance(focused, QTable) and focused.snapshot is not None:
+        pair = focused.shown_cursor
+        if pair is not None:
+            return number_of_pair(
+                focused.snapshot, pair, focused.shown_layer, look, revealed=focused.revealed
+            )
+    if isinstance(focused, WorldView) and focused.snapshot is not None:
+        place = focused.cursor_place
+        if place is not None and not focused.is_manual:
+            if isinstance(focused.world.drawing, Arms):
+                return number_of_pair(focused.snapshot, place, Layer.Q, look, revealed=focused.revealed)
+            state = focused.state_at(place)
+            return None if state is None else number_of_state(focused.snapshot, state, look)
+    return None
+
+
+def number_of_pair(
+    snapshot: Snapshot, pair: int, layer: Layer, look: Look, *, revealed: bool = False
+) -> NumberHere | None:
+    """Return the number of ``pair`` in ``layer`` of the table; None where the snapshot does not hold it.
+
+    ``revealed`` says that the means of a bandit are shown.
+    """
+    return _Teller(snapshot, look, revealed).of_pair(pair, layer) if snapshot.agent.holds(pair) else None
+
+
+def number_of_state(snapshot: Snapshot, state: int, look: Look) -> NumberHere | None:
+    """Return V of ``state``; None where the snapshot does not hold it."""
+    pairs = snapshot.world.space.pairs_of(state)
+    held = not pairs or snapshot.agent.holds(pairs.start)
+    return _Teller(snapshot, look, revealed=False).of_state(state) if held else None
+
+
+class _Teller:
+    """Tells of the numbers of one snapshot; ``revealed`` says that a bandit's means are shown."""
+
+    def __init__(self, snapshot: Snapshot, look: Look, revealed: bool) -> None:
+        self._snapshot = snapshot
+        self._world = snapshot.world
+        self._look = look
+        self._revealed = revealed
+        self._exact = exact_q(snapshot, revealed)
+        self._is_bandit = isinstance(snapshot.world.drawing, Arms)
+
+    def of_pair(self, pair: int, layer: Layer) -> NumberHere:
+        """Return the number of ``pair`` in a layer of the table."""
+        agent = self._snapshot.agent
+        name = names.pair_name(self._world, pair, self._look.glyphs)
+        q, exact = float(agent.q[pair]), None if self._exact is None else float(self._exact[0][pair])
+        estimate, optimum, error = self._written(q, exact, None if exact is None else q - exact)
+        if layer is Layer.VISITS:
+            taken = "pulled this arm" if self._is_bandit else f"taken {self._deed(pair)}"
+            return NumberHere(
+                f"N({name}) = {agent.visits[pair]:,}",
+                f"How often the agent has {taken}, counted over the run so far.",
+                "visits",
+            )
+        if layer is Layer.LANES and (other := other_lane(self._snapshot)) is not None:
+            mine, its, gap = self._written(q, float(other.q[pair]), q - float(other.q[pair]))
+            return NumberHere(
+                f"Q({name}) − Q of {other.name} = {gap}",
+                f"The estimate here, {mine}, less the one of {other.name}, {its}: both learned.",
+                "q",
+            )
+        if layer is Layer.OPTIMAL and exact is not None:
+            return NumberHere(
+                f"Q*({name}) = {optimum}",
+                f"{self._best(pair)} Exact: worked out from the table of the world. The agent's estimate is "
+                f"{estimate}, {self._from_visits(pair)}.",
+                "q-star",
+            )
+        if layer is Layer.ERROR and exact is not None:
+            return NumberHere(
+                f"Q({name}) − Q* = {error}",
+                f"The agent's estimate, {estimate}, less the exact value, {optimum}: above 0 it hopes for "
+                f"too much. The estimate is {self._from_visits(pair)}.",
+                "error",
+            )
+        return NumberHere(
+            f"Q({name}) = {estimate}",
+            f"{self._estimated(pair)}, {self._from_visits(pair)}. {self._truth(optimum)}".strip(),
+            "q",
+        )
+
+    def of_state(self, state: int) -> NumberHere:
+        """Return V of ``state``."""
+        agent, glyphs = self._snapshot.agent, self._look.glyphs
+        pairs = self._world.space.pairs_of(state)
+        name = names.state_name(self._world, state, glyphs)
+        if not pairs:
+            kind = names.landmark(self._world, state) or "terminal state"
+            meaning = f"A {kind}: nothing is earned after it, so its value is 0."
+            return NumberHere(f"V({name}) = 0", meaning, "value")
+        best = max(float(agent.q[pair]) for pair in pairs)
+        greedy = [pair for pair in shown_pairs(self._world, pairs) if float(agent.q[pair]) == best]
+        exact = None
+        if self._exact is not None:
+            exact = max(float(self._exact[0][pair]) for pair in pairs)
+        value, optimum, _ = self._written(best, exact, None)
+        actions = ", ".join(
+            names.action_name(self._world, int(self._world.space.pair_action[pair]), glyphs)
+            for pair in greedy
+        )
+        whose = f"that of {actions}" if len(greedy) == 1 else f"{actions} have it alike"
+        return NumberHere(
+            f"V({name}) = {value}",
+            f"The largest of the agent's estimates Q in state {name}: {whose}. It says how much discounted "
+            f"return is to be expected from there on, {self._from_visits(*pairs)}. "
+            f"{self._truth(optimum, 'V*')}".strip(),
+            "value",
+        )
+
+    def _written(self, *values: float | None) -> tuple[str, ...]:
+        """Return numbers in one form, empty where one is not known."""
+        known = [each for each in values if each is not None and math.isfinite(each)]
+        form = number_form(min(known, default=0.0), max(known, default=0.0), _COLUMNS)
+        return tuple("" if each is None else form.text(each, self._look.glyphs) for each in values)
+
+    def _deed(self, pair: int) -> str:
+        space, glyphs = self._world.space, self._look.glyphs
+        action = names.action_name(self._world, int(space.pair_action[pair]), glyphs)
+        return f"{action} in state {names.state_name(self._world, space.state_of(pair), glyphs)}"
+
+    def _estimated(self, pair: int) -> str:
+        if self._is_bandit:
+            return "The agent's estimate of the mean reward of this arm"
+        whose = "What the planner has worked out" if self._plans else "The agent's estimate"
+        return f"{whose} of the discounted return from {self._deed(pair)} on"
+
+    def _best(self, pair: int) -> str:
+        if self._is_bandit:
+            return "The true mean reward of this arm."
+        return f"The largest discounted return that can be expected from {self._deed(pair)} on."
+
+    @property
+    def _plans(self) -> bool:
+        return BY_ID[self._snapshot.agent.algorithm].planner
+
+    def _from_visits(self, *pairs: int) -> str:
+        visits = sum(int(self._snapshot.agent.visits[pair]) for pair in pairs)
+        if not visits:
+            return "not tried yet: it is as it was at the start"
+        if self._plans:
+            return f"after {counted(visits, 'backup')}"
+        return f"learned from {counted(visits, 'pull' if self._is_bandit else 'visit')}"
+
+    def _truth(self, optimum: str, symbol: str = "Q*") -> str:
+        """Return the exact value beside an estimate, or why it is not told."""
+        if optimum:
+            return f"The exact {symbol} here is {optimum}."
+        if is_secret(self._snapshot, revealed=self._revealed):
+            return f"The true mean is {SECRET}."
+        refused = self._snapshot.exact_answer.refused
+        return f"There is no exact value: {refused}" if refused else ""

@@ -1,0 +1,63 @@
+"""Through the end of an episode, or of a sweep, one number of it is on screen at a time."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+from conftest import MakeApp
+from seams import playground, press, screen_text, snapshot, switch, train
+from textual.pilot import Pilot
+
+from rl_tui.common.errors import UserError
+from rl_tui.tui.app.screenshot import settle
+from rl_tui.tui.panels.catalogue import LAST_STEP, MICROSCOPE
+from rl_tui.tui.panels.last_step.last_step import ENDED, ENDED_SWEEP
+
+_NUMBERED = re.compile(r"\b(?:ep|episode|sweep) ([\d,]*\d)")
+
+
+def numbers_of(pilot: Pilot[UserError]) -> set[str]:
+    """The numbers of episodes or sweeps on the border of the last step and in all that is drawn."""
+    footing = str(playground(pilot).board.panel(LAST_STEP).border_subtitle)
+    return set(_NUMBERED.findall(f"{screen_text(pilot.app)} {footing}"))
+
+
+@pytest.mark.parametrize("size", [(80, 24), (120, 40)])
+async def test_every_step_of_an_episode_and_its_end(size: tuple[int, int], make_app: MakeApp) -> None:
+    app = make_app("frozenlake")
+    async with app.run_test(size=size) as pilot:
+        await settle(pilot)
+        for expected in ("1", "2", "3"):
+            assert numbers_of(pilot) == {expected}
+            while snapshot(pilot).counters.episodes < int(expected):
+                assert numbers_of(pilot) == {expected}
+                await press(pilot, "s")
+            assert ENDED in str(playground(pilot).board.panel(LAST_STEP).border_subtitle)
+
+
+async def test_to_go_to_an_episode_leads_to_where_that_number_stands(make_app: MakeApp) -> None:
+    app = make_app("frozenlake")
+    async with app.run_test(size=(120, 40)) as pilot:
+        await settle(pilot)
+        await train(pilot, 200)
+        await press(pilot, "g", *"e12", "enter")
+        assert numbers_of(pilot) == {"12"}
+        await press(pilot, "d")
+        assert playground(pilot).board.opened == MICROSCOPE
+        assert numbers_of(pilot) == {"12"}
+        await press(pilot, "s")
+        assert numbers_of(pilot) == {"12"}
+
+
+async def test_the_sweeps_of_a_planner_too(make_app: MakeApp) -> None:
+    app = make_app("student")
+    async with app.run_test(size=(120, 40)) as pilot:
+        await settle(pilot)
+        await switch(pilot, "value-iteration")
+        seen = set()
+        for _ in range(9):
+            await press(pilot, "s")
+            assert len(numbers_of(pilot)) == 1
+            seen.add(ENDED_SWEEP in str(playground(pilot).board.panel(LAST_STEP).border_subtitle))
+        assert seen == {True, False}

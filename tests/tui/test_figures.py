@@ -1,0 +1,112 @@
+"""Every figure on screen can be asked what it is: exact or sampled, discounted or not, within which limit."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+from samples import bandit, lake, look, planning
+
+from rl_tui.lab.live.snapshot import Snapshot
+from rl_tui.tui.draw.pieces import Line
+from rl_tui.tui.glossary.figure_text import FigureSetting, figure_text
+from rl_tui.tui.glossary.glossary import FigureKind, FigureLimit, GlossaryTerm, glossary, term_at
+from rl_tui.tui.panels.budget import budget_lines
+from rl_tui.tui.panels.catalogue import BUDGET, CURVE, LAST_STEP, PANELS, TABLE, WORLD
+from rl_tui.tui.panels.curve.text import figure_names
+from rl_tui.tui.panels.last_step.last_step import last_step_lines
+from rl_tui.tui.panels.many_seeds import figures as study_figures
+from rl_tui.tui.panels.q_table.layers import Layer
+from rl_tui.tui.panels.status_line import status_line
+from rl_tui.tui.theme.glyphs import UNICODE
+
+TERMS = {row.id: row.terms for row in PANELS}
+STUDIED = [name for each in study_figures.FIGURES for name in (each.name, each.in_full)]
+SHOWN = (lake(), planning(), bandit(400))
+
+
+def figures_in(label: str) -> list[GlossaryTerm]:
+    """The figures that ``label`` names."""
+    ids = dict.fromkeys(term_at(label, column, UNICODE) for column in range(len(label)))
+    terms = [glossary()[each] for each in ids if each is not None]
+    return [term for term in terms if term.figure is not None]
+
+
+def text_of(line: Line) -> str:
+    return "".join(piece.text for piece in line)
+
+
+def numbered(text: str) -> list[str]:
+    """The words of ``text`` that stand before a number."""
+    return re.findall(r"(?<!\w)([a-z]+(?: [a-z]+)*) +(?=[−.\d])", re.sub(r" of (?=\d)", "/", text))
+
+
+@pytest.mark.parametrize(
+    "label", [*figure_names(), *STUDIED, *(str(each) for each in Layer if each is not Layer.LANES)]
+)
+def test_a_label_of_a_figure_names_one(label: str) -> None:
+    assert figures_in(label)
+
+
+@pytest.mark.parametrize("snapshot", SHOWN, ids=lambda each: each.recipe.scenario.id)
+@pytest.mark.parametrize("width", [80, 120])
+def test_the_numbers_of_the_status_line_do(snapshot: Snapshot, width: int) -> None:
+    text = text_of(status_line(snapshot, look(), width))
+    labels = [each for each in numbered(text) if each != "seed"]
+    assert labels
+    assert not [each for each in labels if not figures_in(each)], text
+
+
+def test_the_speed_does() -> None:
+    assert figures_in("37.4 M steps/s")
+
+
+def test_the_sums_of_a_budget_do() -> None:
+    lines = [text_of(line) for line in budget_lines(bandit(400), look(), 60, revealed=True)]
+    labels = [label for line in lines for label in numbered(line)]
+    assert len(labels) >= 5
+    assert not [each for each in labels if not figures_in(each)], labels
+
+
+@pytest.mark.parametrize("height", [1, 4, 9])
+def test_the_numbers_of_an_update_do(height: int) -> None:
+    text = "\n".join(text_of(line) for line in last_step_lines(lake(), look(), 100, height))
+    labels = re.findall(r"(\w+) = ", text) + re.findall(r"(δ) [+−.\d]", text)
+    figures = [each for each in labels if each not in ("s", "s′", "a", "ε") and figures_in(f"{each} = ")]
+    assert {"δ"} <= set(figures)
+    assert not [each for each in labels if term_at(f"{each} = ", 0, UNICODE) is None and not each.isdigit()]
+
+
+def test_a_panel_in_focus_lists_its_figures() -> None:
+    for panel, ids in (
+        (WORLD, ("value", "reward", "standard-error")),
+        (TABLE, ("q", "q-star", "error", "visits")),
+        (CURVE, ("return", "last-100", "greedy", "gamma-best", "best-arm", "gap")),
+        (BUDGET, ("winnings", "regret", "best-possible", "best-arm-share")),
+        (LAST_STEP, ("td-error", "target", "reward")),
+    ):
+        assert set(ids) <= set(TERMS[panel])
+        assert all(glossary()[each].figure is not None for each in ids)
+
+
+def test_every_kind_of_limit_has_words() -> None:
+    now = FigureSetting(gamma=".99", time_limit=100, steps=1_000, episodes=40)
+    figures = [term.figure for term in glossary().values() if term.figure is not None]
+    assert {each.kind for each in figures} == set(FigureKind)
+    assert {each.limit for each in figures} == set(FigureLimit)
+    assert all(figure_text(each) and figure_text(each, now) for each in figures)
+
+
+def test_the_numbers_of_the_world_are_told() -> None:
+    mean, value, won = (glossary()[each].figure for each in ("last-100", "value", "winnings"))
+    assert mean is not None
+    assert value is not None
+    assert won is not None
+    lake = FigureSetting(gamma=".99", time_limit=100, steps=1_000, episodes=40)
+    arms = FigureSetting(gamma="0", time_limit=0, steps=400, episodes=400, is_bandit=True, budget=1_000)
+    assert "time limit of 100 steps" in figure_text(mean, lake)
+    assert "last 40 episodes" in figure_text(mean, lake)
+    assert "γ .99" in figure_text(value, lake)
+    assert "no time limit" in figure_text(value, lake._replace(time_limit=0))
+    assert "400 of the budget of 1,000 pulls" in figure_text(won, arms)
+    assert "nothing is discounted" in figure_text(value, arms)
