@@ -44,10 +44,11 @@ from rl_tui.lab.live.playback import Playback
 from rl_tui.lab.live.player import Player
 from rl_tui.lab.live.snapshot import Phase
 from rl_tui.lab.many_seeds import seed_studies, study, study_process
-from rl_tui.lab.many_seeds.estimates import as_json, difference_of, of_json
+from rl_tui.lab.many_seeds.estimates import difference_of
 from rl_tui.lab.many_seeds.figures import Estimate, LaneStudy, SeedStudy, StudyState
 from rl_tui.lab.many_seeds.request import StudyRequest, study_request
 from rl_tui.lab.many_seeds.study import Study
+from rl_tui.lab.many_seeds.study_json import as_json, of_json
 from rl_tui.lab.run.figures import training_figures
 from rl_tui.lab.run.recipe import Recipe, SetParameter, SwitchAlgorithm
 from rl_tui.lab.run.run import Run
@@ -341,7 +342,7 @@ class ToldAtOnce:
     """A process that has told all it has to tell when it is started."""
 
     def __init__(self, request: StudyRequest, on_news: Callable[[], None]) -> None:
-        self.told = request.nothing_yet
+        self.study = request.nothing_yet
 
     def wait(self) -> None:
         """Nothing is under way."""
