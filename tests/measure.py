@@ -278,7 +278,7 @@ def player() -> Rows:
 
 def seeds(rounds: int) -> Rows:
     """What is left of the live run's speed beside a study of many seeds; it wants two quiet cores."""
-    speeds, thrifts = zip(*asyncio.run(seed_study_cost(rounds)), strict=True)
+    speeds, thrifts = zip(*asyncio.run(seed_study_cost(8 * rounds)), strict=True)
     load = f"load {os.getloadavg()[0]:.1f} of {os.cpu_count()}"
     yield "live speed beside many seeds", f"{median(speeds):.1%}, {load}", "at least 95 %"
     yield "its steps a second of processor", f"{median(thrifts):.1%}", ""

@@ -1,27 +1,31 @@
 """What a study of many seeds costs the live run.
 
-The live run plays at full speed, with and without a study beside it in turns. A reader takes snapshots as
-often as a screen draws them.
+The live run plays at full speed, a reader takes snapshots as often as a screen draws them, and the process of
+the study is stopped and goes on in turns: so short ones that what else the machine does is much the same.
 """
 
 from __future__ import annotations
 
 import asyncio
+import os
+import signal
+import subprocess
 import time
-from typing import Final
+from typing import Any, Final
 
-from rl_tui.lab.live.commands import EndStudy, Play, StudySeeds
+from rl_tui.lab.live.commands import Play, StudySeeds
 from rl_tui.lab.live.player import Player
 from rl_tui.lab.live.snapshot import Snapshot
+from rl_tui.lab.many_seeds import study_process
 from rl_tui.lab.many_seeds.figures import StudyState
 from rl_tui.lab.run.library import recipe_named
 
 SCENARIO: Final = "taxi"
-SECONDS: Final = 3.0
+SECONDS: Final = 0.5
 FRAME: Final = 1 / 30
 
 
-class _Watched:
+class _LiveRun:
     """A player at full speed whose snapshots are read as a screen reads them."""
 
     def __init__(self) -> None:
@@ -38,16 +42,22 @@ class _Watched:
         while self._newest is None or self._newest.playback.interpreted or not self._newest.counters.step:
             await asyncio.sleep(FRAME)
 
-    async def speed(self, *, with_study: bool) -> tuple[float, float]:
-        """Return its steps by seconds, and by seconds of processor."""
-        self._player.send(StudySeeds() if with_study else EndStudy())
-        while with_study and self._study_state in ("", StudyState.STARTING):
+    async def is_studied(self) -> None:
+        self._player.send(StudySeeds())
+        while self._newest is None or self._newest.study is None or not self._newest.study.seeds:
             await asyncio.sleep(FRAME)
-        await asyncio.sleep(0.5)
+
+    async def speed(self) -> tuple[float, float]:
+        """Return its steps by seconds, and by seconds of processor."""
         before, start, used = self._steps, time.perf_counter(), time.process_time()
         await asyncio.sleep(SECONDS)
         steps = self._steps - before
         return steps / (time.perf_counter() - start), steps / (time.process_time() - used)
+
+    @property
+    def is_beside_a_study(self) -> bool:
+        study = None if self._newest is None else self._newest.study
+        return study is not None and study.state is StudyState.RUNNING
 
     def close(self) -> None:
         self._player.close()
@@ -56,25 +66,35 @@ class _Watched:
     def _steps(self) -> int:
         return 0 if self._newest is None else self._newest.counters.step
 
-    @property
-    def _study_state(self) -> str:
-        study = None if self._newest is None else self._newest.study
-        return "" if study is None else study.state
-
 
 async def seed_study_cost(rounds: int) -> list[tuple[float, float]]:
     """Return what is left beside a study, each round: of the speed, and of the steps a second of processor.
 
     The second leaves out what others took away, and shows what is lost in the caches.
     """
-    watched = _Watched()
-    reading = asyncio.create_task(watched.read())
-    await watched.is_at_full_speed()
-    ratios = []
-    for _ in range(rounds):
-        alone, thrift_alone = await watched.speed(with_study=False)
-        beside, thrift_beside = await watched.speed(with_study=True)
-        ratios.append((beside / alone, thrift_beside / thrift_alone))
-    watched.close()
+    processes: list[subprocess.Popen[bytes]] = []
+    start_process = study_process.python_process
+
+    def noted(*args: Any) -> subprocess.Popen[bytes]:
+        processes.append(start_process(*args))
+        return processes[-1]
+
+    study_process.python_process = noted
+    live, ratios = _LiveRun(), list[tuple[float, float]]()
+    reading = asyncio.create_task(live.read())
+    await live.is_at_full_speed()
+    while len(ratios) < rounds:
+        if not live.is_beside_a_study:
+            await live.is_studied()
+        turns = []
+        for wanted in (signal.SIGSTOP, signal.SIGCONT, signal.SIGSTOP):
+            os.kill(processes[-1].pid, wanted)
+            turns.append(await live.speed())
+        os.kill(processes[-1].pid, signal.SIGCONT)
+        before, beside, after = turns
+        if live.is_beside_a_study:
+            speed, thrift = (2 * beside[kind] / (before[kind] + after[kind]) for kind in (0, 1))
+            ratios.append((speed, thrift))
+    live.close()
     await reading
     return ratios

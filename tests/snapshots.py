@@ -32,7 +32,9 @@ def snapshot_of(
     lane = SimpleNamespace(run=run, timeline=Timeline())
     alone: Any = SimpleNamespace(current=lane, beside=None, view=RunGroupView())
     playback = PlaybackView(phase, message)
-    return SnapshotBuilder().build(alone, playback, lambda _: exact_answer, viewport=viewport, cell=None)
+    return SnapshotBuilder().build(
+        alone, playback, lambda _: exact_answer, viewport=viewport, cell=None, has_trail=False
+    )
 
 
 def changed(picture: Picture, **changes: Any) -> Picture:

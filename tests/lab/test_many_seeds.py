@@ -500,6 +500,7 @@ def test_it_ends_with_its_parent_however_that_ends(number: signal.Signals, is_ru
             os.kill(child, 0)
         except ProcessLookupError:
             return True
-        return Path(f"/proc/{child}/stat").read_text().rpartition(")")[2].split()[0] == "Z"
+        about = Path(f"/proc/{child}/stat")
+        return about.exists() and about.read_text().rpartition(")")[2].split()[0] == "Z"
 
     until(is_gone)

@@ -22,6 +22,7 @@ PLAYGROUND_KEYS = {
     "underscore",
     "r",
     "v",
+    "V",
     "a",
     "t",
     "i",

@@ -18,7 +18,8 @@ from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.timeline.trail import TrailStep
 from rl_tui.tui.app.screenshot import settle
 from rl_tui.tui.panels.panel import Panel
-from rl_tui.tui.panels.world.grid.grid import STATE_NUMBERS, GridView
+from rl_tui.tui.panels.world.grid.grid import GridView
+from rl_tui.tui.panels.world.grid.headings import STATE_NUMBERS
 from rl_tui.worlds.grid.section import GridSection
 from rl_tui.worlds.world import World
 

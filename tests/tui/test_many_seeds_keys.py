@@ -86,13 +86,13 @@ async def test_another_panel_and_escape_end_it(make_app: MakeApp, monkeypatch: p
         assert [each for each in sent[2:] if each in (StudySeeds(), EndStudy())] == [StudySeeds(), EndStudy()]
 
 
-async def test_a_bandit_keeps_its_budget_in_view(make_app: MakeApp, monkeypatch: pytest.MonkeyPatch) -> None:
+async def test_a_bandit_reveals_its_regret_with_h(make_app: MakeApp, monkeypatch: pytest.MonkeyPatch) -> None:
     async with make_app("bandit").run_test(size=(80, 24)) as pilot:
         await settle(pilot)
         recorded(pilot, monkeypatch)
         await pilot.press("M")
         await pilot.pause()
-        assert playground(pilot).board.shows(BUDGET)
+        assert not playground(pilot).board.shows(BUDGET)
         (lane, _) = bandit_study().lanes
         study = bandit_study(lanes=(lane,))
         assert "146 ± 2" not in await fed(pilot, study)
@@ -175,7 +175,7 @@ def test_each_lane_has_its_band(depth: str, ascii: bool) -> None:  # noqa: A002
     if ascii:
         assert "=" in drawn
     error = "+/-" if ascii else "±"
-    assert f"{error} .5, 2: " in drawn
+    assert f"{error} .5, 2) " in drawn
 
 
 def test_the_axis_has_room_for_the_mean_of_seeds() -> None:

@@ -25,6 +25,7 @@ SCENES: Final = {  # a scenario, then keys; a number lets so many steps pass
     "student-trained": ("student", 2_000),
     "lake-started": ("frozenlake-slippery", 1),
     "lake-trained": ("frozenlake-slippery", 400_000),
+    "lake-actions": ("frozenlake-slippery", 20_000, "V"),
     "past": ("frozenlake-slippery", 5_000, "1", "right", 5_000, *"g7000", "enter", "b", "B"),
     "journal": ("student", 300, *"g200", "enter", "1", "right", 100, "j"),
     "microscope": ("frozenlake-slippery", 60_000, "d"),

@@ -10,7 +10,6 @@ from typing import Final
 import numpy as np
 
 from rl_tui.agents.compiling.cache_folder import was_compiled
-from rl_tui.common.errors import UserError
 from rl_tui.common.words import counted
 from rl_tui.lab.experiments.learning_curve import RunCurve, mean_curve
 from rl_tui.lab.experiments.many_runs import no_compiling
@@ -62,7 +61,8 @@ class Study:
     def reports(self, clock: Callable[[], float] = time.process_time) -> Iterator[SeedStudy]:
         """Yield what is known after 8 seeds, 16, 32 …; the last one says why it ends.
 
-        ``clock`` gives seconds of processor time, of which it takes 60 from here on.
+        ``clock`` gives seconds of processor time, of which it takes 60 from here on. Raises UserError where a
+        run breaks down.
         """
         end = clock() + MOST_SECONDS
 
@@ -74,8 +74,6 @@ class Study:
             yield from self._blocks(check)
         except _OutOfTimeError:
             yield self._ended_early()
-        except UserError as fault:
-            yield replace(self._told, state=StudyState.FAILED, message=str(fault))
 
     def _blocks(self, check: Callable[[], None]) -> Iterator[SeedStudy]:
         try:

@@ -9,8 +9,10 @@ import json
 import os
 import pickle
 import threading
+from collections.abc import Iterator
 from contextlib import suppress
-from typing import IO, TYPE_CHECKING, Final
+from dataclasses import replace
+from typing import IO, TYPE_CHECKING, Any, Final
 
 if TYPE_CHECKING:
     from rl_tui.lab.many_seeds.figures import SeedStudy
@@ -19,6 +21,7 @@ if TYPE_CHECKING:
 NICENESS: Final = 5
 """How much lower its priority is while it gets machine code: another process may wait for the same."""
 LAST_NICENESS: Final = 19
+_LONGEST_REASON: Final = 200
 
 
 def main() -> None:
@@ -51,33 +54,55 @@ def _end_with(stdin: IO[bytes]) -> None:
 
 def _work(request: StudyRequest, stdout: IO[bytes]) -> None:
     from rl_tui.common.errors import UserError
+    from rl_tui.common.findings import one_line
     from rl_tui.lab.many_seeds.estimates import as_json
-    from rl_tui.lab.many_seeds.figures import SeedStudy, StudyState
-    from rl_tui.lab.many_seeds.study import Study
+    from rl_tui.lab.many_seeds.figures import StudyState
     from rl_tui.worlds.gym.modules import ALLOWED
 
-    def tell(study: SeedStudy) -> None:
-        stdout.write(json.dumps(as_json(study)).encode() + b"\n")
-        stdout.flush()
-
     ALLOWED.update(request.modules)
+    told = request.nothing_yet
     try:
-        study = Study(request)
-    except UserError as fault:
-        tell(SeedStudy(StudyState.FAILED, message=str(fault)))
-        return
+        for told in _reports(request):
+            _tell(stdout, as_json(told))
+    except Exception as error:  # whatever a world may do to this process
+        name = "" if isinstance(error, UserError) else f"{type(error).__name__}: "
+        why = one_line(f"{name}{error}", _LONGEST_REASON)
+        _tell(stdout, as_json(replace(told, state=StudyState.FAILED, message=why)))
+
+
+def _reports(request: StudyRequest) -> Iterator[SeedStudy]:
+    """Yield what is known, at the lowest priority as soon as there is machine code."""
+    from rl_tui.lab.many_seeds.study import Study
+
+    study = Study(request)
     if study.has_machine_code and not request.is_awaited:
         _let_others_go_first()
     study.get_machine_code()
     if not request.is_awaited:
         _let_others_go_first()
-    for report in study.reports():
-        tell(report)
+    yield from study.reports()
+
+
+def _tell(stdout: IO[bytes], told: dict[str, Any]) -> None:
+    stdout.write(json.dumps(told).encode() + b"\n")
+    stdout.flush()
 
 
 def _let_others_go_first() -> None:
     """Take the lowest priority there is; nothing raises it again."""
-    with suppress(AttributeError, OSError):
-        os.setpriority(os.PRIO_PROCESS, 0, LAST_NICENESS)
-    with suppress(AttributeError, OSError):
-        os.sched_setscheduler(0, os.SCHED_IDLE, os.sched_param(0))
+    for thread in _threads():
+        with suppress(AttributeError, OSError):
+            os.setpriority(os.PRIO_PROCESS, thread, LAST_NICENESS)
+        with suppress(AttributeError, OSError):
+            os.sched_setscheduler(thread, os.SCHED_IDLE, os.sched_param(0))
+    # Linux may share the processor out among sessions first, and this process has one of its own
+    with suppress(OSError), open("/proc/self/autogroup", "w", encoding="ascii") as of_session:
+        of_session.write(str(LAST_NICENESS))
+
+
+def _threads() -> list[int]:
+    """Return all threads of this process: on Linux each has a priority of its own, also those of a library."""
+    try:
+        return list(map(int, os.listdir("/proc/self/task")))
+    except OSError:
+        return [0]  # this process

@@ -205,6 +205,7 @@ _ACTIONS: Final[tuple[Action, ...]] = (
         Group.VIEW,
         rank=4,
     ),
+    Action("view.turn_actions", "V", "Q in cells", "Show Q of every action in a map, or V.", Group.VIEW),
     Action(
         "view.zoom",
         "f",

@@ -92,7 +92,9 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         "The scenario as the agent finds it. In a grid the tint and the number are V(s), the best estimate "
         "of the state; arrows are the greedy actions, several (or * where there is no room) where they tie, "
         "none where nothing is known yet, letters where actions have no direction; ◉ is the agent, ● a hole, "
-        "▓ a cliff, ★ the goal, S the start. In a graph each edge names action, "
+        "▓ a cliff, ★ the goal, S the start. V turns to Q of every action, each at its side of the cell or "
+        "behind its sign, · where it was never tried: the greedy ones are framed, or have an arrow where the "
+        "tint stands for the number. In a graph each edge names action, "
         "probability and reward, and the greedy action is bold. An arm of a "
         "bandit shows its estimate ± its standard error, the standard deviation that the noise of the "
         "rewards leaves in it. ▸ marks the greedy arm, ◉ the last pull. In focus it has a cursor, as the "
@@ -269,7 +271,7 @@ PANELS: Final[tuple[PanelRow, ...]] = (
             "Run the same under many other seeds: the mean of each figure, with its error, beside this seed.",
             rank=17,
         ),
-        in_place_of=(TABLE,),
+        in_place_of=(TABLE, BUDGET),
     ),
 )
 """In the order of the tab key."""

@@ -20,6 +20,7 @@ from rl_tui.tui.panels.legend import Legend, legend_rows, legend_text
 from rl_tui.tui.theme.look import Look
 from rl_tui.worlds.world import World
 
+BORDERS: Final = 2  # rows, and columns, that the border takes
 BORDER_ENDS: Final = 4  # a piece of line and a blank on either side of a title
 
 

@@ -20,6 +20,8 @@ class LegendSwitch:
         self.is_on = True
         self.numbers_states = False
         """Whether the cells of maps have the numbers of their states; that is not remembered."""
+        self.shows_actions = False
+        """Whether these cells show Q of every action in place of V; not remembered either."""
         if folder is not None:
             with suppress(OSError):
                 self.is_on = not (folder / _FILE).exists()

@@ -26,6 +26,7 @@ class Glyphs:
     wall: str
     mark_left: str  # frames the greedy cell of a table
     mark_right: str
+    mark_after: str  # follows the greedy number where there is no room for a frame
     lit_left: str  # frames the cell that was just updated, when it is greedy too
     lit_right: str
     cursor: str
@@ -101,6 +102,7 @@ _ROWS: Final[Mapping[str, tuple[Any, Any]]] = {
     "wall": ("█", "#"),
     "mark_left": ("▌", "["),
     "mark_right": ("▐", "]"),
+    "mark_after": ("▌", "]"),
     "lit_left": ("▐", "{"),
     "lit_right": ("▌", "}"),
     "cursor": ("▸", ">"),

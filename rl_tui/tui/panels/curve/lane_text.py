@@ -123,7 +123,8 @@ def _names(data: CurveData, look: Look, width: int) -> list[str]:
 
 
 def _clipped(name: str, width: int, ellipsis: str) -> str:
-    return shortened(name, width, ellipsis).replace(f",{ellipsis}", ellipsis)
+    short = shortened(name, width, ellipsis)
+    return short.replace(f",{ellipsis}", ellipsis).replace(f":{ellipsis}", ellipsis)
 
 
 def _said(lane: LaneLine, name: str, form: _Form, decimals: int, glyphs: Glyphs) -> str:

@@ -30,11 +30,13 @@ _LATE: Final = 0.25  # of the bins: from here on the axis makes room for the ban
 class SeedBand:
     """One run under ``seeds`` seeds: two standard errors on either side of their mean return.
 
-    ``number`` is that of its lane, from 1. ``last_100`` is the mean return of the last 100 episodes.
+    ``number`` is that of its lane, from 1. ``last_100`` is the mean return of the last 100 of its
+    ``episodes``; None where each seed has as many as its steps come to.
     """
 
     number: int
     seeds: int
+    episodes: int | None
     band: Steps
     last_100: Estimate | None
 
@@ -58,7 +60,7 @@ def seed_bands(snapshot: Snapshot) -> tuple[SeedBand, ...]:
         # smoothed as the curve of this run is; the error of such a mean is at most the mean of the errors
         mean, reach = smoothed(lane.curve.mean)[there], _ERRORS * smoothed(lane.curve.stderr)[there]
         band = Steps(start[there], np.minimum(end[there], furthest), mean - reach, mean + reach)
-        found.append(SeedBand(number, study.seeds, band, lane.estimates.get(LAST_100.id)))
+        found.append(SeedBand(number, study.seeds, study.episodes, band, lane.estimates.get(LAST_100.id)))
     return tuple(found)
 
 
@@ -93,17 +95,19 @@ def seed_remark(seeds: Sequence[SeedBand], look: Look) -> tuple[str, ...]:
     estimates = [each.last_100 for each in seeds if each.last_100 is not None]
     decimals = decimals_of(estimates)
     texts = [
-        f"{each.number}: {estimate_text(each.last_100, decimals, look.glyphs)}"
+        f"{each.number}) {estimate_text(each.last_100, decimals, look.glyphs)}"
         for each in seeds
         if each.last_100 is not None
     ]
     if not texts:
         return ()
-    told, count = ", ".join(texts), seeds[0].seeds
+    told, count, episodes = ", ".join(texts), seeds[0].seeds, seeds[0].episodes
+    when = "" if episodes is None else f" at {episodes:,}"
     return (
-        f"beside each name one seed; last 100 of {count} seeds {told}",
-        f"last 100 of {count} seeds {told}",
-        f"{count} seeds {told}",
+        f"one seed beside each name; {count} seeds, last 100{when}: {told}",
+        f"{count} seeds, last 100{when}: {told}",
+        f"{count} seeds, last 100: {told}",
+        f"{count} seeds: {told}",
     )
 
 

@@ -93,7 +93,8 @@ def _how_far(study: SeedStudy, snapshot: Snapshot, look: Look, width: int) -> It
         text = "the run has been changed since: enter counts again"
         yield from wrapped(text, width, palette.accent, look, " ", " ")
     if study.message:
-        yield from wrapped(study.message, width, palette.accent, look, " ", " ")
+        style = palette.accent if study.state is StudyState.FAILED else palette.text
+        yield from wrapped(study.message, width, style, look, " ", " ")
     elif study.state is StudyState.OUT_OF_TIME:
         text = "it has used up the processor time that it may take"
         yield from wrapped(text, width, palette.accent, look, " ", " ")

@@ -149,8 +149,8 @@ def _missing(study: SeedStudy, figure: StudyFigure, look: Look, width: int) -> I
         estimate = lane.estimates.get(figure.id)
         missing = study.seeds - (0 if estimate is None else estimate.count)
         if figure is GREEDY and missing > 0:
-            of = "" if len(study.lanes) == 1 else f" of lane {number}"
-            text = f"in {missing} of {study.seeds} seeds the greedy policy{of} has no return to tell"
+            whose = "the" if len(study.lanes) == 1 else f"lane {number}'s"
+            text = f"in {missing} of {study.seeds} seeds {whose} greedy policy never ends: these are left out"
             yield from wrapped(text, width, look.palette.dim, look, "   ", "   ")
 
 

@@ -62,6 +62,7 @@ class WorldView(Panel, can_focus=True):
         self._is_manual = False
         self._is_numbered = False
         self._differing: frozenset[int] = frozenset()
+        self._shows_actions = False
         self.enter(world)
 
     def enter(self, world: World) -> None:
@@ -80,6 +81,26 @@ class WorldView(Panel, can_focus=True):
         if states != self._differing:
             self._differing = states
             self.redraw()
+
+    @property
+    def shows_actions(self) -> bool:
+        """Whether the cells of a map show Q of every action, where they have room, in place of V."""
+        return self._shows_actions
+
+    @shows_actions.setter
+    def shows_actions(self, shows_actions: bool) -> None:
+        if shows_actions != self._shows_actions:
+            self._shows_actions = shows_actions
+            self.redraw()
+
+    @property
+    def lacks_room(self) -> bool:
+        """Whether cells are too small for Q of every action, though they are to show it."""
+        return False
+
+    def has_room_in(self, width: int, height: int) -> bool:
+        """Return whether cells have room for what they are to show in a panel of that size."""
+        return True
 
     @property
     def is_numbered(self) -> bool:

@@ -36,7 +36,7 @@ _WITH: Final = "with-"
 _BRANCH: Final = "branch-"
 _HINTS: Final = {
     "lanes": "returns, undiscounted: mean of the last 100; exact one of the greedy policy",
-    "branch": "this run as it went there, and goes on; each is changed by itself from now on",
+    "branch": "this run as it went on that branch; each lane is changed by itself from now on",
     ALGORITHM: "another way to learn, or to plan",
 }
 _ONE_SEED: Final = "One seed decides nothing: M counts many."

@@ -113,14 +113,15 @@ class JournalScreen(Dialog[Moment | AddBranch]):
 
     def action_compare(self) -> None:
         """Answer the branch to stand beside the one in force."""
-        branches, name = self._timeline.branches, self._timeline.branches[self._shown].name
+        name = self._timeline.branches[self._shown].name
         if self._shown in self._beside:
             self.dismiss(AddBranch(self._shown))
         elif self._shown != self._timeline.branch:
             self.notify(f"{name} is a lane already: l shows it")
+        elif len(self._lines) > 1:
+            self.notify(f"{name} is the one shown: choose another one")
         else:
-            rest = "choose another one" if len(branches) > 1 else HOW_TO_BRANCH
-            self.notify(f"{name} is the one shown: {rest}")
+            self.notify("there is no other branch to compare with")
 
     @property
     def _branches(self) -> OptionList:

@@ -125,11 +125,13 @@ def _columns(
         _Column("last 100", returns(recent), of_seeds(LAST_100), 1),
     ]
     spent = [lane.results.bandit for lane in lanes]
-    if any(each is not None for each in spent):
-        sums = sum_decimals(x for each in spent if each is not None for x in (each.winnings, each.regret))
-        won = [_dash(look) if each is None else sum_text(each.winnings, sums, look) for each in spent]
+    known = [each for each in spent if each is not None]
+    sums = [each.winnings for each in known] + [each.regret for each in known if not hidden]
+    if sums:
+        digits = sum_decimals(sums)
+        won = [_dash(look) if each is None else sum_text(each.winnings, digits, look) for each in spent]
         lost = [
-            _dash(look) if each is None or hidden else sum_text(each.regret, sums, look) for each in spent
+            _dash(look) if each is None or hidden else sum_text(each.regret, digits, look) for each in spent
         ]
         columns += [
             _Column("winnings", won, of_seeds(WINNINGS), 2),

@@ -92,6 +92,7 @@ class Board(Container):
             self.world = make_world_view(snapshot.world, self.look, id=WORLD, classes="panel")
             self.world.caption, self.world.is_explained = self.rows[WORLD].caption, self.is_explained
             self.world.is_numbered = self.is_numbered
+            self.world.shows_actions = self.shows_actions
             self._panels[WORLD] = self.world
             self.run_worker(self._replace_placeholder(self.world))
         self.table.sources = lit_sources(snapshot) if self.opened == MICROSCOPE else frozenset()
@@ -127,6 +128,17 @@ class Board(Container):
         self.legends.numbers_states = is_numbered
         if self.world is not None:
             self.world.is_numbered = is_numbered
+
+    @property
+    def shows_actions(self) -> bool:
+        """Whether the cells of a map show Q of every action, where they have room."""
+        return self.legends.shows_actions
+
+    @shows_actions.setter
+    def shows_actions(self, shows_actions: bool) -> None:
+        self.legends.shows_actions = shows_actions
+        if self.world is not None:
+            self.world.shows_actions = shows_actions
 
     def _shown(self) -> Iterator[BoardPanel]:
         """Yield the panels that are not closed."""

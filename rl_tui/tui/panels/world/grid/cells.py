@@ -13,9 +13,9 @@ from rl_tui.tui.draw import numbers
 from rl_tui.tui.draw.canvas import Canvas
 from rl_tui.tui.draw.number_form import NumberForm
 from rl_tui.tui.panels.world.grid.form import LEAST_ARROWS, CellForm
-from rl_tui.tui.panels.world.grid.map import CellContent, Sign
+from rl_tui.tui.panels.world.grid.map import PLAIN, CellContent, CellExtra, Sign
 from rl_tui.tui.panels.world.grid.rewards import CellReward
-from rl_tui.tui.panels.world.grid.trail import Trace, put_trace
+from rl_tui.tui.panels.world.grid.trail import put_trace
 from rl_tui.tui.panels.world.state_values import fraction
 from rl_tui.tui.theme.look import Look
 from rl_tui.worlds.drawing import CellKind
@@ -43,9 +43,7 @@ class Face(NamedTuple):
     stops: bool = False
     cursor: bool = False
     differs: bool = False
-    trace: Trace | None = None
-    is_reached: bool = True
-    name: str = ""
+    extra: CellExtra | None = None
 
 
 class CellArtist:
@@ -73,8 +71,12 @@ class CellArtist:
         self._has_table = has_table
         # what looks the same is drawn once
         self._drawn = lru_cache(_MOST_KEPT)(partial(_drawn, form=form, look=look))
-        self._text = lru_cache(_MOST_KEPT)(partial(_value_text, look=look))
+        self._text = lru_cache(_MOST_KEPT)(partial(value_text, look=look))
         self._signs = lru_cache(_MOST_KEPT)(partial(_signs, look=look))
+
+    def values(self, cells: Sequence[CellContent]) -> list[float]:
+        """Return the numbers that all have one form, and between whose ends the tints run."""
+        return [cell.value for cell in cells if cell.value is not None]
 
     def drawn(
         self, cells: Sequence[CellContent], low: float, high: float, number_form: NumberForm
@@ -82,22 +84,23 @@ class CellArtist:
         """Return the rows of each of ``cells``, tinted by its value from ``low`` to ``high``."""
         return [self._drawn(self._face(cell, low, high, number_form)) for cell in cells]
 
-    def reward_text(self, reward: CellReward) -> str:
+    def shown_reward(self, reward: CellReward) -> str:
         """Return how a cell without other signs shows what it pays."""
         # a single row has one character for it, two rows have arrows beside it
-        return _reward_text(reward, self.form.width if self.form.height > 2 else 1, self.look)
+        return reward_text(reward, self.form.width if self.form.height > 2 else 1, self.look)
 
     def _face(self, cell: CellContent, low: float, high: float, number_form: NumberForm) -> Face:
-        kind, agent, value, known, greedy, reward, stops, cursor, differs, _, trace, is_reached, name = cell
-        marks = stops, cursor, differs, trace, is_reached, name
+        kind, agent, value, known, greedy, reward, stops, cursor, differs, _, extra = cell
         palette = self.look.palette
         if value is None:
             style = self._idle_styles.get(kind, palette.dim)
-            return Face(kind, agent, None, self._idle_signs.get(kind, ""), style, None, *marks)
+            return Face(
+                kind, agent, None, self._idle_signs.get(kind, ""), style, None, stops, cursor, differs, extra
+            )
         style = palette.value(fraction(value, low, high)) if known else palette.unvisited
         is_dot = not known and value == 0.0 and not self._has_table
         text = self.look.glyphs.stay if is_dot else self._text(value, number_form)
-        return Face(kind, agent, text, self._signs(greedy), style, reward, *marks)
+        return Face(kind, agent, text, self._signs(greedy), style, reward, stops, cursor, differs, extra)
 
 
 def _drawn(face: Face, form: CellForm, look: Look) -> Drawn:
@@ -114,8 +117,9 @@ def _signs(greedy: tuple[Sign, ...], look: Look) -> str:
 def _draw_cell(canvas: Canvas, face: Face, form: CellForm, look: Look) -> None:
     if face.cursor and form.height == 1:
         face = face._replace(style=look.palette.focus)
-    if face.name:
-        face = _named(face, form)
+    extra = face.extra or PLAIN
+    if extra.name:
+        face = _named(face, extra.name, form)
     filling = _filling(face, look)
     for row in range(form.height):
         canvas.put(0, row, filling * form.width, face.style)
@@ -130,16 +134,16 @@ def _draw_cell(canvas: Canvas, face: Face, form: CellForm, look: Look) -> None:
     else:
         _draw_large(canvas, face, form, look)
     if form.height == 1:
-        _put_name(canvas, form.width - len(face.name), face)
-    if face.trace is not None:
-        put_trace(canvas, face.trace, look)
+        _put_name(canvas, form.width - len(extra.name), face)
+    if extra.trace is not None:
+        put_trace(canvas, extra.trace, look)
 
 
 def _filling(face: Face, look: Look) -> str:
     if face.kind is CellKind.WALL:
         return look.glyphs.wall
     is_floor = face.kind in (CellKind.FLOOR, CellKind.START)
-    return look.glyphs.unreached if is_floor and not face.is_reached else " "
+    return look.glyphs.unreached if is_floor and not (face.extra or PLAIN).is_reached else " "
 
 
 def _draw_large(canvas: Canvas, face: Face, form: CellForm, look: Look) -> None:
@@ -154,7 +158,7 @@ def _draw_large(canvas: Canvas, face: Face, form: CellForm, look: Look) -> None:
     _put_mark(canvas, mark, row, face, look)
     named = _put_name(canvas, 0, face)
     room = form.width if row else mark if _mark(face, look) else start
-    _put_reward(canvas, named, 0, room - named, face, look)
+    put_reward(canvas, named, 0, room - named, face.reward, look)
     if face.text is not None:
         style = look.palette.focus if face.cursor else face.style
         canvas.put((form.width - len(face.text)) // 2, row + 1, face.text, style)
@@ -162,22 +166,24 @@ def _draw_large(canvas: Canvas, face: Face, form: CellForm, look: Look) -> None:
         canvas.put(form.width - 1, 0, look.glyphs.breakpoint, look.palette.breakpoint)
 
 
-def _named(face: Face, form: CellForm) -> Face:
+def _named(face: Face, name: str, form: CellForm) -> Face:
     """Return ``face`` with its name: in a corner, in place of the value, or in place of the arrows."""
-    if len(face.name) > form.longest_name:
-        return face._replace(name="")
+    extra = face.extra or PLAIN
+    if len(name) > form.longest_name:
+        return face._replace(extra=extra._replace(name=""))
     if form.has_corner:
-        return face._replace(name=face.name.strip())
+        return face._replace(extra=extra._replace(name=name.strip()))
+    if face.text is None:
+        return face
     if form.has_values:
-        return face if face.text is None else face._replace(text=face.name, name="")
-    has_room = len(face.name) <= form.width - LEAST_ARROWS
-    return face if has_room or face.text is None else face._replace(signs="")
+        return face._replace(text=name, extra=extra._replace(name=""))
+    return face if len(name) <= form.width - LEAST_ARROWS else face._replace(signs="")
 
 
 def _put_name(canvas: Canvas, x: int, face: Face) -> int:
-    """Put the name into the first row, if there is room; return what it takes with a blank."""
-    name = face.name
-    is_free = canvas.is_blank(x, 0, min(len(name) + 1, canvas.width - x)) or not face.is_reached
+    """Put the name of the state into the first row, if there is room; return what it takes with a blank."""
+    name, is_reached = (face.extra or PLAIN).name, (face.extra or PLAIN).is_reached
+    is_free = canvas.is_blank(x, 0, min(len(name) + 1, canvas.width - x)) or not is_reached
     if not name or not is_free:
         return 0
     canvas.put(x, 0, name, face.style)
@@ -211,7 +217,8 @@ def _draw_small(canvas: Canvas, face: Face, form: CellForm, look: Look) -> None:
     _put_mark_or_reward(canvas, before, face, look)
 
 
-def _value_text(x: float, number_form: NumberForm, look: Look) -> str:
+def value_text(x: float, number_form: NumberForm, look: Look) -> str:
+    """Return a value in the form of all."""
     return number_form.text(x, look.glyphs)
 
 
@@ -241,10 +248,15 @@ def differing_style(style: Style) -> Style:
     return style + Style(reverse=not style.reverse)
 
 
-def _mark(face: Face, look: Look) -> str:
-    if face.agent:
+def mark_of(kind: CellKind, agent: bool, look: Look) -> str:
+    """Return what marks a cell of ``kind``, in which the ``agent`` is or not; empty where nothing does."""
+    if agent:
         return look.glyphs.agent
-    return START if face.kind is CellKind.START else ""
+    return START if kind is CellKind.START else ""
+
+
+def _mark(face: Face, look: Look) -> str:
+    return mark_of(face.kind, face.agent, look)
 
 
 def _put_mark(canvas: Canvas, x: int, y: int, face: Face, look: Look) -> None:
@@ -263,20 +275,21 @@ def _put_mark_or_reward(canvas: Canvas, x: int, face: Face, look: Look) -> None:
     elif _mark(face, look):
         _put_mark(canvas, x, 0, face, look)
     else:
-        _put_reward(canvas, x, 0, 1, face, look)
+        put_reward(canvas, x, 0, 1, face.reward, look)
 
 
-def _put_reward(canvas: Canvas, x: int, y: int, room: int, face: Face, look: Look) -> None:
-    """Put what the cell pays; where it does not fit, whether that is more or less than usual.
+def put_reward(canvas: Canvas, x: int, y: int, room: int, reward: CellReward | None, look: Look) -> None:
+    """Put what a cell pays; where it does not fit, whether that is more or less than usual.
 
     It stands on the background of the panel, so that it is seen on every tint.
     """
-    if face.reward is None or room < 1:
+    if reward is None or room < 1:
         return
-    canvas.put(x, y, _reward_text(face.reward, room, look), reward_style(face.reward, look))
+    canvas.put(x, y, reward_text(reward, room, look), reward_style(reward, look))
 
 
-def _reward_text(reward: CellReward, room: int, look: Look) -> str:
+def reward_text(reward: CellReward, room: int, look: Look) -> str:
+    """Return what a cell pays in ``room`` characters; where it does not fit, whether that is much."""
     text = ("+" if reward.reward > 0.0 else "") + numbers.brief(reward.reward, look.glyphs, decimals=2)
     if len(text) <= room:
         return text

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterator, Sequence
-from itertools import chain
+from collections.abc import Iterator
 from typing import Final
 
 from rich.segment import Segment
@@ -17,22 +15,29 @@ from rl_tui.tui.draw.number_form import SteadyForms
 from rl_tui.tui.panels.legend import GREEDY_IN_FULL, Legend, LegendSign
 from rl_tui.tui.panels.scrolling import Scrolled, kept_in_view, scrolled_to
 from rl_tui.tui.panels.snapshot_facts import is_new_run
+from rl_tui.tui.panels.world.grid.action_form import ActionForm, part_form, whole_map_form
+from rl_tui.tui.panels.world.grid.action_legend import action_signs, heading_of
+from rl_tui.tui.panels.world.grid.action_values import ActionArtist, name_room, sign_text
 from rl_tui.tui.panels.world.grid.cells import SEVERAL, START, CellArtist, differing_style, reward_style
 from rl_tui.tui.panels.world.grid.form import LEAST_ARROWS, LEAST_DIGITS, CellForm, cell_form, digits_needed
-from rl_tui.tui.panels.world.grid.map import CellContent, GridMap, MapPart
+from rl_tui.tui.panels.world.grid.headings import (
+    HEADING,
+    STATE_NUMBERS,
+    WORLD,
+    heading_of_values,
+    numbered,
+    shorter,
+    stretch,
+)
+from rl_tui.tui.panels.world.grid.map import GridMap, MapPart
+from rl_tui.tui.panels.world.grid.strips import draw_grid, origin
 from rl_tui.tui.panels.world.grid.trail import traces, trail_signs
 from rl_tui.tui.panels.world.grid.wind import last_gust, wind_line, wind_sign, wind_strip
 from rl_tui.tui.panels.world.view import WorldView
 from rl_tui.worlds.drawing import CellKind, Grid
 from rl_tui.worlds.world import World
 
-WORLD: Final = "World"
-HEADING: Final = f"{WORLD} · V and greedy"
-HEADING_WITHOUT_VALUES: Final = f"{WORLD} · greedy, V as tint"
-HEADING_GREEDY: Final = f"{WORLD} · greedy"
-STATE_NUMBERS: Final = "state numbers"
 FOLLOWS: Final = "follows the agent"
-_DECIMALS: Final = 2
 _LEAST_WITH_LEGEND: Final = 8  # rows of a map that scrolls
 FOLLOW_HINT: Final = "esc: follow the agent"
 
@@ -45,10 +50,13 @@ class GridView(WorldView):
 
     _part: MapPart | None = None
     _form: CellForm | None = None
+    _action_form: ActionForm | None = None  # while cells show every action
     _origin = (0, 0)  # column and row of the first cell's first character
     _requested: Cells | None = None
     _artist: CellArtist | None = None
+    _action_artist: ActionArtist | None = None
     _digits = LEAST_DIGITS
+    _action_digits = LEAST_DIGITS
     _longest_name = 0  # of those in view, where names are shown
 
     def enter(self, world: World) -> None:
@@ -133,7 +141,8 @@ class GridView(WorldView):
     def show(self, snapshot: Snapshot) -> None:
         """Draw ``snapshot``. Its numbers only ever get wider, until another run starts."""
         if is_new_run(self.snapshot, snapshot):
-            self._digits = LEAST_DIGITS
+            self._digits = self._action_digits = LEAST_DIGITS
+            self._action_artist = None
             self._number_forms.clear()
         super().show(snapshot)
 
@@ -151,7 +160,7 @@ class GridView(WorldView):
         grid = self._map.grid
         if not grid.wind:
             return self._drawn_cells(snapshot, width, height)
-        form = cell_form(grid.rows, grid.columns, width, height, self._digits)
+        form = self._cell_form(width, height)
         is_free = height > grid.rows * form.height or grid.rows > height >= _LEAST_WITH_LEGEND
         strips = self._drawn_cells(snapshot, width, height - is_free)
         assert self._part is not None
@@ -169,41 +178,82 @@ class GridView(WorldView):
 
     def _drawn_cells(self, snapshot: Snapshot, width: int, height: int) -> list[Strip]:
         grid = self._map.grid
-        form = cell_form(grid.rows, grid.columns, width, height, self._digits)
+        form = self._cell_form(width, height)
+        actions = self._action_form
         rows = min(grid.rows, max(1, height // form.height))
         columns = min(grid.columns, max(1, width // form.width))
         row, column = divmod(self.agent_place(snapshot), grid.columns)
         self._top = kept_in_view(self._top, row if self._following else None, rows, grid.rows)
         self._left = kept_in_view(self._left, column if self._following else None, columns, grid.columns)
         self._part = part = MapPart(self._top, self._left, rows, columns)
-        cells = self._map.contents(part, snapshot, self.shown_cursor, self.differing, named=self.is_numbered)
-        self._longest_name = max(len(each.name) for each in cells)
-        needed = digits_needed(each.value for each in cells if each.value is not None)
-        if needed > self._digits:  # they stay as wide, lest the map jump to and fro
-            self._digits = needed
+        cells = self._map.contents(
+            part,
+            snapshot,
+            self.shown_cursor,
+            self.differing,
+            with_actions=actions is not None,
+            named=self.is_numbered,
+        )
+        names = [each.extra.name for each in cells if each.extra is not None] if self.is_numbered else []
+        self._longest_name = max(map(len, names), default=0)
+        artist = self._artist_for(form)
+        needed = digits_needed(artist.values(cells))
+        if needed > (self._digits if actions is None else self._action_digits):
+            if actions is None:  # they stay as wide, lest the map jump to and fro
+                self._digits = needed
+            else:
+                self._action_digits = needed
             return self._drawn_cells(snapshot, width, height)
-        without = HEADING_WITHOUT_VALUES if self.look.palette.tints else HEADING_GREEDY
-        heading = HEADING if form.has_values else without
-        # where the border has no room for the legend, the heading says what is drawn
-        forms = (heading,) if self._map.grid.legend else (*self.captioned(WORLD), heading)
-        if self.is_numbered:
-            forms = self._numbered(heading, form)
-        self.heading = self._title(self.fitting(forms, width) or heading, width)
+        self.heading = self._title(self._what_is_drawn(form, width), width)
         self.footing = self._where(width)
         self.free_rows = height - part.rows * form.height - max(0, (height - part.rows * form.height) // 2)
         self._form, self._origin = form, origin(form, part, width, height)
-        return draw_grid(cells, self._artist_for(form), part, width, height, self._number_forms)
+        return draw_grid(cells, artist, part, width, height, self._number_forms)
 
-    def _numbered(self, heading: str, form: CellForm) -> tuple[str, ...]:
-        """Return headings for cells with the numbers of their states, the longest first."""
-        longest = self._longest_name
-        if longest > form.longest_name:
-            return (heading,)
-        if form.has_corner:
-            return f"{heading} · {STATE_NUMBERS}", f"{WORLD} · {STATE_NUMBERS}", STATE_NUMBERS
-        has_arrows = form.has_values or longest <= form.width - LEAST_ARROWS
-        what = f"{STATE_NUMBERS} and greedy" if has_arrows else STATE_NUMBERS
-        return f"{WORLD} · {what}", f"{WORLD} · {STATE_NUMBERS}", STATE_NUMBERS
+    def _cell_form(self, width: int, height: int) -> CellForm:
+        """Return the form of cells; first it settles whether they show every action."""
+        grid, actions = self._map.grid, self._form_of_actions(width, height)
+        self._action_form = actions
+        if actions is not None:
+            return CellForm(actions.width, actions.height)
+        return cell_form(grid.rows, grid.columns, width, height, self._digits)
+
+    def _form_of_actions(self, width: int, height: int) -> ActionForm | None:
+        """Return the form of cells with every action, None where they are not wanted or have no room."""
+        if not self.shows_actions:
+            return None
+        grid, kinds, digits = self._map.grid, self._map.action_kinds, self._action_digits
+        signs = max(len(sign_text(each, self.look)) for each in self._map.signs)
+        size = grid.rows, grid.columns, width, height, digits, signs
+        return whole_map_form(kinds, *size, tints=self.look.palette.tints) or part_form(kinds, *size)
+
+    def _what_is_drawn(self, form: CellForm, width: int) -> str:
+        """Return the heading without what rows and columns mean.
+
+        Where the border has no room for the legend, it says what is drawn; with every action it always does.
+        """
+        if self._action_form is not None:
+            heading = f"{WORLD} · {heading_of(self._action_form)}"
+        else:
+            heading = heading_of_values(form, self.look)
+        forms: tuple[str, ...] = (heading,)
+        if self.is_numbered and self._longest_name <= self._room_for_names(form):
+            forms = numbered(heading, form, self._longest_name, in_corner=self._action_form is not None)
+        elif self._action_form is None and not self._map.grid.legend:
+            forms = (*self.captioned(WORLD), heading)
+        return self.fitting(forms, width) or heading
+
+    @property
+    def lacks_room(self) -> bool:
+        """Whether cells are too small for Q of every action, though they are to show it."""
+        return self.shows_actions and self._form is not None and self._action_form is None
+
+    def has_room_in(self, width: int, height: int) -> bool:
+        """Return whether cells have room for what they are to show in a panel of that size."""
+        return not self.shows_actions or self._form_of_actions(width, height) is not None
+
+    def _room_for_names(self, form: CellForm) -> int:
+        return form.longest_name if self._action_form is None else name_room(self._action_form)
 
     def signs(self) -> Legend:
         """Return the signs of cells that this map has."""
@@ -211,23 +261,26 @@ class GridView(WorldView):
 
     def _signs(self) -> Iterator[LegendSign]:
         palette, glyphs = self.look.palette, self.look.glyphs
-        form, signs = self._form, self._map.signs
+        form, signs, actions = self._form, self._map.signs, self._action_form
         if form is not None and self.differing:
             yield self._differing_sign(form)
         if form is not None and self._map.rewards:  # what is hardest to guess stands first
             yield from self._reward_signs(form)
-        if form is not None and len(signs) > form.most_signs:
+        if actions is not None:
+            yield from action_signs(actions, self.look)
+        elif form is not None and len(signs) > form.most_signs:
             yield LegendSign(SEVERAL, "tie", palette.strong, "tie: equally good")
         if self._map.grid.wind:
             yield wind_sign(self._map.grid, self.look)
         if self._map.unreached:
             yield LegendSign(glyphs.unreached, "unreached", palette.dim, "never reached")
-        if form is not None and self._longest_name > form.longest_name:
+        if form is not None and self._longest_name > self._room_for_names(form):
             yield LegendSign("#", "no room", palette.dim, f"no room for {STATE_NUMBERS}")
         elif self.is_numbered and self.snapshot is not None:
             name = self.world.space.state_names[self.snapshot.counters.state]
             yield LegendSign(name, "state", palette.text, "number of a state")
-        yield from self.value_signs()
+        if actions is None:
+            yield from self.value_signs()
         yield LegendSign(glyphs.agent, "agent", palette.agent)
         if self.snapshot is not None and form is not None:
             left = traces(self.snapshot.trail, self._map.grid, signs)
@@ -242,9 +295,9 @@ class GridView(WorldView):
         )
         if CellKind.START in self._kinds:
             yield LegendSign(START, "start", palette.start)
-        greedy = ([each for each in signs if isinstance(each, tuple)] or signs)[-1]
-        sign = glyphs.direction(greedy) if isinstance(greedy, tuple) else greedy
-        yield LegendSign(sign, "greedy", palette.strong, GREEDY_IN_FULL)
+        if actions is None:
+            greedy = ([each for each in signs if isinstance(each, tuple)] or signs)[-1]
+            yield LegendSign(sign_text(greedy, self.look), "greedy", palette.strong, GREEDY_IN_FULL)
         if CellKind.WALL in self._kinds:
             yield LegendSign(glyphs.wall, "wall", palette.wall)
 
@@ -258,7 +311,7 @@ class GridView(WorldView):
     def _reward_signs(self, form: CellForm) -> Iterator[LegendSign]:
         """Yield how cells show what they pay: as a number, or whether it is more or less than usual."""
         rewards = self._map.rewards
-        texts = [self._artist_for(form).reward_text(each) for each in rewards]
+        texts = [self._artist_for(form).shown_reward(each) for each in rewards]
         if len(texts[0]) > 1:
             yield LegendSign(texts[0], "reward", reward_style(rewards[0], self.look))
             return
@@ -285,7 +338,13 @@ class GridView(WorldView):
         """Keep the agent in view again."""
         self._following = True
 
-    def _artist_for(self, form: CellForm) -> CellArtist:
+    def _artist_for(self, form: CellForm) -> CellArtist | ActionArtist:
+        """Return what draws cells of ``form``, with every action where these have a form."""
+        if self._action_form is not None:
+            drawing = self._action_artist
+            if drawing is None or drawing.form != self._action_form or drawing.look is not self.look:
+                drawing = self._action_artist = ActionArtist(self.look, self._action_form)
+            return drawing
         artist = self._artist
         if artist is None or artist.form != form or artist.look is not self.look:
             artist = self._artist = CellArtist(self.look, form, has_table=self.world.mdp is not None)
@@ -317,7 +376,7 @@ class GridView(WorldView):
         grid, part = self._map.grid, self._part
         assert part is not None
         top, left, rows, columns = part
-        return _stretch(top, rows, grid.rows), _stretch(left, columns, grid.columns)
+        return stretch(top, rows, grid.rows), stretch(left, columns, grid.columns)
 
     def _where(self, width: int) -> str:
         """Return which part is in view, and how to follow again.
@@ -326,9 +385,9 @@ class GridView(WorldView):
         """
         legend = self._map.grid.legend
         if self._is_whole or self._part is None:
-            return self.fitting(_shorter(legend), width)
+            return self.fitting(shorter(legend), width)
         if self._following and legend and legend not in self.heading:
-            return self.fitting((*_shorter(legend), FOLLOWS), width)
+            return self.fitting((*shorter(legend), FOLLOWS), width)
         down, across = self._in_view()
         follow = FOLLOWS if self._following else FOLLOW_HINT
         forms = (
@@ -338,56 +397,3 @@ class GridView(WorldView):
             follow,
         )
         return self.fitting(forms, width)
-
-
-def _shorter(legend: str) -> tuple[str, ...]:
-    """Return ``legend``, then rows and columns alone, without further parts and what precedes a colon."""
-    rows_and_columns = ", ".join(legend.split(", ")[:2])
-    return legend, rows_and_columns, rows_and_columns.rpartition(": ")[2]
-
-
-def _stretch(first: int, shown: int, total: int) -> str:
-    return f"{first}–{first + shown - 1} of {total:,}"
-
-
-def origin(form: CellForm, part: MapPart, width: int, height: int) -> tuple[int, int]:
-    """Return column and row at which ``part`` begins, in the middle of width × height characters."""
-    return (
-        max(0, (width - part.columns * form.width) // 2),
-        max(0, (height - part.rows * form.height) // 2),
-    )
-
-
-def draw_grid(
-    cells: Sequence[CellContent],
-    artist: CellArtist,
-    part: MapPart,
-    width: int,
-    height: int,
-    number_forms: SteadyForms | None = None,
-) -> list[Strip]:
-    """Return ``cells``, those of ``part`` row by row, in the middle of width × height characters.
-
-    The tints go from the least to the greatest value in ``part``, 0 included; all values have one form.
-    """
-    form, text = artist.form, artist.look.palette.text
-    shown = [each.value for each in cells if each.value is not None and math.isfinite(each.value)]
-    low, high = min(shown, default=0.0), max(shown, default=0.0)
-    number_form = (number_forms or SteadyForms()).form("values", low, high, form.digits, most=_DECIMALS)
-    drawn = artist.drawn(cells, min(low, 0.0), max(high, 0.0), number_form)
-    left, top = origin(form, part, width, height)
-    before = Segment(" " * left, text)
-    after = Segment(" " * max(0, width - part.columns * form.width - len(before.text)), text)
-    strips = [Strip([Segment(" " * width, text)], width)] * top
-    for row in range(part.rows):
-        faces = drawn[row * part.columns : (row + 1) * part.columns]
-        for line in range(form.height):
-            segments = [before, *chain.from_iterable(face[line] for face in faces), after]
-            strips.append(
-                Strip(Segment.simplify(filter(_has_text, segments))).adjust_cell_length(width, text)
-            )
-    return strips + [Strip([Segment(" " * width, text)], width)] * (height - len(strips))
-
-
-def _has_text(segment: Segment) -> bool:
-    return bool(segment.text)

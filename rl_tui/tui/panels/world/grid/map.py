@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from functools import cached_property
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.live.viewport import NO_STATE, first_state_of_cells, pairs_of_states
 from rl_tui.tui.draw.action_order import order_of
+from rl_tui.tui.panels.world.grid.action_form import ActionKinds, action_kinds
 from rl_tui.tui.panels.world.grid.reach import unreached_cells
 from rl_tui.tui.panels.world.grid.rewards import CellReward, cell_rewards
 from rl_tui.tui.panels.world.grid.trail import Trace, traces
@@ -39,6 +41,22 @@ class ActionValue(NamedTuple):
     is_greedy: bool
 
 
+class CellExtra(NamedTuple):
+    """What only some cells have: in one field of theirs, since every field costs time in every frame.
+
+    ``trace`` is what the trail of the episode left. ``is_reached`` is False where no way leads to. ``name``
+    is that of the state where names were asked for: all are as long as the longest.
+    """
+
+    trace: Trace | None = None
+    is_reached: bool = True
+    name: str = ""
+
+
+PLAIN: Final = CellExtra()
+_UNREACHED: Final = CellExtra(is_reached=False)
+
+
 class CellContent(NamedTuple):
     """One cell.
 
@@ -48,9 +66,7 @@ class CellContent(NamedTuple):
     order in which actions are shown; it is empty where nothing is known. ``reward`` is what the cell pays
     where that is not the usual step's. ``stops`` marks a breakpoint, ``cursor`` the cell the cursor is on.
     ``differs`` says that the greedy actions are others in the lane beside this one. ``actions`` are all
-    actions in the order in which they are shown, where they were asked for. ``trace`` is what the trail of
-    the episode left. ``is_reached`` is False where no way leads to. ``name`` is that of the state where names
-    were asked for: all are as long as the longest.
+    actions in the order in which they are shown, where they were asked for. ``extra`` is what few cells have.
     """
 
     kind: CellKind
@@ -63,9 +79,12 @@ class CellContent(NamedTuple):
     cursor: bool = False
     differs: bool = False
     actions: tuple[ActionValue, ...] = ()
-    trace: Trace | None = None
-    is_reached: bool = True
-    name: str = ""
+    extra: CellExtra | None = None
+
+
+def with_extra(content: CellContent, **more: Any) -> CellContent:
+    """Return ``content`` with ``more`` of what few cells have."""
+    return content._replace(extra=(content.extra or PLAIN)._replace(**more))
 
 
 class GridMap:
@@ -92,6 +111,11 @@ class GridMap:
         idle = np.flatnonzero(~acting[self._states.ravel()])
         self.unreached = unreached_cells(space, grid)
         self.ends = frozenset(grid.kinds[cell] for cell in idle.tolist())
+
+    @cached_property
+    def action_kinds(self) -> ActionKinds:
+        """What the actions of all states have in common."""
+        return action_kinds(self._space, self.grid)
 
     def state_at(self, cell: int, snapshot: Snapshot | None) -> int | None:
         """Return the state in ``cell``: of several the agent's, else the first; None where there is none."""
@@ -132,7 +156,8 @@ class GridMap:
             kind = kinds[cell]
             last = first + count
             if count == 0 or (held is not None and not held[first]):
-                contents.append(CellContent(kind, place == agent, is_reached=cell not in self.unreached))
+                extra = _UNREACHED if cell in self.unreached else None
+                contents.append(CellContent(kind, place == agent, extra=extra))
             else:
                 content = self._content(
                     kind, place == agent, q[first:last], visits[first:last], signs[first:last]
@@ -147,7 +172,7 @@ class GridMap:
             names = [self._space.state_names[each] for each in owners.tolist()]
             width = max(map(len, names), default=0)
             for place, name in zip(np.flatnonzero(states != NO_STATE).tolist(), names, strict=True):
-                contents[place] = contents[place]._replace(name=name.rjust(width))
+                contents[place] = with_extra(contents[place], name=name.rjust(width))
         for place, state in enumerate(states.tolist() if differing else ()):
             if state in differing:
                 contents[place] = contents[place]._replace(differs=True)
@@ -161,7 +186,7 @@ class GridMap:
         for cell, trace in traces(snapshot.trail, self.grid, self.signs).items():
             marked = self._place(part, cell)
             if marked is not None:
-                contents[marked] = contents[marked]._replace(trace=trace)
+                contents[marked] = with_extra(contents[marked], trace=trace)
         for state in snapshot.playback.breakpoints.states:
             marked = self._place(part, int(self.grid.cell_of_state[state]))
             if marked is not None:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from rl_tui.lab.live.commands import LookAt
 from rl_tui.lab.live.snapshot import Snapshot
+from rl_tui.tui.panels.catalogue import WORLD
+from rl_tui.tui.panels.panel import BORDERS
 from rl_tui.tui.screens.dialogs.model import ModelScreen
 from rl_tui.tui.screens.playground.actions.subject import Subject
 from rl_tui.worlds.drawing import Arms, Grid
@@ -27,6 +29,23 @@ class ViewActions(Subject):
     def next_layer(self) -> None:
         """Go to the next layer of the table."""
         self.board.table.next_layer()
+
+    def turn_actions(self) -> None:
+        """Let the cells of a map show Q of every action, or V and greedy actions again."""
+        view = self.board.world
+        if view is None:
+            return
+        if not isinstance(view.world.drawing, Grid):
+            is_bandit = isinstance(view.world.drawing, Arms)
+            here = "each bar is Q of its arm" if is_bandit else "Q of every action stands in the table"
+            self.screen.tell(f"V is for maps, whose cells it turns to Q; here {here}")
+            return
+        self.board.shows_actions = not self.board.shows_actions
+        if view.lacks_room:
+            width, height = self.board.size
+            alone = self.board.zoomed != WORLD and view.has_room_in(width - BORDERS, height - BORDERS)
+            room = "f, the world alone, has room" if alone else "a larger terminal has room"
+            self.screen.tell(f"cells too small for Q of every action; {room}")
 
     def zoom(self) -> None:
         """Show one panel alone, or all again."""

@@ -1,0 +1,44 @@
+"""What the border of a map says: what is drawn, and which part of it is in view."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from rl_tui.tui.panels.world.grid.form import LEAST_ARROWS, CellForm
+from rl_tui.tui.theme.look import Look
+
+WORLD: Final = "World"
+HEADING: Final = f"{WORLD} · V and greedy"
+HEADING_WITHOUT_VALUES: Final = f"{WORLD} · greedy, V as tint"
+HEADING_GREEDY: Final = f"{WORLD} · greedy"
+STATE_NUMBERS: Final = "state numbers"
+
+
+def heading_of_values(form: CellForm, look: Look) -> str:
+    """Return what cells with V and arrows show."""
+    if form.has_values:
+        return HEADING
+    return HEADING_WITHOUT_VALUES if look.palette.tints else HEADING_GREEDY
+
+
+def numbered(heading: str, form: CellForm, longest: int, *, in_corner: bool) -> tuple[str, ...]:
+    """Return headings for cells with the numbers of their states, the longest first.
+
+    ``longest`` characters take the longest in view; ``in_corner`` says that they take the place of nothing.
+    """
+    if in_corner or form.has_corner:
+        return f"{heading} · {STATE_NUMBERS}", f"{WORLD} · {STATE_NUMBERS}", STATE_NUMBERS
+    has_arrows = form.has_values or longest <= form.width - LEAST_ARROWS
+    what = f"{STATE_NUMBERS} and greedy" if has_arrows else STATE_NUMBERS
+    return f"{WORLD} · {what}", f"{WORLD} · {STATE_NUMBERS}", STATE_NUMBERS
+
+
+def shorter(legend: str) -> tuple[str, ...]:
+    """Return ``legend``, then rows and columns alone, without further parts and what precedes a colon."""
+    rows_and_columns = ", ".join(legend.split(", ")[:2])
+    return legend, rows_and_columns, rows_and_columns.rpartition(": ")[2]
+
+
+def stretch(first: int, shown: int, total: int) -> str:
+    """Return which of ``total`` rows are in view, the first being 0."""
+    return f"{first}–{first + shown - 1} of {total:,}"
