@@ -11,10 +11,10 @@ import pytest
 from recipes import one_run, recipe
 
 from rl_tui.common.errors import UserError
-from rl_tui.lab.experiments.many_runs import many_runs, summary
+from rl_tui.lab.experiments.many_runs import many_runs
 from rl_tui.lab.experiments.seeded_runs import FIGURES
 from rl_tui.lab.experiments.training import Goal
-from rl_tui.lab.run.figures import BANDIT_FIGURES
+from rl_tui.lab.run.figures import BANDIT_FIGURES, summary
 from rl_tui.lab.run.run import Run
 
 

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import math
-import statistics
 import threading
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor, wait
 from contextlib import ExitStack
 from functools import partial
@@ -18,20 +16,16 @@ from typing import Any, Final, TextIO, TypeVar
 from rl_tui.lab.experiments.episode_rows import EpisodeRows, csv_file
 from rl_tui.lab.experiments.learning_curve import RunCurve, mean_curve, no_curve
 from rl_tui.lab.experiments.patience import cores
-from rl_tui.lab.experiments.seeded_runs import SeededRuns
+from rl_tui.lab.experiments.seeded_runs import SeededRuns, no_compiling
 from rl_tui.lab.experiments.training import Goal, OnProgress, no_progress
 from rl_tui.lab.experiments.whole_file import whole_file
-from rl_tui.lab.run.figures import finite, head
+from rl_tui.lab.run.figures import finite, head, summary
 from rl_tui.lab.run.recipe import Recipe
 from rl_tui.lab.run.run import OnEpisodes, Run
 
 Result = TypeVar("Result")
 
 LONGEST_GOODBYE: Final = 2.0
-
-
-def no_compiling() -> None:
-    """Ignore that runs wait for machine code."""
 
 
 def many_runs(
@@ -65,19 +59,6 @@ def many_runs(
         }
     )
     return document
-
-
-def summary(values: Sequence[float | None]) -> dict[str, float | int | None]:
-    """Return mean, standard error (of n − 1), least, greatest and number of the values that are there."""
-    there = [value for value in values if value is not None and math.isfinite(value)]
-    count = len(there)
-    return {
-        "mean": statistics.fmean(there) if there else None,
-        "stderr": statistics.stdev(there) / math.sqrt(count) if count > 1 else None,
-        "min": min(there, default=None),
-        "max": max(there, default=None),
-        "count": count,
-    }
 
 
 class _GivenUpError(Exception):

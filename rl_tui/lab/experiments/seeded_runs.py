@@ -32,6 +32,10 @@ FIGURES: Final = (
 """The names of a run's figures, each a key of its row."""
 
 
+def no_compiling() -> None:
+    """Ignore that runs wait for machine code."""
+
+
 class SeededRuns:
     """Trains ``recipe`` under one seed after the other, from several threads if need be.
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
-from rl_tui.lab.experiments.many_runs import summary
 from rl_tui.lab.many_seeds.figures import Estimate, PairedDifference
+from rl_tui.lab.run.figures import summary
 
 Row = Mapping[str, Any]
 

@@ -12,8 +12,7 @@ import numpy as np
 from rl_tui.agents.compiling.cache_folder import was_compiled
 from rl_tui.common.words import counted
 from rl_tui.lab.experiments.learning_curve import RunCurve, mean_curve
-from rl_tui.lab.experiments.many_runs import no_compiling
-from rl_tui.lab.experiments.seeded_runs import SeededRuns
+from rl_tui.lab.experiments.seeded_runs import SeededRuns, no_compiling
 from rl_tui.lab.experiments.training import Goal
 from rl_tui.lab.many_seeds.estimates import Row, differences_of, estimates_of
 from rl_tui.lab.many_seeds.figures import LaneStudy, SeedCurve, SeedStudy, StudyState

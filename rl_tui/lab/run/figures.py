@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+import statistics
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final
 
@@ -142,6 +144,19 @@ def policy_names(space: FiniteSpace, policy: FloatArray) -> list[list[str]]:
     for state, action in zip(states, actions, strict=True):
         names[state].append(space.action_names[action])
     return names
+
+
+def summary(values: Sequence[float | None]) -> dict[str, float | int | None]:
+    """Return mean, standard error (of n − 1), least, greatest and number of the values that are there."""
+    there = [value for value in values if value is not None and math.isfinite(value)]
+    count = len(there)
+    return {
+        "mean": statistics.fmean(there) if there else None,
+        "stderr": statistics.stdev(there) / math.sqrt(count) if count > 1 else None,
+        "min": min(there, default=None),
+        "max": max(there, default=None),
+        "count": count,
+    }
 
 
 def finite(value: Any) -> Any:
