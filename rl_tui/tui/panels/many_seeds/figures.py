@@ -40,9 +40,9 @@ FIGURES: Final = (
     WINNINGS,
     REGRET,
     StudyFigure("best_arm_rate", "best arm", "best arm pulled", is_secret=True),
-    RETURN,
     LAST_100,
     GREEDY,
+    RETURN,
 )
 """In the order in which they are shown; a world that is no bandit has only the last three."""
 

@@ -45,9 +45,10 @@ class ManySeeds(ScrolledPanel):
 
     def rows(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
         """Return all rows of what is known so far."""
-        lines = list(study_lines(snapshot, self.look, width, revealed=self.tells_all))
-        if len(lines) > height:
-            lines = [line for line in lines if line]
+        for is_short in (False, True):
+            lines = list(study_lines(snapshot, self.look, width, revealed=self.tells_all, is_short=is_short))
+            if len(lines) <= height:
+                break
         return strips_of(lines, width, len(lines), self.look)
 
     def keys(self, snapshot: Snapshot | None) -> Sequence[str]:
@@ -58,21 +59,35 @@ class ManySeeds(ScrolledPanel):
         return "enter: count again · M: close", "enter: again · M: close"
 
 
-def study_lines(snapshot: Snapshot | None, look: Look, width: int, *, revealed: bool) -> Iterator[Line]:
-    """Yield the lines; of a bandit what the agent cannot know only if ``revealed``."""
+def study_lines(
+    snapshot: Snapshot | None, look: Look, width: int, *, revealed: bool, is_short: bool
+) -> Iterator[Line]:
+    """Yield the lines; of a bandit what the agent cannot know only if ``revealed``.
+
+    Where room ``is_short`` there are no blank lines, and the figures stand above what was counted for them.
+    """
     study = None if snapshot is None else snapshot.study
     if snapshot is None or study is None:
         yield from wrapped("the first seeds are being counted", width, look.palette.dim, look, " ", " ")
         return
-    yield from _how_far(study, snapshot, look, width)
+    yield from _how_far(study, look, width)
+    what = _what_is_counted(study, snapshot, look, width)
     if not study.lanes or not study.seeds:
+        yield from what
         return
+    if not is_short:
+        yield from what
+        yield []
     secret = is_secret(snapshot, revealed=revealed)
-    yield []
-    yield from table_lines(study, _names(study, snapshot), shown_figures(study, secret=secret), look, width)
+    figures = shown_figures(study, secret=secret)
+    table = table_lines(study, _names(study, snapshot), figures, look, width)
+    yield from (line for line in table if line or not is_short)
     if secret:
         yield from wrapped("h shows regret and best arm", width, look.palette.dim, look, " ", "   ")
-    yield []
+    if is_short:
+        yield from what
+    else:
+        yield []
     yield from remarks(study, snapshot, look, width, secret=secret)
 
 
@@ -82,8 +97,8 @@ def _names(study: SeedStudy, snapshot: Snapshot) -> Sequence[str]:
     return names if len(names) == len(study.lanes) else [""] * len(study.lanes)
 
 
-def _how_far(study: SeedStudy, snapshot: Snapshot, look: Look, width: int) -> Iterator[Line]:
-    """Yield how far it has come and of what it tells, and why it goes no further."""
+def _how_far(study: SeedStudy, look: Look, width: int) -> Iterator[Line]:
+    """Yield how far it has come, and whether it is out of date or out of time."""
     palette = look.palette
     if study.most:
         yield _progress(study, look, width)
@@ -92,15 +107,9 @@ def _how_far(study: SeedStudy, snapshot: Snapshot, look: Look, width: int) -> It
     if study.is_outdated:
         text = "the run has been changed since: enter counts again"
         yield from wrapped(text, width, palette.accent, look, " ", " ")
-    if study.message:
-        style = palette.accent if study.state is StudyState.FAILED else palette.text
-        yield from wrapped(study.message, width, style, look, " ", " ")
-    elif study.state is StudyState.OUT_OF_TIME:
+    if study.state is StudyState.OUT_OF_TIME:
         text = "it has used up the processor time that it may take"
         yield from wrapped(text, width, palette.accent, look, " ", " ")
-    what = _what_is_counted(study, snapshot)
-    if what:
-        yield from wrapped(what, width, palette.dim, look, " ", " ")
 
 
 def _progress(study: SeedStudy, look: Look, width: int) -> Line:
@@ -124,7 +133,18 @@ def _progress(study: SeedStudy, look: Look, width: int) -> Line:
     ]
 
 
-def _what_is_counted(study: SeedStudy, snapshot: Snapshot) -> str:
+def _what_is_counted(study: SeedStudy, snapshot: Snapshot, look: Look, width: int) -> Iterator[Line]:
+    """Yield why it is bounded as it is or has failed, and which seeds there are so far, how long each."""
+    palette = look.palette
+    if study.message:
+        style = palette.accent if study.state is StudyState.FAILED else palette.text
+        yield from wrapped(study.message, width, style, look, " ", " ")
+    span = _span(study, snapshot)
+    if span:
+        yield from wrapped(span, width, palette.dim, look, " ", " ")
+
+
+def _span(study: SeedStudy, snapshot: Snapshot) -> str:
     """Return which seeds, and how long each run is; nothing where there is none yet."""
     if not study.seeds:
         return ""
