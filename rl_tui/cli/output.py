@@ -67,11 +67,11 @@ def alike(values: Sequence[float | None]) -> list[str]:
     plain = [f"{value:.{decimals}f}" for value in known]
     while decimals and all(text.endswith("0") for text in plain):
         decimals, plain = decimals - 1, [text[:-1].removesuffix(".") for text in plain]
-    shown = iter(_told(value, text, decimals) for value, text in zip(known, plain, strict=True))
+    shown = iter(_bounded(value, text, decimals) for value, text in zip(known, plain, strict=True))
     return ["-" if value is None else next(shown) for value in values]
 
 
-def _told(value: float, text: str, decimals: int) -> str:
+def _bounded(value: float, text: str, decimals: int) -> str:
     if any(digit in text for digit in "123456789"):
         return text
     bound = f"{10.0**-decimals:.{decimals}f}"

@@ -189,7 +189,7 @@ class Playback:
             viewport=self.viewport,
             cell=self.cell,
             has_trail=has_trail,
-            study=self.seed_studies.told_of(self.group),
+            study=self.seed_studies.study_of(self.group),
         )
         seeks = self.state is State.SEEKING
         returns = seeks and self.group.current.seek is not None and not self.touched

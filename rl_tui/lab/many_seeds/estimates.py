@@ -1,22 +1,12 @@
-"""From the rows of seeds to means, paired differences and a mean curve, and those as JSON and back."""
+"""From the rows of seeds to means and paired differences."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import asdict, fields
 from typing import Any
 
-import numpy as np
-
 from rl_tui.lab.experiments.many_runs import summary
-from rl_tui.lab.many_seeds.figures import (
-    Estimate,
-    LaneStudy,
-    PairedDifference,
-    SeedCurve,
-    SeedStudy,
-    StudyState,
-)
+from rl_tui.lab.many_seeds.figures import Estimate, PairedDifference
 
 Row = Mapping[str, Any]
 
@@ -51,38 +41,3 @@ def differences_of(
         name: difference_of([row[name] for row in shown], [row[name] for row in other]) for name in names
     }
     return {name: difference for name, difference in found.items() if difference is not None}
-
-
-def as_json(study: SeedStudy) -> dict[str, Any]:
-    """Return ``study`` as JSON, every bit of its numbers."""
-    plain = {each.name: getattr(study, each.name) for each in fields(study)}
-    return {**plain, "lanes": [_lane_as_json(lane) for lane in study.lanes]}
-
-
-def of_json(told: Mapping[str, Any]) -> SeedStudy:
-    """Return the study that ``told`` says. Raises KeyError, TypeError or ValueError where it says none."""
-    lanes = tuple(_lane_of_json(lane) for lane in told["lanes"])
-    return SeedStudy(**{**told, "state": StudyState(told["state"]), "lanes": lanes})
-
-
-def _lane_as_json(lane: LaneStudy) -> dict[str, Any]:
-    return {
-        "estimates": {name: asdict(each) for name, each in lane.estimates.items()},
-        "this_seed": dict(lane.this_seed),
-        "differences": {name: asdict(each) for name, each in lane.differences.items()},
-        "curve": [lane.curve.episode.tolist(), lane.curve.mean.tolist(), lane.curve.stderr.tolist()],
-    }
-
-
-def _lane_of_json(told: Mapping[str, Any]) -> LaneStudy:
-    episode, *means = told["curve"]
-    mean, stderr = (np.array(each, np.float64) for each in means)
-    return LaneStudy(
-        estimates={name: Estimate(**each) for name, each in told["estimates"].items()},
-        this_seed=told["this_seed"],
-        differences={
-            name: PairedDifference(Estimate(**each["mean"]), each["greater"], each["equal"])
-            for name, each in told["differences"].items()
-        },
-        curve=SeedCurve(np.array(episode, np.int64), mean, stderr),
-    )

@@ -20,7 +20,7 @@ class SeedStudies:
     """Has studies worked out in a process of their own, at the lowest priority.
 
     ``on_news`` is called, from any thread, when there is more to tell. With ``automatic`` off :meth:`begin`
-    waits for the end of a study of one block, so that what is told does not depend on the time.
+    waits for the end of a study of one block, so that what is known does not depend on the time.
     """
 
     def __init__(self, on_news: Callable[[], None], *, automatic: bool) -> None:
@@ -35,7 +35,7 @@ class SeedStudies:
     def begin(self, group: RunGroup) -> None:
         """Begin a study of the runs of ``group`` as they are now, in place of any other.
 
-        Where there can be none, what is told says why.
+        Where there can be none, the study says why.
         """
         self.end()
         self._lanes = studied_runs(group)
@@ -53,7 +53,7 @@ class SeedStudies:
             process.wait()
 
     def end(self) -> None:
-        """End the study; there is nothing to tell of it any more."""
+        """End the study; nothing of it is known any more."""
         with self._lock:
             process, self._process = self._process, None
         self._refused = None
@@ -67,10 +67,10 @@ class SeedStudies:
             if self._process is not None:
                 self._process.end()
 
-    def told_of(self, group: RunGroup) -> SeedStudy | None:
+    def study_of(self, group: RunGroup) -> SeedStudy | None:
         """Return what is known by now, with whether it is of the runs of ``group``; None without a study."""
         process = self._process
-        told = self._refused if process is None else process.told
-        if told is None or studied_runs(group) == self._lanes:
-            return told
-        return replace(told, is_outdated=True)
+        study = self._refused if process is None else process.study
+        if study is None or studied_runs(group) == self._lanes:
+            return study
+        return replace(study, is_outdated=True)

@@ -46,7 +46,7 @@ class Study:
         for lane in request.lanes:
             known = self._lanes[0].runs.first.world if self._lanes else None
             self._lanes.append(_Lane(lane, known))
-        self._told = request.nothing_yet
+        self._study = request.nothing_yet
 
     @property
     def has_machine_code(self) -> bool:
@@ -82,8 +82,8 @@ class Study:
             self._goal = Goal(steps=MOST_STEPS)
             episodes = counted(self._request.episodes, "episode")
             why = f"each seed ends after {MOST_STEPS:,} steps: {episodes} would take one of them more"
-            self._told = replace(
-                self._told,
+            self._study = replace(
+                self._study,
                 state=StudyState.RUNNING,
                 lanes=(),
                 seeds=0,
@@ -91,7 +91,7 @@ class Study:
                 steps=MOST_STEPS,
                 message="; ".join(filter(None, (self._request.message, why))),
             )
-            yield self._told
+            yield self._study
             for lane in self._lanes:
                 lane.begin_anew()
             yield from self._blocks_of_goal(check)
@@ -114,23 +114,23 @@ class Study:
         seeds = min(len(lane.rows) for lane in self._lanes)
         if seeds < 2:
             return replace(
-                self._told,
+                self._study,
                 state=StudyState.OUT_OF_TIME,
                 message=f"{MOST_SECONDS:.0f} s of processor time are not enough for 2 seeds",
             )
-        if self._told.seeds:
-            return replace(self._told, state=StudyState.OUT_OF_TIME)
+        if self._study.seeds:
+            return replace(self._study, state=StudyState.OUT_OF_TIME)
         return self._tell(seeds, StudyState.OUT_OF_TIME)
 
     def _tell(self, seeds: int, state: StudyState) -> SeedStudy:
         shown = self._lanes[self._request.shown]
-        self._told = replace(
-            self._told,
+        self._study = replace(
+            self._study,
             state=state,
             seeds=seeds,
             lanes=tuple(lane.study(seeds, None if lane is shown else shown) for lane in self._lanes),
         )
-        return self._told
+        return self._study
 
 
 class _Lane:

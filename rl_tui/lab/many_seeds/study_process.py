@@ -13,11 +13,12 @@ from typing import IO, Final
 
 from rl_tui.agents.compiling.cache_folder import base_folder
 from rl_tui.common.child_process import python_process
-from rl_tui.lab.many_seeds import worker
-from rl_tui.lab.many_seeds.estimates import of_json
 from rl_tui.lab.many_seeds.figures import SeedStudy, StudyState
 from rl_tui.lab.many_seeds.request import StudyRequest
+from rl_tui.lab.many_seeds.study_json import of_json
 
+WORKER: Final = "rl_tui.lab.many_seeds.worker"
+"""What runs in it: it needs much that this process need not load."""
 _LONGEST_LINE: Final = 4_000_000
 """Bytes of one message. Curves of four lanes are a tenth of it."""
 
@@ -25,16 +26,16 @@ _LONGEST_LINE: Final = 4_000_000
 class StudyProcess:
     """A process that works out ``request``, and ends with this one, however that ends.
 
-    ``on_news`` is called, in a thread of its own, when ``told`` has become another. Raises OSError where no
+    ``on_news`` is called, in a thread of its own, when ``study`` has become another. Raises OSError where no
     process can be started.
     """
 
     def __init__(self, request: StudyRequest, on_news: Callable[[], None]) -> None:
-        self.told: SeedStudy = request.nothing_yet
-        """What it has told last."""
+        self.study: SeedStudy = request.nothing_yet
+        """What is known by now."""
         self._on_news = on_news
         self._process = python_process(
-            worker.__name__, {}, os.environ | {"RL_TUI_CACHE_DIR": str(base_folder().absolute())}
+            WORKER, {}, os.environ | {"RL_TUI_CACHE_DIR": str(base_folder().absolute())}
         )
         self._reader = threading.Thread(target=self._talk, args=(request,), name="many seeds", daemon=True)
         try:
@@ -53,7 +54,7 @@ class StudyProcess:
         self._reader.join()
 
     def _talk(self, request: StudyRequest) -> None:
-        """Ask, take in what it tells, and see it to its end."""
+        """Ask, take in what it answers, and see it to its end."""
         stdin, stdout = self._process.stdin, self._process.stdout
         assert stdin is not None
         assert stdout is not None
@@ -75,7 +76,7 @@ class StudyProcess:
         """Take in line after line, until the end, or a line that is none."""
         with suppress(OSError, ValueError, KeyError, TypeError):
             while line := lines.readline(_LONGEST_LINE):
-                self.told = of_json(json.loads(line))
+                self.study = of_json(json.loads(line))
                 self._on_news()
-        if self.told.state in (StudyState.STARTING, StudyState.RUNNING):
-            self.told = replace(self.told, state=StudyState.FAILED, message="its process ended by itself")
+        if self.study.state in (StudyState.STARTING, StudyState.RUNNING):
+            self.study = replace(self.study, state=StudyState.FAILED, message="its process ended by itself")

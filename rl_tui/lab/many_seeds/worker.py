@@ -55,19 +55,19 @@ def _end_with(stdin: IO[bytes]) -> None:
 def _work(request: StudyRequest, stdout: IO[bytes]) -> None:
     from rl_tui.common.errors import UserError
     from rl_tui.common.findings import one_line
-    from rl_tui.lab.many_seeds.estimates import as_json
     from rl_tui.lab.many_seeds.figures import StudyState
+    from rl_tui.lab.many_seeds.study_json import as_json
     from rl_tui.worlds.gym.modules import ALLOWED
 
     ALLOWED.update(request.modules)
-    told = request.nothing_yet
+    study = request.nothing_yet
     try:
-        for told in _reports(request):
-            _tell(stdout, as_json(told))
+        for study in _reports(request):
+            _tell(stdout, as_json(study))
     except Exception as error:  # whatever a world may do to this process
         name = "" if isinstance(error, UserError) else f"{type(error).__name__}: "
         why = one_line(f"{name}{error}", _LONGEST_REASON)
-        _tell(stdout, as_json(replace(told, state=StudyState.FAILED, message=why)))
+        _tell(stdout, as_json(replace(study, state=StudyState.FAILED, message=why)))
 
 
 def _reports(request: StudyRequest) -> Iterator[SeedStudy]:
@@ -83,8 +83,8 @@ def _reports(request: StudyRequest) -> Iterator[SeedStudy]:
     yield from study.reports()
 
 
-def _tell(stdout: IO[bytes], told: dict[str, Any]) -> None:
-    stdout.write(json.dumps(told).encode() + b"\n")
+def _tell(stdout: IO[bytes], document: dict[str, Any]) -> None:
+    stdout.write(json.dumps(document).encode() + b"\n")
     stdout.flush()
 
 
@@ -101,7 +101,7 @@ def _let_others_go_first() -> None:
 
 
 def _threads() -> list[int]:
-    """Return the threads of this process, a library's too: on Linux each has a priority of its own."""
+    """Return all threads of this process, also those of a library: on Linux each has its own priority."""
     try:
         return list(map(int, os.listdir("/proc/self/task")))
     except OSError:

@@ -130,7 +130,9 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         "mean of the last 100 beside it; the exact return that the greedy policy has on average; and dotted "
         "what is best for this γ (in short γ-best): the return, undiscounted too, of the policy that is best "
         "for the γ in force. At a smaller γ another policy can collect more than that one. Once something is "
-        "learned, the gap between episodes and greedy policy is mostly what exploring costs. The axis counts "
+        "learned, the gap between episodes and greedy policy is mostly what exploring costs. A greedy policy "
+        "that may never end has no return: its line has a gap there. The vertical axis is that of the best "
+        "and of most episodes: an arrow stands where a line goes below it. The other one counts "
         "finished episodes, the top line the one under way: between two it is the next. Where the run cannot "
         "keep up with the wanted speed, the top line ends with the one measured.",
         caption="what each episode has earned",

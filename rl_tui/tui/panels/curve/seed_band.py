@@ -101,13 +101,13 @@ def seed_remark(seeds: Sequence[SeedBand], look: Look) -> tuple[str, ...]:
     ]
     if not texts:
         return ()
-    told, count, episodes = ", ".join(texts), seeds[0].seeds, seeds[0].episodes
+    means, count, episodes = ", ".join(texts), seeds[0].seeds, seeds[0].episodes
     when = "" if episodes is None else f" at {episodes:,}"
     return (
-        f"one seed beside each name; {count} seeds, last 100{when}: {told}",
-        f"{count} seeds, last 100{when}: {told}",
-        f"{count} seeds, last 100: {told}",
-        f"{count} seeds: {told}",
+        f"one seed beside each name; {count} seeds, last 100{when}: {means}",
+        f"{count} seeds, last 100{when}: {means}",
+        f"{count} seeds, last 100: {means}",
+        f"{count} seeds: {means}",
     )
 
 

@@ -17,6 +17,7 @@ _FINER: Final = 2  # decimals that terms may have beyond those of the results
 _CLOSER: Final = 4  # decimals more that are worth it for results that come out to half a digit
 _DIGITS: Final = 6  # behind the first one of the largest term; results below them are shown as 0
 _NOISE: Final = 1e-12  # of the largest term: what rounding errors may leave of a term
+_EXACT_FINER: Final = 1  # decimals more that are worth it for a δ that is the printed difference
 _EXACT: Final = 1e-12  # what binary fractions leave of an exact difference
 _FACTOR: Final = 4  # decimals of a factor that is no short number
 
@@ -46,22 +47,25 @@ class _Rounding:
 def update_text(last: LastStep, alpha: float | str, glyphs: Glyphs, *, bootstraps: bool) -> UpdateText:
     """Write the numbers of ``last`` with as few decimals as let the printed arithmetic come out.
 
-    The printed δ is the printed target less the printed estimate. What else is worked out from the printed
-    terms is what is printed up to half of the last digit. Where so few decimals do not do that, it is up to a
-    whole one. ``alpha`` is the step size in force: a step of 1/N that is not it is written as a
-    fraction. Without ``bootstraps`` the target is what was gathered.
+    What is worked out from the printed terms is what is printed up to half of the last digit; where so few
+    decimals do not do that, up to a whole one. Mostly the printed δ is the printed target less the printed
+    estimate to the last digit: :func:`subtracts` says whether. ``alpha`` is the step size in force: a step of
+    1/N that is not it is written as a fraction. Without ``bootstraps`` the target is what was gathered.
     """
     closest: dict[float, UpdateText] = {}  # the first one that comes out to so much of the last digit
     most = _DIGITS - magnitude(_largest(last))
     fewest = min(_decimals_that_show(last), most)
+    longest = most + _FINER
     for rounding in _roundings(fewest, most):
         text = _written(last, alpha, glyphs, rounding, bootstraps=bootstraps)
-        if closest and rounding.results > fewest + _CLOSER:
+        if closest and (rounding.results > fewest + _CLOSER or rounding.terms > longest):
             break
         for digits in (0.5, 1.0):
             if _comes_out(last, text, rounding, glyphs, bootstraps=bootstraps, digits=digits):
                 if digits < 1.0 and subtracts(text, glyphs):
                     return text
+                if digits < 1.0 and digits not in closest:
+                    longest = rounding.terms + _EXACT_FINER
                 closest.setdefault(digits, text)
                 break
     return closest[min(closest)] if closest else text
