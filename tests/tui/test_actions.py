@@ -13,6 +13,7 @@ from rl_tui.tui.screens.key_line import fitting
 
 PLAYGROUND_KEYS = {
     "space",
+    "z",
     "W",
     "s",
     "e",

@@ -142,7 +142,8 @@ class GridView(WorldView):
     @property
     def stance(self) -> object:
         """The cursor, the part in view and the width of the numbers."""
-        return self.cursor, self._following, self._top, self._left, self._digits
+        digits = self._digits, self._action_digits
+        return self.cursor, self._following, self._top, self._left, digits
 
     def align_with(self, twin: BoardPanel) -> None:
         """Take the stance of the map ``twin``; numbers are as wide as the wider ones."""
@@ -150,6 +151,7 @@ class GridView(WorldView):
         if isinstance(twin, GridView):
             self._following, self._top, self._left = twin._following, twin._top, twin._left
             self._digits = max(self._digits, twin._digits)
+            self._action_digits = max(self._action_digits, twin._action_digits)
 
     def show(self, snapshot: Snapshot) -> None:
         """Draw ``snapshot``. Its numbers only ever get wider, until another run starts."""

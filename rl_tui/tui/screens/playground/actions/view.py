@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from rl_tui.lab.live.commands import LookAt
 from rl_tui.lab.live.snapshot import Snapshot
-from rl_tui.tui.panels.catalogue import WORLD
 from rl_tui.tui.panels.panel import BORDERS
 from rl_tui.tui.screens.dialogs.model import ModelScreen
 from rl_tui.tui.screens.playground.actions.subject import Subject
@@ -43,7 +42,7 @@ class ViewActions(Subject):
         self.board.shows_actions = not self.board.shows_actions
         if view.lacks_room:
             width, height = self.board.size
-            alone = self.board.zoomed != WORLD and view.has_room_in(width - BORDERS, height - BORDERS)
+            alone = self.board.zoomed != view.id and view.has_room_in(width - BORDERS, height - BORDERS)
             room = "f, the world alone, has room" if alone else "a larger terminal has room"
             self.screen.tell(f"cells too small for Q of every action; {room}")
 
