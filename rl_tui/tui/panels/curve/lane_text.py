@@ -26,6 +26,7 @@ from rl_tui.tui.theme.look import Look
 
 _GREEDY: Final = ", greedy "
 _LARGEST_SHARE: Final = 0.5  # of the plot that names may take
+_ONE_SEED: Final = ("one seed; M counts many", "one seed")
 _TITLE_NAME: Final = 16  # cells of a shortened name in a title
 
 
@@ -79,11 +80,13 @@ def lane_titles(data: CurveData, usual: tuple[str, ...], glyphs: Glyphs) -> tupl
 
 
 def lane_remark(data: CurveData, look: Look, room: int) -> tuple[str, ...]:
-    """Return what the figures beside the names are, the longest form first; nothing where there are none."""
-    if room < ROOM_FOR_NAMES or not data.furthest or not _form(data, look, room).number:
+    """Return what the figures beside the names are, and of how many seeds, the longest form first."""
+    if room < ROOM_FOR_NAMES or not data.furthest:
         return ()
     if data.seeds:
         return seed_remark(data.seeds, look)
+    if not _form(data, look, room).number:
+        return _ONE_SEED
     what = "pulls" if data.is_bandit else "episodes"
     if any(lane.is_exact for lane in data.lanes):
         return (
@@ -96,8 +99,7 @@ def lane_remark(data: CurveData, look: Look, room: int) -> tuple[str, ...]:
         *(("one seed; M counts many · h adds the best arm",) if data.hidden else ()),
         f"beside names: last 100 {what}, one seed; M counts many",
         "last 100 of one seed; M counts many",
-        "one seed; M counts many",
-        "one seed",
+        *_ONE_SEED,
     )
 
 

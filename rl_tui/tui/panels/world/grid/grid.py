@@ -16,7 +16,7 @@ from rl_tui.tui.panels.legend import GREEDY_IN_FULL, Legend, LegendSign
 from rl_tui.tui.panels.panel import BoardPanel
 from rl_tui.tui.panels.scrolling import Scrolled, kept_in_view, scrolled_to
 from rl_tui.tui.panels.snapshot_facts import is_new_run
-from rl_tui.tui.panels.world.grid.action_form import ActionForm, part_form, whole_map_form
+from rl_tui.tui.panels.world.grid.action_form import ActionForm, Places, part_form, whole_map_form
 from rl_tui.tui.panels.world.grid.action_legend import action_signs, heading_of
 from rl_tui.tui.panels.world.grid.action_values import ActionArtist, name_room, sign_text
 from rl_tui.tui.panels.world.grid.cells import SEVERAL, START, CellArtist
@@ -300,7 +300,9 @@ class GridView(WorldView):
         yield LegendSign(glyphs.agent, "agent", palette.agent)
         if self.snapshot is not None and form is not None:
             left = traces(self.snapshot.trail, self._map.grid, signs)
-            yield from trail_signs(left.values(), self.look, is_high=form.height > 1)
+            tints_alone = actions is not None and actions.places is Places.TINTS
+            is_high = form.height > 1 and not tints_alone
+            yield from trail_signs(left.values(), self.look, is_high=is_high)
         yield from end_signs(self._map, self.look)
         if CellKind.START in self._kinds:
             yield LegendSign(START, "start", palette.start)
