@@ -54,7 +54,15 @@ def test_the_vertical_axis_stays_until_the_data_leave_it_or_get_lost_in_it() -> 
     assert settled(first, 0.0, 0.5) is first
     assert settled(first, 0.0, 1.2).high > first.high
     assert settled(Scale(-100.0, 20.0, 50.0), -2.0, 8.0) == Scale(-5.0, 10.0, 5.0)
-    assert settled(Scale(-200.0, 0.0, 100.0), -100.0, -13.0) == Scale(-100.0, 0.0, 50.0)
+    assert settled(Scale(-200.0, 0.0, 100.0), -80.0, -13.0) == Scale(-100.0, 0.0, 50.0)
+
+
+def test_an_axis_that_has_shrunk_does_not_grow_again_at_once() -> None:
+    wide = Scale(-2.0, 4.0, 2.0)
+    assert settled(wide, -0.95, 1.9) is wide
+    narrow = settled(wide, -0.8, 1.6)
+    assert narrow == Scale(-1.0, 2.0, 1.0)
+    assert settled(narrow, -0.95, 1.9) is narrow
 
 
 def test_the_horizontal_axis_changes_rarely_and_leaves_room_for_the_names() -> None:

@@ -12,6 +12,7 @@ from rl_tui.tui.theme.glyphs import Glyphs
 FIRST_RANGE: Final = 10.0
 _MOST_INTERVALS: Final = 3
 _LEAST_SHARE: Final = 0.5  # of the axis that the data must take more than, else it shrinks
+_SPARE: Final = 1.2  # times the data must fit into an axis that has shrunk
 _MOST_FIXED: Final = 4  # decimals of a label, else it has an exponent
 # Each is at most a quarter more than the one before
 _ROUND: Final = (1.0, 1.2, 1.5, 1.75, 2.0, 2.5, 3.0, 3.5, 4.0, 5.0, 6.0, 7.0, 8.0, 10.0)
@@ -49,11 +50,12 @@ def settled(previous: Scale | None, low: float, high: float, *, may_shrink: bool
 
     Unless it ``may_shrink``, it is kept however lost they look.
     """
-    fresh = round_scale(low, high)
     if previous is None or low < previous.low or high > previous.high:
-        return fresh
-    lost = fresh.high - fresh.low <= _LEAST_SHARE * (previous.high - previous.low) * (1.0 + 1e-9)
-    return fresh if lost and may_shrink else previous
+        return round_scale(low, high)
+    # with room to spare, so that values near its end do not make it grow again at once
+    smaller = round_scale(_SPARE * low, _SPARE * high)
+    lost = smaller.high - smaller.low <= _LEAST_SHARE * (previous.high - previous.low) * (1.0 + 1e-9)
+    return smaller if lost and may_shrink else previous
 
 
 def round_range(last: float, share: float, limit: float | None = None) -> float:
