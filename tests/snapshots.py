@@ -29,7 +29,7 @@ def snapshot_of(
     viewport: Viewport | None = None,
 ) -> Snapshot:
     """What a player would show of ``run``."""
-    lane = SimpleNamespace(run=run, timeline=Timeline())
+    lane = SimpleNamespace(run=run, timeline=Timeline(), trail=())
     alone: Any = SimpleNamespace(current=lane, beside=None, view=RunGroupView())
     playback = PlaybackView(phase, message)
     return SnapshotBuilder().build(

@@ -8,6 +8,7 @@ from rl_tui.agents.hyperparameters import Ties
 from rl_tui.lab.run import evaluation
 from rl_tui.lab.run.evaluation import Evaluation, GreedyReturn
 from rl_tui.lab.run.recipe import begin
+from rl_tui.lab.run.run import Run
 from rl_tui.worlds.mdp.space import FloatArray
 
 STUDENT = begin(recipe("student")).world.space
@@ -77,3 +78,21 @@ def test_the_greedy_return_of_the_student_is_the_one_worked_out_by_hand() -> Non
     assert greedy_return(study * 2, "first") == pytest.approx(7.5)
     drift = np.array([1.0 if name in ("check phone", "quit") else 0.0 for name in names])
     assert greedy_return(drift, "random") == 0.0
+
+
+def test_where_the_greedy_policy_has_no_return_it_is_told_how_likely_it_ends() -> None:
+    cliff = begin(recipe("cliff")).world.space
+    greedy_return = GreedyReturn(lambda: cliff)
+    assert greedy_return.ends is None
+    upwards = np.array([1.0 if cliff.action_names[action] == "↑" else 0.0 for action in cliff.pair_action])
+    assert greedy_return(upwards, "first") is None
+    assert greedy_return.ends == 0.0
+    assert greedy_return(np.zeros(cliff.pairs), "random") is not None
+    assert greedy_return.ends is None
+
+
+def test_the_figures_of_a_run_tell_that_its_greedy_policy_never_ends() -> None:
+    run = Run(recipe("cliff", ties="first"))
+    assert run.results.greedy_return is None
+    assert run.results.greedy_ends == 0.0
+    assert Run(recipe("cliff")).results.greedy_ends is None

@@ -171,5 +171,7 @@ def test_steps_that_do_not_follow_one_another_are_never_joined() -> None:
 def test_an_environment_that_is_stepped_has_the_trail_that_was_recorded() -> None:
     playback = begin_at_once(recipe("mountain-car"))
     assert len(do(playback, *[Step()] * 4).trail) == 4
+    after = do(playback, Step())
     assert do(playback, Train(70)).trail == ()
     assert len(do(playback, Step()).trail) == 1
+    assert do(playback, GoTo(5)).trail == after.trail

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from rich.style import Style
 from samples import look
 
 from rl_tui.lab.live.snapshot import Snapshot
@@ -27,11 +26,6 @@ def drawn(
     rows = widget.picture(snapshot, *size)
     assert [row.cell_length for row in rows] == [size[0]] * size[1]
     return "\n".join(row.text for row in rows), widget
-
-
-def styles_of(widget: ReturnCurve, snapshot: Snapshot, text: str) -> list[Style | None]:
-    segments = [segment for row in widget.picture(snapshot, *WIDE) for segment in row]
-    return [segment.style for segment in segments if text in segment.text]
 
 
 def flat(value: float, episodes: int = 1_234) -> Curve:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 from typing import Any
 
@@ -47,7 +48,14 @@ def lane_views(count: int) -> tuple[LaneView, ...]:
 def side_by_side(count: int, shown: int = 0, **changes: Any) -> Snapshot:
     """So many runs of the slippery lake; ``shown`` is the number, from 0, of the one on screen."""
     lanes = lane_views(count)
-    return changed(showing(_lake(), lanes[shown]), lanes=lanes, shown=shown, **changes)
+    return paired(changed(showing(_lake(), lanes[shown]), lanes=lanes, shown=shown, **changes))
+
+
+def paired(snapshot: Snapshot) -> Snapshot:
+    """``snapshot``, which has lanes, with the first one that is not shown beside it."""
+    group = snapshot.run_group
+    others = [number for number in range(len(group.lanes)) if number != group.shown]
+    return replace(snapshot, run_group=replace(group, beside=next(iter(others), None)))
 
 
 def showing(snapshot: Snapshot, lane: LaneView) -> Snapshot:

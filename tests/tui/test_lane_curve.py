@@ -80,7 +80,7 @@ def test_long_names_give_way_to_the_lines_and_then_carry_their_numbers() -> None
     assert "4) softmax…" in text
     assert "1) α 0.1" in text
     assert ".50" not in text
-    assert widget.footing == ""  # no figures, so nothing to explain
+    assert widget.footing == "one seed; M counts many"
     assert min(line.index(") ") for line in lines if ") " in line) > 34 / 2
 
 

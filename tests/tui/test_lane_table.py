@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from lane_samples import lane_views, side_by_side
+from lane_samples import lane_views, paired, side_by_side
 from samples import bandit, lake, look, student
 from seams import sized
 from snapshots import changed
@@ -31,7 +31,7 @@ def with_tables(snapshot: Snapshot, own: FloatArray, other: FloatArray) -> Snaps
     """Two lanes with these tables, the second one shown."""
     first, second = lane_views(2)
     lanes: tuple[LaneView, ...] = (replace(first, q=other), replace(second, q=own))
-    return changed(snapshot, q=own, lanes=lanes, shown=1)
+    return paired(changed(snapshot, q=own, lanes=lanes, shown=1))
 
 
 def test_the_layer_is_there_only_beside_another_run() -> None:

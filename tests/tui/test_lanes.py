@@ -70,17 +70,20 @@ async def test_two_lanes_from_the_first_key_to_the_last(make_app: MakeApp) -> No
         assert "α 0.1: " in curve_text(pilot)
         assert "α 0.5: " in curve_text(pilot)
         board = playground(pilot).board
-        assert board.curve.heading == "Return · lane 1 of 2: α 0.1"
+        assert board.curve.heading.endswith("· lane 1 of 2: α 0.1")
 
+        await press(pilot, "v")  # no table is in view here: it is shown alone first
+        assert board.zoomed == "table"
         await press(pilot, "v", "v", "v")
-        assert board.table.heading == "Q − Q of α 0.5 · 11 states × 4"
+        assert board.table.heading == "Q of α 0.1 − Q of α 0.5 · 11 states × 4"
 
         shown = await press(pilot, "l")
         assert shown.run_group.shown == 1
         assert shown.agent.hyperparameters.alpha == 0.5
         assert np.array_equal(shown.agent.q, shown.run_group.lanes[1].q)
-        assert board.curve.heading == "Return · lane 2 of 2: α 0.5"
-        assert board.table.heading == "Q − Q of α 0.1 · 11 states × 4"
+        assert board.table.heading == "Q of α 0.5 − Q of α 0.1 · 11 states × 4"
+        await press(pilot, "escape")
+        assert board.curve.heading.endswith("· lane 2 of 2: α 0.5")
         assert app.screen.query_one("#alpha", Slider).value == 0.5
 
         await press(pilot, "1", "left")
@@ -95,7 +98,7 @@ async def test_two_lanes_from_the_first_key_to_the_last(make_app: MakeApp) -> No
         assert shown.agent.hyperparameters.alpha == 0.1
         assert playground(pilot).recipe.hyperparameters.alpha == 0.1
         assert "lane" not in board.curve.heading
-        assert board.table.heading.startswith("Q · ")
+        assert board.table.lane == ""
 
 
 async def test_what_is_told_goes_to_the_lane_shown_only(make_app: MakeApp) -> None:

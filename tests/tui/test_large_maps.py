@@ -7,6 +7,7 @@ from functools import partial
 import numpy as np
 import pytest
 from open_grids import open_grid_recipe
+from seams import scroll_down
 from textual.pilot import Pilot
 
 from rl_tui.lab.last_step.story import story_of
@@ -18,6 +19,7 @@ from rl_tui.tui.app.app import RlTuiApp
 from rl_tui.tui.app.display import Display
 from rl_tui.tui.app.screenshot import settle
 from rl_tui.tui.panels.model.model import ModelPanel
+from rl_tui.tui.panels.side_by_side import greedy_differences
 from rl_tui.tui.panels.world.grid.grid import GridView
 from rl_tui.tui.screens.playground.playground import Playground
 
@@ -183,3 +185,50 @@ async def test_a_step_on_a_large_map_is_taken_apart() -> None:
             assert story.backup.expected == pytest.approx(story.backup.sampled)
             assert snapshot.cell is not None
             assert snapshot.cell.value[-1] == snapshot.agent.q[snapshot.cell.pair]
+
+
+async def test_two_lanes_show_the_same_part_and_count_what_is_in_view() -> None:
+    async with app_of().run_test(size=(120, 40)) as pilot:
+        await settle(pilot)
+        screen = playground(pilot)
+        await train(pilot, 3_000)
+        for key in ("c", "enter", "down", "enter"):
+            await pilot.press(key)
+            await settle(pilot)
+        left, right = (screen.board.panel(panel) for panel in ("world", "world-beside"))
+        assert isinstance(left, GridView)
+        assert isinstance(right, GridView)
+        for key in ("s", "l", "s"):
+            await pilot.press(key)
+            await settle(pilot)
+            assert left.stance == right.stance
+            check_complete(screen)  # both have what is around the agent of the one led
+        await train(pilot, 20_000)
+        check_complete(screen)
+        shown = newest(screen)
+        assert shown.beside is not None
+        found = greedy_differences(shown, shown.beside)
+        assert found.is_part
+        assert shown.agent.part is not None
+        assert found.known <= len(np.unique(shown.agent.part.pairs)) // 4
+        right.focus()
+        for _ in range(3):
+            await pilot.press("pagedown")
+            await settle(pilot)
+            check_complete(screen)
+            assert left.cells == right.cells
+
+
+async def test_the_wheel_scrolls_both_of_two_lanes() -> None:
+    async with app_of().run_test(size=(120, 40)) as pilot:
+        await settle(pilot)
+        for key in ("c", "enter", "down", "enter"):
+            await pilot.press(key)
+            await settle(pilot)
+        board = playground(pilot).board
+        for row in ("world", "table"):
+            pair = board.panel(row), board.panel(f"{row}-beside")
+            for moved, other in (pair, pair[::-1]):
+                before = moved.stance
+                await scroll_down(pilot, moved)
+                assert moved.stance == other.stance != before

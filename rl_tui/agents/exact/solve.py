@@ -70,11 +70,7 @@ def figures(mdp: TabularMDP, policy: FloatArray, gamma: float) -> PolicyFigures:
     return PolicyFigures(
         value_at_start=_if_exact(lambda: policy_value(model, policy, gamma).at_start),
         expected_return=expected_return(mdp, policy),
-        greedy_ends=(
-            _ends_in_time(mdp, policy)
-            if mdp.time_limit
-            else _if_exact(lambda: ending_probability(model, policy))
-        ),
+        greedy_ends=chance_of_ending(mdp, policy),
     )
 
 
@@ -87,6 +83,16 @@ def expected_return(mdp: TabularMDP, policy: FloatArray) -> float | None:
     if mdp.time_limit:
         return mdp.average_at_start(policy_values(mdp, policy, mdp.time_limit))
     return _if_exact(lambda: evaluate(mdp, policy, 1.0).at_start)
+
+
+def chance_of_ending(mdp: TabularMDP, policy: FloatArray) -> float | None:
+    """Return the probability that an episode of ``policy``, [P], ends, within the time limit if there is one.
+
+    None where rounding would spoil the answer.
+    """
+    if mdp.time_limit:
+        return _ends_in_time(mdp, policy)
+    return _if_exact(lambda: ending_probability(exact_model(mdp), policy))
 
 
 def best_expected_return(mdp: TabularMDP) -> float | None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -80,7 +80,9 @@ class SnapshotBuilder:
             study=study,
             beside=None
             if beside is None or view.beside is None
-            else self._of(beside, view, view.beside, playback, answer, viewport, has_trail),
+            else self._of(
+                beside, view, view.beside, playback, answer, viewport, has_trail, led=snapshot.counters
+            ),
         )
 
     def _of(
@@ -92,14 +94,18 @@ class SnapshotBuilder:
         answer: Callable[[Run], Answer],
         viewport: Viewport | None,
         has_trail: bool,
+        led: Counters | None = None,
     ) -> Snapshot:
-        """Return the snapshot of ``lane``, which ``view`` has at the place ``number``."""
+        """Return the snapshot of ``lane``, which ``view`` has at the place ``number``.
+
+        Beside another lane, that which is ``led``, it has also what is in view around the agent there.
+        """
         run = lane.run
         counters = run.learner.counters
         return Snapshot(
             world=run.world,
             recipe=run.recipe,
-            agent=self._agent(run, counters, viewport),
+            agent=self._agent(run, (counters,) if led is None else (counters, led), viewport),
             counters=counters,
             results=view.lanes[number].results if view.lanes else run.results,
             exact_answer=answer(run),
@@ -109,14 +115,17 @@ class SnapshotBuilder:
             trail=lane.trail if has_trail else (),
         )
 
-    def _agent(self, run: Run, counters: Counters, viewport: Viewport | None) -> AgentView:
-        """Return the agent with copies of all that it has learned, of a large world of what is in view."""
+    def _agent(self, run: Run, agents: Iterable[Counters], viewport: Viewport | None) -> AgentView:
+        """Return the agent with copies of all that it has learned, of a large world of what is in view.
+
+        That is what is around each of ``agents``.
+        """
         learner = run.learner
         part = None
         if viewport is not None and is_large(run.world):
             if self._copier is None or self._copier.world is not run.world:
                 self._copier = PartCopier(run.world)
-            part = self._copier.copy(viewport, counters.state, counters.last_step, learner.q, learner.visits)
+            part = self._copier.copy(viewport, agents, learner.q, learner.visits)
         return AgentView(
             learner.algorithm,
             learner.hyperparameters,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import mmap
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
@@ -14,6 +15,7 @@ from rl_tui.worlds.mdp.space import BoolArray, FiniteSpace, FloatArray, IntArray
 from rl_tui.worlds.world import World
 
 if TYPE_CHECKING:
+    from rl_tui.agents.counters import Counters
     from rl_tui.agents.last_step import LastStep
 
 NO_STATE: Final = -1
@@ -92,10 +94,13 @@ class PartCopier:
             self._cell_of_state = world.drawing.cell_of_state
 
     def copy(
-        self, viewport: Viewport, state: int, last: LastStep | None, q: FloatArray, visits: IntArray
+        self, viewport: Viewport, agents: Iterable[Counters], q: FloatArray, visits: IntArray
     ) -> CopiedPart:
-        """Return what ``viewport`` shows of ``q`` and ``visits``, [P] each, with the agent in ``state``."""
-        pairs = self._pairs_in(viewport, state, last)
+        """Return what ``viewport`` shows of ``q`` and ``visits``, [P] each, wherever one of ``agents`` is.
+
+        Of two lanes side by side both show what is around the agent of the one led.
+        """
+        pairs = np.concatenate([self._pairs_in(viewport, each.state, each.last_step) for each in agents])
         part = CopiedPart(
             _blank(len(q), np.float64), _blank(len(q), np.int64), pairs, _blank(len(q), np.bool_)
         )

@@ -101,7 +101,7 @@ def _let_others_go_first() -> None:
 
 
 def _threads() -> list[int]:
-    """Return all threads of this process: on Linux each has a priority of its own, also those of a library."""
+    """Return all threads of this process, also those of a library: on Linux each has its own priority."""
     try:
         return list(map(int, os.listdir("/proc/self/task")))
     except OSError:

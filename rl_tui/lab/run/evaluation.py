@@ -8,7 +8,7 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from rl_tui.agents.exact.solve import expected_return, greedy_policy
+from rl_tui.agents.exact.solve import chance_of_ending, expected_return, greedy_policy
 from rl_tui.agents.hyperparameters import Ties
 from rl_tui.agents.learner_state import put_back
 from rl_tui.lab.run.exact_answers import visits_of
@@ -33,6 +33,7 @@ class GreedyReturn:
         self._mdp: TabularMDP | None = None
         self._policy: FloatArray | None = None
         self._value: float | None = None
+        self._ends: tuple[float | None] | None = None
 
     def __call__(self, q: FloatArray, ties: Ties) -> float | None:
         """Return it for the estimates ``q``, [P]; None where the policy has none."""
@@ -42,8 +43,20 @@ class GreedyReturn:
         policy = greedy_policy(mdp, q, ties)
         if mdp is not self._mdp or self._policy is None or not np.array_equal(policy, self._policy):
             self._value = expected_return(mdp, policy)
-            self._policy, self._mdp = policy, mdp
+            self._policy, self._mdp, self._ends = policy, mdp, None
         return self._value
+
+    @property
+    def ends(self) -> float | None:
+        """The probability that an episode ends, of the policy last asked for and only if that has no return.
+
+        None too where rounding would spoil it.
+        """
+        if self._value is not None or self._mdp is None or self._policy is None:
+            return None
+        if self._ends is None:  # an answer that is None is not worked out again
+            self._ends = (chance_of_ending(self._mdp, self._policy),)
+        return self._ends[0]
 
 
 class MarksState(NamedTuple):

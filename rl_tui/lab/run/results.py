@@ -60,5 +60,7 @@ class RunResults:
     """Mean length of the last 100 episodes in steps; None before the first has ended."""
     greedy_return: float | None = None
     """Exact expected undiscounted return of the greedy policy of Q; None if it has none or it is too dear."""
+    greedy_ends: float | None = None
+    """Where that policy has no return: the probability (0 to 1) that an episode of it ends; else None."""
     bandit: BanditFigures | None = None
     """How the pulls of a bandit were spent; None where the world is no bandit."""

@@ -131,14 +131,15 @@ class Run:
         learner, history = self.learner, self.history
         is_evaluated = self._is_evaluated_live and not self.stop_reason
         mean_return, mean_length = history.last_100
+        ties = learner.hyperparameters.ties
+        greedy_return = self._greedy_return(learner.q, ties) if is_evaluated else None
         return RunResults(
             curve=history.curve(),
             marks=self._evaluation.marks(),
             return_last_100=mean_return,
             length_last_100=mean_length,
-            greedy_return=(
-                self._greedy_return(learner.q, learner.hyperparameters.ties) if is_evaluated else None
-            ),
+            greedy_return=greedy_return,
+            greedy_ends=self._greedy_return.ends if is_evaluated else None,
             bandit=self.bandit,
         )
 

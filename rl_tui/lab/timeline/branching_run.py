@@ -206,7 +206,12 @@ class BranchingRun:
         if before > seek.origin and run is not self.run:
             self._keep_near(run, kept)
         until = min(before + steps, target.last_step, _end_of_loop(run, kept.branch.journal))
+        if not run.learner.rewindable and target.step is not None:
+            # afterwards nothing can be replayed: the last steps are recorded on the way, one by one
+            until = min(until, max(before + 1, target.step - MOST_STEPS))
         self._follow(run, kept, until, target.last_episode)
+        if not run.learner.rewindable:
+            self._recorder.note(run.learner.last_step)
         self._sought += self._clock() - start
         taken, done = run.step - before, seek.done
         if taken == 0 and not done:  # the run is over before it is there
@@ -279,7 +284,8 @@ class BranchingRun:
         self._recorder.go_back(run.step)
         self._replay = None
         if number != self._number:
-            self._recorder.forget()
+            if run.learner.rewindable:
+                self._recorder.forget()
             self._put_in_force(number)
         self.stop_seek()
 

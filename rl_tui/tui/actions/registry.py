@@ -223,9 +223,10 @@ _ACTIONS: Final[tuple[Action, ...]] = (
         rank=7,
         needs_world=True,
     ),
-    Action("lanes.next_lane", "l", "next lane", "Show the next of the runs side by side.", Group.VIEW),
+    Action("lanes.next_lane", "l", "next lane", "Lead the next of the runs side by side.", Group.VIEW),
+    Action("lanes.one_lane", "z", "one lane", "Show one lane alone, or two side by side.", Group.VIEW),
     Action("turn_legends", "L", "legends", "Hide or show what panels and their signs mean.", Group.VIEW),
-    Action("view.numbers", "number_sign", "numbers", "Number the states of a map.", Group.VIEW, symbol="#"),
+    Action("view.numbers", "number_sign", "numbers", "Number the states in cells.", Group.VIEW, symbol="#"),
     Action(
         "view.model",
         "m",

@@ -68,7 +68,7 @@ def span(low: FloatArray, high: FloatArray, bottom: float, top: float, dots: int
     with np.errstate(invalid="ignore"):
         upper = np.rint((top - np.where(empty, bottom, high)) * scale).astype(np.int64)
         lower = np.rint((top - np.where(empty, bottom, low)) * scale).astype(np.int64)
-    upper, lower = np.clip(upper, -1, dots), np.clip(lower, -1, dots)
+    upper, lower = (np.minimum(np.maximum(each, -1), dots) for each in (upper, lower))
     upper[empty], lower[empty] = dots, -1
     return Span(upper, lower)
 
@@ -90,12 +90,11 @@ def dots_of(line: Span, dots: int) -> BoolArray:
     return np.asarray((rows >= line.top) & (rows <= line.bottom))
 
 
-def stipple(dots: BoolArray) -> BoolArray:
-    """Return every eighth of ``dots``, staggered: a shade that no line is mistaken for."""
-    shade = np.zeros_like(dots)
-    for first in (0, 2):
-        shade[first::4, first::4] = dots[first::4, first::4]
-    return shade
+def edges_of(line: Span, dots: int) -> BoolArray:
+    """Return the uppermost and the lowest dot of each column of ``line``, [dots, columns]."""
+    rows = np.arange(dots)[:, None]
+    there = line.top <= line.bottom
+    return np.asarray(((rows == line.top) | (rows == line.bottom)) & there)
 
 
 def braille_codes(dots: BoolArray) -> IntArray:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from itertools import groupby
 
 from rich.cells import cell_len
@@ -34,6 +35,11 @@ class Canvas:
         self._characters[y][x : x + len(cells)] = cells
         self._styles[y][x : x + len(cells)] = [style] * len(cells)
 
+    def put_cells(self, x: int, y: int, characters: str, styles: Sequence[Style]) -> None:
+        """Write ``characters`` of one cell each, all inside, every one in its own of ``styles``."""
+        self._characters[y][x : x + len(characters)] = characters
+        self._styles[y][x : x + len(characters)] = styles
+
     def is_blank(self, x: int, y: int, length: int) -> bool:
         """Return whether nothing was written yet in ``length`` cells of row ``y`` from column ``x`` on."""
         return x >= 0 and self._characters[y][x : x + length] == [" "] * length
@@ -58,7 +64,7 @@ class Canvas:
     def _strip(self, characters: list[str], styles: list[Style]) -> Strip:
         segments, x = [], 0
         for style, run in groupby(styles):
-            end = x + sum(1 for _ in run)
+            end = x + len(list(run))
             segments.append(Segment("".join(characters[x:end]), style))
             x = end
         return Strip(segments, self.width)

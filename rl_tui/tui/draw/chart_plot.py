@@ -36,9 +36,12 @@ class Plot(NamedTuple):
         return int(episode / self.right * self.columns)
 
     def row(self, value: float) -> int:
-        """Return the row of ``value``, placed as dots are, so that labels stand beside their lines."""
+        """Return the row of ``value``, placed as dots are, so that labels stand beside their lines.
+
+        What is below the axis, −∞ too, has the last row.
+        """
         last = self.rows * braille.DOTS_DOWN - 1
-        dot = round((self.top - value) / (self.top - self.scale.low) * last)
+        dot = round((self.top - max(value, self.scale.low)) / (self.top - self.scale.low) * last)
         return min(max(dot, 0), last) // braille.DOTS_DOWN
 
     def braille_line(self, line: Steps) -> IntArray:
@@ -46,16 +49,34 @@ class Plot(NamedTuple):
         columns, rows = self.columns * braille.DOTS_ACROSS, self.rows * braille.DOTS_DOWN
         return braille.braille_codes(self.line_dots(line, columns, rows))
 
-    def braille_band(self, band: Steps) -> IntArray:
-        """Return the characters of a shade, [rows, columns], braille.BLANK where there is none."""
-        columns, rows = self.columns * braille.DOTS_ACROSS, self.rows * braille.DOTS_DOWN
-        dots = braille.dots_of(self._span(band, columns, rows), rows)
-        return braille.braille_codes(braille.stipple(dots))
+    def braille_edges(self, band: Steps) -> IntArray:
+        """Return the characters of two dotted lines, the lowest and the highest of ``band``.
+
+        [rows, columns], braille.BLANK where they do not go.
+        """
+        rows = self.rows * braille.DOTS_DOWN
+        dots = np.zeros((rows, self.columns * braille.DOTS_ACROSS), dtype=np.bool_)
+        dots[:, :: braille.DOTS_ACROSS] = braille.edges_of(self._span(band, self.columns, rows), rows)
+        return braille.braille_codes(dots)
+
+    def edges(self, band: Steps) -> BoolArray:
+        """Return the cells, [rows, columns], with the lowest or the highest of ``band``."""
+        return braille.edges_of(self._span(band, self.columns, self.rows), self.rows)
+
+    def filled_halves(self, band: Steps) -> IntArray:
+        """Return which half of each cell ``band`` takes from lowest to highest, as :meth:`halves` does."""
+        return _of_cells(self.filled_dots(band, self.columns, 2 * self.rows))
 
     def halves(self, line: Steps) -> IntArray:
         """Return which half of a cell ``line`` takes, [rows, columns]: 1 the upper, 2 the lower, 3 both."""
-        dots = self.line_dots(line, self.columns, 2 * self.rows).astype(np.int64)
-        return dots[::2] + 2 * dots[1::2]
+        return _of_cells(self.line_dots(line, self.columns, 2 * self.rows))
+
+    def below(self, line: Steps) -> BoolArray:
+        """Return the columns, [columns], in which ``line`` goes below the axis."""
+        if not (line.low < self.scale.low).any():
+            return np.zeros(self.columns, dtype=np.bool_)
+        rows = self.rows * braille.DOTS_DOWN
+        return np.asarray(self._span(line, self.columns, rows).bottom >= rows)
 
     def line_dots(self, line: Steps, columns: int, rows: int) -> BoolArray:
         """Return the dots of ``line`` where there are columns × rows of them, [rows, columns]."""
@@ -68,3 +89,9 @@ class Plot(NamedTuple):
     def _span(self, line: Steps, columns: int, rows: int) -> braille.Span:
         low, high = braille.decimated(line, self.right, columns)
         return braille.span(low, high, self.scale.low, self.top, rows)
+
+
+def _of_cells(halves: BoolArray) -> IntArray:
+    """Return for each cell, [rows, columns], which of its ``halves``, [2 rows, columns], are there."""
+    upper, lower = halves[::2].astype(np.int64), halves[1::2].astype(np.int64)
+    return upper + 2 * lower

@@ -9,9 +9,12 @@ from typing import Final
 from rl_tui.tui.draw import numbers
 from rl_tui.tui.theme.glyphs import Glyphs
 
-FIRST_RANGE: Final = 20.0
+FIRST_RANGE: Final = 10.0
 _MOST_INTERVALS: Final = 3
-_LEAST_SHARE: Final = 0.3  # of the axis that the data must take, else it shrinks
+_LEAST_SHARE: Final = 0.5  # of the axis that the data must take more than, else it shrinks
+_MOST_FIXED: Final = 4  # decimals of a label, else it has an exponent
+# Each is at most a quarter more than the one before
+_ROUND: Final = (1.0, 1.2, 1.5, 1.75, 2.0, 2.5, 3.0, 3.5, 4.0, 5.0, 6.0, 7.0, 8.0, 10.0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,21 +52,19 @@ def settled(previous: Scale | None, low: float, high: float, *, may_shrink: bool
     fresh = round_scale(low, high)
     if previous is None or low < previous.low or high > previous.high:
         return fresh
-    lost = fresh.high - fresh.low < _LEAST_SHARE * (previous.high - previous.low)
+    lost = fresh.high - fresh.low <= _LEAST_SHARE * (previous.high - previous.low) * (1.0 + 1e-9)
     return fresh if lost and may_shrink else previous
 
 
 def round_range(last: float, share: float, limit: float | None = None) -> float:
     """Return the right end of an axis from 0 on which ``last`` stands within its first ``share`` (0 to 1).
 
-    It is 20 or 30 times a power of two, so that it changes rarely; ``limit``, the largest value that will
-    ever come, keeps it from going further than needed.
+    It is 10 or more and goes in steps, so that it changes rarely and at most a fifth of the share is empty;
+    ``limit``, the largest value that will ever come, keeps it from going further than needed.
     """
-    needed = last / share
-    power = 2.0 ** max(0, math.floor(math.log2(max(needed, FIRST_RANGE) / FIRST_RANGE)))
-    right = next(
-        FIRST_RANGE * power * factor for factor in (1.0, 1.5, 2.0) if needed <= FIRST_RANGE * power * factor
-    )
+    needed = max(last / share, FIRST_RANGE)
+    power = 10.0 ** math.floor(math.log10(needed))
+    right = next(power * digit for digit in _ROUND if needed <= power * digit * (1.0 + 1e-12))
     return right if limit is None else min(right, limit / share)
 
 
@@ -77,7 +78,7 @@ def tick_label(x: float, step: float, glyphs: Glyphs) -> str:
         short = numbers.count(round(abs(x)), 4).replace(".0", "")
         return (glyphs.minus if x < 0 else "") + short
     decimals = max(0, -math.floor(math.log10(step) + 1e-9))
-    return numbers.fixed(x, decimals, glyphs) if decimals <= 3 else numbers.value(x, 5, glyphs)
+    return numbers.fixed(x, decimals, glyphs) if decimals <= _MOST_FIXED else numbers.value(x, 5, glyphs)
 
 
 def tick_step(right: float, most: int) -> float:

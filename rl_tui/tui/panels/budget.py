@@ -5,20 +5,26 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Final
 
+from rich.cells import set_cell_size
 from textual.strip import Strip
 
 from rl_tui.lab.live.snapshot import Phase, Snapshot
 from rl_tui.lab.run.bandit import BanditFigures
 from rl_tui.tui.draw import numbers
+from rl_tui.tui.draw.canvas import shortened
 from rl_tui.tui.draw.pieces import Line, Piece, first_that_fits, strips_of
-from rl_tui.tui.draw.to_ascii import separated
+from rl_tui.tui.draw.to_ascii import separated, to_ascii
 from rl_tui.tui.panels.panel import Panel
+from rl_tui.tui.panels.side_by_side import sides
 from rl_tui.tui.theme.look import Look
 
 WAITING: Final = "the arms are being drawn"
 NO_BUDGET: Final = "this world has no budget"
 _LABEL: Final = 10
 _FIGURE: Final = 8
+_ROWS_OF_TWO: Final = 6
+_LANE: Final = 21  # its number and name
+_COLUMN: Final = 9
 _MANY: Final = 100.0  # from here on the sum of so many rewards is shown in whole numbers
 
 
@@ -29,20 +35,55 @@ class BudgetPanel(Panel):
         """Return the picture of the figures of ``snapshot``."""
         self.heading = self.fitting((*self.captioned("Budget"), "Budget"), width)
         lines = budget_lines(snapshot, self.look, width, revealed=self.tells_all)
+        if snapshot is not None and snapshot.beside is not None and height >= _ROWS_OF_TWO:
+            lines = pair_lines(sides(snapshot), snapshot, self.look, revealed=self.tells_all)
         return strips_of(lines, width, height, self.look)
 
 
 def budget_lines(snapshot: Snapshot | None, look: Look, width: int, *, revealed: bool) -> list[Line]:
     """Return the lines; what the agent cannot know only if ``revealed``."""
-    palette = look.palette
     if snapshot is None or snapshot.results.bandit is None:
-        return [[Piece(f" {WAITING if snapshot is None else NO_BUDGET}", palette.dim)]]
+        return [[Piece(f" {WAITING if snapshot is None else NO_BUDGET}", look.palette.dim)]]
     figures, spent = snapshot.results.bandit, snapshot.playback.phase is Phase.SPENT
     drifts = snapshot.world.mdp is not None and snapshot.world.mdp.drift_std > 0.0
     lines = [_pulls(figures, look, spent, drifts), *_winnings(figures, look, width, revealed)]
-    if not revealed:
-        lines.append([Piece(" h  ", palette.accent), Piece("shows regret and the best arm", palette.dim)])
-    return lines
+    return lines if revealed else [*lines, _hint(look)]
+
+
+def _hint(look: Look) -> Line:
+    return [Piece(" h  ", look.palette.accent), Piece("shows regret and the best arm", look.palette.dim)]
+
+
+def pair_lines(lanes: tuple[Snapshot, Snapshot], led: Snapshot, look: Look, *, revealed: bool) -> list[Line]:
+    """Return the lines of two lanes, of which that of ``led`` is marked."""
+    palette = look.palette
+    heads = ("winnings", "a pull", *(("regret", "best arm") if revealed else ()))
+    lines: list[Line] = [[Piece(" " * _LANE + "".join(f"{head:>{_COLUMN}}" for head in heads), palette.dim)]]
+    bandits = [lane.results.bandit for lane in lanes if lane.results.bandit is not None]
+    decimals = sum_decimals([each.winnings for each in bandits] + [each.regret for each in bandits])
+    for lane in lanes:
+        group, figures = lane.run_group, lane.results.bandit
+        if figures is None:
+            continue
+        is_led = group.shown == led.run_group.shown
+        mark, name = look.glyphs.cursor if is_led else " ", group.lanes[group.shown].name
+        name = shortened(
+            to_ascii(f" {mark}{group.shown + 1} {name}", look.glyphs), _LANE, look.glyphs.ellipsis
+        )
+        mean = figures.winnings / figures.pulls if figures.pulls else 0.0
+        texts = [
+            sum_text(figures.winnings, decimals, look),
+            numbers.fixed(mean, 2, look.glyphs, leading_zero=False),
+        ]
+        if revealed:
+            rate = figures.best_arm_rate
+            texts += [sum_text(figures.regret, decimals, look), "" if rate is None else numbers.percent(rate)]
+        row = set_cell_size(name, _LANE) + "".join(f"{text:>{_COLUMN}}" for text in texts)
+        lines.append([Piece(row, palette.strong if is_led else palette.text)])
+    if led.results.bandit is not None:
+        drifts = led.world.mdp is not None and led.world.mdp.drift_std > 0.0
+        lines += [[], _pulls(led.results.bandit, look, led.playback.phase is Phase.SPENT, drifts)]
+    return lines if revealed else [*lines, _hint(look)]
 
 
 def _pulls(figures: BanditFigures, look: Look, spent: bool, drifts: bool) -> Line:

@@ -98,7 +98,10 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         "probability and reward, and the greedy action is bold. An arm of a "
         "bandit shows its estimate ± its standard error, the standard deviation that the noise of the "
         "rewards leaves in it. ▸ marks the greedy arm, ◉ the last pull. In focus it has a cursor, as the "
-        "table has; the place where one stands is marked in the other.",
+        "table has; the place where one stands is marked in the other. Two lanes stand side by side, the "
+        "lower number left; ▸ marks the one that keys and sliders are about, and ≠ the states where their "
+        "greedy actions differ, ties counted. Only states known to both count: updated, or with estimates "
+        "that differ.",
         caption="as the agent meets it",
         terms=(
             *("agent", "state", "action", "reward", "value", "greedy", "terminal", "ties", "policy", "mdp"),
@@ -113,7 +116,8 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         "One row a state, one column an action. The frame marks the greedy cell; the cell that the last "
         "step updated is lit; an unvisited cell looks different from a zero. v turns to the exact Q*, the "
         "error Q−Q* and visits. It has a cursor: tab to the table, then the arrows; m shows the model of "
-        "the pair under it, and esc follows the agent again.",
+        "the pair under it, and esc follows the agent again. The tables of two lanes have cursor, rows and "
+        "layer in common; ≠ stands behind a state where their greedy actions differ.",
         caption="what each action seems worth",
         terms=("q", "pair", "greedy", "agent", "target", "q-star", "error", "visits", "ties", "optimism"),
         is_twofold=True,
@@ -126,7 +130,9 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         "mean of the last 100 beside it; the exact return that the greedy policy has on average; and dotted "
         "what is best for this γ (in short γ-best): the return, undiscounted too, of the policy that is best "
         "for the γ in force. At a smaller γ another policy can collect more than that one. Once something is "
-        "learned, the gap between episodes and greedy policy is mostly what exploring costs. The axis counts "
+        "learned, the gap between episodes and greedy policy is mostly what exploring costs. A greedy policy "
+        "that may never end has no return: its line has a gap there. The vertical axis is that of the best "
+        "and of most episodes: an arrow stands where a line goes below it. The other one counts "
         "finished episodes, the top line the one under way: between two it is the next. Where the run cannot "
         "keep up with the wanted speed, the top line ends with the one measured.",
         caption="what each episode has earned",

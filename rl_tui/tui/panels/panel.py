@@ -39,11 +39,18 @@ class BoardPanel(Widget):
     """What the board asks of each of its panels; ``revealed`` shows what a bandit keeps secret.
 
     ``caption`` says in some five words what the panel is; it and the legend are seen while ``is_explained``.
+    ``is_led`` says that the same panel of the lane beside this one decides which part is in view.
     """
 
+    is_led: bool = False
     revealed: bool = False
     caption: str = ""
     is_explained: bool = False
+
+    @property
+    def stance(self) -> object:
+        """What the same panels of two lanes have in common: cursor, part in view, scale."""
+        return None
 
     @property
     def is_complete(self) -> bool:
@@ -53,6 +60,12 @@ class BoardPanel(Widget):
     def show(self, snapshot: Snapshot) -> None:
         """Draw ``snapshot``."""
         raise NotImplementedError
+
+    def align_with(self, twin: BoardPanel) -> None:
+        """Take the stance of ``twin``, the same panel of another lane; seen when it is drawn."""
+
+    def redraw(self) -> None:
+        """Draw again, where anything was drawn."""
 
 
 class Panel(BoardPanel):

@@ -20,3 +20,10 @@ class Pointed(Message):
 
     panel: Widget
     pairs: range
+
+
+@dataclass
+class Moved(Message):
+    """A person brought another part or another layer into view in ``panel``, without a cursor."""
+
+    panel: Widget

@@ -15,7 +15,7 @@ from textual.widgets import Static
 from rl_tui.tui.actions.action import Action, Place
 from rl_tui.tui.actions.registry import actions_of
 from rl_tui.tui.draw.to_ascii import to_ascii
-from rl_tui.tui.panels.catalogue import PANELS, PanelRow
+from rl_tui.tui.panels.catalogue import PANELS, PanelRow, beside
 from rl_tui.tui.screens.key_line import KeyLine
 from rl_tui.tui.screens.moment import tell
 from rl_tui.tui.screens.playground.arrangement import ROOMY_HEIGHT, ROOMY_WIDTH
@@ -104,7 +104,7 @@ class ActionScreen(Screen[None]):
         from rl_tui.tui.screens.asking import words_here
         from rl_tui.tui.screens.number_here import number_here
 
-        rows = {row.id: row for row in self.panel_rows}
+        rows = {name: row for row in self.panel_rows for name in (row.id, beside(row.id))}
         number = number_here(self.focused, self.look)
         here = words_here(self, rows, self.look.glyphs, has_number=number is not None)
         if here:

@@ -69,6 +69,12 @@ class Palette:
         )
 
     @property
+    def fills_bands(self) -> bool:
+        """Whether ``band`` may lie behind the lines; a colour of the terminal itself may be as bright."""
+        color = self.band.color
+        return color is not None and color.type in (ColorType.EIGHT_BIT, ColorType.TRUECOLOR)
+
+    @property
     def tints(self) -> bool:
         """Whether values have colours behind them."""
         return any(style.bgcolor is not None for style in self.values)

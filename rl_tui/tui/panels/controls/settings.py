@@ -55,6 +55,11 @@ def _settings(snapshot: Snapshot) -> Iterator[Setting]:
     values = snapshot.agent.hyperparameters
     is_bandit = isinstance(snapshot.world.drawing, Arms)
     parameters = parameters_of(snapshot.agent.algorithm, values.policy)
+    lanes = snapshot.run_group.lanes
+    if lanes:
+        yield Setting(
+            "l", "lane", "lane", f"{snapshot.run_group.shown + 1}/{len(lanes)}", "lanes.next_lane", 2
+        )
     yield Setting("a", "", "algorithm", BY_ID[snapshot.agent.algorithm].name, "agent.choose_algorithm", 0)
     if "policy" in parameters:
         yield Setting("p", "", "policy", POLICY_BY_ID[values.policy].name, "agent.choose_policy", 1)

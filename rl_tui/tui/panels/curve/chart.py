@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import Final, NamedTuple
 
@@ -13,11 +14,13 @@ from textual.strip import Strip
 
 from rl_tui.tui.draw import braille
 from rl_tui.tui.draw.axes import draw_count_axis, draw_value_axis, value_axis_columns
+from rl_tui.tui.draw.braille import Steps
 from rl_tui.tui.draw.canvas import Canvas, shortened
 from rl_tui.tui.draw.chart_plot import Plot
 from rl_tui.tui.draw.pieces import wrapped
 from rl_tui.tui.draw.scale import Scale, round_range
-from rl_tui.tui.panels.curve.chart_lanes import lane_cells
+from rl_tui.tui.panels.curve.chart_band import band_cells
+from rl_tui.tui.panels.curve.chart_lanes import lane_cells, lane_lines
 from rl_tui.tui.panels.curve.data import CurveData
 from rl_tui.tui.panels.curve.lane_text import lane_columns, lane_labels
 from rl_tui.tui.panels.curve.seed_band import seed_cells
@@ -28,6 +31,7 @@ LEAST_WIDTH: Final = 14
 LEAST_HEIGHT: Final = 3
 _TICK_COLUMNS: Final = 11  # a labelled episode number at most every so many columns
 _UNIT_ROOM: Final = 40
+_ARROWS_APART: Final = 8  # columns between the arrows of a line that stays below the axis
 # What a cell shows, the more important the greater; after the greedy line come the lanes
 _NOTHING, _LEVEL, _BAND, _SEEDS, _EPISODES, _GREEDY = range(6)
 
@@ -79,22 +83,20 @@ def _draw_lines(canvas: Canvas, plot: Plot, data: CurveData, look: Look) -> None
         _draw_lanes(canvas, plot, data, look)
         return
     codes = _braille(plot, data) if look.glyphs.braille else _ascii(plot, data)
-    shown, kind = np.zeros_like(codes.greedy), np.full(codes.greedy.shape, _NOTHING)
-    blank = braille.BLANK if look.glyphs.braille else 0
-
-    def lay(over: npt.NDArray[np.int64], what: int, where: npt.NDArray[np.bool_]) -> None:
-        there = (over > blank) & where
-        shown[there], kind[there] = over[there], what
-
-    everywhere = np.ones(kind.shape, dtype=bool)
-    lay(codes.band, _BAND, everywhere)
+    band = band_cells(plot, data.band, look)
+    shown, kind = band.codes.copy(), np.where(band.codes > 0, _BAND, _NOTHING)
     if data.optimum is not None:
         level = _level_cells(plot, data, data.optimum, look)
         shown[level], kind[level] = ord(look.glyphs.level), _LEVEL
     seeds, _ = seed_cells(plot, data.seeds, look)
-    shown[seeds > 0], kind[seeds > 0] = seeds[seeds > 0], _SEEDS
-    lay(codes.episodes, _EPISODES, everywhere)
-    lay(codes.greedy, _GREEDY, ~codes.yielded)
+    for line, what, where in (
+        (seeds, _SEEDS, True),
+        (codes.episodes, _EPISODES, True),
+        (codes.greedy, _GREEDY, ~codes.yielded),
+    ):
+        there = (line > 0) & where
+        shown[there], kind[there] = line[there], what
+    _mark_off_axis(shown, kind, off_axis(plot, (data.episodes, data.greedy)), _EPISODES, look)
     palette = look.palette
     styles = (
         palette.text,
@@ -104,7 +106,7 @@ def _draw_lines(canvas: Canvas, plot: Plot, data: CurveData, look: Look) -> None
         palette.episodes,
         palette.greedy_line,
     )
-    _put_cells(canvas, plot, kind, shown, styles)
+    _put_cells(canvas, plot, _Cells(kind, shown, band.filled), styles, look)
 
 
 def _draw_lanes(canvas: Canvas, plot: Plot, data: CurveData, look: Look) -> None:
@@ -118,6 +120,7 @@ def _draw_lanes(canvas: Canvas, plot: Plot, data: CurveData, look: Look) -> None
     shown[seeds > 0], kind[seeds > 0] = seeds[seeds > 0], (_GREEDY + len(palette.lanes) + whose)[seeds > 0]
     there = cells.line >= 0
     shown[there], kind[there] = cells.codes[there], _GREEDY + cells.line[there]
+    _mark_off_axis(shown, kind, off_axis(plot, lane_lines(data)), _GREEDY, look)
     lane = next(lane.number for lane in data.lanes if lane.shown)
     band = palette.lanes[lane - 1] + Style(dim=True)
     styles = (
@@ -130,7 +133,36 @@ def _draw_lanes(canvas: Canvas, plot: Plot, data: CurveData, look: Look) -> None
         *palette.lanes,
         *(style + Style(dim=True) for style in palette.lanes),
     )
-    _put_cells(canvas, plot, kind, shown, styles)
+    _put_cells(canvas, plot, _Cells(kind, shown, np.zeros(kind.shape, dtype=np.bool_)), styles, look)
+
+
+def off_axis(plot: Plot, lines: Sequence[Steps]) -> npt.NDArray[np.int64]:
+    """Return the number of the line, from 0, that goes below the axis in each column, [columns]; −1: none.
+
+    A line has an entry where it leaves the axis, and further ones as long as it stays away.
+    """
+    found = np.full(plot.columns, -1)
+    places = np.arange(plot.columns)
+    for number, line in enumerate(lines):
+        off = plot.below(line) & (found < 0)
+        if not off.any():
+            continue
+        begins = off & ~np.concatenate(([False], off[:-1]))
+        since = places - np.maximum.accumulate(np.where(begins, places, 0))
+        found[off & (since % _ARROWS_APART == 0)] = number
+    return found
+
+
+def _mark_off_axis(
+    shown: npt.NDArray[np.int64],
+    kind: npt.NDArray[np.int64],
+    off: npt.NDArray[np.int64],
+    first_kind: int,
+    look: Look,
+) -> None:
+    """Put arrows into the lowest row of ``shown`` and ``kind``, [rows, columns], where lines are off."""
+    there = off >= 0
+    shown[-1, there], kind[-1, there] = ord(look.glyphs.down), first_kind + off[there]
 
 
 def _level_cells(plot: Plot, data: CurveData, value: float, look: Look) -> tuple[int, slice]:
@@ -140,29 +172,29 @@ def _level_cells(plot: Plot, data: CurveData, value: float, look: Look) -> tuple
 
 
 class _Codes(NamedTuple):
-    """The characters of each line, [rows, columns], and where the greedy one is interrupted."""
+    """The characters of each line, [rows, columns], 0 for none, and where the greedy one is interrupted."""
 
-    band: npt.NDArray[np.int64]
     episodes: npt.NDArray[np.int64]
     greedy: npt.NDArray[np.int64]
     yielded: npt.NDArray[np.bool_]
 
 
 def _braille(plot: Plot, data: CurveData) -> _Codes:
-    episodes, greedy = plot.braille_line(data.episodes), plot.braille_line(data.greedy)
-    yielded = taking_turns(greedy - braille.BLANK, episodes - braille.BLANK)
-    return _Codes(plot.braille_band(data.band), episodes, greedy, yielded)
+    episodes = plot.braille_line(data.episodes) - braille.BLANK
+    greedy = plot.braille_line(data.greedy) - braille.BLANK
+    yielded = taking_turns(greedy, episodes)
+    return _Codes(_characters(episodes), _characters(greedy), yielded)
+
+
+def _characters(dots: npt.NDArray[np.int64]) -> npt.NDArray[np.int64]:
+    return np.where(dots > 0, dots + braille.BLANK, 0)
 
 
 def _ascii(plot: Plot, data: CurveData) -> _Codes:
-    """Return ``'`` ``.`` ``:`` for the upper and lower half of the cells of a line, ``*`` for the greedy one.
-
-    The band is left out: without colour it would look like a line.
-    """
+    """Return ``'`` ``.`` ``:`` for the upper and lower half of the cells of a line, ``*`` for greedy's."""
     episodes, greedy = plot.halves(data.episodes), plot.halves(data.greedy)
     codes = np.array([0, ord("'"), ord("."), ord(":")])[episodes]
-    stars = np.where(greedy > 0, ord("*"), 0)
-    return _Codes(np.zeros_like(codes), codes, stars, taking_turns(greedy, episodes))
+    return _Codes(codes, np.where(greedy > 0, ord("*"), 0), taking_turns(greedy, episodes))
 
 
 def taking_turns(first: npt.NDArray[np.int64], second: npt.NDArray[np.int64]) -> npt.NDArray[np.bool_]:
@@ -178,23 +210,24 @@ def taking_turns(first: npt.NDArray[np.int64], second: npt.NDArray[np.int64]) ->
     return beside
 
 
-def _put_cells(
-    canvas: Canvas,
-    plot: Plot,
-    kind: npt.NDArray[np.int64],
-    codes: npt.NDArray[np.int64],
-    styles: Sequence[Style],
-) -> None:
-    """Write every cell that has something, in the one of ``styles`` that belongs to its kind."""
-    for row in range(plot.rows):
-        kinds = kind[row]
-        ends = np.append(np.flatnonzero(np.diff(kinds)) + 1, plot.columns)
-        start = 0
-        for end in ends.tolist():
-            if kinds[start] != _NOTHING:
-                text = "".join(map(chr, codes[row, start:end].tolist()))
-                canvas.put(plot.left + start, row, text, styles[int(kinds[start])])
-            start = end
+class _Cells(NamedTuple):
+    """What is in each cell, [rows, columns]: its kind, the code of its character, whether it is filled."""
+
+    kind: npt.NDArray[np.int64]
+    codes: npt.NDArray[np.int64]
+    filled: npt.NDArray[np.bool_]
+
+
+def _put_cells(canvas: Canvas, plot: Plot, cells: _Cells, styles: Sequence[Style], look: Look) -> None:
+    """Write all cells of the plot, each in the one of ``styles`` that belongs to its kind."""
+    behind = Style(bgcolor=look.palette.band.color)
+    styles = (*styles, *(style + behind for style in styles))
+    kinds = cells.kind + np.where(cells.filled, len(styles) // 2, 0)
+    codes = np.where(cells.codes > 0, cells.codes, ord(" "))
+    text = codes.astype("<u4").tobytes().decode("utf-32-le")
+    for row, each in enumerate(kinds.tolist()):
+        line = text[row * plot.columns : (row + 1) * plot.columns]
+        canvas.put_cells(plot.left, row, line, [styles[kind] for kind in each])
 
 
 def _draw_names(canvas: Canvas, plot: Plot, data: CurveData, names: Sequence[LineLabel], look: Look) -> None:
@@ -209,6 +242,8 @@ def _draw_names(canvas: Canvas, plot: Plot, data: CurveData, names: Sequence[Lin
     for label, row in zip(names, rows, strict=True):
         if x + cell_len(label.text) <= canvas.width:
             canvas.put(x, row, label.text, label.style)
+        if -math.inf < label.value < plot.scale.low:
+            canvas.put(x - 2, row, look.glyphs.down, label.style)
     if data.barren and not data.lanes:
         _put_message(canvas, plot, barren_words(data), look, {*rows, plot.rows - 1})
 

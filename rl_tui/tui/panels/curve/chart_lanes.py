@@ -9,6 +9,7 @@ import numpy.typing as npt
 
 from rl_tui.tui.draw import braille
 from rl_tui.tui.draw.chart_plot import Plot
+from rl_tui.tui.panels.curve.chart_band import edge_codes
 from rl_tui.tui.panels.curve.data import CurveData
 from rl_tui.tui.theme.look import Look
 
@@ -21,7 +22,7 @@ class LaneCells(NamedTuple):
     """What is in each cell, [rows, columns]: the code of its character, 0 where there is none.
 
     ``line`` tells whose it is: −1 no line's, 0 the greedy line's, n that of lane n. ``band`` has the
-    characters of the band of the lane shown.
+    characters of the edges of the band of the lane shown.
     """
 
     codes: _Codes
@@ -44,18 +45,18 @@ def lane_cells(plot: Plot, data: CurveData, look: Look) -> LaneCells:
 
 def _braille(plot: Plot, data: CurveData) -> tuple[_Codes, _Codes]:
     """Return the characters of greedy line and lanes, [1 + lanes, rows, columns], and those of the band."""
-    layers = [_blank_as_none(plot.braille_line(line)) for line in _lines(data)]
-    return np.stack(layers), _blank_as_none(plot.braille_band(data.band))
+    layers = [_blank_as_none(plot.braille_line(line)) for line in lane_lines(data)]
+    return np.stack(layers), edge_codes(plot, data.band)
 
 
 def _ascii(plot: Plot, data: CurveData) -> tuple[_Codes, _Codes]:
     """Return a star for the greedy line and for each lane its number; no band, as in a single run's chart."""
-    dots = np.stack([plot.line_dots(line, plot.columns, plot.rows) for line in _lines(data)])
+    dots = np.stack([plot.line_dots(line, plot.columns, plot.rows) for line in lane_lines(data)])
     signs = np.array([ord("*"), *(ord(str(lane.number)) for lane in data.lanes)])
     return dots * signs[:, None, None], np.zeros(dots.shape[1:], dtype=np.int64)
 
 
-def _lines(data: CurveData) -> list[braille.Steps]:
+def lane_lines(data: CurveData) -> list[braille.Steps]:
     """Return the greedy line of the lane shown, a gap where that is the lane's own line, then the lanes."""
     has_greedy = not any(lane.shown and lane.is_exact for lane in data.lanes)
     return [data.greedy if has_greedy else braille.NO_STEPS, *(lane.line for lane in data.lanes)]

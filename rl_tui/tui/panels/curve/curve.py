@@ -10,11 +10,13 @@ from rl_tui.agents.catalogue import BY_ID
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.draw.pieces import Piece, strips_of
 from rl_tui.tui.draw.scale import Scale, settled
+from rl_tui.tui.draw.to_ascii import separated
 from rl_tui.tui.panels.curve.chart import draw_chart, plot_columns
+from rl_tui.tui.panels.curve.chart_band import band_signs
 from rl_tui.tui.panels.curve.data import CurveData, curve_data
 from rl_tui.tui.panels.curve.lane_text import lane_remark, lane_titles
 from rl_tui.tui.panels.curve.seed_band import seed_bands, seed_sign, with_room_for
-from rl_tui.tui.panels.curve.text import decimals_for, remark, titles
+from rl_tui.tui.panels.curve.text import decimals_for, line_notes, remark, titles, with_notes
 from rl_tui.tui.panels.legend import Legend, LegendSign
 from rl_tui.tui.panels.panel import Panel
 from rl_tui.tui.panels.snapshot_facts import is_new_run, passes_too_fast
@@ -57,9 +59,9 @@ class ReturnCurve(Panel, can_focus=True):
             self.heading = self.fitting(titles(None, self.look.glyphs, 2, width), width)
             return strips_of([[Piece(f" {WAITING}", self.look.palette.dim)]], width, height, self.look)
         data = curve_data(snapshot, revealed=self.tells_all)
-        seen = with_room_for(data.range, data.seeds)
-        scale = settled(self.scale, *seen, may_shrink=not snapshot.timeline.in_past)
-        if any(seen):
+        low, high = with_room_for(data.range, data.seeds)
+        scale = settled(self.scale, low, high, may_shrink=not snapshot.timeline.in_past)
+        if low or high:
             # else nothing stood on it, and how soon the exact answer came must not be seen later
             self.scale = scale
         decimals = decimals_for(scale.low, scale.high)
@@ -71,7 +73,7 @@ class ReturnCurve(Panel, can_focus=True):
         self.footing = self.fitting(self.hints, width) or (said if in_border else "")
         if not said or in_border:
             return draw_chart(data, scale, self.look, decimals, width, height)
-        line = [Piece(f"    {said}", self.look.palette.dim)]
+        line = [Piece(f"    {separated(said, self.look.glyphs)}", self.look.palette.dim)]
         chart = draw_chart(data, scale, self.look, decimals, width, height - 1)
         return [*chart, *strips_of([line], width, 1, self.look)]
 
@@ -81,9 +83,10 @@ class ReturnCurve(Panel, can_focus=True):
         more = (seed_sign(seeds, self.look),) if seeds else ()
         if isinstance(snapshot.world.drawing, Arms):
             return more
-        palette, plans = self.look.palette, BY_ID[snapshot.agent.algorithm].planner
-        band = LegendSign("dim dots", "= lowest to highest", palette.band)
-        return (LegendSign("return", "= undiscounted sum", palette.text), *more, *([] if plans else [band]))
+        plans = BY_ID[snapshot.agent.algorithm].planner
+        sums = LegendSign("return", "= undiscounted sum", self.look.palette.text)
+        band = () if plans else band_signs(self.look, lanes=bool(snapshot.run_group.lanes))
+        return (sums, *more, *band)
 
     def _words(
         self, snapshot: Snapshot, data: CurveData, scale: Scale, width: int, in_border: bool
@@ -93,8 +96,10 @@ class ReturnCurve(Panel, can_focus=True):
         # Figures in the border would redraw the whole panel at every frame
         fast = passes_too_fast(snapshot)
         heads = titles(None if fast and not data.is_bandit else data, look.glyphs, decimals, width)
-        words = remark(snapshot, data, look.glyphs, decimals, with_figures=not (fast and in_border))
-        if not data.lanes:
-            return heads, words
-        words = lane_remark(data, look, plot_columns(scale, look, width))
-        return lane_titles(data, heads, look.glyphs), words
+        with_figures = not (fast and in_border)
+        words = remark(snapshot, data, look.glyphs, decimals, with_figures=with_figures)
+        if data.lanes:
+            words = lane_remark(data, look, plot_columns(scale, look, width))
+        notes = line_notes(data, scale.low, look.glyphs, decimals, with_figures=with_figures)
+        heads = lane_titles(data, heads, look.glyphs) if data.lanes else heads
+        return heads, with_notes(words, notes)

@@ -9,7 +9,7 @@ import numpy as np
 
 from rl_tui.agents.catalogue import BY_ID
 from rl_tui.lab.live.snapshot import Snapshot
-from rl_tui.lab.run.results import RunResults
+from rl_tui.lab.run.results import Curve, RunResults
 from rl_tui.lab.timeline.lane_view import LaneView
 from rl_tui.tui.draw.braille import NO_STEPS, Steps
 from rl_tui.tui.panels.curve.seed_band import SeedBand, seed_bands
@@ -29,6 +29,7 @@ class LaneLine:
     ``number`` counts from 1. ``line`` is the smoothed mean of its returns; of a planner, which has none, what
     its greedy policy is worth (then ``is_exact``). ``value`` is where that line ends: the mean of the last
     100 episodes, None before the first. ``greedy_now`` is None where unknown, hidden, or the line itself.
+    ``greedy_ends`` is as in :class:`CurveData`.
     """
 
     number: int
@@ -39,18 +40,21 @@ class LaneLine:
     is_exact: bool
     value: float | None
     greedy_now: float | None
+    greedy_ends: float | None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CurveData:
     """The curves and the figures beside them.
 
-    ``episodes`` is the smoothed mean of the returns, ``band`` their lowest and highest, ``greedy`` the exact
-    expected return of the greedy policy, each over episodes from 0. ``greedy_now``, ``mean_now`` (of the
-    last 100 episodes) and ``optimum`` are the values to print, None where unknown or hidden. ``hidden`` tells
-    that greedy and optimum are kept secret, ``barren`` that there were many episodes and none had a reward,
-    ``is_decided`` that somewhere one action is estimated above another, so that being greedy means something
-    (true as well where there is no choice, false where ``greedy_now`` is unknown).
+    ``episodes`` is the smoothed mean of the returns, ``band`` their lowest and highest (none as long as each
+    episode is on the line itself), ``greedy`` the exact expected return of the greedy policy, each over
+    episodes from 0. ``greedy_now``, ``mean_now`` (of the last 100 episodes) and ``optimum`` are the values to
+    print, None where unknown or hidden. ``hidden`` tells that greedy and optimum are kept secret, ``barren``
+    that there were many episodes and none had a reward, ``is_decided`` that somewhere one action is estimated
+    above another, so that being greedy means something (true as well where there is no choice, false where
+    ``greedy_now`` is unknown). ``greedy_ends`` is, where the greedy policy has no return, how likely an
+    episode of it ends; else None.
     ``unit`` is what the horizontal axis counts: pulls, a planner's sweeps, or episodes. The optimum is the
     undiscounted return of the policy that is best for the γ in force.
 
@@ -71,6 +75,7 @@ class CurveData:
     hidden: bool
     barren: bool
     is_decided: bool
+    greedy_ends: float | None
     lanes: tuple[LaneLine, ...] = ()
     seeds: tuple[SeedBand, ...] = ()
 
@@ -85,27 +90,44 @@ class CurveData:
         return max(self.finished, *(lane.finished for lane in self.lanes)) if self.lanes else self.finished
 
     @property
+    def lowest(self) -> float:
+        """The lowest value of any line, ∞ if there is none."""
+        lines = (self.episodes, self.greedy, *(lane.line for lane in self.lanes))
+        return float(np.fmin.reduce(np.concatenate([line.low for line in lines]), initial=np.inf))
+
+    @property
     def range(self) -> tuple[float, float]:
         """The lowest and highest value that must be on the vertical axis; the band may stick out.
 
-        So may greedy policies that are worth far less than all the rest: one that walks into walls until the
-        time limit would leave no room for others.
+        What is far below all the rest may stick out too, for it would leave no room for the others: the
+        lowest twentieth of the episodes, and greedy policies, which may walk into walls until the time limit.
         """
-        known = [each for each in (self.optimum, self.greedy_now, self.mean_now) if each is not None]
-        known += [lane.value for lane in self.lanes if lane.value is not None]
-        means = [lane.line.low for lane in self.lanes if not lane.is_exact]
-        every = _numbers(self.episodes.low, self.episodes.high, *means, np.array(known))
-        greedy = _numbers(self.greedy.low, *(lane.line.low for lane in self.lanes if lane.is_exact))
-        if every.any():
-            room = max(float(every.max() - every.min()) / 2.0, abs(float(every.max())))
-            greedy = greedy[greedy >= every.min() - room]
-        every = np.concatenate((every, greedy))
-        return (float(every.min()), float(every.max())) if len(every) else (0.0, 0.0)
+        ends = [self.optimum, self.mean_now, *(lane.value for lane in self.lanes if not lane.is_exact)]
+        lines = [self.episodes, *(lane.line for lane in self.lanes if not lane.is_exact)]
+        exact = [self.greedy, *(lane.line for lane in self.lanes if lane.is_exact)]
+        seen = [_known(line.low) for line in lines]
+        worth = [_known(line.low) for line in exact]
+        known = np.array([each for each in ends if each is not None])
+        core = np.concatenate((known, *map(_without_lowest, seen)))
+        if not len(core):
+            core = np.concatenate(list(map(_without_lowest, worth)))
+        if not len(core):
+            return 0.0, 0.0
+        low, high = float(core.min()), float(core.max())
+        room = max((high - low) / 2.0, abs(high)) if core.any() else np.inf
+        every = np.concatenate((*seen, *worth))
+        every = every[every >= low - room]
+        return float(every.min(initial=low)), float(every.max(initial=high))
 
 
-def _numbers(*arrays: FloatArray) -> FloatArray:
-    every = np.concatenate(arrays)
-    return np.asarray(every[~np.isnan(every)])
+def _known(values: FloatArray) -> FloatArray:
+    return np.asarray(values[~np.isnan(values)])
+
+
+def _without_lowest(values: FloatArray) -> FloatArray:
+    """Return all of ``values`` but the lowest twentieth."""
+    few = len(values) // 20
+    return np.partition(values, few)[few:] if few else values
 
 
 def curve_data(snapshot: Snapshot, *, revealed: bool) -> CurveData:
@@ -117,7 +139,7 @@ def curve_data(snapshot: Snapshot, *, revealed: bool) -> CurveData:
         finished=snapshot.counters.episodes,
         limit=None if plans else snapshot.world.budget,
         episodes=episodes,
-        band=Steps(episodes.start, episodes.end, curve.return_low, curve.return_high),
+        band=_band(episodes, curve),
         greedy=NO_STEPS if hidden else _greedy(snapshot.results, snapshot.counters.episodes),
         greedy_now=None if hidden else snapshot.results.greedy_return,
         mean_now=snapshot.results.return_last_100,
@@ -127,6 +149,7 @@ def curve_data(snapshot: Snapshot, *, revealed: bool) -> CurveData:
         hidden=hidden,
         barren=_barren(snapshot),
         is_decided=_is_decided(snapshot),
+        greedy_ends=None if hidden else snapshot.results.greedy_ends,
         lanes=tuple(
             _lane(number, lane, shown=number - 1 == snapshot.run_group.shown, hidden=hidden)
             for number, lane in enumerate(snapshot.run_group.lanes, 1)
@@ -147,6 +170,7 @@ def _lane(number: int, lane: LaneView, *, shown: bool, hidden: bool) -> LaneLine
         is_exact=is_exact,
         value=greedy_now if is_exact else lane.results.return_last_100,
         greedy_now=None if is_exact else greedy_now,
+        greedy_ends=None if hidden else lane.results.greedy_ends,
     )
 
 
@@ -155,6 +179,13 @@ def _episodes(results: RunResults) -> Steps:
     start = np.concatenate(([0.0], end[:-1])) if len(end) else end
     mean = smoothed(results.curve.return_mean)
     return Steps(start, end, mean, mean)
+
+
+def _band(episodes: Steps, curve: Curve) -> Steps:
+    """Return the lowest and the highest returns, none where ``episodes`` is the return of each episode."""
+    if np.array_equal(curve.return_low, episodes.low) and np.array_equal(curve.return_high, episodes.high):
+        return NO_STEPS
+    return Steps(episodes.start, episodes.end, curve.return_low, curve.return_high)
 
 
 def _greedy(results: RunResults, episodes: int) -> Steps:

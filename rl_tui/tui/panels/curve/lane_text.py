@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Final, NamedTuple
 
 from rich.cells import cell_len
@@ -18,12 +19,14 @@ from rl_tui.tui.panels.curve.text import (
     amount,
     label_columns,
     labels,
+    no_end,
 )
 from rl_tui.tui.theme.glyphs import Glyphs
 from rl_tui.tui.theme.look import Look
 
 _GREEDY: Final = ", greedy "
 _LARGEST_SHARE: Final = 0.5  # of the plot that names may take
+_ONE_SEED: Final = ("one seed; M counts many", "one seed")
 _TITLE_NAME: Final = 16  # cells of a shortened name in a title
 
 
@@ -52,9 +55,9 @@ def lane_labels(data: CurveData, look: Look, decimals: int, room: int) -> list[L
     names = _names(data, look, form.name)
     lanes = sorted(zip(data.lanes, names, strict=True), key=lambda each: not each[0].shown)
     found = [
-        LineLabel(_said(lane, name, form, decimals, look.glyphs), lane.value, _style(lane, look))
+        LineLabel(_said(lane, name, form, decimals, look.glyphs), _place(lane), _style(lane, look))
         for lane, name in lanes
-        if lane.value is not None
+        if lane.value is not None or _has_no_line(lane)
     ]
     has_greedy = not any(lane.shown and lane.is_exact for lane in data.lanes)
     return [*found, *labels(data, look, decimals, room, greedy=has_greedy, mean=False)]
@@ -77,11 +80,13 @@ def lane_titles(data: CurveData, usual: tuple[str, ...], glyphs: Glyphs) -> tupl
 
 
 def lane_remark(data: CurveData, look: Look, room: int) -> tuple[str, ...]:
-    """Return what the figures beside the names are, the longest form first; nothing where there are none."""
-    if room < ROOM_FOR_NAMES or not data.furthest or not _form(data, look, room).number:
+    """Return what the figures beside the names are, and of how many seeds, the longest form first."""
+    if room < ROOM_FOR_NAMES or not data.furthest:
         return ()
     if data.seeds:
         return seed_remark(data.seeds, look)
+    if not _form(data, look, room).number:
+        return _ONE_SEED
     what = "pulls" if data.is_bandit else "episodes"
     if any(lane.is_exact for lane in data.lanes):
         return (
@@ -94,8 +99,7 @@ def lane_remark(data: CurveData, look: Look, room: int) -> tuple[str, ...]:
         *(("one seed; M counts many · h adds the best arm",) if data.hidden else ()),
         f"beside names: last 100 {what}, one seed; M counts many",
         "last 100 of one seed; M counts many",
-        "one seed; M counts many",
-        "one seed",
+        *_ONE_SEED,
     )
 
 
@@ -128,13 +132,29 @@ def _clipped(name: str, width: int, ellipsis: str) -> str:
 
 
 def _said(lane: LaneLine, name: str, form: _Form, decimals: int, glyphs: Glyphs) -> str:
-    if not form.number or lane.value is None:
+    if not form.number:
         return name
     greedy = ""
-    if form.greedy and not lane.shown and lane.greedy_now is not None:
-        greedy = f"{_GREEDY}{amount(lane.greedy_now, decimals, glyphs)}"
+    if form.greedy and not lane.shown and not lane.is_exact:
+        greedy = _figure(lane.greedy_now, lane.greedy_ends, decimals, glyphs)
     # a colon between name and figure, for names end with figures themselves
-    return f"{name}: {amount(lane.value, decimals, glyphs)}{greedy}"
+    figure = _figure(lane.value, lane.greedy_ends, decimals, glyphs)
+    return f"{name}: {figure}{_GREEDY if greedy else ''}{greedy}"
+
+
+def _figure(value: float | None, ends: float | None, decimals: int, glyphs: Glyphs) -> str:
+    """Return a return, or that a policy has none because it may never end; empty if neither is known."""
+    if value is not None:
+        return amount(value, decimals, glyphs)
+    return "" if ends is None else no_end(ends, short=True)
+
+
+def _has_no_line(lane: LaneLine) -> bool:
+    return lane.is_exact and lane.greedy_ends is not None
+
+
+def _place(lane: LaneLine) -> float:
+    return -math.inf if lane.value is None else lane.value
 
 
 def _style(lane: LaneLine, look: Look) -> Style:

@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import Final
 
+import numpy as np
 from rich.style import Style
 
 from rl_tui.agents.catalogue import POLICY_BY_ID
@@ -21,6 +22,8 @@ ROOM_FOR_LONG: Final = 50
 ROOM_FOR_NUMBERS: Final = 30
 ROOM_FOR_NAMES: Final = 20
 NUMBER: Final = 6  # cells of the widest number beside a name
+_MOST_DECIMALS: Final = 5
+_LEAST_FIXED: Final = 2e-4  # extent of an axis whose numbers have no exponents
 _RECENT: Final = 100  # episodes in the mean that a snapshot tells
 _TIES: Final = "greedy: ties"
 
@@ -35,17 +38,31 @@ class LineLabel:
 
 
 def decimals_for(low: float, high: float) -> int:
-    """Return the decimals that tell values on an axis from ``low`` to ``high`` apart: 2 on 0 .. 1."""
+    """Return the decimals that tell values on an axis from ``low`` to ``high`` apart: 2 on 0 .. 1.
+
+    More than 5 are too many to be written: then all have exponents.
+    """
     extent = max(high - low, numbers.NEGLIGIBLE)
-    return min(5, max(0, 2 - math.floor(math.log10(extent))))
+    decimals = max(0, 2 - math.floor(math.log10(extent)))
+    return min(_MOST_DECIMALS, decimals) if extent >= _LEAST_FIXED else decimals
 
 
 def amount(x: float, decimals: int, glyphs: Glyphs) -> str:
     """Return ``x`` beside a curve: ``.73``, ``7.5``, ``−12``."""
     if abs(x) < numbers.NEGLIGIBLE:
         return "0"
+    if decimals > _MOST_DECIMALS:
+        return numbers.scientific(x, 1, glyphs)
     text = numbers.fixed(x, decimals, glyphs, leading_zero=False)
     return text if len(text) <= NUMBER else numbers.value(x, NUMBER, glyphs)
+
+
+def no_end(ends: float, *, short: bool = False) -> str:
+    """Return what stands in place of the return of a policy that has none: it ``ends`` so likely (0 to 1)."""
+    if ends > 0.0:
+        share = numbers.percent(ends)
+        return f"{share} end" if short else f"ends in {share}"
+    return "no end" if short else "never ends"
 
 
 def labels(
@@ -66,11 +83,16 @@ def labels(
     ]
     if mean:  # lanes have theirs in the remark
         lines += [(f"{each.seeds} seeds", each.value, palette.dim) for each in data.seeds]
-    return [
+    found = [
         LineLabel(to_ascii(_with_number(name, value, decimals, room, look.glyphs), look.glyphs), value, style)
         for name, value, style in lines
         if value is not None
     ]
+    if not greedy or data.greedy_ends is None:
+        return found
+    said = no_end(data.greedy_ends, short=room < ROOM_FOR_LONG)
+    text = f"greedy: {said}" if room >= ROOM_FOR_NUMBERS else said
+    return [LineLabel(to_ascii(text, look.glyphs), -math.inf, palette.greedy_line), *found]
 
 
 def label_columns(data: CurveData, look: Look, room: int, *, mean: bool = True) -> int:
@@ -81,7 +103,7 @@ def label_columns(data: CurveData, look: Look, room: int, *, mean: bool = True) 
     """
     if room < ROOM_FOR_NAMES:
         return 0
-    number = NUMBER if room >= ROOM_FOR_NUMBERS else 0
+    number = 1 + NUMBER if room >= ROOM_FOR_NUMBERS else 0
     greedy, recent, best = _usual_names(data.is_bandit, room, f"last {_RECENT}:")
     names = (greedy, recent, best) if mean else (greedy, best)
     return 2 + max(len(to_ascii(name, look.glyphs)) for name in names) + number
@@ -122,9 +144,14 @@ def titles(data: CurveData | None, glyphs: Glyphs, decimals: int, width: int) ->
         return "Greedy return, exact, per sweep", "Greedy return per sweep", "Greedy return"
     if data is not None and data.is_bandit:
         return ("Reward per pull",)
-    if width >= ROOM_FOR_LONG or data is None or data.greedy_now is None or not data.is_decided:
+    if width >= ROOM_FOR_LONG or data is None:
         return "Return per episode", "Return"
-    greedy = f"greedy {amount(data.greedy_now, decimals, glyphs)}"
+    if data.greedy_ends is not None:
+        greedy = f"greedy {no_end(data.greedy_ends)}"
+    elif data.greedy_now is not None and data.is_decided:
+        greedy = f"greedy {amount(data.greedy_now, decimals, glyphs)}"
+    else:
+        return "Return per episode", "Return"
     alone = f"Return · {greedy}"
     if data.optimum is None:
         return alone, "Return"
@@ -163,6 +190,42 @@ def remark(
         f"gap {cost} {what}: mostly what exploring (ε {rate}) costs",
         f"gap {cost}: mostly exploring (ε {rate})",
         f"gap {cost}: mostly exploring",
+    )
+
+
+def line_notes(
+    data: CurveData, low: float, glyphs: Glyphs, decimals: int, *, with_figures: bool = True
+) -> list[tuple[str, ...]]:
+    """Return why a line has gaps, and how far lines go below ``low``, where the axis begins.
+
+    Of each note all forms, the longest first.
+    """
+    notes: list[tuple[str, ...]] = []
+    if not data.furthest:
+        return notes
+    if data.greedy_ends is not None or np.isnan(data.greedy.low[1:-1]).any():
+        notes.append(
+            (
+                "no greedy line where that policy may never end: it has no return there",
+                "no greedy line where it may never end",
+                "no line: may never end",
+            )
+        )
+    if (lowest := data.lowest) < low:
+        longer = (f"{glyphs.down} is below the axis, down to {amount(lowest, decimals, glyphs)}",)
+        notes.append(
+            (*(longer if with_figures else ()), f"{glyphs.down} below the axis", f"{glyphs.down} below")
+        )
+    return notes
+
+
+def with_notes(words: tuple[str, ...], notes: list[tuple[str, ...]]) -> tuple[str, ...]:
+    """Return forms of ``words`` and ``notes`` in one line, the longest first; the first are kept longest."""
+    parts = [each for each in (words, *notes) if each]
+    return tuple(
+        " · ".join(part[min(form, len(part) - 1)] for part in parts[:count])
+        for count in range(len(parts), 0, -1)
+        for form in range(max(map(len, parts[:count])))
     )
 
 

@@ -25,7 +25,7 @@ class Scene:
 
     ``last_pair`` is the pair taken last. ``cursor`` is None where no cursor is to be seen; ``pointed`` are
     the pairs on which the cursor of another panel stands, or none. ``is_secret`` says that the means of a
-    bandit are hidden.
+    bandit are hidden. ``differing`` are the states whose greedy actions are others in the lane beside.
     """
 
     world: TableWorld
@@ -38,6 +38,7 @@ class Scene:
     look: Look
     breakpoints: Breakpoints = NO_BREAKPOINTS
     pointed: range = NOWHERE
+    differing: frozenset[int] = frozenset()
     forms: SteadyForms = field(default_factory=SteadyForms)
 
     @property
@@ -51,6 +52,15 @@ class Scene:
         if state in self.breakpoints.states:
             return Segment(glyphs.agent if state == self.state else glyphs.breakpoint, palette.breakpoint)
         return Segment(glyphs.agent, palette.agent) if state == self.state else Segment(" ", palette.text)
+
+    def is_pointed(self, pairs: range) -> bool:
+        """Return whether the cursor of another panel stands on the state that owns ``pairs``, or on one."""
+        return bool(self.pointed) and self.pointed.start in pairs
+
+    def difference_mark(self, state: int) -> Segment | None:
+        """Return the mark behind a state where the lane beside has other greedy actions, None elsewhere."""
+        look = self.look
+        return Segment(look.glyphs.differs, look.palette.accent) if state in self.differing else None
 
 
 def boxed(scene: Scene, figures: Figures, pair: int, width: int, digits: int, is_greedy: bool) -> Pieces:

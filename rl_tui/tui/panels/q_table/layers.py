@@ -51,9 +51,9 @@ def exact_q(snapshot: Snapshot, revealed: bool) -> tuple[FloatArray, BoolArray] 
 
 
 def other_lane(snapshot: Snapshot) -> LaneView | None:
-    """Return the first of the other runs side by side, None where there is none or its table is too large."""
+    """Return the run that stands beside the one shown, None without one or where its table is too large."""
     group = snapshot.run_group
-    other = next((lane for number, lane in enumerate(group.lanes) if number != group.shown), None)
+    other = group.lanes[group.beside] if group.lanes and group.beside is not None else None
     return other if other is not None and len(other.q) else None
 
 

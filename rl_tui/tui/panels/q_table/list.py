@@ -150,12 +150,13 @@ def _pair_columns(scene: Scene, width: int) -> list[Column]:
 
     def state_name(pair: int, is_new: bool) -> Pieces:
         name = world.state_name(world.space.state_of(pair), state) if is_new else ""
-        pointed = bool(name) and pair in scene.pointed
+        pointed = bool(name) and scene.is_pointed(world.space.pairs_of(world.space.state_of(pair)))
         style = look.palette.focus if pointed else look.palette.strong
-        return [
-            Segment(name, style),
-            Segment(padded("", state + gap - cell_len(name)), look.palette.text),
-        ]
+        blank = padded("", state + gap - cell_len(name))
+        differs = scene.difference_mark(world.space.state_of(pair)) if name else None
+        if differs is None:
+            return [Segment(name, style), Segment(blank, look.palette.text)]
+        return [Segment(name, style), differs, Segment(blank[1:], look.palette.text)]
 
     def action_name(pair: int, _: bool) -> Pieces:
         name = shortened(world.action_names[world.action_of(pair)], action, look.glyphs.ellipsis)

@@ -72,8 +72,8 @@ class MatrixForm:
         style = palette.strong if here else palette.dim
         pieces = [
             scene.state_mark(state),
-            Segment(name, palette.focus if scene.pointed == pairs else style),
-            Segment(" ", style),
+            Segment(name, palette.focus if scene.is_pointed(pairs) else style),
+            scene.difference_mark(state) or Segment(" ", style),
         ]
         greedy = scene.shown.greedy(pairs)
         digits = min(self.field, MOST_DIGITS)

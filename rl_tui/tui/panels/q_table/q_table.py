@@ -18,8 +18,8 @@ from rl_tui.tui.draw.number_form import SteadyForms
 from rl_tui.tui.draw.pieces import Piece, strips_of, wrapped
 from rl_tui.tui.panels.bindings import binding
 from rl_tui.tui.panels.legend import GREEDY_IN_FULL, Legend, LegendSign
-from rl_tui.tui.panels.panel import Panel
-from rl_tui.tui.panels.pointing import NOWHERE, Pointed
+from rl_tui.tui.panels.panel import BoardPanel, Panel
+from rl_tui.tui.panels.pointing import NOWHERE, Moved, Pointed
 from rl_tui.tui.panels.q_table.form import Scene
 from rl_tui.tui.panels.q_table.layers import (
     EXACT_LAYERS,
@@ -55,7 +55,8 @@ class QTable(Panel, can_focus=True):
 
     It follows the agent until a key, the wheel or a click moves cursor or view; escape goes back to it.
     ``lights`` lets the cell that was just updated light up, while steps are slow enough to follow;
-    ``sources`` are the pairs that light up because the update looked them up.
+    ``sources`` are the pairs that light up because the update looked them up. Beside the table of another
+    lane ``lane`` is the number of its own, and ``differing`` are the states with other greedy actions there.
     """
 
     BINDINGS: ClassVar[list[BindingType]] = [
@@ -80,6 +81,8 @@ class QTable(Panel, can_focus=True):
         super().__init__(look, id=id, classes=classes)
         self.lights = True
         self.sources: frozenset[int] = frozenset()
+        self.lane = ""
+        self.differing: frozenset[int] = frozenset()
         # where the user put the cursor; None while the table follows the agent
         self.cursor_pair: int | None = None
         self.heading = "Q"
@@ -179,20 +182,21 @@ class QTable(Panel, can_focus=True):
             self.footing = self._footing(width, is_scrolled=False)
             return self._message(snapshot, width, height)
         form, scene = self._form(snapshot, width, height)
-        if self._following and height != self._height:
+        if self._following and height != self._height and not self.is_led:
             self._first = 0  # where it came to stand while the layout was not done must not be seen later
         self._height = height
         self._sheet = sheet = Sheet(form, scene, width, height)
         if self.pointed:
             sheet.scroll_to(self._first, self.pointed.start)
         else:
-            sheet.scroll(self._first, _followed(snapshot) if self._following else None)
-            if self._following and self.sources and snapshot.counters.last_step is not None:
+            follows = self._following and not self.is_led
+            sheet.scroll(self._first, _followed(snapshot) if follows else None)
+            if follows and self.sources and snapshot.counters.last_step is not None:
                 sheet.reach(snapshot.counters.last_step.updated_pair, _followed(snapshot))
         self._first = sheet.first
         self.free_rows = sheet.free_rows
         self.heading = self.fitting(
-            headings(snapshot, self.shown_layer, size_in_words(scene, form), self), width
+            headings(snapshot, self.shown_layer, size_in_words(scene, form), self, self.lane), width
         )
         self.footing = self._footing(width, is_scrolled=sheet.is_scrolled and not self.pointed)
         return sheet.strips(self._cache)
@@ -247,6 +251,7 @@ class QTable(Panel, can_focus=True):
         if layer is not None:
             event.prevent_default()
             self.shown_layer = layer
+            self.post_message(Moved(self))
         offset = event.get_content_offset(self)
         if offset is None or self._sheet is None:
             return
@@ -262,6 +267,11 @@ class QTable(Panel, can_focus=True):
         """Scroll up."""
         self._scroll_by(-_WHEEL_ROWS, event)
 
+    def on_resize(self) -> None:
+        """Bring the rows that are in view now into view in the lane beside."""
+        if not self.is_led:
+            self.post_message(Moved(self))
+
     def watch_has_focus(self, has_focus: bool) -> None:
         """Show or hide the cursor."""
         super().watch_has_focus(has_focus)
@@ -273,6 +283,17 @@ class QTable(Panel, can_focus=True):
         if pairs != self.pointed:
             self.pointed = pairs
             self.redraw()
+
+    @property
+    def stance(self) -> object:
+        """The cursor, the rows in view and the layer."""
+        return self.cursor_pair, self._following, self._first, self._layer
+
+    def align_with(self, twin: BoardPanel) -> None:
+        """Take the stance of the table ``twin``."""
+        if isinstance(twin, QTable):
+            self.cursor_pair, self._following, self._first = twin.cursor_pair, twin._following, twin._first
+            self._layer = twin._layer
 
     def _tell(self) -> None:
         """Tell other panels where the cursor stands."""
@@ -286,6 +307,7 @@ class QTable(Panel, can_focus=True):
             self._following = False
             self._first += rows
             self.redraw()
+            self.post_message(Moved(self))
 
     def _put_cursor(self, pair: int) -> None:
         self.cursor_pair, self._following = pair, False
@@ -343,6 +365,7 @@ class QTable(Panel, can_focus=True):
             look=self.look,
             breakpoints=snapshot.playback.breakpoints,
             pointed=self.pointed,
+            differing=self.differing,
             forms=self._forms,
         )
 

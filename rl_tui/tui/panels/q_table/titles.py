@@ -32,13 +32,17 @@ _CAPTIONS: Final = {
 _KEY: Final = "v:"
 
 
-def headings(snapshot: Snapshot, layer: Layer, size: str, panel: Panel) -> tuple[str, ...]:
-    """Return what ``panel`` is called while it shows ``layer``, the longest form first."""
+def headings(snapshot: Snapshot, layer: Layer, size: str, panel: Panel, lane: str = "") -> tuple[str, ...]:
+    """Return what ``panel`` is called while it shows ``layer``, the longest form first.
+
+    ``lane`` is the number of the lane where another table stands beside it, else empty.
+    """
     other = other_lane(snapshot) if layer is Layer.LANES else None
     if other is None:
         title = TITLES[layer]
         captions = panel.captioned(title, _CAPTIONS.get(layer, ""))
-        return (*(f"{each} · {size}" for each in captions), *captions, f"{title} · {size}", title)
+        forms = (*(f"{each} · {size}" for each in captions), *captions, f"{title} · {size}", title)
+        return tuple(f"{lane} · {each}" for each in forms) if lane else forms
     title, own = f"Q − Q of {other.name}", snapshot.run_group.lanes[snapshot.run_group.shown].name
     number = 1 + next(place for place, lane in enumerate(snapshot.run_group.lanes) if lane is other)
     return (

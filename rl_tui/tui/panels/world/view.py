@@ -14,11 +14,12 @@ from rl_tui.tui.draw.canvas import Canvas, shortened
 from rl_tui.tui.draw.names import state_name
 from rl_tui.tui.panels.bindings import binding
 from rl_tui.tui.panels.legend import Legend, LegendSign
-from rl_tui.tui.panels.panel import Panel
-from rl_tui.tui.panels.pointing import NOWHERE, Pointed
+from rl_tui.tui.panels.panel import BoardPanel, Panel
+from rl_tui.tui.panels.pointing import NOWHERE, Moved, Pointed
 from rl_tui.tui.theme.look import Look
 from rl_tui.worlds.world import World
 
+TITLE: Final = "World"
 WAITING: Final = "the world is being built"
 _WHEEL: Final = 3
 
@@ -29,7 +30,8 @@ class WorldView(Panel, can_focus=True):
     In focus it has a cursor, which stands on a place: a cell of a map, a state of a graph, an arm. Until an
     arrow key or a click moves it, it stays with the agent; escape takes it back there. ``is_manual``
     says that a person is the agent: then the cursor is not drawn, and ``title`` and ``prompt``, the longest
-    forms first, stand in the border.
+    forms first, stand in the border. So does the name of a ``lane`` where another one stands beside it, and
+    below it, without focus, a ``note`` about both.
 
     Subclasses implement :meth:`drawing`, which may set ``heading`` and ``footing`` on the way, and say what
     the places are.
@@ -59,6 +61,8 @@ class WorldView(Panel, can_focus=True):
         super().__init__(look, id=id, classes=classes)
         self.title: tuple[str, ...] = ()
         self.prompt: tuple[str, ...] = ()
+        self.lane: tuple[str, ...] = ()
+        self.note: tuple[str, ...] = ()
         self._is_manual = False
         self._is_numbered = False
         self._differing: frozenset[int] = frozenset()
@@ -73,14 +77,12 @@ class WorldView(Panel, can_focus=True):
 
     @property
     def differing(self) -> frozenset[int]:
-        """The states whose greedy actions are others in the lane beside this one."""
+        """The states whose greedy actions are others in the lane beside; seen when it is drawn again."""
         return self._differing
 
     @differing.setter
     def differing(self, states: frozenset[int]) -> None:
-        if states != self._differing:
-            self._differing = states
-            self.redraw()
+        self._differing = states
 
     @property
     def shows_actions(self) -> bool:
@@ -225,6 +227,11 @@ class WorldView(Panel, can_focus=True):
     def keep_in_view(self, place: int) -> None:
         """Scroll so far that ``place`` is seen."""
 
+    def align_with(self, twin: BoardPanel) -> None:
+        """Take the cursor of the view ``twin``; subclasses take the rest of its stance."""
+        if isinstance(twin, WorldView):
+            self.cursor = twin.cursor
+
     def _tell(self, pairs: range) -> None:
         if self.is_attached:
             self.post_message(Pointed(self, pairs))
@@ -233,6 +240,8 @@ class WorldView(Panel, can_focus=True):
         """Return the drawing of ``snapshot``, a moment of a run in this view's world."""
         if snapshot is not None:
             strips = self.drawing(snapshot, width, height)
+            if self.lane:
+                self._name_lane(width)
             if not self.footing and self.has_focus:
                 self.footing = self.fitting(self._about_cursor(), width)
             if self.is_manual:
@@ -243,6 +252,13 @@ class WorldView(Panel, can_focus=True):
         text = shortened(WAITING, width, glyphs.ellipsis)
         canvas.put((width - len(text)) // 2, (height - 1) // 2, text, palette.dim)
         return canvas.strips()
+
+    def _name_lane(self, width: int) -> None:
+        """Write the lane in the border, and below it the note, else what the picture shows."""
+        shows, self.heading = self.heading.removeprefix(f"{TITLE} · "), self.fitting(self.lane, width)
+        if not self.has_focus:
+            forms = self.note or (self.footing, "" if self.is_explained else shows)
+            self.footing = self.fitting(filter(None, forms), width)
 
     def _about_cursor(self) -> tuple[str, ...]:
         """Return where the cursor stands and what may be done there, the longest form first."""
@@ -301,6 +317,11 @@ class WorldView(Panel, can_focus=True):
         if place is not None:
             self.put_cursor(place)
 
+    def on_resize(self) -> None:
+        """Bring the part that is in view now into view in the lane beside."""
+        if not self.is_led:
+            self.post_message(Moved(self))
+
     def watch_has_focus(self, has_focus: bool) -> None:
         """Show or hide the cursor, here and in other panels."""
         super().watch_has_focus(has_focus)
@@ -321,3 +342,4 @@ class WorldView(Panel, can_focus=True):
         sideways = event.shift or event.ctrl
         self.pan(0 if sideways else lines, lines if sideways else 0)
         self.redraw()
+        self.post_message(Moved(self))

@@ -13,7 +13,7 @@ from textual.widgets.option_list import Option
 
 from rl_tui.agents.catalogue import BY_ID
 from rl_tui.agents.hyperparameters import PARAMETERS
-from rl_tui.lab.live.commands import AddBranch, ChooseLane, DropLane
+from rl_tui.lab.live.commands import AddBranch, ChooseLane, DropLane, MarkLane
 from rl_tui.lab.many_seeds.figures import SeedStudy
 from rl_tui.lab.run.recipe import Recipe
 from rl_tui.lab.timeline.lane_view import LaneView
@@ -28,13 +28,15 @@ from rl_tui.tui.theme.look import Look
 
 MOST_LANES: Final = 4
 MOST_BRANCHES: Final = 4
-Answer = ChooseLane | DropLane | AddBranch | str
-"""A lane to show or to end, a branch to stand beside, or the name of what another one has otherwise."""
+Answer = ChooseLane | MarkLane | DropLane | AddBranch | str
+"""A lane to show, to mark or to end, a branch as another one, or the name of what another has otherwise."""
 
+_PAIR: Final = 2
 _LANE: Final = "lane-"
 _WITH: Final = "with-"
 _BRANCH: Final = "branch-"
 _HINTS: Final = {
+    "marked": "+ stands beside the one shown, and space chooses it",
     "lanes": "returns, undiscounted: mean of the last 100; exact one of the greedy policy",
     "branch": "this run as it went on that branch; each lane is changed by itself from now on",
     ALGORITHM: "another way to learn, or to plan",
@@ -47,13 +49,15 @@ _LEAST_SYMBOL: Final = 12
 class Compare(Dialog[Answer]):
     """A list of ``lanes``, at least one, of which ``shown`` is on screen; below it what else to compare with.
 
-    ``recipe`` is what is in force in the one shown. Of a bandit that is ``hidden`` nothing exact is shown.
-    ``study`` is what many seeds say of these lanes, None where that is not known. ``branches`` of the one
-    shown can stand beside it, in words by their numbers: the last few are offered.
+    ``beside`` is the one that stands beside it, None without one. ``recipe`` is what is in force in the one
+    shown. Of a bandit that is ``hidden`` nothing exact is shown. ``study`` is what many seeds say of these
+    lanes, None where that is not known. ``branches`` of the one shown can stand beside it, in words by their
+    numbers: the last few are offered.
     """
 
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("delete,backspace", "end", "end lane", id="compare.end", tooltip="End the run chosen."),
+        Binding("space", "mark", "beside", id="compare.mark", tooltip="Have the run beside the one shown."),
     ]
 
     def __init__(
@@ -64,6 +68,7 @@ class Compare(Dialog[Answer]):
         recipe: Recipe,
         *,
         hidden: bool,
+        beside: int | None = None,
         study: SeedStudy | None = None,
         branches: Mapping[int, str] | None = None,
     ) -> None:
@@ -71,6 +76,7 @@ class Compare(Dialog[Answer]):
         self._look = look
         self._lanes = lanes
         self._shown = shown
+        self._beside = beside
         self._recipe = recipe
         self._hidden = hidden
         self._study = study
@@ -78,7 +84,8 @@ class Compare(Dialog[Answer]):
 
     def compose(self) -> ComposeResult:
         """Yield the list and the sentence about the entry under the cursor."""
-        with self.box("Compare", "enter: choose   del: end lane   esc: close"):
+        marks = "   space: beside" if len(self._lanes) > _PAIR else ""
+        with self.box("Compare", f"enter: choose{marks}   del: end lane   esc: close"):
             yield OptionList()
             yield Static(classes="hint", markup=False)
 
@@ -103,6 +110,8 @@ class Compare(Dialog[Answer]):
         name = entry.removeprefix(_WITH)
         if entry.startswith(_LANE):
             hint = _HINTS["lanes"]
+            if len(self._lanes) > _PAIR:
+                hint = f"{hint}. {_HINTS['marked']}"
         elif entry.startswith(_BRANCH):
             hint = _HINTS["branch"]
         else:
@@ -128,6 +137,19 @@ class Compare(Dialog[Answer]):
             self.dismiss(DropLane(int(str(option.id).removeprefix(_LANE))))
         else:
             self.notify("the only run cannot be ended; esc leaves it")
+
+    def action_mark(self) -> None:
+        """Answer the lane to have beside the one shown."""
+        option = self.query_one(OptionList).highlighted_option
+        if option is None or not str(option.id).startswith(_LANE):
+            return
+        lane = int(str(option.id).removeprefix(_LANE))
+        if len(self._lanes) <= _PAIR:
+            self.notify("of three or four lanes one is chosen to stand beside the one shown")
+        elif lane == self._shown:
+            self.notify("this one is shown; choose another to stand beside it")
+        else:
+            self.dismiss(MarkLane(lane))
 
     def _options(self) -> Iterator[Option | None]:
         yield from self._lane_options()
@@ -158,7 +180,13 @@ class Compare(Dialog[Answer]):
     def _lane_options(self) -> Iterator[Option]:
         """Yield a heading, the lanes, and how far to trust their figures."""
         head, rows = lane_rows(
-            self._lanes, self._shown, self._study, self._look, self._room, hidden=self._hidden
+            self._lanes,
+            self._shown,
+            self._study,
+            self._look,
+            self._room,
+            hidden=self._hidden,
+            marked=self._beside if len(self._lanes) > _PAIR else None,
         )
         yield Option(head, disabled=True)
         for number, row in enumerate(rows):

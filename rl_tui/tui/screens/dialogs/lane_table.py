@@ -65,8 +65,11 @@ def lane_rows(
     width: int,
     *,
     hidden: bool,
+    marked: int | None = None,
 ) -> tuple[str, list[LaneRow]]:
     """Return a heading and a row for each of ``lanes``, of ``width`` cells; the lane ``shown`` is marked.
+
+    So is the one ``marked`` to stand beside it, None where that goes without saying.
 
     ``study`` is one of these lanes, or None. Of a bandit that is ``hidden`` nothing exact is told. Columns
     for which the names leave no room are left out.
@@ -84,7 +87,7 @@ def lane_rows(
     seeds = "" if study is None else f"  {study.seeds} seeds"
     found = []
     for number, lane in enumerate(lanes):
-        mark = look.glyphs.cursor if number == shown else ""
+        mark = look.glyphs.cursor if number == shown else "+" if number == marked else ""
         own = row(
             f"{mark:<1} {number + 1}", to_ascii(lane.name, look.glyphs), [c.own[number] for c in columns]
         )

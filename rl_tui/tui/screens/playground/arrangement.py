@@ -37,6 +37,7 @@ _LEAST_PAIR_WIDTH = 76  # for two worlds side by side
 _LEAST_PAIR_HEIGHT = 20
 _LEAST_PAIR_CURVE = 9  # with the timeline
 _LEAST_PAIR_TABLE = 8
+_NOTE_ROWS = 2  # what is noted below a list may be left out
 _LEAST_TALL_CELL = 8  # a cell of a map that is narrower gains nothing by a third row
 _LEAST_WIDE = 20  # rows of a panel that has the whole width
 
@@ -129,11 +130,10 @@ def _most_lines(shape: Shape, width: int) -> int:
 def _pair_table_rows(shape: Shape, rows: int) -> int:
     """Return how many of ``rows`` the tables take: all they need, else about as many as the curve."""
     whole = shape.table_rows + 1 + _BORDERS
-    return min(whole, rows - (_LEAST_PAIR_CURVE if whole <= rows - _LEAST_PAIR_CURVE else _share(rows)))
-
-
-def _share(rows: int) -> int:
-    return max(_LEAST_PAIR_CURVE, rows * 12 // 25)
+    for needed in (whole, whole - _NOTE_ROWS):
+        if needed <= rows - _LEAST_PAIR_CURVE:
+            return needed
+    return rows - max(_LEAST_PAIR_CURVE, rows * 12 // 25)
 
 
 def _lines_below(width: int, y: int) -> dict[str, Region]:

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+import asyncio
 from collections.abc import Iterator, Sequence
-from typing import TypeVar
+from dataclasses import replace
+from typing import Any, TypeVar
 
 from textual import events
 from textual.app import ComposeResult
 from textual.containers import Container
-from textual.geometry import NULL_OFFSET, NULL_SPACING, Region, Size
-from textual.layout import ArrangeResult, Layout, WidgetPlacement
+from textual.layout import Layout
 from textual.message import Message
 from textual.widget import Widget
 
@@ -24,19 +25,21 @@ from rl_tui.tui.panels.catalogue import (
     TIMELINE,
     WORLD,
     PanelRow,
+    beside,
 )
 from rl_tui.tui.panels.controls.controls import Controls
 from rl_tui.tui.panels.controls.slider import Slider
 from rl_tui.tui.panels.curve.curve import ReturnCurve
 from rl_tui.tui.panels.microscope.microscope import Microscope, lit_sources
 from rl_tui.tui.panels.panel import BoardPanel
-from rl_tui.tui.panels.pointing import Pointed
+from rl_tui.tui.panels.pointing import Moved, Pointed
 from rl_tui.tui.panels.q_table.q_table import QTable
 from rl_tui.tui.panels.timeline.timeline import HINTS, TimelineBar
 from rl_tui.tui.panels.world.make_view import make_world_view
 from rl_tui.tui.panels.world.view import WorldView
 from rl_tui.tui.screens.legend_switch import LegendSwitch
-from rl_tui.tui.screens.playground.arrangement import Shape, arrangement
+from rl_tui.tui.screens.playground.board_layout import BoardLayout
+from rl_tui.tui.screens.playground.lane_pair import LanePair
 from rl_tui.tui.screens.playground.wanted import Wanted
 from rl_tui.tui.theme.look import Look
 
@@ -49,6 +52,9 @@ class Board(Container):
     One panel may be zoomed to cover all others, and one of those that have a key of their own may be open.
     ``show`` draws a snapshot on all of them, and what is ``wanted`` though no snapshot has it yet. The view
     of the world is made for the first one: only then is its kind known.
+
+    Where two lanes stand side by side, a row that is twofold has a second widget, for the lane at the right.
+    The left one has the lower number, whichever is led: ``world`` and ``table`` are those of the lane led.
     """
 
     class Toggled(Message):
@@ -59,10 +65,9 @@ class Board(Container):
         self.look = look
         self.rows = {row.id: row for row in panels}
         self._panels = {row.id: row.make(look) for row in panels}
-        self.world: WorldView | None = None
-        self._is_explained = False
+        self._pair = LanePair(self._panels, look)
+        self._is_one_lane = self._is_explained = False
         self.legends = LegendSwitch(None)
-        self.table = self._made(TABLE, QTable)
         self.curve = self._made(CURVE, ReturnCurve)
         self.timeline = self._made(TIMELINE, TimelineBar)
         self.controls = self._made(CONTROLS, Controls)
@@ -71,41 +76,127 @@ class Board(Container):
         self._wanted = wanted
         self._focused_before: Widget | None = None
         self._focused_beside_sliders: Widget | None = None
-        self._arrangement = _BoardLayout(panels)
+        self._arrangement = BoardLayout(panels)
+        self._snapshot: Snapshot | None = None
+        self._mounting = asyncio.Lock()
 
     def _made(self, panel: str, kind: type[Kind]) -> Kind:
-        made = self._panels[panel]
+        made = self.panel(panel)
         assert isinstance(made, kind)
         return made
+
+    @property
+    def table(self) -> QTable:
+        """The table of the lane that is led."""
+        return self._made(self._pair.led(TABLE), QTable)
+
+    @property
+    def world(self) -> WorldView | None:
+        """The world of the lane that is led, None before the first snapshot."""
+        made = self.panel(self._pair.led(WORLD))
+        return made if isinstance(made, WorldView) else None
 
     def compose(self) -> ComposeResult:
         """Yield the panels in the order of the tab key."""
         yield from self._panels.values()
 
     def panel(self, panel: str) -> BoardPanel:
-        """Return the widget of the row ``panel``."""
-        return self._panels[panel]
+        """Return the widget with the id ``panel``."""
+        return self._widgets()[panel]
+
+    def _widgets(self) -> dict[str, BoardPanel]:
+        return self._panels | {beside(row): twin for row, twin in self._pair.twins.items()}
 
     def show(self, snapshot: Snapshot) -> None:
         """Draw ``snapshot``; what a person can set is drawn as it is wanted."""
+        self._snapshot = snapshot
         if self.world is None:
-            self.world = make_world_view(snapshot.world, self.look, id=WORLD, classes="panel")
-            self.world.caption, self.world.is_explained = self.rows[WORLD].caption, self.is_explained
-            self.world.is_numbered = self.is_numbered
-            self.world.shows_actions = self.shows_actions
-            self._panels[WORLD] = self.world
-            self.run_worker(self._replace_placeholder(self.world))
+            self._panels[WORLD] = view = make_world_view(snapshot.world, self.look, id=WORLD, classes="panel")
+            view.caption, view.is_explained = self.rows[WORLD].caption, self.is_explained
+            view.is_numbered, view.shows_actions = self.is_numbered, self.shows_actions
+            self.run_worker(self._replace_placeholder(view))
+        if snapshot.beside is not None and not self._pair.twins:
+            self._pair.make(snapshot, self.rows.values())
+            self.is_explained, self.is_numbered = self.is_explained, self.is_numbered
+            self.shows_actions = self.shows_actions
+            self.run_worker(self._mount_twins())
+        self._reshape(lanes=snapshot.beside is not None and not self._is_one_lane)
+        self._take_lead(snapshot)
         self.table.sources = lit_sources(snapshot) if self.opened == MICROSCOPE else frozenset()
         self.controls.wanted = self._wanted.recipe.hyperparameters
         self.timeline.sought = self._wanted.step
         for panel in self._shown():
             panel.revealed = self._wanted.revealed or snapshot.playback.phase is Phase.SPENT
-            panel.show(snapshot)
+            if not self._pair.has(panel):
+                panel.show(snapshot)
+        if self._pair.is_shown:
+            self._pair.show(snapshot)
         world = snapshot.world
-        shape = Shape(world.drawing, self.table.rows, world.space.pairs, int(self.is_explained))
+        self._reshape(
+            drawing=world.drawing,
+            table_rows=self.table.rows,
+            arms=world.space.pairs,
+            legend_rows=int(self.is_explained),
+        )
+
+    def _reshape(self, **changes: Any) -> None:
+        """Arrange the panels again where what that depends on has changed."""
+        shape = replace(self._arrangement.shape, **changes)
         if shape != self._arrangement.shape:
             self._arrangement.shape = shape
             self._arrange_again()
+
+    def _take_lead(self, snapshot: Snapshot) -> None:
+        """Let the panels of the lane led be those that keys are about."""
+        world = self.world
+        if not self._pair.take_lead(snapshot, is_shown=self._arrangement.is_pair(self.size)):
+            return
+        self.set_class(self.is_paired, "-lanes")
+        if world is not None and self.world is not None and world is not self.world:
+            self.world.is_manual, world.is_manual = world.is_manual, False
+            self.world.title, self.world.prompt = world.title, world.prompt
+        zoomed = None if self.zoomed is None else self._pair.row_of(self.zoomed)
+        if zoomed is not None:
+            self.zoom(self._pair.led(zoomed))
+        self._keep_focus_in_view()
+
+    async def _mount_twins(self) -> None:
+        async with self._mounting:
+            if self.is_attached:
+                for row, twin in self._pair.twins.items():
+                    await self.mount(twin, after=f"#{row}")
+                self._arrange_again()
+
+    @property
+    def is_one_lane(self) -> bool:
+        """Whether one lane alone is to be seen, though there are several."""
+        return self._is_one_lane
+
+    @is_one_lane.setter
+    def is_one_lane(self, is_one_lane: bool) -> None:
+        self._is_one_lane = is_one_lane
+        if self._snapshot is not None:
+            self.show(self._snapshot)
+
+    @property
+    def is_paired(self) -> bool:
+        """Whether two lanes stand side by side."""
+        return self._pair.is_shown
+
+    def on_resize(self) -> None:
+        """Show one lane or two, as there is room."""
+        if self._snapshot is not None and self._snapshot.beside is not None:
+            self.show(self._snapshot)
+
+    def next_layer(self) -> None:
+        """Go to the next layer of the tables; where none is in view, show the one of the lane led alone."""
+        table = self._pair.led(TABLE)
+        if self.zoomed is None and self.is_paired and not self.shows(table):
+            self.zoom(table)
+            self.table.focus()
+            return
+        self.table.next_layer()
+        self._pair.align(self.table)
 
     @property
     def is_explained(self) -> bool:
@@ -115,7 +206,7 @@ class Board(Container):
     @is_explained.setter
     def is_explained(self, is_explained: bool) -> None:
         self._is_explained = is_explained
-        for panel in self._panels.values():
+        for panel in self._widgets().values():
             panel.is_explained = is_explained
 
     @property
@@ -126,8 +217,9 @@ class Board(Container):
     @is_numbered.setter
     def is_numbered(self, is_numbered: bool) -> None:
         self.legends.numbers_states = is_numbered
-        if self.world is not None:
-            self.world.is_numbered = is_numbered
+        for panel in self._widgets().values():
+            if isinstance(panel, WorldView):
+                panel.is_numbered = is_numbered
 
     @property
     def shows_actions(self) -> bool:
@@ -137,20 +229,24 @@ class Board(Container):
     @shows_actions.setter
     def shows_actions(self, shows_actions: bool) -> None:
         self.legends.shows_actions = shows_actions
-        if self.world is not None:
-            self.world.shows_actions = shows_actions
+        for panel in self._widgets().values():
+            if isinstance(panel, WorldView):
+                panel.shows_actions = shows_actions
 
     def _shown(self) -> Iterator[BoardPanel]:
         """Yield the panels that are not closed."""
         for row in self.rows.values():
             if row.opened_by is None or row.id == self.opened:
                 yield self._panels[row.id]
+                if self.is_paired and row.id in self._pair.twins:
+                    yield self._pair.twins[row.id]
 
     def on_descendant_focus(self, event: events.DescendantFocus) -> None:
         """Write the keys of the timeline, which has no border, on the border of the curve above it."""
         self.curve.hints = HINTS if event.widget is self.timeline else ()
         if not isinstance(event.widget, Slider):
             self._focused_beside_sliders = event.widget
+        self._pair.follow_focus()
 
     def leave_slider(self) -> None:
         """Give the focus back to the panel that had it before the sliders; to none if none had."""
@@ -162,11 +258,17 @@ class Board(Container):
         self.curve.hints = ()
 
     def on_pointed(self, event: Pointed) -> None:
-        """Show in the table where the world's cursor stands, and in the world where the table's does."""
+        """Show where the cursor of a world or a table stands in all others."""
         event.stop()
-        for panel in (self.table, self.world):
-            if panel is not None and panel is not event.panel:
+        self._pair.align(event.panel)
+        for panel in self._widgets().values():
+            if isinstance(panel, QTable | WorldView) and panel is not event.panel:
                 panel.point_at(event.pairs)
+
+    def on_moved(self, event: Moved) -> None:
+        """Bring the same part into view in the other lane."""
+        event.stop()
+        self._pair.align(event.panel)
 
     @property
     def viewport(self) -> Viewport:
@@ -187,6 +289,19 @@ class Board(Container):
         """Let ``panel`` cover all others; None shows all."""
         self._arrangement.zoomed = panel
         self._arrange_again()
+        self._keep_focus_in_view()
+
+    def _keep_focus_in_view(self) -> None:
+        """Let the lane led have the focus of a panel of two that is not in view any more."""
+        focused, regions = self.screen.focused, self._arrangement.regions(self.size, self.zoomed)
+        panel = self.panel_of(focused)
+        row = None if focused is None else self._pair.row_of(panel)
+        if row is None or panel in regions:
+            return
+        for each in (self._pair.led(row), self._pair.led(WORLD)):
+            if each in regions:
+                self.panel(each).focus()
+                return
 
     @property
     def opened(self) -> str | None:
@@ -224,7 +339,8 @@ class Board(Container):
         self.post_message(self.Toggled())
 
     def bring_into_view(self, panel: str) -> None:
-        """Show ``panel``: end the zoom, and close the panel that stands in its place."""
+        """Show ``panel``, of the lane led: end the zoom, and close the panel that stands in its place."""
+        panel = self._pair.led(panel)
         if self.zoomed not in (None, panel):
             self.zoom(None)
         if panel not in self._arrangement.regions(self.size, None):
@@ -235,11 +351,11 @@ class Board(Container):
         return panel in self._arrangement.placed
 
     def panel_of(self, widget: Widget | None) -> str:
-        """Return the id of the panel that ``widget`` stands in; of the world if in none."""
+        """Return the id of the panel that ``widget`` stands in; of the world of the lane led if in none."""
         for node in widget.ancestors_with_self if widget else ():
             if node.parent is self and node.id:
                 return node.id
-        return WORLD
+        return self._pair.led(WORLD)
 
     @property
     def layout(self) -> Layout:
@@ -251,33 +367,9 @@ class Board(Container):
         self.table.refresh(layout=True)
 
     async def _replace_placeholder(self, view: WorldView) -> None:
-        if not self.is_attached:
-            return
-        with self.app.batch_update():
-            await self.query_one(f"#{WORLD}").remove()
-            await self.mount(view, before=0)
-
-
-class _BoardLayout(Layout):
-    name = "board"
-
-    def __init__(self, panels: Sequence[PanelRow]) -> None:
-        self.shape = Shape()
-        self.zoomed: str | None = None
-        self.opened: str | None = None
-        self.placed: frozenset[str] = frozenset()
-        self._panels = panels
-
-    def regions(self, size: Size, zoomed: str | None) -> dict[str, Region]:
-        return arrangement(size, self.shape, zoomed, self.opened, self._panels)
-
-    def arrange(
-        self, parent: Widget, children: list[Widget], size: Size, greedy: bool = True
-    ) -> ArrangeResult:
-        regions = self.regions(size, self.zoomed)
-        self.placed = frozenset(regions)
-        return [
-            WidgetPlacement(regions[child.id], NULL_OFFSET, NULL_SPACING, child)
-            for child in children
-            if child.id in regions
-        ]
+        async with self._mounting:
+            if not self.is_attached:
+                return
+            with self.app.batch_update():
+                await self.query_one(f"#{WORLD}").remove()
+                await self.mount(view, before=0)

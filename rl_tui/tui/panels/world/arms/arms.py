@@ -14,6 +14,7 @@ from rl_tui.lab.run.bandit import true_means
 from rl_tui.tui.draw.names import pair_in_words
 from rl_tui.tui.draw.number_form import SteadyForms
 from rl_tui.tui.panels.legend import GREEDY_IN_FULL, Legend, LegendSign
+from rl_tui.tui.panels.panel import BoardPanel
 from rl_tui.tui.panels.scrolling import scrolled_to
 from rl_tui.tui.panels.snapshot_facts import is_new_run
 from rl_tui.tui.panels.world.arms.bars import (
@@ -99,6 +100,17 @@ class ArmsView(WorldView):
             LegendSign(glyphs.estimate, "estimate", palette.text),
             LegendSign(glyphs.whisker, "standard error", palette.text),
         )
+
+    @property
+    def stance(self) -> object:
+        """The cursor, the arms in view and the scale."""
+        return self.cursor, self._top, self.scale
+
+    def align_with(self, twin: BoardPanel) -> None:
+        """Take the stance of the bandit ``twin``; the scale holds both."""
+        super().align_with(twin)
+        if isinstance(twin, ArmsView):
+            self._top, self.scale = twin._top, grown(self.scale, twin.scale)
 
     def agent_place(self, snapshot: Snapshot) -> int:
         """Return the arm pulled last, the first before any pull."""

@@ -11,6 +11,7 @@ from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.draw.canvas import Canvas, centred, shortened
 from rl_tui.tui.draw.number_form import NumberForm, SteadyForms
 from rl_tui.tui.panels.legend import GREEDY_IN_FULL, Legend, LegendSign
+from rl_tui.tui.panels.panel import BoardPanel
 from rl_tui.tui.panels.scrolling import scrolled_to
 from rl_tui.tui.panels.snapshot_facts import is_new_run
 from rl_tui.tui.panels.world.graph.edge_list import draw_edge_list
@@ -18,15 +19,14 @@ from rl_tui.tui.panels.world.graph.layout import GraphLayout, graph_layout
 from rl_tui.tui.panels.world.graph.routing import Box
 from rl_tui.tui.panels.world.graph.shape import GraphShape, Node, Signs, graph_shape
 from rl_tui.tui.panels.world.state_values import StateValues, state_values
-from rl_tui.tui.panels.world.view import WorldView
+from rl_tui.tui.panels.world.view import TITLE, WorldView
 from rl_tui.tui.theme.glyphs import Glyphs
 from rl_tui.tui.theme.look import Look
 from rl_tui.worlds.drawing import Graph
 from rl_tui.worlds.world import World
 
 VALUE_WIDTH: Final = 6
-WORLD: Final = "World"
-HEADING: Final = f"{WORLD} · bold = greedy"
+HEADING: Final = f"{TITLE} · bold = greedy"
 END: Final = "end"  # in place of the value of a terminal state
 THIN: Final = 1
 BOLD: Final = 2
@@ -64,10 +64,11 @@ class GraphView(WorldView):
         if self._shape_glyphs is not self.look.glyphs:
             self._shape = graph_shape(self._mdp, self._graph, self.look.glyphs)
             self._shape_glyphs = self.look.glyphs
-        self.heading = self.fitting((*self.captioned(WORLD), HEADING), width) or HEADING
+        self.heading = self.fitting((*self.captioned(TITLE), HEADING), width) or HEADING
         values = state_values(self.world.space, snapshot)
         form = values.number_form(VALUE_WIDTH, self._number_forms)
-        signs = Signs(snapshot.counters.state, self.shown_cursor, snapshot.playback.breakpoints)
+        stops = snapshot.playback.breakpoints
+        signs = Signs(snapshot.counters.state, self.shown_cursor, stops, self.differing)
         self._layout = layout = graph_layout(self._shape, width, height)
         if layout is not None:
             self.footing = ""
@@ -116,6 +117,17 @@ class GraphView(WorldView):
         lines = [line for line, action in enumerate(self._shape.actions) if action.source == place]
         if lines:
             self._top = scrolled_to(scrolled_to(self._top, lines[-1], self._height), lines[0], self._height)
+
+    @property
+    def stance(self) -> object:
+        """The cursor and the first edge in view."""
+        return self.cursor, self._top
+
+    def align_with(self, twin: BoardPanel) -> None:
+        """Take the stance of the graph ``twin``."""
+        super().align_with(twin)
+        if isinstance(twin, GraphView):
+            self._top = twin._top
 
     def pan(self, rows: int, columns: int) -> None:
         """Scroll the list of edges."""
@@ -186,6 +198,8 @@ def _draw_box(
     name = shortened(node.name, inner - 1, glyphs.ellipsis)
     start = max(1, (inner - len(name) + 1) // 2)
     canvas.put(box.x + 1 + start, first, name, background + Style(bold=True))
+    if state in signs.differing:
+        canvas.put(min(box.x + 1 + start + len(name), box.x + inner), first, glyphs.differs, background)
     if agent:
         canvas.put(
             box.x + 1 + start - (2 if start > 1 else 1), first, glyphs.agent, background + palette.agent

@@ -53,12 +53,14 @@ NO_BREAKPOINTS: Final = Breakpoints()
 class Signs(NamedTuple):
     """What is marked in a graph besides its values: the states of agent and cursor, and the breakpoints.
 
-    ``cursor`` is None where no cursor is to be seen.
+    ``cursor`` is None where no cursor is to be seen. ``differing`` are the states whose greedy actions are
+    others in the lane beside.
     """
 
     agent: int
     cursor: int | None = None
     breakpoints: Breakpoints = NO_BREAKPOINTS
+    differing: frozenset[int] = frozenset()
 
 
 def graph_shape(mdp: TabularMDP, graph: Graph, glyphs: Glyphs) -> GraphShape:

@@ -174,16 +174,18 @@ def part_form(
 
     None where that is less than five rows or columns of cells.
     """
-    entry = sign_width + digits + 1
+    entry, down = sign_width + digits + 1, -(-kinds.most // 2)
     sides = [(2 * digits + 6, _ROWS), (3 * digits + 7, _ROWS)] if kinds.have_sides else []
-    lists = [(2 * entry + 2, -(-kinds.most // 2) + 1), (entry + 2, kinds.most + 1)]
-    best, most = None, 0
-    for cell_width, cell_height in (*sides, *lists):
-        down, across = min(rows, height // cell_height), min(columns, width // cell_width)
-        if down < min(rows, _LEAST_PART) or across < min(columns, _LEAST_PART) or down * across <= most:
-            continue
-        forms = forms_for(kinds, cell_width, cell_height, digits, sign_width)
-        form = next((form for form in forms if form.places is not Places.TINTS), None)
-        if form is not None:
-            best, most = form, down * across
-    return best
+    apart = [*sides, (2 * entry + 2, down + 1), (entry + 2, kinds.most + 1)]
+    for sizes in (apart, [(2 * entry + 2, down), (entry + 1, kinds.most)]):
+        forms = [
+            (min(rows, height // cell_height) * min(columns, width // cell_width), form)
+            for cell_width, cell_height in sizes
+            if height // cell_height >= min(rows, _LEAST_PART)
+            and width // cell_width >= min(columns, _LEAST_PART)
+            for form in forms_for(kinds, cell_width, cell_height, digits, sign_width)
+            if form.places is not Places.TINTS
+        ]
+        if forms:
+            return max(forms, key=lambda each: each[0])[1]
+    return None

@@ -110,7 +110,8 @@ def _drawn(face: ActionFace, field: int, form: ActionForm, look: Look) -> Drawn:
     else:
         _draw_sides(canvas, face, form._replace(digits=field), look)
     if face.trace is not None:
-        put_trace(canvas, face.trace, look)
+        # an arrow says what is greedy where there are tints alone
+        put_trace(canvas, face.trace, look, says_meant=form.places is not Places.TINTS)
     return [list(strip) for strip in canvas.strips()]
 
 
@@ -130,7 +131,7 @@ def _block(form: ActionForm) -> _Block:
     digits = form.digits
     rows = 5 if form.places is Places.SPREAD_KEYPAD else 3
     between = digits + FRAME + 2 if form.places is Places.KEYPAD else _AROUND_MIDDLE
-    least = 2 * (digits + FRAME) + 1
+    least = 3 * (digits + FRAME) if form.places is Places.KEYPAD else 2 * (digits + FRAME) + 1
     room = form.width - (form.width > least)
     width = min(room, 2 * (digits + FRAME) + between)
     start, top = (room - width) // 2, (form.height - rows) // 2
@@ -166,11 +167,11 @@ def _parts_of_side(block: _Block, side: tuple[int, int], form: ActionForm) -> li
     """
     down, across = side
     row, digits = block.middle + down, form.digits
-    if form.places is Places.KEYPAD:
-        first = (block.left, block.centre, block.right)[across + 1] - 1
-        return [(row, first, first + digits + FRAME)]
     is_tight = block.end == form.width
     start, end = block.left - 1 + is_tight, block.end - is_tight
+    if form.places is Places.KEYPAD:
+        first = (block.left, block.centre, block.right)[across + 1] - 1
+        return [(row, max(start, first), min(end, first + digits + FRAME))]
     if form.places is Places.SPREAD_KEYPAD:
         middle = (start + end) // 2
         if not across:
@@ -206,7 +207,8 @@ def _put_marks_amid(
         reward = 2 * block.middle - corner if face.name else corner
         put_reward(canvas, block.left - 1, reward, _reward_room(form), face.reward, look)
     elif not _has_mark(face):
-        _put_name(canvas, block.centre - 1, block.middle, face, form)
+        start = first + (last + 1 - first - len(face.name)) // 2
+        _put_name(canvas, start, block.middle, face, form)
         put_reward(canvas, centre, block.middle, _reward_room(form) * (not face.name), face.reward, look)
 
 
@@ -224,7 +226,8 @@ def name_room(form: ActionForm) -> int:
         case Places.CROSS | Places.SPREAD_KEYPAD:
             return _reward_room(form)
         case Places.KEYPAD:
-            return form.digits + FRAME
+            block = _block(form)
+            return block.right - block.left - form.digits - 2 - 2
         case Places.TINTS:
             return 0 if form.most_actions > 4 else _edge(form, diagonals=False)
     if form.has_header:

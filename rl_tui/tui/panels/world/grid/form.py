@@ -50,7 +50,7 @@ class CellForm(NamedTuple):
         """The characters that a value has."""
         if self.height == 1:
             return self.least_digits if self.width < 8 else 4
-        return 4 if self.width < 12 else 6
+        return 6 if self.width >= 12 else min(4, self.width - 1)
 
 
 def digits_needed(values: Iterable[float]) -> int:
@@ -76,5 +76,5 @@ def cell_form(rows: int, columns: int, width: int, height: int, digits: int = LE
 
 
 def _least_width(height: int, digits: int) -> int:
-    """Return the width from which a cell has room for its value; more than one row always has four digits."""
-    return _WITH_DIGITS + (digits if height == 1 else LEAST_DIGITS)
+    """Return the width from which a cell has room for its value: beside the arrow, or in a row of its own."""
+    return digits + (_WITH_DIGITS if height == 1 else 1)

@@ -13,27 +13,28 @@ from rl_tui.lab.live.viewport import Cells
 from rl_tui.lab.run.large_worlds import is_large
 from rl_tui.tui.draw.number_form import SteadyForms
 from rl_tui.tui.panels.legend import GREEDY_IN_FULL, Legend, LegendSign
+from rl_tui.tui.panels.panel import BoardPanel
 from rl_tui.tui.panels.scrolling import Scrolled, kept_in_view, scrolled_to
 from rl_tui.tui.panels.snapshot_facts import is_new_run
-from rl_tui.tui.panels.world.grid.action_form import ActionForm, part_form, whole_map_form
+from rl_tui.tui.panels.world.grid.action_form import ActionForm, Places, part_form, whole_map_form
 from rl_tui.tui.panels.world.grid.action_legend import action_signs, heading_of
 from rl_tui.tui.panels.world.grid.action_values import ActionArtist, name_room, sign_text
-from rl_tui.tui.panels.world.grid.cells import SEVERAL, START, CellArtist, differing_style, reward_style
-from rl_tui.tui.panels.world.grid.form import LEAST_ARROWS, LEAST_DIGITS, CellForm, cell_form, digits_needed
+from rl_tui.tui.panels.world.grid.cells import SEVERAL, START, CellArtist
+from rl_tui.tui.panels.world.grid.form import LEAST_DIGITS, CellForm, cell_form, digits_needed
 from rl_tui.tui.panels.world.grid.headings import (
     HEADING,
     STATE_NUMBERS,
-    WORLD,
     heading_of_values,
     numbered,
     shorter,
     stretch,
 )
 from rl_tui.tui.panels.world.grid.map import GridMap, MapPart
+from rl_tui.tui.panels.world.grid.signs import differing_sign, end_signs, reward_signs
 from rl_tui.tui.panels.world.grid.strips import draw_grid, origin
 from rl_tui.tui.panels.world.grid.trail import traces, trail_signs
 from rl_tui.tui.panels.world.grid.wind import last_gust, wind_line, wind_sign, wind_strip
-from rl_tui.tui.panels.world.view import WorldView
+from rl_tui.tui.panels.world.view import TITLE, WorldView
 from rl_tui.worlds.drawing import CellKind, Grid
 from rl_tui.worlds.world import World
 
@@ -138,6 +139,18 @@ class GridView(WorldView):
             self._top = scrolled_to(self._top, row, self._part.rows)
             self._left = scrolled_to(self._left, column, self._part.columns)
 
+    @property
+    def stance(self) -> object:
+        """The cursor, the part in view and the width of the numbers."""
+        return self.cursor, self._following, self._top, self._left, self._digits
+
+    def align_with(self, twin: BoardPanel) -> None:
+        """Take the stance of the map ``twin``; numbers are as wide as the wider ones."""
+        super().align_with(twin)
+        if isinstance(twin, GridView):
+            self._following, self._top, self._left = twin._following, twin._top, twin._left
+            self._digits = max(self._digits, twin._digits)
+
     def show(self, snapshot: Snapshot) -> None:
         """Draw ``snapshot``. Its numbers only ever get wider, until another run starts."""
         if is_new_run(self.snapshot, snapshot):
@@ -183,8 +196,9 @@ class GridView(WorldView):
         rows = min(grid.rows, max(1, height // form.height))
         columns = min(grid.columns, max(1, width // form.width))
         row, column = divmod(self.agent_place(snapshot), grid.columns)
-        self._top = kept_in_view(self._top, row if self._following else None, rows, grid.rows)
-        self._left = kept_in_view(self._left, column if self._following else None, columns, grid.columns)
+        follows = self._following and not self.is_led
+        self._top = kept_in_view(self._top, row if follows else None, rows, grid.rows)
+        self._left = kept_in_view(self._left, column if follows else None, columns, grid.columns)
         self._part = part = MapPart(self._top, self._left, rows, columns)
         cells = self._map.contents(
             part,
@@ -233,14 +247,14 @@ class GridView(WorldView):
         Where the border has no room for the legend, it says what is drawn; with every action it always does.
         """
         if self._action_form is not None:
-            heading = f"{WORLD} · {heading_of(self._action_form)}"
+            heading = f"{TITLE} · {heading_of(self._action_form)}"
         else:
             heading = heading_of_values(form, self.look)
         forms: tuple[str, ...] = (heading,)
         if self.is_numbered and self._longest_name <= self._room_for_names(form):
             forms = numbered(heading, form, self._longest_name, in_corner=self._action_form is not None)
         elif self._action_form is None and not self._map.grid.legend:
-            forms = (*self.captioned(WORLD), heading)
+            forms = (*self.captioned(TITLE), heading)
         return self.fitting(forms, width) or heading
 
     @property
@@ -263,9 +277,11 @@ class GridView(WorldView):
         palette, glyphs = self.look.palette, self.look.glyphs
         form, signs, actions = self._form, self._map.signs, self._action_form
         if form is not None and self.differing:
-            yield self._differing_sign(form)
+            yield differing_sign(form, self.look)
         if form is not None and self._map.rewards:  # what is hardest to guess stands first
-            yield from self._reward_signs(form)
+            rewards = self._map.rewards
+            texts = [self._artist_for(form).shown_reward(each) for each in rewards]
+            yield from reward_signs(rewards, texts, self.look)
         if actions is not None:
             yield from action_signs(actions, self.look)
         elif form is not None and len(signs) > form.most_signs:
@@ -284,15 +300,10 @@ class GridView(WorldView):
         yield LegendSign(glyphs.agent, "agent", palette.agent)
         if self.snapshot is not None and form is not None:
             left = traces(self.snapshot.trail, self._map.grid, signs)
-            yield from trail_signs(left.values(), self.look, is_high=form.height > 1)
-        ends = (
-            (CellKind.HOLE, glyphs.hole, palette.hole),
-            (CellKind.CLIFF, glyphs.cliff, palette.cliff),
-            (CellKind.GOAL, glyphs.goal, palette.goal),
-        )
-        yield from (
-            LegendSign(sign, kind.value, style) for kind, sign, style in ends if kind in self._map.ends
-        )
+            tints_alone = actions is not None and actions.places is Places.TINTS
+            is_high = form.height > 1 and not tints_alone
+            yield from trail_signs(left.values(), self.look, is_high=is_high)
+        yield from end_signs(self._map, self.look)
         if CellKind.START in self._kinds:
             yield LegendSign(START, "start", palette.start)
         if actions is None:
@@ -300,24 +311,6 @@ class GridView(WorldView):
             yield LegendSign(sign_text(greedy, self.look), "greedy", palette.strong, GREEDY_IN_FULL)
         if CellKind.WALL in self._kinds:
             yield LegendSign(glyphs.wall, "wall", palette.wall)
-
-    def _differing_sign(self, form: CellForm) -> LegendSign:
-        glyphs, strong = self.look.glyphs, self.look.palette.strong
-        sign, style = (
-            (glyphs.differs, strong) if form.width > LEAST_ARROWS else (glyphs.up, differing_style(strong))
-        )
-        return LegendSign(sign, "differs", style, "greedy in the other lane differs")
-
-    def _reward_signs(self, form: CellForm) -> Iterator[LegendSign]:
-        """Yield how cells show what they pay: as a number, or whether it is more or less than usual."""
-        rewards = self._map.rewards
-        texts = [self._artist_for(form).shown_reward(each) for each in rewards]
-        if len(texts[0]) > 1:
-            yield LegendSign(texts[0], "reward", reward_style(rewards[0], self.look))
-            return
-        signs = "".join(dict.fromkeys(texts))
-        in_full = f"{' or '.join({'+': 'more'}.get(each, 'less') for each in signs)} reward than usual"
-        yield LegendSign(signs, "reward", self.look.palette.strong, in_full)
 
     def redraw(self) -> None:
         """Draw again; say so where another part of a large map has come into view."""
@@ -363,12 +356,12 @@ class GridView(WorldView):
         legend = self._map.grid.legend
         if self._is_whole or not legend:
             return heading
-        heading_with_legend = self.fitting((f"{heading} · {legend}", f"{WORLD} · {legend}"), width)
+        heading_with_legend = self.fitting((f"{heading} · {legend}", f"{TITLE} · {legend}"), width)
         if heading_with_legend or not self._following:
             return heading_with_legend or heading
         down, across = self._in_view()
-        brief = f"{WORLD} {down}, {across}".replace(" of ", "/")
-        forms = (f"{WORLD} · rows {down}, columns {across}", f"rows {down}, columns {across}", brief)
+        brief = f"{TITLE} {down}, {across}".replace(" of ", "/")
+        forms = (f"{TITLE} · rows {down}, columns {across}", f"rows {down}, columns {across}", brief)
         return self.fitting(forms, width) or heading
 
     def _in_view(self) -> tuple[str, str]:

@@ -5,12 +5,12 @@ from __future__ import annotations
 from typing import Final
 
 from rl_tui.tui.panels.world.grid.form import LEAST_ARROWS, CellForm
+from rl_tui.tui.panels.world.view import TITLE
 from rl_tui.tui.theme.look import Look
 
-WORLD: Final = "World"
-HEADING: Final = f"{WORLD} · V and greedy"
-HEADING_WITHOUT_VALUES: Final = f"{WORLD} · greedy, V as tint"
-HEADING_GREEDY: Final = f"{WORLD} · greedy"
+HEADING: Final = f"{TITLE} · V and greedy"
+HEADING_WITHOUT_VALUES: Final = f"{TITLE} · greedy, V as tint"
+HEADING_GREEDY: Final = f"{TITLE} · greedy"
 STATE_NUMBERS: Final = "state numbers"
 
 
@@ -27,10 +27,10 @@ def numbered(heading: str, form: CellForm, longest: int, *, in_corner: bool) -> 
     ``longest`` characters take the longest in view; ``in_corner`` says that they take the place of nothing.
     """
     if in_corner or form.has_corner:
-        return f"{heading} · {STATE_NUMBERS}", f"{WORLD} · {STATE_NUMBERS}", STATE_NUMBERS
+        return f"{heading} · {STATE_NUMBERS}", f"{TITLE} · {STATE_NUMBERS}", STATE_NUMBERS
     has_arrows = form.has_values or longest <= form.width - LEAST_ARROWS
     what = f"{STATE_NUMBERS} and greedy" if has_arrows else STATE_NUMBERS
-    return f"{WORLD} · {what}", f"{WORLD} · {STATE_NUMBERS}", STATE_NUMBERS
+    return f"{TITLE} · {what}", f"{TITLE} · {STATE_NUMBERS}", STATE_NUMBERS
 
 
 def shorter(legend: str) -> tuple[str, ...]:

@@ -52,15 +52,15 @@ def traces(trail: Trail, grid: Grid, signs: tuple[Sign, ...]) -> dict[int, Trace
     return found
 
 
-def put_trace(canvas: Canvas, trace: Trace, look: Look) -> None:
+def put_trace(canvas: Canvas, trace: Trace, look: Look, *, says_meant: bool = True) -> None:
     """Put what the trail left where a cell is empty: in a corner, at best by itself; of one row on the left.
 
-    A slip is a sign of its own, with the direction that was meant where there is room. Where a cell has no
-    room at all, its lower row is underlined.
+    A slip is a sign of its own, with the direction that was meant where there is room, if it ``says_meant``.
+    Where a cell has no room at all, its lower row is underlined.
     """
     style = look.palette.bad if trace.meant is not None else _STYLES[trace.grade]
     rows = range(canvas.height - 1, -1, -1)
-    if trace.meant is not None and canvas.height > 1:
+    if says_meant and trace.meant is not None and canvas.height > 1:
         text = slip_text(trace.meant, look)
         for row in rows:
             x = canvas.width - len(text)

@@ -7,7 +7,7 @@ from typing import Any
 
 from rl_tui.agents.catalogue import BY_ID
 from rl_tui.common.errors import UserError
-from rl_tui.lab.live.commands import AddBranch, AddLane, ChooseLane, DropLane
+from rl_tui.lab.live.commands import AddBranch, AddLane, ChooseLane, DropLane, MarkLane
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.timeline.lane_view import LaneView
 from rl_tui.tui.panels.snapshot_facts import current_study, is_secret
@@ -36,6 +36,7 @@ class LaneActions(Subject):
             snapshot.run_group.shown,
             in_force(snapshot),
             hidden=hidden,
+            beside=snapshot.run_group.beside,
             study=current_study(snapshot),
             branches=branches_beside(snapshot),
         )
@@ -49,12 +50,25 @@ class LaneActions(Subject):
             return
         self._show_lane((snapshot.run_group.shown + 1) % len(snapshot.run_group.lanes))
 
+    def one_lane(self) -> None:
+        """Show the lane that is led alone, or both side by side."""
+        snapshot = self.snapshot
+        if snapshot is None or not snapshot.run_group.lanes:
+            self.screen.tell("there is one run only; c opens a second one beside it")
+            return
+        was_alone = self.board.is_one_lane
+        self.board.is_one_lane = not was_alone
+        if not was_alone:
+            self.screen.tell("one lane alone; l goes to the next, z shows two side by side")
+        elif not self.board.is_paired:
+            self.screen.tell("there is no room for two lanes side by side here")
+
     def _compared(self, answer: Answer) -> None:
         if isinstance(answer, ChooseLane):
             self._show_lane(answer.lane)
         elif isinstance(answer, DropLane):
             self._drop_lane(answer.lane)
-        elif isinstance(answer, AddBranch):
+        elif isinstance(answer, AddBranch | MarkLane):
             self.link.send(answer)
         else:
             self._ask_difference(answer)

@@ -28,7 +28,7 @@ class ViewActions(Subject):
 
     def next_layer(self) -> None:
         """Go to the next layer of the table."""
-        self.board.table.next_layer()
+        self.board.next_layer()
 
     def turn_actions(self) -> None:
         """Let the cells of a map show Q of every action, or V and greedy actions again."""

@@ -1,0 +1,155 @@
+"""Two lanes side by side: which stands left, what they are called, and where they would act differently."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+
+from rl_tui.agents.catalogue import BY_ID
+from rl_tui.agents.hyperparameters import SAMPLE_AVERAGE
+from rl_tui.lab.live.snapshot import AgentView, Snapshot
+from rl_tui.lab.live.viewport import pairs_of_states
+from rl_tui.tui.draw import numbers
+from rl_tui.tui.panels.controls.controls import in_force, sliders_of
+from rl_tui.tui.panels.panel import BoardPanel
+from rl_tui.tui.panels.q_table.q_table import QTable
+from rl_tui.tui.panels.world.view import WorldView
+from rl_tui.tui.theme.glyphs import Glyphs
+from rl_tui.tui.theme.look import Look
+from rl_tui.worlds.drawing import Arms
+from rl_tui.worlds.mdp.space import BoolArray, IntArray
+
+DIFFERS: Final = "≠"
+
+
+def sides(snapshot: Snapshot) -> tuple[Snapshot, Snapshot]:
+    """Return the lane with the lower number and the other one, each as the one that is shown.
+
+    Raises ValueError where ``snapshot`` has no lane beside it.
+    """
+    group, beside = snapshot.run_group, snapshot.beside
+    if beside is None or group.beside is None:
+        raise ValueError("there is no lane beside this one")
+    other = replace(beside, run_group=replace(group, shown=group.beside, beside=group.shown))
+    return (snapshot, other) if group.shown < group.beside else (other, snapshot)
+
+
+@dataclass(frozen=True, slots=True)
+class GreedyDifferences:
+    """Where two lanes have other greedy actions, all ties counted.
+
+    Only states about which both have learned something count: updated, or with estimates that differ.
+    """
+
+    states: frozenset[int]
+    """The states where the greedy actions differ."""
+    known: int
+    """In how many states both know something."""
+    is_part: bool
+    """Whether only those in view were looked at: of a large world no more is copied."""
+
+    def words(self, lane: Snapshot) -> tuple[str, ...]:
+        """Return the count as a sentence, the longest form first; empty where nothing is known yet."""
+        if not self.known:
+            return ()
+        if isinstance(lane.world.drawing, Arms):
+            return (f"{DIFFERS} other greedy arms" if self.states else "the same greedy arms",)
+        count, seen = f"{len(self.states)} of {self.known:,}", " in view" if self.is_part else ""
+        return (
+            f"{DIFFERS} greedy actions differ in {count} states{seen} known to both",
+            f"{DIFFERS} greedy differs in {count} states{seen} known to both",
+            f"{DIFFERS} greedy differs in {count} states{seen}",
+            f"{DIFFERS} differs in {count} states{seen}",
+            f"{DIFFERS} in {count}{seen}",
+        )
+
+
+def name_panels(
+    panels: Iterable[BoardPanel],
+    lane: Snapshot,
+    differences: GreedyDifferences,
+    *,
+    is_led: bool,
+    look: Look,
+) -> None:
+    """Write on world and table, for their next picture, which ``lane`` they show and where it differs.
+
+    ``is_led`` says that keys and sliders are about this lane.
+    """
+    number = f"{look.glyphs.cursor if is_led else ''}{lane.run_group.shown + 1}"
+    for panel in panels:
+        panel.is_led = not is_led
+        if isinstance(panel, WorldView):
+            panel.lane, panel.differing = lane_titles(lane, number, look.glyphs), differences.states
+        elif isinstance(panel, QTable):
+            panel.lane, panel.differing = number, differences.states
+
+
+def stand_alone(panel: BoardPanel) -> None:
+    """Let ``panel`` be that of the only lane in view."""
+    panel.is_led = False
+    if isinstance(panel, WorldView):
+        panel.lane, panel.note, panel.differing = (), (), frozenset()
+    elif isinstance(panel, QTable):
+        panel.lane, panel.differing = "", frozenset()
+
+
+def lane_titles(lane: Snapshot, number: str, glyphs: Glyphs) -> tuple[str, ...]:
+    """Return what stands on the border of the world of ``lane``, the longest form first."""
+    group, agent = lane.run_group, lane.agent
+    name, algorithm = group.lanes[group.shown].name, BY_ID[agent.algorithm].name
+    is_bandit = isinstance(lane.world.drawing, Arms)
+    settings = []
+    for parameter in sliders_of(agent.algorithm, agent.hyperparameters, is_bandit=is_bandit):
+        value = in_force(agent.hyperparameters, parameter)
+        if parameter.name != "gamma" and f"{parameter.symbol} " not in name:
+            settings.append(f"{parameter.symbol} {_value(value, glyphs)}")
+    known = "" if algorithm in name else algorithm
+    forms = (" ".join(filter(None, (known, *settings))), known)
+    return (*(f"{number} {name} · {form}" for form in forms if form), f"{number} {name}")
+
+
+def _value(value: float | str, glyphs: Glyphs) -> str:
+    if isinstance(value, str):
+        return "1/n" if value == SAMPLE_AVERAGE else value
+    return numbers.fixed(value, 2, glyphs, leading_zero=False)
+
+
+def greedy_differences(left: Snapshot, right: Snapshot) -> GreedyDifferences:
+    """Return where ``left`` and ``right``, two lanes in one world, would act differently."""
+    space = left.world.space
+    states, is_part = _states_held(left, right)
+    pairs = pairs_of_states(space, states)
+    if not len(pairs):
+        return GreedyDifferences(frozenset(), 0, is_part)
+    count = np.diff(space.first_pair)[states]
+    first = np.cumsum(count) - count
+    is_greedy, knows = zip(*(_greedy(lane.agent, pairs, first, count) for lane in (left, right)), strict=True)
+    known = knows[0] & knows[1]
+    differs = known & np.logical_or.reduceat(is_greedy[0] != is_greedy[1], first)
+    return GreedyDifferences(frozenset(states[differs].tolist()), int(known.sum()), is_part)
+
+
+def _states_held(left: Snapshot, right: Snapshot) -> tuple[IntArray, bool]:
+    """Return the states with actions whose estimates both snapshots have, and whether there are more."""
+    first = left.world.space.first_pair
+    parts = [each.agent.part for each in (left, right)]
+    if parts[0] is None or parts[1] is None:
+        return np.flatnonzero(np.diff(first)), False
+    pairs = np.unique(parts[0].pairs)
+    pairs = pairs[parts[1].held[pairs]]
+    states, held = np.unique(np.searchsorted(first, pairs, side="right") - 1, return_counts=True)
+    return states[held == first[states + 1] - first[states]], True
+
+
+def _greedy(
+    agent: AgentView, pairs: IntArray, first: IntArray, count: IntArray
+) -> tuple[BoolArray, BoolArray]:
+    """Return which of ``pairs`` are greedy, and of which of their states anything is known."""
+    q = agent.q[pairs]
+    best = np.maximum.reduceat(q, first)
+    knows = (np.maximum.reduceat(agent.visits[pairs], first) > 0) | (best != np.minimum.reduceat(q, first))
+    return q == np.repeat(best, count), knows

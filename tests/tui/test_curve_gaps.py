@@ -1,0 +1,77 @@
+"""What the return curve says where a greedy policy has no return, because it may never end."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from drawn_curves import NARROW, WIDE, drawn
+from lane_samples import lane_views, side_by_side
+from samples import bandit, lake, marks, planning
+from snapshots import changed
+
+from rl_tui.lab.run.results import Marks
+
+TINY = (26, 9)
+
+
+@pytest.mark.parametrize(
+    ("size", "ends", "said"),
+    [
+        (WIDE, 0.0, "greedy: never ends"),
+        (WIDE, 0.63, "greedy: ends in 63 %"),
+        (NARROW, 0.0, "greedy: no end"),
+        (NARROW, 0.63, "greedy: 63 % end"),
+        (TINY, 0.0, "no end"),
+    ],
+)
+def test_a_greedy_policy_without_a_return_says_why_where_its_line_would_end(
+    size: tuple[int, int], ends: float, said: str
+) -> None:
+    text, widget = drawn(lake(greedy_return=None, greedy_ends=ends), size)
+    assert said in text
+    assert "greedy, exact" not in text
+    palette = widget.look.palette
+    named = [
+        segment.style
+        for row in widget.picture(lake(greedy_return=None, greedy_ends=ends), *size)
+        for segment in row
+        if said in segment.text
+    ]
+    assert named == [palette.greedy_line]
+
+
+def test_a_narrow_title_says_it_too() -> None:
+    _, widget = drawn(lake(greedy_return=None, greedy_ends=0.0), NARROW)
+    assert widget.heading == "greedy never ends · γ-best .54"
+
+
+def test_gaps_in_the_greedy_line_are_explained() -> None:
+    with_gap = marks(30, 0.0, 0.73, 12_500)
+    with_gap.expected_return[10:20] = np.nan
+    assert "may never end" in drawn(lake(marks=with_gap))[0]
+    assert "never end" not in drawn(lake())[0]
+
+
+def test_a_secret_policy_is_not_told_by_its_end() -> None:
+    assert "end" not in drawn(bandit(400, greedy_return=None, greedy_ends=0.0))[0]
+
+
+def test_a_planner_whose_policy_never_ends_says_so() -> None:
+    none = Marks(np.array([0]), np.array([0]), np.array([np.nan]))
+    text, _ = drawn(planning(greedy_return=None, greedy_ends=0.0, marks=none))
+    assert "greedy: never ends" in text
+
+
+def test_a_lane_whose_greedy_policy_never_ends_says_so() -> None:
+    shown, other = lane_views(2)
+    endless = replace(other, results=replace(other.results, greedy_return=None, greedy_ends=0.0))
+    beside = changed(side_by_side(2), lanes=(shown, endless))
+    assert "α 0.5: .32, greedy no end" in drawn(beside, (110, 14))[0]
+    alone = replace(endless, algorithm="value-iteration")
+    no_episodes = replace(
+        alone, results=replace(alone.results, curve=type(alone.results.curve)(), return_last_100=None)
+    )
+    planner = changed(side_by_side(2), lanes=(shown, no_episodes))
+    assert "α 0.5: no end" in drawn(planner, (110, 14))[0]

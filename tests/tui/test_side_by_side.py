@@ -1,0 +1,271 @@
+"""Two lanes side by side: the same moment, cursor, layer and part in view, and where they differ."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from conftest import MakeApp
+from samples import lake
+from seams import playground, press, snapshot, train
+from snapshots import changed
+from test_lanes import open_lane
+from textual.geometry import Size
+from textual.pilot import Pilot
+
+from rl_tui.common.errors import UserError
+from rl_tui.lab.live.snapshot import Snapshot
+from rl_tui.tui.app.screenshot import settle
+from rl_tui.tui.panels.panel import Panel
+from rl_tui.tui.panels.q_table.layers import Layer
+from rl_tui.tui.panels.q_table.q_table import QTable
+from rl_tui.tui.panels.side_by_side import greedy_differences
+from rl_tui.tui.panels.world.view import WorldView
+from rl_tui.tui.screens.playground.board import Board
+
+FOUR = ("world", "world-beside", "table", "table-beside")
+
+
+def board_of(pilot: Pilot[UserError]) -> Board:
+    return playground(pilot).board
+
+
+def worlds(pilot: Pilot[UserError]) -> tuple[WorldView, WorldView]:
+    left, right = (board_of(pilot).panel(panel) for panel in FOUR[:2])
+    assert isinstance(left, WorldView)
+    assert isinstance(right, WorldView)
+    return left, right
+
+
+def tables(pilot: Pilot[UserError]) -> tuple[QTable, QTable]:
+    left, right = (board_of(pilot).panel(panel) for panel in FOUR[2:])
+    assert isinstance(left, QTable)
+    assert isinstance(right, QTable)
+    return left, right
+
+
+def text_of(panel: Panel) -> str:
+    return "\n".join(panel.render_line(y).text for y in range(panel.size.height))
+
+
+def with_greedy(snapshot: Snapshot, actions: dict[int, int]) -> Snapshot:
+    """``snapshot`` of a lake that knows of these states that one action is best there."""
+    q = np.zeros(snapshot.world.space.pairs)
+    visits = np.zeros(snapshot.world.space.pairs, np.int64)
+    for state, action in actions.items():
+        pair = snapshot.world.space.pair_of(state, action)
+        assert pair is not None
+        q[pair], visits[pair] = 1.0, 1
+    return changed(snapshot, q=q, visits=visits)
+
+
+def test_only_states_known_to_both_are_counted() -> None:
+    left = with_greedy(lake(0), {0: 1, 1: 2, 2: 0})
+    right = with_greedy(lake(0), {0: 1, 1: 3, 4: 0})
+    found = greedy_differences(left, right)
+    assert (found.states, found.known, found.is_part) == (frozenset({1}), 2, False)
+    assert "1 of 2 states known to both" in found.words(left)[0]
+    assert greedy_differences(lake(0), lake(0)).words(left) == ()
+    assert "1 of 2 states in view" in replace(found, is_part=True).words(left)[0]
+
+
+def test_a_tie_is_another_set_of_greedy_actions_than_one_of_the_two() -> None:
+    left = with_greedy(lake(0), {1: 2})
+    q = left.agent.q.copy()
+    pair = left.world.space.pair_of(1, 3)
+    assert pair is not None
+    q[pair] = 1.0
+    assert greedy_differences(left, changed(left, q=q)).states == {1}
+
+
+async def test_two_lanes_at_120x40_from_the_first_key_to_the_last(make_app: MakeApp) -> None:
+    app = make_app("cliff")
+    async with app.run_test(size=(120, 40), notifications=True) as pilot:
+        await settle(pilot)
+        await train(pilot, 3_000)
+        await open_lane(pilot, "algorithm", "sarsa")
+        board = board_of(pilot)
+        (left, right), (left_table, right_table) = worlds(pilot), tables(pilot)
+        assert (left.region.y, left.region.right) == (right.region.y, right.region.x)
+        assert left_table.region.y == right_table.region.y == left.region.bottom
+        assert board.curve.region.width == board.controls.region.width == 120
+        assert left.heading == "▸1 Q-learning · α .50 ε .10"
+        assert right.heading == "2 SARSA · α .50 ε .10"
+        shown = snapshot(pilot)
+        assert shown.beside is not None
+        assert np.array_equal(left_table.snapshot.agent.q, shown.agent.q)  # type: ignore[union-attr]
+        assert np.array_equal(right_table.snapshot.agent.q, shown.beside.agent.q)  # type: ignore[union-attr]
+        assert shown.beside.counters.step == shown.counters.step == 3_000
+
+        differing = greedy_differences(shown, shown.beside)
+        assert left.differing == right.differing == left_table.differing == differing.states
+        assert f"{len(differing.states)} of {differing.known}" in right.footing
+
+        await press(pilot, "l")  # the other is led, and nothing changes its place
+        assert left.heading == "1 Q-learning · α .50 ε .10"
+        assert right.heading == "▸2 SARSA · α .50 ε .10"
+        assert board.world is right
+        assert board.table is right_table
+        assert left.region.x == 0
+
+        await press(pilot, "c", "delete")  # the cursor starts on the one led
+        assert snapshot(pilot).run_group.lanes == ()
+        assert not board.is_paired
+        assert board.world is left
+        assert "Q-learning" not in left.heading
+        assert not board.shows("world-beside")
+        assert board.controls.styles.border_top[0] == "round"
+
+
+@pytest.mark.parametrize("size", [(80, 24), (120, 40)])
+async def test_cursor_and_focus_go_through_all_panels(make_app: MakeApp, size: tuple[int, int]) -> None:
+    app = make_app("frozenlake-slippery")
+    async with app.run_test(size=size) as pilot:
+        await settle(pilot)
+        await train(pilot, 2_000)
+        await open_lane(pilot, "alpha", "0.5")
+        left, right = worlds(pilot)
+        panels = FOUR if size == (120, 40) else FOUR[:2]
+        for panel in (*panels, "curve"):
+            await press(pilot, "tab")
+            assert app.focused is board_of(pilot).panel(panel)
+        right.focus()
+        await press(pilot, "right", "down")
+        assert right.shown_cursor is not None
+        assert left.shown_cursor == right.shown_cursor == right.cursor
+        await press(pilot, "shift+tab")
+        assert app.focused is left  # and goes on from there
+        await press(pilot, "left")
+        assert left.shown_cursor == right.shown_cursor == left.cursor
+        for table in tables(pilot):
+            assert left.cursor is not None
+            assert table.pointed == left.pairs_at(left.cursor)
+        await press(pilot, "escape")
+        assert left.cursor is right.cursor is None
+        assert not left.is_away
+        assert not right.is_away
+
+
+async def test_tables_scroll_and_turn_together(make_app: MakeApp) -> None:
+    app = make_app("frozenlake-8x8")
+    async with app.run_test(size=(120, 40)) as pilot:
+        await settle(pilot)
+        await train(pilot, 1_000)
+        await open_lane(pilot, "alpha", "0.5")
+        left, right = tables(pilot)
+        assert left.row_range is not None
+        assert left.stance == right.stance
+        right.focus()
+        await press(pilot, "end")
+        assert left.stance == right.stance
+        assert left.row_range == right.row_range
+        assert "62" in text_of(left)
+        await press(pilot, "v")
+        assert left.shown_layer is right.shown_layer is Layer.OPTIMAL
+        await press(pilot, "escape", "s")
+        assert left.stance == right.stance
+        await press(pilot, "l", "s")
+        assert left.stance == right.stance
+
+
+async def test_a_smaller_terminal_shows_one_lane_and_a_larger_one_both(make_app: MakeApp) -> None:
+    app = make_app("frozenlake-slippery")
+    async with app.run_test(size=(120, 40)) as pilot:
+        await settle(pilot)
+        await train(pilot, 1_000)
+        await open_lane(pilot, "alpha", "0.5")
+        await press(pilot, "l")
+        left, right = worlds(pilot)
+        tables(pilot)[1].focus()
+        await pilot.resize_terminal(60, 18)
+        await settle(pilot)
+        board = board_of(pilot)
+        assert not board.is_paired
+        assert board.world is left
+        assert app.focused is tables(pilot)[0]
+        assert left.lane == ()
+        assert left.snapshot is snapshot(pilot)  # the one led, which is the second
+        await press(pilot, "l")
+        assert left.snapshot is snapshot(pilot)
+        await pilot.resize_terminal(80, 24)
+        await settle(pilot)
+        assert board.is_paired
+        assert not board.shows("table")
+        assert app.focused is left  # no table is in view
+        assert app.screen.size == Size(80, 24)
+        await pilot.resize_terminal(120, 40)
+        await settle(pilot)
+        assert all(board.shows(panel) for panel in FOUR)
+        assert right.heading == "2 α 0.5 · Q-learning ε .10"
+
+
+async def test_one_lane_alone_by_a_key_and_by_the_zoom(make_app: MakeApp) -> None:
+    app = make_app("frozenlake-slippery")
+    async with app.run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        await press(pilot, "z")  # with one run it says so
+        await open_lane(pilot, "alpha", "0.5")
+        board, (left, _) = board_of(pilot), worlds(pilot)
+        await press(pilot, "z")
+        assert not board.is_paired
+        assert board.shows("table")
+        await press(pilot, "l")
+        assert left.snapshot is snapshot(pilot)
+        await press(pilot, "z")
+        assert board.is_paired
+        await press(pilot, "f")  # of the lane led, which stands at the right
+        assert board.zoomed == "world-beside"
+        await press(pilot, "l")
+        assert board.zoomed == "world"
+        await press(pilot, "d")  # the microscope has the place of both worlds: it is about the lane led
+        assert not board.is_paired
+        assert board.microscope.snapshot is snapshot(pilot)
+        await press(pilot, "escape")
+        assert board.is_paired
+
+
+async def test_of_three_lanes_the_one_marked_stands_beside(make_app: MakeApp) -> None:
+    app = make_app("frozenlake-slippery")
+    async with app.run_test(size=(120, 40)) as pilot:
+        await settle(pilot)
+        await open_lane(pilot, "alpha", "0.5")
+        await open_lane(pilot, "alpha", "0.9")
+        left, right = worlds(pilot)
+        assert (left.heading[:2], right.heading[0]) == ("▸1", "2")
+        await press(pilot, "c", "down", "down", "space")
+        assert snapshot(pilot).run_group.beside == 2
+        assert (left.heading[:2], right.heading[0]) == ("▸1", "3")
+        await press(pilot, "l")
+        assert (left.heading[:2], right.heading[0]) == ("▸2", "3")
+        await press(pilot, "l")
+        assert (left.heading[0], right.heading[:2]) == ("2", "▸3")
+
+
+async def test_who_acts_by_hand_acts_in_the_lane_led(make_app: MakeApp) -> None:
+    app = make_app("frozenlake-slippery")
+    async with app.run_test(size=(120, 40)) as pilot:
+        await settle(pilot)
+        await open_lane(pilot, "alpha", "0.5")
+        left, right = worlds(pilot)
+        await press(pilot, "y")
+        assert (left.is_manual, right.is_manual) == (True, False)
+        await press(pilot, "l")
+        assert (left.is_manual, right.is_manual) == (False, True)
+
+
+async def test_what_a_bandit_keeps_secret_is_revealed_in_both(make_app: MakeApp) -> None:
+    app = make_app("bandit")
+    async with app.run_test(size=(120, 40)) as pilot:
+        await settle(pilot)
+        await train(pilot, 200)
+        await open_lane(pilot, "epsilon", "0")
+        left, right = worlds(pilot)
+        assert left.stance == right.stance  # one scale
+        budget = board_of(pilot).panel("budget")
+        assert isinstance(budget, Panel)
+        assert "regret and the best arm" in text_of(budget)
+        await press(pilot, "h")
+        assert left.tells_all
+        assert right.tells_all
+        assert text_of(budget).count("ε 0") == 2
