@@ -179,7 +179,7 @@ def test_the_lane_of_a_planner_is_what_its_greedy_policy_is_worth() -> None:
     beside = changed(side_by_side(2), lanes=(first, planner))
     assert "Value iteration: .74" in "\n".join(drawn(beside)[0])
     assert "mean of the last 100; planners: exact" in "\n".join(drawn(beside)[0])
-    assert drawn(beside)[0][-2].endswith(" ep, sweep")
+    assert drawn(beside)[0][-2].rstrip().endswith(" ep, sweep")
     shown = changed(planning(), lanes=(first, planner), shown=1)
     text = "\n".join(drawn(shown)[0])
     assert "Value iteration: .73" in text or "Value iteration: .74" in text

@@ -38,15 +38,20 @@ def draw_value_axis(canvas: Canvas, plot: Plot, look: Look) -> None:
 
 
 def draw_count_axis(canvas: Canvas, plot: Plot, last: float, most: int, unit: str, look: Look) -> None:
-    """Draw the horizontal axis with ``unit`` at its end, and at most ``most`` labels from 0 to ``last``."""
+    """Draw the horizontal axis with ``unit`` behind it, and at most ``most`` labels from 0 to ``last``.
+
+    Where the canvas has no room behind the axis, the unit stands on its end.
+    """
     glyphs, style = look.glyphs, look.palette.dim
     canvas.put(plot.left - 1, plot.rows, glyphs.axis_corner + glyphs.axis_horizontal * plot.columns, style)
-    canvas.put(plot.left + plot.columns - len(unit), plot.rows, unit, style)
+    place = min(plot.left + plot.columns, canvas.width - len(unit))
+    canvas.put(place, plot.rows, unit, style)
+    free, end = 0, min(plot.columns, place - plot.left)  # the unit begins with a blank
     step = tick_step(last, most)
-    free, end = 0, plot.columns - len(unit) - 1
     for number in range(int(last / step) + 1):
-        text = tick_label(number * step, step, glyphs)
-        start = max(0, plot.column(number * step) - len(text) // 2)
+        text, column = tick_label(number * step, step, glyphs), plot.column(number * step)
+        # the last one may stand at the very end, where only its left half has room
+        start = min(max(0, column - len(text) // 2), end - len(text) if column <= end else column)
         if start >= free and start + len(text) <= end:
             canvas.put(plot.left + start, plot.rows, text, style)
             free = start + len(text) + _GAP

@@ -58,16 +58,16 @@ def settled(previous: Scale | None, low: float, high: float, *, may_shrink: bool
     return smaller if lost and may_shrink else previous
 
 
-def round_range(last: float, share: float, limit: float | None = None) -> float:
-    """Return the right end of an axis from 0 on which ``last`` stands within its first ``share`` (0 to 1).
+def round_range(last: float, limit: float | None = None) -> float:
+    """Return the right end of an axis from 0 to ``last`` or somewhat more.
 
-    It is 10 or more and goes in steps, so that it changes rarely and at most a fifth of the share is empty;
+    It is 10 or more and goes in steps, so that it changes rarely and at most a fifth of the axis is empty;
     ``limit``, the largest value that will ever come, keeps it from going further than needed.
     """
-    needed = max(last / share, FIRST_RANGE)
+    needed = max(last, FIRST_RANGE)
     power = 10.0 ** math.floor(math.log10(needed))
     right = next(power * digit for digit in _ROUND if needed <= power * digit * (1.0 + 1e-12))
-    return right if limit is None else min(right, limit / share)
+    return right if limit is None else min(right, limit)
 
 
 def tick_label(x: float, step: float, glyphs: Glyphs) -> str:

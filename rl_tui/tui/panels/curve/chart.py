@@ -29,7 +29,7 @@ from rl_tui.tui.theme.look import Look
 
 LEAST_WIDTH: Final = 14
 LEAST_HEIGHT: Final = 3
-_TICK_COLUMNS: Final = 11  # a labelled episode number at most every so many columns
+_TICK_COLUMNS: Final = 9  # a labelled episode number at most every so many columns
 _UNIT_ROOM: Final = 40
 _ARROWS_APART: Final = 8  # columns between the arrows of a line that stays below the axis
 # What a cell shows, the more important the greater; after the greedy line come the lanes
@@ -51,8 +51,8 @@ def draw_chart(
         return _figures_only(canvas, labels_of(data, look, decimals, width), look)
     columns = plot_columns(scale, look, width)
     reserved = min(columns_of(data, look, columns), columns - 2)
-    right = round_range(data.furthest, (columns - reserved) / columns, data.limit)
-    plot = Plot(width - columns, columns, height - 1, right, scale)
+    right = round_range(data.furthest, data.limit)
+    plot = Plot(width - columns, columns - reserved, height - 1, right, scale)
     draw_value_axis(canvas, plot, look)
     _draw_episode_axis(canvas, plot, data, look)
     if data.furthest:
@@ -72,9 +72,8 @@ def _draw_episode_axis(canvas: Canvas, plot: Plot, data: CurveData, look: Look) 
     if data.has_both_units:
         unit = " ep, sweep"
     else:
-        unit = " ep" if data.unit == "episode" and plot.columns < _UNIT_ROOM else f" {data.unit}"
-    last = plot.right if data.limit is None else min(plot.right, data.limit)
-    draw_count_axis(canvas, plot, last, plot.column(last) // _TICK_COLUMNS, unit, look)
+        unit = " ep" if data.unit == "episode" and canvas.width < _UNIT_ROOM else f" {data.unit}"
+    draw_count_axis(canvas, plot, plot.right, max(2, plot.columns // _TICK_COLUMNS), unit, look)
 
 
 def _draw_lines(canvas: Canvas, plot: Plot, data: CurveData, look: Look) -> None:
@@ -250,7 +249,8 @@ def _draw_names(canvas: Canvas, plot: Plot, data: CurveData, names: Sequence[Lin
 
 def _put_message(canvas: Canvas, plot: Plot, words: Sequence[str], look: Look, taken: set[int]) -> None:
     """Write ``words`` into rows that are not ``taken``: on one line if they fit, else on a line each."""
-    room = plot.columns - 2
+    columns = canvas.width - plot.left
+    room = columns - 2
     whole = " ".join(words)
     parts = (whole,) if len(whole) <= room else words
     lines = [line for part in parts for line in wrapped(part, room, look.palette.text, look)]
@@ -262,7 +262,7 @@ def _put_message(canvas: Canvas, plot: Plot, words: Sequence[str], look: Look, t
     first = min(free, key=lambda row: abs(row - middle))
     for row, line in enumerate(lines[: plot.rows], first):
         for piece in line:
-            x = plot.left + max(1, (plot.columns - cell_len(piece.text)) // 2)
+            x = plot.left + max(1, (columns - cell_len(piece.text)) // 2)
             canvas.put(x, row, piece.text, piece.style)
 
 

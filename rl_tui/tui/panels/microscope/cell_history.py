@@ -99,7 +99,7 @@ def draw_history(cell: CellHistory, exact: float | None, look: Look, width: int,
     ]
     scale, last = round_scale(min(known), max(known)), float(cell.step[-1])
     left = 1 + value_axis_columns(scale, look)
-    plot = Plot(left, width - left, height - 1, round_range(last, 1.0), scale)
+    plot = Plot(left, width - left, height - 1, round_range(last), scale)
     draw_value_axis(canvas, plot, look)
     draw_count_axis(canvas, plot, plot.right, plot.columns // _TICK_COLUMNS, _UNIT, look)
     if exact is not None:
