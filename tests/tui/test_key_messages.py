@@ -91,7 +91,7 @@ async def test_what_was_written_is_told_beyond_the_next_key_but_not_behind_a_dia
     ("query", "found"),
     [
         ("edit", []),
-        ("map", []),
+        ("map", ["Q in cells (V)"]),
         ("xyzzy", []),
         ("alg", ["Algorithm (a)"]),
         ("fast", ["Faster (+)"]),

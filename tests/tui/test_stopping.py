@@ -84,7 +84,7 @@ async def test_a_value_is_that_of_the_pair_under_the_cursor(
         asked = record(pilot, monkeypatch)
         playground(pilot).board.table.focus()
         await press(pilot, "down", "right", "u", *["down"] * 6, "enter", *"0.5", "enter")
-        assert asked == [RunUntil(Until(Event.VALUE, pair=5, threshold=0.5))]
+        assert asked == [RunUntil(Until(Event.VALUE, pair=6, threshold=0.5))]
 
 
 async def test_what_cannot_be_waited_for_says_why_and_stays(
@@ -111,14 +111,14 @@ async def test_k_stops_where_the_cursor_is(make_app: MakeApp, monkeypatch: pytes
         await press(pilot, "k")  # nothing in focus: where the agent is
         board.table.focus()
         await press(pilot, "k", "down", "right", "k")
-        assert notes(app) == ["breakpoint on 1,↓: pauses each time it is taken"]
+        assert notes(app) == ["breakpoint on 1,→: pauses each time it is taken"]
         assert board.world is not None
         board.world.focus()
         await press(pilot, "k", "down", "right", "k")
         assert asked == [
             ToggleBreakpoint(state=0),
-            ToggleBreakpoint(pair=0),
-            ToggleBreakpoint(pair=5),
+            ToggleBreakpoint(pair=3),
+            ToggleBreakpoint(pair=6),
             ToggleBreakpoint(state=0),
             ToggleBreakpoint(state=5),
         ]
