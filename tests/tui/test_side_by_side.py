@@ -90,8 +90,8 @@ async def test_two_lanes_at_120x40_from_the_first_key_to_the_last(make_app: Make
         assert (left.region.y, left.region.right) == (right.region.y, right.region.x)
         assert left_table.region.y == right_table.region.y == left.region.bottom
         assert board.curve.region.width == board.controls.region.width == 120
-        assert left.heading == "▸1 Q-learning · α .50 ε .10"
-        assert right.heading == "2 SARSA · α .50 ε .10"
+        assert left.heading == "▸1 Q-learning · α 0.5 ε 0.1"
+        assert right.heading == "2 SARSA · α 0.5 ε 0.1"
         shown = snapshot(pilot)
         assert shown.beside is not None
         assert np.array_equal(left_table.snapshot.agent.q, shown.agent.q)  # type: ignore[union-attr]
@@ -103,8 +103,8 @@ async def test_two_lanes_at_120x40_from_the_first_key_to_the_last(make_app: Make
         assert f"{len(differing.states)} of {differing.known}" in right.footing
 
         await press(pilot, "l")  # the other is led, and nothing changes its place
-        assert left.heading == "1 Q-learning · α .50 ε .10"
-        assert right.heading == "▸2 SARSA · α .50 ε .10"
+        assert left.heading == "1 Q-learning · α 0.5 ε 0.1"
+        assert right.heading == "▸2 SARSA · α 0.5 ε 0.1"
         assert board.world is right
         assert board.table is right_table
         assert left.region.x == 0
@@ -197,7 +197,7 @@ async def test_a_smaller_terminal_shows_one_lane_and_a_larger_one_both(make_app:
         await pilot.resize_terminal(120, 40)
         await settle(pilot)
         assert all(board.shows(panel) for panel in FOUR)
-        assert right.heading == "2 α 0.5 · Q-learning ε .10"
+        assert right.heading == "2 α 0.5 · Q-learning ε 0.1"
 
 
 async def test_one_lane_alone_by_a_key_and_by_the_zoom(make_app: MakeApp) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from typing import Final, NamedTuple
 
 from textual.widget import Widget
@@ -151,8 +150,7 @@ class _Teller:
 
     def _written(self, *values: float | None) -> tuple[str, ...]:
         """Return numbers in one form, empty where one is not known."""
-        known = [each for each in values if each is not None and math.isfinite(each)]
-        form = number_form(min(known, default=0.0), max(known, default=0.0), _COLUMNS)
+        form = number_form([each for each in values if each is not None], _COLUMNS)
         return tuple("" if each is None else form.text(each, self._look.glyphs) for each in values)
 
     def _deed(self, pair: int) -> str:

@@ -13,6 +13,7 @@ from rl_tui.lab.live.viewport import Cells
 from rl_tui.lab.run.large_worlds import is_large
 from rl_tui.tui.draw.number_form import SteadyForms
 from rl_tui.tui.panels.legend import GREEDY_IN_FULL, Legend, LegendSign
+from rl_tui.tui.panels.numbers_in_common import all_q, all_v, ends
 from rl_tui.tui.panels.panel import BoardPanel
 from rl_tui.tui.panels.scrolling import Scrolled, kept_in_view, scrolled_to
 from rl_tui.tui.panels.snapshot_facts import is_new_run
@@ -150,6 +151,7 @@ class GridView(WorldView):
         super().align_with(twin)
         if isinstance(twin, GridView):
             self._following, self._top, self._left = twin._following, twin._top, twin._left
+            self._number_forms = twin._number_forms
             self._digits = max(self._digits, twin._digits)
             self._action_digits = max(self._action_digits, twin._action_digits)
 
@@ -213,7 +215,8 @@ class GridView(WorldView):
         names = [each.extra.name for each in cells if each.extra is not None] if self.is_numbered else []
         self._longest_name = max(map(len, names), default=0)
         artist = self._artist_for(form)
-        needed = digits_needed(artist.values(cells))
+        values = all_v(snapshot) if actions is None else all_q(snapshot)
+        needed = digits_needed(ends(values)[0])
         if needed > (self._digits if actions is None else self._action_digits):
             if actions is None:  # they stay as wide, lest the map jump to and fro
                 self._digits = needed
@@ -224,7 +227,7 @@ class GridView(WorldView):
         self.footing = self._where(width)
         self.free_rows = height - part.rows * form.height - max(0, (height - part.rows * form.height) // 2)
         self._form, self._origin = form, origin(form, part, width, height)
-        return draw_grid(cells, artist, part, width, height, self._number_forms)
+        return draw_grid(cells, artist, values, part, width, height, self._number_forms)
 
     def _cell_form(self, width: int, height: int) -> CellForm:
         """Return the form of cells; first it settles whether they show every action."""
@@ -338,7 +341,9 @@ class GridView(WorldView):
         if self._action_form is not None:
             drawing = self._action_artist
             if drawing is None or drawing.form != self._action_form or drawing.look is not self.look:
-                drawing = self._action_artist = ActionArtist(self.look, self._action_form)
+                drawing = self._action_artist = ActionArtist(
+                    self.look, self._action_form, has_table=self.world.mdp is not None
+                )
             return drawing
         artist = self._artist
         if artist is None or artist.form != form or artist.look is not self.look:
