@@ -7,7 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from conftest import MakeApp
-from samples import lake
+from lane_samples import side_by_side
+from samples import lake, look
 from seams import playground, press, snapshot, train
 from snapshots import changed
 from test_lanes import open_lane
@@ -17,10 +18,12 @@ from textual.pilot import Pilot
 from rl_tui.common.errors import UserError
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.app.screenshot import settle
+from rl_tui.tui.draw.number_form import SteadyForms
 from rl_tui.tui.panels.panel import Panel
-from rl_tui.tui.panels.q_table.layers import Layer
+from rl_tui.tui.panels.q_table.layers import Figures, Layer
 from rl_tui.tui.panels.q_table.q_table import QTable
-from rl_tui.tui.panels.side_by_side import greedy_differences
+from rl_tui.tui.panels.side_by_side import greedy_differences, sides
+from rl_tui.tui.panels.world.grid.grid import GridView
 from rl_tui.tui.panels.world.view import WorldView
 from rl_tui.tui.screens.playground.board import Board
 
@@ -269,3 +272,20 @@ async def test_what_a_bandit_keeps_secret_is_revealed_in_both(make_app: MakeApp)
         assert left.tells_all
         assert right.tells_all
         assert text_of(budget).count("ε 0") == 2
+
+
+def test_two_lanes_have_one_form_and_one_scale() -> None:
+    space = lake().world.space
+    small, large = np.linspace(0.01, 0.9, space.pairs), np.linspace(-60.0, 0.9, space.pairs)
+    visits = np.ones(space.pairs, np.int64)
+    shown = changed(side_by_side(2), q=small, visits=visits)
+    left, right = sides(replace(shown, beside=changed(shown, q=large)))
+    last, forms = space.pairs - 1, SteadyForms()
+    first, second = (Figures(each, Layer.Q, look(), None, forms) for each in (left, right))
+    assert (first.low, first.high) == (second.low, second.high)
+    assert first.text(last, 4) == second.text(last, 4)
+    assert first.style(last) == second.style(last)
+    for lane in (left, right):
+        text = "".join(row.text for row in GridView(lane.world, look()).picture(lane, 28, 4))
+        assert ".9" in text
+        assert ".90" not in text

@@ -35,7 +35,22 @@ class NumberHere(NamedTuple):
 
 
 def number_here(focused: Widget | None, look: Look) -> NumberHere | None:
-    """Return the number under the cursor of the panel in focus, None where there is no cursor."""
+    """Return the number under the cursor of the panel in focus, None where there is no cursor.
+
+    Of several lanes it says whose number it is.
+    """
+    number = _number_here(focused, look)
+    if number is None or not isinstance(focused, QTable | WorldView) or focused.snapshot is None:
+        return number
+    group = focused.snapshot.run_group
+    if not group.lanes:
+        return number
+    lane = group.shown + 1
+    whose = f"Lane {lane} of {len(group.lanes)}: {group.lanes[group.shown].name}."
+    return number._replace(name=f"{number.name} in lane {lane}", meaning=f"{whose} {number.meaning}")
+
+
+def _number_here(focused: Widget | None, look: Look) -> NumberHere | None:
     if isinstance(focused, QTable) and focused.snapshot is not None:
         pair = focused.shown_cursor
         if pair is not None:

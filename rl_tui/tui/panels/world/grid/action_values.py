@@ -52,10 +52,10 @@ class ActionFace(NamedTuple):
 class ActionArtist:
     """Draws cells with Q of every action; those in which nothing can be done as elsewhere."""
 
-    def __init__(self, look: Look, form: ActionForm, *, has_table: bool) -> None:
+    def __init__(self, look: Look, form: ActionForm) -> None:
         self.look = look
         self.form = form
-        self._idle = CellArtist(look, CellForm(form.width, form.height), has_table=has_table)
+        self._idle = CellArtist(look, CellForm(form.width, form.height), has_table=True)  # without values
         # what looks the same is drawn once
         self._drawn = lru_cache(_MOST_KEPT)(partial(_drawn, form=form, look=look))
         self._text = lru_cache(_MOST_TEXTS)(partial(value_text, look=look))

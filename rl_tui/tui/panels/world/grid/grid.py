@@ -341,9 +341,7 @@ class GridView(WorldView):
         if self._action_form is not None:
             drawing = self._action_artist
             if drawing is None or drawing.form != self._action_form or drawing.look is not self.look:
-                drawing = self._action_artist = ActionArtist(
-                    self.look, self._action_form, has_table=self.world.mdp is not None
-                )
+                drawing = self._action_artist = ActionArtist(self.look, self._action_form)
             return drawing
         artist = self._artist
         if artist is None or artist.form != form or artist.look is not self.look:
