@@ -253,7 +253,7 @@ def test_a_stepped_environment_has_eight_seeds() -> None:
 def refusal_of(playback: Playback, *before: Command) -> str:
     snapshot = do(playback, *before, Play(), StudySeeds())
     assert snapshot.study is not None
-    assert (snapshot.study.state, snapshot.study.lanes) == (StudyState.FAILED, ())
+    assert (snapshot.study.state, snapshot.study.lanes) == (StudyState.REFUSED, ())
     assert snapshot.playback.phase is Phase.RUNNING
     return snapshot.study.message
 
