@@ -101,6 +101,7 @@ def lane_remark(data: CurveData, look: Look, room: int) -> tuple[str, ...]:
         *(("one seed; M counts many · h adds the best arm",) if data.hidden else ()),
         f"beside names: {recent} {what}, one seed; M counts many",
         f"{recent} of one seed; M counts many",
+        f"{recent}, one seed; M: many",
         *_ONE_SEED,
     )
 
