@@ -78,7 +78,7 @@ class ReturnCurve(Panel, can_focus=True):
         return [*chart, *strips_of([line], width, 1, self.look)]
 
     def legend(self, snapshot: Snapshot) -> Legend:
-        """Return what the axis counts, and the band: the lines have their names where they end."""
+        """Return what the bands are, and what the axis counts: the lines have their names where they end."""
         seeds = seed_bands(snapshot)
         more = (seed_sign(seeds, self.look),) if seeds else ()
         if isinstance(snapshot.world.drawing, Arms):
@@ -86,7 +86,7 @@ class ReturnCurve(Panel, can_focus=True):
         plans = BY_ID[snapshot.agent.algorithm].planner
         sums = LegendSign("return", "= undiscounted sum", self.look.palette.text)
         band = () if plans else band_signs(self.look, lanes=bool(snapshot.run_group.lanes))
-        return (sums, *more, *band)
+        return (*more, sums, *band)
 
     def _words(
         self, snapshot: Snapshot, data: CurveData, scale: Scale, width: int, in_border: bool
