@@ -187,6 +187,15 @@ def test_without_a_free_row_the_wind_stands_on_the_border() -> None:
     assert view.footing == "wind 0 1 2 0 0"
 
 
+def test_which_part_is_in_view_stands_on_the_border_before_the_wind() -> None:
+    snapshot = in_wind(windy(), 10, RIGHT)
+    view = GridView(snapshot.world, look())
+    view.picture(snapshot, 24, 2)
+    assert view.footing == "1–2 of 3 · 0–3 of 5"
+    view.picture(snapshot, 41, 2)
+    assert view.footing == "wind 0 1 2 0 0 · 1–2 of 3 · 0–4 of 5"
+
+
 def test_a_world_without_wind_has_no_row_for_it() -> None:
     world = windy(wind=[0, 0, 0, 0, 0])
     assert picture(in_wind(world, 10, RIGHT), 30, 4)[-1].strip() in ("", ".00")

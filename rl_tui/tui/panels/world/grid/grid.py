@@ -189,8 +189,9 @@ class GridView(WorldView):
             strips.insert(top + self._part.rows * self._form.height, row)
         elif self._following:
             line = wind_line(grid, self._part, self.look)
-            both = (f"{line} · {self.footing}",) if self.footing else ()
-            self.footing = self.fitting((*both, line), width) or self.footing
+            # which part is in view comes first: wind alone would pass for that of all columns
+            forms = (f"{line} · {self.footing}", self.footing) if self.footing else (line,)
+            self.footing = self.fitting(forms, width)
         return strips
 
     def _drawn_cells(self, snapshot: Snapshot, width: int, height: int) -> list[Strip]:
@@ -392,6 +393,7 @@ class GridView(WorldView):
             f"rows {down} · columns {across}, counted from 0 · {follow}",
             f"rows {down} · columns {across} · {follow}",
             f"{down} · {across} · {follow}",
+            *((f"{down} · {across}",) if self._following else ()),
             follow,
         )
         return self.fitting(forms, width)
