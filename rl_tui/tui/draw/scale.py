@@ -33,6 +33,12 @@ class Scale:
         first, last = math.ceil(self.low / self.step - 1e-9), math.floor(self.high / self.step + 1e-9)
         return [each * self.step for each in range(first, last + 1)]
 
+    @property
+    def outer_labels(self) -> tuple[float, float]:
+        """The nearest labels that hold the whole axis between them, be they on it or not."""
+        first, last = math.floor(self.low / self.step + 1e-9), math.ceil(self.high / self.step - 1e-9)
+        return first * self.step, last * self.step
+
 
 def round_scale(low: float, high: float) -> Scale:
     """Return an axis with two to four round labels that holds 0 and ``low`` .. ``high`` closely.
