@@ -11,7 +11,7 @@ from rl_tui.tui.theme.glyphs import Glyphs
 
 FIRST_RANGE: Final = 10.0
 _MOST_TICKS: Final = 4
-_MOST_EMPTY: Final = 0.22  # of the axis, at either end
+_MOST_EMPTY: Final = 0.28  # of the axis, at either end: 0 to .74 has one that ends at 1
 _LEAST_SHARE: Final = 0.5  # of the axis that the data must take more than, else it shrinks
 _SPARE: Final = 1.2  # times the data must fit into an axis that has shrunk
 _MOST_FIXED: Final = 4  # decimals of a label, else it has an exponent
@@ -43,7 +43,7 @@ class Scale:
 def round_scale(low: float, high: float) -> Scale:
     """Return an axis with two to four round labels that holds 0 and ``low`` .. ``high`` closely.
 
-    It ends at labels, or where more than a fifth would be empty at one end then, between them.
+    It ends at labels, or where more than a quarter or so would be empty at one end then, between them.
     """
     low, high = min(low, 0.0), max(high, 0.0)
     if high - low < numbers.NEGLIGIBLE:
