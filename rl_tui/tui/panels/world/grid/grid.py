@@ -8,6 +8,7 @@ from typing import Final
 from rich.segment import Segment
 from textual.strip import Strip
 
+from rl_tui.lab.last_step.gust import gust_of
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.live.viewport import Cells
 from rl_tui.lab.run.large_worlds import is_large
@@ -34,7 +35,7 @@ from rl_tui.tui.panels.world.grid.map import GridMap, MapPart
 from rl_tui.tui.panels.world.grid.signs import differing_sign, end_signs, reward_signs
 from rl_tui.tui.panels.world.grid.strips import draw_grid, origin
 from rl_tui.tui.panels.world.grid.trail import traces, trail_signs
-from rl_tui.tui.panels.world.grid.wind import last_gust, wind_line, wind_sign, wind_strip
+from rl_tui.tui.panels.world.grid.wind import wind_line, wind_sign, wind_strip
 from rl_tui.tui.panels.world.view import TITLE, WorldView
 from rl_tui.worlds.drawing import CellKind, Grid
 from rl_tui.worlds.world import World
@@ -184,13 +185,14 @@ class GridView(WorldView):
         assert self._form is not None
         if is_free:
             left, top = self._origin
-            gust = last_gust(grid, snapshot)
+            gust = gust_of(snapshot.world, snapshot.counters.last_step)
             row = wind_strip(grid, self._part, self._form, left, width, gust, self.look)
             strips.insert(top + self._part.rows * self._form.height, row)
         elif self._following:
             line = wind_line(grid, self._part, self.look)
-            both = (f"{line} · {self.footing}",) if self.footing else ()
-            self.footing = self.fitting((*both, line), width) or self.footing
+            # which part is in view comes first: wind alone would pass for that of all columns
+            forms = (f"{line} · {self.footing}", self.footing) if self.footing else (line,)
+            self.footing = self.fitting(forms, width)
         return strips
 
     def _drawn_cells(self, snapshot: Snapshot, width: int, height: int) -> list[Strip]:
@@ -392,6 +394,7 @@ class GridView(WorldView):
             f"rows {down} · columns {across}, counted from 0 · {follow}",
             f"rows {down} · columns {across} · {follow}",
             f"{down} · {across} · {follow}",
+            *((f"{down} · {across}",) if self._following else ()),
             follow,
         )
         return self.fitting(forms, width)
