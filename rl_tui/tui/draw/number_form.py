@@ -50,10 +50,10 @@ class NumberForm(NamedTuple):
             return numbers.value(x, self.width, glyphs)
         if abs(x) < numbers.NEGLIGIBLE:
             x = 0.0
-        if 0.0 < abs(x) < 1.0 and not self.has_exponent:
+        text = self.written(x, glyphs)
+        is_short = len(text) > self.width or not self.decimals
+        if is_short and 0.0 < abs(x) < 1.0 and not self.has_exponent:
             text = self._fraction(x, glyphs)
-        else:
-            text = self.written(x, glyphs)
         if x and not numbers.has_digits(text):
             text = self._tiny(x, glyphs)
         return text if len(text) <= self.width else numbers.value(x, self.width, glyphs, self.decimals)
@@ -72,14 +72,12 @@ class NumberForm(NamedTuple):
 
         ``−.5`` where two decimals do not fit, ``.99`` for .996 where ``1.00`` does not.
         """
-        text = self.written(x, glyphs)
-        decimals = self.shown_decimals
-        while (len(text) > self.width or not self.decimals) and decimals > 0:
+        text = ""
+        for decimals in range(self.shown_decimals, 0, -1):
             nearest = math.copysign(min(abs(x), 1.0 - 10.0**-decimals), x)
             text = numbers.fixed(nearest, decimals, glyphs, leading_zero=False)
             if len(text) <= self.width:
                 break
-            decimals -= 1
         return text
 
     @property
