@@ -253,11 +253,13 @@ class QTable(Panel, can_focus=True):
             self.shown_layer = layer
             self.post_message(Moved(self))
         offset = event.get_content_offset(self)
-        if offset is None or self._sheet is None:
-            return
-        pair = self._sheet.pair_at(offset.x, offset.y)
+        pair = None if offset is None else self.pair_at(*offset)
         if pair is not None:
             self._put_cursor(pair)
+
+    def pair_at(self, x: int, y: int) -> int | None:
+        """Return the pair drawn at column ``x`` of row ``y``, None where there is none."""
+        return None if self._sheet is None else self._sheet.pair_at(x, y)
 
     def on_mouse_scroll_down(self, event: events.MouseScrollDown) -> None:
         """Scroll down."""
