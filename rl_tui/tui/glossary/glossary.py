@@ -18,6 +18,8 @@ BOOK: Final = "Sutton & Barto, 2nd ed."
 _ELSEWHERE: Final = ("not ", "a word of this program")
 _NO_LINE_BEFORE: Final = "(?<!─)"
 _NO_LINE_AFTER: Final = "(?!─)"
+_TINY: Final = re.compile(r"(?<!\S)[<>][−-]?\.?\d+")
+_LAST: Final = re.compile(r"\b(?:mean of the )?last \d+")
 _FILE: Final = Path(__file__).with_name("glossary.toml")
 
 
@@ -126,6 +128,12 @@ def term_at(text: str, column: int, glyphs: Glyphs, about: Collection[str] | Non
     panel: one is taken for a term only if that is ``about`` these ids; None takes it everywhere.
     """
     pattern, ids, signs = _written(glyphs is ASCII)
+    for match in _TINY.finditer(text):
+        if match.start() <= column < match.end():
+            return "tiny-number"
+    for match in _LAST.finditer(text):
+        if match.start() <= column < match.end():
+            return "last-100"
     for match in pattern.finditer(text):
         if match.start() <= column < match.end():
             id_ = ids[_key(match[0])]

@@ -117,7 +117,8 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         "step updated is lit; an unvisited cell looks different from a zero. v turns to the exact Q*, the "
         "error Q−Q* and visits. It has a cursor: tab to the table, then the arrows; m shows the model of "
         "the pair under it, and esc follows the agent again. The tables of two lanes have cursor, rows and "
-        "layer in common; ≠ stands behind a state where their greedy actions differ.",
+        "layer in common; ≠ stands behind a state where their greedy actions differ. <.01 and >−1 are not 0, "
+        "but less than a unit of the last digit.",
         caption="what each action seems worth",
         terms=("q", "pair", "greedy", "agent", "target", "q-star", "error", "visits", "ties", "optimism"),
         is_twofold=True,
