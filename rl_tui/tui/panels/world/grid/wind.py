@@ -18,14 +18,14 @@ from rl_tui.worlds.mdp.tabular_mdp import UNKNOWN_ACTION
 WIND: Final = "wind"
 
 
-class Gust(NamedTuple):
+class LastGust(NamedTuple):
     """The wind that moved the agent on its last step: in which ``column``, and by how many cells up."""
 
     column: int
     pushed: int
 
 
-def last_gust(grid: Grid, snapshot: Snapshot) -> Gust | None:
+def last_gust(grid: Grid, snapshot: Snapshot) -> LastGust | None:
     """Return the wind that moved the agent on the last step of ``snapshot``, None where none did."""
     last, mdp = snapshot.counters.last_step, snapshot.world.mdp
     if last is None or last.planned or mdp is None or last.outcome == UNKNOWN_ACTION:
@@ -39,7 +39,7 @@ def last_gust(grid: Grid, snapshot: Snapshot) -> Gust | None:
     target = (row + down, column + right)
     without_wind = row + down if _is_open(grid, *target) else row
     pushed = without_wind - int(grid.cell_of_state[last.next_state]) // grid.columns
-    return Gust(column, pushed) if pushed * grid.wind[column] > 0 else None
+    return LastGust(column, pushed) if pushed * grid.wind[column] > 0 else None
 
 
 def _is_open(grid: Grid, row: int, column: int) -> bool:
@@ -48,7 +48,7 @@ def _is_open(grid: Grid, row: int, column: int) -> bool:
 
 
 def wind_strip(
-    grid: Grid, part: MapPart, form: CellForm, left: int, width: int, gust: Gust | None, look: Look
+    grid: Grid, part: MapPart, form: CellForm, left: int, width: int, gust: LastGust | None, look: Look
 ) -> Strip:
     """Return a row of ``width`` cells with the wind of each column of ``part``, which begins at ``left``."""
     palette = look.palette
