@@ -6,6 +6,7 @@ import pytest
 from conftest import MakeApp
 from samples import bandit, lake, look
 from seams import playground, press, slider, train
+from test_lanes import open_lane
 from textual.containers import VerticalScroll
 from textual.geometry import Region
 from textual.pilot import Pilot
@@ -258,3 +259,17 @@ async def test_figures_say_the_limits_of_this_world(make_app: MakeApp) -> None:
             assert listed(pilot)[0] == "return"
             assert limit in " ".join(told(pilot).split())
             assert "undiscounted" in told(pilot)
+
+
+async def test_of_two_lanes_a_number_says_whose_it_is(make_app: MakeApp) -> None:
+    app = make_app("frozenlake-slippery")
+    async with app.run_test(size=(120, 40)) as pilot:
+        await settle(pilot)
+        await train(pilot, 500)
+        await open_lane(pilot, "algorithm", "sarsa")
+        await press(pilot, "tab", "question_mark")
+        assert "lane 1" in str(app.screen.query_one(OptionList).options[0].prompt)
+        assert "Q-learning" in told(pilot)
+        await press(pilot, "escape", "tab", "question_mark")
+        assert "lane 2" in str(app.screen.query_one(OptionList).options[0].prompt)
+        assert "SARSA" in told(pilot)

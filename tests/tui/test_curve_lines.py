@@ -51,7 +51,7 @@ def test_no_end_of_a_vertical_axis_is_empty_and_it_grows_in_few_steps(best: floa
         assert scale.low <= low + 1e-9
         assert best <= scale.high + 1e-9
         closest = round_scale(low, best)
-        assert max(low - closest.low, closest.high - best) <= 0.22 * (closest.high - closest.low) + 1e-9
+        assert max(low - closest.low, closest.high - best) <= 0.28 * (closest.high - closest.low) + 1e-9
         assert 2 <= len(closest.ticks) <= 4
     assert changes <= 8 * 16  # sixteen to a power of ten
 

@@ -17,6 +17,7 @@ from snapshots import changed
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.timeline.trail import TrailStep
 from rl_tui.tui.app.screenshot import settle
+from rl_tui.tui.panels.last_step.last_step import LastStepPanel
 from rl_tui.tui.panels.panel import Panel
 from rl_tui.tui.panels.world.grid.grid import GridView
 from rl_tui.tui.panels.world.grid.headings import STATE_NUMBERS
@@ -113,12 +114,12 @@ def test_the_legend_has_trail_and_slip_only_while_they_are_on_screen() -> None:
     for moment, expected in (
         (lake(step=0), set()),
         (with_trail((0, RIGHT, RIGHT, 1)), {"trail"}),
-        (slipping, {"trail", "slip"}),
+        (slipping, {"trail", "meant, slipped"}),
     ):
         view.snapshot = moment
         view.picture(moment, 40, 8)
-        assert signs(view).keys() & {"trail", "slip"} == expected
-    assert signs(view)["slip"] == "~↓"
+        assert signs(view).keys() & {"trail", "meant, slipped"} == expected
+    assert signs(view)["meant, slipped"] == "~↓"
 
 
 def windy(**rules: Any) -> World:
@@ -163,6 +164,22 @@ def test_the_wind_is_lit_where_it_moved_the_agent(state: int, action: int, lit: 
         if character.isdigit() and style_at(row, x) == look().palette.updated
     ]
     assert lit_columns == ([] if lit is None else [lit])
+
+
+@pytest.mark.parametrize(
+    ("state", "action", "size", "told"),
+    [
+        (11, LEFT, (80, 10), "wind ↑ 1, → 5"),
+        (12, LEFT, (80, 2), "wind ↑ 2"),
+        (10, RIGHT, (80, 10), ""),
+    ],
+)
+def test_the_last_step_tells_of_the_wind(state: int, action: int, size: tuple[int, int], told: str) -> None:
+    text = "\n".join(
+        row.text for row in LastStepPanel(look()).picture(in_wind(windy(), state, action), *size)
+    )
+    assert told in text
+    assert ("wind" in text) == bool(told)
 
 
 def test_a_gust_that_is_stronger_than_usual_says_so() -> None:

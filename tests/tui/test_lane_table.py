@@ -11,6 +11,7 @@ from snapshots import changed
 
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.timeline.lane_view import LaneView
+from rl_tui.tui.draw.number_form import SteadyForms
 from rl_tui.tui.panels.q_table.layers import Figures, Layer
 from rl_tui.tui.panels.q_table.q_table import QTable
 from rl_tui.worlds.mdp.space import FloatArray
@@ -55,7 +56,7 @@ def test_it_shows_the_difference_with_colours_for_both_directions() -> None:
     text, _ = table_of(snapshot)
     assert "0.500" in text
     assert "−0.250" in text
-    figures = Figures(snapshot, Layer.LANES, look(), None)
+    figures = Figures(snapshot, Layer.LANES, look(), None, SteadyForms())
     palette = look().palette
     assert figures.style(0) == palette.signed_value(1.0)
     assert figures.style(1) == palette.signed_value(-0.5)

@@ -11,7 +11,7 @@ from rl_tui.tui.theme.glyphs import Glyphs
 
 FIRST_RANGE: Final = 10.0
 _MOST_TICKS: Final = 4
-_MOST_EMPTY: Final = 0.22  # of the axis, at either end
+_MOST_EMPTY: Final = 0.28  # of the axis, at either end: 0 to .74 has one that ends at 1
 _LEAST_SHARE: Final = 0.5  # of the axis that the data must take more than, else it shrinks
 _SPARE: Final = 1.2  # times the data must fit into an axis that has shrunk
 _MOST_FIXED: Final = 4  # decimals of a label, else it has an exponent
@@ -33,11 +33,17 @@ class Scale:
         first, last = math.ceil(self.low / self.step - 1e-9), math.floor(self.high / self.step + 1e-9)
         return [each * self.step for each in range(first, last + 1)]
 
+    @property
+    def outer_labels(self) -> tuple[float, float]:
+        """The nearest labels that hold the whole axis between them, be they on it or not."""
+        first, last = math.floor(self.low / self.step + 1e-9), math.ceil(self.high / self.step - 1e-9)
+        return first * self.step, last * self.step
+
 
 def round_scale(low: float, high: float) -> Scale:
     """Return an axis with two to four round labels that holds 0 and ``low`` .. ``high`` closely.
 
-    It ends at labels, or where more than a fifth would be empty at one end then, between them.
+    It ends at labels, or where more than a quarter or so would be empty at one end then, between them.
     """
     low, high = min(low, 0.0), max(high, 0.0)
     if high - low < numbers.NEGLIGIBLE:

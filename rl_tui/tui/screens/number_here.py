@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from typing import Final, NamedTuple
 
 from textual.widget import Widget
@@ -36,7 +35,22 @@ class NumberHere(NamedTuple):
 
 
 def number_here(focused: Widget | None, look: Look) -> NumberHere | None:
-    """Return the number under the cursor of the panel in focus, None where there is no cursor."""
+    """Return the number under the cursor of the panel in focus, None where there is no cursor.
+
+    Of several lanes it says whose number it is.
+    """
+    number = _number_here(focused, look)
+    if number is None or not isinstance(focused, QTable | WorldView) or focused.snapshot is None:
+        return number
+    group = focused.snapshot.run_group
+    if not group.lanes:
+        return number
+    lane = group.shown + 1
+    whose = f"Lane {lane} of {len(group.lanes)}: {group.lanes[group.shown].name}."
+    return number._replace(name=f"{number.name} in lane {lane}", meaning=f"{whose} {number.meaning}")
+
+
+def _number_here(focused: Widget | None, look: Look) -> NumberHere | None:
     if isinstance(focused, QTable) and focused.snapshot is not None:
         pair = focused.shown_cursor
         if pair is not None:
@@ -151,8 +165,7 @@ class _Teller:
 
     def _written(self, *values: float | None) -> tuple[str, ...]:
         """Return numbers in one form, empty where one is not known."""
-        known = [each for each in values if each is not None and math.isfinite(each)]
-        form = number_form(min(known, default=0.0), max(known, default=0.0), _COLUMNS)
+        form = number_form([each for each in values if each is not None], _COLUMNS)
         return tuple("" if each is None else form.text(each, self._look.glyphs) for each in values)
 
     def _deed(self, pair: int) -> str:

@@ -293,7 +293,7 @@ class QTable(Panel, can_focus=True):
         """Take the stance of the table ``twin``."""
         if isinstance(twin, QTable):
             self.cursor_pair, self._following, self._first = twin.cursor_pair, twin._following, twin._first
-            self._layer = twin._layer
+            self._layer, self._forms = twin._layer, twin._forms
 
     def _tell(self) -> None:
         """Tell other panels where the cursor stands."""
@@ -353,7 +353,7 @@ class QTable(Panel, can_focus=True):
         return Scene(
             world=self._world_of(snapshot),
             figures={
-                layer: Figures(snapshot, layer, self.look, exact, lit, self.sources, self._forms)
+                layer: Figures(snapshot, layer, self.look, exact, self._forms, lit, self.sources)
                 for layer in layers
                 if exact is not None or layer not in EXACT_LAYERS
             },

@@ -53,7 +53,7 @@ class CellArtist:
     written as a dot.
     """
 
-    def __init__(self, look: Look, form: CellForm, has_table: bool = True) -> None:
+    def __init__(self, look: Look, form: CellForm, *, has_table: bool) -> None:
         self.look = look
         self.form = form
         palette, glyphs = look.palette, look.glyphs
@@ -73,10 +73,6 @@ class CellArtist:
         self._drawn = lru_cache(_MOST_KEPT)(partial(_drawn, form=form, look=look))
         self._text = lru_cache(_MOST_KEPT)(partial(value_text, look=look))
         self._signs = lru_cache(_MOST_KEPT)(partial(_signs, look=look))
-
-    def values(self, cells: Sequence[CellContent]) -> list[float]:
-        """Return the numbers that all have one form, and between whose ends the tints run."""
-        return [cell.value for cell in cells if cell.value is not None]
 
     def drawn(
         self, cells: Sequence[CellContent], low: float, high: float, number_form: NumberForm

@@ -8,11 +8,13 @@ from typing import Final
 from rich.segment import Segment
 from textual.strip import Strip
 
+from rl_tui.lab.last_step.gust import gust_of
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.live.viewport import Cells
 from rl_tui.lab.run.large_worlds import is_large
 from rl_tui.tui.draw.number_form import SteadyForms
 from rl_tui.tui.panels.legend import GREEDY_IN_FULL, Legend, LegendSign
+from rl_tui.tui.panels.numbers_in_common import all_q, all_v, ends
 from rl_tui.tui.panels.panel import BoardPanel
 from rl_tui.tui.panels.scrolling import Scrolled, kept_in_view, scrolled_to
 from rl_tui.tui.panels.snapshot_facts import is_new_run
@@ -26,6 +28,7 @@ from rl_tui.tui.panels.world.grid.headings import (
     STATE_NUMBERS,
     heading_of_actions,
     heading_of_values,
+    headings_of_part,
     numbered,
     shorter,
     stretch,
@@ -35,7 +38,7 @@ from rl_tui.tui.panels.world.grid.map import GridMap, MapPart, with_extra
 from rl_tui.tui.panels.world.grid.signs import action_signs, differing_sign, end_signs, reward_signs
 from rl_tui.tui.panels.world.grid.strips import draw_grid, origin
 from rl_tui.tui.panels.world.grid.trail import traces, trail_signs
-from rl_tui.tui.panels.world.grid.wind import last_gust, wind_line, wind_sign, wind_strip
+from rl_tui.tui.panels.world.grid.wind import wind_line, wind_sign, wind_strip
 from rl_tui.tui.panels.world.view import TITLE, WorldView
 from rl_tui.worlds.drawing import CellKind, Grid
 from rl_tui.worlds.world import World
@@ -150,6 +153,7 @@ class GridView(WorldView):
         super().align_with(twin)
         if isinstance(twin, GridView):
             self._following, self._top, self._left = twin._following, twin._top, twin._left
+            self._number_forms = twin._number_forms
             self._digits = max(self._digits, twin._digits)
             self._action_digits = max(self._action_digits, twin._action_digits)
 
@@ -182,7 +186,7 @@ class GridView(WorldView):
         assert self._form is not None
         if is_free:
             left, top = self._origin
-            gust = last_gust(grid, snapshot)
+            gust = gust_of(snapshot.world, snapshot.counters.last_step)
             row = wind_strip(grid, self._part, self._form, left, width, gust, self.look)
             strips.insert(top + self._part.rows * self._form.height, row)
         elif self._following:
@@ -211,12 +215,12 @@ class GridView(WorldView):
             with_actions=actions is not None,
             named=self.is_numbered,
         )
-        names = [each.extra.name for each in cells if each.extra is not None] if self.is_numbered else []
-        self._longest_name = max(map(len, names), default=0)
+        self._longest_name = max((len(each.extra.name) for each in cells if each.extra), default=0)
         if self._longest_name > self._room_for_names(form):  # all have their numbers, or none
             cells = [each if each.extra is None else with_extra(each, name="") for each in cells]
         artist = self._artist_for(form)
-        needed = digits_needed(artist.values(cells))
+        values = all_v(snapshot) if actions is None else all_q(snapshot)
+        needed = digits_needed(ends(values)[0])
         if needed > (self._digits if actions is None else self._action_digits):
             if actions is None:  # they stay as wide, lest the map jump to and fro
                 self._digits = needed
@@ -227,7 +231,7 @@ class GridView(WorldView):
         self.footing = self._where(width)
         self.free_rows = height - part.rows * form.height - max(0, (height - part.rows * form.height) // 2)
         self._form, self._origin = form, origin(form, part, width, height)
-        return draw_grid(cells, artist, part, width, height, self._number_forms)
+        return draw_grid(cells, artist, values, part, width, height, self._number_forms)
 
     def _cell_form(self, width: int, height: int) -> CellForm:
         """Return the form of cells; first it settles whether they show every action."""
@@ -374,10 +378,7 @@ class GridView(WorldView):
         heading_with_legend = self.fitting((f"{heading} · {legend}", f"{TITLE} · {legend}"), width)
         if heading_with_legend or not self._following:
             return heading_with_legend or heading
-        down, across = self._in_view()
-        brief = f"{TITLE} {down}, {across}".replace(" of ", "/")
-        forms = (f"{TITLE} · rows {down}, columns {across}", f"rows {down}, columns {across}", brief)
-        return self.fitting(forms, width) or heading
+        return self.fitting(headings_of_part(*self._in_view()), width) or heading
 
     def _in_view(self) -> tuple[str, str]:
         """Return which rows and columns are in view, counted from 0 as in the last step."""
@@ -396,5 +397,4 @@ class GridView(WorldView):
             return self.fitting(shorter(legend), width)
         if self._following and legend and legend not in self.heading:
             return self.fitting((*shorter(legend), FOLLOWS), width)
-        down, across = self._in_view()
-        return self.fitting(where(down, across, follows=self._following), width)
+        return self.fitting(where(*self._in_view(), follows=self._following), width)

@@ -54,6 +54,12 @@ def stretch(first: int, shown: int, total: int) -> str:
     return f"{first}–{first + shown - 1} of {total:,}"
 
 
+def headings_of_part(down: str, across: str) -> tuple[str, ...]:
+    """Return headings that say which rows and columns are in view, the longest first."""
+    brief = f"{TITLE} {down}, {across}".replace(" of ", "/")
+    return f"{TITLE} · rows {down}, columns {across}", f"rows {down}, columns {across}", brief
+
+
 def where(down: str, across: str, *, follows: bool) -> tuple[str, ...]:
     """Return which part is in view, the longest form first, and how to follow the agent again."""
     follow = FOLLOWS if follows else FOLLOW_HINT

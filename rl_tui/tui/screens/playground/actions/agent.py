@@ -30,7 +30,7 @@ _TIES: Final = {
 }
 
 
-def first_in_words(world: World, glyphs: Glyphs) -> str:
+def _first_in_words(world: World, glyphs: Glyphs) -> str:
     """Return in which order the first action counts, where the screen shows another one; else nothing."""
     order = range(len(world.space.action_names))
     if shown_order(world) == tuple(order):
@@ -70,8 +70,8 @@ class AgentActions(Subject):
             return
         ties = "first" if self.recipe.hyperparameters.ties == "random" else "random"
         self.set_parameter("ties", ties)
-        is_first = ties == "first" and self.snapshot is not None
-        order = first_in_words(self.snapshot.world, self.glyphs) if is_first else ""
+        snapshot = self.snapshot
+        order = "" if snapshot is None or ties != "first" else _first_in_words(snapshot.world, self.glyphs)
         self.screen.tell(f"{_TIES[ties]}{order}")
 
     def ask_initial_q(self) -> None:
