@@ -266,6 +266,47 @@ def test_cells_have_the_numbers_of_their_states(size: tuple[int, int], row: int,
     assert STATE_NUMBERS in view.heading
 
 
+@pytest.mark.parametrize(
+    ("width", "expected", "differs", "tie"),
+    [
+        (12, "S 0  1  2  3", "15", None),
+        (16, "S* 0 * 1 * 2 * 3", "↑", "*"),
+        (20, "S*  0≠*  1≠*  2≠*  3", "≠", "*"),
+    ],
+)
+def test_what_differs_hides_no_number(width: int, expected: str, differs: str, tie: str | None) -> None:
+    snapshot = changed(visited(lake(step=0), 0, 1, 2, 3), state=15)
+    view = GridView(snapshot.world, look())
+    view.snapshot = snapshot
+    view.is_numbered, view.differing = True, frozenset({1, 2, 3})
+    row = view.picture(snapshot, width, 4)[0]
+    assert row.text == expected
+    assert (signs(view)["differs"], signs(view).get("tie")) == (differs, tie)
+    if differs != "≠":
+        column = width // 4 + (width // 4 - 1 if tie is None else 1)
+        style = style_at(row, column)
+        assert style is not None
+        assert style.reverse
+
+
+@pytest.mark.parametrize("size", [(85, 9), (60, 4), (60, 2), (37, 2), (24, 2)])
+@pytest.mark.parametrize("shows_actions", [False, True])
+def test_all_states_have_their_numbers_or_none(size: tuple[int, int], shows_actions: bool) -> None:
+    world = GridSection.model_validate({"map": "S..G......#.\n..........#.\n"}).build(
+        np.random.default_rng(0)
+    )
+    pairs = world.space.pairs
+    snapshot = changed(
+        lake(step=0), world=world, state=0, q=np.zeros(pairs), visits=np.zeros(pairs, np.int64)
+    )
+    view = GridView(world, look())
+    view.snapshot = snapshot
+    view.is_numbered, view.shows_actions = True, shows_actions
+    text = "".join(strip.text for strip in view.picture(snapshot, *size))
+    has_room = "no room" not in signs(view)
+    assert [world.space.state_names[state] in text for state in (15, -1)] == [has_room] * 2
+
+
 async def test_a_key_shows_state_numbers_on_every_map_until_it_is_pressed_again(make_app: MakeApp) -> None:
     app = make_app("frozenlake")
     async with app.run_test(size=(80, 24)) as pilot:

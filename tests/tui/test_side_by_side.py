@@ -9,7 +9,7 @@ import pytest
 from conftest import MakeApp
 from lane_samples import side_by_side
 from samples import lake, look
-from seams import playground, press, snapshot, train
+from seams import notes, playground, press, snapshot, train
 from snapshots import changed
 from test_lanes import open_lane
 from textual.geometry import Size
@@ -61,6 +61,14 @@ def with_greedy(snapshot: Snapshot, actions: dict[int, int]) -> Snapshot:
         assert pair is not None
         q[pair], visits[pair] = 1.0, 1
     return changed(snapshot, q=q, visits=visits)
+
+
+async def test_without_room_for_two_lanes_the_first_key_says_so(make_app: MakeApp) -> None:
+    async with make_app("cliff").run_test(size=(60, 18), notifications=True) as pilot:
+        await settle(pilot)
+        await open_lane(pilot, "algorithm", "sarsa")
+        await press(pilot, "z")
+        assert "no room" in notes(pilot.app)[-1]
 
 
 def test_only_states_known_to_both_are_counted() -> None:

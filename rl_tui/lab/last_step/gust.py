@@ -10,14 +10,14 @@ from rl_tui.worlds.mdp.tabular_mdp import UNKNOWN_ACTION
 from rl_tui.worlds.world import World
 
 
-class Gust(NamedTuple):
+class LastGust(NamedTuple):
     """The wind that moved the agent: in which ``column``, and by how many cells up, below 0 down."""
 
     column: int
     pushed: int
 
 
-def gust_of(world: World, last: LastStep | None) -> Gust | None:
+def gust_of(world: World, last: LastStep | None) -> LastGust | None:
     """Return the wind that moved the agent on the step ``last`` in ``world``, None where none did."""
     grid, mdp = world.drawing, world.mdp
     if last is None or last.planned or mdp is None or last.outcome == UNKNOWN_ACTION:
@@ -31,7 +31,7 @@ def gust_of(world: World, last: LastStep | None) -> Gust | None:
     target = (row + down, column + right)
     without_wind = row + down if _is_open(grid, *target) else row
     pushed = without_wind - int(grid.cell_of_state[last.next_state]) // grid.columns
-    return Gust(column, pushed) if pushed * grid.wind[column] > 0 else None
+    return LastGust(column, pushed) if pushed * grid.wind[column] > 0 else None
 
 
 def _is_open(grid: Grid, row: int, column: int) -> bool:

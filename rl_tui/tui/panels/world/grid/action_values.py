@@ -25,7 +25,7 @@ _MOST_TEXTS: Final = 20_000
 _AROUND_MIDDLE: Final = 5  # columns between the numbers beside the middle, where there is room
 
 
-class Entry(NamedTuple):
+class ActionEntry(NamedTuple):
     """One action as it is drawn; ``text`` is its number, a dot where it is new."""
 
     sign: Sign
@@ -40,7 +40,7 @@ class ActionFace(NamedTuple):
 
     kind: CellKind
     agent: bool
-    entries: tuple[Entry, ...]
+    entries: tuple[ActionEntry, ...]
     reward: CellReward | None
     stops: bool
     cursor: bool
@@ -83,7 +83,7 @@ class ActionArtist:
         marks = cell.reward, cell.stops, cell.cursor, cell.differs, extra.trace, extra.name
         return ActionFace(cell.kind, cell.agent, entries, *marks)
 
-    def _entry(self, action: ActionValue, low: float, high: float, number_form: NumberForm) -> Entry:
+    def _entry(self, action: ActionValue, low: float, high: float, number_form: NumberForm) -> ActionEntry:
         palette = self.look.palette
         sign, q, is_new, is_greedy = action
         style = palette.unvisited if is_new else palette.value(fraction(q, low, high))
@@ -91,7 +91,7 @@ class ActionArtist:
             text = ""
         else:
             text = self.look.glyphs.stay if is_new and q == 0.0 else self._text(q, number_form)
-        return Entry(sign, text, style, is_new, is_greedy)
+        return ActionEntry(sign, text, style, is_new, is_greedy)
 
 
 def _drawn(face: ActionFace, field: int, form: ActionForm, look: Look) -> Drawn:
@@ -320,7 +320,9 @@ def _row_of_sign(side: tuple[int, int] | None, rows: range) -> int:
     return rows[len(rows) // 2] if side is None or not side[0] else rows[0]
 
 
-def _fill(canvas: Canvas, first: int, last: int, rows: range, entry: Entry, row: int, look: Look) -> None:
+def _fill(
+    canvas: Canvas, first: int, last: int, rows: range, entry: ActionEntry, row: int, look: Look
+) -> None:
     for each in rows:
         canvas.put(first, each, " " * (last - first), entry.style)
     if entry.is_greedy:
@@ -348,7 +350,7 @@ def _put_marks_on_tints(canvas: Canvas, face: ActionFace, form: ActionForm, edge
         put_reward(canvas, centre, row, 1, face.reward, look)
 
 
-def _put_number(canvas: Canvas, x: int, y: int, entry: Entry, form: ActionForm, look: Look) -> None:
+def _put_number(canvas: Canvas, x: int, y: int, entry: ActionEntry, form: ActionForm, look: Look) -> None:
     """Put a number with its tint, and around it, else after it, what marks it as greedy."""
     digits, glyphs, greedy = form.digits, look.glyphs, look.palette.greedy
     number = entry.text.center(digits) if entry.text == glyphs.stay else entry.text.rjust(digits)

@@ -7,7 +7,7 @@ from typing import Final
 from rich.segment import Segment
 from textual.strip import Strip
 
-from rl_tui.lab.last_step.gust import Gust
+from rl_tui.lab.last_step.gust import LastGust
 from rl_tui.tui.panels.legend import LegendSign
 from rl_tui.tui.panels.world.grid.form import CellForm
 from rl_tui.tui.panels.world.grid.map import MapPart
@@ -18,7 +18,7 @@ WIND: Final = "wind"
 
 
 def wind_strip(
-    grid: Grid, part: MapPart, form: CellForm, left: int, width: int, gust: Gust | None, look: Look
+    grid: Grid, part: MapPart, form: CellForm, left: int, width: int, gust: LastGust | None, look: Look
 ) -> Strip:
     """Return a row of ``width`` cells with the wind of each column of ``part``, which begins at ``left``."""
     palette = look.palette
