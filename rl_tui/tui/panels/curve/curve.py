@@ -64,7 +64,7 @@ class ReturnCurve(Panel, can_focus=True):
         if low or high:
             # else nothing stood on it, and how soon the exact answer came must not be seen later
             self.scale = scale
-        decimals = decimals_for(scale.low, scale.high)
+        decimals = decimals_for(*scale.outer_labels)
         in_border = height < _ROOM_FOR_REMARK
         heads, words = self._words(snapshot, data, scale, width, in_border)
         if data.unit == "episode" and not data.lanes:
@@ -78,7 +78,7 @@ class ReturnCurve(Panel, can_focus=True):
         return [*chart, *strips_of([line], width, 1, self.look)]
 
     def legend(self, snapshot: Snapshot) -> Legend:
-        """Return what the axis counts, and the band: the lines have their names where they end."""
+        """Return what the bands are, and what the axis counts: the lines have their names where they end."""
         seeds = seed_bands(snapshot)
         more = (seed_sign(seeds, self.look),) if seeds else ()
         if isinstance(snapshot.world.drawing, Arms):
@@ -86,13 +86,13 @@ class ReturnCurve(Panel, can_focus=True):
         plans = BY_ID[snapshot.agent.algorithm].planner
         sums = LegendSign("return", "= undiscounted sum", self.look.palette.text)
         band = () if plans else band_signs(self.look, lanes=bool(snapshot.run_group.lanes))
-        return (sums, *more, *band)
+        return (*more, sums, *band)
 
     def _words(
         self, snapshot: Snapshot, data: CurveData, scale: Scale, width: int, in_border: bool
     ) -> tuple[Words, Words]:
         """Return the titles and the remarks, the longest form of each first."""
-        look, decimals = self.look, decimals_for(scale.low, scale.high)
+        look, decimals = self.look, decimals_for(*scale.outer_labels)
         # Figures in the border would redraw the whole panel at every frame
         fast = passes_too_fast(snapshot)
         heads = titles(None if fast and not data.is_bandit else data, look.glyphs, decimals, width)
