@@ -65,6 +65,7 @@ SOLVE = [
     "v",
     "q",
     "policy",
+    "left_out",
     "value_at_start",
     "expected_return",
     "best_expected_return",
@@ -259,6 +260,7 @@ def test_solve_at_gamma_0_25_is_where_studying_begins_to_pay() -> None:
 def test_solve_at_gamma_1_has_no_policy_that_never_ends() -> None:
     answer = document("solve", "student", "--gamma", "1")
     assert answer["policy"] == [["study"], ["quit"], ["sleep"], []]
+    assert answer["left_out"] == [["check phone"], [], [], []]
     assert answer["q"][0][:2] == pytest.approx([7.5, 7.5])
     assert answer["expected_return"] == answer["best_expected_return"] == pytest.approx(7.5)
     lake = document("solve", "frozenlake", "--gamma", "1")

@@ -127,11 +127,11 @@ def test_what_was_set_on_the_way_counts() -> None:
     playback = begin(made_from)
     told = do(playback, *changes, Train(300), StudySeeds()).study
     assert told is not None
-    assert told.episodes
+    assert (told.episodes, told.steps) == (None, 500)
     journal, figures = playback.record.lanes[0].branches[0].journal, []
     for seed in range(8):
         run = Run(replace(made_from, seed=seed), evaluate=False)
-        figures.append(training_figures(run, train(run, Goal(episodes=told.episodes), journal=journal)))
+        figures.append(training_figures(run, train(run, Goal(steps=500), journal=journal)))
     for name, each in told.lanes[0].estimates.items():
         assert each.mean == statistics.fmean(row[name] for row in figures if row[name] is not None)
     alone = do(begin(made_from), Train(500)).results
@@ -148,6 +148,33 @@ def test_this_seed_is_the_run_on_screen() -> None:
     assert this_seed["regret"] == told.results.bandit.regret
     assert this_seed["return_last_100"] == told.results.return_last_100
     assert this_seed["return_mean"] == told.results.bandit.winnings / 150
+
+
+def test_beside_a_planner_this_seed_is_the_run_on_screen() -> None:
+    changes = (Train(300), Apply(SwitchAlgorithm("value-iteration")), Train(300))
+    told = do(begin(recipe("student")), *changes, StudySeeds())
+    assert told.study is not None
+    this_seed = told.study.lanes[0].this_seed
+    assert (this_seed["steps"], told.study.steps) == (told.counters.step, told.counters.step)
+    assert this_seed["expected_return"] == told.results.greedy_return
+    assert f"{told.counters.step:,} steps" in told.study.message
+
+
+def test_every_seed_has_every_change() -> None:
+    request = requested(recipe("cliff"), Train(3_000), Apply(SetParameter("epsilon", 1.0)), Train(60))
+    assert (request.episodes, request.steps) == (None, 3_060)
+
+
+def test_lanes_have_as_many_episodes_as_the_one_with_the_fewest() -> None:
+    playback = begin(recipe("cliff"))
+    do(playback, AddLane((SetParameter("epsilon", 1.0),)), Train(20_000))
+    finished = [run.learner.episodes for run in playback.group.runs]
+    assert study_request(playback.group, is_awaited=True).episodes == min(finished) < finished[0]
+
+
+def test_there_is_none_of_a_world_too_large(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("rl_tui.lab.many_seeds.request.MOST_PAIRS", 3)
+    assert "3 pairs" in refusal_of(begin(recipe("student")))
 
 
 # Lanes
@@ -219,11 +246,11 @@ def test_seeds_that_take_too_many_steps_are_ended_by_steps(monkeypatch: pytest.M
     assert told[1].lanes[0].curve.episode[0] == document["curve"]["episode"][0]
 
 
-@pytest.mark.parametrize(("ticks", "seeds"), [(3, 0), (14, 6), (50, 16)])
+@pytest.mark.parametrize(("ticks", "seeds"), [(3, 0), (32, 6), (110, 16)])
 def test_it_ends_when_its_time_is_up(ticks: int, seeds: int) -> None:
     now, slow = count(), study.MOST_SECONDS / ticks
     made_from = recipe("student")
-    told = list(Study(requested(made_from, Train(300), most=64)).reports(lambda: next(now) * slow))
+    told = list(Study(requested(made_from, Train(300), most=64), lambda: next(now) * slow).reports())
     assert (told[-1].state, told[-1].seeds) == (StudyState.OUT_OF_TIME, seeds)
     if seeds:
         goal = Goal(episodes=told[-1].episodes)

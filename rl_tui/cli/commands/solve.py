@@ -58,6 +58,7 @@ def command(scenario: str, gamma: float | None, seed: int, as_json: bool) -> Non
         "v": solution.v.tolist(),
         "q": table(mdp, solution.q),
         "policy": policy_names(mdp, solution.greedy.astype(float)),
+        "left_out": policy_names(mdp, (solution.best & ~solution.greedy).astype(float)),
         "value_at_start": solution.value_at_start,
         "expected_return": solution.expected_return,
         "best_expected_return": solution.best_expected_return,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any, Final
@@ -57,8 +58,7 @@ class SeededRuns:
         # Where the world drifts, each run comes to other means, and so to another exact answer
         self._has_one_answer = self._world is not None and self.first.learner.drifted is None
         self._optima = dict[float, Solution | None]()  # by γ, which may be set on the way
-        if self._has_one_answer:
-            self._optimum_of(self.first)
+        self._solving = threading.Lock()
 
     @property
     def figures(self) -> tuple[str, ...]:
@@ -90,9 +90,15 @@ class SeededRuns:
         except UserError as error:
             raise UserError(f"seed {run.recipe.seed}: {error}") from error
 
-    def row(self, run: Run) -> dict[str, Any]:
-        """Return the seed and the figures of ``run``, as ``train --runs --json`` prints them."""
-        exact = greedy_figures(run, self._optimum_of(run))
+    def row(self, run: Run, check: Callable[[], None] = no_compiling) -> dict[str, Any]:
+        """Return the seed and the figures of ``run``, as ``train --runs --json`` prints them.
+
+        ``check`` is called between what may take long, and may raise to end it.
+        """
+        check()
+        optimum = self._optimum_of(run)
+        check()
+        exact = greedy_figures(run, optimum)
         mean_return, mean_length = run.history.last_100
         return {
             "seed": run.recipe.seed,
@@ -112,6 +118,7 @@ class SeededRuns:
         gamma = run.learner.hyperparameters.gamma
         if not self._has_one_answer:
             return optimum_of(exact_world(run), gamma)
-        if gamma not in self._optima:
-            self._optima[gamma] = optimum_of(exact_world(run), gamma)
-        return self._optima[gamma]
+        with self._solving:
+            if gamma not in self._optima:
+                self._optima[gamma] = optimum_of(exact_world(run), gamma)
+            return self._optima[gamma]

@@ -180,13 +180,14 @@ class FollowCell(Command):
     pair: int | None
 
 
-LOOKING: Final = (LookAt, FollowCell, MarkLane, StudySeeds, EndStudy, SetSpeed)
+_AT_ANY_TIME: Final = (LookAt, FollowCell, MarkLane, EndStudy, SetSpeed)
+LOOKING: Final = (*_AT_ANY_TIME, StudySeeds)
 """Commands that leave nothing behind that is worth keeping."""
 
 MOVES: Final = (Play, WatchLearning, Pause, Step, RunEpisode, RunUntil, Take, Train)
 """Commands that mean nothing where a run takes no further step."""
 
-WHILE_SEEKING: Final = (StepBack, GoTo, Pause, DropLane, *LOOKING)
+WHILE_SEEKING: Final = (StepBack, GoTo, Pause, DropLane, *_AT_ANY_TIME)
 """Commands that replace a seek under way, or leave it alone."""
 
 FROM_HERE: Final = (StepBack, EpisodeBack, ChooseBranch)

@@ -46,14 +46,14 @@ def _step(playback: Playback, _: commands.Step) -> None:
 
 def _take(playback: Playback, command: commands.Take) -> None:
     playback.rest()
-    playback.group.current.apply(TakeAction(command.action))
+    playback.group.apply(TakeAction(command.action))
     playback.group.follow()
     playback.stop_if_due()
 
 
 def _apply(playback: Playback, command: commands.Apply) -> None:
     group = playback.group
-    group.current.apply(command.change)
+    group.apply(command.change)
     group.gather()
     playback.take_in_change()
     if group.seeking:

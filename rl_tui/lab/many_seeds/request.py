@@ -12,6 +12,7 @@ from rl_tui.common.words import counted
 from rl_tui.lab.many_seeds.figures import SeedStudy, StudyState
 from rl_tui.lab.run.library import MOST_EPISODES, episodes_of
 from rl_tui.lab.run.recipe import JournalEntry, Recipe, SwitchAlgorithm, TakeAction
+from rl_tui.worlds.drawing import Arms
 from rl_tui.worlds.gym.modules import ALLOWED
 
 if TYPE_CHECKING:
@@ -20,6 +21,10 @@ if TYPE_CHECKING:
 FIRST_BLOCK: Final = 8
 """Seeds after which there is something to see; then they are doubled. Stepped worlds come to no more."""
 MOST_SEEDS: Final = 256
+MOST_STEPS: Final = 2_000_000
+"""Steps of one seed."""
+MOST_PAIRS: Final = 1_000_000
+"""A world with more states and actions has no study: each lane would take a gigabyte."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,8 +60,10 @@ class StudyRequest:
     """The runs on screen."""
     shown: int
     """Which of them is shown."""
-    episodes: int
-    """Episodes of each seed, unless that takes too many steps."""
+    episodes: int | None
+    """Episodes of each seed, unless that takes too many steps; None where ``steps`` end it."""
+    steps: int | None
+    """Steps of each seed, where they end it."""
     most: int
     """The number of seeds to come to."""
     is_awaited: bool
@@ -74,6 +81,7 @@ class StudyRequest:
             shown=self.shown,
             most=self.most,
             episodes=self.episodes,
+            steps=self.steps,
             message=self.message,
         )
 
@@ -95,12 +103,11 @@ def study_request(group: RunGroup, *, is_awaited: bool) -> StudyRequest:
     lanes = studied_runs(group)
     if not any(lane.is_by_luck for lane in lanes):
         raise UserError("a planner knows the world: every seed comes to the same, so there is nothing to see")
-    notes = list[str]()
-    run, scenario = group.current.run, lanes[group.shown].recipe.scenario
-    usual = min(episodes_of(scenario), run.world.budget or MOST_EPISODES)
-    finished = run.learner.episodes - run.learner.planned.sweeps
-    if finished > usual:
-        notes.append(f"each seed has only the {counted(usual, 'episode')} that are usual here")
+    run = group.current.run
+    if run.world.space.pairs > MOST_PAIRS:
+        raise UserError(f"many seeds are not worked out above {MOST_PAIRS:,} pairs of state and action")
+    episodes, steps, note = _length(group, lanes)
+    notes = [note] if note else []
     if any(isinstance(entry.change, TakeAction) for lane in lanes for entry in lane.journal):
         notes.append("steps taken by a person are left out")
     most = MOST_SEEDS if run.learner.rewindable and not is_awaited else FIRST_BLOCK
@@ -109,12 +116,39 @@ def study_request(group: RunGroup, *, is_awaited: bool) -> StudyRequest:
     return StudyRequest(
         lanes=tuple(map(_settings_only, lanes)),
         shown=group.shown,
-        episodes=min(finished, usual) or usual,
+        episodes=episodes,
+        steps=steps,
         most=most,
         is_awaited=is_awaited,
         modules=frozenset(ALLOWED),
         message="; ".join(notes),
     )
+
+
+def _length(group: RunGroup, lanes: tuple[StudiedRun, ...]) -> tuple[int | None, int | None, str]:
+    """Return after how many episodes, or else steps, each seed ends, and what is to be said of that.
+
+    A change on the way has its step, which other seeds may not come to in as many episodes, and the sweeps
+    of a planner are no episodes: then steps end a seed.
+    """
+    runs, world = group.runs, group.current.run.world
+    step = max(run.step for run in runs)
+    plans = any(lane.plans for lane in lanes)
+    is_changed = any(0 < entry.step <= step for lane in lanes for entry in _settings_only(lane).journal)
+    # the pulls of a bandit are its episodes
+    if step and (plans or (is_changed and not isinstance(world.drawing, Arms))):
+        why = "a planner's backups are steps, not episodes" if plans else "settings were changed on the way"
+        steps = min(step, MOST_STEPS)
+        further = ", though this run is further" if step > steps else ""
+        return None, steps, f"{why}: each seed ends after {counted(steps, 'step')}{further}"
+    usual = min(episodes_of(lanes[group.shown].recipe.scenario), world.budget or MOST_EPISODES)
+    finished = min(run.learner.episodes for run in runs)
+    if finished > usual:
+        return usual, None, f"each seed has only the {counted(usual, 'episode')} that are usual here"
+    if not finished:
+        who = "the run" if len(runs) == 1 else "a lane"
+        return usual, None, f"the usual {counted(usual, 'episode')}: {who} has none yet"
+    return finished, None, ""
 
 
 def _settings_only(lane: StudiedRun) -> StudiedRun:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
@@ -16,15 +17,15 @@ from rl_tui.lab.experiments.seeded_runs import SeededRuns, no_compiling
 from rl_tui.lab.experiments.training import Goal
 from rl_tui.lab.many_seeds.estimates import Row, differences_of, estimates_of
 from rl_tui.lab.many_seeds.figures import LaneStudy, SeedCurve, SeedStudy, StudyState
-from rl_tui.lab.many_seeds.request import FIRST_BLOCK, StudiedRun, StudyRequest
+from rl_tui.lab.many_seeds.request import FIRST_BLOCK, MOST_STEPS, StudiedRun, StudyRequest
 from rl_tui.lab.run.figures import finite
 from rl_tui.lab.run.run import Run
 from rl_tui.worlds.world import World
 
-MOST_STEPS: Final = 2_000_000
-"""Steps of one seed."""
 MOST_SECONDS: Final = 60.0
 """Seconds of processor time of a whole study, compiling left out."""
+COLLECTED_ABOVE: Final = 10_000
+"""Pairs above which the memory of a finished run is freed at once: its parts refer to each other."""
 
 
 class _TooLongError(Exception):
@@ -36,16 +37,22 @@ class _OutOfTimeError(Exception):
 
 
 class Study:
-    """Works out what ``request`` asks for. Raises UserError where a world cannot be built."""
+    """Works out what ``request`` asks for. ``clock`` gives seconds of processor time.
 
-    def __init__(self, request: StudyRequest) -> None:
+    Raises UserError where a world cannot be built.
+    """
+
+    def __init__(self, request: StudyRequest, clock: Callable[[], float] = time.process_time) -> None:
+        start = clock()
+        self._clock = clock
         self._request = request
-        self._goal = Goal(episodes=request.episodes)
+        self._goal = Goal(steps=request.steps, episodes=request.episodes)
         self._lanes: list[_Lane] = []
         for lane in request.lanes:
             known = self._lanes[0].runs.first.world if self._lanes else None
             self._lanes.append(_Lane(lane, known))
         self._study = request.nothing_yet
+        self._spent = clock() - start
 
     @property
     def has_machine_code(self) -> bool:
@@ -57,16 +64,15 @@ class Study:
         for lane in self._lanes:
             lane.runs.get_machine_code(self._request.most, self._goal, no_compiling)
 
-    def reports(self, clock: Callable[[], float] = time.process_time) -> Iterator[SeedStudy]:
+    def reports(self) -> Iterator[SeedStudy]:
         """Yield what is known after 8 seeds, 16, 32 …; the last one says why it ends.
 
-        ``clock`` gives seconds of processor time, of which it takes 60 from here on. Raises UserError where a
-        run breaks down.
+        With the worlds, but without machine code, it takes 60 s. Raises UserError where a run breaks down.
         """
-        end = clock() + MOST_SECONDS
+        end = self._clock() + MOST_SECONDS - self._spent
 
         def check() -> None:
-            if clock() >= end:
+            if self._clock() >= end:
                 raise _OutOfTimeError
 
         try:
@@ -79,7 +85,7 @@ class Study:
             yield from self._blocks_of_goal(check)
         except _TooLongError:
             self._goal = Goal(steps=MOST_STEPS)
-            episodes = counted(self._request.episodes, "episode")
+            episodes = counted(self._request.episodes or 0, "episode")
             why = f"each seed ends after {MOST_STEPS:,} steps: {episodes} would take one of them more"
             self._study = replace(
                 self._study,
@@ -152,9 +158,13 @@ class _Lane:
             self._curve_episodes = goal.episodes
         curve = RunCurve(self._curve_episodes) if self._curve_episodes else None
         run = self._trained(len(self.rows), goal, check, curve)
-        self.rows.append(self.runs.row(run))
+        self.rows.append(self.runs.row(run, check))
         if curve is not None:
             self._curves.append(curve)
+        if run.world.space.pairs > COLLECTED_ABOVE:
+            del run
+            gc.collect()
+        check()
 
     def complete_curve(self, goal: Goal, check: Callable[[], None]) -> None:
         """Have the curve where a number of steps ends each seed: how wide its bins are shows only now.

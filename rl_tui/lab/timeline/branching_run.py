@@ -128,10 +128,10 @@ class BranchingRun:
             if run.noticed or run.over or takes_long:
                 return
 
-    def apply(self, change: Change) -> None:
+    def apply(self, change: Change, taken: Sequence[str] = ()) -> None:
         """Change something before the next step; where the run has been further, on a branch of its own.
 
-        Raises UserError where it does not fit, and in a kiosk where there are very many already.
+        That has none of the names that are ``taken``. Raises UserError where it does not fit, and in a kiosk where there are very many already.
         """
         self._check_room()
         kept, run, applied = self.kept, self.run, len(self.run.journal)
@@ -142,7 +142,7 @@ class BranchingRun:
         run.apply(change)
         journal = run.journal
         if in_past or applied < len(kept.branch.journal):
-            branch = Branch(self._new_name(), journal, self._number, step, step)
+            branch = Branch(self._new_name(taken), journal, self._number, step, step)
             kept.branch = left
             kept = KeptBranch(branch, kept.checkpoints.up_to(step, applied), kept.samples.up_to(step))
             self._branches.append(kept)
@@ -151,9 +151,9 @@ class BranchingRun:
         self._recorder.note(run.learner.last_step)  # a person may have taken a step
         self._keep(run, kept)
 
-    def _new_name(self) -> str:
+    def _new_name(self, taken: Sequence[str]) -> str:
         """Return the name of the next branch: a run that began as a branch of another has that one's name."""
-        names, number = {each.branch.name for each in self._branches}, len(self._branches) + 1
+        names, number = {*taken, *(each.branch.name for each in self._branches)}, len(self._branches) + 1
         while f"branch {number}" in names:
             number += 1
         return f"branch {number}"
@@ -292,6 +292,7 @@ class BranchingRun:
     def _put_in_force(self, number: int) -> None:
         """Let the branch with this ``number`` be in force; all others share the memory kept for them."""
         self._number, self.kept = number, self._branches[number]
+        self._recorder.given_up = -1  # it was for a step of another branch
         left = [each for each in self._branches if each is not self.kept]
         for each in left:
             each.checkpoints.thin_out(len(left))

@@ -25,6 +25,7 @@ from rl_tui.lab.run.recipe import (
     TakeAction,
     changed_recipe,
 )
+from rl_tui.lab.run.run import Run
 from rl_tui.lab.timeline.branches import Branch, RunRecord
 from rl_tui.lab.timeline.branching_run import BranchingRun
 from rl_tui.lab.timeline.lane_names import LanePast, lane_names
@@ -83,6 +84,11 @@ class RunGroup:
         """Let the run with this ``number`` stand beside the one shown."""
         if 0 <= number < len(self._runs):
             self._beside = self._runs[number]
+
+    @property
+    def runs(self) -> tuple[Run, ...]:
+        """Every run as it stands."""
+        return tuple(each.run for each in self._runs)
 
     @property
     def records(self) -> tuple[RunRecord, ...]:
@@ -259,11 +265,21 @@ class RunGroup:
         """End a run, unless it is the only one."""
         if len(self._runs) > 1 and 0 <= number < len(self._runs):
             self.current.watch(None)
+            if self._beside is self._runs[number]:
+                self._beside = None  # or else it would stay in memory
             del self._runs[number]
             self._lead(self.shown - (number < self.shown or self.shown == len(self._runs)))
             if self.current.seek is None:
                 self.step = max(each.step for each in self._runs)
                 self.gather()
+
+    def apply(self, change: Change) -> None:
+        """Change something in the run shown. Raises UserError where it does not fit.
+
+        The name of a branch that begins is new among all lanes that began alike, be they branches of one run.
+        """
+        kin = [each for each in self._others if each.recipe == self.current.recipe]
+        self.current.apply(change, [each.name for run in kin for each in run.timeline.branches])
 
     @property
     def view(self) -> RunGroupView:

@@ -87,9 +87,9 @@ def study_lines(
 
 
 def _names(study: SeedStudy, snapshot: Snapshot) -> Sequence[str]:
-    """Return the names of the lanes as they were when the study began, or none where they are others now."""
+    """Return the names of the lanes when the study began, or none where they may be others now."""
     names = [lane.name for lane in snapshot.run_group.lanes]
-    return names if len(names) == len(study.lanes) else [""] * len(study.lanes)
+    return names if len(names) == len(study.lanes) and not study.is_outdated else [""] * len(study.lanes)
 
 
 def _how_far(study: SeedStudy, snapshot: Snapshot, look: Look, width: int) -> Iterator[Line]:
