@@ -108,6 +108,14 @@ def test_train_says_why_no_reward_was_seen(runs: tuple[str, ...]) -> None:
     assert "Try --ties random" in text
 
 
+def test_runs_whose_greedy_policy_never_ends_are_told() -> None:
+    text = report("train", "cliff", "--algorithm", "sarsa", "--runs", "22")
+    rows = {line.split("  ")[0]: line.split() for line in text.splitlines()}
+    assert (rows["expected return"][-1], rows["episodes"][-1]) == ("21", "22")
+    assert "In 1 of 22 runs the greedy policy may never end" in text
+    assert "never end" not in report("train", "cliff", "--runs", "2")
+
+
 def test_other_reasons_for_no_reward_get_other_advice() -> None:
     text = report("train", "frozenlake", "--steps", "3")
     assert "Try more --episodes" in text
@@ -142,9 +150,18 @@ def test_solve_says_what_it_counts_and_what_the_clock_has_to_do_with_it() -> Non
     assert "left out" not in report("solve", "cliff") + report("solve", "windy") + text
 
 
+def test_actions_come_in_the_order_of_the_screen() -> None:
+    head, first = report("solve", "frozenlake").splitlines()[2:4]
+    assert re.findall(r"Q (\w+)", head) == ["up", "right", "down", "left"]
+    assert re.split(r"  +", first)[-1] == "right, down"
+    q = json.loads(report("solve", "frozenlake", "--json"))
+    assert q["actions"] == ["left", "down", "right", "up"], "JSON keeps the order of the world"
+    assert first.split()[2:6] == [f"{q['q'][0][action]:.5f}" for action in (3, 2, 1, 0)]
+
+
 def test_solve_draws_the_policy_on_the_map() -> None:
     lines = report("solve", "frozenlake").splitlines()
-    assert "↓→  →   ↓  ←" in lines
+    assert "→↓  →   ↓  ←" in lines
     assert "●   →   →  ★" in lines
     assert any(line.split()[:2] == ["14", "1.00000"] for line in lines)
 

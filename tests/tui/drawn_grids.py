@@ -10,6 +10,8 @@ from snapshots import changed
 from textual.strip import Strip
 
 from rl_tui.lab.live.snapshot import Snapshot
+from rl_tui.tui.draw.number_form import SteadyForms
+from rl_tui.tui.panels.numbers_in_common import all_v
 from rl_tui.tui.panels.world.grid.cells import CellArtist
 from rl_tui.tui.panels.world.grid.form import CellForm
 from rl_tui.tui.panels.world.grid.grid import GridView
@@ -50,9 +52,10 @@ def small(snapshot: Snapshot, height: int = 4, width: int = 20) -> list[str]:
     grid = snapshot.world.drawing
     assert isinstance(grid, Grid)
     grid_map = GridMap(snapshot.world.space, grid)
-    artist = CellArtist(look(), CellForm(5, 1))
+    artist = CellArtist(look(), CellForm(5, 1), has_table=True)
     part = whole(snapshot)
-    strips = draw_grid(grid_map.contents(part, snapshot), artist, part, width, height)
+    cells, values = grid_map.contents(part, snapshot), all_v(snapshot)
+    strips = draw_grid(cells, artist, values, part, width, height, SteadyForms())
     return [strip.text for strip in strips]
 
 

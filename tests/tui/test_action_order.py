@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from conftest import MakeApp
 from sample_worlds import bandit_world, lake_world, student_world
+from seams import notes, press
 
 from rl_tui.lab.run.library import find
+from rl_tui.tui.app.screenshot import settle
 from rl_tui.tui.draw.action_order import shown_order, shown_pairs, shown_place
 from rl_tui.tui.theme.glyphs import UNICODE
 from rl_tui.worlds.drawing import Grid
@@ -48,3 +51,13 @@ def test_without_directions_the_order_is_the_worlds_own() -> None:
 
 def test_an_unknown_action_comes_last() -> None:
     assert shown_place(lake_world(), -1) == 4
+
+
+async def test_the_key_of_ties_says_in_which_order_the_first_counts_where_another_is_shown(
+    make_app: MakeApp,
+) -> None:
+    for scenario, order in (("frozenlake", "← ↓ → ↑"), ("cliff", "")):
+        async with make_app(scenario).run_test(size=(80, 24), notifications=True) as pilot:
+            await settle(pilot)
+            await press(pilot, "t")
+            assert notes(pilot.app)[-1].endswith(order or "is taken")

@@ -19,8 +19,18 @@ from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.live.until import Breakpoints
 from rl_tui.lab.timeline.trail import TrailStep
 from rl_tui.tui.app.screenshot import settle
-from rl_tui.tui.panels.world.grid.action_form import ActionKinds, Places, part_form, whole_map_form
+from rl_tui.tui.draw.number_form import NumberForm
+from rl_tui.tui.panels.world.grid.action_form import (
+    ActionForm,
+    ActionKinds,
+    Places,
+    part_form,
+    whole_map_form,
+)
+from rl_tui.tui.panels.world.grid.action_values import ActionArtist
 from rl_tui.tui.panels.world.grid.grid import GridView
+from rl_tui.tui.panels.world.grid.map import ActionValue, CellContent
+from rl_tui.worlds.drawing import CellKind
 from rl_tui.worlds.grid.section import GridSection
 
 FOUR = ActionKinds(have_sides=True, are_diagonal=False, most=4)
@@ -364,3 +374,12 @@ async def test_the_next_scenario_shows_them_too(make_app: MakeApp) -> None:
         world = playground(pilot).board.world
         assert world is not None
         assert world.shows_actions
+
+
+def test_in_lists_numbers_stand_above_one_another_at_the_right() -> None:
+    artist = ActionArtist(look(), ActionForm(Places.TWO_LISTS, 13, 2, 3))
+    values = zip(((-1, 0), (0, 1), (1, 0), (0, -1)), (-8.0, 6.0, -7.0, 0.0), strict=True)
+    actions = tuple(ActionValue(sign, q, not q, False) for sign, q in values)
+    cell = CellContent(CellKind.FLOOR, False, 6.0, True, actions=actions)
+    rows = artist.drawn([cell], -8.0, 6.0, NumberForm(3, 0))[0]
+    assert ["".join(segment.text for segment in row).rstrip() for row in rows] == ["↑ −8  ↓ −7", "→  6  ← ·"]

@@ -196,7 +196,7 @@ def test_more_arms_than_rows_scroll() -> None:
 
 def test_narrow_panels_show_the_estimate_as_a_number() -> None:
     rows = picture(bandit(), 9, 10)
-    assert rows[5] == "▸◉5 1.40 "
+    assert rows[5] == "▸◉5 1.400"
     assert rows[8] == "  8 −1.20"
 
 

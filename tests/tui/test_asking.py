@@ -6,6 +6,7 @@ import pytest
 from conftest import MakeApp
 from samples import bandit, lake, look
 from seams import playground, press, slider, train
+from test_lanes import open_lane
 from textual.containers import VerticalScroll
 from textual.geometry import Region
 from textual.pilot import Pilot
@@ -17,6 +18,7 @@ from rl_tui.tui.glossary.glossary import glossary
 from rl_tui.tui.panels.catalogue import LAST_STEP, PANELS
 from rl_tui.tui.panels.model.bellman import SECRET
 from rl_tui.tui.panels.q_table.layers import Layer
+from rl_tui.tui.panels.world.view import WorldView
 from rl_tui.tui.screens.explained import Explained
 from rl_tui.tui.screens.glossary import NUMBER, GlossaryScreen
 from rl_tui.tui.screens.help import HelpScreen
@@ -134,6 +136,29 @@ async def test_beside_all_words_the_mouse_asks_nothing(make_app: MakeApp) -> Non
         await pilot.hover(playground(pilot).board.panel("table"), offset=(20, 12))
         await press(pilot, "question_mark")
         assert isinstance(app.screen, HelpScreen)
+
+
+async def test_the_number_under_the_mouse_comes_before_the_focus(make_app: MakeApp) -> None:
+    app = make_app("frozenlake")
+    async with app.run_test(size=(120, 40)) as pilot:
+        await settle(pilot)
+        await train(pilot, 400)
+        await press(pilot, "tab", "tab", "home")
+        world, table = (playground(pilot).board.panel(each) for each in ("world", "table"))
+        assert isinstance(world, WorldView)
+        edge = world.content_region.offset - world.region.offset
+        places = [(x, y) for y in range(world.size.height) for x in range(world.size.width)]
+        x, y = next(each for each in places if world.place_at(*each) == 6)
+        await pilot.hover(world, offset=(edge.x + x, edge.y + y))
+        await press(pilot, "question_mark")
+        assert listed(pilot)[0] == NUMBER
+        assert "in state 6:" in told(pilot)
+        await press(pilot, "escape", "right", "question_mark")
+        assert "in state 0" in told(pilot), "the cursor was moved since"
+        await press(pilot, "escape")
+        await pilot.hover(table, offset=(14, 5))
+        await press(pilot, "question_mark")
+        assert "in state 3" in told(pilot)
 
 
 async def test_typing_searches_all_words(make_app: MakeApp) -> None:
@@ -258,3 +283,17 @@ async def test_figures_say_the_limits_of_this_world(make_app: MakeApp) -> None:
             assert listed(pilot)[0] == "return"
             assert limit in " ".join(told(pilot).split())
             assert "undiscounted" in told(pilot)
+
+
+async def test_of_two_lanes_a_number_says_whose_it_is(make_app: MakeApp) -> None:
+    app = make_app("frozenlake-slippery")
+    async with app.run_test(size=(120, 40)) as pilot:
+        await settle(pilot)
+        await train(pilot, 500)
+        await open_lane(pilot, "algorithm", "sarsa")
+        await press(pilot, "tab", "question_mark")
+        assert "lane 1" in str(app.screen.query_one(OptionList).options[0].prompt)
+        assert "Q-learning" in told(pilot)
+        await press(pilot, "escape", "tab", "question_mark")
+        assert "lane 2" in str(app.screen.query_one(OptionList).options[0].prompt)
+        assert "SARSA" in told(pilot)

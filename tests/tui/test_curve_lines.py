@@ -31,13 +31,29 @@ from rl_tui.tui.panels.curve.smoothing import smoothed
         (-4.0, 7.5, Scale(-5.0, 10.0, 5.0)),
         (-100.0, -13.0, Scale(-100.0, 0.0, 50.0)),
         (3.0, 5.0, Scale(0.0, 6.0, 2.0)),
-        (0.0, 0.0021, Scale(0.0, 0.003, 0.001)),
+        (0.0, 0.0021, Scale(0.0, 0.0025, 0.001)),
+        (-600.0, 8.0, Scale(-600.0, 100.0, 200.0)),
+        (-10_000.0, 8.0, Scale(-10_000.0, 2_500.0, 5_000.0)),
     ],
 )
 def test_vertical_axes_are_round_and_hold_zero(low: float, high: float, scale: Scale) -> None:
     found = round_scale(low, high)
     assert (found.low, found.high, found.step) == pytest.approx((scale.low, scale.high, scale.step))
     assert 2 <= len(found.ticks) <= 4
+
+
+@pytest.mark.parametrize("best", [0.0, 0.7, 8.0, 90.0, 1_000.0])
+def test_no_end_of_a_vertical_axis_is_empty_and_it_grows_in_few_steps(best: float) -> None:
+    lows, scale, changes = np.geomspace(1e-3, 1e5, 4_000), None, 0
+    for low in -lows:
+        before, scale = scale, settled(scale, low, best)
+        changes += scale is not before
+        assert scale.low <= low + 1e-9
+        assert best <= scale.high + 1e-9
+        closest = round_scale(low, best)
+        assert max(low - closest.low, closest.high - best) <= 0.28 * (closest.high - closest.low) + 1e-9
+        assert 2 <= len(closest.ticks) <= 4
+    assert changes <= 8 * 16  # sixteen to a power of ten
 
 
 def test_of_two_labels_in_one_row_the_end_of_the_axis_is_kept() -> None:

@@ -79,7 +79,7 @@ def test_wheel_and_cursor_scroll_until_the_agent_is_followed_again() -> None:
     view.follow()
     assert "◉" in text()
     text(40)
-    assert view.footing == "follows the agent"
+    assert view.footing == "0–9 of 40 · 0–7 of 40"  # that it follows is seen
 
 
 def test_a_legend_stands_below_a_whole_map_and_above_one_that_scrolls() -> None:
@@ -147,3 +147,17 @@ async def test_only_rows_that_changed_are_refreshed() -> None:
         view.show(changed(snapshot, q=snapshot.agent.q + q_of(snapshot, {(0, best): 0.05})))
         assert asked == [Region(0, 0, 40, 1), Region(0, 1, 40, 1)]  # both rows of its cell
         assert view.render_line(1).text != before
+
+
+def test_an_end_far_from_where_the_agent_acted_does_not_move_the_map() -> None:
+    snapshot = large_lake()
+    goal = snapshot.world.space.states - 1
+    last = lake().counters.last_step
+    assert last is not None
+    last = replace(last, state=5, pair=20, next_state=goal, terminated=True)
+    view = GridView(snapshot.world, look())
+    view.picture(changed(snapshot, state=goal, last_step=last), 60, 10)
+    assert view.footing.startswith("rows 0–9 of 40 · columns 0–11")
+    near = replace(last, state=goal - 1)
+    view.picture(changed(snapshot, state=goal, last_step=near), 60, 10)
+    assert view.footing.startswith("30–39 of 40")

@@ -17,6 +17,7 @@ from snapshots import changed
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.timeline.trail import TrailStep
 from rl_tui.tui.app.screenshot import settle
+from rl_tui.tui.panels.last_step.last_step import LastStepPanel
 from rl_tui.tui.panels.panel import Panel
 from rl_tui.tui.panels.world.grid.grid import GridView
 from rl_tui.tui.panels.world.grid.headings import STATE_NUMBERS
@@ -113,12 +114,12 @@ def test_the_legend_has_trail_and_slip_only_while_they_are_on_screen() -> None:
     for moment, expected in (
         (lake(step=0), set()),
         (with_trail((0, RIGHT, RIGHT, 1)), {"trail"}),
-        (slipping, {"trail", "slip"}),
+        (slipping, {"trail", "meant, slipped"}),
     ):
         view.snapshot = moment
         view.picture(moment, 40, 8)
-        assert signs(view).keys() & {"trail", "slip"} == expected
-    assert signs(view)["slip"] == "~↓"
+        assert signs(view).keys() & {"trail", "meant, slipped"} == expected
+    assert signs(view)["meant, slipped"] == "~↓"
 
 
 def windy(**rules: Any) -> World:
@@ -165,6 +166,22 @@ def test_the_wind_is_lit_where_it_moved_the_agent(state: int, action: int, lit: 
     assert lit_columns == ([] if lit is None else [lit])
 
 
+@pytest.mark.parametrize(
+    ("state", "action", "size", "told"),
+    [
+        (11, LEFT, (80, 10), "wind ↑ 1, → 5"),
+        (12, LEFT, (80, 2), "wind ↑ 2"),
+        (10, RIGHT, (80, 10), ""),
+    ],
+)
+def test_the_last_step_tells_of_the_wind(state: int, action: int, size: tuple[int, int], told: str) -> None:
+    text = "\n".join(
+        row.text for row in LastStepPanel(look()).picture(in_wind(windy(), state, action), *size)
+    )
+    assert told in text
+    assert ("wind" in text) == bool(told)
+
+
 def test_a_gust_that_is_stronger_than_usual_says_so() -> None:
     world = windy(gusts=True)
     mdp = world.mdp
@@ -185,6 +202,15 @@ def test_without_a_free_row_the_wind_stands_on_the_border() -> None:
     rows = view.picture(snapshot, 30, 3)
     assert len(rows) == 3
     assert view.footing == "wind 0 1 2 0 0"
+
+
+def test_which_part_is_in_view_stands_on_the_border_before_the_wind() -> None:
+    snapshot = in_wind(windy(), 10, RIGHT)
+    view = GridView(snapshot.world, look())
+    view.picture(snapshot, 24, 2)
+    assert view.footing == "1–2 of 3 · 0–3 of 5"
+    view.picture(snapshot, 41, 2)
+    assert view.footing == "wind 0 1 2 0 0 · 1–2 of 3 · 0–4 of 5"
 
 
 def test_a_world_without_wind_has_no_row_for_it() -> None:
@@ -238,6 +264,47 @@ def test_cells_have_the_numbers_of_their_states(size: tuple[int, int], row: int,
     view.is_numbered = True
     assert view.picture(snapshot, *size)[row].text.rstrip() == expected
     assert STATE_NUMBERS in view.heading
+
+
+@pytest.mark.parametrize(
+    ("width", "expected", "differs", "tie"),
+    [
+        (12, "S 0  1  2  3", "15", None),
+        (16, "S* 0 * 1 * 2 * 3", "↑", "*"),
+        (20, "S*  0≠*  1≠*  2≠*  3", "≠", "*"),
+    ],
+)
+def test_what_differs_hides_no_number(width: int, expected: str, differs: str, tie: str | None) -> None:
+    snapshot = changed(visited(lake(step=0), 0, 1, 2, 3), state=15)
+    view = GridView(snapshot.world, look())
+    view.snapshot = snapshot
+    view.is_numbered, view.differing = True, frozenset({1, 2, 3})
+    row = view.picture(snapshot, width, 4)[0]
+    assert row.text == expected
+    assert (signs(view)["differs"], signs(view).get("tie")) == (differs, tie)
+    if differs != "≠":
+        column = width // 4 + (width // 4 - 1 if tie is None else 1)
+        style = style_at(row, column)
+        assert style is not None
+        assert style.reverse
+
+
+@pytest.mark.parametrize("size", [(85, 9), (60, 4), (60, 2), (37, 2), (24, 2)])
+@pytest.mark.parametrize("shows_actions", [False, True])
+def test_all_states_have_their_numbers_or_none(size: tuple[int, int], shows_actions: bool) -> None:
+    world = GridSection.model_validate({"map": "S..G......#.\n..........#.\n"}).build(
+        np.random.default_rng(0)
+    )
+    pairs = world.space.pairs
+    snapshot = changed(
+        lake(step=0), world=world, state=0, q=np.zeros(pairs), visits=np.zeros(pairs, np.int64)
+    )
+    view = GridView(world, look())
+    view.snapshot = snapshot
+    view.is_numbered, view.shows_actions = True, shows_actions
+    text = "".join(strip.text for strip in view.picture(snapshot, *size))
+    has_room = "no room" not in signs(view)
+    assert [world.space.state_names[state] in text for state in (15, -1)] == [has_room] * 2
 
 
 async def test_a_key_shows_state_numbers_on_every_map_until_it_is_pressed_again(make_app: MakeApp) -> None:

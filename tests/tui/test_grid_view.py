@@ -285,3 +285,12 @@ def test_ascii_has_a_sign_for_what_differs() -> None:
     )
     assert "/" in text
     assert text.isascii()
+
+
+def test_the_form_of_numbers_does_not_depend_on_what_is_in_view() -> None:
+    snapshot = lake(step=0)
+    q = np.full(snapshot.world.space.pairs, -12.5)
+    q[:4] = 0.25
+    snapshot = visited(changed(snapshot, q=q), 0, 1, 2)
+    whole, top = picture(snapshot, 24, 4), picture(snapshot, 24, 2)
+    assert whole[0] == top[0]

@@ -74,6 +74,18 @@ def test_a_narrow_panel_says_which_lane_is_shown() -> None:
     assert drawn(side_by_side(4, 3), (24, 7))[1].heading == "4 lanes, ▸4"
 
 
+@pytest.mark.parametrize(
+    ("episodes", "said"),
+    [((27, 27), "last 27 of one seed; M"), ((27, 35), "last 27–35, one"), ((60, 14_000), "last 60–100, one")],
+)
+def test_means_of_fewer_than_100_episodes_are_named_by_their_number(
+    episodes: tuple[int, int], said: str
+) -> None:
+    lanes = tuple(replace(lane, episodes=n) for lane, n in zip(lane_views(2), episodes, strict=True))
+    _, widget = drawn(changed(side_by_side(2, 1), lanes=lanes, episodes=episodes[1]), NARROW)
+    assert widget.footing.startswith(said)
+
+
 def test_long_names_give_way_to_the_lines_and_then_carry_their_numbers() -> None:
     lines, widget = drawn(side_by_side(4), (34, 8))
     text = "\n".join(lines)

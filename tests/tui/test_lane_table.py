@@ -11,6 +11,7 @@ from snapshots import changed
 
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.timeline.lane_view import LaneView
+from rl_tui.tui.draw.number_form import SteadyForms
 from rl_tui.tui.panels.q_table.layers import Figures, Layer
 from rl_tui.tui.panels.q_table.q_table import QTable
 from rl_tui.worlds.mdp.space import FloatArray
@@ -55,7 +56,7 @@ def test_it_shows_the_difference_with_colours_for_both_directions() -> None:
     text, _ = table_of(snapshot)
     assert "0.500" in text
     assert "−0.250" in text
-    figures = Figures(snapshot, Layer.LANES, look(), None)
+    figures = Figures(snapshot, Layer.LANES, look(), None, SteadyForms())
     palette = look().palette
     assert figures.style(0) == palette.signed_value(1.0)
     assert figures.style(1) == palette.signed_value(-0.5)
@@ -64,10 +65,10 @@ def test_it_shows_the_difference_with_colours_for_both_directions() -> None:
 
 
 def test_the_title_says_whose_tables_they_are() -> None:
-    assert table_of(side_by_side(2, 1), 60)[1].heading == "Q of α 0.5 − Q of α 0.1 · 11 states × 4"
-    assert table_of(side_by_side(2, 0), 34)[1].heading == "Q − Q of α 0.5 · 11 states × 4"
-    assert table_of(side_by_side(4, 3), 24)[1].heading == "Q − Q of α 0.1"
-    assert table_of(side_by_side(2), 44, Layer.Q)[1].heading == "Q · 11 states × 4"
+    assert table_of(side_by_side(2, 1), 60)[1].heading == "▸2 · Q of α 0.5 − Q of α 0.1 · 11 states × 4"
+    assert table_of(side_by_side(2, 0), 34)[1].heading == "▸1 · Q − Q of α 0.5 · 11 states × 4"
+    assert table_of(side_by_side(4, 3), 24)[1].heading == "▸4 · Q − Q of α 0.1"
+    assert table_of(side_by_side(2), 44, Layer.Q)[1].heading == "▸1 · Q · 11 states × 4"
 
 
 def test_in_a_list_the_difference_has_a_column() -> None:

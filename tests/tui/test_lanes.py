@@ -75,13 +75,13 @@ async def test_two_lanes_from_the_first_key_to_the_last(make_app: MakeApp) -> No
         await press(pilot, "v")  # no table is in view here: it is shown alone first
         assert board.zoomed == "table"
         await press(pilot, "v", "v", "v")
-        assert board.table.heading == "Q of α 0.1 − Q of α 0.5 · 11 states × 4"
+        assert board.table.heading == "▸1 · Q of α 0.1 − Q of α 0.5 · 11 states × 4"
 
         shown = await press(pilot, "l")
         assert shown.run_group.shown == 1
         assert shown.agent.hyperparameters.alpha == 0.5
         assert np.array_equal(shown.agent.q, shown.run_group.lanes[1].q)
-        assert board.table.heading == "Q of α 0.5 − Q of α 0.1 · 11 states × 4"
+        assert board.table.heading == "▸2 · Q of α 0.5 − Q of α 0.1 · 11 states × 4"
         await press(pilot, "escape")
         assert board.curve.heading.endswith("· 2 lanes, ▸2 α 0.5")
         assert app.screen.query_one("#alpha", Slider).value == 0.5

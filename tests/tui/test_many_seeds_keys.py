@@ -22,6 +22,7 @@ from rl_tui.tui.app.screenshot import settle
 from rl_tui.tui.panels.catalogue import BUDGET, CURVE, MANY_SEEDS, MICROSCOPE, TABLE
 from rl_tui.tui.panels.curve.curve import ReturnCurve
 from rl_tui.tui.panels.curve.data import curve_data
+from rl_tui.tui.panels.legend import legend_text
 from rl_tui.tui.theme.glyphs import UNICODE
 from rl_tui.tui.theme.look import Look
 from rl_tui.tui.theme.palette import palette_for
@@ -178,6 +179,19 @@ def test_each_lane_has_its_band(depth: str, ascii: bool) -> None:  # noqa: A002
     assert f"{error} .5, 2) " in drawn
 
 
+@pytest.mark.parametrize("width", [34, 36, 58, 100])
+@pytest.mark.parametrize("count", [1, 2])
+def test_the_band_is_explained_on_the_border_of_a_low_chart(width: int, count: int) -> None:
+    study = cliff_one_lane() if count == 1 else cliff_study()
+    snapshot = side_by_side(2, 1, study=study) if count == 2 else changed(lake(), study=study)
+    snapshot = changed(snapshot, greedy_return=None)  # nothing is to be said of it
+    made = chart(snapshot)
+    pieces(made, width, 6)
+    said = made.footing or legend_text(made.legend(snapshot), width - 6, made.look)
+    assert "⣿ 64 seeds" in said
+    assert "2 errors" in said or " to 500" in said
+
+
 def test_the_axis_has_room_for_the_mean_of_seeds() -> None:
     made = chart(changed(lake(), study=lake_study()))
     pieces(made)
@@ -218,8 +232,10 @@ async def test_the_dialog_has_means_and_errors_below_each_lane(
     async with make_app("frozenlake-slippery").run_test(size=size) as pilot:
         await settle(pilot)
         listed = await compared(pilot, side_by_side(2, 1, study=cliff_study()), monkeypatch)
-        assert listed[2].split() == ["64", "seeds", "−47.1", "±", ".5", "−13.00", "±", "0"]
-        assert listed[4].split() == ["64", "seeds", "−24.6", "±", ".4", "−17.00", "±", ".06"]
+        first, second = (listed[place].replace(" to 500", "").split() for place in (2, 4))
+        assert first == ["64", "seeds", "−47.1", "±", ".5", "−13.00", "±", "0"]
+        assert second == ["64", "seeds", "−24.6", "±", ".4", "−17.00", "±", ".06"]
+        assert (" to 500" in listed[2]) is (size[0] > 60)
         width = pilot.app.screen.query_one(OptionList).scrollable_content_region.width
         assert max(map(len, listed[:5])) <= width
 
@@ -256,6 +272,19 @@ async def test_of_a_bandit_it_has_winnings_and_once_revealed_regret(
         assert "146 ± 2" in listed[2]
         width = pilot.app.screen.query_one(OptionList).scrollable_content_region.width
         assert max(map(len, listed[:5])) <= width
+
+
+async def test_the_dialog_says_where_a_greedy_policy_never_ends_and_how_many_episodes_a_mean_has(
+    make_app: MakeApp, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    async with make_app("frozenlake-slippery").run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        one, two = lane_views(2)
+        one = replace(one, episodes=27, results=replace(one.results, greedy_return=None, greedy_ends=0.0))
+        snapshot = changed(side_by_side(2), lanes=(one, replace(two, episodes=35)))
+        listed = await compared(pilot, snapshot, monkeypatch)
+        assert "last 27–35" in listed[0]
+        assert listed[1].endswith("no end")
 
 
 def test_the_look_of_no_colour_tells_the_band_from_the_line() -> None:

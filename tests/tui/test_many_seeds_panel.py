@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
 import pytest
 from lane_samples import side_by_side
 from samples import bandit, lake, look
@@ -63,13 +64,41 @@ def test_each_figure_stands_beside_its_mean_and_error() -> None:
 
 def test_it_tells_how_far_it_has_come_and_of_which_seeds() -> None:
     text = said(changed(lake(), study=lake_study()))
-    assert text.startswith("64 of 256 seeds · low priority ━")
-    assert "first 500 episodes of seeds 0 to 63" in text
+    assert text.startswith("64 of 256 seeds · episodes 1–500 · low priority ━")
+    assert "seeds 0 to 63" in text
     done = said(changed(lake(), study=lake_study(state=StudyState.DONE, seeds=256)))
-    assert done.startswith("256 seeds first 500")
+    assert done.startswith("256 seeds · episodes 1–500 seeds 0 to 255")
     by_steps = said(changed(lake(), study=lake_study(episodes=None, steps=2_000_000)))
-    assert "first 2,000,000 steps of" in by_steps
-    assert "first 1,000 pulls of" in said(changed(bandit(400), study=bandit_study()))
+    assert "seeds · steps 1–2,000,000" in by_steps
+    assert "seeds · pulls 1–1,000" in said(changed(bandit(400), study=bandit_study()))
+
+
+@pytest.mark.parametrize("width", [58, 36, 26])
+def test_where_seeds_end_is_always_said(width: int) -> None:
+    for snapshot in (changed(lake(), study=lake_study()), lanes(cliff_study())):
+        first = drawn(snapshot, width, 13).splitlines()[0]
+        assert first.endswith("1–500") or "1–500 " in first
+        assert "to 500" in said(snapshot, width)  # the run went on: this seed's figures are not those of now
+
+
+def test_figures_of_just_the_episodes_that_were_run_need_no_such_word() -> None:
+    snapshot = changed(lake(), study=lake_study(), episodes=500)
+    assert "to 500" not in said(snapshot)
+
+
+def test_the_mean_of_fewer_than_100_episodes_is_named_by_their_number() -> None:
+    (lane,) = lake_study().lanes
+    lane = replace(
+        lane,
+        estimates={**lane.estimates, "return_mean": Estimate(0.402, 0.0104, 64)},
+        this_seed={**lane.this_seed, "return_mean": 0.41},
+    )
+    text = said(changed(lake(), study=lake_study(lanes=(lane,), episodes=48), episodes=48))
+    assert "last 48 .410" in text
+    assert "its last 48 is within" in text
+    assert "last 100" not in text
+    assert "mean return" not in text  # the same figure
+    assert "mean return .410" in said(changed(lake(), study=lake_study(lanes=(lane,))))
 
 
 @pytest.mark.parametrize(
@@ -106,7 +135,7 @@ def test_why_it_is_bounded_or_out_of_date_is_said() -> None:
     assert "low priority" not in out_of_time
     outdated = changed(lake(), study=lake_study(is_outdated=True))
     assert "enter counts again" in said(outdated)
-    assert "of each seed" in said(outdated)
+    assert "seeds 0 to 63" not in said(outdated)
     assert "standard deviation" not in said(outdated)
 
 
@@ -119,7 +148,9 @@ def test_why_it_is_bounded_or_out_of_date_is_said() -> None:
         (lake_study(is_outdated=True), True),
         (lake_study(state=StudyState.DONE), True),
         (lake_study(state=StudyState.OUT_OF_TIME), True),
-        (SeedStudy(StudyState.FAILED, message="not in a kiosk"), True),
+        (SeedStudy(StudyState.FAILED, message="its process ended"), True),
+        (SeedStudy(StudyState.REFUSED, message="not in a kiosk"), False),
+        (SeedStudy(StudyState.REFUSED, message="not in a kiosk", is_outdated=True), True),
     ],
 )
 def test_enter_counts_again_where_there_is_something_new_to_count(
@@ -137,8 +168,8 @@ def test_enter_counts_again_where_there_is_something_new_to_count(
 
 def test_lanes_are_compared_seed_by_seed() -> None:
     text = said(lanes(cliff_study()))
-    assert "2 is better: higher by 22.5 ± .6 (21.3 to 23.7), in 64 of 64 seeds" in text
-    assert "1 is better: higher by 4.00 ± .06 (3.88 to 4.12), in 61 of 64 seeds, equal in 3" in text
+    assert "2 is better: higher by 22.5 ± .6 (20.7 to 24.3), in 64 of 64 seeds" in text
+    assert "1 is better: higher by 4.00 ± .06 (3.82 to 4.18), in 61 of 64 seeds, equal in 3" in text
     assert "in 4 of 64 seeds lane 1's greedy policy never ends" in text
     rows = [line.split() for line in drawn(lanes(cliff_study())).splitlines()]
     assert ["1", "α", "0.1", "−43.0", "−47.1", "±", ".5"] in rows
@@ -147,28 +178,77 @@ def test_lanes_are_compared_seed_by_seed() -> None:
 
 def test_of_regret_less_is_better() -> None:
     text = said(changed(bandit(1_000), study=bandit_study()))
-    assert "1 is better: lower by 99 ± 11 (77 to 121), in 60 of 64 seeds, equal in 1" in text
-    assert "1 is better: higher by 99 ± 11 (77 to 121), in 58 of 64 seeds" in text
+    assert "1 is better: lower by 99 ± 11 (66 to 132), in 60 of 64 seeds, equal in 1" in text
+    assert "1 is better: higher by 99 ± 11 (66 to 132), in 58 of 64 seeds" in text
 
 
 def test_no_lane_is_called_better_before_that_is_seen() -> None:
     text = said(changed(bandit(1_000), study=bandit_study()))
-    assert "no difference seen yet: 1 less 2 is .03 ± .03 (−.03 to .09); 1 is better in 34 of 64" in text
+    assert "so far 1 is higher by .03 ± .03 (−.06 to .12), in 34 of 64" in text
 
 
 @pytest.mark.parametrize(
-    ("mean", "stderr", "shown_is_better"),
-    [(2.1, 1.0, True), (-2.1, 1.0, False), (1.9, 1.0, None), (-1.9, 1.0, None), (0.0, 0.0, None)],
+    ("mean", "stderr", "count", "seen"),
+    [
+        (3.1, 1.0, 64, True),
+        (-3.1, 1.0, 64, True),
+        (2.9, 1.0, 64, False),
+        (-2.9, 1.0, 64, False),
+        (9.9, 1.0, 16, False),
+        (0.0, 0.0, 64, False),
+    ],
 )
-def test_two_standard_errors_decide(mean: float, stderr: float, shown_is_better: bool | None) -> None:
-    found = verdict_of(LAST_100, difference(mean, stderr, 40))
+def test_three_standard_errors_decide_from_32_seeds_on(
+    mean: float, stderr: float, count: int, seen: bool
+) -> None:
+    found = verdict_of(LAST_100, difference(mean, stderr, 10, count=count))
     assert found is not None
-    assert found.is_shown_better is shown_is_better
-    turned = verdict_of(REGRET, difference(mean, stderr, 40, 4))
+    assert (found.is_shown_better, found.is_seen) == (mean >= 0.0, seen)
+    assert found.better_in == (10 if mean >= 0.0 else count - 10)
+    turned = verdict_of(REGRET, difference(mean, stderr, 6, 4, count))
     assert turned is not None
-    assert turned.is_shown_better is (None if shown_is_better is None else not shown_is_better)
-    if turned.is_shown_better:
-        assert turned.better_in == 20
+    assert (turned.is_shown_better, turned.is_seen) == (mean <= 0.0, seen)
+    assert turned.better_in == (count - 10 if mean <= 0.0 else 6)
+
+
+def test_equal_lanes_are_seldom_told_apart_at_any_look() -> None:
+    trials = 4_000
+    seeds = np.random.default_rng(0).standard_normal((trials, 256))
+    claimed = np.zeros(trials, dtype=bool)
+    for count in (8, 16, 32, 64, 128, 256):
+        means = seeds[:, :count].mean(axis=1)
+        errors = seeds[:, :count].std(axis=1, ddof=1) / np.sqrt(count)
+        found = (
+            verdict_of(LAST_100, difference(mean, error, 0, count=count))
+            for mean, error in zip(means.tolist(), errors.tolist(), strict=True)
+        )
+        claimed |= [verdict is not None and verdict.is_seen for verdict in found]
+    assert 0.005 < claimed.mean() < 0.02  # some 1.3 %
+
+
+def test_the_lane_on_screen_is_marked_and_the_verdict_stays() -> None:
+    study = cliff_study()
+    first, second = (said(side_by_side(2, shown, study=study)) for shown in (0, 1))
+    assert "▸1" in first
+    assert "▸2" not in first
+    assert "▸2" in second
+    for text in (first, second):
+        assert "2 is better: higher by 22.5" in text
+
+
+def test_what_is_printed_adds_up() -> None:
+    one, two = cliff_study().lanes
+    name = LAST_100.id
+    one = replace(
+        one,
+        estimates={name: Estimate(-49.04, 2.46, 64)},
+        differences={name: difference(25.08, 2.44, 64)},
+    )
+    two = replace(two, estimates={name: Estimate(-23.96, 0.76, 64)})
+    text = said(lanes(cliff_study(lanes=(one, two))))
+    assert "−49.0 ± 2.5" in text
+    assert "−24.0 ± .8" in text
+    assert "higher by 25.0 ± 2.4 (17.8 to 32.2)" in text
 
 
 def test_one_seed_has_no_verdict() -> None:
@@ -187,7 +267,7 @@ def test_a_bandit_keeps_its_secrets_until_they_are_out() -> None:
     assert "h shows regret and best arm" in hidden
     assert "winnings" in hidden
     revealed = said(snapshot, revealed=True)
-    for secret in ("146 ± 2", ".79 ± .02", "1.51 ± .03"):
+    for secret in ("146 ± 2", "79 ± 2", "1.51 ± .03"):
         assert secret in revealed
 
 

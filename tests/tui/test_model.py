@@ -31,7 +31,8 @@ def drawn(made: ModelPanel, width: int = 90, height: int = 40) -> str:
 def test_the_five_parts_of_a_grid() -> None:
     made = panel(lake())
     text = drawn(made)
-    assert "S       16 states, 11 with actions: 0, 1, 2" in text
+    assert "S       16 states: 0, 1, 2" in text
+    assert "14, 15; 11 with actions" in text
     assert "A       4 actions: ↑ up, → right, ↓ down, ← left" in text
     assert "P       44 legal pairs (s, a), 132 outcomes" in text
     assert "R       from 0 to 1" in text
@@ -195,7 +196,7 @@ async def test_what_does_not_fit_scrolls() -> None:
 def test_of_a_stepped_environment_it_says_what_is_known() -> None:
     made = panel(stepped_lake(), 0)
     text = drawn(made)
-    assert "S       16 states, 11 with actions" in text
+    assert "15; 11 with actions" in text
     assert "P       unknown: stepped for real, nobody wrote its table down; 44 legal pairs (s, a)" in text
     assert "R       unknown" in text
     assert "where the environment says so; after 100 steps the time limit" in text

@@ -171,7 +171,7 @@ def test_what_is_in_force_is_said_in_plain_words() -> None:
     stopped = falling.changed("step_size_schedule", "constant")
     assert in_force("alpha", stopped)[0] == "constant 0.1"
     average = usual.changed("alpha", "sample-average")
-    assert in_force("alpha", average)[0] == "1/N(s, a)"
+    assert in_force("alpha", average)[0] == "1/N"
     assert in_force("step_size_schedule", average)[0] == "sample-average"
 
 

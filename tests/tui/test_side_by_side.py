@@ -7,8 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from conftest import MakeApp
-from samples import lake
-from seams import playground, press, snapshot, train
+from lane_samples import side_by_side
+from samples import lake, look
+from seams import notes, playground, press, snapshot, train
 from snapshots import changed
 from test_lanes import open_lane
 from textual.geometry import Size
@@ -17,10 +18,12 @@ from textual.pilot import Pilot
 from rl_tui.common.errors import UserError
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.app.screenshot import settle
+from rl_tui.tui.draw.number_form import SteadyForms
 from rl_tui.tui.panels.panel import Panel
-from rl_tui.tui.panels.q_table.layers import Layer
+from rl_tui.tui.panels.q_table.layers import Figures, Layer
 from rl_tui.tui.panels.q_table.q_table import QTable
-from rl_tui.tui.panels.side_by_side import greedy_differences
+from rl_tui.tui.panels.side_by_side import greedy_differences, sides
+from rl_tui.tui.panels.world.grid.grid import GridView
 from rl_tui.tui.panels.world.view import WorldView
 from rl_tui.tui.screens.playground.board import Board
 
@@ -60,6 +63,14 @@ def with_greedy(snapshot: Snapshot, actions: dict[int, int]) -> Snapshot:
     return changed(snapshot, q=q, visits=visits)
 
 
+async def test_without_room_for_two_lanes_the_first_key_says_so(make_app: MakeApp) -> None:
+    async with make_app("cliff").run_test(size=(60, 18), notifications=True) as pilot:
+        await settle(pilot)
+        await open_lane(pilot, "algorithm", "sarsa")
+        await press(pilot, "z")
+        assert "no room" in notes(pilot.app)[-1]
+
+
 def test_only_states_known_to_both_are_counted() -> None:
     left = with_greedy(lake(0), {0: 1, 1: 2, 2: 0})
     right = with_greedy(lake(0), {0: 1, 1: 3, 4: 0})
@@ -90,8 +101,8 @@ async def test_two_lanes_at_120x40_from_the_first_key_to_the_last(make_app: Make
         assert (left.region.y, left.region.right) == (right.region.y, right.region.x)
         assert left_table.region.y == right_table.region.y == left.region.bottom
         assert board.curve.region.width == board.controls.region.width == 120
-        assert left.heading == "▸1 Q-learning · α .50 ε .10"
-        assert right.heading == "2 SARSA · α .50 ε .10"
+        assert left.heading == "▸1 Q-learning · α 0.5 ε 0.1"
+        assert right.heading == "2 SARSA · α 0.5 ε 0.1"
         shown = snapshot(pilot)
         assert shown.beside is not None
         assert np.array_equal(left_table.snapshot.agent.q, shown.agent.q)  # type: ignore[union-attr]
@@ -103,8 +114,8 @@ async def test_two_lanes_at_120x40_from_the_first_key_to_the_last(make_app: Make
         assert f"{len(differing.states)} of {differing.known}" in right.footing
 
         await press(pilot, "l")  # the other is led, and nothing changes its place
-        assert left.heading == "1 Q-learning · α .50 ε .10"
-        assert right.heading == "▸2 SARSA · α .50 ε .10"
+        assert left.heading == "1 Q-learning · α 0.5 ε 0.1"
+        assert right.heading == "▸2 SARSA · α 0.5 ε 0.1"
         assert board.world is right
         assert board.table is right_table
         assert left.region.x == 0
@@ -197,7 +208,7 @@ async def test_a_smaller_terminal_shows_one_lane_and_a_larger_one_both(make_app:
         await pilot.resize_terminal(120, 40)
         await settle(pilot)
         assert all(board.shows(panel) for panel in FOUR)
-        assert right.heading == "2 α 0.5 · Q-learning ε .10"
+        assert right.heading == "2 α 0.5 · Q-learning ε 0.1"
 
 
 async def test_one_lane_alone_by_a_key_and_by_the_zoom(make_app: MakeApp) -> None:
@@ -269,3 +280,20 @@ async def test_what_a_bandit_keeps_secret_is_revealed_in_both(make_app: MakeApp)
         assert left.tells_all
         assert right.tells_all
         assert text_of(budget).count("ε 0") == 2
+
+
+def test_two_lanes_have_one_form_and_one_scale() -> None:
+    space = lake().world.space
+    small, large = np.linspace(0.01, 0.9, space.pairs), np.linspace(-60.0, 0.9, space.pairs)
+    visits = np.ones(space.pairs, np.int64)
+    shown = changed(side_by_side(2), q=small, visits=visits)
+    left, right = sides(replace(shown, beside=changed(shown, q=large)))
+    last, forms = space.pairs - 1, SteadyForms()
+    first, second = (Figures(each, Layer.Q, look(), None, forms) for each in (left, right))
+    assert (first.low, first.high) == (second.low, second.high)
+    assert first.text(last, 4) == second.text(last, 4)
+    assert first.style(last) == second.style(last)
+    for lane in (left, right):
+        text = "".join(row.text for row in GridView(lane.world, look()).picture(lane, 28, 4))
+        assert ".9" in text
+        assert ".90" not in text

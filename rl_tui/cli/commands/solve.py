@@ -72,16 +72,18 @@ def command(scenario: str, gamma: float | None, seed: int, as_json: bool) -> Non
 
 def _report(title: str, world: World, answer: dict[str, Any], left_out: int) -> str:
     """Return ``answer`` as text; ``left_out`` pairs are as good by Q* as the policy's, but need not end."""
-    from rl_tui.cli.reports.policy_map import policy_map
+    from rl_tui.cli.reports.policy_map import as_shown, policy_map
+    from rl_tui.tui.draw.action_order import shown_order
     from rl_tui.worlds.drawing import Grid
 
-    head = ("state", "V", *(f"Q {action}" for action in answer["actions"]), "policy")
+    order, policy = shown_order(world), as_shown(world, answer["policy"])
+    head = ("state", "V", *(f"Q {answer['actions'][action]}" for action in order), "policy")
     rows = [
         (
             state,
             number(answer["v"][index], ".5f"),
-            *("" if q is None else number(q, ".5f") for q in answer["q"][index]),
-            ", ".join(answer["policy"][index]),
+            *("" if (q := answer["q"][index][action]) is None else number(q, ".5f") for action in order),
+            ", ".join(policy[index]),
         )
         for index, state in enumerate(answer["states"])
     ]
@@ -101,7 +103,7 @@ def _report(title: str, world: World, answer: dict[str, Any], left_out: int) -> 
     parts = [f"{title}: exact, by policy iteration ({rounds} of evaluating and improving)", ""]
     parts += [columns([head, *rows], right=range(1, len(head) - 1)), ""]
     if isinstance(world.drawing, Grid):
-        parts += [policy_map(world, answer["policy"]), ""]
+        parts += [policy_map(world, policy), ""]
     parts.append(columns(summary))
     if left_out:
         parts += ["", _GREEDY_IS_NOT_ENOUGH.format(counted(left_out, "action"))]

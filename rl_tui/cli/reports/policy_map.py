@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import Final
 
 from rl_tui.cli.output import can_print, columns
+from rl_tui.tui.draw.action_order import shown_order
 from rl_tui.tui.theme.glyphs import ASCII, UNICODE, Glyphs
 from rl_tui.worlds.drawing import CellKind, Grid
 from rl_tui.worlds.world import World
@@ -23,13 +24,19 @@ def policy_map(world: World, policy: Sequence[Sequence[str]]) -> str:
     equally good. Of a world that is stepped it is unknown which states occur: there the rows and columns at
     the edges in which nothing is known are left out.
     """
-    drawing = world.drawing
+    drawing, policy = world.drawing, as_shown(world, policy)
     if isinstance(drawing, Grid) and drawing.rows <= MOST_ROWS and drawing.columns <= MOST_COLUMNS:
         return _grid(world, drawing, policy)
     states = zip(world.space.state_names, policy, strict=True)
     rows = [(name, ", ".join(actions)) for name, actions in states if actions]
     more = f"\n... and {len(rows) - MOST_ROWS:,} more: --json has all" if len(rows) > MOST_ROWS else ""
     return columns([("state", "greedy"), *rows[:MOST_ROWS]]) + more
+
+
+def as_shown(world: World, policy: Sequence[Sequence[str]]) -> list[list[str]]:
+    """Return ``policy`` with the actions of each state in the order in which the screen shows them."""
+    order = [world.space.action_names[action] for action in shown_order(world)]
+    return [[name for name in order if name in actions] for actions in policy]
 
 
 def _grid(world: World, grid: Grid, policy: Sequence[Sequence[str]]) -> str:

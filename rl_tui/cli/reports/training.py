@@ -23,6 +23,9 @@ LAST: Final = 100
 MOST_NAMES: Final = 8
 MOST_CHANGES: Final = 20
 EXACT: Final = ("value_at_start", "expected_return", "max_error")
+_NO_RETURN: Final = """\
+such a run
+has no expected return, and at γ = 1 no value at the start, and is left out of that row."""
 _WHOLE: Final = ("episodes", "steps")
 
 
@@ -66,6 +69,10 @@ def several_runs(recipe: Recipe, figures: Figures) -> str:
     parts = [_head(recipe, seeds), "", columns(rows, right=(1, 2, 3, 4, 5))]
     if "winnings" not in runs[0] and figures["summary"]["value_at_start"]["count"]:
         parts += ["", "The value at the start is discounted, returns are not."]
+    endless = sum(row["expected_return"] is None and row["max_error"] is not None for row in runs)
+    if endless:
+        share = f"{endless:,} of {counted(len(runs), 'run')}"
+        parts += ["", f"In {share} the greedy policy may never end; {_NO_RETURN}"]
     blind = sum(row["first_reward_episode"] is None for row in runs)
     if blind:
         parts += ["", no_reward(recipe, blind, len(runs))]

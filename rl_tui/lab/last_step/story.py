@@ -15,6 +15,7 @@ from rl_tui.agents.last_step import NOTHING, LastStep
 from rl_tui.agents.update_terms import UpdateTerms
 from rl_tui.lab.last_step.backup import Backup, backup_of, sources
 from rl_tui.lab.last_step.estimates import EstimatesBefore
+from rl_tui.lab.last_step.gust import gust_of
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.worlds.drawing import Arms
 from rl_tui.worlds.mdp.space import FloatArray
@@ -51,6 +52,8 @@ class StepStory:
     """The action chosen, where the world may slip and what happened is known; else None."""
     went: int | None
     """The action that really happened; None where ``meant`` is."""
+    wind: int
+    """By how many cells the wind blew the agent up, below 0 down; 0 where it did not."""
     visits: int
     """How often the pair taken was taken or updated; 0 for a planner."""
     planning: str
@@ -162,7 +165,7 @@ def story_of(snapshot: Snapshot) -> StepStory | None:
     before = EstimatesBefore(world, agent, last, algorithm.update)
     solution = snapshot.exact_answer.solution
     drifts = world.mdp is not None and world.mdp.drift_std and not last.planned
-    chance, meant, went = _drawn(world, last)
+    (chance, meant, went), gust = _drawn(world, last), gust_of(world, last)
     return StepStory(
         world=world,
         last=last,
@@ -174,6 +177,7 @@ def story_of(snapshot: Snapshot) -> StepStory | None:
         chance=chance,
         meant=meant,
         went=went,
+        wind=0 if gust is None else gust.pushed,
         visits=0 if last.planned else int(agent.visits[last.pair]),
         planning=agent.planning if last.planned and taken_by == agent.algorithm else "",
         rewards=snapshot.counters.rewards.tolist(),

@@ -19,6 +19,7 @@ class StudyState(StrEnum):
     DONE = "done"  # all seeds that were wanted
     OUT_OF_TIME = "out of time"  # the processor time that it may take is used up
     FAILED = "failed"  # SeedStudy.message says why
+    REFUSED = "refused"  # these runs have nothing to be worked out; SeedStudy.message says why
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,6 +92,6 @@ class SeedStudy:
     steps: int | None = None
     """Steps of each seed, where they end it."""
     message: str = ""
-    """Why it is bounded as it is, or why it failed; mostly empty."""
+    """Why it is bounded as it is, or why there is none; mostly empty."""
     is_outdated: bool = False
     """Whether runs have been changed since it began, so that it tells of other ones."""

@@ -46,8 +46,11 @@ class SeedStudies:
                     return
                 process = self._process = StudyProcess(request, self._on_news)
         except (UserError, OSError) as reason:
-            why = str(reason) if isinstance(reason, UserError) else f"no process can be started: {reason}"
-            self._refused = SeedStudy(StudyState.FAILED, message=why)
+            if isinstance(reason, UserError):
+                self._refused = SeedStudy(StudyState.REFUSED, message=str(reason))
+            else:
+                why = f"no process can be started: {reason}"
+                self._refused = SeedStudy(StudyState.FAILED, message=why)
             return
         if not self._automatic:
             process.wait()

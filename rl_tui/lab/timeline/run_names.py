@@ -81,7 +81,7 @@ def feature_text(name: str, value: float | str) -> str:
         return POLICY_BY_ID[str(value)].name
     symbol = name if name == _SEED else PARAMETERS[name].symbol
     if value == SAMPLE_AVERAGE:
-        return f"{symbol} 1/n"
+        return f"{symbol} 1/N"
     return f"{symbol} {value if isinstance(value, str) else _number(value)}"
 
 

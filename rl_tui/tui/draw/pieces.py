@@ -17,6 +17,11 @@ from rl_tui.tui.theme.look import Look
 KEPT_BLANK: Final = "\x1f"  # in texts to be wrapped: a blank at which no line ends
 
 
+def kept(text: str) -> str:
+    """Return ``text`` so that :func:`wrapped` ends no line within it."""
+    return text.replace(" ", KEPT_BLANK)
+
+
 @dataclass(frozen=True, slots=True)
 class Piece:
     """A text that is shown whole or not at all; blanks at its start set it off from the one before."""

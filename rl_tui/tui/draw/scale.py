@@ -10,7 +10,8 @@ from rl_tui.tui.draw import numbers
 from rl_tui.tui.theme.glyphs import Glyphs
 
 FIRST_RANGE: Final = 10.0
-_MOST_INTERVALS: Final = 3
+_MOST_TICKS: Final = 4
+_MOST_EMPTY: Final = 0.28  # of the axis, at either end: 0 to .74 has one that ends at 1
 _LEAST_SHARE: Final = 0.5  # of the axis that the data must take more than, else it shrinks
 _SPARE: Final = 1.2  # times the data must fit into an axis that has shrunk
 _MOST_FIXED: Final = 4  # decimals of a label, else it has an exponent
@@ -20,7 +21,7 @@ _ROUND: Final = (1.0, 1.2, 1.5, 1.75, 2.0, 2.5, 3.0, 3.5, 4.0, 5.0, 6.0, 7.0, 8.
 
 @dataclass(frozen=True, slots=True)
 class Scale:
-    """A vertical axis from ``low`` to ``high``, both multiples of ``step``."""
+    """A vertical axis from ``low`` to ``high``, with a label at every multiple of ``step``."""
 
     low: float
     high: float
@@ -29,20 +30,35 @@ class Scale:
     @property
     def ticks(self) -> list[float]:
         """The labelled values, two to four, lowest first."""
-        return [self.low + each * self.step for each in range(round((self.high - self.low) / self.step) + 1)]
+        first, last = math.ceil(self.low / self.step - 1e-9), math.floor(self.high / self.step + 1e-9)
+        return [each * self.step for each in range(first, last + 1)]
+
+    @property
+    def outer_labels(self) -> tuple[float, float]:
+        """The nearest labels that hold the whole axis between them, be they on it or not."""
+        first, last = math.floor(self.low / self.step + 1e-9), math.ceil(self.high / self.step - 1e-9)
+        return first * self.step, last * self.step
 
 
 def round_scale(low: float, high: float) -> Scale:
-    """Return the axis with two to four round labels that holds 0 and ``low`` .. ``high`` most closely."""
+    """Return an axis with two to four round labels that holds 0 and ``low`` .. ``high`` closely.
+
+    It ends at labels, or where more than a quarter or so would be empty at one end then, between them.
+    """
     low, high = min(low, 0.0), max(high, 0.0)
     if high - low < numbers.NEGLIGIBLE:
         return Scale(0.0, 1.0, 1.0)
     power = 10.0 ** (math.floor(math.log10(high - low)) - 1)
-    for step in (digit * power * ten for ten in (1.0, 10.0, 100.0) for digit in (1.0, 2.0, 5.0)):
-        first, last = math.floor(low / step + 1e-9), math.ceil(high / step - 1e-9)
-        if last - first <= _MOST_INTERVALS:
-            return Scale(first * step, last * step, step)
-    raise AssertionError("a step of five times the range always does")
+    steps = [digit * power * ten for ten in (1.0, 10.0, 100.0) for digit in (1.0, 2.0, 5.0)]
+    for parts in (1.0, 2.0, 5.0):
+        for step in steps:
+            part = step / parts
+            first, last = math.floor(low / part + 1e-9), math.ceil(high / part - 1e-9)
+            scale = Scale(first * part, last * part, step)
+            empty = max(low - scale.low, scale.high - high)
+            if empty <= _MOST_EMPTY * (scale.high - scale.low) and 2 <= len(scale.ticks) <= _MOST_TICKS:
+                return scale
+    raise AssertionError("some step with two to four labels always does")
 
 
 def settled(previous: Scale | None, low: float, high: float, *, may_shrink: bool = True) -> Scale:

@@ -9,15 +9,13 @@ from typing import Final
 import numpy as np
 
 from rl_tui.agents.catalogue import BY_ID
-from rl_tui.agents.hyperparameters import SAMPLE_AVERAGE
 from rl_tui.lab.live.snapshot import AgentView, Snapshot
 from rl_tui.lab.live.viewport import pairs_of_states
-from rl_tui.tui.draw import numbers
+from rl_tui.lab.timeline.run_names import feature_text
 from rl_tui.tui.panels.controls.controls import in_force, sliders_of
 from rl_tui.tui.panels.panel import BoardPanel
 from rl_tui.tui.panels.q_table.q_table import QTable
 from rl_tui.tui.panels.world.view import WorldView
-from rl_tui.tui.theme.glyphs import Glyphs
 from rl_tui.tui.theme.look import Look
 from rl_tui.worlds.drawing import Arms
 from rl_tui.worlds.mdp.space import BoolArray, IntArray
@@ -33,7 +31,8 @@ def sides(snapshot: Snapshot) -> tuple[Snapshot, Snapshot]:
     group, beside = snapshot.run_group, snapshot.beside
     if beside is None or group.beside is None:
         raise ValueError("there is no lane beside this one")
-    other = replace(beside, run_group=replace(group, shown=group.beside, beside=group.shown))
+    swapped = replace(group, shown=group.beside, beside=group.shown)
+    other = replace(beside, run_group=swapped, beside=snapshot)
     return (snapshot, other) if group.shown < group.beside else (other, snapshot)
 
 
@@ -83,7 +82,7 @@ def name_panels(
     for panel in panels:
         panel.is_led = not is_led
         if isinstance(panel, WorldView):
-            panel.lane, panel.differing = lane_titles(lane, number, look.glyphs), differences.states
+            panel.lane, panel.differing = lane_titles(lane, number), differences.states
         elif isinstance(panel, QTable):
             panel.lane, panel.differing = number, differences.states
 
@@ -97,7 +96,7 @@ def stand_alone(panel: BoardPanel) -> None:
         panel.lane, panel.differing = "", frozenset()
 
 
-def lane_titles(lane: Snapshot, number: str, glyphs: Glyphs) -> tuple[str, ...]:
+def lane_titles(lane: Snapshot, number: str) -> tuple[str, ...]:
     """Return what stands on the border of the world of ``lane``, the longest form first."""
     group, agent = lane.run_group, lane.agent
     name, algorithm = group.lanes[group.shown].name, BY_ID[agent.algorithm].name
@@ -106,16 +105,10 @@ def lane_titles(lane: Snapshot, number: str, glyphs: Glyphs) -> tuple[str, ...]:
     for parameter in sliders_of(agent.algorithm, agent.hyperparameters, is_bandit=is_bandit):
         value = in_force(agent.hyperparameters, parameter)
         if parameter.name != "gamma" and f"{parameter.symbol} " not in name:
-            settings.append(f"{parameter.symbol} {_value(value, glyphs)}")
+            settings.append(feature_text(parameter.name, value))
     known = "" if algorithm in name else algorithm
     forms = (" ".join(filter(None, (known, *settings))), known)
     return (*(f"{number} {name} · {form}" for form in forms if form), f"{number} {name}")
-
-
-def _value(value: float | str, glyphs: Glyphs) -> str:
-    if isinstance(value, str):
-        return "1/n" if value == SAMPLE_AVERAGE else value
-    return numbers.fixed(value, 2, glyphs, leading_zero=False)
 
 
 def greedy_differences(left: Snapshot, right: Snapshot) -> GreedyDifferences:

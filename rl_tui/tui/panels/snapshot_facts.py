@@ -6,6 +6,7 @@ from typing import Final
 
 from rl_tui.lab.live.snapshot import Phase, Snapshot
 from rl_tui.lab.many_seeds.figures import SeedStudy
+from rl_tui.lab.run.history import RECENT
 from rl_tui.tui.draw import numbers
 from rl_tui.tui.glossary.figure_text import FigureSetting
 from rl_tui.tui.theme.glyphs import Glyphs
@@ -37,6 +38,28 @@ def current_study(snapshot: Snapshot) -> SeedStudy | None:
     if study is None or study.is_outdated or study.seeds < 2 or len(study.lanes) != runs:
         return None
     return study
+
+
+def shown_lane(study: SeedStudy, snapshot: Snapshot) -> int:
+    """Return which lane of ``study`` is on screen now, from 0; where they are others, the one that was."""
+    return (
+        snapshot.run_group.shown if len(snapshot.run_group.lanes or (0,)) == len(study.lanes) else study.shown
+    )
+
+
+def episodes_reached(snapshot: Snapshot) -> tuple[int, ...]:
+    """Return how many episodes each run on screen has finished."""
+    return tuple(lane.episodes for lane in snapshot.run_group.lanes) or (snapshot.counters.episodes,)
+
+
+def recent_name(*episodes: int) -> str:
+    """Return what a mean of the last 100 is called, after so many ``episodes``, of one run or of several.
+
+    It is ``last 48`` as long as there are no more, ``last 27–35`` where runs have different numbers.
+    Runs without any do not count.
+    """
+    counts = sorted({min(each, RECENT) for each in episodes if each}) or [RECENT]
+    return f"last {'–'.join(map(str, dict.fromkeys((counts[0], counts[-1]))))}"
 
 
 def lacks_exact(snapshot: Snapshot) -> bool:

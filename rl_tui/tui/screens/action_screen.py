@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Final
 
 from textual.actions import parse
 from textual.app import ComposeResult
+from textual.events import Key
+from textual.geometry import Offset
 from textual.notifications import SeverityLevel
 from textual.screen import Screen
 from textual.widget import Widget
@@ -70,6 +72,7 @@ class ActionScreen(Screen[None]):
         super().__init__()
         self.look = look
         self.panel_rows = panels
+        self._mouse_at_key = Offset(0, 0)  # at the last key that asked nothing
 
     @property
     def actions(self) -> tuple[Action, ...]:
@@ -98,15 +101,26 @@ class ActionScreen(Screen[None]):
         """Show ``message`` about this moment: it goes with the next key, or after ``timeout`` seconds."""
         tell(self.app, message, severity, timeout)
 
+    def on_key(self, event: Key) -> None:
+        """Note where the mouse is: what asks is not what moved a cursor."""
+        if event.key != "question_mark":
+            self._mouse_at_key = self.app.mouse_position
+
     def action_help(self) -> None:
         """Explain what the mouse or the focus is on; where that is no word, show the help."""
         # these bring widgets that the first paint has no need of
-        from rl_tui.tui.screens.asking import words_here
+        from rl_tui.tui.screens.asking import number_under_mouse, words_here
         from rl_tui.tui.screens.number_here import number_here
 
         rows = {name: row for row in self.panel_rows for name in (row.id, beside(row.id))}
-        number = number_here(self.focused, self.look)
-        here = words_here(self, rows, self.look.glyphs, has_number=number is not None)
+        number = None
+        if self.app.mouse_position != self._mouse_at_key or self.focused is None:
+            number = number_under_mouse(self, self.look)
+        is_pointed_at = number is not None
+        number = number or number_here(self.focused, self.look)
+        here = words_here(
+            self, rows, self.look.glyphs, has_number=number is not None, is_number_first=is_pointed_at
+        )
         if here:
             self.show_words(here, number)
         else:

@@ -15,25 +15,44 @@ from rl_tui.tui.panels.controls.slider import Slider
 from rl_tui.tui.panels.panel import Panel
 from rl_tui.tui.panels.snapshot_facts import figure_setting
 from rl_tui.tui.screens.glossary import NUMBER
+from rl_tui.tui.screens.number_here import NumberHere, number_here
 from rl_tui.tui.theme.glyphs import Glyphs
+from rl_tui.tui.theme.look import Look
 
 
 def words_here(
-    screen: Screen[None], rows: Mapping[str, PanelRow], glyphs: Glyphs, *, has_number: bool = False
+    screen: Screen[None],
+    rows: Mapping[str, PanelRow],
+    glyphs: Glyphs,
+    *,
+    has_number: bool = False,
+    is_number_first: bool = False,
 ) -> tuple[str, ...]:
     """Return the ids of the terms to explain, the one pointed at first; none where nothing is asked about.
 
     A word under the mouse comes before what is in focus, and brings those of its panel with it.
-    ``has_number`` says that a cursor is in focus: the number under it, ``NUMBER``, is asked about next.
+    ``has_number`` says that there is a number, ``NUMBER``, to ask about next; ``is_number_first`` that the
+    mouse is on it. Then a word there comes behind it.
     """
     under_mouse, word = _word_under_mouse(screen, rows, glyphs)
     found = [word] if word is not None else []
     if has_number:
-        found.append(NUMBER)
-    for widget in (under_mouse if word is not None else None, screen.focused):
+        found.insert(0 if is_number_first else len(found), NUMBER)
+    for widget in (under_mouse if word is not None or is_number_first else None, screen.focused):
         if widget is not None:
             found += _words_of(widget, rows)
     return tuple(dict.fromkeys(found))
+
+
+def number_under_mouse(screen: Screen[None], look: Look) -> NumberHere | None:
+    """Return the number of the cell of world or table that the mouse is on, None where it is on none."""
+    position = screen.app.mouse_position
+    if not screen.region.contains_point(position):
+        return None
+    widget, _ = screen.get_widget_at(*position)
+    if not widget.content_region.contains_point(position):
+        return None
+    return number_here(widget, look, position - widget.content_region.offset)
 
 
 def setting_here(screen: Screen[None], glyphs: Glyphs) -> FigureSetting | None:

@@ -127,7 +127,7 @@ class GlossaryScreen(Dialog[bool]):
 
     def _line(self, id_: str) -> Text:
         if id_ == NUMBER and self._number is not None:
-            return Text(self._written(self._number.name), "bold").append("  under the cursor", "not bold dim")
+            return Text(self._written(self._number.name), "bold").append("  here", "not bold dim")
         term = glossary()[id_]
         word, others = self._written(term.word), ""
         for name in term.also:

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import math
 from typing import Final, NamedTuple
 
+from textual.geometry import Offset
 from textual.widget import Widget
 
 from rl_tui.agents.catalogue import BY_ID
@@ -35,22 +35,38 @@ class NumberHere(NamedTuple):
     term: str
 
 
-def number_here(focused: Widget | None, look: Look) -> NumberHere | None:
-    """Return the number under the cursor of the panel in focus, None where there is no cursor."""
-    if isinstance(focused, QTable) and focused.snapshot is not None:
-        pair = focused.shown_cursor
-        if pair is not None:
-            return number_of_pair(
-                focused.snapshot, pair, focused.shown_layer, look, revealed=focused.revealed
-            )
-    if isinstance(focused, WorldView) and focused.snapshot is not None:
-        place = focused.cursor_place
-        if place is not None and not focused.is_manual:
-            if isinstance(focused.world.drawing, Arms):
-                return number_of_pair(focused.snapshot, place, Layer.Q, look, revealed=focused.revealed)
-            state = focused.state_at(place)
-            return None if state is None else number_of_state(focused.snapshot, state, look)
-    return None
+def number_here(panel: Widget | None, look: Look, at: Offset | None = None) -> NumberHere | None:
+    """Return the number of ``panel`` under its cursor, None where there is none.
+
+    With ``at``, counted from the corner of what the panel draws, it is the number of the cell drawn there.
+    Of several lanes it says whose number it is.
+    """
+    if not isinstance(panel, QTable | WorldView) or panel.snapshot is None:
+        return None
+    number = _of_table(panel, look, at) if isinstance(panel, QTable) else _of_world(panel, look, at)
+    group = panel.snapshot.run_group
+    if number is None or not group.lanes:
+        return number
+    lane = group.shown + 1
+    whose = f"Lane {lane} of {len(group.lanes)}: {group.lanes[group.shown].name}."
+    return number._replace(name=f"{number.name} in lane {lane}", meaning=f"{whose} {number.meaning}")
+
+
+def _of_table(table: QTable, look: Look, at: Offset | None) -> NumberHere | None:
+    pair = table.shown_cursor if at is None else table.pair_at(*at)
+    if pair is None or table.snapshot is None:
+        return None
+    return number_of_pair(table.snapshot, pair, table.shown_layer, look, revealed=table.revealed)
+
+
+def _of_world(view: WorldView, look: Look, at: Offset | None) -> NumberHere | None:
+    place = view.cursor_place if at is None else view.place_at(*at)
+    if place is None or view.snapshot is None or (at is None and view.is_manual):
+        return None
+    if isinstance(view.world.drawing, Arms):
+        return number_of_pair(view.snapshot, place, Layer.Q, look, revealed=view.revealed)
+    state = view.state_at(place)
+    return None if state is None else number_of_state(view.snapshot, state, look)
 
 
 def number_of_pair(
@@ -151,8 +167,7 @@ class _Teller:
 
     def _written(self, *values: float | None) -> tuple[str, ...]:
         """Return numbers in one form, empty where one is not known."""
-        known = [each for each in values if each is not None and math.isfinite(each)]
-        form = number_form(min(known, default=0.0), max(known, default=0.0), _COLUMNS)
+        form = number_form([each for each in values if each is not None], _COLUMNS)
         return tuple("" if each is None else form.text(each, self._look.glyphs) for each in values)
 
     def _deed(self, pair: int) -> str:

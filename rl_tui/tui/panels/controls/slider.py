@@ -81,7 +81,7 @@ class Slider(Draggable, can_focus=True):
         self.look = look
         self.parameter = parameter
         self.scale = scale_of(parameter)
-        typed = "a number or 1/n" if SAMPLE_AVERAGE in parameter.words else "a number"
+        typed = "a number or 1/N" if SAMPLE_AVERAGE in parameter.words else "a number"
         help_text = (
             f"{parameter.help}. The arrows change it; enter, or a click on its value, types {typed}. "
             "What begins with 1 to 4 needs enter first."
@@ -279,5 +279,5 @@ def key_hints(focused: Widget | None) -> tuple[tuple[tuple[str, str], ...], ...]
         name = "", f"{row.symbol} {row.short_name}"
         forms = ("type a number", "type")
         return tuple((name, ("← →", "move"), ("enter", form), ("esc", "leave")) for form in forms)
-    average = (("1/n", "sample average"),) if SAMPLE_AVERAGE in focused.parameter.words else ()
+    average = (("1/N", "sample average"),) if SAMPLE_AVERAGE in focused.parameter.words else ()
     return ((("enter", "set"), ("esc", "drop"), *average),)

@@ -117,7 +117,7 @@ def _significant(value: float, digits: int) -> float:
 
 
 def parsed(text: str, parameter: Parameter) -> float | str:
-    """Return what ``text`` means: a number, or a word of ``parameter``, the start of one, or ``1/n``.
+    """Return what ``text`` means: a number, or a word of ``parameter``, the start of one, or ``1/N``.
 
     Raises ValueError where it is neither, or out of range.
     """

@@ -66,7 +66,7 @@ class ReturnCurve(Panel, can_focus=True):
         if low or high:
             # else nothing stood on it, and how soon the exact answer came must not be seen later
             self.scale = scale
-        decimals = decimals_for(scale.low, scale.high)
+        decimals = decimals_for(*scale.outer_labels)
         in_border = height < _ROOM_FOR_REMARK
         plot = plot_of(data, scale, self.look, width, height)
         heads, words = self._words(snapshot, data, plot, width, in_border)
@@ -87,7 +87,7 @@ class ReturnCurve(Panel, can_focus=True):
         return [*chart, *strips_of([line], width, 1, self.look)]
 
     def legend(self, snapshot: Snapshot) -> Legend:
-        """Return what the axis counts, and the band: the lines have their names where they end."""
+        """Return what the bands are, and what the axis counts: the lines have their names where they end."""
         seeds = seed_bands(snapshot)
         more = (seed_sign(seeds, self.look),) if seeds else ()
         if isinstance(snapshot.world.drawing, Arms):
@@ -95,7 +95,7 @@ class ReturnCurve(Panel, can_focus=True):
         plans = BY_ID[snapshot.agent.algorithm].planner
         sums = LegendSign("return", "= undiscounted sum", self.look.palette.text)
         band = () if plans else band_signs(self.look, lanes=bool(snapshot.run_group.lanes))
-        return (*band, *more, sums) if snapshot.run_group.lanes else (sums, *more, *band)
+        return (*band, *more, sums) if snapshot.run_group.lanes else (*more, sums, *band)
 
     def _kept_for_legend(self, snapshot: Snapshot) -> int:
         """Return the cells of the border that the band of lanes has in its legend, with the ``·`` behind."""
@@ -108,7 +108,7 @@ class ReturnCurve(Panel, can_focus=True):
         self, snapshot: Snapshot, data: CurveData, plot: Plot, width: int, in_border: bool
     ) -> tuple[Words, Words]:
         """Return the titles and the remarks, the longest form of each first."""
-        look, decimals = self.look, decimals_for(plot.scale.low, plot.scale.high)
+        look, decimals = self.look, decimals_for(*plot.scale.outer_labels)
         # Figures in the border would redraw the whole panel at every frame
         fast = passes_too_fast(snapshot)
         heads = titles(None if fast and not data.is_bandit else data, look.glyphs, decimals, width)

@@ -21,6 +21,7 @@ from rl_tui.tui.panels.curve.text import (
     labels,
     no_end,
 )
+from rl_tui.tui.panels.snapshot_facts import recent_name
 from rl_tui.tui.theme.glyphs import Glyphs
 from rl_tui.tui.theme.look import Look
 
@@ -88,17 +89,19 @@ def lane_remark(data: CurveData, look: Look, room: int) -> tuple[str, ...]:
     if not _form(data, look, room).number:
         return _ONE_SEED
     what = "pulls" if data.is_bandit else "episodes"
+    recent = recent_name(*(lane.finished for lane in data.lanes if not lane.is_exact))
     if any(lane.is_exact for lane in data.lanes):
         return (
-            f"beside names: mean of the last 100 {what} of one seed; of planners the exact return",
-            "mean of the last 100; planners: exact",
-            "mean of the last 100, or exact",
+            f"beside names: mean of the {recent} {what} of one seed; of planners the exact return",
+            f"mean of the {recent}; planners: exact",
+            f"mean of the {recent}, or exact",
         )
     return (
-        f"beside names: mean of the last 100 {what} of one seed; M counts many",
+        f"beside names: mean of the {recent} {what} of one seed; M counts many",
         *(("one seed; M counts many · h adds the best arm",) if data.hidden else ()),
-        f"beside names: last 100 {what}, one seed; M counts many",
-        "last 100 of one seed; M counts many",
+        f"beside names: {recent} {what}, one seed; M counts many",
+        f"{recent} of one seed; M counts many",
+        f"{recent}, one seed; M: many",
         *_ONE_SEED,
     )
 

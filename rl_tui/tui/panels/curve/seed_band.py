@@ -15,8 +15,8 @@ from rl_tui.tui.draw.braille import Steps
 from rl_tui.tui.draw.chart_plot import Plot
 from rl_tui.tui.panels.curve.smoothing import smoothed
 from rl_tui.tui.panels.legend import LegendSign
-from rl_tui.tui.panels.many_seeds.figures import LAST_100, decimals_of, estimate_text
-from rl_tui.tui.panels.snapshot_facts import current_study
+from rl_tui.tui.panels.many_seeds.figures import LAST_100, decimals_of, estimate_text, last_100_of, until_of
+from rl_tui.tui.panels.snapshot_facts import current_study, episodes_reached
 from rl_tui.tui.theme.look import Look
 from rl_tui.worlds.mdp.space import IntArray
 
@@ -30,13 +30,15 @@ _LATE: Final = 0.25  # of the bins: from here on the axis makes room for the ban
 class SeedBand:
     """One run under ``seeds`` seeds: two standard errors on either side of their mean return.
 
-    ``number`` is that of its lane, from 1. ``last_100`` is the mean return of the last 100 of its
-    ``episodes``; None where each seed has as many as its steps come to.
+    ``number`` is that of its lane, from 1. ``last_100`` is the mean return of the last 100 episodes, None
+    where that is not known; ``recent`` is what it is called, and ``until`` says at which episode the seeds
+    end, empty where that is where the runs are.
     """
 
     number: int
     seeds: int
-    episodes: int | None
+    until: str
+    recent: str
     band: Steps
     last_100: Estimate | None
 
@@ -49,9 +51,11 @@ class SeedBand:
 def seed_bands(snapshot: Snapshot) -> tuple[SeedBand, ...]:
     """Return a band for each run, as far as any has come; none without a study of these very runs."""
     study = current_study(snapshot)
-    furthest = max([snapshot.counters.episodes, *(lane.episodes for lane in snapshot.run_group.lanes)])
     if study is None:
         return ()
+    reached = episodes_reached(snapshot)
+    furthest = max(reached)
+    until, recent = until_of(study, reached), last_100_of(study).name
     found = []
     for number, lane in enumerate(study.lanes, 1):
         end = lane.curve.episode.astype(np.float64)
@@ -60,7 +64,8 @@ def seed_bands(snapshot: Snapshot) -> tuple[SeedBand, ...]:
         # smoothed as the curve of this run is; the error of such a mean is at most the mean of the errors
         mean, reach = smoothed(lane.curve.mean)[there], _ERRORS * smoothed(lane.curve.stderr)[there]
         band = Steps(start[there], np.minimum(end[there], furthest), mean - reach, mean + reach)
-        found.append(SeedBand(number, study.seeds, study.episodes, band, lane.estimates.get(LAST_100.id)))
+        last_100 = lane.estimates.get(LAST_100.id)
+        found.append(SeedBand(number, study.seeds, until, recent, band, last_100))
     return tuple(found)
 
 
@@ -91,7 +96,7 @@ def seed_cells(plot: Plot, seeds: Sequence[SeedBand], look: Look) -> tuple[IntAr
 
 
 def seed_remark(seeds: Sequence[SeedBand], look: Look) -> tuple[str, ...]:
-    """Return the mean and the standard error of each run, the longest form first."""
+    """Return what the bands are, with the mean and its error of each run; the longest form first."""
     estimates = [each.last_100 for each in seeds if each.last_100 is not None]
     decimals = decimals_of(estimates)
     texts = [
@@ -99,15 +104,17 @@ def seed_remark(seeds: Sequence[SeedBand], look: Look) -> tuple[str, ...]:
         for each in seeds
         if each.last_100 is not None
     ]
+    sign, meaning, *_ = seed_sign(seeds, look)
+    band = f"{sign} {meaning}"
     if not texts:
-        return ()
-    means, count, episodes = ", ".join(texts), seeds[0].seeds, seeds[0].episodes
-    when = "" if episodes is None else f" at {episodes:,}"
+        return (band,)
+    means, which = ", ".join(texts), f"{sign} {seeds[0].seeds} seeds{seeds[0].until}"
     return (
-        f"one seed beside each name; {count} seeds, last 100{when}: {means}",
-        f"{count} seeds, last 100{when}: {means}",
-        f"{count} seeds, last 100: {means}",
-        f"{count} seeds: {means}",
+        f"one seed beside each name; {band}; {seeds[0].recent}{seeds[0].until}: {means}",
+        f"{band}; {seeds[0].recent}{seeds[0].until}: {means}",
+        f"{which}, {seeds[0].recent}: {means}",
+        f"{which}: {means}",
+        band,
     )
 
 

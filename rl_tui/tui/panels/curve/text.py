@@ -11,12 +11,14 @@ from rich.style import Style
 
 from rl_tui.agents.catalogue import POLICY_BY_ID
 from rl_tui.lab.live.snapshot import Snapshot
+from rl_tui.lab.run.history import RECENT
 from rl_tui.tui.draw import numbers
 from rl_tui.tui.draw.braille import Steps
 from rl_tui.tui.draw.chart_plot import Plot
 from rl_tui.tui.draw.to_ascii import to_ascii
 from rl_tui.tui.panels.curve.data import CurveData
 from rl_tui.tui.panels.last_step.update_text import setting
+from rl_tui.tui.panels.snapshot_facts import recent_name
 from rl_tui.tui.theme.glyphs import Glyphs
 from rl_tui.tui.theme.look import Look
 
@@ -26,8 +28,7 @@ ROOM_FOR_NAMES: Final = 20
 NUMBER: Final = 6  # cells of the widest number beside a name
 _MOST_DECIMALS: Final = 5
 _LEAST_FIXED: Final = 2e-4  # extent of an axis whose numbers have no exponents
-_RECENT: Final = 100  # episodes in the mean that a snapshot tells
-_LEAST_WITH_COMMA: Final = 10_000
+_COMMA_FROM: Final = 5  # digits
 _TIES: Final = "greedy: ties"
 
 
@@ -57,10 +58,11 @@ def amount(x: float, decimals: int, glyphs: Glyphs) -> str:
     if decimals > _MOST_DECIMALS:
         return numbers.scientific(x, 1, glyphs)
     text = numbers.fixed(x, decimals, glyphs, leading_zero=False)
-    if len(text) > NUMBER:
-        return numbers.value(x, NUMBER, glyphs)
-    whole = round(abs(x))
-    return text.replace(str(whole), f"{whole:,}") if whole >= _LEAST_WITH_COMMA and decimals == 0 else text
+    text = text if len(text) <= NUMBER else numbers.value(x, NUMBER, glyphs)
+    digits = text.removeprefix(glyphs.minus)
+    return (
+        text.replace(digits, f"{int(digits):,}") if len(digits) >= _COMMA_FROM and digits.isdigit() else text
+    )
 
 
 def no_end(ends: float, *, short: bool = False) -> str:
@@ -88,7 +90,10 @@ def labels(
         (names[2], data.optimum, palette.optimum),
     ]
     if mean:  # lanes have theirs in the remark
-        lines += [(f"{each.seeds} seeds", each.value, palette.dim) for each in data.seeds]
+        lines += [
+            (f"{each.seeds} seeds{each.until if room >= ROOM_FOR_LONG else ''}", each.value, palette.dim)
+            for each in data.seeds
+        ]
     found = [
         LineLabel(to_ascii(_with_number(name, value, decimals, room, look.glyphs), look.glyphs), value, style)
         for name, value, style in lines
@@ -109,7 +114,7 @@ def label_columns(data: CurveData, look: Look, room: int, *, mean: bool = True) 
     if room < ROOM_FOR_NAMES:
         return 0
     number = 1 + NUMBER if room >= ROOM_FOR_NUMBERS else 0
-    greedy, recent, best = _usual_names(data.is_bandit, room, f"last {_RECENT}:")
+    greedy, recent, best = _usual_names(data.is_bandit, room, f"{recent_name(RECENT)}:")
     names = (greedy, recent, best) if mean else (greedy, best)
     return 2 + max(len(to_ascii(name, look.glyphs)) for name in names) + number
 
@@ -118,7 +123,7 @@ def _names(data: CurveData, room: int) -> tuple[str, str, str] | None:
     """Return what greedy line, mean and optimum are called; mere ties have no figure."""
     if room < ROOM_FOR_NAMES:
         return None
-    names = _usual_names(data.is_bandit, room, f"last {min(data.finished, _RECENT)}:")
+    names = _usual_names(data.is_bandit, room, f"{recent_name(data.finished)}:")
     return names if data.is_decided or room < ROOM_FOR_NUMBERS else (_TIES, *names[1:])
 
 
@@ -134,7 +139,9 @@ def _usual_names(is_bandit: bool, room: int, recent: str) -> tuple[str, str, str
 def figure_names() -> tuple[str, ...]:
     """Return all names beside which a number stands, in any room."""
     rooms = (ROOM_FOR_NUMBERS, ROOM_FOR_LONG)
-    forms = (_usual_names(bandit, room, f"last {_RECENT}:") for bandit in (False, True) for room in rooms)
+    forms = (
+        _usual_names(bandit, room, f"{recent_name(RECENT)}:") for bandit in (False, True) for room in rooms
+    )
     return tuple(dict.fromkeys(name for form in forms for name in form))
 
 
@@ -174,7 +181,7 @@ def remark(
             "h adds best and greedy arm",
             "h adds the best arm",
         )
-    if data.greedy_now is None or data.mean_now is None or data.finished < _RECENT:
+    if data.greedy_now is None or data.mean_now is None or data.finished < RECENT:
         return ()
     gap = data.greedy_now - data.mean_now
     values = snapshot.agent.hyperparameters
@@ -248,7 +255,7 @@ def _has_learned(data: CurveData) -> bool:
     """
     if data.greedy_now is None or data.optimum is None or data.barren or not data.is_decided:
         return False
-    recent = data.greedy.low[data.greedy.end > data.finished - _RECENT]
+    recent = data.greedy.low[data.greedy.end > data.finished - RECENT]
     least = data.optimum - abs(data.optimum) / 3 - numbers.NEGLIGIBLE
     return data.greedy_now >= least and bool((recent >= least).all())
 

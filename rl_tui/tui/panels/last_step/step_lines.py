@@ -264,10 +264,11 @@ class StepWriter:
             return [*others, self._plain(f"  {self._which_sweep}")]
         choice = self._plain(f"  {words.choices[-1]}")
         remarks = self._remarks("  ")[-1]
+        wind = [self._plain(f"  {words.wind}")] if words.wind else []
         if words.went:
-            return [self._plain(f"  meant {words.meant} went {words.went}"), choice, *others, *remarks]
+            return [self._plain(f"  meant {words.meant} went {words.went}"), *wind, choice, *others, *remarks]
         landing = [self._plain(f" → {words.next_state}")] if words.next_state else []
-        return [choice, *others, *landing, *remarks]
+        return [*wind, choice, *others, *landing, *remarks]
 
     def _summary(self) -> Line:
         words = self.words

@@ -42,8 +42,18 @@ class StepWords:
 
     @property
     def outcome(self) -> str:
-        """What the environment made of the action: ``meant ←, slipped ↓``, elsewhere ``→ Pass``."""
-        return f"meant {self.meant}, {self.slip}" if self.went else f"→ {self.next_state}"
+        """What the environment made of the action: ``meant ←, slipped ↓``, elsewhere ``→ Pass``.
+
+        Where the wind blew it says so: ``wind ↑ 1, → 4``.
+        """
+        moved = f"meant {self.meant}, {self.slip}" if self.went else f"→ {self.next_state}"
+        return f"{self.wind}, {moved}" if self.wind else moved
+
+    @property
+    def wind(self) -> str:
+        """The wind that blew the agent on, in cells: ``wind ↑ 1``; empty where none did."""
+        cells = self.story.wind
+        return f"wind {'↑' if cells > 0 else '↓'} {abs(cells)}" if cells else ""
 
     @property
     def slip(self) -> str:

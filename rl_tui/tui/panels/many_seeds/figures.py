@@ -4,16 +4,21 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 from rl_tui.lab.many_seeds.figures import Estimate, LaneStudy, PairedDifference, SeedStudy, StudyState
+from rl_tui.lab.run.history import RECENT
 from rl_tui.tui.draw import numbers
+from rl_tui.tui.panels.snapshot_facts import recent_name
 from rl_tui.tui.theme.glyphs import Glyphs
 
 _MOST_DECIMALS: Final = 5
 _LARGEST: Final = 1e7  # from here on numbers are written in short
 _SHORT: Final = 7  # cells of those
+_LEAST_SEEDS: Final = 32  # before one of two lanes is called better
+INTERVAL_ERRORS: Final = 3.0
+"""Standard errors on either side of a difference: with 0 beyond them, one of two lanes is called better."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,10 +41,11 @@ LAST_100: Final = StudyFigure("return_last_100", "last 100", "last 100")
 WINNINGS: Final = StudyFigure("winnings", "winnings", "winnings")
 REGRET: Final = StudyFigure("regret", "regret", "regret", is_secret=True, lower_is_better=True)
 GREEDY: Final = StudyFigure("expected_return", "greedy", "greedy, exact", is_secret=True)
+BEST_ARM: Final = StudyFigure("best_arm_rate", "best arm %", "best arm pulled, %", is_secret=True)
 FIGURES: Final = (
     WINNINGS,
     REGRET,
-    StudyFigure("best_arm_rate", "best arm", "best arm pulled", is_secret=True),
+    BEST_ARM,
     LAST_100,
     GREEDY,
     RETURN,
@@ -51,26 +57,73 @@ def may_count_again(study: SeedStudy | None) -> bool:
     """Return whether there is anything to count again: it is over, or tells of other runs."""
     if study is None:
         return False
-    return study.is_outdated or study.state not in (StudyState.STARTING, StudyState.RUNNING)
+    settled = (StudyState.STARTING, StudyState.RUNNING, StudyState.REFUSED)
+    return study.is_outdated or study.state not in settled
+
+
+def last_100_of(study: SeedStudy) -> StudyFigure:
+    """Return the mean of the last 100 episodes, named by how many there are."""
+    name = recent_name(RECENT if study.episodes is None else study.episodes)
+    return replace(LAST_100, name=name, in_full=name)
+
+
+def until_of(study: SeedStudy, reached: Iterable[int]) -> str:
+    """Return `` to 500``, the last episode of each seed; empty where the runs have ``reached`` just that."""
+    is_bounded = study.episodes is not None and any(each != study.episodes for each in reached)
+    return f" to {study.episodes:,}" if is_bounded else ""
+
+
+def in_percent(study: SeedStudy) -> SeedStudy:
+    """Return ``study`` with its shares in per cent."""
+    return replace(study, lanes=tuple(map(_lane_in_percent, study.lanes)))
+
+
+def _lane_in_percent(lane: LaneStudy) -> LaneStudy:
+    name = BEST_ARM.id
+    if name not in lane.estimates:
+        return lane
+
+    def hundredfold(found: Estimate) -> Estimate:
+        error = None if found.stderr is None else 100.0 * found.stderr
+        return replace(found, mean=100.0 * found.mean, stderr=error)
+
+    own, differences = lane.this_seed.get(name), dict(lane.differences)
+    if name in differences:
+        differences[name] = replace(differences[name], mean=hundredfold(differences[name].mean))
+    return replace(
+        lane,
+        estimates={**lane.estimates, name: hundredfold(lane.estimates[name])},
+        this_seed={**lane.this_seed, name: None if own is None else 100.0 * own},
+        differences=differences,
+    )
 
 
 def shown_figures(study: SeedStudy, *, secret: bool) -> list[StudyFigure]:
     """Return the figures that any lane has, but for what must be hidden while ``secret``.
 
-    The mean return of a bandit's pulls says no more than its winnings.
+    The mean return says no more than a bandit's winnings, nor than the mean of the last episodes where those
+    are all.
     """
+    has = {name for lane in study.lanes for name in lane.estimates}
+    are_all = study.episodes is not None and study.episodes <= RECENT and LAST_100.id in has
     return [
-        figure
+        last_100_of(study) if figure is LAST_100 else figure
         for figure in FIGURES
-        if any(figure.id in lane.estimates for lane in study.lanes)
+        if figure.id in has
         and not (secret and figure.is_secret)
-        and not (figure is RETURN and any(WINNINGS.id in lane.estimates for lane in study.lanes))
+        and not (figure is RETURN and (are_all or WINNINGS.id in has))
     ]
 
 
 def estimates_of(figure: StudyFigure, lanes: Iterable[LaneStudy]) -> list[Estimate]:
     """Return the estimates of ``figure`` in those of ``lanes`` that have it."""
     return [lane.estimates[figure.id] for lane in lanes if figure.id in lane.estimates]
+
+
+def figure_decimals(figure: StudyFigure, study: SeedStudy) -> int:
+    """Return the decimals of all that is told of ``figure``: differences are those of what is printed."""
+    pairs = [lane.differences[figure.id].mean for lane in study.lanes if figure.id in lane.differences]
+    return decimals_of([*estimates_of(figure, study.lanes), *pairs])
 
 
 def decimals_of(found: Sequence[Estimate]) -> int:
@@ -127,14 +180,15 @@ def deviation(figure: StudyFigure, lane: LaneStudy) -> tuple[float, float] | Non
 
 @dataclass(frozen=True, slots=True)
 class Verdict:
-    """Which of two lanes has the better figure: the one shown or the other; None where neither is seen to.
+    """Which of two lanes has the better figure so far: the one shown when the study began, or the other.
 
     ``by`` is how much better it is on average, at least 0, with ``stderr``, and ``better_in`` the seeds in
-    which it is. One is better where 0 lies beyond two standard errors; else ``by`` is the figure of the lane
-    shown less that of the other, and ``better_in`` counts the lane shown.
+    which it is. It ``is_seen`` to be better from 32 seeds on, where 0 lies beyond three standard errors: one
+    looks at a study while it grows, and every look is another chance to be wrong.
     """
 
-    is_shown_better: bool | None
+    is_shown_better: bool
+    is_seen: bool
     by: float
     stderr: float
     better_in: int
@@ -143,13 +197,19 @@ class Verdict:
 
 
 def verdict_of(figure: StudyFigure, difference: PairedDifference) -> Verdict | None:
-    """Return what the differences say, the lane shown less the other; None for fewer than two seeds."""
+    """Return what the differences say; None for fewer than two seeds."""
     mean, stderr, count = difference.mean.mean, difference.mean.stderr, difference.mean.count
     if stderr is None:
         return None
+    is_shown_better = mean <= 0.0 if figure.lower_is_better else mean >= 0.0
+    is_greater_better = is_shown_better is not figure.lower_is_better
     lower = count - difference.greater - difference.equal
-    better, worse = (lower, difference.greater) if figure.lower_is_better else (difference.greater, lower)
-    gain = -mean if figure.lower_is_better else mean
-    if abs(gain) <= max(2.0 * stderr, numbers.NEGLIGIBLE):
-        return Verdict(None, mean, stderr, better, difference.equal, count)
-    return Verdict(gain > 0.0, abs(gain), stderr, better if gain > 0.0 else worse, difference.equal, count)
+    return Verdict(
+        is_shown_better,
+        count >= _LEAST_SEEDS and abs(mean) > max(INTERVAL_ERRORS * stderr, numbers.NEGLIGIBLE),
+        abs(mean),
+        stderr,
+        difference.greater if is_greater_better else lower,
+        difference.equal,
+        count,
+    )

@@ -10,28 +10,20 @@ from textual.strip import Strip
 
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.many_seeds.figures import SeedStudy, StudyState
-from rl_tui.tui.draw.pieces import (
-    KEPT_BLANK,
-    Line,
-    Piece,
-    first_that_fits,
-    length,
-    spelled,
-    strips_of,
-    wrapped,
-)
+from rl_tui.tui.draw.pieces import Line, Piece, first_that_fits, length, spelled, strips_of, wrapped
 from rl_tui.tui.panels.bindings import binding
-from rl_tui.tui.panels.many_seeds.figures import may_count_again, shown_figures
+from rl_tui.tui.panels.many_seeds.figures import in_percent, may_count_again, shown_figures, until_of
 from rl_tui.tui.panels.many_seeds.remarks import remarks
 from rl_tui.tui.panels.many_seeds.table import table_lines
 from rl_tui.tui.panels.scrolled_panel import ScrolledPanel, scroll_bindings
-from rl_tui.tui.panels.snapshot_facts import is_secret
+from rl_tui.tui.panels.snapshot_facts import episodes_reached, is_secret, shown_lane
 from rl_tui.tui.theme.look import Look
 from rl_tui.worlds.drawing import Arms
 
 _LEAST_BAR: Final = 8
 _MOST_BAR: Final = 32
 _UNDER_WAY: Final = (StudyState.STARTING, StudyState.RUNNING)
+_SAYS_WHY: Final = (StudyState.FAILED, StudyState.REFUSED)
 
 
 class ManySeeds(ScrolledPanel):
@@ -70,7 +62,8 @@ def study_lines(
     if snapshot is None or study is None:
         yield from wrapped("the first seeds are being counted", width, look.palette.dim, look, " ", " ")
         return
-    yield from _how_far(study, look, width)
+    study = in_percent(study)
+    yield from _how_far(study, snapshot, look, width)
     what = _what_is_counted(study, snapshot, look, width)
     if not study.lanes or not study.seeds:
         yield from what
@@ -80,7 +73,9 @@ def study_lines(
         yield []
     secret = is_secret(snapshot, revealed=revealed)
     figures = shown_figures(study, secret=secret)
-    table = table_lines(study, _names(study, snapshot), figures, look, width)
+    until = until_of(study, episodes_reached(snapshot))
+    lanes = _names(study, snapshot), shown_lane(study, snapshot)
+    table = table_lines(study, *lanes, figures, look, width, until=until)
     yield from (line for line in table if line or not is_short)
     if secret:
         yield from wrapped("h shows regret and best arm", width, look.palette.dim, look, " ", "   ")
@@ -97,11 +92,11 @@ def _names(study: SeedStudy, snapshot: Snapshot) -> Sequence[str]:
     return names if len(names) == len(study.lanes) else [""] * len(study.lanes)
 
 
-def _how_far(study: SeedStudy, look: Look, width: int) -> Iterator[Line]:
+def _how_far(study: SeedStudy, snapshot: Snapshot, look: Look, width: int) -> Iterator[Line]:
     """Yield how far it has come, and whether it is out of date or out of time."""
     palette = look.palette
     if study.most:
-        yield _progress(study, look, width)
+        yield _progress(study, _span(study, snapshot), look, width)
     elif study.state is StudyState.STARTING:
         yield [Piece(" starting", palette.dim)]
     if study.is_outdated:
@@ -112,16 +107,18 @@ def _how_far(study: SeedStudy, look: Look, width: int) -> Iterator[Line]:
         yield from wrapped(text, width, palette.accent, look, " ", " ")
 
 
-def _progress(study: SeedStudy, look: Look, width: int) -> Line:
-    """Return ``64 of 256 seeds`` and a bar, or what is left of that."""
+def _progress(study: SeedStudy, span: str, look: Look, width: int) -> Line:
+    """Return ``64 of 256 seeds · episodes 1–500`` and a bar, or what is left of that."""
     palette, glyphs = look.palette, look.glyphs
     is_whole = study.seeds >= study.most
     count = f"{study.seeds}" if is_whole else f"{study.seeds} of {study.most}"
     said = Piece(f" {count} seeds", palette.strong)
-    way = Piece(" · low priority", palette.dim)
-    parts = [said, way] if study.state in _UNDER_WAY else [said]
-    forms: list[Line] = [parts, [said], [Piece(f" {count}", palette.strong)]]
+    spans = [[Piece(f" · {form}", palette.dim)] for form in (span, span.partition(" ")[2]) if form]
+    forms: list[Line] = [*([said, *form] for form in spans), [said], [Piece(f" {count}", palette.strong)]]
     fitting = first_that_fits(forms, width, look)
+    whole = [*forms[0], Piece(" · low priority", palette.dim)]
+    if study.state in _UNDER_WAY and length(spelled(whole, look)) + _LEAST_BAR + 2 <= width:
+        fitting = whole
     room = min(_MOST_BAR, width - length(spelled(fitting, look)) - 2)
     if is_whole or room < _LEAST_BAR:
         return fitting
@@ -134,31 +131,20 @@ def _progress(study: SeedStudy, look: Look, width: int) -> Line:
 
 
 def _what_is_counted(study: SeedStudy, snapshot: Snapshot, look: Look, width: int) -> Iterator[Line]:
-    """Yield why it is bounded as it is or has failed, and which seeds there are so far, how long each."""
+    """Yield why it is bounded as it is or has failed, and which seeds there are so far."""
     palette = look.palette
     if study.message:
-        style = palette.accent if study.state is StudyState.FAILED else palette.text
+        style = palette.accent if study.state in _SAYS_WHY else palette.text
         yield from wrapped(study.message, width, style, look, " ", " ")
-    span = _span(study, snapshot)
-    if span:
-        yield from wrapped(span, width, palette.dim, look, " ", " ")
+    if study.seeds and not study.is_outdated:
+        first = snapshot.recipe.seed
+        yield from wrapped(f"seeds {first} to {first + study.seeds - 1}", width, palette.dim, look, " ", " ")
 
 
 def _span(study: SeedStudy, snapshot: Snapshot) -> str:
-    """Return which seeds, and how long each run is; nothing where there is none yet."""
-    if not study.seeds:
+    """Return how long the run of each seed is, empty where that is not bounded or not known."""
+    pulls = isinstance(snapshot.world.drawing, Arms)
+    unit, last = ("pull" if pulls else "episode", study.episodes) if study.episodes else ("step", study.steps)
+    if not last:
         return ""
-    if study.episodes is not None:
-        unit = "pull" if isinstance(snapshot.world.drawing, Arms) else "episode"
-        span = f"first {study.episodes:,} {unit}s" if study.episodes != 1 else f"first {unit}"
-    elif study.steps is not None:
-        span = f"first {study.steps:,} steps"
-    else:
-        span = "runs"
-    first = snapshot.recipe.seed
-    which = "each seed" if study.is_outdated else _kept(f"seeds {first} to {first + study.seeds - 1}")
-    return f"{span} of {which}"
-
-
-def _kept(text: str) -> str:
-    return text.replace(" ", KEPT_BLANK)
+    return f"{unit}s 1–{last:,}" if last > 1 else f"{unit} 1"

@@ -4,35 +4,33 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from typing import Final
 
 import numpy as np
 
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.many_seeds.figures import SeedStudy
 from rl_tui.lab.run.bandit import true_means
+from rl_tui.lab.run.history import RECENT
 from rl_tui.tui.draw import numbers
-from rl_tui.tui.draw.pieces import KEPT_BLANK, Line, wrapped
+from rl_tui.tui.draw.pieces import Line, kept, wrapped
 from rl_tui.tui.panels.many_seeds.figures import (
-    LAST_100,
     REGRET,
     WINNINGS,
-    decimals_of,
     deviation,
-    estimates_of,
+    figure_decimals,
     figure_text,
+    last_100_of,
 )
+from rl_tui.tui.panels.snapshot_facts import recent_name, shown_lane
 from rl_tui.tui.theme.glyphs import Glyphs
 from rl_tui.tui.theme.look import Look
 from rl_tui.worlds.drawing import Arms
-
-_RECENT: Final = 100  # episodes in the mean of the last
 
 
 def remarks(study: SeedStudy, snapshot: Snapshot, look: Look, width: int, *, secret: bool) -> Iterator[Line]:
     """Yield the lines; ``secret`` says that a bandit's true means must not show."""
     palette, glyphs = look.palette, look.glyphs
-    usual = "" if study.is_outdated else _how_usual(study, glyphs, secret=secret)
+    usual = "" if study.is_outdated else _how_usual(study, shown_lane(study, snapshot), glyphs, secret=secret)
     texts = [
         (_luck_now(snapshot, glyphs, secret=secret), palette.text),
         (usual, palette.text),
@@ -45,16 +43,15 @@ def remarks(study: SeedStudy, snapshot: Snapshot, look: Look, width: int, *, sec
             yield from wrapped(text, width, style, look, " ", "   ")
 
 
-def _how_usual(study: SeedStudy, glyphs: Glyphs, *, secret: bool) -> str:
+def _how_usual(study: SeedStudy, shown: int, glyphs: Glyphs, *, secret: bool) -> str:
     """Return how far this seed of the lane shown is from the mean, in standard deviations of the seeds."""
-    lane = study.lanes[study.shown]
-    for figure in (LAST_100, WINNINGS) if secret else (REGRET, LAST_100, WINNINGS):
+    lane, last_100 = study.lanes[shown], last_100_of(study)
+    for figure in (last_100, WINNINGS) if secret else (REGRET, last_100, WINNINGS):
         found = deviation(figure, lane)
         if found is None:
             continue
         away, spread = found
-        sizes = f"(one is {figure_text(spread, decimals_of(estimates_of(figure, study.lanes)), glyphs)})"
-        sizes = sizes.replace(" ", KEPT_BLANK)
+        sizes = kept(f"(one is {figure_text(spread, figure_decimals(figure, study), glyphs)})")
         if abs(away) <= 1.0:
             return f"this seed is a usual one: its {figure.name} is within one standard deviation {sizes}"
         way = "above" if away > 0.0 else "below"
@@ -75,19 +72,21 @@ def _luck_now(snapshot: Snapshot, glyphs: Glyphs, *, secret: bool) -> str:
     if recent <= best:
         return ""
     shown, above = (figure_text(each, 2, glyphs) for each in (recent, best))
-    return f"last 100, {shown}, is above the best arm's mean, {above}: {_noise(snapshot, glyphs)}"
+    pulls = recent_name(snapshot.counters.episodes)
+    return f"{pulls}, {shown}, is above the best arm's mean, {above}: {_noise(snapshot, glyphs)}"
 
 
 def _luck_of_100(snapshot: Snapshot, glyphs: Glyphs, *, secret: bool) -> str:
     """Return that it may be, while the means are secret."""
     if not secret or snapshot.results.return_last_100 is None:
         return ""
-    return f"last 100: {_noise(snapshot, glyphs)}, so it can be above the best arm's mean"
+    pulls = recent_name(snapshot.counters.episodes)
+    return f"{pulls}: {_noise(snapshot, glyphs)}, so it can be above the best arm's mean"
 
 
 def _noise(snapshot: Snapshot, glyphs: Glyphs) -> str:
     """Return how far the mean of the last pulls is off by luck; a number where all arms have one noise."""
-    pulls = min(_RECENT, snapshot.counters.episodes)
+    pulls = min(RECENT, snapshot.counters.episodes)
     noise = np.unique([] if snapshot.world.mdp is None else snapshot.world.mdp.reward_std)
     is_known = len(noise) == 1 and float(noise[0]) > 0.0  # or else it would tell which arm is pulled
     off = f" by about {figure_text(float(noise[0]) / math.sqrt(pulls), 2, glyphs)}" if is_known else ""
@@ -105,5 +104,8 @@ def _arms(study: SeedStudy, snapshot: Snapshot) -> str:
 def _meaning(study: SeedStudy) -> str:
     """Return what stands behind ±, and in brackets."""
     error = "± is the standard error: how far a mean of so many seeds is typically off"
-    pairs = "lanes are compared seed by seed; in brackets two standard errors on either side"
+    pairs = (
+        "lanes are compared seed by seed; in brackets three standard errors on either side: "
+        "one is called better where 0 lies beyond them, from 32 seeds on"
+    )
     return error if len(study.lanes) == 1 else f"{error}; {pairs}"

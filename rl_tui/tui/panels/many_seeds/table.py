@@ -10,26 +10,20 @@ from rich.style import Style
 
 from rl_tui.lab.many_seeds.figures import SeedStudy
 from rl_tui.tui.draw.canvas import shortened
-from rl_tui.tui.draw.pieces import KEPT_BLANK, Line, Piece, first_that_fits, wrapped
+from rl_tui.tui.draw.pieces import Line, Piece, first_that_fits, kept, wrapped
 from rl_tui.tui.draw.to_ascii import to_ascii
 from rl_tui.tui.panels.many_seeds.figures import (
     GREEDY,
+    INTERVAL_ERRORS,
     StudyFigure,
-    decimals_of,
     error_text,
     estimate_text,
-    estimates_of,
+    figure_decimals,
     figure_text,
     verdict_of,
 )
 from rl_tui.tui.theme.look import Look
 
-_HEADS: Final = (
-    ("this seed", "mean ± error"),
-    ("this seed", "mean ± se"),
-    ("this", "mean ± se"),
-    ("this", "mean"),
-)
 _BLANKS: Final = ((1, 2), (1, 1), (0, 1))  # before the first column and between columns
 _LEAST_LANE: Final = 8  # cells of the name of a lane, with its number
 
@@ -53,19 +47,30 @@ class _Form(NamedTuple):
     mean: int = 0
     margin: int = 1
     gap: int = 1
-    heads: tuple[str, str] = _HEADS[-1]
+    heads: tuple[str, str] = ("", "")
     is_stacked: bool = False
 
 
 def table_lines(
-    study: SeedStudy, names: Sequence[str], figures: Sequence[StudyFigure], look: Look, width: int
+    study: SeedStudy,
+    names: Sequence[str],
+    shown: int,
+    figures: Sequence[StudyFigure],
+    look: Look,
+    width: int,
+    *,
+    until: str,
 ) -> Iterator[Line]:
-    """Yield the lines of ``figures``; ``names`` are those of the lanes."""
+    """Yield the lines of ``figures``; ``names`` are those of the lanes, of which ``shown`` is marked.
+
+    ``until`` says at which episode this seed's figures end too, where that is not where the runs are.
+    """
+    heads = _heads(until)
     for in_full in (True, False):
-        tables = [(figure, _table(study, names, figure, look, in_full=in_full)) for figure in figures]
+        tables = [(figure, _table(study, names, shown, figure, look, in_full=in_full)) for figure in figures]
         rows = [row for _, table in tables for row in table]
-        form = _form(rows, look, width)
-        if form.heads == _HEADS[0]:
+        form = _form(rows, heads, look, width)
+        if form.heads == heads[0]:
             break
     is_alone = len(study.lanes) == 1
     for number, (figure, table) in enumerate(tables):
@@ -78,29 +83,43 @@ def table_lines(
         yield from _verdicts(study, figure, look, width)
 
 
+def _heads(until: str) -> Sequence[tuple[str, str]]:
+    """Return what stands above the two columns, the longest form first."""
+    whole, short, least = "this seed", "this", "this"
+    if until:
+        whole, short, least = f"this seed,{until}", f"this,{until}", until.strip()
+    return (
+        (whole, "mean ± error"),
+        (whole, "mean ± se"),
+        (short, "mean ± se"),
+        (least, "mean ± se"),
+        (least, "mean"),
+    )
+
+
 def _table(
-    study: SeedStudy, names: Sequence[str], figure: StudyFigure, look: Look, *, in_full: bool
+    study: SeedStudy, names: Sequence[str], shown: int, figure: StudyFigure, look: Look, *, in_full: bool
 ) -> list[_Row]:
     """Return a heading and a row for each lane; what is not headed by the figure's name has it itself."""
-    decimals, palette = decimals_of(estimates_of(figure, study.lanes)), look.palette
+    decimals, palette = figure_decimals(figure, study), look.palette
     is_alone = len(study.lanes) == 1
     called = figure.in_full if in_full else figure.name
     rows = [_Row("" if is_alone else called, "", "", palette.accent, is_head=True)]
     for number, (lane, name) in enumerate(zip(study.lanes, names, strict=True)):
-        mark = look.glyphs.cursor if number == study.shown else " "
+        mark = look.glyphs.cursor if number == shown else " "
         style = palette.lanes[number % len(palette.lanes)]
         rows.append(
             _Row(
                 called if is_alone else f"{mark}{number + 1} {name}",
                 figure_text(lane.this_seed.get(figure.id), decimals, look.glyphs),
                 estimate_text(lane.estimates.get(figure.id), decimals, look.glyphs),
-                palette.text if is_alone else style + Style(bold=number == study.shown),
+                palette.text if is_alone else style + Style(bold=number == shown),
             )
         )
     return rows
 
 
-def _form(rows: Sequence[_Row], look: Look, width: int) -> _Form:
+def _form(rows: Sequence[_Row], heads: Sequence[tuple[str, str]], look: Look, width: int) -> _Form:
     """Return columns that fit into ``width``, with the longest headings that leave names enough room."""
     is_alone = not any(row.is_head and row.name for row in rows)
     wanted = max((_cells(row.name, look) for row in rows), default=0)
@@ -110,13 +129,13 @@ def _form(rows: Sequence[_Row], look: Look, width: int) -> _Form:
     this = max((_cells(row.this, look) for row in rows), default=0)
     mean = max((_cells(row.mean, look) for row in rows), default=0)
     for enough in (wanted, least):
-        for heads in _HEADS:
-            columns = max(this, _cells(heads[0], look)), max(mean, _cells(heads[1], look))
+        for head in heads:
+            columns = max(this, _cells(head[0], look)), max(mean, _cells(head[1], look))
             for margin, gap in _BLANKS:
                 room = width - margin - sum(columns) - 2 * gap
                 if room >= enough:
-                    return _Form(width, min(wanted, room), *columns, margin, gap, heads)
-    return _Form(width, max(1, width - 1), is_stacked=True)
+                    return _Form(width, min(wanted, room), *columns, margin, gap, head)
+    return _Form(width, max(1, width - 1), heads=heads[-1], is_stacked=True)
 
 
 def _lines(row: _Row, form: _Form, look: Look) -> Iterator[Line]:
@@ -134,7 +153,9 @@ def _lines(row: _Row, form: _Form, look: Look) -> Iterator[Line]:
         return
     if name:
         yield [Piece(f" {name}", row.style)]
-    for label, text, style in (("this", this, own), ("mean", mean, over)) if not row.is_head else ():
+    for label, text, style in (
+        ((form.heads[0], this, own), (form.heads[1], mean, over)) if not row.is_head else ()
+    ):
         labelled: Line = [Piece(f"   {label} ", palette.dim), Piece(text, style)]
         yield first_that_fits((labelled, [Piece(f"  {text}", style)]), form.width, look)
 
@@ -155,7 +176,7 @@ def _missing(study: SeedStudy, figure: StudyFigure, look: Look, width: int) -> I
 
 
 def _verdicts(study: SeedStudy, figure: StudyFigure, look: Look, width: int) -> Iterator[Line]:
-    """Yield for each lane but the one shown which of the two is better."""
+    """Yield for each lane but the one that was shown which of the two is better."""
     for number, lane in enumerate(study.lanes):
         difference = lane.differences.get(figure.id)
         if number != study.shown and difference is not None:
@@ -166,39 +187,30 @@ def _verdicts(study: SeedStudy, figure: StudyFigure, look: Look, width: int) -> 
 
 
 def _verdict_text(study: SeedStudy, figure: StudyFigure, other: int, look: Look) -> str:
-    """Return ``2 is better: higher by 22.5 ± .6 (21.3 to 23.7), in 64 of 64 seeds``; empty if unknown."""
+    """Return ``2 is better: higher by 22.5 ± .6 (20.7 to 24.3), in 64 of 64 seeds``; empty if unknown.
+
+    As long as that is not seen it is ``so far 2 is higher by …``. The numbers are worked out from those that
+    are printed.
+    """
     difference, glyphs = study.lanes[other].differences[figure.id], look.glyphs
     verdict = verdict_of(figure, difference)
     if verdict is None:
         return ""
-    decimals = max(decimals_of(estimates_of(figure, study.lanes)), _decimals(verdict.stderr))
-
-    def number(x: float) -> str:
-        return figure_text(x, decimals, glyphs)
-
     shown, that = study.shown + 1, other + 1
-    by = _kept(f"{number(verdict.by)} ± {error_text(verdict.stderr, decimals, glyphs)}")
-    reach = 2.0 * verdict.stderr
-    interval = _kept(f"({number(verdict.by - reach)} to {number(verdict.by + reach)})")
-    seeds = _kept(f"{verdict.better_in} of {verdict.count}") + " seeds"
-    equal = f", equal in {verdict.equal}" if verdict.equal else ""
     if verdict.equal == verdict.count:
         return f"{shown} and {that} have the same in every seed"
-    if verdict.is_shown_better is None:
-        return (
-            f"no difference seen yet: {shown} less {that} is {by} {interval}; "
-            f"{shown} is better in {seeds}{equal}"
-        )
+    decimals = figure_decimals(figure, study)
+    means = [study.lanes[number].estimates[figure.id] for number in (study.shown, other)]
+    by, stderr = round(verdict.by, decimals), round(verdict.stderr, decimals) or verdict.stderr
+    if all(each.count == verdict.count for each in means):
+        by = abs(round(means[0].mean, decimals) - round(means[1].mean, decimals))
+    ends = (by - INTERVAL_ERRORS * stderr, by + INTERVAL_ERRORS * stderr)
+    low, high = (figure_text(end, decimals, glyphs) for end in ends)
+    said = kept(f"{figure_text(by, decimals, glyphs)} ± {error_text(stderr, decimals, glyphs)}")
+    seeds = f"in {kept(f'{verdict.better_in} of {verdict.count}')} seeds"
+    equal = f", equal in {verdict.equal}" if verdict.equal else ""
     better, worse = (shown, that) if verdict.is_shown_better else (that, shown)
-    way = "lower" if figure.lower_is_better else "higher"
     than = f" than {worse}" if len(study.lanes) > 2 else ""
-    return f"{better} is better{than}: {way} by {by} {interval}, in {seeds}{equal}"
-
-
-def _decimals(stderr: float) -> int:
-    """Return the decimals that a difference needs, whose error is often smaller than those of its parts."""
-    return len(f"{stderr:.1g}".partition(".")[2]) if 1e-5 < stderr < 1.0 else 0
-
-
-def _kept(text: str) -> str:
-    return text.replace(" ", KEPT_BLANK)
+    way = "lower" if figure.lower_is_better else "higher"
+    claim = f"{better} is better{than}: {way}" if verdict.is_seen else f"so far {better} is {way}{than}"
+    return f"{claim} by {said} {kept(f'({low} to {high})')}, {seeds}{equal}"

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from itertools import groupby
 from typing import Final
 
@@ -65,8 +64,7 @@ def history_strips(
 def _values_text(snapshot: Snapshot, pair: int, exact: float | None, look: Look) -> tuple[str, ...]:
     """Return the value now and the exact one, with as many decimals, longest form first."""
     q = float(snapshot.agent.q[pair])
-    known = [each for each in (q, exact) if each is not None and math.isfinite(each)]
-    form = number_form(min(known, default=0.0), max(known, default=0.0), _VALUE_COLUMNS)
+    form = number_form([q] if exact is None else [q, exact], _VALUE_COLUMNS)
     now = form.text(q, look.glyphs) if snapshot.agent.holds(pair) else look.glyphs.ellipsis
     if exact is None:
         return (f"now {now}",)

@@ -85,7 +85,8 @@ def _moved(words: StepWords) -> list[str]:
     """Return what became of the action, the longest form first; empty where there is nothing to tell."""
     chance = f"p {words.chance}" if words.chance else ""
     if not words.went:
-        return [chance, ""]
+        with_wind = [", ".join(filter(None, (words.wind, chance)))] if words.wind else []
+        return [*with_wind, chance, ""]
     return [f"{words.outcome} ({chance})", f"{words.slip}, {chance}", words.slip]
 
 

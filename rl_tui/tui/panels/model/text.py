@@ -37,7 +37,7 @@ def model_lines(snapshot: Snapshot, look: Look, width: int, *, revealed: bool) -
     """Return the five parts, the start and the end of episodes."""
     space, mdp = snapshot.world.space, snapshot.world.mdp
     others = _without_pairs(space)
-    actors = f", {space.states - len(others)} with actions" if len(others) else ""
+    actors = f"; {space.states - len(others):,} with actions" if len(others) else ""
     room = width - _LABEL - 1
     actions = _actions(snapshot, look)
     pairs = f"{counted(space.pairs, 'legal pair')} (s, a)"
@@ -49,7 +49,7 @@ def model_lines(snapshot: Snapshot, look: Look, width: int, *, revealed: bool) -
         rewards = _rewards(snapshot, mdp, look, revealed=revealed)
         start, end = _start(snapshot.world, mdp, look, room), _end(snapshot.world, mdp, look, room)
     parts = [
-        ("S", f"{counted(space.states, 'state')}{actors}: {_listed(space.state_names, room, look)}"),
+        ("S", f"{counted(space.states, 'state')}: {_listed(space.state_names, room, look)}{actors}"),
         ("A", f"{counted(len(actions), 'action')}: {_listed(actions, room, look)}"),
         ("P", chances),
         ("R", rewards),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Final
 
 from rich.cells import cell_len
@@ -36,10 +36,10 @@ class Scene:
     cursor: int | None
     is_secret: bool
     look: Look
+    forms: SteadyForms
     breakpoints: Breakpoints = NO_BREAKPOINTS
     pointed: range = NOWHERE
     differing: frozenset[int] = frozenset()
-    forms: SteadyForms = field(default_factory=SteadyForms)
 
     @property
     def shown(self) -> Figures:

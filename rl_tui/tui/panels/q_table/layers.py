@@ -15,6 +15,7 @@ from rl_tui.lab.run.bandit import best_arms, true_means
 from rl_tui.lab.timeline.lane_view import LaneView
 from rl_tui.tui.draw import numbers
 from rl_tui.tui.draw.number_form import NumberForm, SteadyForms
+from rl_tui.tui.panels.numbers_in_common import ends, finite, lanes_in_view
 from rl_tui.tui.panels.snapshot_facts import passes_too_fast
 from rl_tui.tui.theme.look import Look
 from rl_tui.worlds.drawing import Arms
@@ -68,11 +69,11 @@ class Figures:
 
     Ties between greedy pairs are exact equality of Q, as the agent compares, and those of the solution in the
     layer of Q*. No pair is greedy where nothing is known about the state. ``sources`` are pairs that the last
-    update looked up. Of a large world ``low`` and ``high`` are the ends of what the snapshot holds, which is
-    what is in view and around.
+    update looked up.
 
-    All numbers of a layer have one form, that of ``low`` and ``high``; ``forms`` keeps it steady from one
-    moment to the next.
+    All ``numbers`` of a layer have one form, which ``forms`` keeps steady from one moment to the next, and
+    tints between ``low`` and ``high``, the least and the greatest. Those of the lane beside this one are
+    among them. Of a large world they are what the snapshot holds, which is what is in view and around.
     """
 
     def __init__(
@@ -81,9 +82,9 @@ class Figures:
         layer: Layer,
         look: Look,
         exact: tuple[FloatArray, BoolArray] | None,
+        forms: SteadyForms,
         lit: int | None = None,
         sources: frozenset[int] = frozenset(),
-        forms: SteadyForms | None = None,
     ) -> None:
         self.layer = layer
         self._look = look
@@ -95,9 +96,10 @@ class Figures:
         self._values: npt.NDArray[np.float64] | npt.NDArray[np.int64] = _values(snapshot, layer, exact)
         window = None if layer is Layer.OPTIMAL else snapshot.agent.part
         self._held = None if window is None else window.held
-        self.low, self.high = _ends(self._values if window is None else self._values[window.pairs])
+        self.numbers = _numbers(snapshot, layer, exact)
+        self.low, self.high = ends(self.numbers)
         self._total_visits: int | None = None
-        self._steady = SteadyForms() if forms is None else forms
+        self._steady = forms
         self._forms: dict[int, NumberForm] = {}
 
     def text(self, pair: int, width: int) -> str:
@@ -187,7 +189,7 @@ class Figures:
     def _form(self, width: int) -> NumberForm:
         form = self._forms.get(width)
         if form is None:
-            form = self._forms[width] = self._steady.form((self.layer, width), self.low, self.high, width)
+            form = self._forms[width] = self._steady.form((self.layer, width), self.numbers, width)
         return form
 
     def share_form(self, width: int, form: NumberForm) -> None:
@@ -210,12 +212,15 @@ def _values(
     return exact[0] if layer is Layer.OPTIMAL else np.asarray(snapshot.agent.q - exact[0])
 
 
-def _ends(values: npt.NDArray[np.float64] | npt.NDArray[np.int64]) -> tuple[float, float]:
-    """Return the least and the greatest finite value; zeros where there is none."""
-    if not values.size:
-        return 0.0, 0.0
-    low, high = float(values.min()), float(values.max())
-    if math.isfinite(low) and math.isfinite(high):
-        return low, high
-    finite = values[np.isfinite(values)]
-    return (float(finite.min()), float(finite.max())) if finite.size else (0.0, 0.0)
+def _numbers(snapshot: Snapshot, layer: Layer, exact: tuple[FloatArray, BoolArray] | None) -> FloatArray:
+    """Return the numbers of ``layer`` that are held, in both lanes in view."""
+    found: list[npt.NDArray[np.float64] | npt.NDArray[np.int64]] = []
+    for lane in lanes_in_view(snapshot):
+        known = exact if lane is snapshot else exact_q(lane, revealed=exact is not None)
+        if layer is Layer.LANES and lane is not snapshot:
+            found.append(-found[0])
+        elif known is not None or layer not in EXACT_LAYERS:
+            part = None if layer is Layer.OPTIMAL else lane.agent.part
+            values = _values(lane, layer, known)
+            found.append(values if part is None else values[part.pairs])
+    return finite(np.concatenate(found, dtype=np.float64))

@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import ClassVar, Final
 
+import numpy as np
 from rich.cells import cell_len
 from rich.segment import Segment
 
@@ -273,8 +274,8 @@ def _value_columns(scene: Scene, layers: Sequence[Layer]) -> list[Column]:
 def _share_form(scene: Scene, layers: Sequence[Layer]) -> None:
     """Write the numbers of columns that are compared with as many decimals."""
     compared = [scene.figures[layer] for layer in layers]
-    low, high = min(each.low for each in compared), max(each.high for each in compared)
-    form = scene.forms.form((*layers, DIGITS), low, high, DIGITS)
+    numbers = np.concatenate([each.numbers for each in compared])
+    form = scene.forms.form((*layers, DIGITS), numbers, DIGITS)
     for each in compared:
         each.share_form(DIGITS, form)
 

@@ -253,11 +253,13 @@ class QTable(Panel, can_focus=True):
             self.shown_layer = layer
             self.post_message(Moved(self))
         offset = event.get_content_offset(self)
-        if offset is None or self._sheet is None:
-            return
-        pair = self._sheet.pair_at(offset.x, offset.y)
+        pair = None if offset is None else self.pair_at(*offset)
         if pair is not None:
             self._put_cursor(pair)
+
+    def pair_at(self, x: int, y: int) -> int | None:
+        """Return the pair drawn at column ``x`` of row ``y``, None where there is none."""
+        return None if self._sheet is None else self._sheet.pair_at(x, y)
 
     def on_mouse_scroll_down(self, event: events.MouseScrollDown) -> None:
         """Scroll down."""
@@ -293,7 +295,7 @@ class QTable(Panel, can_focus=True):
         """Take the stance of the table ``twin``."""
         if isinstance(twin, QTable):
             self.cursor_pair, self._following, self._first = twin.cursor_pair, twin._following, twin._first
-            self._layer = twin._layer
+            self._layer, self._forms = twin._layer, twin._forms
 
     def _tell(self) -> None:
         """Tell other panels where the cursor stands."""
@@ -353,7 +355,7 @@ class QTable(Panel, can_focus=True):
         return Scene(
             world=self._world_of(snapshot),
             figures={
-                layer: Figures(snapshot, layer, self.look, exact, lit, self.sources, self._forms)
+                layer: Figures(snapshot, layer, self.look, exact, self._forms, lit, self.sources)
                 for layer in layers
                 if exact is not None or layer not in EXACT_LAYERS
             },

@@ -35,8 +35,12 @@ _KEY: Final = "v:"
 def headings(snapshot: Snapshot, layer: Layer, size: str, panel: Panel, lane: str = "") -> tuple[str, ...]:
     """Return what ``panel`` is called while it shows ``layer``, the longest form first.
 
-    ``lane`` is the number of the lane where another table stands beside it, else empty.
+    ``lane`` is the number of the lane where another table stands beside it. Alone, and with runs side by
+    side, it is marked with the number of the shown one.
     """
+    group = snapshot.run_group
+    if group.lanes and not lane:
+        lane = f"{panel.look.glyphs.cursor}{group.shown + 1}"
     other = other_lane(snapshot) if layer is Layer.LANES else None
     if other is None:
         title = TITLES[layer]
@@ -45,11 +49,14 @@ def headings(snapshot: Snapshot, layer: Layer, size: str, panel: Panel, lane: st
         return tuple(f"{lane} · {each}" for each in forms) if lane else forms
     title, own = f"Q − Q of {other.name}", snapshot.run_group.lanes[snapshot.run_group.shown].name
     number = 1 + next(place for place, lane in enumerate(snapshot.run_group.lanes) if lane is other)
-    return (
-        f"Q of {own} − Q of {other.name} · {size}",
-        f"{title} · {size}",
-        title,
-        f"Q − Q of lane {number}",
+    return tuple(
+        f"{lane} · {each}"
+        for each in (
+            f"Q of {own} − Q of {other.name} · {size}",
+            f"{title} · {size}",
+            title,
+            f"Q − Q of lane {number}",
+        )
     )
 
 

@@ -10,8 +10,9 @@ from rich.style import Style
 
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.draw.number_form import NumberForm, SteadyForms
+from rl_tui.tui.panels.numbers_in_common import all_v, ends
 from rl_tui.tui.theme.look import Look
-from rl_tui.worlds.mdp.space import FiniteSpace
+from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray
 
 _DECIMALS: Final = 2
 
@@ -21,17 +22,18 @@ class StateValues:
     """``value[s]`` is max over a of Q(s, a), None where nothing can be done.
 
     ``known`` holds the states about which something was learned: updated, or with estimates that differ;
-    ``greedy`` the greedy pairs of those states, all ties.
+    ``greedy`` the greedy pairs of those states, all ties. ``numbers`` are all values that have one form and
+    one scale of tints: of two lanes side by side those of both.
     """
 
     value: tuple[float | None, ...]
     known: frozenset[int]
     greedy: frozenset[int]
+    numbers: FloatArray
 
     def number_form(self, width: int, forms: SteadyForms) -> NumberForm:
         """Return the form of all values in ``width`` cells."""
-        shown = [each for each in self.value if each is not None and math.isfinite(each)]
-        return forms.form("values", min(shown, default=0.0), max(shown, default=0.0), width, _DECIMALS)
+        return forms.form("values", self.numbers, width, _DECIMALS)
 
     def style(self, state: int, look: Look) -> Style:
         """Return the background of a state, tinted from the least to the greatest value, 0 included."""
@@ -40,9 +42,8 @@ class StateValues:
             return look.palette.text
         if state not in self.known:
             return look.palette.unvisited
-        shown = [each for each in self.value if each is not None and math.isfinite(each)]
-        low, high = min(0.0, *shown, 0.0), max(0.0, *shown, 0.0)
-        return look.palette.value(fraction(value, low, high))
+        low, high = ends(self.numbers)
+        return look.palette.value(fraction(value, min(low, 0.0), max(high, 0.0)))
 
 
 def fraction(value: float, low: float, high: float) -> float:
@@ -66,4 +67,4 @@ def state_values(space: FiniteSpace, snapshot: Snapshot) -> StateValues:
         if any(visits[pairs.start : pairs.stop]) or min(q[pairs.start : pairs.stop]) != best:
             known.add(state)
             greedy |= {pair for pair in pairs if q[pair] == best}
-    return StateValues(tuple(values), frozenset(known), frozenset(greedy))
+    return StateValues(tuple(values), frozenset(known), frozenset(greedy), all_v(snapshot))

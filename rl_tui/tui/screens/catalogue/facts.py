@@ -15,7 +15,7 @@ from rl_tui.agents.catalogue import BY_ID
 from rl_tui.agents.hyperparameters import PARAMETERS
 from rl_tui.common.errors import ScenarioError, UserError
 from rl_tui.common.words import counted
-from rl_tui.tui.draw.pieces import KEPT_BLANK, wrapped
+from rl_tui.tui.draw.pieces import KEPT_BLANK, kept, wrapped
 from rl_tui.tui.draw.to_ascii import separated, to_ascii
 from rl_tui.tui.theme.look import Look
 from rl_tui.worlds.files.scenario import Scenario
@@ -119,8 +119,8 @@ class _Parts:
     def __init__(self, line: str, look: Look) -> None:
         dot = separated(_DOT, look.glyphs)
         parts = separated(line, look.glyphs).split(dot)
-        kept = [part.replace(" ", KEPT_BLANK) if len(part) <= _SHORT else part for part in parts]
-        self._text = f"{KEPT_BLANK}{dot.lstrip()}".join(kept)
+        whole = [kept(part) if len(part) <= _SHORT else part for part in parts]
+        self._text = f"{KEPT_BLANK}{dot.lstrip()}".join(whole)
         self._look = look
 
     def __rich_console__(self, console: Console, options: ConsoleOptions) -> RenderResult:

@@ -107,7 +107,7 @@ _MEANINGS = {
     "exponential": (
         "down to the least, each episode by a share: least + (start − least) · exp(−decay · episode)",
     ),
-    SAMPLE_AVERAGE: ("1/N(s, a): the mean of all targets so far",),
+    SAMPLE_AVERAGE: ("1/N: the mean of all targets so far",),
 }
 
 

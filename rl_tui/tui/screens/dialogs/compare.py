@@ -21,7 +21,7 @@ from rl_tui.tui.draw.canvas import shortened
 from rl_tui.tui.draw.to_ascii import to_ascii
 from rl_tui.tui.screens.dialogs.dialog import Dialog
 from rl_tui.tui.screens.dialogs.lane_changes import ALGORITHM, what_may_differ
-from rl_tui.tui.screens.dialogs.lane_table import lane_rows
+from rl_tui.tui.screens.dialogs.lane_table import lane_rows, recent_of
 from rl_tui.tui.screens.dialogs.options import in_force
 from rl_tui.tui.theme.glyphs import ASCII
 from rl_tui.tui.theme.look import Look
@@ -37,7 +37,7 @@ _WITH: Final = "with-"
 _BRANCH: Final = "branch-"
 _HINTS: Final = {
     "marked": "+ stands beside the one shown, and space chooses it",
-    "lanes": "returns, undiscounted: mean of the last 100; exact one of the greedy policy",
+    "lanes": "returns, undiscounted: mean of the {recent}; exact one of the greedy policy",
     "branch": "this run as it went on that branch; each lane is changed by itself from now on",
     ALGORITHM: "another way to learn, or to plan",
 }
@@ -109,7 +109,7 @@ class Compare(Dialog[Answer]):
         entry = str(event.option_id)
         name = entry.removeprefix(_WITH)
         if entry.startswith(_LANE):
-            hint = _HINTS["lanes"]
+            hint = _HINTS["lanes"].format(recent=recent_of(self._lanes))
             if len(self._lanes) > _PAIR:
                 hint = f"{hint}. {_HINTS['marked']}"
         elif entry.startswith(_BRANCH):

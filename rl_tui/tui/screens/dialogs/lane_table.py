@@ -14,17 +14,18 @@ from rl_tui.tui.draw import numbers
 from rl_tui.tui.draw.canvas import shortened
 from rl_tui.tui.draw.to_ascii import to_ascii
 from rl_tui.tui.panels.budget import sum_decimals, sum_text
-from rl_tui.tui.panels.curve.text import amount, decimals_for
+from rl_tui.tui.panels.curve.text import amount, decimals_for, no_end
 from rl_tui.tui.panels.many_seeds.figures import (
     GREEDY,
     LAST_100,
     REGRET,
     WINNINGS,
     StudyFigure,
-    decimals_of,
     estimate_text,
-    estimates_of,
+    figure_decimals,
+    until_of,
 )
+from rl_tui.tui.panels.snapshot_facts import recent_name
 from rl_tui.tui.theme.look import Look
 
 _LEAST_NAME: Final = 8
@@ -84,7 +85,11 @@ def lane_rows(
         cells = (f" {text:>{column.cells}}" for text, column in zip(texts, columns, strict=True))
         return f"{mark:<{_MARK}}{shortened(name, room, look.glyphs.ellipsis):<{room}}{''.join(cells)}"
 
-    seeds = "" if study is None else f"  {study.seeds} seeds"
+    seeds = ""
+    if study is not None:
+        seeds = f"  {study.seeds} seeds"
+        whole = f"{seeds}{until_of(study, [lane.episodes for lane in lanes])}"
+        seeds = whole if cell_len(whole) <= room else seeds
     found = []
     for number, lane in enumerate(lanes):
         mark = look.glyphs.cursor if number == shown else "+" if number == marked else ""
@@ -94,6 +99,11 @@ def lane_rows(
         below = row("", seeds, [column.of_seeds[number] for column in columns]) if seeds else ""
         found.append(LaneRow(own, below))
     return row("", "lane", [column.head for column in columns]), found
+
+
+def recent_of(lanes: Sequence[LaneView]) -> str:
+    """Return what the mean of the last 100 episodes is called in all of ``lanes``."""
+    return recent_name(*(lane.episodes for lane in lanes if lane.results.return_last_100 is not None))
 
 
 def _room(columns: Sequence[_Column], width: int) -> int:
@@ -117,7 +127,7 @@ def _columns(
     def of_seeds(figure: StudyFigure, *, secret: bool = False) -> list[str]:
         if study is None or secret:
             return nothing
-        found = decimals_of(estimates_of(figure, study.lanes))
+        found = figure_decimals(figure, study)
         estimates = (lane.estimates.get(figure.id) for lane in study.lanes)
         return [to_ascii(estimate_text(each, found, look.glyphs), look.glyphs) for each in estimates]
 
@@ -125,7 +135,7 @@ def _columns(
     columns = [
         _Column(f"{'algorithm':<{width}}", [f"{each:<{width}}" for each in algorithms], nothing, 9),
         _Column("step", steps, nothing, 7),
-        _Column("last 100", returns(recent), of_seeds(LAST_100), 1),
+        _Column(recent_of(lanes), returns(recent), of_seeds(LAST_100), 1),
     ]
     spent = [lane.results.bandit for lane in lanes]
     known = [each for each in spent if each is not None]
@@ -140,8 +150,10 @@ def _columns(
             _Column("winnings", won, of_seeds(WINNINGS), 2),
             _Column("regret", lost, of_seeds(REGRET, secret=hidden), 3),
         ]
-    exact = [None] * len(lanes) if hidden else greedy
-    return [*columns, _Column("greedy", returns(exact), of_seeds(GREEDY, secret=hidden), 5)]
+    exact = [_dash(look)] * len(lanes) if hidden else returns(greedy)
+    ends = [None if hidden else lane.results.greedy_ends for lane in lanes]
+    exact = [text if end is None else no_end(end, short=True) for text, end in zip(exact, ends, strict=True)]
+    return [*columns, _Column("greedy", exact, of_seeds(GREEDY, secret=hidden), 5)]
 
 
 def _dash(look: Look) -> str:

@@ -135,7 +135,7 @@ def _scheduled(name: str, names: Sequence[str], values: Hyperparameters, moves: 
     value, meaning = option_text(values.value(name)), _MEANINGS[name]
     averages = start == "alpha" and values.sample_average
     if name == start:
-        still = "1/N(s, a)" if averages else f"constant {value}"
+        still = "1/N" if averages else f"constant {value}"
         return f"{value} to {option_text(values.value(least))}" if moves else still, meaning
     if name == schedule and not moves:
         return (SAMPLE_AVERAGE if averages else "constant"), meaning

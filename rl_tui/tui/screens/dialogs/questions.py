@@ -30,7 +30,7 @@ def ask_number(name: str, value: float | str, glyphs: Glyphs, *, another_run: bo
     """
     parameter = PARAMETERS[name]
     starts = "; the run starts again" if name == "initial_q" and not another_run else ""
-    word = "; 1/n is the sample average" if SAMPLE_AVERAGE in parameter.words else ""
+    word = "; 1/N is the sample average" if SAMPLE_AVERAGE in parameter.words else ""
 
     def read(text: str) -> float | str:
         try:

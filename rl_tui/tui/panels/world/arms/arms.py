@@ -14,6 +14,7 @@ from rl_tui.lab.run.bandit import true_means
 from rl_tui.tui.draw.names import pair_in_words
 from rl_tui.tui.draw.number_form import SteadyForms
 from rl_tui.tui.panels.legend import GREEDY_IN_FULL, Legend, LegendSign
+from rl_tui.tui.panels.numbers_in_common import all_q
 from rl_tui.tui.panels.panel import BoardPanel
 from rl_tui.tui.panels.scrolling import scrolled_to
 from rl_tui.tui.panels.snapshot_facts import is_new_run
@@ -85,9 +86,7 @@ class ArmsView(WorldView):
             parts.append(f"{true_mean_glyph(self.look)} true mean  {self.look.glyphs.best_arm} best arm")
         self.footing = self.fitting(("  ".join(parts), *parts), width)
         names = names_width(arms, self.look)
-        known = [arm.estimate for arm in arms if arm.error is not None and math.isfinite(arm.estimate)]
-        low, high = min(known, default=0.0), max(known, default=0.0)
-        form = self._number_forms.form("estimates", low, high, value_width(width, names))
+        form = self._number_forms.form("estimates", all_q(snapshot), value_width(width, names))
         in_view = arms[self._top : self._top + shown]
         return draw_arms(in_view, scale, self.look, width, height, each, names, form)
 
@@ -111,6 +110,7 @@ class ArmsView(WorldView):
         super().align_with(twin)
         if isinstance(twin, ArmsView):
             self._top, self.scale = twin._top, grown(self.scale, twin.scale)
+            self._number_forms = twin._number_forms
 
     def agent_place(self, snapshot: Snapshot) -> int:
         """Return the arm pulled last, the first before any pull."""

@@ -127,7 +127,7 @@ class GraphView(WorldView):
         """Take the stance of the graph ``twin``."""
         super().align_with(twin)
         if isinstance(twin, GraphView):
-            self._top = twin._top
+            self._top, self._number_forms = twin._top, twin._number_forms
 
     def pan(self, rows: int, columns: int) -> None:
         """Scroll the list of edges."""

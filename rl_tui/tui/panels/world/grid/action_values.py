@@ -25,7 +25,7 @@ _MOST_TEXTS: Final = 20_000
 _AROUND_MIDDLE: Final = 5  # columns between the numbers beside the middle, where there is room
 
 
-class Entry(NamedTuple):
+class ActionEntry(NamedTuple):
     """One action as it is drawn; ``text`` is its number, a dot where it is new."""
 
     sign: Sign
@@ -40,7 +40,7 @@ class ActionFace(NamedTuple):
 
     kind: CellKind
     agent: bool
-    entries: tuple[Entry, ...]
+    entries: tuple[ActionEntry, ...]
     reward: CellReward | None
     stops: bool
     cursor: bool
@@ -52,18 +52,13 @@ class ActionFace(NamedTuple):
 class ActionArtist:
     """Draws cells with Q of every action; those in which nothing can be done as elsewhere."""
 
-    def __init__(self, look: Look, form: ActionForm, has_table: bool = True) -> None:
+    def __init__(self, look: Look, form: ActionForm) -> None:
         self.look = look
         self.form = form
-        self._idle = CellArtist(look, CellForm(form.width, form.height), has_table)
+        self._idle = CellArtist(look, CellForm(form.width, form.height), has_table=True)  # without values
         # what looks the same is drawn once
         self._drawn = lru_cache(_MOST_KEPT)(partial(_drawn, form=form, look=look))
-        self._field = LEAST_DIGITS  # characters of the widest number so far: they stay as wide
         self._text = lru_cache(_MOST_TEXTS)(partial(value_text, look=look))
-
-    def values(self, cells: Sequence[CellContent]) -> list[float]:
-        """Return the numbers that all have one form, and between whose ends the tints run."""
-        return [action.q for cell in cells for action in cell.actions]
 
     def shown_reward(self, reward: CellReward) -> str:
         """Return how a cell without other signs shows what it pays."""
@@ -74,10 +69,9 @@ class ActionArtist:
     ) -> list[Drawn]:
         """Return the rows of each of ``cells``, each action tinted by its value from ``low`` to ``high``."""
         faces = [self._face(cell, low, high, number_form) if cell.actions else None for cell in cells]
-        texts = (entry.text for face in faces if face for entry in face.entries)
-        self._field = max(self._field, max(map(len, texts), default=0))
+        field = max(LEAST_DIGITS, number_form.cells)  # of the widest number so far: they stay as wide
         return [
-            self._drawn(face, self._field)
+            self._drawn(face, field)
             if face is not None
             else self._idle.drawn((cell,), low, high, number_form)[0]
             for face, cell in zip(faces, cells, strict=True)
@@ -89,7 +83,7 @@ class ActionArtist:
         marks = cell.reward, cell.stops, cell.cursor, cell.differs, extra.trace, extra.name
         return ActionFace(cell.kind, cell.agent, entries, *marks)
 
-    def _entry(self, action: ActionValue, low: float, high: float, number_form: NumberForm) -> Entry:
+    def _entry(self, action: ActionValue, low: float, high: float, number_form: NumberForm) -> ActionEntry:
         palette = self.look.palette
         sign, q, is_new, is_greedy = action
         style = palette.unvisited if is_new else palette.value(fraction(q, low, high))
@@ -97,7 +91,7 @@ class ActionArtist:
             text = ""
         else:
             text = self.look.glyphs.stay if is_new and q == 0.0 else self._text(q, number_form)
-        return Entry(sign, text, style, is_new, is_greedy)
+        return ActionEntry(sign, text, style, is_new, is_greedy)
 
 
 def _drawn(face: ActionFace, field: int, form: ActionForm, look: Look) -> Drawn:
@@ -326,7 +320,9 @@ def _row_of_sign(side: tuple[int, int] | None, rows: range) -> int:
     return rows[len(rows) // 2] if side is None or not side[0] else rows[0]
 
 
-def _fill(canvas: Canvas, first: int, last: int, rows: range, entry: Entry, row: int, look: Look) -> None:
+def _fill(
+    canvas: Canvas, first: int, last: int, rows: range, entry: ActionEntry, row: int, look: Look
+) -> None:
     for each in rows:
         canvas.put(first, each, " " * (last - first), entry.style)
     if entry.is_greedy:
@@ -354,10 +350,10 @@ def _put_marks_on_tints(canvas: Canvas, face: ActionFace, form: ActionForm, edge
         put_reward(canvas, centre, row, 1, face.reward, look)
 
 
-def _put_number(canvas: Canvas, x: int, y: int, entry: Entry, form: ActionForm, look: Look) -> None:
+def _put_number(canvas: Canvas, x: int, y: int, entry: ActionEntry, form: ActionForm, look: Look) -> None:
     """Put a number with its tint, and around it, else after it, what marks it as greedy."""
     digits, glyphs, greedy = form.digits, look.glyphs, look.palette.greedy
-    number = entry.text.center(digits) if len(entry.text) == 1 else entry.text.rjust(digits)
+    number = entry.text.center(digits) if entry.text == glyphs.stay else entry.text.rjust(digits)
     canvas.put(x, y, number, entry.style)
     if entry.is_greedy and form.is_framed:
         canvas.put(x - 1, y, glyphs.mark_left, greedy)

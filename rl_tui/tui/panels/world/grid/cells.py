@@ -53,7 +53,7 @@ class CellArtist:
     written as a dot.
     """
 
-    def __init__(self, look: Look, form: CellForm, has_table: bool = True) -> None:
+    def __init__(self, look: Look, form: CellForm, *, has_table: bool) -> None:
         self.look = look
         self.form = form
         palette, glyphs = look.palette, look.glyphs
@@ -73,10 +73,6 @@ class CellArtist:
         self._drawn = lru_cache(_MOST_KEPT)(partial(_drawn, form=form, look=look))
         self._text = lru_cache(_MOST_KEPT)(partial(value_text, look=look))
         self._signs = lru_cache(_MOST_KEPT)(partial(_signs, look=look))
-
-    def values(self, cells: Sequence[CellContent]) -> list[float]:
-        """Return the numbers that all have one form, and between whose ends the tints run."""
-        return [cell.value for cell in cells if cell.value is not None]
 
     def drawn(
         self, cells: Sequence[CellContent], low: float, high: float, number_form: NumberForm
@@ -134,7 +130,8 @@ def _draw_cell(canvas: Canvas, face: Face, form: CellForm, look: Look) -> None:
     else:
         _draw_large(canvas, face, form, look)
     if form.height == 1:
-        _put_name(canvas, form.width - len(extra.name), face)
+        style = differing_style(face.style) if face.differs and not face.signs else face.style
+        _put_name(canvas, form.width - len(extra.name), face, style)
     if extra.trace is not None:
         put_trace(canvas, extra.trace, look)
 
@@ -156,7 +153,7 @@ def _draw_large(canvas: Canvas, face: Face, form: CellForm, look: Look) -> None:
     _put_signs(canvas, start, row, signs, after if has_room else None, face, look)
     mark = start - (2 if form.width >= 10 else 1)
     _put_mark(canvas, mark, row, face, look)
-    named = _put_name(canvas, 0, face)
+    named = _put_name(canvas, 0, face, face.style)
     room = form.width if row else mark if _mark(face, look) else start
     put_reward(canvas, named, 0, room - named, face.reward, look)
     if face.text is not None:
@@ -180,13 +177,13 @@ def _named(face: Face, name: str, form: CellForm) -> Face:
     return face if len(name) <= form.width - LEAST_ARROWS else face._replace(signs="")
 
 
-def _put_name(canvas: Canvas, x: int, face: Face) -> int:
+def _put_name(canvas: Canvas, x: int, face: Face, style: Style) -> int:
     """Put the name of the state into the first row, if there is room; return what it takes with a blank."""
     name, is_reached = (face.extra or PLAIN).name, (face.extra or PLAIN).is_reached
     is_free = canvas.is_blank(x, 0, min(len(name) + 1, canvas.width - x)) or not is_reached
     if not name or not is_free:
         return 0
-    canvas.put(x, 0, name, face.style)
+    canvas.put(x, 0, name, style)
     return len(name) + 1
 
 
@@ -196,9 +193,9 @@ def _value_row(form: CellForm) -> int:
 
 
 def _draw_signs_alone(canvas: Canvas, face: Face, form: CellForm, look: Look) -> None:
-    """Draw mark and arrow."""
+    """Draw mark and arrow, before a name at the right or in place of it."""
     middle = max(1, (form.width - 1) // 2)
-    after = middle + 1 if middle + 1 < form.width else None
+    after = middle + 1 if middle + 1 < form.width - len((face.extra or PLAIN).name) else None
     _put_signs(canvas, middle, 0, _fitting(face, most=1), after, face, look)
     _put_mark_or_reward(canvas, middle - 1, face, look)
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from typing import Final, NamedTuple
 
 LEAST_DIGITS: Final = 3  # .54
@@ -53,9 +52,9 @@ class CellForm(NamedTuple):
         return 6 if self.width >= 12 else min(4, self.width - 1)
 
 
-def digits_needed(values: Iterable[float]) -> int:
-    """Return the characters that all ``values`` can be written in: 4 where one is below −99, else 3."""
-    return LEAST_DIGITS if all(value > -99.5 for value in values) else MOST_DIGITS_NEEDED
+def digits_needed(least: float) -> int:
+    """Return the characters that values from ``least`` on can be written in: 4 below −99, else 3."""
+    return LEAST_DIGITS if least > -99.5 else MOST_DIGITS_NEEDED
 
 
 def cell_form(rows: int, columns: int, width: int, height: int, digits: int = LEAST_DIGITS) -> CellForm:

@@ -8,39 +8,42 @@ from typing import Final
 from rich.segment import Segment
 from textual.strip import Strip
 
+from rl_tui.lab.last_step.gust import gust_of
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.live.viewport import Cells
 from rl_tui.lab.run.large_worlds import is_large
 from rl_tui.tui.draw.number_form import SteadyForms
 from rl_tui.tui.panels.legend import GREEDY_IN_FULL, Legend, LegendSign
+from rl_tui.tui.panels.numbers_in_common import all_q, all_v, ends
 from rl_tui.tui.panels.panel import BoardPanel
 from rl_tui.tui.panels.scrolling import Scrolled, kept_in_view, scrolled_to
 from rl_tui.tui.panels.snapshot_facts import is_new_run
 from rl_tui.tui.panels.world.grid.action_form import ActionForm, Places, part_form, whole_map_form
-from rl_tui.tui.panels.world.grid.action_legend import action_signs, heading_of
 from rl_tui.tui.panels.world.grid.action_values import ActionArtist, name_room, sign_text
 from rl_tui.tui.panels.world.grid.cells import SEVERAL, START, CellArtist
-from rl_tui.tui.panels.world.grid.form import LEAST_DIGITS, CellForm, cell_form, digits_needed
+from rl_tui.tui.panels.world.grid.form import LEAST_ARROWS, LEAST_DIGITS, CellForm, cell_form, digits_needed
 from rl_tui.tui.panels.world.grid.headings import (
+    FOLLOWS,
     HEADING,
     STATE_NUMBERS,
+    heading_of_actions,
     heading_of_values,
+    headings_of_part,
     numbered,
     shorter,
     stretch,
+    where,
 )
-from rl_tui.tui.panels.world.grid.map import GridMap, MapPart
-from rl_tui.tui.panels.world.grid.signs import differing_sign, end_signs, reward_signs
+from rl_tui.tui.panels.world.grid.map import GridMap, MapPart, with_extra
+from rl_tui.tui.panels.world.grid.signs import action_signs, differing_sign, end_signs, reward_signs
 from rl_tui.tui.panels.world.grid.strips import draw_grid, origin
 from rl_tui.tui.panels.world.grid.trail import traces, trail_signs
-from rl_tui.tui.panels.world.grid.wind import last_gust, wind_line, wind_sign, wind_strip
+from rl_tui.tui.panels.world.grid.wind import wind_line, wind_sign, wind_strip
 from rl_tui.tui.panels.world.view import TITLE, WorldView
 from rl_tui.worlds.drawing import CellKind, Grid
 from rl_tui.worlds.world import World
 
-FOLLOWS: Final = "follows the agent"
 _LEAST_WITH_LEGEND: Final = 8  # rows of a map that scrolls
-FOLLOW_HINT: Final = "esc: follow the agent"
 
 
 class GridView(WorldView):
@@ -150,6 +153,7 @@ class GridView(WorldView):
         super().align_with(twin)
         if isinstance(twin, GridView):
             self._following, self._top, self._left = twin._following, twin._top, twin._left
+            self._number_forms = twin._number_forms
             self._digits = max(self._digits, twin._digits)
             self._action_digits = max(self._action_digits, twin._action_digits)
 
@@ -182,13 +186,14 @@ class GridView(WorldView):
         assert self._form is not None
         if is_free:
             left, top = self._origin
-            gust = last_gust(grid, snapshot)
+            gust = gust_of(snapshot.world, snapshot.counters.last_step)
             row = wind_strip(grid, self._part, self._form, left, width, gust, self.look)
             strips.insert(top + self._part.rows * self._form.height, row)
         elif self._following:
             line = wind_line(grid, self._part, self.look)
-            both = (f"{line} · {self.footing}",) if self.footing else ()
-            self.footing = self.fitting((*both, line), width) or self.footing
+            # which part is in view comes first: wind alone would pass for that of all columns
+            forms = (f"{line} · {self.footing}", self.footing) if self.footing else (line,)
+            self.footing = self.fitting(forms, width)
         return strips
 
     def _drawn_cells(self, snapshot: Snapshot, width: int, height: int) -> list[Strip]:
@@ -197,7 +202,7 @@ class GridView(WorldView):
         actions = self._action_form
         rows = min(grid.rows, max(1, height // form.height))
         columns = min(grid.columns, max(1, width // form.width))
-        row, column = divmod(self.agent_place(snapshot), grid.columns)
+        row, column = divmod(self._map.cell_to_follow(snapshot), grid.columns)
         follows = self._following and not self.is_led
         self._top = kept_in_view(self._top, row if follows else None, rows, grid.rows)
         self._left = kept_in_view(self._left, column if follows else None, columns, grid.columns)
@@ -210,10 +215,12 @@ class GridView(WorldView):
             with_actions=actions is not None,
             named=self.is_numbered,
         )
-        names = [each.extra.name for each in cells if each.extra is not None] if self.is_numbered else []
-        self._longest_name = max(map(len, names), default=0)
+        self._longest_name = max((len(each.extra.name) for each in cells if each.extra), default=0)
+        if self._longest_name > self._room_for_names(form):  # all have their numbers, or none
+            cells = [each if each.extra is None else with_extra(each, name="") for each in cells]
         artist = self._artist_for(form)
-        needed = digits_needed(artist.values(cells))
+        values = all_v(snapshot) if actions is None else all_q(snapshot)
+        needed = digits_needed(ends(values)[0])
         if needed > (self._digits if actions is None else self._action_digits):
             if actions is None:  # they stay as wide, lest the map jump to and fro
                 self._digits = needed
@@ -224,7 +231,7 @@ class GridView(WorldView):
         self.footing = self._where(width)
         self.free_rows = height - part.rows * form.height - max(0, (height - part.rows * form.height) // 2)
         self._form, self._origin = form, origin(form, part, width, height)
-        return draw_grid(cells, artist, part, width, height, self._number_forms)
+        return draw_grid(cells, artist, values, part, width, height, self._number_forms)
 
     def _cell_form(self, width: int, height: int) -> CellForm:
         """Return the form of cells; first it settles whether they show every action."""
@@ -248,14 +255,12 @@ class GridView(WorldView):
 
         Where the border has no room for the legend, it says what is drawn; with every action it always does.
         """
-        if self._action_form is not None:
-            heading = f"{TITLE} · {heading_of(self._action_form)}"
-        else:
-            heading = heading_of_values(form, self.look)
+        actions = self._action_form
+        heading = heading_of_actions(actions) if actions else heading_of_values(form, self.look)
         forms: tuple[str, ...] = (heading,)
         if self.is_numbered and self._longest_name <= self._room_for_names(form):
-            forms = numbered(heading, form, self._longest_name, in_corner=self._action_form is not None)
-        elif self._action_form is None and not self._map.grid.legend:
+            forms = numbered(heading, form, self._longest_name, in_corner=actions is not None)
+        elif actions is None and not self._map.grid.legend:
             forms = (*self.captioned(TITLE), heading)
         return self.fitting(forms, width) or heading
 
@@ -271,6 +276,17 @@ class GridView(WorldView):
     def _room_for_names(self, form: CellForm) -> int:
         return form.longest_name if self._action_form is None else name_room(self._action_form)
 
+    @property
+    def _own_name(self) -> str:
+        """The name of the agent's state, for the legend."""
+        return "" if self.snapshot is None else self.world.space.state_names[self.snapshot.counters.state]
+
+    def _name_beside_arrows(self, form: CellForm) -> str:
+        """Return a name where names stand beside arrows, or in place of them; else none."""
+        has_names = 0 < self._longest_name <= self._room_for_names(form)
+        is_beside = self._action_form is None and not form.has_values and has_names
+        return self._own_name.rjust(self._longest_name) if is_beside else ""
+
     def signs(self) -> Legend:
         """Return the signs of cells that this map has."""
         return tuple(self._signs())
@@ -278,15 +294,17 @@ class GridView(WorldView):
     def _signs(self) -> Iterator[LegendSign]:
         palette, glyphs = self.look.palette, self.look.glyphs
         form, signs, actions = self._form, self._map.signs, self._action_form
+        name = "" if form is None else self._name_beside_arrows(form)
+        has_arrows = form is not None and form.width - len(name) >= LEAST_ARROWS
         if form is not None and self.differing:
-            yield differing_sign(form, self.look)
+            yield differing_sign(form.width, name, self.look)
         if form is not None and self._map.rewards:  # what is hardest to guess stands first
             rewards = self._map.rewards
             texts = [self._artist_for(form).shown_reward(each) for each in rewards]
             yield from reward_signs(rewards, texts, self.look)
         if actions is not None:
             yield from action_signs(actions, self.look)
-        elif form is not None and len(signs) > form.most_signs:
+        elif form is not None and len(signs) > form.most_signs and has_arrows:
             yield LegendSign(SEVERAL, "tie", palette.strong, "tie: equally good")
         if self._map.grid.wind:
             yield wind_sign(self._map.grid, self.look)
@@ -294,9 +312,8 @@ class GridView(WorldView):
             yield LegendSign(glyphs.unreached, "unreached", palette.dim, "never reached")
         if form is not None and self._longest_name > self._room_for_names(form):
             yield LegendSign("#", "no room", palette.dim, f"no room for {STATE_NUMBERS}")
-        elif self.is_numbered and self.snapshot is not None:
-            name = self.world.space.state_names[self.snapshot.counters.state]
-            yield LegendSign(name, "state", palette.text, "number of a state")
+        elif self._longest_name:
+            yield LegendSign(self._own_name, "state", palette.text, "number of a state")
         if actions is None:
             yield from self.value_signs()
         yield LegendSign(glyphs.agent, "agent", palette.agent)
@@ -308,7 +325,7 @@ class GridView(WorldView):
         yield from end_signs(self._map, self.look)
         if CellKind.START in self._kinds:
             yield LegendSign(START, "start", palette.start)
-        if actions is None:
+        if actions is None and has_arrows:
             greedy = ([each for each in signs if isinstance(each, tuple)] or signs)[-1]
             yield LegendSign(sign_text(greedy, self.look), "greedy", palette.strong, GREEDY_IN_FULL)
         if CellKind.WALL in self._kinds:
@@ -361,10 +378,7 @@ class GridView(WorldView):
         heading_with_legend = self.fitting((f"{heading} · {legend}", f"{TITLE} · {legend}"), width)
         if heading_with_legend or not self._following:
             return heading_with_legend or heading
-        down, across = self._in_view()
-        brief = f"{TITLE} {down}, {across}".replace(" of ", "/")
-        forms = (f"{TITLE} · rows {down}, columns {across}", f"rows {down}, columns {across}", brief)
-        return self.fitting(forms, width) or heading
+        return self.fitting(headings_of_part(*self._in_view()), width) or heading
 
     def _in_view(self) -> tuple[str, str]:
         """Return which rows and columns are in view, counted from 0 as in the last step."""
@@ -383,12 +397,4 @@ class GridView(WorldView):
             return self.fitting(shorter(legend), width)
         if self._following and legend and legend not in self.heading:
             return self.fitting((*shorter(legend), FOLLOWS), width)
-        down, across = self._in_view()
-        follow = FOLLOWS if self._following else FOLLOW_HINT
-        forms = (
-            f"rows {down} · columns {across}, counted from 0 · {follow}",
-            f"rows {down} · columns {across} · {follow}",
-            f"{down} · {across} · {follow}",
-            follow,
-        )
-        return self.fitting(forms, width)
+        return self.fitting(where(*self._in_view(), follows=self._following), width)

@@ -4,13 +4,18 @@ from __future__ import annotations
 
 from typing import Final
 
+from rl_tui.tui.panels.world.grid.action_form import ActionForm, Places
 from rl_tui.tui.panels.world.grid.form import LEAST_ARROWS, CellForm
 from rl_tui.tui.panels.world.view import TITLE
 from rl_tui.tui.theme.look import Look
 
+FOLLOWS: Final = "follows the agent"
+FOLLOW_HINT: Final = "esc: follow the agent"
 HEADING: Final = f"{TITLE} · V and greedy"
 HEADING_WITHOUT_VALUES: Final = f"{TITLE} · greedy, V as tint"
 HEADING_GREEDY: Final = f"{TITLE} · greedy"
+HEADING_ACTIONS: Final = f"{TITLE} · Q of every action"
+HEADING_TINTS: Final = f"{HEADING_ACTIONS}, as tint"
 STATE_NUMBERS: Final = "state numbers"
 
 
@@ -19,6 +24,11 @@ def heading_of_values(form: CellForm, look: Look) -> str:
     if form.has_values:
         return HEADING
     return HEADING_WITHOUT_VALUES if look.palette.tints else HEADING_GREEDY
+
+
+def heading_of_actions(form: ActionForm) -> str:
+    """Return what cells with every action show."""
+    return HEADING_TINTS if form.places is Places.TINTS else HEADING_ACTIONS
 
 
 def numbered(heading: str, form: CellForm, longest: int, *, in_corner: bool) -> tuple[str, ...]:
@@ -42,3 +52,21 @@ def shorter(legend: str) -> tuple[str, ...]:
 def stretch(first: int, shown: int, total: int) -> str:
     """Return which of ``total`` rows are in view, the first being 0."""
     return f"{first}–{first + shown - 1} of {total:,}"
+
+
+def headings_of_part(down: str, across: str) -> tuple[str, ...]:
+    """Return headings that say which rows and columns are in view, the longest first."""
+    brief = f"{TITLE} {down}, {across}".replace(" of ", "/")
+    return f"{TITLE} · rows {down}, columns {across}", f"rows {down}, columns {across}", brief
+
+
+def where(down: str, across: str, *, follows: bool) -> tuple[str, ...]:
+    """Return which part is in view, the longest form first, and how to follow the agent again."""
+    follow = FOLLOWS if follows else FOLLOW_HINT
+    return (
+        f"rows {down} · columns {across}, counted from 0 · {follow}",
+        f"rows {down} · columns {across} · {follow}",
+        f"{down} · {across} · {follow}",
+        *((f"{down} · {across}",) if follows else ()),  # that it follows is seen
+        follow,
+    )

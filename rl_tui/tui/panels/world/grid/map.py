@@ -54,6 +54,7 @@ class CellExtra(NamedTuple):
 
 
 PLAIN: Final = CellExtra()
+_FAR: Final = 3  # cells, more than a step or a strong wind takes
 _UNREACHED: Final = CellExtra(is_reached=False)
 
 
@@ -123,6 +124,21 @@ class GridMap:
             return snapshot.counters.state
         state = int(self._states[divmod(cell, self.grid.columns)])
         return None if state == NO_STATE else state
+
+    def cell_to_follow(self, snapshot: Snapshot) -> int:
+        """Return the cell that is to be in view: the agent's, or the one it acted in last.
+
+        The latter where its episode ended far from there, as in an end that is drawn outside of the map.
+        """
+        grid, last = self.grid, snapshot.counters.last_step
+        here = int(grid.cell_of_state[snapshot.counters.state])
+        if last is None or last.planned or last.next_state != snapshot.counters.state:
+            return here
+        if self._space.pairs_of(snapshot.counters.state):
+            return here
+        (row, column), acted = divmod(here, grid.columns), int(grid.cell_of_state[last.state])
+        distance = max(abs(acted // grid.columns - row), abs(acted % grid.columns - column))
+        return acted if distance > _FAR else here
 
     def contents(
         self,

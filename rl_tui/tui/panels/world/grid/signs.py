@@ -4,21 +4,42 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from rl_tui.tui.panels.legend import LegendSign
+from rl_tui.tui.panels.legend import GREEDY_IN_FULL, LegendSign
+from rl_tui.tui.panels.world.grid.action_form import ActionForm, Places
 from rl_tui.tui.panels.world.grid.cells import differing_style, reward_style
-from rl_tui.tui.panels.world.grid.form import LEAST_ARROWS, CellForm
+from rl_tui.tui.panels.world.grid.form import LEAST_ARROWS
 from rl_tui.tui.panels.world.grid.map import GridMap
 from rl_tui.tui.panels.world.grid.rewards import CellReward
 from rl_tui.tui.theme.look import Look
 from rl_tui.worlds.drawing import CellKind
 
 
-def differing_sign(form: CellForm, look: Look) -> LegendSign:
-    """Return how cells say that the lane beside this one has other greedy actions."""
+def differing_sign(width: int, name: str, look: Look) -> LegendSign:
+    """Return how cells say that the lane beside this one has other greedy actions.
+
+    They have room for ``width`` characters, of which ``name``, if any, takes that of the arrows.
+    """
     glyphs, strong = look.glyphs, look.palette.strong
-    has_room = form.width > LEAST_ARROWS
-    sign, style = (glyphs.differs, strong) if has_room else (glyphs.up, differing_style(strong))
+    if width - len(name) > LEAST_ARROWS:
+        sign, style = glyphs.differs, strong
+    else:
+        is_name = width - len(name) < LEAST_ARROWS
+        sign, style = name if is_name else glyphs.up, differing_style(strong)
     return LegendSign(sign, "differs", style, "greedy in the other lane differs")
+
+
+def action_signs(form: ActionForm, look: Look) -> Iterator[LegendSign]:
+    """Yield the signs of cells with every action."""
+    palette, glyphs = look.palette, look.glyphs
+    # first: between others it would be taken for the dot that separates them
+    yield LegendSign(glyphs.stay, "not tried", palette.unvisited)
+    if form.places is Places.TINTS:
+        yield LegendSign(glyphs.up, "greedy", palette.strong, GREEDY_IN_FULL)
+    else:
+        frame = glyphs.mark_left + glyphs.mark_right if form.is_framed else glyphs.mark_after
+        yield LegendSign(frame, "greedy", palette.greedy, GREEDY_IN_FULL)
+    if palette.tints:
+        yield LegendSign(" tint ", "Q", palette.value(1.0), "value Q(s,a)")
 
 
 def end_signs(of: GridMap, look: Look) -> Iterator[LegendSign]:

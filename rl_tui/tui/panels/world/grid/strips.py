@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from itertools import chain
 from typing import Final
@@ -11,11 +10,13 @@ from rich.segment import Segment
 from textual.strip import Strip
 
 from rl_tui.tui.draw.number_form import SteadyForms
+from rl_tui.tui.panels.numbers_in_common import ends
 from rl_tui.tui.panels.world.grid.action_form import ActionForm
 from rl_tui.tui.panels.world.grid.action_values import ActionArtist
 from rl_tui.tui.panels.world.grid.cells import CellArtist
 from rl_tui.tui.panels.world.grid.form import CellForm
 from rl_tui.tui.panels.world.grid.map import CellContent, MapPart
+from rl_tui.worlds.mdp.space import FloatArray
 
 _DECIMALS: Final = 2
 
@@ -31,20 +32,20 @@ def origin(form: CellForm | ActionForm, part: MapPart, width: int, height: int) 
 def draw_grid(
     cells: Sequence[CellContent],
     artist: CellArtist | ActionArtist,
+    values: FloatArray,
     part: MapPart,
     width: int,
     height: int,
-    number_forms: SteadyForms | None = None,
+    number_forms: SteadyForms,
 ) -> list[Strip]:
     """Return ``cells``, those of ``part`` row by row, in the middle of width × height characters.
 
-    The tints go from the least to the greatest number in ``part``, 0 included; all numbers have one form.
+    ``values`` are all numbers that have one form, not only those in view: the tints go from the least to the
+    greatest of them, 0 included.
     """
     form, text = artist.form, artist.look.palette.text
-    shown = [each for each in artist.values(cells) if math.isfinite(each)]
-    low, high = min(shown, default=0.0), max(shown, default=0.0)
-    forms = number_forms or SteadyForms()
-    number_form = forms.form(type(form).__name__, low, high, form.digits, most=_DECIMALS)
+    low, high = ends(values)
+    number_form = number_forms.form(type(form).__name__, values, form.digits, most=_DECIMALS)
     drawn = artist.drawn(cells, min(low, 0.0), max(high, 0.0), number_form)
     left, top = origin(form, part, width, height)
     before = Segment(" " * left, text)

@@ -96,7 +96,7 @@ def trail_signs(left: Iterable[Trace], look: Look, *, is_high: bool) -> Iterator
         yield LegendSign(look.glyphs.trail, "trail", look.palette.strong, "trail of the episode")
     meant = next((trace.meant for trace in traces_left if trace.meant is not None), None)
     if meant is not None and is_high:
-        yield LegendSign(slip_text(meant, look), "slip", look.palette.bad, "slipped, meant that way")
+        yield LegendSign(slip_text(meant, look), "meant, slipped", look.palette.bad)
     elif meant is not None:
         yield LegendSign(look.glyphs.slip, "slip", look.palette.bad, "slipped here")
 

@@ -2,53 +2,23 @@
 
 from __future__ import annotations
 
-from typing import Final, NamedTuple
+from typing import Final
 
 from rich.segment import Segment
 from textual.strip import Strip
 
-from rl_tui.lab.live.snapshot import Snapshot
+from rl_tui.lab.last_step.gust import LastGust
 from rl_tui.tui.panels.legend import LegendSign
 from rl_tui.tui.panels.world.grid.form import CellForm
 from rl_tui.tui.panels.world.grid.map import MapPart
 from rl_tui.tui.theme.look import Look
-from rl_tui.worlds.drawing import CellKind, Grid
-from rl_tui.worlds.mdp.tabular_mdp import UNKNOWN_ACTION
+from rl_tui.worlds.drawing import Grid
 
 WIND: Final = "wind"
 
 
-class Gust(NamedTuple):
-    """The wind that moved the agent on its last step: in which ``column``, and by how many cells up."""
-
-    column: int
-    pushed: int
-
-
-def last_gust(grid: Grid, snapshot: Snapshot) -> Gust | None:
-    """Return the wind that moved the agent on the last step of ``snapshot``, None where none did."""
-    last, mdp = snapshot.counters.last_step, snapshot.world.mdp
-    if last is None or last.planned or mdp is None or last.outcome == UNKNOWN_ACTION:
-        return None
-    row, column = divmod(int(grid.cell_of_state[last.state]), grid.columns)
-    happened = int(mdp.outcome_action[last.outcome])
-    step = grid.directions[int(mdp.pair_action[last.pair]) if happened == UNKNOWN_ACTION else happened]
-    if not grid.wind[column]:
-        return None
-    down, right = step or (0, 0)
-    target = (row + down, column + right)
-    without_wind = row + down if _is_open(grid, *target) else row
-    pushed = without_wind - int(grid.cell_of_state[last.next_state]) // grid.columns
-    return Gust(column, pushed) if pushed * grid.wind[column] > 0 else None
-
-
-def _is_open(grid: Grid, row: int, column: int) -> bool:
-    inside = 0 <= row < grid.rows and 0 <= column < grid.columns
-    return inside and grid.kinds[row * grid.columns + column] is not CellKind.WALL
-
-
 def wind_strip(
-    grid: Grid, part: MapPart, form: CellForm, left: int, width: int, gust: Gust | None, look: Look
+    grid: Grid, part: MapPart, form: CellForm, left: int, width: int, gust: LastGust | None, look: Look
 ) -> Strip:
     """Return a row of ``width`` cells with the wind of each column of ``part``, which begins at ``left``."""
     palette = look.palette

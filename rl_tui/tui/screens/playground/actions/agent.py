@@ -13,17 +13,30 @@ from rl_tui.lab.live.commands import Apply, Restart
 from rl_tui.lab.run.recipe import Recipe, SetParameter, SwitchAlgorithm, changed_recipe
 from rl_tui.lab.run.settings import settings_for
 from rl_tui.tui.actions.registry import ORDINALS
+from rl_tui.tui.draw.action_order import shown_order
+from rl_tui.tui.draw.names import action_name
 from rl_tui.tui.panels.catalogue import CONTROLS
 from rl_tui.tui.panels.controls.slider import Slider
 from rl_tui.tui.screens.dialogs.choice import algorithm_choice, policy_choice
 from rl_tui.tui.screens.dialogs.options import Options
 from rl_tui.tui.screens.dialogs.questions import ask_seed, ask_value
 from rl_tui.tui.screens.playground.actions.subject import Subject
+from rl_tui.tui.theme.glyphs import Glyphs
+from rl_tui.worlds.world import World
 
 _TIES: Final = {
     "random": "ties random: one of equal best actions is drawn",
     "first": "ties first: of equal best actions the first is taken",
 }
+
+
+def _first_in_words(world: World, glyphs: Glyphs) -> str:
+    """Return in which order the first action counts, where the screen shows another one; else nothing."""
+    order = range(len(world.space.action_names))
+    if shown_order(world) == tuple(order):
+        return ""
+    signs = [action_name(world, action, glyphs) for action in order]
+    return f", in the world's own order: {' '.join(signs)}"
 
 
 @dataclass(eq=False)
@@ -57,7 +70,9 @@ class AgentActions(Subject):
             return
         ties = "first" if self.recipe.hyperparameters.ties == "random" else "random"
         self.set_parameter("ties", ties)
-        self.screen.tell(_TIES[ties])
+        snapshot = self.snapshot
+        order = "" if snapshot is None or ties != "first" else _first_in_words(snapshot.world, self.glyphs)
+        self.screen.tell(f"{_TIES[ties]}{order}")
 
     def ask_initial_q(self) -> None:
         """Ask what every estimate starts from, and start again."""

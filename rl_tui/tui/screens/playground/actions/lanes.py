@@ -56,9 +56,8 @@ class LaneActions(Subject):
         if snapshot is None or not snapshot.run_group.lanes:
             self.screen.tell("there is one run only; c opens a second one beside it")
             return
-        was_alone = self.board.is_one_lane
-        self.board.is_one_lane = not was_alone
-        if not was_alone:
+        self.board.is_one_lane = self.board.is_paired
+        if self.board.is_one_lane:
             self.screen.tell("one lane alone; l goes to the next, z shows two side by side")
         elif not self.board.is_paired:
             self.screen.tell("there is no room for two lanes side by side here")
