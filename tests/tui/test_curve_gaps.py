@@ -6,9 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from drawn_curves import NARROW, WIDE, drawn
+from drawn_curves import NARROW, WIDE, drawn, flat
 from lane_samples import lane_views, side_by_side
-from samples import bandit, lake, marks, planning
+from samples import bandit, lake, marks, planning, student
 from snapshots import changed
 
 from rl_tui.lab.run.results import Marks
@@ -23,7 +23,7 @@ TINY = (26, 9)
         (WIDE, 0.63, "greedy: ends in 63 %"),
         (NARROW, 0.0, "greedy: no end"),
         (NARROW, 0.63, "greedy: 63 % end"),
-        (TINY, 0.0, "no end"),
+        (TINY, 0.0, "greedy: no end"),
     ],
 )
 def test_a_greedy_policy_without_a_return_says_why_where_its_line_would_end(
@@ -52,6 +52,24 @@ def test_gaps_in_the_greedy_line_are_explained() -> None:
     with_gap.expected_return[10:20] = np.nan
     assert "may never end" in drawn(lake(marks=with_gap))[0]
     assert "never end" not in drawn(lake())[0]
+
+
+def test_marks_without_a_return_that_leave_no_column_empty_are_no_gap() -> None:
+    dense = marks(3_000, 0.0, 0.73, 12_500)
+    dense.expected_return[100:2_900:50] = np.nan
+    assert "may never end" not in drawn(lake(marks=dense))[0]
+
+
+def test_a_name_without_a_line_leaves_the_row_to_the_one_whose_line_ends_there() -> None:
+    ending = student(
+        episodes=1, greedy_return=None, greedy_ends=0.0, return_last_100=-377.0, curve=flat(-377.0, 2)
+    )
+    lines = drawn(ending)[0].splitlines()
+    named = next(line for line in lines if "episodes, last" in line)
+    assert any(0x2800 < ord(character) <= 0x28FF for character in named)
+    assert not any(
+        0x2800 < ord(character) <= 0x28FF for line in lines if "never ends" in line for character in line
+    )
 
 
 def test_a_secret_policy_is_not_told_by_its_end() -> None:

@@ -55,7 +55,7 @@ def test_every_lane_is_named_with_its_mean() -> None:
         assert said in text
     assert "best for this γ .54" in text
     assert "beside names: last 100 episodes, one seed; M counts many" in text
-    assert widget.heading == "Return per episode · lane 2 of 4: α 0.5"
+    assert widget.heading == "Return per episode · 4 lanes, ▸2 α 0.5"
     assert widget.footing == ""
 
 
@@ -69,9 +69,9 @@ def test_where_there_is_room_the_others_tell_their_greedy_return_too() -> None:
 def test_a_narrow_panel_says_which_lane_is_shown() -> None:
     lines, widget = drawn(side_by_side(2, 1), NARROW)
     assert "α 0.1: .500" in "\n".join(lines)
-    assert widget.heading == "Return · lane 2 of 2: α 0.5"
+    assert widget.heading == "Return · 2 lanes, ▸2 α 0.5"
     assert widget.footing == "last 100 of one seed; M counts many"
-    assert drawn(side_by_side(4, 3), (24, 7))[1].heading == "lane 4 of 4"
+    assert drawn(side_by_side(4, 3), (24, 7))[1].heading == "4 lanes, ▸4"
 
 
 @pytest.mark.parametrize(
@@ -175,7 +175,7 @@ def test_a_lane_that_has_only_begun_has_no_line_and_no_name_at_its_end() -> None
     first, second = lane_views(2)
     lines, widget = drawn(changed(side_by_side(2), lanes=(first, without_episodes(second))))
     assert "α 0.5" not in "\n".join(lines)
-    assert widget.heading.endswith("lane 1 of 2: α 0.1")
+    assert widget.heading.endswith("2 lanes, ▸1 α 0.1")
     nothing = tuple(without_episodes(lane) for lane in (first, second))
     empty = Curve(nothing[0].results.curve.episode, *(np.array([]),) * 4)
     start = changed(side_by_side(2), lanes=nothing, episodes=0, curve=empty, return_last_100=None)

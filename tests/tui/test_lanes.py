@@ -70,7 +70,7 @@ async def test_two_lanes_from_the_first_key_to_the_last(make_app: MakeApp) -> No
         assert "α 0.1: " in curve_text(pilot)
         assert "α 0.5: " in curve_text(pilot)
         board = playground(pilot).board
-        assert board.curve.heading.endswith("· lane 1 of 2: α 0.1")
+        assert board.curve.heading.endswith("· 2 lanes, ▸1 α 0.1")
 
         await press(pilot, "v")  # no table is in view here: it is shown alone first
         assert board.zoomed == "table"
@@ -83,7 +83,7 @@ async def test_two_lanes_from_the_first_key_to_the_last(make_app: MakeApp) -> No
         assert np.array_equal(shown.agent.q, shown.run_group.lanes[1].q)
         assert board.table.heading == "▸2 · Q of α 0.5 − Q of α 0.1 · 11 states × 4"
         await press(pilot, "escape")
-        assert board.curve.heading.endswith("· lane 2 of 2: α 0.5")
+        assert board.curve.heading.endswith("· 2 lanes, ▸2 α 0.5")
         assert app.screen.query_one("#alpha", Slider).value == 0.5
 
         await press(pilot, "1", "left")

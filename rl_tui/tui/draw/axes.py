@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import Final
 
 from rl_tui.tui.draw.canvas import Canvas
@@ -10,6 +11,7 @@ from rl_tui.tui.draw.scale import Scale, tick_label, tick_step
 from rl_tui.tui.theme.look import Look
 
 _LEAST_LABEL: Final = 3
+_LEAST_APART: Final = 2  # rows between two labels at the left; from the next on one more or less is even
 _GAP: Final = 2  # columns between two labels below
 
 
@@ -21,20 +23,28 @@ def value_axis_columns(scale: Scale, look: Look) -> int:
 def draw_value_axis(canvas: Canvas, plot: Plot, look: Look) -> None:
     """Draw the vertical axis with its labels.
 
-    Where two of them fall into one row, the ends of the axis go before those between.
+    The ticks between its ends have labels where all of them are evenly spaced, so that no axis looks bent;
+    else 0 alone has one, where it is two rows from either end.
     """
     glyphs, style = look.glyphs, look.palette.dim
     axis = plot.left - 1
     for row in range(plot.rows):
         canvas.put(axis, row, glyphs.axis_vertical, style)
-    low, *between, high = plot.scale.ticks
-    taken: set[int] = set()
-    for value in (high, low, *between):
-        row = plot.row(value)
-        if row not in taken:
-            text = tick_label(value, plot.scale.step, glyphs) + glyphs.axis_tick
-            canvas.put(plot.left - len(text), row, text, style)
-            taken.add(row)
+    for value in _labelled(plot):
+        text = tick_label(value, plot.scale.step, glyphs) + glyphs.axis_tick
+        canvas.put(plot.left - len(text), plot.row(value), text, style)
+
+
+def _labelled(plot: Plot) -> list[float]:
+    ticks = plot.scale.ticks
+    rows = [plot.row(value) for value in ticks]
+    apart = [lower - upper for lower, upper in pairwise(rows)]
+    if min(apart) >= _LEAST_APART and (max(apart) == min(apart) or min(apart) > _LEAST_APART):
+        return ticks
+    low, high = ticks[0], ticks[-1]
+    ends = [low, high] if rows[0] != rows[-1] else [low]
+    has_zero = low < 0.0 < high and min(rows[0] - plot.row(0.0), plot.row(0.0) - rows[-1]) >= _LEAST_APART
+    return [*ends, 0.0] if has_zero else ends
 
 
 def draw_count_axis(canvas: Canvas, plot: Plot, last: float, most: int, unit: str, look: Look) -> None:
@@ -49,7 +59,8 @@ def draw_count_axis(canvas: Canvas, plot: Plot, last: float, most: int, unit: st
     free, end = 0, min(plot.columns, place - plot.left)  # the unit begins with a blank
     step = tick_step(last, most)
     for number in range(int(last / step) + 1):
-        text, column = tick_label(number * step, step, glyphs), plot.column(number * step)
+        short = tick_label(number * step, step, glyphs)
+        text, column = f"{int(short):,}" if short.isdigit() else short, plot.column(number * step)
         # the last one may stand at the very end, where only its left half has room
         start = min(max(0, column - len(text) // 2), end - len(text) if column <= end else column)
         if start >= free and start + len(text) <= end:

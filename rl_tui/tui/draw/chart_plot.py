@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -77,6 +78,14 @@ class Plot(NamedTuple):
             return np.zeros(self.columns, dtype=np.bool_)
         rows = self.rows * braille.DOTS_DOWN
         return np.asarray(self._span(line, self.columns, rows).bottom >= rows)
+
+    def has_gap(self, line: Steps) -> bool:
+        """Return whether ``line`` is missing in a column between its start and its end."""
+        if not len(line.end):
+            return False
+        low, high = braille.decimated(line, self.right, self.columns)
+        behind = min(self.columns, math.ceil(float(line.end[-1]) / self.right * self.columns))
+        return bool((low > high)[self.column(float(line.start[0])) : behind].any())
 
     def line_dots(self, line: Steps, columns: int, rows: int) -> BoolArray:
         """Return the dots of ``line`` where there are columns × rows of them, [rows, columns]."""

@@ -30,9 +30,10 @@ _TOPICS: Final = (
     (
         "Lanes",
         "c opens a run beside this one: the same scenario and seed, one thing different; up to four. All "
-        "advance together, and the curves lie over one another. Every other panel shows one lane, which the "
-        "title of the curve names: l goes to the next, and what is changed is changed there only. The layer "
-        "Q−Q₂ of the table is its difference from the first of the others.",
+        "advance together, and the curves lie over one another. Lanes take the same number of steps, so "
+        "one may have finished more episodes. Of two, worlds and tables stand side by side where there is "
+        "room; every other panel shows one lane, which ▸ marks: l goes to the next, and what is changed is "
+        "changed there only. The layer Q−Q₂ of the table is its difference from the first of the others.",
     ),
     (
         "Rewards",

@@ -20,7 +20,7 @@ from rl_tui.tui.draw.chart_plot import Plot
 from rl_tui.tui.draw.pieces import wrapped
 from rl_tui.tui.draw.scale import Scale, round_range
 from rl_tui.tui.panels.curve.chart_band import band_cells
-from rl_tui.tui.panels.curve.chart_lanes import lane_cells, lane_lines
+from rl_tui.tui.panels.curve.chart_lanes import lane_cells
 from rl_tui.tui.panels.curve.data import CurveData
 from rl_tui.tui.panels.curve.lane_text import lane_columns, lane_labels
 from rl_tui.tui.panels.curve.seed_band import seed_cells
@@ -41,23 +41,29 @@ def plot_columns(scale: Scale, look: Look, width: int) -> int:
     return width - value_axis_columns(scale, look)
 
 
+def plot_of(data: CurveData, scale: Scale, look: Look, width: int, height: int) -> Plot:
+    """Return where the lines stand among ``width`` × ``height`` cells; its sizes are 1 at the least."""
+    columns = plot_columns(scale, look, width)
+    columns_of = lane_columns if data.lanes else label_columns
+    reserved = min(columns_of(data, look, columns), columns - 2)
+    right = round_range(data.furthest, data.limit)
+    return Plot(width - columns, max(1, columns - reserved), max(1, height - 1), right, scale)
+
+
 def draw_chart(
     data: CurveData, scale: Scale, look: Look, decimals: int, width: int, height: int
 ) -> list[Strip]:
     """Return ``height`` strips of ``width`` cells, with numbers of so many decimals beside the lines."""
     canvas = Canvas(width, height, look.palette.text)
-    columns_of, labels_of = (lane_columns, lane_labels) if data.lanes else (label_columns, labels)
+    labels_of = lane_labels if data.lanes else labels
     if width < LEAST_WIDTH or height < LEAST_HEIGHT:
         return _figures_only(canvas, labels_of(data, look, decimals, width), look)
-    columns = plot_columns(scale, look, width)
-    reserved = min(columns_of(data, look, columns), columns - 2)
-    right = round_range(data.furthest, data.limit)
-    plot = Plot(width - columns, columns - reserved, height - 1, right, scale)
+    plot = plot_of(data, scale, look, width, height)
     draw_value_axis(canvas, plot, look)
     _draw_episode_axis(canvas, plot, data, look)
     if data.furthest:
         _draw_lines(canvas, plot, data, look)
-    _draw_names(canvas, plot, data, labels_of(data, look, decimals, columns), look)
+    _draw_names(canvas, plot, data, labels_of(data, look, decimals, width - plot.left), look)
     return canvas.strips()
 
 
@@ -95,7 +101,7 @@ def _draw_lines(canvas: Canvas, plot: Plot, data: CurveData, look: Look) -> None
     ):
         there = (line > 0) & where
         shown[there], kind[there] = line[there], what
-    _mark_off_axis(shown, kind, off_axis(plot, (data.episodes, data.greedy)), _EPISODES, look)
+    _mark_off_axis(shown, kind, off_axis(plot, data.lines), _EPISODES, look)
     palette = look.palette
     styles = (
         palette.text,
@@ -119,7 +125,7 @@ def _draw_lanes(canvas: Canvas, plot: Plot, data: CurveData, look: Look) -> None
     shown[seeds > 0], kind[seeds > 0] = seeds[seeds > 0], (_GREEDY + len(palette.lanes) + whose)[seeds > 0]
     there = cells.line >= 0
     shown[there], kind[there] = cells.codes[there], _GREEDY + cells.line[there]
-    _mark_off_axis(shown, kind, off_axis(plot, lane_lines(data)), _GREEDY, look)
+    _mark_off_axis(shown, kind, off_axis(plot, data.lines), _GREEDY, look)
     lane = next(lane.number for lane in data.lanes if lane.shown)
     band = palette.lanes[lane - 1] + Style(dim=True)
     styles = (
@@ -234,15 +240,17 @@ def _draw_names(canvas: Canvas, plot: Plot, data: CurveData, names: Sequence[Lin
     if not data.furthest:
         _put_message(canvas, plot, empty_words(data.unit), look, set())
         return
-    placed = sorted(enumerate(names[: plot.rows]), key=lambda each: (-each[1].value, -each[0]))
-    names = [label for _, label in placed]  # of equals the optimum, which comes last, is above
-    rows = apart([plot.row(label.value) for label in names], plot.rows)
     x = plot.left + plot.column(data.furthest) + 2
-    for label, row in zip(names, rows, strict=True):
-        if x + cell_len(label.text) <= canvas.width:
-            canvas.put(x, row, label.text, label.style)
+    rows = set()
+    for label, row in _rows_of(names[: plot.rows], plot):
+        rows.add(row)
+        width = cell_len(label.text)
+        # no line ends in the row of a name without one, so it may reach into the plot
+        start = x if label.value >= plot.scale.low else min(x, canvas.width - width)
+        if start + width <= canvas.width:
+            canvas.put(start, row, label.text, label.style)
         if -math.inf < label.value < plot.scale.low:
-            canvas.put(x - 2, row, look.glyphs.down, label.style)
+            canvas.put(start - 2, row, look.glyphs.down, label.style)
     if data.barren and not data.lanes:
         _put_message(canvas, plot, barren_words(data), look, {*rows, plot.rows - 1})
 
@@ -266,13 +274,34 @@ def _put_message(canvas: Canvas, plot: Plot, words: Sequence[str], look: Look, t
             canvas.put(x, row, piece.text, piece.style)
 
 
+def _rows_of(names: Sequence[LineLabel], plot: Plot) -> list[tuple[LineLabel, int]]:
+    """Return ``names`` with a row each: where their lines end; names without an end there give way to them.
+
+    Of equals the optimum, which comes last, is above.
+    """
+    downwards = [label for _, label in sorted(enumerate(names), key=lambda each: (-each[1].value, -each[0]))]
+    with_end = [label for label in downwards if label.value >= plot.scale.low]
+    rows = apart([plot.row(label.value) for label in with_end], plot.rows)
+    free = [row for row in reversed(range(plot.rows)) if row not in rows]
+    without_end = downwards[len(with_end) :]
+    return [*zip(with_end, rows, strict=True), *zip(without_end, free, strict=False)]
+
+
 def apart(wanted: Sequence[int], rows: int) -> list[int]:
-    """Return a row of its own for each of ``wanted`` (ascending, at most ``rows``), as near as they go."""
-    placed: list[int] = []
+    """Return a row of its own for each of ``wanted`` (ascending, at most ``rows``).
+
+    Together they are moved as little as can be; where there is a choice, upwards.
+    """
+    reach = len(wanted)
+    placed: dict[int, tuple[int, tuple[int, ...]]] = {-1: (0, ())}  # by the row of the last: moves, rows
     for row in wanted:
-        placed.append(max(row, placed[-1] + 1) if placed else max(row, 0))
-    limit = rows - 1
-    for index in reversed(range(len(placed))):
-        placed[index] = min(placed[index], limit)
-        limit = placed[index] - 1
-    return placed
+        placed = {
+            place: min(
+                (moves + abs(place - row), (*above, place))
+                for last, (moves, above) in placed.items()
+                if last < place
+            )
+            for place in range(max(0, row - reach), min(rows, row + reach + 1))
+            if place > min(placed)
+        }
+    return list(min(placed.values())[1])

@@ -45,21 +45,15 @@ def lane_cells(plot: Plot, data: CurveData, look: Look) -> LaneCells:
 
 def _braille(plot: Plot, data: CurveData) -> tuple[_Codes, _Codes]:
     """Return the characters of greedy line and lanes, [1 + lanes, rows, columns], and those of the band."""
-    layers = [_blank_as_none(plot.braille_line(line)) for line in lane_lines(data)]
+    layers = [_blank_as_none(plot.braille_line(line)) for line in data.lines]
     return np.stack(layers), edge_codes(plot, data.band)
 
 
 def _ascii(plot: Plot, data: CurveData) -> tuple[_Codes, _Codes]:
     """Return a star for the greedy line and for each lane its number; no band, as in a single run's chart."""
-    dots = np.stack([plot.line_dots(line, plot.columns, plot.rows) for line in lane_lines(data)])
+    dots = np.stack([plot.line_dots(line, plot.columns, plot.rows) for line in data.lines])
     signs = np.array([ord("*"), *(ord(str(lane.number)) for lane in data.lanes)])
     return dots * signs[:, None, None], np.zeros(dots.shape[1:], dtype=np.int64)
-
-
-def lane_lines(data: CurveData) -> list[braille.Steps]:
-    """Return the greedy line of the lane shown, a gap where that is the lane's own line, then the lanes."""
-    has_greedy = not any(lane.shown and lane.is_exact for lane in data.lanes)
-    return [data.greedy if has_greedy else braille.NO_STEPS, *(lane.line for lane in data.lanes)]
 
 
 def _blank_as_none(codes: _Codes) -> _Codes:

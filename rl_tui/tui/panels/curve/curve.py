@@ -4,20 +4,22 @@ from __future__ import annotations
 
 from typing import Final
 
+from rich.cells import cell_len
 from textual.strip import Strip
 
 from rl_tui.agents.catalogue import BY_ID
 from rl_tui.lab.live.snapshot import Snapshot
+from rl_tui.tui.draw.chart_plot import Plot
 from rl_tui.tui.draw.pieces import Piece, strips_of
 from rl_tui.tui.draw.scale import Scale, settled
 from rl_tui.tui.draw.to_ascii import separated
-from rl_tui.tui.panels.curve.chart import draw_chart, plot_columns
+from rl_tui.tui.panels.curve.chart import draw_chart, plot_columns, plot_of
 from rl_tui.tui.panels.curve.chart_band import band_signs
 from rl_tui.tui.panels.curve.data import CurveData, curve_data
-from rl_tui.tui.panels.curve.lane_text import lane_remark, lane_titles
+from rl_tui.tui.panels.curve.lane_text import lane_remark, lane_titles, steps_note
 from rl_tui.tui.panels.curve.seed_band import seed_bands, seed_sign, with_room_for
-from rl_tui.tui.panels.curve.text import decimals_for, line_notes, remark, titles, with_notes
-from rl_tui.tui.panels.legend import Legend, LegendSign
+from rl_tui.tui.panels.curve.text import below_note, decimals_for, gap_note, remark, titles, together
+from rl_tui.tui.panels.legend import Legend, LegendSign, legend_text
 from rl_tui.tui.panels.panel import Panel
 from rl_tui.tui.panels.snapshot_facts import is_new_run, passes_too_fast
 from rl_tui.worlds.drawing import Arms
@@ -66,10 +68,17 @@ class ReturnCurve(Panel, can_focus=True):
             self.scale = scale
         decimals = decimals_for(*scale.outer_labels)
         in_border = height < _ROOM_FOR_REMARK
-        heads, words = self._words(snapshot, data, scale, width, in_border)
+        plot = plot_of(data, scale, self.look, width, height)
+        heads, words = self._words(snapshot, data, plot, width, in_border)
         if data.unit == "episode" and not data.lanes:
             heads = (*self.captioned(heads[0]), *heads)
-        self.heading, said = self.fitting(heads, width), self.fitting(words, width)
+        room = width - self._kept_for_legend(snapshot) if in_border else width
+        gap = gap_note(data, plot)
+        said = self.fitting(words if in_border else together(words, gap), room)
+        for note in (steps_note(data), gap if in_border else ()):
+            # where they come and go, the rest stays as it is
+            said = self.fitting([f"{said} · {each}" if said else each for each in note], room) or said
+        self.heading = self.fitting(heads, width)
         self.footing = self.fitting(self.hints, width) or (said if in_border else "")
         if not said or in_border:
             return draw_chart(data, scale, self.look, decimals, width, height)
@@ -86,20 +95,27 @@ class ReturnCurve(Panel, can_focus=True):
         plans = BY_ID[snapshot.agent.algorithm].planner
         sums = LegendSign("return", "= undiscounted sum", self.look.palette.text)
         band = () if plans else band_signs(self.look, lanes=bool(snapshot.run_group.lanes))
-        return (*more, sums, *band)
+        return (*band, *more, sums) if snapshot.run_group.lanes else (*more, sums, *band)
+
+    def _kept_for_legend(self, snapshot: Snapshot) -> int:
+        """Return the cells of the border that the band of lanes has in its legend, with the ``·`` behind."""
+        signs = self.legend(snapshot)[:1]
+        if not self.is_explained or not snapshot.run_group.lanes or not signs:
+            return 0
+        return cell_len(separated(f"{legend_text(signs, self.size.width, self.look)} · ", self.look.glyphs))
 
     def _words(
-        self, snapshot: Snapshot, data: CurveData, scale: Scale, width: int, in_border: bool
+        self, snapshot: Snapshot, data: CurveData, plot: Plot, width: int, in_border: bool
     ) -> tuple[Words, Words]:
         """Return the titles and the remarks, the longest form of each first."""
-        look, decimals = self.look, decimals_for(*scale.outer_labels)
+        look, decimals = self.look, decimals_for(*plot.scale.outer_labels)
         # Figures in the border would redraw the whole panel at every frame
         fast = passes_too_fast(snapshot)
         heads = titles(None if fast and not data.is_bandit else data, look.glyphs, decimals, width)
         with_figures = not (fast and in_border)
         words = remark(snapshot, data, look.glyphs, decimals, with_figures=with_figures)
         if data.lanes:
-            words = lane_remark(data, look, plot_columns(scale, look, width))
-        notes = line_notes(data, scale.low, look.glyphs, decimals, with_figures=with_figures)
+            words = lane_remark(data, look, plot_columns(plot.scale, look, width))
+        below = below_note(data, plot, look.glyphs, decimals, with_figures=with_figures)
         heads = lane_titles(data, heads, look.glyphs) if data.lanes else heads
-        return heads, with_notes(words, notes)
+        return heads, together(below, words)

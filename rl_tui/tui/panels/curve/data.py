@@ -90,10 +90,23 @@ class CurveData:
         return max(self.finished, *(lane.finished for lane in self.lanes)) if self.lanes else self.finished
 
     @property
-    def lowest(self) -> float:
-        """The lowest value of any line, ∞ if there is none."""
-        lines = (self.episodes, self.greedy, *(lane.line for lane in self.lanes))
-        return float(np.fmin.reduce(np.concatenate([line.low for line in lines]), initial=np.inf))
+    def lines(self) -> list[Steps]:
+        """The lines that are drawn: of a run alone that of its episodes and the greedy one.
+
+        Of runs side by side the greedy line of the one shown (without a step where that is the run's own
+        line), then one a run.
+        """
+        if not self.lanes:
+            return [self.episodes, self.greedy]
+        has_greedy = not any(lane.shown and lane.is_exact for lane in self.lanes)
+        return [self.greedy if has_greedy else NO_STEPS, *(lane.line for lane in self.lanes)]
+
+    @property
+    def line_names(self) -> list[str]:
+        """The names of :attr:`lines`."""
+        if not self.lanes:
+            return ["pulls" if self.is_bandit else "episodes", "greedy"]
+        return ["greedy", *(lane.name for lane in self.lanes)]
 
     @property
     def range(self) -> tuple[float, float]:

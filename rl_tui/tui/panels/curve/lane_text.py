@@ -74,9 +74,9 @@ def lane_columns(data: CurveData, look: Look, room: int) -> int:
 def lane_titles(data: CurveData, usual: tuple[str, ...], glyphs: Glyphs) -> tuple[str, ...]:
     """Return titles that say which lane is shown, the longest first; ``usual`` are those of a single one."""
     shown = next(lane for lane in data.lanes if lane.shown)
-    short = f"lane {shown.number} of {len(data.lanes)}"
-    named = f"{short}: {shown.name}"
-    clipped = f"{short}: {_clipped(shown.name, _TITLE_NAME, glyphs.ellipsis)}"
+    short = f"{len(data.lanes)} lanes, {glyphs.cursor}{shown.number}"
+    named = f"{short} {shown.name}"
+    clipped = f"{short} {_clipped(shown.name, _TITLE_NAME, glyphs.ellipsis)}"
     return f"{usual[0]} · {named}", f"Return · {named}", named, f"Return · {clipped}", clipped, short
 
 
@@ -103,6 +103,16 @@ def lane_remark(data: CurveData, look: Look, room: int) -> tuple[str, ...]:
         f"{recent} of one seed; M counts many",
         f"{recent}, one seed; M: many",
         *_ONE_SEED,
+    )
+
+
+def steps_note(data: CurveData) -> tuple[str, ...]:
+    """Return why one lane has come further than another, the longest form first; empty where none has."""
+    if len({lane.finished for lane in data.lanes if not lane.is_exact}) < 2:
+        return ()
+    return (
+        "lanes take the same number of steps, so one may have finished more episodes",
+        "lanes take equal steps, not equal episodes",
     )
 
 

@@ -13,6 +13,8 @@ from rl_tui.agents.catalogue import POLICY_BY_ID
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.run.history import RECENT
 from rl_tui.tui.draw import numbers
+from rl_tui.tui.draw.braille import Steps
+from rl_tui.tui.draw.chart_plot import Plot
 from rl_tui.tui.draw.to_ascii import to_ascii
 from rl_tui.tui.panels.curve.data import CurveData
 from rl_tui.tui.panels.last_step.update_text import setting
@@ -26,6 +28,7 @@ ROOM_FOR_NAMES: Final = 20
 NUMBER: Final = 6  # cells of the widest number beside a name
 _MOST_DECIMALS: Final = 5
 _LEAST_FIXED: Final = 2e-4  # extent of an axis whose numbers have no exponents
+_COMMA_FROM: Final = 5  # digits
 _TIES: Final = "greedy: ties"
 
 
@@ -55,7 +58,11 @@ def amount(x: float, decimals: int, glyphs: Glyphs) -> str:
     if decimals > _MOST_DECIMALS:
         return numbers.scientific(x, 1, glyphs)
     text = numbers.fixed(x, decimals, glyphs, leading_zero=False)
-    return text if len(text) <= NUMBER else numbers.value(x, NUMBER, glyphs)
+    text = text if len(text) <= NUMBER else numbers.value(x, NUMBER, glyphs)
+    digits = text.removeprefix(glyphs.minus)
+    return (
+        text.replace(digits, f"{int(digits):,}") if len(digits) >= _COMMA_FROM and digits.isdigit() else text
+    )
 
 
 def no_end(ends: float, *, short: bool = False) -> str:
@@ -94,8 +101,7 @@ def labels(
     ]
     if not greedy or data.greedy_ends is None:
         return found
-    said = no_end(data.greedy_ends, short=room < ROOM_FOR_LONG)
-    text = f"greedy: {said}" if room >= ROOM_FOR_NUMBERS else said
+    text = f"greedy: {no_end(data.greedy_ends, short=room < ROOM_FOR_LONG)}"
     return [LineLabel(to_ascii(text, look.glyphs), -math.inf, palette.greedy_line), *found]
 
 
@@ -199,40 +205,45 @@ def remark(
     )
 
 
-def line_notes(
-    data: CurveData, low: float, glyphs: Glyphs, decimals: int, *, with_figures: bool = True
-) -> list[tuple[str, ...]]:
-    """Return why a line has gaps, and how far lines go below ``low``, where the axis begins.
-
-    Of each note all forms, the longest first.
-    """
-    notes: list[tuple[str, ...]] = []
-    if not data.furthest:
-        return notes
-    if data.greedy_ends is not None or np.isnan(data.greedy.low[1:-1]).any():
-        notes.append(
-            (
-                "no greedy line where that policy may never end: it has no return there",
-                "no greedy line where it may never end",
-                "no line: may never end",
-            )
-        )
-    if (lowest := data.lowest) < low:
-        longer = (f"{glyphs.down} is below the axis, down to {amount(lowest, decimals, glyphs)}",)
-        notes.append(
-            (*(longer if with_figures else ()), f"{glyphs.down} below the axis", f"{glyphs.down} below")
-        )
-    return notes
-
-
-def with_notes(words: tuple[str, ...], notes: list[tuple[str, ...]]) -> tuple[str, ...]:
-    """Return forms of ``words`` and ``notes`` in one line, the longest first; the first are kept longest."""
-    parts = [each for each in (words, *notes) if each]
-    return tuple(
-        " · ".join(part[min(form, len(part) - 1)] for part in parts[:count])
-        for count in range(len(parts), 0, -1)
-        for form in range(max(map(len, parts[:count])))
+def below_note(
+    data: CurveData, plot: Plot, glyphs: Glyphs, decimals: int, *, with_figures: bool = True
+) -> tuple[str, ...]:
+    """Return which lines of ``plot`` go below its axis and how far, the longest form first; empty if none."""
+    lines = zip(data.line_names, data.lines, strict=True)
+    below = sorted(
+        (float(np.nanmin(line.low)), name, bool(line.low[-1] < plot.scale.low))
+        for name, line in lines
+        if plot.below(line).any()
     )
+    if not below or not data.furthest:
+        return ()
+    lowest, down = below[0][1], glyphs.down
+    figures = [
+        f"{name}, {'down to' if is_still else 'once'} {amount(value, decimals, glyphs)}"
+        for value, name, is_still in below
+    ]
+    names = f"{down} below the axis: {' and '.join(name for _, name, _ in below)}"
+    if not with_figures:
+        return names, f"{down} {lowest} below", f"{down} below"
+    return f"{down} below the axis: {' and '.join(figures)}", f"{down} {figures[0]}", f"{down} {lowest} below"
+
+
+def gap_note(data: CurveData, plot: Plot) -> tuple[str, ...]:
+    """Return why the greedy line of ``plot`` has gaps, the longest form first; empty if it has none."""
+    greedy = data.lines[data.line_names.index("greedy")]
+    later = Steps(*(each[1:] for each in greedy))  # before anything is learned there is nothing to say
+    if not data.furthest or not np.isnan(later.low[:-1]).any() or not plot.has_gap(later):
+        return ()
+    return (
+        "no greedy line where that policy may never end: it has no return there",
+        "no greedy line where it may never end",
+        "no line: may never end",
+    )
+
+
+def together(first: tuple[str, ...], second: tuple[str, ...]) -> tuple[str, ...]:
+    """Return forms of both in one line, those of ``first`` kept longest, then of either alone."""
+    return (*(f"{one} · {other}" for one in first for other in second), *first, *second)
 
 
 def _has_learned(data: CurveData) -> bool:
