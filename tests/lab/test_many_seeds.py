@@ -25,6 +25,7 @@ from rl_tui.common.kiosk import VARIABLE
 from rl_tui.lab.experiments.many_runs import many_runs
 from rl_tui.lab.experiments.training import Goal, train
 from rl_tui.lab.live.commands import (
+    WHILE_SEEKING,
     AddLane,
     Apply,
     ChooseBranch,
@@ -170,6 +171,10 @@ def test_lanes_have_as_many_episodes_as_the_one_with_the_fewest() -> None:
     do(playback, AddLane((SetParameter("epsilon", 1.0),)), Train(20_000))
     finished = [run.learner.episodes for run in playback.group.runs]
     assert study_request(playback.group, is_awaited=True).episodes == min(finished) < finished[0]
+
+
+def test_it_waits_until_the_run_is_where_it_stood() -> None:
+    assert StudySeeds not in WHILE_SEEKING
 
 
 def test_there_is_none_of_a_world_too_large(monkeypatch: pytest.MonkeyPatch) -> None:

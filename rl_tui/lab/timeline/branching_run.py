@@ -131,7 +131,8 @@ class BranchingRun:
     def apply(self, change: Change, taken: Sequence[str] = ()) -> None:
         """Change something before the next step; where the run has been further, on a branch of its own.
 
-        That has none of the names that are ``taken``. Raises UserError where it does not fit, and in a kiosk where there are very many already.
+        That has none of the names that are ``taken``. Raises UserError where it does not fit, and in a kiosk
+        where there are very many already.
         """
         self._check_room()
         kept, run, applied = self.kept, self.run, len(self.run.journal)
