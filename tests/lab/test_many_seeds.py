@@ -10,6 +10,7 @@ import statistics
 import subprocess
 import sys
 import time
+import weakref
 from collections.abc import Callable
 from dataclasses import replace
 from itertools import count
@@ -23,8 +24,10 @@ from recipes import recipe
 import rl_tui
 from rl_tui.common.kiosk import VARIABLE
 from rl_tui.lab.experiments.many_runs import many_runs
+from rl_tui.lab.experiments.seeded_runs import SeededRuns
 from rl_tui.lab.experiments.training import Goal, train
 from rl_tui.lab.live.commands import (
+    WHILE_SEEKING,
     AddLane,
     Apply,
     ChooseBranch,
@@ -170,6 +173,23 @@ def test_lanes_have_as_many_episodes_as_the_one_with_the_fewest() -> None:
     do(playback, AddLane((SetParameter("epsilon", 1.0),)), Train(20_000))
     finished = [run.learner.episodes for run in playback.group.runs]
     assert study_request(playback.group, is_awaited=True).episodes == min(finished) < finished[0]
+
+
+def test_finished_runs_of_a_large_world_do_not_stay_in_memory(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(study, "COLLECTED_ABOVE", 0)
+    trained, row = list[weakref.ref[Run]](), SeededRuns.row
+
+    def noted(runs: SeededRuns, run: Run, check: Callable[[], None]) -> dict[str, Any]:
+        trained.append(weakref.ref(run))
+        return row(runs, run, check)
+
+    monkeypatch.setattr(SeededRuns, "row", noted)
+    reports(recipe("student"), Train(100))
+    assert [run() for run in trained] == [None] * 8
+
+
+def test_it_waits_until_the_run_is_where_it_stood() -> None:
+    assert StudySeeds not in WHILE_SEEKING
 
 
 def test_there_is_none_of_a_world_too_large(monkeypatch: pytest.MonkeyPatch) -> None:
