@@ -186,7 +186,12 @@ PARAMETERS: Final[Mapping[str, Parameter]] = {
             Range(0, 1e6),
         ),
         Parameter("initial_q", "Q₀", "what every estimate starts from", Range(-1e12, 1e12)),
-        Parameter("ties", "ties", "which of equal best actions is taken", words=("random", "first")),
+        Parameter(
+            "ties",
+            "ties",
+            "which of equal best actions is taken; the first is that in the world's own order",
+            words=("random", "first"),
+        ),
     )
 }
 

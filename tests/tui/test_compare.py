@@ -37,6 +37,7 @@ def test_what_counts_may_be_different_and_what_does_not_may_not() -> None:
     assert names[:7] == ("algorithm", "alpha", "gamma", "policy", "epsilon", "ties", "initial_q")
     assert "epsilon_decay" in names
     assert "temperature" not in names
+    assert "gamma" not in what_may_differ(recipe_for(find("bandit"), {}, 0))
     planner = what_may_differ(replace(RECIPE, algorithm="value-iteration"))
     assert planner == ("algorithm", "gamma", "accuracy", "initial_q")
 

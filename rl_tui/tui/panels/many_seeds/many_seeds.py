@@ -99,6 +99,8 @@ def _how_far(study: SeedStudy, snapshot: Snapshot, look: Look, width: int) -> It
         yield _progress(study, _span(study, snapshot), look, width)
     elif study.state is StudyState.STARTING:
         yield [Piece(" starting", palette.dim)]
+    if study.state in _UNDER_WAY and not study.seeds:
+        yield from wrapped("the first figures come after 8 seeds", width, palette.dim, look, " ", " ")
     if study.is_outdated:
         text = "the run has been changed since: enter counts again"
         yield from wrapped(text, width, palette.accent, look, " ", " ")

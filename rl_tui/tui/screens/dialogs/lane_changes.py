@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from rl_tui.agents.catalogue import parameters_of
 from rl_tui.agents.hyperparameters import PARAMETERS
+from rl_tui.agents.idle_parameters import why_idle
 from rl_tui.common.errors import UserError
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.run.recipe import Recipe, SetParameter, Setting, SwitchAlgorithm, changed_recipe
@@ -17,8 +18,16 @@ ALGORITHM = "algorithm"
 
 
 def what_may_differ(recipe: Recipe) -> tuple[str, ...]:
-    """Return ``algorithm`` and the hyper-parameters that count for ``recipe``, those of schedules last."""
-    names = parameters_of(recipe.algorithm, recipe.hyperparameters.policy)
+    """Return ``algorithm`` and the hyper-parameters that count for ``recipe``, those of schedules last.
+
+    What looks ahead, such as γ, is left out where every pull ends its episode.
+    """
+    names = [
+        name
+        for name in parameters_of(recipe.algorithm, recipe.hyperparameters.policy)
+        if recipe.scenario.kind != "bandit"
+        or not why_idle(name, recipe.algorithm, recipe.hyperparameters, is_bandit=True)
+    ]
     return (ALGORITHM, *sorted(names, key=lambda name: PARAMETERS[name].schedule))
 
 
