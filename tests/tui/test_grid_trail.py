@@ -73,7 +73,7 @@ def test_a_slip_that_led_nowhere_stands_with_the_agent() -> None:
 
 def test_marks_are_seen_without_colours_and_in_ascii() -> None:
     snapshot = with_trail((0, RIGHT, RIGHT, 1), (1, RIGHT, RIGHT, 2), (2, DOWN, DOWN, 6))
-    assert picture(snapshot, 40, 8, ascii=True)[1][9] == '"'
+    assert picture(snapshot, 40, 8, ascii=True)[1][9] == "="
     view = GridView(snapshot.world, look(depth="none"))
     assert view.picture(snapshot, 40, 8)[1].text[9] == "•"
 
