@@ -224,11 +224,6 @@ def test_a_difference_is_of_seeds_that_have_both() -> None:
     assert difference_of([None], [1.0]) is None
 
 
-def test_an_interval_is_two_standard_errors_wide_on_each_side() -> None:
-    assert Estimate(3.0, 0.5, 8).interval == (2.0, 4.0)
-    assert Estimate(3.0, None, 1).interval is None
-
-
 def test_a_study_is_the_same_after_its_way_through_the_pipe() -> None:
     told = reports(recipe("student"), Train(100), GREEDY)[-1]
     again = of_json(json.loads(json.dumps(as_json(told), allow_nan=False)))

@@ -31,14 +31,6 @@ class Estimate:
     count: int
     """The seeds that have this figure."""
 
-    @property
-    def interval(self) -> tuple[float, float] | None:
-        """The mean ± 2 standard errors, None where there is none: about 95 % certain at one look.
-
-        Who looks at every step of the growth and stops at will is less certain than that, so it is no test.
-        """
-        return None if self.stderr is None else (self.mean - 2 * self.stderr, self.mean + 2 * self.stderr)
-
 
 @dataclass(frozen=True, slots=True)
 class PairedDifference:

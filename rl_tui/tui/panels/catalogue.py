@@ -257,7 +257,7 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         "One seed decides nothing. M runs the same again under other seeds, beside this run and at low "
         "priority: 8, then 16, up to 256, for as many episodes as this run has had, within bounds. Each "
         "figure of this seed stands beside the mean over all, with the standard error of that mean. With "
-        "lanes, each seed runs in every one, and the difference is told seed by seed, in brackets with two "
+        "lanes, each seed runs in every one, and the difference is told seed by seed, in brackets with three "
         "standard errors on either side; of regret, less is better. The curve has the mean over seeds behind "
         "its own lines, two standard errors wide on either side. What was changed since is not in it: enter "
         "counts again.",
