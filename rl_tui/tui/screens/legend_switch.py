@@ -1,4 +1,4 @@
-"""Whether panels explain themselves, as a person last chose."""
+"""Whether panels explain themselves, and what cells of maps show, as a person last chose."""
 
 from __future__ import annotations
 

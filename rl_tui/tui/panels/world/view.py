@@ -65,8 +65,9 @@ class WorldView(Panel, can_focus=True):
         self.note: tuple[str, ...] = ()
         self._is_manual = False
         self._is_numbered = False
-        self._differing: frozenset[int] = frozenset()
         self._shows_actions = False
+        self.differing: frozenset[int] = frozenset()
+        """The states whose greedy actions are others in the lane beside; seen when it is drawn again."""
         self.enter(world)
 
     def enter(self, world: World) -> None:
@@ -74,15 +75,6 @@ class WorldView(Panel, can_focus=True):
         self.world = world
         self.cursor: int | None = None  # where the user put it; None while it stays with the agent
         self._pointed: int | None = None  # where the cursor of another panel stands
-
-    @property
-    def differing(self) -> frozenset[int]:
-        """The states whose greedy actions are others in the lane beside; seen when it is drawn again."""
-        return self._differing
-
-    @differing.setter
-    def differing(self, states: frozenset[int]) -> None:
-        self._differing = states
 
     @property
     def shows_actions(self) -> bool:

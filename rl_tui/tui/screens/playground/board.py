@@ -112,13 +112,12 @@ class Board(Container):
         self._snapshot = snapshot
         if self.world is None:
             self._panels[WORLD] = view = make_world_view(snapshot.world, self.look, id=WORLD, classes="panel")
-            view.caption, view.is_explained = self.rows[WORLD].caption, self.is_explained
-            view.is_numbered, view.shows_actions = self.is_numbered, self.shows_actions
+            view.caption = self.rows[WORLD].caption
+            self._apply_switches()
             self.run_worker(self._replace_placeholder(view))
         if snapshot.beside is not None and not self._pair.twins:
             self._pair.make(snapshot, self.rows.values())
-            self.is_explained, self.is_numbered = self.is_explained, self.is_numbered
-            self.shows_actions = self.shows_actions
+            self._apply_switches()
             self.run_worker(self._mount_twins())
         self._reshape(lanes=snapshot.beside is not None and not self._is_one_lane)
         self._take_lead(snapshot)
@@ -206,8 +205,7 @@ class Board(Container):
     @is_explained.setter
     def is_explained(self, is_explained: bool) -> None:
         self._is_explained = is_explained
-        for panel in self._widgets().values():
-            panel.is_explained = is_explained
+        self._apply_switches()
 
     @property
     def is_numbered(self) -> bool:
@@ -217,9 +215,7 @@ class Board(Container):
     @is_numbered.setter
     def is_numbered(self, is_numbered: bool) -> None:
         self.legends.numbers_states = is_numbered
-        for panel in self._widgets().values():
-            if isinstance(panel, WorldView):
-                panel.is_numbered = is_numbered
+        self._apply_switches()
 
     @property
     def shows_actions(self) -> bool:
@@ -229,9 +225,14 @@ class Board(Container):
     @shows_actions.setter
     def shows_actions(self, shows_actions: bool) -> None:
         self.legends.shows_actions = shows_actions
+        self._apply_switches()
+
+    def _apply_switches(self) -> None:
+        """Have every panel show what the switches say, the twins of a second lane too."""
         for panel in self._widgets().values():
+            panel.is_explained = self.is_explained
             if isinstance(panel, WorldView):
-                panel.shows_actions = shows_actions
+                panel.is_numbered, panel.shows_actions = self.is_numbered, self.shows_actions
 
     def _shown(self) -> Iterator[BoardPanel]:
         """Yield the panels that are not closed."""
