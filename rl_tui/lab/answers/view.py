@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from rl_tui.lab.answers.drawn_policy import DrawnPolicy
 from rl_tui.lab.answers.policy_kind import PolicyKind
+from rl_tui.lab.answers.policy_values import PolicyAnswer
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -18,3 +20,5 @@ class AnswersView:
     """The policy whose values are asked for; None: of none."""
     drawn: DrawnPolicy = field(default_factory=DrawnPolicy)
     """The policy that a person drew."""
+    policies: Mapping[PolicyKind, PolicyAnswer] = field(default_factory=dict)
+    """What each policy is worth, as far as it is known; none while nobody asks."""

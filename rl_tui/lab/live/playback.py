@@ -169,7 +169,7 @@ class Playback:
             case State.RUNNING if self._automatic:
                 return self._continue_running()
             case _:
-                return self._find_trails()
+                return self._stand_still()
         return 0.0
 
     def snapshot(self) -> Snapshot:
@@ -374,13 +374,20 @@ class Playback:
             if self._clock() >= until:
                 return
 
-    def _find_trails(self) -> float | None:
-        """Find out for some milliseconds how the episodes under way went."""
-        if not self._automatic or self.group.trails_are_whole:
+    def _stand_still(self) -> float | None:
+        """Find out for some milliseconds how the episodes under way went, then what was asked beside."""
+        if not self._automatic:
+            return None
+        group = self.group
+        if not group.trails_are_whole:
+            self.changed = True
+            group.find_trails(CHUNK)
+            return 0.0
+        in_view = (group.current,) if group.beside is None else (group.current, group.beside)
+        if not self.questions.work(lane.run for lane in in_view):
             return None
         self.changed = True
-        self.group.find_trails(CHUNK)
-        return None if self.group.trails_are_whole else 0.0
+        return 0.0
 
     def _continue_running(self) -> float:
         run, before = self.group.current.run, self.group.current.run.step

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING
 
 from rl_tui.lab.answers.drawn_policy import DrawnPolicy
+from rl_tui.lab.answers.policy_values import PolicyAnswers
 from rl_tui.lab.answers.view import AnswersView
 from rl_tui.lab.many_seeds.seed_studies import SeedStudies
 from rl_tui.lab.run.exact_answers import RunAnswers
@@ -38,6 +39,7 @@ class Questions:
         """The policy that a person drew."""
         self.studied: PolicyKind | None = None
         """The policy whose values are asked for."""
+        self._policies = PolicyAnswers(automatic=automatic)
 
     def draw(self, state: int, action: int | None) -> None:
         """Choose ``action`` in ``state`` for the drawn policy; None: no action."""
@@ -47,6 +49,17 @@ class Questions:
         """Forget the drawn policy."""
         self.drawn = DrawnPolicy()
 
-    def answers(self, run: Run) -> AnswersView:
-        """Return what is known by now for ``run``."""
-        return AnswersView(is_hidden=bool(self.is_hidden), studied=self.studied, drawn=self.drawn)
+    def answers(self, run: Run, *, is_still: bool) -> AnswersView:
+        """Return what is known by now for ``run``, which takes steps unless it ``is_still``."""
+        policies = (
+            {}
+            if self.studied is None
+            else self._policies.of(run, self.exact.of(run), self.drawn, is_still=is_still)
+        )
+        return AnswersView(bool(self.is_hidden), self.studied, self.drawn, policies)
+
+    def work(self, runs: Iterable[Run]) -> bool:
+        """Work out one answer that is lacking of ``runs``, which stand still; return whether there was one."""
+        if self.studied is None:
+            return False
+        return self._policies.work(((run, self.exact.of(run)) for run in runs), self.drawn)
