@@ -18,7 +18,7 @@ from rl_tui.lab.many_seeds.figures import SeedStudy
 from rl_tui.lab.run.bandit import bandit_figures
 from rl_tui.lab.run.exact_answers import NO_TABLE, PENDING, Answer
 from rl_tui.lab.run.large_worlds import is_large
-from rl_tui.lab.run.recipe import Recipe, TakeAction, changed_recipe
+from rl_tui.lab.run.recipe import Recipe, Setting, changed_recipe
 from rl_tui.lab.run.results import RunResults
 from rl_tui.lab.timeline.branches import Timeline
 from rl_tui.lab.timeline.lane_view import RunGroupView
@@ -171,7 +171,7 @@ def as_left(snapshot: Snapshot, record: Record) -> Snapshot:
         return snapshot
     lane = record.lanes[record.shown]
     journal = lane.branches[lane.branch].journal
-    settings = [e.change for e in journal if e.step <= lane.step and not isinstance(e.change, TakeAction)]
+    settings = [e.change for e in journal if e.step <= lane.step and isinstance(e.change, Setting)]
     now = changed_recipe(lane.recipe, *settings)
     is_same_gamma = now.hyperparameters.gamma == snapshot.agent.hyperparameters.gamma
     views = [
