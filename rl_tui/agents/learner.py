@@ -26,7 +26,7 @@ from rl_tui.agents.kernels.watching import WatchedEvents, Watching
 from rl_tui.agents.last_step import Author
 from rl_tui.agents.learner_counters import EPISODES_LOGGED, LearnerCounters
 from rl_tui.agents.learner_state import LearnerState, Planned, arrays_of, copies, put_back
-from rl_tui.agents.sweep_phases import Phase
+from rl_tui.agents.sweep_phases import SweepPhase
 from rl_tui.common.errors import UserError
 from rl_tui.common.streams import Streams
 from rl_tui.worlds.environment import Environment
@@ -149,7 +149,7 @@ class Learner(LearnerCounters):
         return str(self._module.describe(self._memory)) if self.plans else ""
 
     @property
-    def phase(self) -> Phase | None:
+    def phase(self) -> SweepPhase | None:
         """What the sweep under way, or the last one, does to the policy; None before the first.
 
         It is None too where sweeps are all alike, and for an agent.
@@ -157,7 +157,7 @@ class Learner(LearnerCounters):
         return self._module.phase_of(self._memory) if self._takes_orders else None
 
     @property
-    def ordered(self) -> Phase | None:
+    def ordered(self) -> SweepPhase | None:
         """What is ordered for the next sweep; None where nothing is."""
         return self._module.ordered(self._memory) if self._takes_orders else None
 
@@ -165,7 +165,7 @@ class Learner(LearnerCounters):
     def _takes_orders(self) -> bool:
         return BY_ID[self.algorithm].takes_orders
 
-    def order(self, phase: Phase) -> None:
+    def order(self, phase: SweepPhase) -> None:
         """Let the next sweep be one of ``phase``, whatever is due by itself, be it that nothing is.
 
         Raises UserError where the algorithm in force has no such sweeps.

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Final, Literal
 
-Phase = Literal["evaluation", "improvement"]
+SweepPhase = Literal["evaluation", "improvement"]
 
-PHASES: Final[tuple[Phase, ...]] = ("evaluation", "improvement")
+SWEEP_PHASES: Final[tuple[SweepPhase, ...]] = ("evaluation", "improvement")
 """All of them; kernels number them by their places."""

@@ -29,7 +29,7 @@ from rl_tui.agents.algorithms.shared.backups import (
 from rl_tui.agents.kernels.compiled import compiled, member_of
 from rl_tui.agents.kernels.parameters import KernelParameters
 from rl_tui.agents.kernels.tables import Tables, pairs_of
-from rl_tui.agents.sweep_phases import PHASES, Phase
+from rl_tui.agents.sweep_phases import SWEEP_PHASES, SweepPhase
 from rl_tui.common.words import counted
 from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray, IntArray
 
@@ -80,19 +80,19 @@ def new_memory(q: FloatArray, visits: IntArray, space: FiniteSpace) -> Memory:
     return Memory(q, visits, v, equal, phase, policies, improved, no_order, *no_sweep())
 
 
-def phase_of(memory: Memory) -> Phase | None:
+def phase_of(memory: Memory) -> SweepPhase | None:
     """Return what the sweep under way, or the last one, does to the policy; None before the first."""
-    return None if memory.number[0] < 0 else PHASES[int(memory.phase[0])]
+    return None if memory.number[0] < 0 else SWEEP_PHASES[int(memory.phase[0])]
 
 
-def order(memory: Memory, phase: Phase) -> None:
+def order(memory: Memory, phase: SweepPhase) -> None:
     """Let the next sweep be one of ``phase``, whatever is due; the last order counts."""
-    memory.ordered[0] = PHASES.index(phase)
+    memory.ordered[0] = SWEEP_PHASES.index(phase)
 
 
-def ordered(memory: Memory) -> Phase | None:
+def ordered(memory: Memory) -> SweepPhase | None:
     """Return what is ordered for the next sweep, None where nothing is."""
-    return None if memory.ordered[0] == NO_ORDER else PHASES[int(memory.ordered[0])]
+    return None if memory.ordered[0] == NO_ORDER else SWEEP_PHASES[int(memory.ordered[0])]
 
 
 def describe(memory: Memory) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Final
 
-from rl_tui.agents.sweep_phases import Phase
+from rl_tui.agents.sweep_phases import SweepPhase
 from rl_tui.lab.live.until import Until
 from rl_tui.lab.live.viewport import Viewport
 from rl_tui.lab.run.recipe import Change, Recipe, Setting
@@ -49,7 +49,7 @@ class RunSweep(Command):
     That is the sweep under way if it is one; else it is finished, and the next one is ordered.
     """
 
-    phase: Phase
+    phase: SweepPhase
 
 
 @dataclass(frozen=True, slots=True)

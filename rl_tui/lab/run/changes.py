@@ -9,7 +9,7 @@ from typing import Any, Final, NamedTuple
 
 from rl_tui.agents.catalogue import BY_ID
 from rl_tui.agents.hyperparameters import PARAMETERS
-from rl_tui.agents.sweep_phases import PHASES
+from rl_tui.agents.sweep_phases import SWEEP_PHASES
 from rl_tui.common.errors import UserError
 from rl_tui.common.findings import near, shown
 from rl_tui.lab.run.recipe import (
@@ -66,9 +66,10 @@ def _value(text: str, name: str, value: str) -> float | str:
             raise ValueError(f"{shown(text)}: algorithm is {shown(value)}; expected {expected}")
         return value
     if name == SWEEP:
-        if value not in PHASES:
+        if value not in SWEEP_PHASES:
             raise ValueError(
-                f"{shown(text)}: sweep is {shown(value)}; expected {' or '.join(PHASES)}{near(value, PHASES)}"
+                f"{shown(text)}: sweep is {shown(value)}; expected {' or '.join(SWEEP_PHASES)}"
+                f"{near(value, SWEEP_PHASES)}"
             )
         return value
     parameter = PARAMETERS[name]

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field, replace
 from typing import Final, NamedTuple
 
 from rl_tui.agents.hyperparameters import Hyperparameters
-from rl_tui.agents.sweep_phases import Phase
+from rl_tui.agents.sweep_phases import SweepPhase
 from rl_tui.common.errors import UserError
 from rl_tui.common.streams import Streams, streams
 from rl_tui.worlds.files.scenario import Scenario
@@ -70,7 +70,7 @@ class TakeAction:
 class OrderSweep:
     """The next sweep of a planner evaluates its policy, or improves it, whatever is due by itself."""
 
-    phase: Phase
+    phase: SweepPhase
 
 
 Setting = SetParameter | SwitchAlgorithm

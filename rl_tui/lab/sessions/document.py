@@ -7,7 +7,7 @@ from typing import Annotated, Final, Literal
 
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, FailFast, Field, model_validator
 
-from rl_tui.agents.sweep_phases import Phase
+from rl_tui.agents.sweep_phases import SweepPhase
 from rl_tui.worlds.sections.schema import control_character
 
 FORMAT: Final = "rl-tui session"
@@ -68,7 +68,7 @@ class Entry(Part):
     to: Value | None = None
     algorithm: Word | None = None
     take: Place | None = None
-    sweep: Phase | None = None
+    sweep: SweepPhase | None = None
 
 
 class StoredBranch(Part):
