@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Final
 
 from rl_tui.agents.sweep_phases import SweepPhase
+from rl_tui.lab.answers.policy_kind import PolicyKind
 from rl_tui.lab.live.until import Until
 from rl_tui.lab.live.viewport import Viewport
 from rl_tui.lab.run.recipe import Change, Recipe, Setting
@@ -191,7 +192,34 @@ class FollowCell(Command):
     pair: int | None
 
 
-_AT_ANY_TIME: Final = (LookAt, FollowCell, MarkLane, EndStudy, SetSpeed)
+@dataclass(frozen=True, slots=True)
+class StudyPolicy(Command):
+    """Tell in every snapshot what policies are worth, with all values of this one; None: of none."""
+
+    kind: PolicyKind | None
+
+
+@dataclass(frozen=True, slots=True)
+class DrawAction(Command):
+    """Choose an action (its number) in a state for the drawn policy; None: none."""
+
+    state: int
+    action: int | None
+
+
+@dataclass(frozen=True, slots=True)
+class ClearDrawing(Command):
+    """Forget the drawn policy."""
+
+
+@dataclass(frozen=True, slots=True)
+class HideAnswer(Command):
+    """Hide whatever would give the answer away, or show it."""
+
+    is_hidden: bool
+
+
+_AT_ANY_TIME: Final = (LookAt, FollowCell, MarkLane, EndStudy, SetSpeed, StudyPolicy)
 LOOKING: Final = (*_AT_ANY_TIME, StudySeeds)
 """Commands that leave nothing behind that is worth keeping."""
 

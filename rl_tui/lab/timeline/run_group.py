@@ -213,7 +213,8 @@ class RunGroup:
         """Add a run that differs from the one shown by ``changes``, from the start.
 
         It keeps what was changed on the way, but for what differs, and but for steps taken by a person; with
-        another algorithm also but for sweeps that were ordered of the one shown. Raises UserError where there is no room for another, or it cannot work.
+        another algorithm also but for sweeps that were ordered. Raises UserError where there is no room for
+        another, or it cannot work.
         """
         self._check_room()
         model, step = self.current, self.step

@@ -23,8 +23,8 @@ class StateValues:
 
     ``known`` holds the states about which something was learned: updated, or with estimates that differ;
     ``greedy`` the greedy pairs of those states, all ties. Where policy iteration keeps a policy, value and
-    pairs are those of that. ``numbers`` are all values that have one form and one scale of tints: of two lanes
-    side by side those of both.
+    pairs are those of that. ``numbers`` are all values that have one form and one scale of tints: of two
+    lanes side by side those of both.
     """
 
     value: tuple[float | None, ...]

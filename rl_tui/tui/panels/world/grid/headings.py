@@ -31,7 +31,8 @@ def heading_of_actions(form: ActionForm) -> str:
 def numbered(heading: str, form: CellForm, arrows: str, longest: int, *, in_corner: bool) -> tuple[str, ...]:
     """Return headings for cells with the numbers of their states, the longest first.
 
-    ``arrows`` are the greedy ones or those of a policy; ``longest`` characters take the longest in view; ``in_corner`` says that they take the place of nothing.
+    ``arrows`` are the greedy ones or those of a policy; ``longest`` characters take the longest in view;
+    ``in_corner`` says that they take the place of nothing.
     """
     if in_corner or form.has_corner:
         return f"{heading} · {STATE_NUMBERS}", f"{TITLE} · {STATE_NUMBERS}", STATE_NUMBERS

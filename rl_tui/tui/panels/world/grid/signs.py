@@ -29,7 +29,7 @@ def differing_sign(width: int, name: str, look: Look) -> LegendSign:
 
 
 def tie_sign(look: Look, *, is_kept: bool) -> LegendSign:
-    """Return how a narrow cell says that there are several actions; of a policy that ``is_kept``, as likely."""
+    """Return how a narrow cell says that there are several actions; ``is_kept``: of a planner's policy."""
     return LegendSign(SEVERAL, "tie", look.palette.strong, f"tie: equally {'likely' if is_kept else 'good'}")
 
 
