@@ -47,11 +47,11 @@ class Memory(NamedTuple):
     The estimates ``q`` are [P], and so are ``visits``, which count how often each was backed up, and the
     probabilities ``policy``. ``v``, [S], is the value of each state under the policy, 0 where it owns no
     pair. ``phase`` is 0 in an evaluation and 1 in an improvement; ``policies`` counts them from 1 and
-    ``improved`` the states whose policy changed in the improvement; ``ordered`` is the phase of the next sweep
-    where a person has ordered one, else −1; [1] each. The rest is the
+    ``improved`` the states whose policy changed in the improvement; ``ordered`` is the phase of the next
+    sweep where a person has ordered one, else −1; [1] each. The rest is the
     :class:`rl_tui.agents.algorithms.shared.backups.Sweep`, which counts the sweeps of an evaluation. Its
-    change and its discount are those of the last evaluation, in an improvement too, and the change is infinite
-    where that was of another policy than the one in force.
+    change and its discount are those of the last evaluation, in an improvement too, and the change is
+    infinite where that was of another policy than the one in force.
     """
 
     q: FloatArray
