@@ -18,3 +18,5 @@ class AnswersView:
     """The policy whose values are asked for; None: of none."""
     drawn: DrawnPolicy = field(default_factory=DrawnPolicy)
     """The policy that a person drew."""
+    left_to_chance: int | None = None
+    """In how many states it may come to act at random for want of a choice; None: it is not studied."""

@@ -6,15 +6,17 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from rl_tui.lab.answers.drawn_policy import DrawnPolicy
+from rl_tui.lab.answers.left_to_chance import LeftToChance
+from rl_tui.lab.answers.policy_kind import PolicyKind
 from rl_tui.lab.answers.view import AnswersView
 from rl_tui.lab.many_seeds.seed_studies import SeedStudies
 from rl_tui.lab.run.exact_answers import RunAnswers
 
 if TYPE_CHECKING:
-    from rl_tui.lab.answers.policy_kind import PolicyKind
     from rl_tui.lab.live.record import Record
     from rl_tui.lab.live.viewport import Viewport
     from rl_tui.lab.run.run import Run
+    from rl_tui.worlds.mdp.space import FiniteSpace
 
 
 class Questions:
@@ -38,10 +40,15 @@ class Questions:
         """The policy that a person drew."""
         self.studied: PolicyKind | None = None
         """The policy whose values are asked for."""
+        self._left_to_chance = LeftToChance()
 
     def draw(self, state: int, action: int | None) -> None:
         """Choose ``action`` in ``state`` for the drawn policy; None: no action."""
         self.drawn = self.drawn.with_action(state, action)
+
+    def fit(self, space: FiniteSpace) -> None:
+        """Keep of the drawn policy what can be done in ``space``."""
+        self.drawn = self.drawn.fitting(space)
 
     def clear(self) -> None:
         """Forget the drawn policy."""
@@ -49,4 +56,9 @@ class Questions:
 
     def answers(self, run: Run) -> AnswersView:
         """Return what is known by now for ``run``."""
-        return AnswersView(is_hidden=bool(self.is_hidden), studied=self.studied, drawn=self.drawn)
+        mdp, left = run.world.mdp, None
+        if mdp is not None and self.studied is PolicyKind.DRAWN:
+            left = self._left_to_chance.of(mdp, self.drawn)
+        return AnswersView(
+            is_hidden=bool(self.is_hidden), studied=self.studied, drawn=self.drawn, left_to_chance=left
+        )
