@@ -38,101 +38,132 @@ class PolicyValue:
     at_start: float | None
 
 
+class PolicyChain:
+    """The Markov chain that ``policy``, [P], makes of a model, and its figures over an unlimited horizon.
+
+    What was searched or factorised for one question serves the next. Each figure raises NoExactAnswer where
+    rounding would spoil it.
+    """
+
+    def __init__(self, model: ExactModel, policy: FloatArray) -> None:
+        self._model, self._policy = model, policy
+        self._ways_to_end: tuple[BoolArray, BoolArray] | None = None
+        # Only the last: that of a large world takes hundreds of megabytes
+        self._factorised: tuple[float, bytes] | None = None
+        self._solver: Solver | None = None
+
+    def value(self, gamma: float) -> PolicyValue:
+        """Return the values for ``gamma`` in [0, 1]. At γ = 1 an endless part that pays nothing adds 0."""
+        model = self._model
+        if gamma == 1.0:
+            v = self._undiscounted()
+        else:
+            v = np.zeros(model.end + 1, dtype=np.longdouble)
+            self.solve(gamma, model.is_live, v)
+        at_start = model.mdp.average_at_start(v)
+        return PolicyValue(v[:-1].astype(np.float64), None if np.isnan(at_start) else at_start)
+
+    def chance_of_ending(self) -> float:
+        """Return the probability that an episode ever ends."""
+        can_end, may_fail = self._find_ways_to_end()
+        chance = np.where(can_end, 1.0, 0.0).astype(np.longdouble)
+        unsure = can_end & may_fail
+        chance[unsure] = 0.0
+        self.solve(1.0, unsure, chance, np.zeros_like(self._model.reward))
+        return min(1.0, max(0.0, self._model.mdp.average_at_start(chance)))
+
+    def expected_length(self) -> float | None:
+        """Return the expected number of steps of an episode, None where it may never end."""
+        if not self.always_ends():
+            return None
+        _, may_fail = self._find_ways_to_end()
+        length = np.zeros(self._model.end + 1, dtype=np.longdouble)
+        self.solve(1.0, self._model.is_live & ~may_fail, length, np.ones_like(self._model.reward))
+        return self._model.mdp.average_at_start(length)
+
+    def always_ends(self) -> bool:
+        """Return True if every episode ends with probability 1, given time enough."""
+        _, may_fail = self._find_ways_to_end()
+        return not may_fail[self._model.mdp.start_state].any()
+
+    def solve(
+        self, gamma: float, unknown: BoolArray, v: ExtendedArray, reward: ExtendedArray | None = None
+    ) -> float:
+        """Set v(s) = E[R + γ v(S′)] in the ``unknown`` states, given ``v``, [S+1], in all others.
+
+        ``unknown``, [S+1], marks live states from which the policy comes to others where γ = 1. ``reward``,
+        [O], takes the place of the world's own. Returns what rounding may have left, judged by the last
+        correction.
+
+        Raises NoExactAnswer where that is more than 1e-10 (and 1e-15 of the largest value).
+        """
+        if not unknown.any():
+            return 0.0
+        model = self._model
+        weights = self._policy.astype(np.longdouble)
+        inside = unknown[model.live]
+        places = model.live[inside]
+        solver = self._solver_of(gamma, unknown)
+        error = np.inf
+        for _ in range(MOST_ROUNDS):
+            residual = model.mixed(weights, model.advantage(v, gamma, reward))[inside]
+            correction = solver(residual.astype(np.float64))
+            v[places] += correction
+            before, error = error, float(np.abs(correction).max())
+            scale = float(np.abs(v[places]).max())
+            if error <= np.finfo(np.longdouble).eps * scale or not error < before / 2:
+                break
+        if not error <= max(PRECISION, RELATIVE_PRECISION * scale):
+            raise _too_ill_conditioned(gamma)
+        return error
+
+    def _undiscounted(self) -> ExtendedArray:
+        """Return the values at γ = 1, [S+1], NaN where there are none."""
+        model, usable = self._model, self._policy > 0.0
+        paying = model.pair_state[model.outcome_pair[(model.reward != 0.0) & usable[model.outcome_pair]]]
+        to_be_paid = model.steps_to(np.unique(paying), usable) >= 0
+        # A state from which no end and no part without rewards can be reached is paid for ever
+        settled = np.flatnonzero(~to_be_paid)
+        endless = model.steps_to(settled, usable) < 0
+        undefined = model.steps_to(np.flatnonzero(endless), usable) >= 0
+        v = np.zeros(model.end + 1, dtype=np.longdouble)
+        self.solve(1.0, to_be_paid & ~undefined, v)
+        v[undefined] = np.nan
+        return v
+
+    def _find_ways_to_end(self) -> tuple[BoolArray, BoolArray]:
+        """Return from which states, [S+1], it may come to an end, and from which it may never do so."""
+        if self._ways_to_end is None:
+            usable = self._policy > 0.0
+            can_end = self._model.steps_to([self._model.end], usable) >= 0
+            may_fail = self._model.steps_to(np.flatnonzero(~can_end[:-1]), usable) >= 0
+            self._ways_to_end = can_end, may_fail
+        return self._ways_to_end
+
+    def _solver_of(self, gamma: float, unknown: BoolArray) -> Solver:
+        wanted = gamma, unknown.tobytes()
+        if self._solver is None or self._factorised != wanted:
+            self._solver = None  # its memory, before another's is taken
+            try:
+                self._solver = _chain_solver(self._model, self._policy, gamma, unknown)
+            except SingularMatrixError:
+                raise _too_ill_conditioned(gamma) from None
+            self._factorised = wanted
+        return self._solver
+
+
 def evaluate(mdp: TabularMDP, policy: FloatArray, gamma: float) -> PolicyValue:
     """Return the exact value of ``policy``, [P] probabilities that sum to 1 in each state.
 
     There is no time limit; ``gamma`` is in [0, 1]. At γ = 1 an endless part that pays nothing adds 0. Raises
     NoExactAnswer where rounding would spoil the answer.
     """
-    model = exact_model(mdp)
-    return policy_value(model, policy, gamma)
-
-
-def policy_value(model: ExactModel, policy: FloatArray, gamma: float) -> PolicyValue:
-    """Return what :func:`evaluate` does, of a model at hand."""
-    if gamma == 1.0:
-        v = _undiscounted(model, policy)
-    else:
-        v = np.zeros(model.end + 1, dtype=np.longdouble)
-        solve_chain(model, policy, gamma, model.is_live, v)
-    at_start = model.mdp.average_at_start(v)
-    return PolicyValue(v[:-1].astype(np.float64), None if np.isnan(at_start) else at_start)
-
-
-def ending_probability(model: ExactModel, policy: FloatArray) -> float:
-    """Return the probability that ``policy``, [P], ever ends an episode that starts at the start."""
-    can_end, may_fail = _ways_to_end(model, policy)
-    chance = np.where(can_end, 1.0, 0.0).astype(np.longdouble)
-    unsure = can_end & may_fail
-    chance[unsure] = 0.0
-    solve_chain(model, policy, 1.0, unsure, chance, np.zeros_like(model.reward))
-    return min(1.0, max(0.0, model.mdp.average_at_start(chance)))
+    return PolicyChain(exact_model(mdp), policy).value(gamma)
 
 
 def always_ends(mdp: TabularMDP, policy: FloatArray) -> bool:
     """Return True if ``policy``, [P], ends every episode with probability 1, given time enough."""
-    _, may_fail = _ways_to_end(exact_model(mdp), policy)
-    return not may_fail[mdp.start_state].any()
-
-
-def _ways_to_end(model: ExactModel, policy: FloatArray) -> tuple[BoolArray, BoolArray]:
-    """Return from which states, [S+1], ``policy`` may come to an end, and from which it may never do so."""
-    usable = policy > 0.0
-    can_end = model.steps_to([model.end], usable) >= 0
-    return can_end, model.steps_to(np.flatnonzero(~can_end[:-1]), usable) >= 0
-
-
-def _undiscounted(model: ExactModel, policy: FloatArray) -> ExtendedArray:
-    """Return the values at γ = 1, [S+1], NaN where there are none."""
-    usable = policy > 0.0
-    paying = model.pair_state[model.outcome_pair[(model.reward != 0.0) & usable[model.outcome_pair]]]
-    to_be_paid = model.steps_to(np.unique(paying), usable) >= 0
-    # A state from which no end and no part without rewards can be reached is paid for ever
-    settled = np.flatnonzero(~to_be_paid)
-    endless = model.steps_to(settled, usable) < 0
-    undefined = model.steps_to(np.flatnonzero(endless), usable) >= 0
-    v = np.zeros(model.end + 1, dtype=np.longdouble)
-    solve_chain(model, policy, 1.0, to_be_paid & ~undefined, v)
-    v[undefined] = np.nan
-    return v
-
-
-def solve_chain(
-    model: ExactModel,
-    policy: FloatArray,
-    gamma: float,
-    unknown: BoolArray,
-    v: ExtendedArray,
-    reward: ExtendedArray | None = None,
-) -> float:
-    """Set v(s) = E[R + γ v(S′)] in the ``unknown`` states, given ``v``, [S+1], in all others.
-
-    ``unknown``, [S+1], marks live states from which ``policy`` comes to others where γ = 1. ``reward``, [O],
-    takes the place of the world's own. Returns what rounding may have left, judged by the last correction.
-
-    Raises NoExactAnswer where that is more than 1e-10 (and 1e-15 of the largest value).
-    """
-    if not unknown.any():
-        return 0.0
-    weights = policy.astype(np.longdouble)
-    inside = unknown[model.live]
-    places = model.live[inside]
-    try:
-        solver = _chain_solver(model, policy, gamma, unknown)
-    except SingularMatrixError:
-        raise _too_ill_conditioned(gamma) from None
-    error = np.inf
-    for _ in range(MOST_ROUNDS):
-        residual = model.mixed(weights, model.advantage(v, gamma, reward))[inside]
-        correction = solver(residual.astype(np.float64))
-        v[places] += correction
-        before, error = error, float(np.abs(correction).max())
-        scale = float(np.abs(v[places]).max())
-        if error <= np.finfo(np.longdouble).eps * scale or not error < before / 2:
-            break
-    if not error <= max(PRECISION, RELATIVE_PRECISION * scale):
-        raise _too_ill_conditioned(gamma)
-    return error
+    return PolicyChain(exact_model(mdp), policy).always_ends()
 
 
 def _chain_solver(model: ExactModel, policy: FloatArray, gamma: float, unknown: BoolArray) -> Solver:

@@ -9,13 +9,13 @@ from typing import Final
 
 from rl_tui.agents.hyperparameters import PARAMETERS
 from rl_tui.common.errors import UserError
+from rl_tui.common.text_file import UnreadableError, read_text
 from rl_tui.lab.run.changes import written_change, written_value
 from rl_tui.lab.run.library import recipe_for, without_effect
 from rl_tui.lab.run.recipe import JournalEntry, Recipe, SetParameter, SwitchAlgorithm, TakeAction
 from rl_tui.worlds.files import catalogue
 from rl_tui.worlds.files.gymnasium_ids import PREFIX
 from rl_tui.worlds.files.scenario import Scenario
-from rl_tui.worlds.files.toml_file import UnreadableError, read_text
 from rl_tui.worlds.gym.modules import OPTION, module_of
 
 MOST_CHANGES: Final = 200

@@ -14,7 +14,8 @@ from pydantic import Field
 from rl_tui.common.errors import Fault, ScenarioError
 from rl_tui.common.findings import Finding, in_file_order, place, shown
 from rl_tui.common.limits import MOST_FINDINGS
-from rl_tui.worlds.files.toml_file import UnreadableError, read_text, tables_in
+from rl_tui.common.text_file import UnreadableError, read_text
+from rl_tui.worlds.files.toml_file import tables_in
 from rl_tui.worlds.sections.schema import (
     Expect,
     FileSection,
