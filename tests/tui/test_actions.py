@@ -47,6 +47,7 @@ PLAYGROUND_KEYS = {
     "k",
     "K",
     "y",
+    "D",
     "c",
     "l",
     "w",

@@ -27,6 +27,15 @@ class DrawnPolicy:
             chosen[state] = action
         return DrawnPolicy(tuple(sorted(chosen.items())))
 
+    def fitting(self, space: FiniteSpace) -> DrawnPolicy:
+        """Return the policy without what is no legal choice in ``space``."""
+        legal = (
+            (state, action)
+            for state, action in self.choices
+            if state < space.states and space.pair_of(state, action) is not None
+        )
+        return DrawnPolicy(tuple(legal))
+
     def chances(self, space: FiniteSpace) -> FloatArray:
         """Return π(a|s) of each pair of ``space``, [P]; uniform where nothing that is legal was chosen."""
         each = np.diff(space.first_pair)

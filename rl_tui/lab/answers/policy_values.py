@@ -24,7 +24,6 @@ LONGEST_AT_ONCE: Final = 1_000
 
 TOO_MANY: Final = f"more than {LIVE_STATES:,} states: rl-tui evaluate works it out"
 WHILE_RUNNING: Final = "pause to see it"
-NOT_DRAWN: Final = "nothing is drawn"
 PLANS: Final = "a planner takes no actions"
 BROKE_DOWN: Final = "the estimates ran away"
 NO_CHANCES: Final = "its chances have no closed form, or are too many"
@@ -179,7 +178,7 @@ def _policy(kind: PolicyKind, run: Run, exact: Answer, drawn: DrawnPolicy) -> Fl
                 return PolicyAnswer(refused=exact.refused)
             return uniform_over(space, exact.solution.greedy)
         case PolicyKind.DRAWN:
-            return drawn.chances(space) if drawn.choices else PolicyAnswer(refused=NOT_DRAWN)
+            return drawn.chances(space)
     if run.stop_reason:
         return PolicyAnswer(refused=BROKE_DOWN)
     if kind is PolicyKind.GREEDY:

@@ -20,5 +20,7 @@ class AnswersView:
     """The policy whose values are asked for; None: of none."""
     drawn: DrawnPolicy = field(default_factory=DrawnPolicy)
     """The policy that a person drew."""
+    left_to_chance: int | None = None
+    """In how many states it may come to act at random for want of a choice; None: it is not studied."""
     policies: Mapping[PolicyKind, PolicyAnswer] = field(default_factory=dict)
     """What each policy is worth, as far as it is known; none while nobody asks."""

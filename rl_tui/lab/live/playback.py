@@ -327,6 +327,7 @@ class Playback:
         self.compilation.has_changed(self.group)
         self.answer()  # it may take a while, so that it had better begin at once
         self.group.resume(record.lanes)
+        self.questions.fit(beginning.world.space)
         self.set_breakpoints(record.breakpoints)
         self.seek()
 
@@ -334,7 +335,10 @@ class Playback:
         """Start again from ``recipe``, paused. Raises UserError where its world cannot be built."""
         group, old = self.group, self.group.current
         beginning = begin(recipe, old.world if recipe.scenario == old.recipe.scenario else None)
-        breakpoints = self.breakpoints if beginning.world is old.world else Breakpoints()
+        breakpoints = self.breakpoints
+        if beginning.world is not old.world:
+            breakpoints = Breakpoints()
+            self.questions.clear()
         self._recipe = recipe
         self._start(
             Record(group.restarted(recipe), group.shown, breakpoints, self.transport.speed), beginning
@@ -378,13 +382,9 @@ class Playback:
         """Find out for some milliseconds how the episodes under way went, then what was asked beside."""
         if not self._automatic:
             return None
-        group = self.group
-        if not group.trails_are_whole:
-            self.changed = True
-            group.find_trails(CHUNK)
-            return 0.0
-        in_view = (group.current,) if group.beside is None else (group.current, group.beside)
-        if not self.questions.work(lane.run for lane in in_view):
+        if not self.group.trails_are_whole:
+            self.group.find_trails(CHUNK)
+        elif not self.questions.work(self.group):
             return None
         self.changed = True
         return 0.0

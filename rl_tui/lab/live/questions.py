@@ -2,20 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from rl_tui.lab.answers.drawn_policy import DrawnPolicy
+from rl_tui.lab.answers.left_to_chance import LeftToChance
+from rl_tui.lab.answers.policy_kind import PolicyKind
 from rl_tui.lab.answers.policy_values import PolicyAnswers
 from rl_tui.lab.answers.view import AnswersView
 from rl_tui.lab.many_seeds.seed_studies import SeedStudies
 from rl_tui.lab.run.exact_answers import RunAnswers
 
 if TYPE_CHECKING:
-    from rl_tui.lab.answers.policy_kind import PolicyKind
     from rl_tui.lab.live.record import Record
     from rl_tui.lab.live.viewport import Viewport
     from rl_tui.lab.run.run import Run
+    from rl_tui.lab.timeline.run_group import RunGroup
+    from rl_tui.worlds.mdp.space import FiniteSpace
 
 
 class Questions:
@@ -40,10 +43,15 @@ class Questions:
         self.studied: PolicyKind | None = None
         """The policy whose values are asked for."""
         self._policies = PolicyAnswers(automatic=automatic)
+        self._left_to_chance = LeftToChance()
 
     def draw(self, state: int, action: int | None) -> None:
         """Choose ``action`` in ``state`` for the drawn policy; None: no action."""
         self.drawn = self.drawn.with_action(state, action)
+
+    def fit(self, space: FiniteSpace) -> None:
+        """Keep of the drawn policy what can be done in ``space``."""
+        self.drawn = self.drawn.fitting(space)
 
     def clear(self) -> None:
         """Forget the drawn policy."""
@@ -51,15 +59,16 @@ class Questions:
 
     def answers(self, run: Run, *, is_still: bool) -> AnswersView:
         """Return what is known by now for ``run``, which takes steps unless it ``is_still``."""
-        policies = (
-            {}
-            if self.studied is None
-            else self._policies.of(run, self.exact.of(run), self.drawn, is_still=is_still)
-        )
-        return AnswersView(bool(self.is_hidden), self.studied, self.drawn, policies)
+        studied, mdp, left, policies = self.studied, run.world.mdp, None, {}
+        if mdp is not None and studied is PolicyKind.DRAWN:
+            left = self._left_to_chance.of(mdp, self.drawn)
+        if studied is not None:
+            policies = self._policies.of(run, self.exact.of(run), self.drawn, is_still=is_still)
+        return AnswersView(bool(self.is_hidden), studied, self.drawn, left, policies)
 
-    def work(self, runs: Iterable[Run]) -> bool:
-        """Work out one answer that is lacking of ``runs``, which stand still; return whether there was one."""
+    def work(self, group: RunGroup) -> bool:
+        """Work out one answer that runs in view lack, all standing still; return whether there was one."""
         if self.studied is None:
             return False
-        return self._policies.work(((run, self.exact.of(run)) for run in runs), self.drawn)
+        in_view = (group.current,) if group.beside is None else (group.current, group.beside)
+        return self._policies.work(((lane.run, self.exact.of(lane.run)) for lane in in_view), self.drawn)

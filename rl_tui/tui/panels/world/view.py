@@ -16,7 +16,7 @@ from rl_tui.tui.draw.names import state_name
 from rl_tui.tui.panels.bindings import binding
 from rl_tui.tui.panels.legend import GREEDY_IN_FULL, POLICY_IN_FULL, Legend, LegendSign
 from rl_tui.tui.panels.panel import BoardPanel, Panel
-from rl_tui.tui.panels.pointing import NOWHERE, Moved, Pointed
+from rl_tui.tui.panels.pointing import NOWHERE, Moved, PartPointed, Pointed, part_pointed_at
 from rl_tui.tui.theme.look import Look
 from rl_tui.worlds.world import World
 
@@ -30,9 +30,9 @@ class WorldView(Panel, can_focus=True):
 
     In focus it has a cursor, which stands on a place: a cell of a map, a state of a graph, an arm. Until an
     arrow key or a click moves it, it stays with the agent; escape takes it back there. ``is_manual``
-    says that a person is the agent: then the cursor is not drawn, and ``title`` and ``prompt``, the longest
-    forms first, stand in the border. So does the name of a ``lane`` where another one stands beside it, and
-    below it, without focus, a ``note`` about both.
+    says that a person is the agent: then the cursor is not drawn. While a mode is on that has keys of its
+    own, ``title`` and ``prompt``, the longest forms first, stand in the border. So does the name of a
+    ``lane`` where another one stands beside it, and below it, without focus, a ``note`` about both.
 
     Subclasses implement :meth:`drawing`, which may set ``heading`` and ``footing`` on the way, and say what
     the places are.
@@ -116,8 +116,14 @@ class WorldView(Panel, can_focus=True):
     @is_manual.setter
     def is_manual(self, is_manual: bool) -> None:
         self._is_manual = is_manual
-        self.set_class(is_manual, "-manual")
         self.redraw()
+
+    def show_mode(self, title: tuple[str, ...], prompt: tuple[str, ...]) -> None:
+        """Write on the border what mode is on and which keys it has; without a title none is."""
+        if (title, prompt) != (self.title, self.prompt):
+            self.title, self.prompt = title, prompt
+            self.set_class(bool(title), "-manual")
+            self.redraw()
 
     def show(self, snapshot: Snapshot) -> None:
         """Draw ``snapshot``; another seed may have made another world of the same kind."""
@@ -136,8 +142,8 @@ class WorldView(Panel, can_focus=True):
         return self.cursor is not None
 
     def legend(self, snapshot: Snapshot) -> Legend:
-        """Return the signs of the world; none while a person acts, who has keys on the border."""
-        return () if self.is_manual else self.signs()
+        """Return the signs of the world; none while a mode is on, which has keys on the border."""
+        return () if self.title else self.signs()
 
     def signs(self) -> Legend:
         """Return the signs that pictures of this world may have, those that matter most first."""
@@ -252,7 +258,7 @@ class WorldView(Panel, can_focus=True):
                 self._name_lane(width)
             if not self.footing and self.has_focus:
                 self.footing = self.fitting(self._about_cursor(), width)
-            if self.is_manual:
+            if self.title:
                 self.heading, self.footing = self.fitting(self.title, width), self.fitting(self.prompt, width)
             return strips
         palette, glyphs = self.look.palette, self.look.glyphs
@@ -322,8 +328,12 @@ class WorldView(Panel, can_focus=True):
         if offset is None or self.snapshot is None or self.is_manual:
             return
         place = self.place_at(offset.x, offset.y)
-        if place is not None:
-            self.put_cursor(place)
+        if place is None:
+            return
+        was_there = place == self.cursor
+        self.put_cursor(place)
+        if was_there:
+            self.post_message(PartPointed(self, part_pointed_at(self, offset.x, offset.y)))
 
     def on_resize(self) -> None:
         """Bring the part that is in view now into view in the lane beside."""

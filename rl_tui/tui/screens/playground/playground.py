@@ -27,6 +27,7 @@ from rl_tui.tui.actions.bindings import bindings_of
 from rl_tui.tui.actions.registry import actions_of
 from rl_tui.tui.panels.catalogue import PANELS, PanelRow
 from rl_tui.tui.panels.controls.slider import Slider, key_hints
+from rl_tui.tui.panels.pointing import PartPointed, Pointed
 from rl_tui.tui.panels.q_table.q_table import QTable
 from rl_tui.tui.panels.status_line import StatusLine
 from rl_tui.tui.panels.timeline.timeline import TimelineBar
@@ -37,8 +38,10 @@ from rl_tui.tui.screens.legend_switch import LegendSwitch
 from rl_tui.tui.screens.playground.actions.agent import AgentActions
 from rl_tui.tui.screens.playground.actions.export import ExportActions
 from rl_tui.tui.screens.playground.actions.lanes import LaneActions
-from rl_tui.tui.screens.playground.actions.manual import MANUAL_BINDINGS, ManualControl
 from rl_tui.tui.screens.playground.actions.microscope import MicroscopeActions
+from rl_tui.tui.screens.playground.actions.modes.drawing import PolicyDrawing
+from rl_tui.tui.screens.playground.actions.modes.manual import ManualControl
+from rl_tui.tui.screens.playground.actions.modes.mode import MODE_BINDINGS, Modes
 from rl_tui.tui.screens.playground.actions.run import RunActions
 from rl_tui.tui.screens.playground.actions.scenario_file import ScenarioFile
 from rl_tui.tui.screens.playground.actions.seeds import SeedActions
@@ -69,7 +72,7 @@ class Playground(ActionScreen):
     """
 
     CSS_PATH = "playground.tcss"
-    BINDINGS: ClassVar[list[BindingType]] = [*bindings_of(actions_of(Place.PLAYGROUND)), *MANUAL_BINDINGS]
+    BINDINGS: ClassVar[list[BindingType]] = [*bindings_of(actions_of(Place.PLAYGROUND)), *MODE_BINDINGS]
     AUTO_FOCUS = ""
     place = Place.PLAYGROUND
 
@@ -123,7 +126,9 @@ class Playground(ActionScreen):
         self.time = TimeActions(*of)
         self.until = UntilActions(*of)
         self.agent = AgentActions(*of)
-        self.manual = ManualControl(*of)
+        self.modes = Modes()
+        self.manual = ManualControl(*of, self.modes)
+        self.drawing = PolicyDrawing(*of, self.modes)
         self.lanes = LaneActions(*of)
         self.view = ViewActions(*of)
         self.microscope = MicroscopeActions(*of)
@@ -160,14 +165,25 @@ class Playground(ActionScreen):
         return self.wanted.recipe
 
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
-        """Leave arrows and digits to the panels unless a person is the agent."""
-        if action == "manual_key":
-            return self.manual.takes(str(parameters[0]))
+        """Leave arrows, digits and the like to the panels unless a mode takes them."""
+        if action == "mode_key":
+            return self.modes.takes(str(parameters[0]))
         return super().check_action(action, parameters)
 
-    def action_manual_key(self, key: str) -> None:
-        """Do what ``key`` means while a person is the agent."""
-        self.manual.press(key)
+    def action_mode_key(self, key: str) -> None:
+        """Do what ``key`` means in the mode that is on."""
+        self.modes.press(key)
+
+    @on(Pointed)
+    def show_mode(self) -> None:
+        """Show which keys the mode has where the cursor is now."""
+        if self.snapshot is not None:
+            self.modes.show(self.snapshot)
+
+    @on(PartPointed)
+    def draw_by_mouse(self, event: PartPointed) -> None:
+        """Draw the arrow towards the side of a cell that was clicked, while a policy is drawn."""
+        self.drawing.point(event.step)
 
     @on(Slider.Changed)
     def set_parameter(self, event: Slider.Changed) -> None:
@@ -234,7 +250,7 @@ class Playground(ActionScreen):
         self.link.send(command)
 
     def _note_sent(self, command: Command) -> None:
-        self.manual.note(command)
+        self.modes.note(command)
         self._pacer.hurry()
 
     def _start_to_follow(self) -> None:
@@ -286,7 +302,7 @@ class Playground(ActionScreen):
         with self.app.batch_update():
             self.session.show_name()
             self.status.show(snapshot)
-            self.manual.show(snapshot)
+            self.modes.show(snapshot)
             self.show_key_hints()
             self.board.show(snapshot)
             self.view.show(snapshot)
