@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING
 
 from rl_tui.lab.answers.drawn_policy import DrawnPolicy
 from rl_tui.lab.answers.left_to_chance import LeftToChance
 from rl_tui.lab.answers.policy_kind import PolicyKind
-from rl_tui.lab.answers.policy_values import PolicyAnswers
+from rl_tui.lab.answers.policy_values import PolicyAnswer, PolicyAnswers
 from rl_tui.lab.answers.view import AnswersView
 from rl_tui.lab.many_seeds.seed_studies import SeedStudies
 from rl_tui.lab.run.exact_answers import RunAnswers
@@ -59,7 +59,8 @@ class Questions:
 
     def answers(self, run: Run, *, is_still: bool) -> AnswersView:
         """Return what is known by now for ``run``, which takes steps unless it ``is_still``."""
-        studied, mdp, left, policies = self.studied, run.world.mdp, None, {}
+        studied, mdp, left = self.studied, run.world.mdp, None
+        policies: Mapping[PolicyKind, PolicyAnswer] = {}
         if mdp is not None and studied is PolicyKind.DRAWN:
             left = self._left_to_chance.of(mdp, self.drawn)
         if studied is not None:

@@ -13,7 +13,7 @@ from rich.segment import Segment
 from rl_tui.tui.draw.canvas import shortened
 from rl_tui.tui.draw.to_ascii import to_ascii
 from rl_tui.tui.panels.q_table.form import Pieces, Scene, aligned_right, boxed, framed, padded
-from rl_tui.tui.panels.q_table.layers import EXACT_LAYERS, Layer
+from rl_tui.tui.panels.q_table.layers import EXACT_LAYERS, LEARNED_NOT, Layer
 from rl_tui.tui.panels.q_table.world import NO_ROW
 
 DIGITS: Final = 6
@@ -228,8 +228,8 @@ def _beside(layer: Layer) -> list[Layer]:
             return [Layer.Q, Layer.OPTIMAL]
         case Layer.ERROR:
             return [Layer.Q, Layer.OPTIMAL, Layer.ERROR]
-        case Layer.LANES:
-            return [Layer.Q, Layer.LANES]
+        case Layer.LANES | Layer.POLICY:
+            return [Layer.Q, layer]
         case _:
             return [Layer.Q]
 
@@ -254,12 +254,12 @@ def _widening(wanted: int, room: int) -> int:
 
 
 def _value_columns(scene: Scene, layers: Sequence[Layer]) -> list[Column]:
-    """Return a column a layer. One has the frames and the cursor: Q*, if it is in force, else the first.
+    """Return a column a layer. One has the frames and the cursor: what is exact, if it is in force.
 
     While visits are in force they have them.
     """
     _share_form(scene, layers)
-    main = scene.layer if scene.layer is Layer.OPTIMAL and scene.layer in layers else layers[0]
+    main = scene.layer if scene.layer in LEARNED_NOT and scene.layer in layers else layers[0]
     counts = scene.layer is Layer.VISITS
     shown = replace(scene, cursor=None) if counts else scene
     columns = []

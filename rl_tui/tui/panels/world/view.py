@@ -9,6 +9,7 @@ from textual import events
 from textual.binding import BindingType
 from textual.strip import Strip
 
+from rl_tui.lab.answers.policy_kind import PolicyKind
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.live.viewport import Cells
 from rl_tui.tui.draw.canvas import Canvas, shortened
@@ -17,6 +18,8 @@ from rl_tui.tui.panels.bindings import binding
 from rl_tui.tui.panels.legend import GREEDY_IN_FULL, POLICY_IN_FULL, Legend, LegendSign
 from rl_tui.tui.panels.panel import BoardPanel, Panel
 from rl_tui.tui.panels.pointing import NOWHERE, Moved, PartPointed, Pointed, part_pointed_at
+from rl_tui.tui.panels.policies.studied import as_studied, studied_kind, study_headings
+from rl_tui.tui.panels.snapshot_facts import is_new_run
 from rl_tui.tui.theme.look import Look
 from rl_tui.worlds.world import World
 
@@ -129,7 +132,23 @@ class WorldView(Panel, can_focus=True):
         """Draw ``snapshot``; another seed may have made another world of the same kind."""
         if snapshot.world is not self.world:
             self.enter(snapshot.world)
-        super().show(snapshot)
+        super().show(as_studied(snapshot, revealed=self.revealed))
+
+    def begins_anew(self, snapshot: Snapshot) -> bool:
+        """Return whether the numbers of ``snapshot`` have nothing in common with those drawn until now."""
+        before = self.snapshot
+        if before is None or before.answers.studied is snapshot.answers.studied:
+            return is_new_run(before, snapshot)
+        return True
+
+    @property
+    def studied(self) -> PolicyKind | None:
+        """The policy whose values and actions are drawn; None: they are what the agent has learned."""
+        return None if self.snapshot is None else studied_kind(self.snapshot, revealed=self.revealed)
+
+    def study_headings(self, what: str) -> tuple[str, ...]:
+        """Return headings that say of which policy ``what`` is, or how to see it; none for the agent's."""
+        return () if self.snapshot is None else study_headings(self.snapshot, self.studied, TITLE, what)
 
     @property
     def cells(self) -> Cells | None:
@@ -151,13 +170,21 @@ class WorldView(Panel, can_focus=True):
 
     def value_signs(self) -> Legend:
         """Return the sign of V(s), which is a colour; none where there are no colours."""
-        palette = self.look.palette
-        return (LegendSign(" tint ", "V", palette.value(1.0), "value V(s)"),) if palette.tints else ()
+        palette, studied = self.look.palette, self.studied is not None
+        if not palette.tints:
+            return ()
+        name, in_full = ("Vπ", "value Vπ(s)") if studied else ("V", "value V(s)")
+        return (LegendSign(" tint ", name, palette.value(1.0), in_full),)
 
     @property
     def shows_kept_policy(self) -> bool:
         """Whether arrows and values are those of the policy that a planner keeps, not the greedy ones."""
         return self.snapshot is not None and len(self.snapshot.agent.policy) > 0
+
+    @property
+    def shown_differences(self) -> frozenset[int]:
+        """The states to be marked since greedy actions differ there: none while others are drawn."""
+        return self.differing if self.studied is None else frozenset()
 
     @property
     def policy_shown(self) -> str:
@@ -272,6 +299,7 @@ class WorldView(Panel, can_focus=True):
         shows, self.heading = self.heading.removeprefix(f"{TITLE} · "), self.fitting(self.lane, width)
         if not self.has_focus:
             forms = self.note or (self.footing, "" if self.is_explained else shows)
+            forms = (shows, *forms) if self.studied is not None else forms
             self.footing = self.fitting(filter(None, forms), width)
 
     def _about_cursor(self) -> tuple[str, ...]:

@@ -13,7 +13,6 @@ from rl_tui.tui.draw.number_form import NumberForm, SteadyForms
 from rl_tui.tui.panels.legend import Legend, LegendSign
 from rl_tui.tui.panels.panel import BoardPanel
 from rl_tui.tui.panels.scrolling import scrolled_to
-from rl_tui.tui.panels.snapshot_facts import is_new_run
 from rl_tui.tui.panels.world.graph.edge_list import draw_edge_list
 from rl_tui.tui.panels.world.graph.layout import GraphLayout, graph_layout
 from rl_tui.tui.panels.world.graph.routing import Box
@@ -55,7 +54,7 @@ class GraphView(WorldView):
 
     def show(self, snapshot: Snapshot) -> None:
         """Draw ``snapshot``; the form of its numbers is steady until another run starts."""
-        if is_new_run(self.snapshot, snapshot):
+        if self.begins_anew(snapshot):
             self._number_forms.clear()
         super().show(snapshot)
 
@@ -65,11 +64,12 @@ class GraphView(WorldView):
             self._shape = graph_shape(self._mdp, self._graph, self.look.glyphs)
             self._shape_glyphs = self.look.glyphs
         heading = f"{HEADING} {self.policy_shown}"
-        self.heading = self.fitting((*self.captioned(TITLE), heading), width) or heading
+        forms = self.study_headings("V") or (*self.captioned(TITLE), heading)
+        self.heading = self.fitting(forms, width) or heading
         values = state_values(self.world.space, snapshot)
         form = values.number_form(VALUE_WIDTH, self._number_forms)
         stops = snapshot.playback.breakpoints
-        signs = Signs(snapshot.counters.state, self.shown_cursor, stops, self.differing)
+        signs = Signs(snapshot.counters.state, self.shown_cursor, stops, self.shown_differences)
         self._layout = layout = graph_layout(self._shape, width, height)
         if layout is not None:
             self.footing = ""
