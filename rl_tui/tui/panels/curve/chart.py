@@ -104,7 +104,7 @@ def _draw_lines(canvas: Canvas, plot: Plot, data: CurveData, look: Look) -> None
     styles = (
         palette.text,
         palette.optimum,
-        palette.accent,
+        palette.good,
         palette.band,
         palette.dim,
         palette.episodes,
@@ -128,7 +128,7 @@ def _draw_lanes(canvas: Canvas, plot: Plot, data: CurveData, look: Look) -> None
     styles = (
         palette.text,
         palette.optimum,
-        palette.accent,
+        palette.good,
         band,
         palette.dim,
         palette.episodes,

@@ -90,7 +90,7 @@ def labels(
         (names[2], data.optimum, palette.optimum),
     ]
     if data.studied is not None:
-        lines.insert(2, (data.studied.name, data.studied.value, palette.accent))
+        lines.insert(2, (data.studied.name, data.studied.value, palette.good))
     if mean:  # lanes have theirs in the remark
         lines += [
             (f"{each.seeds} seeds{each.until if room >= ROOM_FOR_LONG else ''}", each.value, palette.dim)

@@ -35,8 +35,8 @@ class Column(NamedTuple):
 RETURN: Final = Column("expected_return", "return", 0)
 REWARD: Final = Column("expected_return", "a pull", 0)  # of a bandit
 VALUE: Final = Column("value_at_start", "at start", 1)
-STEPS: Final = Column("steps", "steps", 2)
-ENDS: Final = Column("ends", "ends", 3)
+STEPS: Final = Column("steps", "length", 2)
+ENDS: Final = Column("ends", "ending", 3)
 COLUMNS: Final = (RETURN, REWARD, VALUE, STEPS, ENDS)
 
 

@@ -114,7 +114,7 @@ def list_form(scene: Scene, width: int) -> ListForm:
 
 
 def greedy_line(scene: Scene) -> str:
-    """Return the greedy actions of all states, ties joined by =; empty where nothing is known."""
+    """Return the actions framed in all states, ties joined by =; empty where nothing is known."""
     world = scene.world
     states = []
     for state in world.live.tolist():
@@ -122,7 +122,8 @@ def greedy_line(scene: Scene) -> str:
         shown = [pair for pair in world.pairs_shown(state) if pair in greedy]
         states.append("=".join(world.action_names[world.action_of(pair)] for pair in shown) or NOT_TRIED)
     known = any(state != NOT_TRIED for state in states)
-    return f"greedy: {' · '.join(states)}" if known else ""
+    what = "likeliest" if scene.layer is Layer.POLICY else "greedy"
+    return f"{what}: {' · '.join(states)}" if known else ""
 
 
 def _pair_columns(scene: Scene, width: int) -> list[Column]:

@@ -213,8 +213,9 @@ class QTable(Panel, can_focus=True):
         frame, state = glyphs.mark_left + glyphs.mark_right, snapshot.world.space.states > 1
         is_learned = self.shown_layer not in LEARNED_NOT
         greedy = GREEDY_IN_FULL if is_learned else ""  # of Q* it is best
+        framed = "likeliest" if self.shown_layer is Layer.POLICY else "greedy"
         return (
-            LegendSign(frame, "greedy", palette.greedy, greedy),
+            LegendSign(frame, framed, palette.greedy, greedy),
             *([LegendSign(" lit ", "just updated", palette.updated)] if is_learned and self.lights else []),
             LegendSign(glyphs.agent, "agent" if state else "last pull", palette.agent),
             *([LegendSign(glyphs.stay, "not tried", palette.unvisited)] if is_learned else []),
