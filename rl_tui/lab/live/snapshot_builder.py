@@ -128,7 +128,7 @@ class SnapshotBuilder:
             tables=() if part else learner.remembered("q1", "q2"),
             values=np.empty(0) if part else next(iter(learner.remembered("v")), np.empty(0)),
             policy=np.empty(0) if part else next(iter(learner.remembered("policy")), np.empty(0)),
-            phase=learner.phase,
+            sweep=learner.phase,
             planning=learner.planning,
             author=learner.author,
         )

@@ -165,13 +165,16 @@ class _Writer:
         share = names.chance(float(self._backup.chance[counted[0]]), self._glyphs)
         estimates = [self._held(q) for q in estimates]
         products = " + ".join(f"{share}{times}{q}" for q in estimates)
-        return products, f"{share}{times}({' + '.join(estimates)})"
+        ends = f"{estimates[0]} + {self._glyphs.ellipsis} + {estimates[-1]}"
+        return products, f"{share}{times}({' + '.join(estimates)})", f"{share}{times}({ends})"
 
     def _best(self, of: str) -> Sequence[str]:
         gap, between = ("", " ") if self._are_directions else (" ", ", ")
         signed = [f"{self._sign(place)}{gap}{q}" for place, q in zip(self._places, self._q, strict=True)]
         numbers = ", ".join(self._q)
-        return f"{of}{{{between.join(signed)}}}", f"{of}{{{numbers}}}"
+        best = next(each for each, counts in zip(signed, self._counts, strict=True) if counts)
+        ellipsis = self._glyphs.ellipsis
+        return f"{of}{{{between.join(signed)}}}", f"{of}{{{numbers}}}", f"{of}{{{best}{between}{ellipsis}}}"
 
     def _chosen(self) -> str:
         gap = "" if self._are_directions else " or "
