@@ -1,4 +1,4 @@
-"""Policy iteration whose sweeps are ordered: evaluation and improvement apart (Sutton & Barto, section 4.6)."""
+"""Policy iteration whose sweeps are ordered: evaluation and improvement apart (Sutton & Barto, 4.6)."""
 
 from __future__ import annotations
 

@@ -100,6 +100,8 @@ class _Writer:
         else:
             of_best = {q for q, counts in zip(self._q, self._counts, strict=True) if counts}
             others = {q for q, counts in zip(self._q, self._counts, strict=True) if not counts}
+            if len(of_best) > 1:  # they are as good, but are rounded to either side
+                return False
             if of_best & others and float(np.ptp(backup.q)) > 10.0 ** -(self._decimals + 2):
                 return False
         return not backup.is_split or all(map(self._adds_up, self._places, self._q))
