@@ -165,10 +165,10 @@ class _Writer:
             return (worked,) if worked else ()
         times = self._glyphs.times
         share = names.chance(float(self._backup.chance[counted[0]]), self._glyphs)
-        estimates = [self._held(q) for q in estimates]
-        products = " + ".join(f"{share}{times}{q}" for q in estimates)
-        ends = f"{estimates[0]} + {self._glyphs.ellipsis} + {estimates[-1]}"
-        return products, f"{share}{times}({' + '.join(estimates)})", f"{share}{times}({ends})"
+        first, held = estimates[0], [self._held(q) for q in estimates]
+        products = " + ".join(f"{share}{times}{q}" for q in held)
+        ends = f"{first} + {self._glyphs.ellipsis} + {held[-1]}"
+        return products, f"{share}{times}({' + '.join((first, *held[1:]))})", f"{share}{times}({ends})"
 
     def _best(self, of: str) -> Sequence[str]:
         gap, between = ("", " ") if self._are_directions else (" ", ", ")

@@ -108,9 +108,10 @@ class StepWriter:
 
     def _state_backup(self, backup: BackupText, height: int) -> list[Line]:
         """Return the Bellman equation in symbols, for each action where there is room, and in numbers."""
-        law: Line = [self._label(backup.kind), self._plain(backup.law)]
-        laws = [law] if self._fits(law) else []
-        lines = [self._sweep(), *laws, self._bellman(backup, _GAP)]
+        law = self._fitting(
+            [each, self._plain(backup.law)] for each in (self._label(backup.kind), self._dim(" "))
+        )
+        lines = [self._sweep(), *([law] if self._fits(law) else []), self._bellman(backup, _GAP)]
         signs = max(len(each.sign) for each in backup.actions)
         if len(lines) + len(backup.actions) <= height and all(each.worked_out for each in backup.actions):
             lines[-1:-1] = [self._action_backup(each, signs) for each in backup.actions]
