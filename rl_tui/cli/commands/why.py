@@ -93,10 +93,10 @@ def _report(recipe: Recipe, answer: FirstUpdate, time_limit: int) -> str:
             (
                 setting_in_words(remedy.setting, remedy.value),
                 chance_in_words(remedy.wait.chance),
-                episodes_in_words(remedy.wait.mean_episodes or 0.0),
-                f"{remedy.wait.median_episodes:,}",
+                episodes_in_words(remedy.wait.mean_episodes or 0),
+                episodes_in_words(remedy.wait.median_episodes or 0),
             )
             for remedy in answer.remedies
         ]
-        lines += ["", columns([("instead", "chance", "mean", "median"), *rows], right=(1, 2, 3))]
+        lines += ["", columns([("instead", "chance", "episodes: mean", "median"), *rows], right=(1, 2, 3))]
     return "\n".join(lines)

@@ -10,14 +10,15 @@ from rl_tui.agents.hyperparameters import PARAMETERS, Hyperparameters
 from rl_tui.common.words import counted
 
 NOTHING_IN_THE_WAY: Final = "nothing stands in the way: the first episode already moves an estimate"
-_WHOLE_FROM: Final = 1_000.0
+_WHOLE_FROM: Final = 1_000
+_SHORT_FROM: Final = 10**12
 
 
-def episodes_in_words(mean: float) -> str:
-    """Return a mean number of episodes: ``71.7``, ``184,616``."""
-    if mean >= 1e15:
-        return f"{mean:.3g}".replace("e+", "e")
-    return f"{mean:,.0f}" if mean >= _WHOLE_FROM or mean.is_integer() else f"{mean:.1f}"
+def episodes_in_words(number: float) -> str:
+    """Return a number of episodes, be it a mean or a median: ``71.7``, ``184,616``, ``6.23e15``."""
+    if number >= _SHORT_FROM:
+        return f"{number:.3g}".replace("e+", "e")
+    return f"{number:,.0f}" if number >= _WHOLE_FROM or number == int(number) else f"{number:.1f}"
 
 
 def chance_in_words(chance: float) -> str:
@@ -36,9 +37,9 @@ def wait_in_words(wait: Wait) -> str:
     if wait.mean_episodes is None:
         return f"{chance}; one that does not may go on for ever, so that there is no mean wait"
     assert wait.median_episodes is not None
-    within = counted(wait.median_episodes, "episode")
-    mean = episodes_in_words(wait.mean_episodes)
-    return f"{chance}: on average the first after {mean}, as likely as not within {within}"
+    mean, median = map(episodes_in_words, (wait.mean_episodes, wait.median_episodes))
+    plural = "" if wait.median_episodes == 1 else "s"
+    return f"{chance}: on average the first after {mean}, as likely as not within {median} episode{plural}"
 
 
 def cause_in_words(answer: FirstUpdate, settings: Hyperparameters, time_limit: int) -> str:

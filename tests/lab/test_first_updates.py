@@ -1,0 +1,71 @@
+"""What snapshots say of the wait for the first update."""
+
+from __future__ import annotations
+
+from open_grids import open_grid_recipe
+from playing import begin, do
+
+from rl_tui.agents.exact.first_update_cause import first_update
+from rl_tui.lab.answers.first_updates import MANY_EPISODES, TOO_LARGE
+from rl_tui.lab.live.commands import Apply, AskWhy, EpisodeBack, RunEpisode, Train
+from rl_tui.lab.live.playback import Playback
+from rl_tui.lab.run.exact_answers import NO_TABLE
+from rl_tui.lab.run.library import recipe_for
+from rl_tui.lab.run.recipe import SetParameter
+from rl_tui.worlds.files.catalogue import find
+
+
+def playback(scenario: str = "frozenlake", **values: object) -> Playback:
+    return begin(recipe_for(find(scenario), values, 0))
+
+
+def test_nothing_is_said_before_many_episodes_unless_it_is_asked() -> None:
+    run = playback(ties="first")
+    few = do(run, *[RunEpisode()] * (MANY_EPISODES - 1))
+    assert few.answers.first_update is None
+    many = do(run, RunEpisode()).answers.first_update
+    assert many is not None
+    assert (many.is_long, many.has_moved) == (True, False)
+    assert many.answer is not None
+    assert many.answer.wait.median_episodes == 127_966
+    assert do(run, EpisodeBack()).answers.first_update is None
+    asked = do(run, AskWhy(is_asked=True)).answers.first_update
+    assert asked is not None
+    assert not asked.is_long
+    assert do(run, AskWhy(is_asked=False)).answers.first_update is None
+
+
+def test_it_is_that_of_the_settings_in_force_and_of_the_q_it_began_with() -> None:
+    run = playback(ties="first", initial_q=1.0, gamma=1.0)
+    changed = do(run, AskWhy(is_asked=True), Apply(SetParameter("ties", "random")))
+    view, world = changed.answers.first_update, changed.world
+    assert view is not None
+    assert world.mdp is not None
+    settings = run.group.current.run.recipe.hyperparameters.changed("ties", "random")
+    assert view.answer == first_update(world.mdp, "q-learning", settings)
+
+
+def test_once_an_estimate_has_moved_nothing_is_said_unless_it_is_asked() -> None:
+    run = playback("cliff")
+    assert do(run, Train(2_000)).answers.first_update is None
+    asked = do(run, AskWhy(is_asked=True)).answers.first_update
+    assert asked is not None
+    assert (asked.has_moved, asked.is_long) == (True, False)
+
+
+def test_where_there_is_no_answer_it_is_said_why() -> None:
+    refused = []
+    for scenario, values in (("frozenlake", {"policy": "softmax"}), ("discount", {}), ("blackjack", {})):
+        view = do(playback(scenario, **values), AskWhy(is_asked=True)).answers.first_update
+        assert view is not None
+        assert view.answer is None
+        refused.append(view.refused)
+    assert "softmax" in refused[0]
+    assert "plans with the model" in refused[1]
+    assert refused[2] == NO_TABLE
+
+
+def test_a_large_world_is_left_to_the_command() -> None:
+    view = do(begin(open_grid_recipe(80)), AskWhy(is_asked=True)).answers.first_update
+    assert view is not None
+    assert view.refused == TOO_LARGE
