@@ -59,15 +59,12 @@ def first_wait(mdp: TabularMDP, algorithm: str, hyperparameters: Hyperparameters
     return _limited(stopped, tells, policy) if mdp.time_limit else _unlimited(stopped, tells, policy)
 
 
-def steps_to_tell(mdp: TabularMDP, tells: BoolArray, usable: BoolArray | None = None) -> int | None:
+def steps_to_tell(mdp: TabularMDP, tells: BoolArray) -> int | None:
     """Return the fewest steps, 1 or more, from the start to one of the outcomes ``tells``, [O].
 
-    Only ``usable`` pairs, [P], are taken, all of them where it is None. None where there is no such way,
-    however many steps were allowed.
+    None where there is no such way, whatever is done and however many steps were allowed.
     """
-    taken = np.ones(mdp.pairs, dtype=np.bool_) if usable is None else usable
-    steps = _steps_before(exact_model(_stopped(mdp, tells)), tells, taken)[mdp.start_state]
-    return int(steps[steps >= 0].min()) + 1 if (steps >= 0).any() else None
+    return _nearest(exact_model(mdp), tells, np.ones(mdp.pairs, dtype=np.bool_))
 
 
 def telling_outcomes(mdp: TabularMDP, hyperparameters: Hyperparameters, alpha: float) -> BoolArray:
@@ -125,7 +122,7 @@ def _stopped(mdp: TabularMDP, tells: BoolArray) -> TabularMDP:
 
 def _limited(stopped: TabularMDP, tells: BoolArray, policy: FloatArray) -> Wait:
     """Return the wait where episodes have a time limit: none goes on for ever."""
-    nearest = steps_to_tell(stopped, tells, policy > 0.0)
+    nearest = _nearest(exact_model(stopped), tells, policy > 0.0)
     if nearest is None or nearest > stopped.time_limit:
         return Wait(0.0, None, None)
     if not _may_time_out_or_end(stopped, tells, policy > 0.0)[stopped.start_state].any():
@@ -171,6 +168,12 @@ def _unlimited(stopped: TabularMDP, tells: BoolArray, policy: FloatArray) -> Wai
         return Wait(chance, 1.0 / chance, _median(chance))
     another = max(0.0, ending_probability(model, policy) - chance)
     return Wait(chance, None, _median_of_those_that_end(chance, another))
+
+
+def _nearest(model: ExactModel, tells: BoolArray, usable: BoolArray) -> int | None:
+    """Return the fewest steps from the start to an outcome that tells, by ``usable`` pairs, [P]."""
+    steps = _steps_before(model, tells, usable)[model.mdp.start_state]
+    return int(steps[steps >= 0].min()) + 1 if (steps >= 0).any() else None
 
 
 def _steps_before(model: ExactModel, tells: BoolArray, usable: BoolArray) -> IntArray:
