@@ -29,6 +29,7 @@ from rl_tui.tui.theme.look import Look
 
 _COLUMNS: Final = (13, 11, 16, 9)  # what to change, chance, mean and median
 _SECRET: Final = "The wait would give away what the arms pay: h, which reveals that, lets it be told."
+_STARTS_AGAIN: Final = "the run starts again with it"
 _CHANGES: Final = "enter: change   "
 _CLOSES: Final = "esc: close"
 _HEAD: Final = ("instead", "chance", "episodes: mean", "median")
@@ -87,9 +88,10 @@ class Why(Dialog[Remedy]):
     def on_option_list_option_highlighted(self, event: OptionList.OptionHighlighted) -> None:
         """Say what the setting under the cursor is."""
         parameter = PARAMETERS[str(event.option_id)]
-        in_short = parameter.help.partition(";")[0]  # one line, so that the box stays as it is
-        starts = "; the run starts again" if parameter.name == "initial_q" else ""
-        self.query_one("#about", Static).update(to_ascii(f"{in_short}{starts}", self._look.glyphs))
+        # one line each, so that the box stays as it is
+        is_initial = parameter.name == "initial_q"
+        about = _STARTS_AGAIN if is_initial else parameter.help.partition(";")[0]
+        self.query_one("#about", Static).update(to_ascii(about, self._look.glyphs))
 
     def on_option_list_option_selected(self, event: OptionList.OptionSelected) -> None:
         """Answer the remedy under the cursor."""
