@@ -10,7 +10,7 @@ from textual.strip import Strip
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.draw.canvas import Canvas, centred, shortened
 from rl_tui.tui.draw.number_form import NumberForm, SteadyForms
-from rl_tui.tui.panels.legend import Legend, LegendSign
+from rl_tui.tui.panels.legend import Legend
 from rl_tui.tui.panels.panel import BoardPanel
 from rl_tui.tui.panels.scrolling import scrolled_to
 from rl_tui.tui.panels.world.graph.edge_list import draw_edge_list
@@ -86,7 +86,7 @@ class GraphView(WorldView):
         return (
             self.policy_sign("bold", palette.greedy),
             *self.value_signs(),
-            LegendSign(self.look.glyphs.agent, "agent", palette.agent),
+            self.agent_sign(),
         )
 
     def moved(self, place: int, rows: int, columns: int) -> int:

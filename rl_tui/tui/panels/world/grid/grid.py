@@ -316,7 +316,7 @@ class GridView(WorldView):
             yield LegendSign(self._own_name, "state", palette.text, "number of a state")
         if actions is None:
             yield from self.value_signs()
-        yield LegendSign(glyphs.agent, "agent", palette.agent)
+        yield self.agent_sign()
         if self.snapshot is not None and form is not None:
             left = traces(self.snapshot.trail, self._map.grid, signs)
             tints_alone = actions is not None and actions.places is Places.TINTS
