@@ -30,10 +30,8 @@ def evaluation(title: str, world: World, policy: FloatArray, answer: Mapping[str
         parts += [policy_map(world, policy_names(space, chosen.astype(float))), ""]
     parts.append(columns(_summary(space.time_limit, answer)))
     if answer["not_given"]:
-        parts += [
-            "",
-            f"In {counted(answer['not_given'], 'state')} the file gives nothing: any action is taken.",
-        ]
+        states = counted(answer["not_given"], "state")
+        parts += ["", f"In {states} the file says nothing: there a random action is taken."]
     return "\n".join(parts)
 
 
