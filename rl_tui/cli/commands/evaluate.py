@@ -56,8 +56,8 @@ class _Policy(NamedTuple):
     "--policy",
     "name",
     metavar="|".join((*WORDS, f"FILE{SUFFIX}")),
-    help="which policy: a random one, the best, that of an agent trained as by rl-tui train, or what a file "
-    'says, {"STATE": "ACTION"} or {"STATE": {"ACTION": CHANCE}}',
+    help="any action, the best as rl-tui solve has it, the greedy one of what rl-tui train learns, or what a "
+    'file says: {"STATE": "ACTION"} or {"STATE": {"ACTION": CHANCE}}',
 )
 @click.option(
     "--epsilon",
@@ -65,8 +65,7 @@ class _Policy(NamedTuple):
     type=ParameterValue(PARAMETERS["epsilon"]),
     default=0.0,
     show_default=True,
-    help="take a random action so much of the time, the policy's own among them; an agent is trained with "
-    "the scenario's ε",
+    help="take a random action so much of the time, which may be the policy's own",
 )
 @parameter_option("gamma", "  [default: the scenario's]")
 @algorithm_option("trained_by", _FOR_GREEDY)
@@ -90,8 +89,8 @@ def command(
 ) -> None:
     """Print what a policy is worth in each state, exactly, and how long its episodes last.
 
-    States that a file leaves out pick any action. The best policy picks evenly among equally good actions.
-    An example:
+    Among equally good actions the best policy picks evenly; so does a file where it says nothing of a state.
+    An agent is trained with the scenario's own ε, and --epsilon counts for what it has learned. An example:
 
     rl-tui evaluate cliff --policy optimal --epsilon 0.1
     """
