@@ -463,7 +463,7 @@ def test_a_study_under_way_ends(command: Command, processes: list[subprocess.Pop
     until(lambda: is_gone(processes[0]))
     told = playback.snapshot().study
     assert (told is None) == (not isinstance(command, StudySeeds))
-    playback.seed_studies.close()
+    playback.questions.seed_studies.close()
     for process in processes:
         until(lambda process=process: is_gone(process))
     playback.handle(StudySeeds())

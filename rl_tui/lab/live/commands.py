@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Final
 
+from rl_tui.lab.answers.policy_kind import PolicyKind
 from rl_tui.lab.live.until import Until
 from rl_tui.lab.live.viewport import Viewport
 from rl_tui.lab.run.recipe import Change, Recipe, Setting
@@ -180,7 +181,41 @@ class FollowCell(Command):
     pair: int | None
 
 
-_AT_ANY_TIME: Final = (LookAt, FollowCell, MarkLane, EndStudy, SetSpeed)
+@dataclass(frozen=True, slots=True)
+class StudyPolicy(Command):
+    """Tell in every snapshot what policies are worth, with all values of this one; None: of none."""
+
+    kind: PolicyKind | None
+
+
+@dataclass(frozen=True, slots=True)
+class DrawAction(Command):
+    """Choose an action (its number) in a state for the drawn policy; None: none."""
+
+    state: int
+    action: int | None
+
+
+@dataclass(frozen=True, slots=True)
+class ClearDrawing(Command):
+    """Forget the drawn policy."""
+
+
+@dataclass(frozen=True, slots=True)
+class HideAnswer(Command):
+    """Hide whatever would give the answer away, or show it."""
+
+    is_hidden: bool
+
+
+@dataclass(frozen=True, slots=True)
+class AskWhy(Command):
+    """Tell in every snapshot how long nothing is learned, and why, or only where that takes many episodes."""
+
+    is_asked: bool
+
+
+_AT_ANY_TIME: Final = (LookAt, FollowCell, MarkLane, EndStudy, SetSpeed, StudyPolicy, AskWhy)
 LOOKING: Final = (*_AT_ANY_TIME, StudySeeds)
 """Commands that leave nothing behind that is worth keeping."""
 

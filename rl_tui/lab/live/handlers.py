@@ -24,7 +24,7 @@ def _restart(playback: Playback, command: commands.Restart) -> None:
     learning, scenario = playback.transport.learning, playback.group.current.recipe.scenario
     playback.restart(command.recipe)
     if command.recipe.scenario != scenario:
-        playback.seed_studies.end()
+        playback.questions.seed_studies.end()
     if learning is not None:
         playback.transport.go_by_learning(playback.answer)
 
@@ -61,11 +61,23 @@ def _apply(playback: Playback, command: commands.Apply) -> None:
 
 
 def _look_at(playback: Playback, command: commands.LookAt) -> None:
-    playback.viewport = command.viewport
+    playback.questions.viewport = command.viewport
 
 
 def _follow_cell(playback: Playback, command: commands.FollowCell) -> None:
-    playback.cell = command.pair
+    playback.questions.cell = command.pair
+
+
+def _study_policy(playback: Playback, command: commands.StudyPolicy) -> None:
+    playback.questions.studied = command.kind
+
+
+def _ask_why(playback: Playback, command: commands.AskWhy) -> None:
+    playback.questions.asks_why = command.is_asked
+
+
+def _hide_answer(playback: Playback, command: commands.HideAnswer) -> None:
+    playback.questions.is_hidden = command.is_hidden
 
 
 def _toggle_breakpoint(playback: Playback, command: commands.ToggleBreakpoint) -> None:
@@ -127,6 +139,11 @@ HANDLERS: Final[Mapping[type, Callable[[Playback, Any], None]]] = {
     commands.Restart: _restart,
     commands.LookAt: _look_at,
     commands.FollowCell: _follow_cell,
+    commands.StudyPolicy: _study_policy,
+    commands.DrawAction: lambda playback, command: playback.questions.draw(command.state, command.action),
+    commands.ClearDrawing: lambda playback, _: playback.questions.clear(),
+    commands.HideAnswer: _hide_answer,
+    commands.AskWhy: _ask_why,
     commands.ToggleBreakpoint: _toggle_breakpoint,
     commands.ClearBreakpoints: lambda playback, _: playback.set_breakpoints(Breakpoints()),
     commands.StepBack: _step_back,
@@ -137,8 +154,8 @@ HANDLERS: Final[Mapping[type, Callable[[Playback, Any], None]]] = {
     commands.AddBranch: _add_branch,
     commands.ChooseLane: lambda playback, command: _show_another(playback, playback.group.show, command.lane),
     commands.MarkLane: lambda playback, command: playback.group.mark(command.lane),
-    commands.StudySeeds: lambda playback, _: playback.seed_studies.begin(playback.group),
-    commands.EndStudy: lambda playback, _: playback.seed_studies.end(),
+    commands.StudySeeds: lambda playback, _: playback.questions.seed_studies.begin(playback.group),
+    commands.EndStudy: lambda playback, _: playback.questions.seed_studies.end(),
     commands.DropLane: lambda playback, command: _show_another(playback, playback.group.drop, command.lane),
 }
 """What a playback does with a command of each type."""

@@ -10,6 +10,7 @@ from rl_tui.common.errors import UserError
 from rl_tui.lab.live.commands import FROM_HERE, LOOKING, MOVES, WHILE_SEEKING, Command, Restart, StepBack
 from rl_tui.lab.live.compilation import LOOK_AGAIN, Compilation
 from rl_tui.lab.live.handlers import HANDLERS
+from rl_tui.lab.live.questions import Questions
 from rl_tui.lab.live.record import LearnedTable, Record
 from rl_tui.lab.live.snapshot import PHASES, Phase, PlaybackView, Snapshot
 from rl_tui.lab.live.snapshot_builder import SnapshotBuilder, as_left, view_of
@@ -17,9 +18,7 @@ from rl_tui.lab.live.speed.pacing import AT_ONCE, CHUNK
 from rl_tui.lab.live.state import BUSY, ENDED, PASSING, UNFINISHED, State, shows_trail
 from rl_tui.lab.live.stop_condition import StopCondition, breakpoint_in_words, until_in_words, watching_for
 from rl_tui.lab.live.until import Breakpoints, Event, Until
-from rl_tui.lab.live.viewport import Viewport
-from rl_tui.lab.many_seeds.seed_studies import SeedStudies
-from rl_tui.lab.run.exact_answers import Answer, RunAnswers
+from rl_tui.lab.run.exact_answers import Answer
 from rl_tui.lab.run.recipe import Beginning, Recipe, begin
 from rl_tui.lab.timeline.branches import RunRecord
 
@@ -67,12 +66,6 @@ class Playback:
         """What it runs until, if it does."""
         self.breakpoints = Breakpoints()
         """Where else it pauses."""
-        self.viewport: Viewport | None = None
-        """What the screen shows of a large world; None: it has not said, so everything may be shown."""
-        self.cell: int | None = None
-        """The pair of which snapshots tell how Q went."""
-        self.seed_studies: SeedStudies = SeedStudies(on_exact, automatic=automatic)
-        """What many seeds say of the runs."""
         self.group: RunGroup
         """The runs; none while it is building."""
         self.transport: Transport
@@ -87,8 +80,9 @@ class Playback:
         self._record = record or Record((RunRecord(recipe),), speed=speed)
         self._automatic = automatic
         self._clock = clock
+        self.questions: Questions = Questions(self._record, on_exact, automatic=automatic)
+        """What a person asks beside the runs."""
         self._beginning: Beginning | None = None
-        self._answers = RunAnswers(on_exact)
         self._builder = SnapshotBuilder()
 
     @property
@@ -118,7 +112,14 @@ class Playback:
         """What is needed to come back to here."""
         if self.state is State.BUILDING:
             return self._record
-        return Record(self.group.records, self.group.shown, self.breakpoints, self.transport.speed)
+        return Record(
+            self.group.records,
+            self.group.shown,
+            self.breakpoints,
+            self.transport.speed,
+            self.questions.drawn,
+            self.questions.is_hidden,
+        )
 
     @property
     def table(self) -> LearnedTable | None:
@@ -182,22 +183,14 @@ class Playback:
         has_trail = shows_trail(self.state, self.transport.speed)
         if has_trail and not self._automatic:
             self.group.find_trails(math.inf)  # in pieces it would depend on the time
-        snapshot = self._builder.build(
-            self.group,
-            view_of(self),
-            self._answers.of,
-            viewport=self.viewport,
-            cell=self.cell,
-            has_trail=has_trail,
-            study=self.seed_studies.study_of(self.group),
-        )
+        snapshot = self._builder.build(self.group, view_of(self), self.questions, has_trail=has_trail)
         seeks = self.state is State.SEEKING
         returns = seeks and self.group.current.seek is not None and not self.touched
         return as_left(snapshot, self._record) if returns else snapshot
 
     def answer(self) -> Answer:
         """Return the exact answer for the γ in force, as far as it is known."""
-        return self._answers.of(self.group.current.run)
+        return self.questions.exact.of(self.group.current.run)
 
     # From one state to another
 

@@ -120,7 +120,7 @@ class Player:
         if self._thread is not None:
             self._thread.join(LONGEST_GOODBYE)
             self._playback.compilation.close()
-            self._playback.seed_studies.close()
+            self._playback.questions.seed_studies.close()
             is_last = as_usual(self)
             if is_last and self._automatic:
                 BACKGROUND.want(())

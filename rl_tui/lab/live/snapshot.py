@@ -11,6 +11,7 @@ import numpy as np
 from rl_tui.agents.counters import Counters
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.agents.last_step import Author
+from rl_tui.lab.answers.view import AnswersView
 from rl_tui.lab.live.state import ENDED, State
 from rl_tui.lab.live.until import Breakpoints
 from rl_tui.lab.live.viewport import CopiedPart
@@ -123,6 +124,8 @@ class Snapshot:
     """The exact answer for the γ in force, or why there is none; both empty while it is worked out."""
     playback: PlaybackView
     """What the run is doing, and what was asked of it."""
+    answers: AnswersView = field(default_factory=AnswersView)
+    """What a person has asked of it beside, and the answers."""
     timeline: Timeline = field(default_factory=Timeline)
     """Where this moment stands among all branches."""
     run_group: RunGroupView = field(default_factory=RunGroupView)

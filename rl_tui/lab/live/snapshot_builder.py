@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -14,7 +14,6 @@ from rl_tui.lab.live.snapshot import AgentView, PlaybackView, Snapshot
 from rl_tui.lab.live.state import State
 from rl_tui.lab.live.stop_condition import until_in_words
 from rl_tui.lab.live.viewport import PartCopier, Viewport
-from rl_tui.lab.many_seeds.figures import SeedStudy
 from rl_tui.lab.run.bandit import bandit_figures
 from rl_tui.lab.run.exact_answers import NO_TABLE, PENDING, Answer
 from rl_tui.lab.run.large_worlds import is_large
@@ -27,6 +26,7 @@ from rl_tui.worlds.world import World
 
 if TYPE_CHECKING:
     from rl_tui.lab.live.playback import Playback
+    from rl_tui.lab.live.questions import Questions
     from rl_tui.lab.run.run import Run
     from rl_tui.lab.timeline.branching_run import BranchingRun
     from rl_tui.lab.timeline.run_group import RunGroup
@@ -58,31 +58,24 @@ class SnapshotBuilder:
         self,
         group: RunGroup,
         playback: PlaybackView,
-        answer: Callable[[Run], Answer],
+        questions: Questions,
         *,
-        viewport: Viewport | None,
-        cell: int | None,
         has_trail: bool,
-        study: SeedStudy | None = None,
     ) -> Snapshot:
-        """Return the snapshot of the run that ``group`` shows, with how Q of the pair ``cell`` went.
+        """Return the snapshot of the run that ``group`` shows, with the answers to ``questions``.
 
         With ``has_trail`` it has the trail of the episode, as far as that is known.
-
-        Of a large world it has what ``viewport`` shows, None: everything. ``answer`` gives the exact answer
-        for a run.
         """
         current, beside, view = group.current, group.beside, group.view
-        snapshot = self._of(current, view, view.shown, playback, answer, viewport, has_trail)
+        cell = questions.cell
+        snapshot = self._of(current, view, view.shown, playback, questions, has_trail)
         return replace(
             snapshot,
             cell=None if cell is None else current.cell_history(cell),
-            study=study,
+            study=questions.seed_studies.study_of(group),
             beside=None
             if beside is None or view.beside is None
-            else self._of(
-                beside, view, view.beside, playback, answer, viewport, has_trail, led=snapshot.counters
-            ),
+            else self._of(beside, view, view.beside, playback, questions, has_trail, led=snapshot.counters),
         )
 
     def _of(
@@ -91,8 +84,7 @@ class SnapshotBuilder:
         view: RunGroupView,
         number: int,
         playback: PlaybackView,
-        answer: Callable[[Run], Answer],
-        viewport: Viewport | None,
+        questions: Questions,
         has_trail: bool,
         led: Counters | None = None,
     ) -> Snapshot:
@@ -105,11 +97,12 @@ class SnapshotBuilder:
         return Snapshot(
             world=run.world,
             recipe=run.recipe,
-            agent=self._agent(run, (counters,) if led is None else (counters, led), viewport),
+            agent=self._agent(run, (counters,) if led is None else (counters, led), questions.viewport),
             counters=counters,
             results=view.lanes[number].results if view.lanes else run.results,
-            exact_answer=answer(run),
+            exact_answer=questions.exact.of(run),
             playback=playback,
+            answers=questions.answers(run),
             timeline=lane.timeline,
             run_group=view,
             trail=lane.trail if has_trail else (),
@@ -193,6 +186,7 @@ def as_left(snapshot: Snapshot, record: Record) -> Snapshot:
         agent=AgentView(now.algorithm, now.hyperparameters, table.q, table.visits),
         counters=Counters(state=table.state, step=lane.step, episodes=table.episodes),
         results=RunResults(),
+        answers=replace(snapshot.answers, first_update=None),
         exact_answer=snapshot.exact_answer if is_same_gamma or snapshot.world.mdp is None else PENDING,
         timeline=Timeline(lane.branches, lane.branch),
         run_group=replace(snapshot.run_group, lanes=tuple(views)),

@@ -28,7 +28,6 @@ from rl_tui.tui.actions.registry import actions_of
 from rl_tui.tui.panels.catalogue import PANELS, PanelRow
 from rl_tui.tui.panels.controls.slider import Slider, key_hints
 from rl_tui.tui.panels.q_table.q_table import QTable
-from rl_tui.tui.panels.snapshot_facts import lacks_exact
 from rl_tui.tui.panels.status_line import StatusLine
 from rl_tui.tui.panels.timeline.timeline import TimelineBar
 from rl_tui.tui.screens.action_screen import ActionScreen
@@ -47,14 +46,15 @@ from rl_tui.tui.screens.playground.actions.session import SessionActions
 from rl_tui.tui.screens.playground.actions.time import TimeActions
 from rl_tui.tui.screens.playground.actions.until import UntilActions
 from rl_tui.tui.screens.playground.actions.view import ViewActions
+from rl_tui.tui.screens.playground.actions.why import WhyActions
 from rl_tui.tui.screens.playground.board import Board
 from rl_tui.tui.screens.playground.early_keys import EarlyKeys
 from rl_tui.tui.screens.playground.frame_pacing import Pacer
 from rl_tui.tui.screens.playground.player_link import PlayerLink
+from rl_tui.tui.screens.playground.settling import Settling
 from rl_tui.tui.screens.playground.wanted import Wanted
 from rl_tui.tui.theme.look import Look
 
-_MOST_PICTURES: Final = 100  # until a picture that shows what was asked for
 _ASKS_AGAIN: Final = 0.25  # seconds
 _CHECKS_ENVIRONMENT: Final = 0.5  # seconds
 _WORTH_SHOWING: Final = 3.0  # seconds without an answer
@@ -123,6 +123,7 @@ class Playground(ActionScreen):
         self.time = TimeActions(*of)
         self.until = UntilActions(*of)
         self.agent = AgentActions(*of)
+        self.why = WhyActions(*of, self.agent)
         self.manual = ManualControl(*of)
         self.lanes = LaneActions(*of)
         self.view = ViewActions(*of)
@@ -134,10 +135,8 @@ class Playground(ActionScreen):
         """The last deed when escape was pressed, None where it was not."""
         self._watches = watches
         self._pacer = Pacer(fps, self._arrived)
-        self._framed = asyncio.Event()
+        self._settling = Settling(self.link, self.board, self.view.look_at, self.session.named)
         self._early_keys = EarlyKeys(self.actions)
-        self._is_over = False
-        """Whether nothing more will be drawn."""
 
     @classmethod
     def with_keys_of(cls, panels: Sequence[PanelRow]) -> type[Self]:
@@ -222,7 +221,7 @@ class Playground(ActionScreen):
     def on_unmount(self) -> None:
         """Let the player's thread end, without waiting for it."""
         self.player.close()
-        self._end()
+        self._settling.end()
 
     def _check_environment(self) -> None:
         """Show for how long an environment has not answered, if that is long: only the run waits for it."""
@@ -256,16 +255,12 @@ class Playground(ActionScreen):
                 self._draw(snapshot)
                 await self._painted()
                 self._pacer.end()
-                self._framed.set()
+                self._settling.note_frame()
                 await self._pacer.wait()
         except UserError as fault:
             self.post_message(self.Left(self.recipe, self.session.named(fault)))
         finally:
-            self._end()
-
-    def _end(self) -> None:
-        self._is_over = True
-        self._framed.set()
+            self._settling.end()
 
     def _draw(self, snapshot: Snapshot) -> None:
         before = self.snapshot
@@ -294,40 +289,15 @@ class Playground(ActionScreen):
             self.show_key_hints()
             self.board.show(snapshot)
             self.view.show(snapshot)
+            self.why.show(snapshot)
 
     def on_scrolled(self) -> None:
         """Have the parts of a large world copied that are in view now."""
         self.view.look_at()
 
     async def settled(self) -> None:
-        """Wait until all that was asked for is done and on screen, the exact answer included.
-
-        Where it was left, or a fault has ended the run, there is nothing to wait for. What does not come to
-        rest in many pictures never will, and is not waited for either.
-        """
-        for _ in range(_MOST_PICTURES):
-            if self._is_over:
-                return
-            self._framed.clear()
-            done = await self._carried_out()
-            if self.snapshot is not done:
-                await self._framed.wait()  # it comes to be drawn too, or a newer one
-            if self.snapshot is done and self._is_complete(done):
-                return
-            while not self._is_over and self.snapshot and lacks_exact(self.snapshot):
-                self._framed.clear()
-                await self._framed.wait()
-            if not self.board.is_complete:
-                self.view.look_at()
-
-    def _is_complete(self, drawn: Snapshot) -> bool:
-        return not lacks_exact(drawn) and self.board.is_complete
-
-    async def _carried_out(self) -> Snapshot:
-        try:
-            return await self.player.carried_out()
-        except UserError as fault:
-            raise self.session.named(fault) from fault
+        """Wait until all that was asked for is done and on screen, the exact answer included."""
+        await self._settling.settled()
 
     async def _arrived(self) -> None:
         if isinstance(self.app, LinkedApp):

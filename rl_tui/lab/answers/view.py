@@ -1,0 +1,23 @@
+"""What a snapshot says of the questions that a person has asked."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from rl_tui.lab.answers.drawn_policy import DrawnPolicy
+from rl_tui.lab.answers.first_updates import FirstUpdateView
+from rl_tui.lab.answers.policy_kind import PolicyKind
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class AnswersView:
+    """The answers for one run at one step."""
+
+    is_hidden: bool = False
+    """Whether whatever would give the answer away is to be hidden."""
+    studied: PolicyKind | None = None
+    """The policy whose values are asked for; None: of none."""
+    drawn: DrawnPolicy = field(default_factory=DrawnPolicy)
+    """The policy that a person drew."""
+    first_update: FirstUpdateView | None = None
+    """The wait for the first update; None: nobody has asked, and something was learned or may soon be."""

@@ -1,0 +1,61 @@
+"""What a person asks beside the runs: what to show of them, and questions with exact answers."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+from rl_tui.lab.answers.drawn_policy import DrawnPolicy
+from rl_tui.lab.answers.first_updates import FirstUpdates
+from rl_tui.lab.answers.view import AnswersView
+from rl_tui.lab.many_seeds.seed_studies import SeedStudies
+from rl_tui.lab.run.exact_answers import RunAnswers
+
+if TYPE_CHECKING:
+    from rl_tui.lab.answers.policy_kind import PolicyKind
+    from rl_tui.lab.live.record import Record
+    from rl_tui.lab.live.viewport import Viewport
+    from rl_tui.lab.run.run import Run
+
+
+class Questions:
+    """What was asked, the same of all lanes; ``on_exact`` is called when an exact answer has come.
+
+    With ``automatic`` off no answer depends on the time.
+    """
+
+    def __init__(self, record: Record, on_exact: Callable[[], None], *, automatic: bool) -> None:
+        self.viewport: Viewport | None = None
+        """What the screen shows of a large world; None: it has not said, so everything may be shown."""
+        self.cell: int | None = None
+        """The pair of which snapshots tell how Q went."""
+        self.seed_studies = SeedStudies(on_exact, automatic=automatic)
+        """What many seeds say of the runs."""
+        self.exact = RunAnswers(on_exact)
+        """The exact answers for the γ in force."""
+        self.is_hidden = record.answer_is_hidden
+        """Whether a person has the answer hidden; None: nobody has said."""
+        self.drawn = record.drawn
+        """The policy that a person drew."""
+        self.studied: PolicyKind | None = None
+        """The policy whose values are asked for."""
+        self.asks_why = False
+        """Whether a person has asked why nothing is learned."""
+        self._first_updates = FirstUpdates()
+
+    def draw(self, state: int, action: int | None) -> None:
+        """Choose ``action`` in ``state`` for the drawn policy; None: no action."""
+        self.drawn = self.drawn.with_action(state, action)
+
+    def clear(self) -> None:
+        """Forget the drawn policy."""
+        self.drawn = DrawnPolicy()
+
+    def answers(self, run: Run) -> AnswersView:
+        """Return what is known by now for ``run``."""
+        return AnswersView(
+            is_hidden=bool(self.is_hidden),
+            studied=self.studied,
+            drawn=self.drawn,
+            first_update=self._first_updates.of(run, is_asked=self.asks_why),
+        )
