@@ -12,6 +12,7 @@ from recipes import recipe
 from rl_tui.agents.exact.policies import Choice
 from rl_tui.common import text_file
 from rl_tui.common.errors import UserError
+from rl_tui.lab.answers.drawn_policy import DrawnPolicy
 from rl_tui.lab.run.policy_file import policy_document, read_policy
 from rl_tui.lab.run.recipe import begin
 from rl_tui.worlds.mdp.space import FiniteSpace
@@ -129,3 +130,11 @@ def test_what_is_written_is_read_as_it_was(tmp_path: Path) -> None:
     document = policy_document(STUDENT, choices)
     assert document == {"Phone": "quit", "Class": {"study": 0.1, "check phone": 0.9}}
     assert read(tmp_path, document) == choices
+
+
+def test_what_a_person_drew_is_written_by_its_names() -> None:
+    quit_, sleep = (STUDENT.action_names.index(name) for name in ("quit", "sleep"))
+    drawn = DrawnPolicy(((1, quit_), (2, quit_), (3, sleep)))
+    assert drawn.pairs(STUDENT) == {1: 3}  # elsewhere that cannot be done
+    assert policy_document(STUDENT, drawn.pairs(STUDENT)) == {"Phone": "quit"}
+    assert drawn.chances(STUDENT).tolist() == [0.5, 0.5, 0.0, 1.0, 1.0]

@@ -23,6 +23,7 @@ from rl_tui.cli.output import print_json
 from rl_tui.cli.progress import finish_compiling, progress, with_compiling
 from rl_tui.common.errors import UserError
 from rl_tui.common.findings import near, shown
+from rl_tui.lab.answers.policy_kind import PolicyKind
 
 if TYPE_CHECKING:
     from rl_tui.lab.run.recipe import Beginning, Recipe
@@ -30,13 +31,10 @@ if TYPE_CHECKING:
     from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
 MOST: Final = 10**15
-UNIFORM: Final = "uniform"
-OPTIMAL: Final = "optimal"
-GREEDY: Final = "greedy"
-WORDS: Final = (UNIFORM, OPTIMAL, GREEDY)
+WORDS: Final = (PolicyKind.UNIFORM, PolicyKind.OPTIMAL, PolicyKind.GREEDY)
 SUFFIX: Final = ".json"
 CHOICES: Final = f"{', '.join(WORDS)} or FILE{SUFFIX}"
-_FOR_GREEDY: Final = f"  [{GREEDY} only]"
+_FOR_GREEDY: Final = f"  [{PolicyKind.GREEDY} only]"
 
 
 class _Policy(NamedTuple):
@@ -132,7 +130,7 @@ def command(
         from rl_tui.cli.reports.evaluation import evaluation
 
         click.echo(evaluation(recipe.scenario.title, beginning.world, policy, answer))
-    if name == GREEDY:
+    if name == PolicyKind.GREEDY:
         finish_compiling()
 
 
@@ -142,9 +140,11 @@ def _check(name: str, training: Mapping[str, object]) -> None:
     if name not in WORDS and not name.endswith(SUFFIX) and not os.path.exists(name):
         said = f"--policy is {shown(name)}; expected {CHOICES}{near(name, WORDS)}"
         raise click.UsageError(said, context)
-    if training and name != GREEDY:
+    if training and name != PolicyKind.GREEDY:
         option = f"--{next(iter(training))}"
-        raise click.UsageError(f"{option} needs --policy {GREEDY}: no other policy is learned", context)
+        raise click.UsageError(
+            f"{option} needs --policy {PolicyKind.GREEDY}: no other policy is learned", context
+        )
     if "episodes" in training and "steps" in training:
         raise click.UsageError("--episodes and --steps exclude each other", context)
 
@@ -162,11 +162,11 @@ def _find(
     mdp = beginning.world.mdp
     if mdp is None:
         raise UserError(f"{recipe.scenario.id} has no exact answer: {NO_TABLE}")
-    if name == UNIFORM:
+    if name == PolicyKind.UNIFORM:
         return _Policy(mdp, uniform_policy(mdp))
-    if name == OPTIMAL:
+    if name == PolicyKind.OPTIMAL:
         return _Policy(mdp, _optimal(mdp, recipe.hyperparameters.gamma))
-    if name == GREEDY:
+    if name == PolicyKind.GREEDY:
         return _learned(recipe, beginning, episodes, steps)
     from rl_tui.lab.run.policy_file import read_policy
 
