@@ -19,7 +19,8 @@ class Algorithm:
     controls panel, those of the policy apart; ``source`` is the box in Sutton & Barto (2nd ed.) that it
     follows. A planner takes no steps in the world: it backs up one state after the other with the model.
     ``update`` says how its update is written. ``counts_updates``: a sample average is over its own updates,
-    which come later than the step or in one of several tables.
+    which come later than the step or in one of several tables. ``takes_orders``: which sweep is next,
+    evaluation or improvement, can be ordered; its module has ``phase_of``, ``order`` and ``ordered``.
     """
 
     id: str
@@ -32,6 +33,7 @@ class Algorithm:
     planner: bool = False
     update: UpdateTerms = field(default_factory=UpdateTerms)
     counts_updates: bool = False
+    takes_orders: bool = False
 
 
 _ALGORITHMS: Final[tuple[Algorithm, ...]] = (
@@ -176,6 +178,7 @@ _ALGORITHMS: Final[tuple[Algorithm, ...]] = (
         update=UpdateTerms(
             gathered="Σ p r", bootstrap="Σ p V(s′)", others="more of this state", lookup=Lookup.POLICY
         ),
+        takes_orders=True,
     ),
 )
 

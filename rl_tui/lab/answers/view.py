@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from rl_tui.lab.answers.drawn_policy import DrawnPolicy
 from rl_tui.lab.answers.policy_kind import PolicyKind
+from rl_tui.lab.answers.policy_values import PolicyAnswer
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -20,3 +22,5 @@ class AnswersView:
     """The policy that a person drew."""
     left_to_chance: int | None = None
     """In how many states it may come to act at random for want of a choice; None: it is not studied."""
+    policies: Mapping[PolicyKind, PolicyAnswer] = field(default_factory=dict)
+    """What each policy is worth, as far as it is known; none while nobody asks."""

@@ -169,7 +169,7 @@ class Playback:
             case State.RUNNING if self._automatic:
                 return self._continue_running()
             case _:
-                return self._find_trails()
+                return self._stand_still()
         return 0.0
 
     def snapshot(self) -> Snapshot:
@@ -378,13 +378,16 @@ class Playback:
             if self._clock() >= until:
                 return
 
-    def _find_trails(self) -> float | None:
-        """Find out for some milliseconds how the episodes under way went."""
-        if not self._automatic or self.group.trails_are_whole:
+    def _stand_still(self) -> float | None:
+        """Find out for some milliseconds how the episodes under way went, then what was asked beside."""
+        if not self._automatic:
+            return None
+        if not self.group.trails_are_whole:
+            self.group.find_trails(CHUNK)
+        elif not self.questions.work(self.group):
             return None
         self.changed = True
-        self.group.find_trails(CHUNK)
-        return None if self.group.trails_are_whole else 0.0
+        return 0.0
 
     def _continue_running(self) -> float:
         run, before = self.group.current.run, self.group.current.run.step

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from rl_tui.lab.answers.drawn_policy import DrawnPolicy
 from rl_tui.lab.answers.left_to_chance import LeftToChance
 from rl_tui.lab.answers.policy_kind import PolicyKind
+from rl_tui.lab.answers.policy_values import PolicyAnswers
 from rl_tui.lab.answers.view import AnswersView
 from rl_tui.lab.many_seeds.seed_studies import SeedStudies
 from rl_tui.lab.run.exact_answers import RunAnswers
@@ -16,6 +17,7 @@ if TYPE_CHECKING:
     from rl_tui.lab.live.record import Record
     from rl_tui.lab.live.viewport import Viewport
     from rl_tui.lab.run.run import Run
+    from rl_tui.lab.timeline.run_group import RunGroup
     from rl_tui.worlds.mdp.space import FiniteSpace
 
 
@@ -40,6 +42,7 @@ class Questions:
         """The policy that a person drew."""
         self.studied: PolicyKind | None = None
         """The policy whose values are asked for."""
+        self._policies = PolicyAnswers(automatic=automatic)
         self._left_to_chance = LeftToChance()
 
     def draw(self, state: int, action: int | None) -> None:
@@ -54,11 +57,18 @@ class Questions:
         """Forget the drawn policy."""
         self.drawn = DrawnPolicy()
 
-    def answers(self, run: Run) -> AnswersView:
-        """Return what is known by now for ``run``."""
-        mdp, left = run.world.mdp, None
-        if mdp is not None and self.studied is PolicyKind.DRAWN:
+    def answers(self, run: Run, *, is_still: bool) -> AnswersView:
+        """Return what is known by now for ``run``, which takes steps unless it ``is_still``."""
+        studied, mdp, left, policies = self.studied, run.world.mdp, None, {}
+        if mdp is not None and studied is PolicyKind.DRAWN:
             left = self._left_to_chance.of(mdp, self.drawn)
-        return AnswersView(
-            is_hidden=bool(self.is_hidden), studied=self.studied, drawn=self.drawn, left_to_chance=left
-        )
+        if studied is not None:
+            policies = self._policies.of(run, self.exact.of(run), self.drawn, is_still=is_still)
+        return AnswersView(bool(self.is_hidden), studied, self.drawn, left, policies)
+
+    def work(self, group: RunGroup) -> bool:
+        """Work out one answer that runs in view lack, all standing still; return whether there was one."""
+        if self.studied is None:
+            return False
+        in_view = (group.current,) if group.beside is None else (group.current, group.beside)
+        return self._policies.work(((lane.run, self.exact.of(lane.run)) for lane in in_view), self.drawn)

@@ -4,20 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
 from rl_tui.agents.counters import Counters
 from rl_tui.lab.live.record import Record
-from rl_tui.lab.live.snapshot import AgentView, PlaybackView, Snapshot
+from rl_tui.lab.live.snapshot import AgentView, Phase, PlaybackView, Snapshot
 from rl_tui.lab.live.state import State
 from rl_tui.lab.live.stop_condition import until_in_words
 from rl_tui.lab.live.viewport import PartCopier, Viewport
 from rl_tui.lab.run.bandit import bandit_figures
 from rl_tui.lab.run.exact_answers import NO_TABLE, PENDING, Answer
 from rl_tui.lab.run.large_worlds import is_large
-from rl_tui.lab.run.recipe import Recipe, TakeAction, changed_recipe
+from rl_tui.lab.run.recipe import Recipe, Setting, changed_recipe
 from rl_tui.lab.run.results import RunResults
 from rl_tui.lab.timeline.branches import Timeline
 from rl_tui.lab.timeline.lane_view import RunGroupView
@@ -30,6 +30,8 @@ if TYPE_CHECKING:
     from rl_tui.lab.run.run import Run
     from rl_tui.lab.timeline.branching_run import BranchingRun
     from rl_tui.lab.timeline.run_group import RunGroup
+
+_MOVING: Final = (Phase.PREPARING, Phase.RUNNING, Phase.SEEKING)
 
 
 class SnapshotBuilder:
@@ -102,7 +104,7 @@ class SnapshotBuilder:
             results=view.lanes[number].results if view.lanes else run.results,
             exact_answer=questions.exact.of(run),
             playback=playback,
-            answers=questions.answers(run),
+            answers=questions.answers(run, is_still=playback.phase not in _MOVING),
             timeline=lane.timeline,
             run_group=view,
             trail=lane.trail if has_trail else (),
@@ -127,6 +129,8 @@ class SnapshotBuilder:
             part=part,
             tables=() if part else learner.remembered("q1", "q2"),
             values=np.empty(0) if part else next(iter(learner.remembered("v")), np.empty(0)),
+            policy=np.empty(0) if part else next(iter(learner.remembered("policy")), np.empty(0)),
+            phase=learner.phase,
             planning=learner.planning,
             author=learner.author,
         )
@@ -164,7 +168,7 @@ def as_left(snapshot: Snapshot, record: Record) -> Snapshot:
         return snapshot
     lane = record.lanes[record.shown]
     journal = lane.branches[lane.branch].journal
-    settings = [e.change for e in journal if e.step <= lane.step and not isinstance(e.change, TakeAction)]
+    settings = [e.change for e in journal if e.step <= lane.step and isinstance(e.change, Setting)]
     now = changed_recipe(lane.recipe, *settings)
     is_same_gamma = now.hyperparameters.gamma == snapshot.agent.hyperparameters.gamma
     views = [

@@ -14,6 +14,7 @@ from rl_tui.tui.draw.to_ascii import separated, to_ascii
 from rl_tui.tui.theme.look import Look
 
 GREEDY_IN_FULL: Final = "greedy: looks best"
+POLICY_IN_FULL: Final = "policy: what it does"
 _GAP: Final = "  "
 _BETWEEN: Final = " · "
 _CLOSER: Final = ", "  # where all signs fit so

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import ClassVar, Final
 
+from rich.style import Style
 from textual import events
 from textual.binding import BindingType
 from textual.strip import Strip
@@ -13,7 +14,7 @@ from rl_tui.lab.live.viewport import Cells
 from rl_tui.tui.draw.canvas import Canvas, shortened
 from rl_tui.tui.draw.names import state_name
 from rl_tui.tui.panels.bindings import binding
-from rl_tui.tui.panels.legend import Legend, LegendSign
+from rl_tui.tui.panels.legend import GREEDY_IN_FULL, POLICY_IN_FULL, Legend, LegendSign
 from rl_tui.tui.panels.panel import BoardPanel, Panel
 from rl_tui.tui.panels.pointing import NOWHERE, Moved, PartPointed, Pointed, part_pointed_at
 from rl_tui.tui.theme.look import Look
@@ -152,6 +153,21 @@ class WorldView(Panel, can_focus=True):
         """Return the sign of V(s), which is a colour; none where there are no colours."""
         palette = self.look.palette
         return (LegendSign(" tint ", "V", palette.value(1.0), "value V(s)"),) if palette.tints else ()
+
+    @property
+    def shows_kept_policy(self) -> bool:
+        """Whether arrows and values are those of the policy that a planner keeps, not the greedy ones."""
+        return self.snapshot is not None and len(self.snapshot.agent.policy) > 0
+
+    @property
+    def policy_shown(self) -> str:
+        """What the arrows are, in a word."""
+        return "policy" if self.shows_kept_policy else "greedy"
+
+    def policy_sign(self, sign: str, style: Style) -> LegendSign:
+        """Return the ``sign`` of the actions that are drawn."""
+        in_full = POLICY_IN_FULL if self.shows_kept_policy else GREEDY_IN_FULL
+        return LegendSign(sign, self.policy_shown, style, in_full)
 
     # Places
 

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from rl_tui.lab.live.commands import LOOKING, Apply, Command, Restart, SetSpeed
 from rl_tui.lab.live.snapshot import Phase, Snapshot
-from rl_tui.lab.run.recipe import Recipe, TakeAction, changed_recipe
+from rl_tui.lab.run.recipe import Recipe, Setting, changed_recipe
 from rl_tui.lab.timeline.lane_view import LaneView
 
 
@@ -37,7 +37,7 @@ class Wanted:
                 self.speed = speed
             case Restart(recipe):
                 self.recipe, self.revealed = recipe, False
-            case Apply(change) if not isinstance(change, TakeAction):
+            case Apply(change) if isinstance(change, Setting):
                 self.recipe = changed_recipe(self.recipe, change)
 
     def take_over(self, lane: LaneView) -> None:
