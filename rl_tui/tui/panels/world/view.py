@@ -5,12 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import ClassVar, Final
 
-from rich.style import Style
 from textual import events
 from textual.binding import BindingType
 from textual.strip import Strip
 
-from rl_tui.lab.answers.policy_kind import PolicyKind
 from rl_tui.lab.last_step.story import story_of
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.live.viewport import Cells
@@ -18,27 +16,20 @@ from rl_tui.tui.draw.canvas import Canvas, shortened
 from rl_tui.tui.draw.names import state_name
 from rl_tui.tui.panels.bindings import binding
 from rl_tui.tui.panels.last_step.state_backup_text import backup_text
-from rl_tui.tui.panels.legend import (
-    AGENT,
-    GREEDY_IN_FULL,
-    POLICY_IN_FULL,
-    Legend,
-    LegendSign,
-    agent_meaning,
-)
-from rl_tui.tui.panels.panel import BoardPanel, Panel
+from rl_tui.tui.panels.legend import AGENT, Legend, LegendSign, agent_meaning
+from rl_tui.tui.panels.panel import BoardPanel
 from rl_tui.tui.panels.pointing import NOWHERE, Moved, PartPointed, Pointed, part_pointed_at
-from rl_tui.tui.panels.policies.studied import as_studied, studied_kind, study_headings
-from rl_tui.tui.panels.snapshot_facts import is_new_run, passes_too_fast
+from rl_tui.tui.panels.policies.studied import as_studied
+from rl_tui.tui.panels.snapshot_facts import passes_too_fast
+from rl_tui.tui.panels.world.policy_picture import TITLE, PolicyPicture
 from rl_tui.tui.theme.look import Look
 from rl_tui.worlds.world import World
 
-TITLE: Final = "World"
 WAITING: Final = "the world is being built"
 _WHEEL: Final = 3
 
 
-class WorldView(Panel, can_focus=True):
+class WorldView(PolicyPicture, can_focus=True):
     """A panel with the picture of one world. Before the first snapshot one line says what comes.
 
     In focus it has a cursor, which stands on a place: a cell of a map, a state of a graph, an arm. Until an
@@ -84,8 +75,6 @@ class WorldView(Panel, can_focus=True):
         self._has_equation = False
         self._is_numbered = False
         self._shows_actions = False
-        self.differing: frozenset[int] = frozenset()
-        """The states whose greedy actions are others in the lane beside; seen when it is drawn again."""
         self.enter(world)
 
     def enter(self, world: World) -> None:
@@ -148,22 +137,6 @@ class WorldView(Panel, can_focus=True):
             self.enter(snapshot.world)
         super().show(as_studied(snapshot, revealed=self.revealed))
 
-    def begins_anew(self, snapshot: Snapshot) -> bool:
-        """Return whether the numbers of ``snapshot`` have nothing in common with those drawn until now."""
-        before = self.snapshot
-        if before is None or before.answers.studied is snapshot.answers.studied:
-            return is_new_run(before, snapshot)
-        return True
-
-    @property
-    def studied(self) -> PolicyKind | None:
-        """The policy whose values and actions are drawn; None: they are what the agent has learned."""
-        return None if self.snapshot is None else studied_kind(self.snapshot, revealed=self.revealed)
-
-    def study_headings(self, what: str) -> tuple[str, ...]:
-        """Return headings that say of which policy ``what`` is, or how to see it; none for the agent's."""
-        return () if self.snapshot is None else study_headings(self.snapshot, self.studied, TITLE, what)
-
     @property
     def cells(self) -> Cells | None:
         """The cells of the map in view, None where all of it is or there is no map."""
@@ -183,38 +156,10 @@ class WorldView(Panel, can_focus=True):
         """Return the signs that pictures of this world may have, those that matter most first."""
         raise NotImplementedError
 
-    def value_signs(self) -> Legend:
-        """Return the sign of V(s), which is a colour; none where there are no colours."""
-        palette, studied = self.look.palette, self.studied is not None
-        if not palette.tints:
-            return ()
-        name, in_full = ("Vπ", "value Vπ(s)") if studied else ("V", "value V(s)")
-        return (LegendSign(" tint ", name, palette.value(1.0), in_full),)
-
-    @property
-    def shows_kept_policy(self) -> bool:
-        """Whether arrows and values are those of the policy that a planner keeps, not the greedy ones."""
-        return self.snapshot is not None and len(self.snapshot.agent.policy) > 0
-
-    @property
-    def shown_differences(self) -> frozenset[int]:
-        """The states to be marked since greedy actions differ there: none while others are drawn."""
-        return self.differing if self.studied is None else frozenset()
-
-    @property
-    def policy_shown(self) -> str:
-        """What the arrows are, in a word."""
-        return "policy" if self.shows_kept_policy else "greedy"
-
     def agent_sign(self) -> LegendSign:
         """Return the sign of where the agent is."""
         who = AGENT if self.snapshot is None else agent_meaning(self.snapshot)
         return LegendSign(self.look.glyphs.agent, who, self.look.palette.agent)
-
-    def policy_sign(self, sign: str, style: Style) -> LegendSign:
-        """Return the ``sign`` of the actions that are drawn."""
-        in_full = POLICY_IN_FULL if self.shows_kept_policy else GREEDY_IN_FULL
-        return LegendSign(sign, self.policy_shown, style, in_full)
 
     # Places
 

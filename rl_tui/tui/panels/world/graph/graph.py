@@ -17,8 +17,9 @@ from rl_tui.tui.panels.world.graph.edge_list import draw_edge_list
 from rl_tui.tui.panels.world.graph.layout import GraphLayout, graph_layout
 from rl_tui.tui.panels.world.graph.routing import Box
 from rl_tui.tui.panels.world.graph.shape import GraphShape, Node, Signs, graph_shape
+from rl_tui.tui.panels.world.policy_picture import TITLE
 from rl_tui.tui.panels.world.state_values import StateValues, state_values
-from rl_tui.tui.panels.world.view import TITLE, WorldView
+from rl_tui.tui.panels.world.view import WorldView
 from rl_tui.tui.theme.glyphs import Glyphs
 from rl_tui.tui.theme.look import Look
 from rl_tui.worlds.drawing import Graph

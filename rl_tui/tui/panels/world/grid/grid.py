@@ -37,7 +37,8 @@ from rl_tui.tui.panels.world.grid.signs import action_signs, differing_sign, end
 from rl_tui.tui.panels.world.grid.strips import draw_grid, origin
 from rl_tui.tui.panels.world.grid.trail import traces, trail_signs
 from rl_tui.tui.panels.world.grid.wind import wind_line, wind_sign, wind_strip
-from rl_tui.tui.panels.world.view import TITLE, WorldView
+from rl_tui.tui.panels.world.policy_picture import TITLE
+from rl_tui.tui.panels.world.view import WorldView
 from rl_tui.worlds.drawing import CellKind, Grid
 from rl_tui.worlds.world import World
 
@@ -165,8 +166,7 @@ class GridView(WorldView):
 
     def drawing(self, snapshot: Snapshot, width: int, height: int) -> list[Strip]:
         """Return the map, or the part of it that fits, which leaves a row for the legend."""
-        grid = self._map.grid
-        if self.is_explained and grid.rows > height >= _LEAST_WITH_LEGEND:
+        if self.is_explained and self._map.grid.rows > height >= _LEAST_WITH_LEGEND:
             strips = self._drawn_map(snapshot, width, height - 1)
             self.free_rows = 1
             return [*strips, Strip([Segment(" " * width, self.look.palette.text)], width)]
