@@ -59,11 +59,12 @@ class Questions:
 
     def answers(self, run: Run, *, is_still: bool) -> AnswersView:
         """Return what is known by now for ``run``, which takes steps unless it ``is_still``."""
-        studied, mdp, left, policies = self.studied, run.world.mdp, None, {}
+        studied, mdp, left = self.studied, run.world.mdp, None
         if mdp is not None and studied is PolicyKind.DRAWN:
             left = self._left_to_chance.of(mdp, self.drawn)
-        if studied is not None:
-            policies = self._policies.of(run, self.exact.of(run), self.drawn, is_still=is_still)
+        if studied is None:
+            return AnswersView(bool(self.is_hidden), drawn=self.drawn)
+        policies = self._policies.of(run, self.exact.of(run), self.drawn, is_still=is_still)
         return AnswersView(bool(self.is_hidden), studied, self.drawn, left, policies)
 
     def work(self, group: RunGroup) -> bool:
