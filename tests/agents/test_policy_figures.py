@@ -198,3 +198,13 @@ def test_large_worlds_are_worked_out_as_small_ones(monkeypatch: pytest.MonkeyPat
     assert sparse.expected_return == pytest.approx(dense.expected_return, rel=1e-13)
     assert sparse.steps == pytest.approx(dense.steps, rel=1e-13)
     assert sparse.ends == pytest.approx(dense.ends, rel=1e-13)
+
+
+@pytest.mark.parametrize("limit", [511, 512, 997, 100_000])
+def test_a_long_limit_is_worked_out_as_step_by_step(limit: int) -> None:
+    for mdp in (lake("4x4", True, limit), student(limit)):
+        policy = softened(mdp, uniform_over(mdp, solve(mdp, 0.9).greedy), 0.5)
+        found = figures(mdp, policy, 0.9)
+        assert found.expected_return == pytest.approx(expected_return(mdp, policy), rel=1e-12)
+        of_one_a_step = replace(mdp, reward=np.ones(len(mdp.reward)))
+        assert found.steps == pytest.approx(expected_return(of_one_a_step, policy), rel=1e-12)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+from itertools import pairwise
 from typing import Any, Final
 
 import numpy as np
@@ -63,7 +64,7 @@ def all_chances(
     chances = np.array(
         [
             probability_of(now, estimates, taken, first, last, pair)
-            for first, last in zip(first_pair, first_pair[1:], strict=False)
+            for first, last in pairwise(first_pair)
             for pair in range(first, last)
         ]
     )

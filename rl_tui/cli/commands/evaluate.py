@@ -23,6 +23,7 @@ from rl_tui.cli.output import print_json
 from rl_tui.cli.progress import finish_compiling, progress, with_compiling
 from rl_tui.common.errors import UserError
 from rl_tui.common.findings import near, shown
+from rl_tui.lab.answers.policy_kind import PolicyKind
 
 if TYPE_CHECKING:
     from rl_tui.lab.run.recipe import Beginning, Recipe
@@ -30,13 +31,10 @@ if TYPE_CHECKING:
     from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
 MOST: Final = 10**15
-UNIFORM: Final = "uniform"
-OPTIMAL: Final = "optimal"
-GREEDY: Final = "greedy"
-WORDS: Final = (UNIFORM, OPTIMAL, GREEDY)
+WORDS: Final = (PolicyKind.UNIFORM, PolicyKind.OPTIMAL, PolicyKind.GREEDY)
 SUFFIX: Final = ".json"
 CHOICES: Final = f"{', '.join(WORDS)} or FILE{SUFFIX}"
-_FOR_GREEDY: Final = f"  [{GREEDY} only]"
+_FOR_GREEDY: Final = f"  [{PolicyKind.GREEDY} only]"
 
 
 class _Policy(NamedTuple):
@@ -56,8 +54,8 @@ class _Policy(NamedTuple):
     "--policy",
     "name",
     metavar="|".join((*WORDS, f"FILE{SUFFIX}")),
-    help="which policy: a random one, the best, that of an agent trained as by rl-tui train, or what a file "
-    'says, {"STATE": "ACTION"} or {"STATE": {"ACTION": CHANCE}}',
+    help="any action, the best as rl-tui solve has it, the greedy one of what rl-tui train learns, or what a "
+    'file says: {"STATE": "ACTION"} or {"STATE": {"ACTION": CHANCE}}',
 )
 @click.option(
     "--epsilon",
@@ -65,8 +63,7 @@ class _Policy(NamedTuple):
     type=ParameterValue(PARAMETERS["epsilon"]),
     default=0.0,
     show_default=True,
-    help="take a random action so much of the time, the policy's own among them; an agent is trained with "
-    "the scenario's ε",
+    help="take a random action so much of the time, which may be the policy's own",
 )
 @parameter_option("gamma", "  [default: the scenario's]")
 @algorithm_option("trained_by", _FOR_GREEDY)
@@ -90,8 +87,8 @@ def command(
 ) -> None:
     """Print what a policy is worth in each state, exactly, and how long its episodes last.
 
-    States that a file leaves out pick any action. The best policy picks evenly among equally good actions.
-    An example:
+    Among equally good actions the best policy picks evenly; so does a file where it says nothing of a state.
+    An agent is trained with the scenario's own ε, and --epsilon counts for what it has learned. An example:
 
     rl-tui evaluate cliff --policy optimal --epsilon 0.1
     """
@@ -133,7 +130,7 @@ def command(
         from rl_tui.cli.reports.evaluation import evaluation
 
         click.echo(evaluation(recipe.scenario.title, beginning.world, policy, answer))
-    if name == GREEDY:
+    if name == PolicyKind.GREEDY:
         finish_compiling()
 
 
@@ -143,9 +140,11 @@ def _check(name: str, training: Mapping[str, object]) -> None:
     if name not in WORDS and not name.endswith(SUFFIX) and not os.path.exists(name):
         said = f"--policy is {shown(name)}; expected {CHOICES}{near(name, WORDS)}"
         raise click.UsageError(said, context)
-    if training and name != GREEDY:
+    if training and name != PolicyKind.GREEDY:
         option = f"--{next(iter(training))}"
-        raise click.UsageError(f"{option} needs --policy {GREEDY}: no other policy is learned", context)
+        raise click.UsageError(
+            f"{option} needs --policy {PolicyKind.GREEDY}: no other policy is learned", context
+        )
     if "episodes" in training and "steps" in training:
         raise click.UsageError("--episodes and --steps exclude each other", context)
 
@@ -163,11 +162,11 @@ def _find(
     mdp = beginning.world.mdp
     if mdp is None:
         raise UserError(f"{recipe.scenario.id} has no exact answer: {NO_TABLE}")
-    if name == UNIFORM:
+    if name == PolicyKind.UNIFORM:
         return _Policy(mdp, uniform_policy(mdp))
-    if name == OPTIMAL:
+    if name == PolicyKind.OPTIMAL:
         return _Policy(mdp, _optimal(mdp, recipe.hyperparameters.gamma))
-    if name == GREEDY:
+    if name == PolicyKind.GREEDY:
         return _learned(recipe, beginning, episodes, steps)
     from rl_tui.lab.run.policy_file import read_policy
 

@@ -7,7 +7,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from rl_tui.cli.output import columns, number
+from rl_tui.cli.output import can_print, columns, number
 from rl_tui.cli.reports.policy_map import is_drawn, policy_map
 from rl_tui.common.words import counted
 from rl_tui.lab.run.figures import policy_names, table
@@ -30,10 +30,8 @@ def evaluation(title: str, world: World, policy: FloatArray, answer: Mapping[str
         parts += [policy_map(world, policy_names(space, chosen.astype(float))), ""]
     parts.append(columns(_summary(space.time_limit, answer)))
     if answer["not_given"]:
-        parts += [
-            "",
-            f"In {counted(answer['not_given'], 'state')} the file gives nothing: any action is taken.",
-        ]
+        states = counted(answer["not_given"], "state")
+        parts += ["", f"In {states} the file says nothing: there a random action is taken."]
     return "\n".join(parts)
 
 
@@ -46,7 +44,8 @@ def _values(world: World, policy: FloatArray, values: Mapping[str, float | None]
     """Return the value of each state, and how likely each action is there."""
     order, names = shown_order(world), world.space.action_names
     chances = table(world.space, policy)
-    rows = [("state", "V", *(f"π {names[action]}" for action in order))]
+    pi = "π" if can_print("π") else "pi"
+    rows = [("state", "V", *(f"{pi} {names[action]}" for action in order))]
     for row, (state, value) in zip(chances[:MOST_ROWS], values.items(), strict=False):
         shown = ("" if row[action] is None else number(row[action], ".4g") for action in order)
         rows.append((state, number(value, ".5f"), *shown))

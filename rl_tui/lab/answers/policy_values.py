@@ -33,10 +33,10 @@ NO_CHANCES: Final = "its chances have no closed form, or are too many"
 class PolicyAnswer:
     """What one policy is worth; all None while that is worked out, or where it is ``refused``.
 
-    ``policy`` is π(a|s), [P], ``v`` V^π, [S], and ``q`` Q^π, [P], for the γ in force and without a time limit;
-    NaN where there is no value, at γ = 1 only. ``value_at_start`` is V^π on average at the start. The others
-    are of an episode within the time limit: the expected ``expected_return``, undiscounted, and ``steps``,
-    and the probability ``ends`` that it ends. Each is None where it is not known exactly.
+    ``policy`` is π(a|s), [P], ``v`` V^π, [S], and ``q`` Q^π, [P], for the γ in force and without a time
+    limit; NaN where there is no value, at γ = 1 only. ``value_at_start`` is V^π on average at the start. The
+    others are of an episode within the time limit: the ``expected_return``, undiscounted, the expected
+    ``steps``, and the probability ``ends`` that it ends. Each is None where it is not known exactly.
     """
 
     policy: FloatArray | None = None

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from rl_tui.lab.answers.drawn_policy import DrawnPolicy
+from rl_tui.lab.answers.first_updates import FirstUpdateView
 from rl_tui.lab.answers.policy_kind import PolicyKind
 from rl_tui.lab.answers.policy_values import PolicyAnswer
 
@@ -24,3 +25,5 @@ class AnswersView:
     """In how many states it may come to act at random for want of a choice; None: it is not studied."""
     policies: Mapping[PolicyKind, PolicyAnswer] = field(default_factory=dict)
     """What each policy is worth, as far as it is known; none while nobody asks."""
+    first_update: FirstUpdateView | None = None
+    """The wait for the first update; None: nobody has asked, and something was learned or may soon be."""

@@ -51,12 +51,12 @@ def state_backup_of(world: World, agent: AgentView, last: LastStep) -> StateBack
     if agent.q[last.updated_pair] != last.after or not np.isfinite(q).all():
         return None  # another algorithm may have learned since
     if algorithm.takes_orders:
-        if agent.phase is None or not len(agent.policy) or not len(agent.values):
+        if agent.sweep is None or not len(agent.policy) or not len(agent.values):
             return None
         chance, value = agent.policy[pairs.start : pairs.stop], float(agent.values[last.state])
         expected = float(chance @ q)
         is_kept = abs(expected - value) <= _TOLERANCE * max(1.0, abs(value))
-        if agent.phase == "evaluation" and not is_kept:
+        if agent.sweep == "evaluation" and not is_kept:
             return None
     else:
         best = q == q.max()
@@ -71,7 +71,7 @@ def state_backup_of(world: World, agent: AgentView, last: LastStep) -> StateBack
     bootstrap = (q - reward) / last.gamma if last.gamma else np.zeros(len(pairs))
     return StateBackup(
         state=last.state,
-        phase=agent.phase if algorithm.takes_orders else None,
+        phase=agent.sweep if algorithm.takes_orders else None,
         pairs=pairs,
         q=q,
         reward=reward,

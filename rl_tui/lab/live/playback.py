@@ -382,12 +382,12 @@ class Playback:
         """Find out for some milliseconds how the episodes under way went, then what was asked beside."""
         if not self._automatic:
             return None
-        if not self.group.trails_are_whole:
+        had_news = not self.group.trails_are_whole
+        if had_news:
             self.group.find_trails(CHUNK)
-        elif not self.questions.work(self.group):
-            return None
-        self.changed = True
-        return 0.0
+        goes_on = not self.group.trails_are_whole or self.questions.work(self.group)
+        self.changed = self.changed or had_news or goes_on
+        return 0.0 if goes_on else None
 
     def _continue_running(self) -> float:
         run, before = self.group.current.run, self.group.current.run.step

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING
 
 from rl_tui.lab.answers.drawn_policy import DrawnPolicy
+from rl_tui.lab.answers.first_updates import FirstUpdates
 from rl_tui.lab.answers.left_to_chance import LeftToChance
 from rl_tui.lab.answers.policy_kind import PolicyKind
-from rl_tui.lab.answers.policy_values import PolicyAnswers
+from rl_tui.lab.answers.policy_values import PolicyAnswer, PolicyAnswers
 from rl_tui.lab.answers.view import AnswersView
 from rl_tui.lab.many_seeds.seed_studies import SeedStudies
 from rl_tui.lab.run.exact_answers import RunAnswers
@@ -44,6 +45,9 @@ class Questions:
         """The policy whose values are asked for."""
         self._policies = PolicyAnswers(automatic=automatic)
         self._left_to_chance = LeftToChance()
+        self.asks_why = False
+        """Whether a person has asked why nothing is learned."""
+        self._first_updates = FirstUpdates()
 
     def draw(self, state: int, action: int | None) -> None:
         """Choose ``action`` in ``state`` for the drawn policy; None: no action."""
@@ -60,12 +64,19 @@ class Questions:
     def answers(self, run: Run, *, is_still: bool) -> AnswersView:
         """Return what is known by now for ``run``, which takes steps unless it ``is_still``."""
         studied, mdp, left = self.studied, run.world.mdp, None
+        policies: Mapping[PolicyKind, PolicyAnswer] = {}
         if mdp is not None and studied is PolicyKind.DRAWN:
             left = self._left_to_chance.of(mdp, self.drawn)
-        if studied is None:
-            return AnswersView(bool(self.is_hidden), drawn=self.drawn)
-        policies = self._policies.of(run, self.exact.of(run), self.drawn, is_still=is_still)
-        return AnswersView(bool(self.is_hidden), studied, self.drawn, left, policies)
+        if studied is not None:
+            policies = self._policies.of(run, self.exact.of(run), self.drawn, is_still=is_still)
+        return AnswersView(
+            is_hidden=bool(self.is_hidden),
+            studied=studied,
+            drawn=self.drawn,
+            left_to_chance=left,
+            policies=policies,
+            first_update=self._first_updates.of(run, is_asked=self.asks_why),
+        )
 
     def work(self, group: RunGroup) -> bool:
         """Work out one answer that runs in view lack, all standing still; return whether there was one."""

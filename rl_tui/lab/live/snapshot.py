@@ -68,7 +68,7 @@ class AgentView:
     """[S], the V that a planner keeps; else, or with a ``part``, empty."""
     policy: FloatArray = field(default_factory=lambda: np.empty(0))
     """[P], the probabilities of the policy that policy iteration keeps; else, or with a ``part``, empty."""
-    phase: SweepPhase | None = None
+    sweep: SweepPhase | None = None
     """What the sweep of the last step does to that policy; None: nothing, or there was no sweep yet."""
     planning: str = ""
     """How a planner's sweep is getting on, in words; empty for an agent that learns."""

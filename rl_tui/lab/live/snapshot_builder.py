@@ -130,7 +130,7 @@ class SnapshotBuilder:
             tables=() if part else learner.remembered("q1", "q2"),
             values=np.empty(0) if part else next(iter(learner.remembered("v")), np.empty(0)),
             policy=np.empty(0) if part else next(iter(learner.remembered("policy")), np.empty(0)),
-            phase=learner.phase,
+            sweep=learner.phase,
             planning=learner.planning,
             author=learner.author,
         )
@@ -190,6 +190,7 @@ def as_left(snapshot: Snapshot, record: Record) -> Snapshot:
         agent=AgentView(now.algorithm, now.hyperparameters, table.q, table.visits),
         counters=Counters(state=table.state, step=lane.step, episodes=table.episodes),
         results=RunResults(),
+        answers=replace(snapshot.answers, first_update=None),
         exact_answer=snapshot.exact_answer if is_same_gamma or snapshot.world.mdp is None else PENDING,
         timeline=Timeline(lane.branches, lane.branch),
         run_group=replace(snapshot.run_group, lanes=tuple(views)),

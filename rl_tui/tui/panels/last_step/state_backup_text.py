@@ -100,6 +100,8 @@ class _Writer:
         else:
             of_best = {q for q, counts in zip(self._q, self._counts, strict=True) if counts}
             others = {q for q, counts in zip(self._q, self._counts, strict=True) if not counts}
+            if len(of_best) > 1:  # they are as good, but are rounded to either side
+                return False
             if of_best & others and float(np.ptp(backup.q)) > 10.0 ** -(self._decimals + 2):
                 return False
         return not backup.is_split or all(map(self._adds_up, self._places, self._q))
@@ -163,15 +165,18 @@ class _Writer:
             return (worked,) if worked else ()
         times = self._glyphs.times
         share = names.chance(float(self._backup.chance[counted[0]]), self._glyphs)
-        estimates = [self._held(q) for q in estimates]
-        products = " + ".join(f"{share}{times}{q}" for q in estimates)
-        return products, f"{share}{times}({' + '.join(estimates)})"
+        first, held = estimates[0], [self._held(q) for q in estimates]
+        products = " + ".join(f"{share}{times}{q}" for q in held)
+        ends = f"{first} + {self._glyphs.ellipsis} + {held[-1]}"
+        return products, f"{share}{times}({' + '.join((first, *held[1:]))})", f"{share}{times}({ends})"
 
     def _best(self, of: str) -> Sequence[str]:
         gap, between = ("", " ") if self._are_directions else (" ", ", ")
         signed = [f"{self._sign(place)}{gap}{q}" for place, q in zip(self._places, self._q, strict=True)]
         numbers = ", ".join(self._q)
-        return f"{of}{{{between.join(signed)}}}", f"{of}{{{numbers}}}"
+        best = next(each for each, counts in zip(signed, self._counts, strict=True) if counts)
+        ellipsis = self._glyphs.ellipsis
+        return f"{of}{{{between.join(signed)}}}", f"{of}{{{numbers}}}", f"{of}{{{best}{between}{ellipsis}}}"
 
     def _chosen(self) -> str:
         gap = "" if self._are_directions else " or "

@@ -108,11 +108,13 @@ class StepWriter:
 
     def _state_backup(self, backup: BackupText, height: int) -> list[Line]:
         """Return the Bellman equation in symbols, for each action where there is room, and in numbers."""
-        law: Line = [self._label(backup.kind), self._plain(backup.law)]
-        lines = [self._sweep(), law, self._bellman(backup, _GAP)]
+        law = self._fitting(
+            [each, self._plain(backup.law)] for each in (self._label(backup.kind), self._dim(" "))
+        )
+        lines = [self._sweep(), *([law] if self._fits(law) else []), self._bellman(backup, _GAP)]
         signs = max(len(each.sign) for each in backup.actions)
         if len(lines) + len(backup.actions) <= height and all(each.worked_out for each in backup.actions):
-            lines[2:2] = [self._action_backup(each, signs) for each in backup.actions]
+            lines[-1:-1] = [self._action_backup(each, signs) for each in backup.actions]
         if self._story.planning and len(lines) < height:
             lines.insert(1, self._progress())
         return lines
@@ -129,7 +131,9 @@ class StepWriter:
         """Return ``V(6) ← max{↑0 →.06 ↓.34 ←.06} = .34``, behind it as much of ``tail`` as fits."""
         start = self._dim(f"{indent} {backup.left} {self._look.glyphs.arrow_update} ")
         rights = [f"{each} = " for each in backup.right]
-        forms = [[start, self._plain(each), self._strong(backup.result)] for each in (*rights, "")]
+        result = self._strong(backup.result)
+        forms: list[Line] = [[start, self._plain(each), result] for each in (*rights, "")]
+        forms.append([self._dim(" "), result])
         line = list(self._fitting(forms))
         for each in tail:
             if self._fits([*line, self._plain(f"  {each}")]):

@@ -28,6 +28,7 @@ from rl_tui.tui.actions.registry import actions_of
 from rl_tui.tui.panels.catalogue import PANELS, PanelRow
 from rl_tui.tui.panels.controls.slider import Slider, key_hints
 from rl_tui.tui.panels.pointing import PartPointed, Pointed
+from rl_tui.tui.panels.policies.policies import PolicyChosen
 from rl_tui.tui.panels.q_table.q_table import QTable
 from rl_tui.tui.panels.status_line import StatusLine
 from rl_tui.tui.panels.timeline.timeline import TimelineBar
@@ -42,6 +43,7 @@ from rl_tui.tui.screens.playground.actions.microscope import MicroscopeActions
 from rl_tui.tui.screens.playground.actions.modes.drawing import PolicyDrawing
 from rl_tui.tui.screens.playground.actions.modes.manual import ManualControl
 from rl_tui.tui.screens.playground.actions.modes.mode import MODE_BINDINGS, Modes
+from rl_tui.tui.screens.playground.actions.policies import PolicyActions
 from rl_tui.tui.screens.playground.actions.run import RunActions
 from rl_tui.tui.screens.playground.actions.scenario_file import ScenarioFile
 from rl_tui.tui.screens.playground.actions.seeds import SeedActions
@@ -49,6 +51,7 @@ from rl_tui.tui.screens.playground.actions.session import SessionActions
 from rl_tui.tui.screens.playground.actions.time import TimeActions
 from rl_tui.tui.screens.playground.actions.until import UntilActions
 from rl_tui.tui.screens.playground.actions.view import ViewActions
+from rl_tui.tui.screens.playground.actions.why import WhyActions
 from rl_tui.tui.screens.playground.board import Board
 from rl_tui.tui.screens.playground.early_keys import EarlyKeys
 from rl_tui.tui.screens.playground.frame_pacing import Pacer
@@ -126,6 +129,7 @@ class Playground(ActionScreen):
         self.time = TimeActions(*of)
         self.until = UntilActions(*of)
         self.agent = AgentActions(*of)
+        self.why = WhyActions(*of, self.agent)
         self.modes = Modes()
         self.manual = ManualControl(*of, self.modes)
         self.drawing = PolicyDrawing(*of, self.modes)
@@ -133,6 +137,7 @@ class Playground(ActionScreen):
         self.view = ViewActions(*of)
         self.microscope = MicroscopeActions(*of)
         self.seeds = SeedActions(*of)
+        self.policies = PolicyActions(*of)
         self.session = SessionActions(*of, self.status, autosave, resumed)
         self.export = ExportActions(*of)
         self._left_after: int | None = None
@@ -209,6 +214,11 @@ class Playground(ActionScreen):
         keys.first = key_hints(self.focused)
         keys.is_running = self.run.is_under_way
         keys.idle = frozenset() if self.run.takes_orders else _SWEEP_KEYS
+
+    @on(PolicyChosen)
+    def study(self, event: PolicyChosen) -> None:
+        """Study the policy that was clicked."""
+        self.policies.study(event.kind)
 
     @on(TimelineBar.Sought)
     def seek(self, event: TimelineBar.Sought) -> None:
@@ -299,6 +309,7 @@ class Playground(ActionScreen):
             return
         self.microscope.follow_update()
         self.seeds.follow_panel()
+        self.policies.follow_panel()
         with self.app.batch_update():
             self.session.show_name()
             self.status.show(snapshot)
@@ -306,6 +317,7 @@ class Playground(ActionScreen):
             self.show_key_hints()
             self.board.show(snapshot)
             self.view.show(snapshot)
+            self.why.show(snapshot)
 
     def on_scrolled(self) -> None:
         """Have the parts of a large world copied that are in view now."""
