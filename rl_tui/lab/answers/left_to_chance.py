@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from weakref import WeakKeyDictionary
-
 import numpy as np
 
 from rl_tui.lab.answers.drawn_policy import DrawnPolicy
@@ -27,11 +25,10 @@ class LeftToChance:
     """The same, worked out again only where drawing or world are others."""
 
     def __init__(self) -> None:
-        self._known: WeakKeyDictionary[TabularMDP, tuple[DrawnPolicy, int]] = WeakKeyDictionary()
+        self._known: tuple[TabularMDP, DrawnPolicy, int] | None = None
 
     def of(self, mdp: TabularMDP, drawn: DrawnPolicy) -> int:
         """Return in how many states ``drawn`` may come to act at random for want of a choice."""
-        known = self._known.get(mdp)
-        if known is None or known[0] is not drawn:
-            known = self._known[mdp] = drawn, left_to_chance(mdp, drawn)
-        return known[1]
+        if self._known is None or self._known[0] is not mdp or self._known[1] is not drawn:
+            self._known = mdp, drawn, left_to_chance(mdp, drawn)
+        return self._known[2]

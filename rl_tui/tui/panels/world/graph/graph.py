@@ -200,8 +200,8 @@ def _draw_box(
     name = shortened(node.name, inner - 1, glyphs.ellipsis)
     start = max(1, (inner - len(name) + 1) // 2)
     canvas.put(box.x + 1 + start, first, name, background + Style(bold=True))
-    if state in signs.differing:
-        canvas.put(min(box.x + 1 + start + len(name), box.x + inner), first, glyphs.differs, background)
+    flag = values.flag(state, signs.differing, look)
+    canvas.put(min(box.x + 1 + start + len(name), box.x + inner), first, flag, background)
     if agent:
         canvas.put(
             box.x + 1 + start - (2 if start > 1 else 1), first, glyphs.agent, background + palette.agent

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from rl_tui.common.words import counted
+from rl_tui.lab.answers.policy_kind import PolicyKind
 from rl_tui.lab.live.snapshot import Snapshot
-from rl_tui.tui.draw.names import action_name
+from rl_tui.tui.draw import numbers
 from rl_tui.tui.screens.key_line import Hints
 from rl_tui.tui.screens.playground.actions.modes.action_keys import (
     actions_in_a_line,
@@ -21,19 +23,29 @@ _END = "D: end"
 
 def title(snapshot: Snapshot, glyphs: Glyphs) -> tuple[str, ...]:
     """Return what the world is called while a policy is drawn on it, the longest form first."""
-    said = " · ".join(_figures(snapshot, glyphs))
-    return f"You draw a policy · {said}", f"You draw · {said}", said, "You draw a policy", "You draw"
+    figures = tuple(_figures(snapshot, glyphs))
+    whole = " · ".join(figures)
+    brief = whole.replace(" states at", " at").replace(" state at", " at")
+    forms = (f"You draw a policy · {whole}", f"You draw · {whole}", f"You draw · {brief}", brief)
+    return (*forms, f"You draw · {figures[0]}", figures[0], "You draw")
 
 
 def _figures(snapshot: Snapshot, glyphs: Glyphs) -> Iterator[str]:
-    world, drawn = snapshot.world, snapshot.answers.drawn
-    if isinstance(world.drawing, Arms):
-        arm = drawn.action_in(0)
-        yield "no arm yet" if arm is None else f"arm {action_name(world, arm, glyphs)}"
+    """Yield what the drawn policy earns, then what of it is open."""
+    world, answers = snapshot.world, snapshot.answers
+    if not answers.drawn.choices:
+        yield "nothing drawn: all at random"
         return
-    left = snapshot.answers.left_to_chance
+    worth = answers.policies.get(PolicyKind.DRAWN)
+    if worth is not None and worth.expected_return is not None:
+        yield f"return {numbers.brief(worth.expected_return, glyphs, decimals=3)}"
+    elif worth is not None and (worth.is_known or worth.refused):
+        yield f"no return: {worth.refused or 'it may never end'}"
+    if isinstance(world.drawing, Arms):
+        return
+    left = answers.left_to_chance
     if left is not None:
-        yield f"{left:,} state{'' if left == 1 else 's'} at random" if left else "nothing at random"
+        yield f"{counted(left, 'state')} at random" if left else "nothing at random"
 
 
 def prompts(world: World, state: int | None, glyphs: Glyphs) -> tuple[str, ...]:
@@ -54,4 +66,4 @@ def hints(world: World) -> Hints:
         draws = (("shift+arrow", "draw"),)
     else:
         draws = ()
-    return (*draws, ("1…", "draw"), ("D", "end"), ("del", "none"), ("C", "clear"), *moves, ("?", "help"))
+    return (*draws, ("digits", "draw"), ("D", "end"), ("del", "none"), ("C", "clear"), *moves, ("?", "help"))
