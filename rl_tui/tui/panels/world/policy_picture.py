@@ -55,11 +55,6 @@ class PolicyPicture(Panel):
         return self.snapshot is not None and len(self.snapshot.agent.policy) > 0
 
     @property
-    def shown_differences(self) -> frozenset[int]:
-        """The states to be marked since greedy actions differ there: none while others are drawn."""
-        return self.differing if self.studied is None else frozenset()
-
-    @property
     def policy_shown(self) -> str:
         """What the arrows are, in a word."""
         return "policy" if self.shows_kept_policy else "greedy"
