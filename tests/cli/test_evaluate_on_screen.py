@@ -53,7 +53,8 @@ def assert_same(answer: PolicyAnswer, printed: dict[str, Any]) -> None:
         assert shown == (None if printed[name] is None else pytest.approx(printed[name], rel=1e-12)), name
     if printed["V"] is not None:
         assert answer.v is not None
-        assert answer.v == pytest.approx(np.array(list(printed["V"].values())), rel=1e-12, abs=1e-15)
+        values = np.array([np.nan if each is None else each for each in printed["V"].values()])
+        assert answer.v == pytest.approx(values, rel=1e-12, abs=1e-15, nan_ok=True)
 
 
 @pytest.mark.parametrize("scenario", SCENARIOS)
