@@ -170,6 +170,21 @@ def test_a_tie_on_one_side_only_is_a_flip() -> None:
     assert (flip.gamma, flip.turns[0].before, flip.turns[0].after) == (0.5, (0,), (1, 2))
 
 
+def test_flips_close_to_each_other_and_to_the_ends_are_told_apart() -> None:
+    prices = [0.000001, 0.499999, 0.5, 0.500001, 0.999998, 0.999999]
+    rooms = [
+        pair
+        for price in prices
+        for pair in (
+            (f"room {price}", "stop", [(1.0, "end", price)]),
+            (f"room {price}", "go", [(1.0, "hall", 0.0)]),
+        )
+    ]
+    start = {f"room {price}": 1 / len(prices) for price in prices}
+    mdp = world(*rooms, ("hall", "out", [(1.0, "end", 1.0)]), start=start)
+    assert [flip.gamma for flip in flips(mdp)] == prices
+
+
 def test_numbers_are_read_as_the_fractions_they_are_meant_to_be() -> None:
     # as binary fractions a third is less than a third, and half of 0.2 + 0.4 is not 0.3
     mdp = world(
