@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 from conftest import MakeApp
-from samples import bandit, lake, look
+from samples import answered, bandit, lake, look
 from seams import playground, press, slider, train
 from test_lanes import open_lane
 from textual.containers import VerticalScroll
@@ -269,7 +269,7 @@ def test_what_is_secret_is_not_told() -> None:
     assert arm is not None
     assert SECRET in arm.meaning
     assert "exact" not in arm.meaning
-    known = number_of_pair(bandit(400), 5, Layer.Q, look(), revealed=True)
+    known = number_of_pair(answered(bandit(400)), 5, Layer.Q, look())
     assert known is not None
     assert "exact" in known.meaning
 

@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 from conftest import MakeApp
 from lane_samples import lane_views, side_by_side
-from samples import bandit, lake, look
+from samples import answered, bandit, lake, look
 from seams import playground, screen_text, show
 from snapshots import changed
 from study_samples import bandit_study, cliff_study, lake_study
@@ -154,13 +154,13 @@ def test_the_band_of_many_seeds_lies_behind_the_curve() -> None:
 )
 def test_there_is_no_band_without_a_study_of_these_runs(study: SeedStudy | None) -> None:
     snapshot = changed(lake(), study=study)
-    assert not curve_data(snapshot, revealed=True).seeds
+    assert not curve_data(answered(snapshot)).seeds
     assert pieces(chart(snapshot)) == pieces(chart(lake()))
 
 
 def test_the_band_ends_where_the_run_is_and_is_as_wide_as_told() -> None:
     snapshot = changed(lake(), episodes=1_000, study=lake_study())
-    (found,) = curve_data(snapshot, revealed=True).seeds
+    (found,) = curve_data(answered(snapshot)).seeds
     assert found.band.end[-1] == 1_000
     assert found.band.high - found.band.low == pytest.approx(0.08)
 
@@ -172,7 +172,7 @@ def test_each_lane_has_its_band(depth: str, ascii: bool) -> None:  # noqa: A002
     snapshot = side_by_side(2, 1, study=cliff_study())
     made = chart(snapshot, shown_with)
     drawn = "".join(text for text, _ in pieces(made))
-    assert len(curve_data(snapshot, revealed=True).seeds) == 2
+    assert len(curve_data(answered(snapshot)).seeds) == 2
     if ascii:
         assert "=" in drawn
     error = "+/-" if ascii else "±"

@@ -35,17 +35,15 @@ _UNIT: Final = " step"
 _HALVES: Final = np.array([ord(each) for each in " '.:"])
 
 
-def history_strips(
-    snapshot: Snapshot, pair: int | None, look: Look, width: int, height: int, *, revealed: bool
-) -> list[Strip]:
+def history_strips(snapshot: Snapshot, pair: int | None, look: Look, width: int, height: int) -> list[Strip]:
     """Return how the estimate of ``pair`` went, in ``height`` rows, heading included.
 
-    The exact value is shown where it is known; ``revealed`` shows that of a bandit as well.
+    The exact value is shown where it is known and not hidden.
     """
     rows = height - 1
     if pair is None:
         return _instead(NO_CELL, HISTORY, (), look, width, rows)
-    known = exact_q(snapshot, revealed)
+    known = exact_q(snapshot)
     exact = None if known is None else float(known[0][pair])
     values = _values_text(snapshot, pair, exact, look)
     name = f"Q({names.pair_name(snapshot.world, pair, look.glyphs)})"

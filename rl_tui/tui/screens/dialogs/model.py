@@ -27,13 +27,11 @@ class ModelScreen(Dialog[None]):
         snapshot: Snapshot,
         pair: int | None,
         *,
-        revealed: bool,
         on_scrolled: Callable[[], None],
     ) -> None:
         super().__init__()
         self._on_scrolled = on_scrolled
         self._panel = ModelPanel(look, id="box", classes="tall")
-        self._panel.revealed = revealed
         self._snapshot = snapshot
         self._pair = pair
 
