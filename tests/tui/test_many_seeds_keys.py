@@ -8,14 +8,14 @@ import pytest
 from conftest import MakeApp
 from lane_samples import lane_views, side_by_side
 from samples import answered, bandit, lake, look
-from seams import playground, screen_text, show
+from seams import playground, screen_text, show, snapshot
 from snapshots import changed
 from study_samples import bandit_study, cliff_study, lake_study
 from textual.pilot import Pilot
 from textual.widgets import OptionList
 
 from rl_tui.common.errors import UserError
-from rl_tui.lab.live.commands import Command, EndStudy, StudySeeds
+from rl_tui.lab.live.commands import Command, EndStudy, HideAnswer, StudySeeds
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.many_seeds.figures import SeedStudy, StudyState
 from rl_tui.tui.app.screenshot import settle
@@ -90,7 +90,7 @@ async def test_another_panel_and_escape_end_it(make_app: MakeApp, monkeypatch: p
 async def test_a_bandit_reveals_its_regret_with_h(make_app: MakeApp, monkeypatch: pytest.MonkeyPatch) -> None:
     async with make_app("bandit").run_test(size=(80, 24)) as pilot:
         await settle(pilot)
-        recorded(pilot, monkeypatch)
+        sent = recorded(pilot, monkeypatch)
         await pilot.press("M")
         await pilot.pause()
         assert not playground(pilot).board.shows(BUDGET)
@@ -98,6 +98,8 @@ async def test_a_bandit_reveals_its_regret_with_h(make_app: MakeApp, monkeypatch
         study = bandit_study(lanes=(lane,))
         assert "146 ± 2" not in await fed(pilot, study)
         await pilot.press("h")
+        assert sent[-1] == HideAnswer(is_hidden=False)
+        show(playground(pilot), answered(snapshot(pilot)))
         assert "146 ± 2" in await fed(pilot, study)
 
 
@@ -266,7 +268,9 @@ async def test_of_a_bandit_it_has_winnings_and_once_revealed_regret(
         assert "485" in listed[1]
         assert "1,402 ± 9" in listed[2]
         assert not any("146" in row for row in listed)
-        await pilot.press("escape", "h", "c")
+        await pilot.press("escape")
+        show(playground(pilot), changed(arms, lanes=lanes, is_hidden=False))
+        await pilot.press("c")
         await pilot.pause()
         listed = rows(pilot)
         assert "146 ± 2" in listed[2]
