@@ -246,8 +246,8 @@ async def test_the_number_under_the_cursor_is_explained_first(make_app: MakeApp)
     app = make_app("student")
     async with app.run_test(size=(80, 24)) as pilot:
         await settle(pilot)
-        now = await train(pilot, 400)
-        await press(pilot, "tab", "tab", "home", "question_mark")
+        await train(pilot, 400)
+        now = await press(pilot, "h", "tab", "tab", "home", "question_mark")
         assert listed(pilot)[0] == NUMBER
         visits = f"{int(now.agent.visits[0]):,} visit"
         for part in ("study in state Class", visits, "exact Q* here is"):

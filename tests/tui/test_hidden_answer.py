@@ -67,7 +67,8 @@ def test_the_bellman_equation_has_no_numbers() -> None:
 def test_the_history_of_a_cell_has_no_exact_value() -> None:
     for snapshot, told in ((lake(), True), (SECRET, False)):
         text = "".join(strip.text for strip in history_strips(snapshot, 0, look(), 60, 9))
-        assert ("exact" in text) is told
+        assert ("h shows the exact" in text) is not told
+        assert (", exact " in text) is told
 
 
 def test_a_number_is_told_without_the_exact_one() -> None:
@@ -117,6 +118,16 @@ async def test_h_hides_the_layer_that_is_shown_and_the_line_and_brings_both_back
         assert table.shown_layer is Layer.OPTIMAL
         assert "best for this γ 1" in screen_text(pilot.app)
         assert not notes(pilot.app)
+
+
+async def test_h_shows_the_numbers_of_the_model_while_it_is_open(make_app: MakeApp) -> None:
+    async with make_app("student").run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        await press(pilot, "m")
+        assert ANSWER_KEY in screen_text(pilot.app)
+        await press(pilot, "h")
+        assert ANSWER_KEY not in screen_text(pilot.app)
+        assert "6.3415" in screen_text(pilot.app)
 
 
 async def test_a_spent_budget_has_nothing_to_hide(make_app: MakeApp) -> None:

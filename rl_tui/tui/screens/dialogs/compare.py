@@ -42,7 +42,7 @@ _HINTS: Final = {
     ALGORITHM: "another way to learn, or to plan",
 }
 _ONE_SEED: Final = "One seed decides nothing: M counts many."
-_HIDDEN: Final = " h, outside, shows what is exact."
+_HIDDEN: Final = " –: hidden until h."
 _MANY_SEEDS: Final = "Below each: mean ± standard error of many seeds."
 _LEAST_SYMBOL: Final = 12
 

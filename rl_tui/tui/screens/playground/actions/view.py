@@ -80,6 +80,7 @@ class ViewActions(Subject):
             self.snapshot,
             pair,
             on_scrolled=self.look_at,
+            hide_answer=self.hide_answer,
         )
         self.screen.app.push_screen(self._model, self._model_closed)
 
