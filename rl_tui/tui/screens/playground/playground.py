@@ -46,6 +46,7 @@ from rl_tui.tui.screens.playground.actions.session import SessionActions
 from rl_tui.tui.screens.playground.actions.time import TimeActions
 from rl_tui.tui.screens.playground.actions.until import UntilActions
 from rl_tui.tui.screens.playground.actions.view import ViewActions
+from rl_tui.tui.screens.playground.actions.why import WhyActions
 from rl_tui.tui.screens.playground.board import Board
 from rl_tui.tui.screens.playground.early_keys import EarlyKeys
 from rl_tui.tui.screens.playground.frame_pacing import Pacer
@@ -122,6 +123,7 @@ class Playground(ActionScreen):
         self.time = TimeActions(*of)
         self.until = UntilActions(*of)
         self.agent = AgentActions(*of)
+        self.why = WhyActions(*of, self.agent)
         self.manual = ManualControl(*of)
         self.lanes = LaneActions(*of)
         self.view = ViewActions(*of)
@@ -287,6 +289,7 @@ class Playground(ActionScreen):
             self.show_key_hints()
             self.board.show(snapshot)
             self.view.show(snapshot)
+            self.why.show(snapshot)
 
     def on_scrolled(self) -> None:
         """Have the parts of a large world copied that are in view now."""
