@@ -89,7 +89,7 @@ async def test_the_same_keys_give_the_same_run(make_app: MakeApp) -> None:
 
 
 async def test_v_goes_round_the_layers(make_app: MakeApp) -> None:
-    app = make_app("student")
+    app = make_app("frozenlake")
     async with app.run_test(size=(80, 24)) as pilot:
         await settle(pilot)
         table = app.screen.query_one(QTable)
