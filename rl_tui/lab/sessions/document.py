@@ -175,6 +175,7 @@ class Document(Part):
     breakpoints: StoredBreakpoints
     speed: Annotated[float, Field(gt=0, allow_inf_nan=False)] | None
     digest: Annotated[str, Field(pattern=r"^([0-9a-f]{64})?$")]
+    answer_hidden: bool | None = None
     table: StoredTable | None = None
 
     @model_validator(mode="after")

@@ -61,7 +61,8 @@ def document_of(record: Record, *, title: str, kept: bool, digest: str) -> dict[
         "digest": digest,
     }
     table = None if record.table is None else _stored_table(record.table)
-    return fields if table is None else {**fields, "table": table}
+    asked = {"answer_hidden": record.answer_is_hidden, "table": table}
+    return fields | {name: value for name, value in asked.items() if value is not None}
 
 
 def _stored_scenario(scenario: Scenario) -> dict[str, str]:
@@ -140,6 +141,7 @@ def record_of(document: Document) -> Record:
             frozenset(document.breakpoints.states), frozenset(document.breakpoints.pairs)
         ),
         speed=document.speed,
+        answer_is_hidden=document.answer_hidden,
         table=None if document.table is None else _table(document.table),
     )
 
