@@ -51,8 +51,8 @@ _LONGEST_FINISH: Final = 20.0  # seconds
     "changes",
     type=ChangeValue(),
     multiple=True,
-    help="after STEP steps set a hyper-parameter, algorithm=NAME, or take=ACTION in place of the agent; "
-    "may be given several times",
+    help="after STEP steps set a hyper-parameter, algorithm=NAME, take=ACTION in place of the agent, or "
+    "sweep=evaluation or sweep=improvement of policy iteration; may be given several times",
 )
 @allow_module_option
 @run_options
