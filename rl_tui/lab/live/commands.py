@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Final
 
+from rl_tui.agents.sweep_phases import SweepPhase
 from rl_tui.lab.answers.policy_kind import PolicyKind
 from rl_tui.lab.live.until import Until
 from rl_tui.lab.live.viewport import Viewport
@@ -40,6 +41,16 @@ class Step(Command):
 @dataclass(frozen=True, slots=True)
 class RunEpisode(Command):
     """Run to the end of the episode under way, as fast as it goes, and pause there."""
+
+
+@dataclass(frozen=True, slots=True)
+class RunSweep(Command):
+    """Run to the end of a sweep of ``phase``, as fast as it goes, and pause there.
+
+    That is the sweep under way if it is one; else it is finished, and the next one is ordered.
+    """
+
+    phase: SweepPhase
 
 
 @dataclass(frozen=True, slots=True)

@@ -18,7 +18,7 @@ from rl_tui.lab.live.viewport import PartCopier, Viewport
 from rl_tui.lab.run.bandit import bandit_figures
 from rl_tui.lab.run.exact_answers import NO_TABLE, PENDING, Answer
 from rl_tui.lab.run.large_worlds import is_large
-from rl_tui.lab.run.recipe import Recipe, TakeAction, changed_recipe
+from rl_tui.lab.run.recipe import Recipe, Setting, changed_recipe
 from rl_tui.lab.run.results import RunResults
 from rl_tui.lab.timeline.branches import Timeline
 from rl_tui.lab.timeline.lane_view import RunGroupView
@@ -132,6 +132,8 @@ class SnapshotBuilder:
             part=part,
             tables=() if part else learner.remembered("q1", "q2"),
             values=np.empty(0) if part else next(iter(learner.remembered("v")), np.empty(0)),
+            policy=np.empty(0) if part else next(iter(learner.remembered("policy")), np.empty(0)),
+            sweep=learner.phase,
             planning=learner.planning,
             author=learner.author,
         )
@@ -169,7 +171,7 @@ def as_left(snapshot: Snapshot, record: Record) -> Snapshot:
         return snapshot
     lane = record.lanes[record.shown]
     journal = lane.branches[lane.branch].journal
-    settings = [e.change for e in journal if e.step <= lane.step and not isinstance(e.change, TakeAction)]
+    settings = [e.change for e in journal if e.step <= lane.step and isinstance(e.change, Setting)]
     now = changed_recipe(lane.recipe, *settings)
     is_same_gamma = now.hyperparameters.gamma == snapshot.agent.hyperparameters.gamma
     views = [

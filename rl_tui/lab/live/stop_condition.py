@@ -62,7 +62,7 @@ class StopCondition:
                     f"episode {run.learner.episodes + 1:,}",
                 )
             case Event.EPISODE_END:
-                self.episodes = run.learner.episodes + 1
+                self.episodes = run.learner.episodes + 1 + until.number
             case Event.VALUE:
                 if not 0 <= until.pair < run.world.space.pairs:
                     raise UserError(f"there is no pair {until.pair} here")

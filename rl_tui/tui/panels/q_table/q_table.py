@@ -17,7 +17,7 @@ from rl_tui.lab.run.large_worlds import is_large
 from rl_tui.tui.draw.number_form import SteadyForms
 from rl_tui.tui.draw.pieces import Piece, strips_of, wrapped
 from rl_tui.tui.panels.bindings import binding
-from rl_tui.tui.panels.legend import GREEDY_IN_FULL, Legend, LegendSign
+from rl_tui.tui.panels.legend import GREEDY_IN_FULL, Legend, LegendSign, agent_meaning
 from rl_tui.tui.panels.panel import BoardPanel, Panel
 from rl_tui.tui.panels.pointing import NOWHERE, Moved, Pointed
 from rl_tui.tui.panels.q_table.form import Scene
@@ -210,7 +210,7 @@ class QTable(Panel, can_focus=True):
         return (
             LegendSign(frame, "greedy", palette.greedy, greedy),
             *([LegendSign(" lit ", "just updated", palette.updated)] if is_learned and self.lights else []),
-            LegendSign(glyphs.agent, "agent" if state else "last pull", palette.agent),
+            LegendSign(glyphs.agent, agent_meaning(snapshot) if state else "last pull", palette.agent),
             *([LegendSign(glyphs.stay, "not tried", palette.unvisited)] if is_learned else []),
             *([LegendSign(glyphs.cursor, "cursor", palette.greedy)] if self.has_focus else []),
         )

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from rl_tui.lab.live.commands import LOOKING, Apply, Command, HideAnswer, Restart, SetSpeed
 from rl_tui.lab.live.snapshot import Phase, Snapshot
-from rl_tui.lab.run.recipe import Recipe, TakeAction, changed_recipe
+from rl_tui.lab.run.recipe import Recipe, Setting, changed_recipe
 from rl_tui.lab.timeline.lane_view import LaneView
 
 
@@ -39,7 +39,7 @@ class Wanted:
                 self.is_hidden = is_hidden
             case Restart(recipe):
                 self.recipe = recipe
-            case Apply(change) if not isinstance(change, TakeAction):
+            case Apply(change) if isinstance(change, Setting):
                 self.recipe = changed_recipe(self.recipe, change)
 
     def take_over(self, lane: LaneView) -> None:
