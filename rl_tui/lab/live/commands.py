@@ -182,6 +182,11 @@ class FollowCell(Command):
 
 
 @dataclass(frozen=True, slots=True)
+class AskFlips(Command):
+    """Tell in every snapshot at which γ the optimal actions of the world shown change, once that is known."""
+
+
+@dataclass(frozen=True, slots=True)
 class StudyPolicy(Command):
     """Tell in every snapshot what policies are worth, with all values of this one; None: of none."""
 
@@ -208,7 +213,7 @@ class HideAnswer(Command):
     is_hidden: bool
 
 
-_AT_ANY_TIME: Final = (LookAt, FollowCell, MarkLane, EndStudy, SetSpeed, StudyPolicy)
+_AT_ANY_TIME: Final = (LookAt, FollowCell, MarkLane, EndStudy, SetSpeed, StudyPolicy, AskFlips)
 LOOKING: Final = (*_AT_ANY_TIME, StudySeeds)
 """Commands that leave nothing behind that is worth keeping."""
 

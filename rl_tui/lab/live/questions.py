@@ -6,6 +6,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from rl_tui.lab.answers.drawn_policy import DrawnPolicy
+from rl_tui.lab.answers.flip_answers import FlipAnswers
 from rl_tui.lab.answers.view import AnswersView
 from rl_tui.lab.many_seeds.seed_studies import SeedStudies
 from rl_tui.lab.run.exact_answers import RunAnswers
@@ -32,6 +33,8 @@ class Questions:
         """What many seeds say of the runs."""
         self.exact = RunAnswers(on_exact)
         """The exact answers for the γ in force."""
+        self.flips = FlipAnswers(on_exact, automatic=automatic)
+        """Every γ at which optimal actions change, by world."""
         self.is_hidden = record.answer_is_hidden
         """Whether a person has the answer hidden; None: nobody has said."""
         self.drawn = record.drawn
@@ -47,6 +50,16 @@ class Questions:
         """Forget the drawn policy."""
         self.drawn = DrawnPolicy()
 
+    def close(self) -> None:
+        """End what is worked out in processes of their own, from any thread, and begin nothing any more."""
+        self.seed_studies.close()
+        self.flips.close()
+
     def answers(self, run: Run) -> AnswersView:
         """Return what is known by now for ``run``."""
-        return AnswersView(is_hidden=bool(self.is_hidden), studied=self.studied, drawn=self.drawn)
+        return AnswersView(
+            is_hidden=bool(self.is_hidden),
+            studied=self.studied,
+            drawn=self.drawn,
+            flips=self.flips.of(run.world.mdp),
+        )
