@@ -27,6 +27,7 @@ from rl_tui.tui.actions.bindings import bindings_of
 from rl_tui.tui.actions.registry import actions_of
 from rl_tui.tui.panels.catalogue import PANELS, PanelRow
 from rl_tui.tui.panels.controls.slider import Slider, key_hints
+from rl_tui.tui.panels.discount.discount import DiscountPanel
 from rl_tui.tui.panels.q_table.q_table import QTable
 from rl_tui.tui.panels.status_line import StatusLine
 from rl_tui.tui.panels.timeline.timeline import TimelineBar
@@ -36,6 +37,7 @@ from rl_tui.tui.screens.key_line import KeyLine
 from rl_tui.tui.screens.legend_switch import LegendSwitch
 from rl_tui.tui.screens.playground.actions.agent import AgentActions
 from rl_tui.tui.screens.playground.actions.export import ExportActions
+from rl_tui.tui.screens.playground.actions.flips import FlipActions
 from rl_tui.tui.screens.playground.actions.lanes import LaneActions
 from rl_tui.tui.screens.playground.actions.manual import MANUAL_BINDINGS, ManualControl
 from rl_tui.tui.screens.playground.actions.microscope import MicroscopeActions
@@ -127,6 +129,7 @@ class Playground(ActionScreen):
         self.view = ViewActions(*of)
         self.microscope = MicroscopeActions(*of)
         self.seeds = SeedActions(*of)
+        self.flips = FlipActions(*of)
         self.session = SessionActions(*of, self.status, autosave, resumed)
         self.export = ExportActions(*of)
         self._left_after: int | None = None
@@ -173,6 +176,11 @@ class Playground(ActionScreen):
         """Set the hyper-parameter of the slider in the running learner."""
         self.agent.set_parameter(event.name, event.value)
 
+    @on(DiscountPanel.GammaWanted)
+    def set_gamma(self, event: DiscountPanel.GammaWanted) -> None:
+        """Set γ on the other side of a flip."""
+        self.agent.set_parameter("gamma", event.gamma)
+
     @on(Slider.Refused)
     def tell_refusal(self, event: Slider.Refused) -> None:
         """Say why what was typed on a slider is no value."""
@@ -191,6 +199,11 @@ class Playground(ActionScreen):
         keys = self.query_one(KeyLine)
         keys.first = key_hints(self.focused)
         keys.is_running = self.run.is_under_way
+
+    @on(DescendantFocus)
+    def ask_for_flips(self) -> None:
+        """Have the marks on the slider of γ worked out, where it has the focus."""
+        self.flips.follow()
 
     @on(TimelineBar.Sought)
     def seek(self, event: TimelineBar.Sought) -> None:
@@ -280,6 +293,7 @@ class Playground(ActionScreen):
             return
         self.microscope.follow_update()
         self.seeds.follow_panel()
+        self.flips.follow()
         with self.app.batch_update():
             self.session.show_name()
             self.status.show(snapshot)
