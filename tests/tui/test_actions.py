@@ -15,6 +15,7 @@ PLAYGROUND_KEYS = {
     "space",
     "z",
     "W",
+    "Y",
     "s",
     "e",
     "plus",

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from rl_tui.lab.answers.drawn_policy import DrawnPolicy
+from rl_tui.lab.answers.first_updates import FirstUpdateView
 from rl_tui.lab.answers.flip_answer import NOT_ASKED, FlipAnswer
 from rl_tui.lab.answers.policy_kind import PolicyKind
 
@@ -19,5 +20,7 @@ class AnswersView:
     """The policy whose values are asked for; None: of none."""
     drawn: DrawnPolicy = field(default_factory=DrawnPolicy)
     """The policy that a person drew."""
+    first_update: FirstUpdateView | None = None
+    """The wait for the first update; None: nobody has asked, and something was learned or may soon be."""
     flips: FlipAnswer = NOT_ASKED
     """Every γ at which the optimal actions of its world change."""

@@ -213,7 +213,14 @@ class HideAnswer(Command):
     is_hidden: bool
 
 
-_AT_ANY_TIME: Final = (LookAt, FollowCell, MarkLane, EndStudy, SetSpeed, StudyPolicy, AskFlips)
+@dataclass(frozen=True, slots=True)
+class AskWhy(Command):
+    """Tell in every snapshot how long nothing is learned, and why, or only where that takes many episodes."""
+
+    is_asked: bool
+
+
+_AT_ANY_TIME: Final = (LookAt, FollowCell, MarkLane, EndStudy, SetSpeed, StudyPolicy, AskFlips, AskWhy)
 LOOKING: Final = (*_AT_ANY_TIME, StudySeeds)
 """Commands that leave nothing behind that is worth keeping."""
 

@@ -72,6 +72,10 @@ def _study_policy(playback: Playback, command: commands.StudyPolicy) -> None:
     playback.questions.studied = command.kind
 
 
+def _ask_why(playback: Playback, command: commands.AskWhy) -> None:
+    playback.questions.asks_why = command.is_asked
+
+
 def _ask_flips(playback: Playback, _: commands.AskFlips) -> None:
     playback.questions.flips.begin(playback.group.current.run.world.mdp)
 
@@ -144,6 +148,7 @@ HANDLERS: Final[Mapping[type, Callable[[Playback, Any], None]]] = {
     commands.DrawAction: lambda playback, command: playback.questions.draw(command.state, command.action),
     commands.ClearDrawing: lambda playback, _: playback.questions.clear(),
     commands.HideAnswer: _hide_answer,
+    commands.AskWhy: _ask_why,
     commands.ToggleBreakpoint: _toggle_breakpoint,
     commands.ClearBreakpoints: lambda playback, _: playback.set_breakpoints(Breakpoints()),
     commands.StepBack: _step_back,

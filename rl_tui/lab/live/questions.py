@@ -6,6 +6,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from rl_tui.lab.answers.drawn_policy import DrawnPolicy
+from rl_tui.lab.answers.first_updates import FirstUpdates
 from rl_tui.lab.answers.flip_answers import FlipAnswers
 from rl_tui.lab.answers.view import AnswersView
 from rl_tui.lab.many_seeds.seed_studies import SeedStudies
@@ -41,6 +42,9 @@ class Questions:
         """The policy that a person drew."""
         self.studied: PolicyKind | None = None
         """The policy whose values are asked for."""
+        self.asks_why = False
+        """Whether a person has asked why nothing is learned."""
+        self._first_updates = FirstUpdates()
 
     def draw(self, state: int, action: int | None) -> None:
         """Choose ``action`` in ``state`` for the drawn policy; None: no action."""
@@ -61,5 +65,6 @@ class Questions:
             is_hidden=bool(self.is_hidden),
             studied=self.studied,
             drawn=self.drawn,
+            first_update=self._first_updates.of(run, is_asked=self.asks_why),
             flips=self.flips.of(run.world.mdp),
         )

@@ -186,6 +186,7 @@ def as_left(snapshot: Snapshot, record: Record) -> Snapshot:
         agent=AgentView(now.algorithm, now.hyperparameters, table.q, table.visits),
         counters=Counters(state=table.state, step=lane.step, episodes=table.episodes),
         results=RunResults(),
+        answers=replace(snapshot.answers, first_update=None),
         exact_answer=snapshot.exact_answer if is_same_gamma or snapshot.world.mdp is None else PENDING,
         timeline=Timeline(lane.branches, lane.branch),
         run_group=replace(snapshot.run_group, lanes=tuple(views)),

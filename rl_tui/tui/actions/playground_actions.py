@@ -165,6 +165,15 @@ PLAYGROUND_ACTIONS: Final[tuple[Action, ...]] = (
         aliases="alpha gamma epsilon lambda tau discount exploration hyper-parameters parameters settings",
     ),
     Action(
+        "why.explain",
+        "Y",
+        "why",
+        "Why is nothing learned? The exact chance and wait of the first update, the cause, and what helps.",
+        Group.AGENT,
+        needs_world=True,
+        aliases="first update reward wait stuck remedy",
+    ),
+    Action(
         "manual.toggle",
         "y",
         "you",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from typing import Final
 
 from textual.app import ComposeResult
 from textual.containers import Container
@@ -23,6 +24,9 @@ from rl_tui.tui.panels.legend import LegendSign, legend_text
 from rl_tui.tui.panels.panel import BORDER_ENDS, BoardPanel
 from rl_tui.tui.theme.look import Look
 from rl_tui.worlds.drawing import Arms
+
+GAMMA: Final = "gamma"
+"""The hyper-parameter whose slider marks flips."""
 
 
 def sliders_of(algorithm: str, values: Hyperparameters, *, is_bandit: bool = False) -> tuple[Parameter, ...]:
@@ -133,7 +137,7 @@ class Controls(Container, BoardPanel):
             return
         for slider in self.query(Slider):
             slider.set_value(in_force(self.wanted, slider.parameter))
-            if slider.parameter.name == "gamma":
+            if slider.parameter.name == GAMMA:
                 slider.set_marks(flip_marks(snapshot.answers, every=self.marks_all_flips))
 
     def _sliders(self) -> Iterable[Slider]:

@@ -252,7 +252,7 @@ def _draw_names(canvas: Canvas, plot: Plot, data: CurveData, names: Sequence[Lin
             canvas.put(start, row, label.text, label.style)
         if -math.inf < label.value < plot.scale.low:
             canvas.put(start - 2, row, look.glyphs.down, label.style)
-    if data.barren and not data.lanes:
+    if (data.barren or data.unlearned) and not data.lanes:
         _put_message(canvas, plot, barren_words(data), look, {*rows, plot.rows - 1})
 
 

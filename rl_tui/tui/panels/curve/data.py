@@ -51,7 +51,8 @@ class CurveData:
     episode is on the line itself), ``greedy`` the exact expected return of the greedy policy, each over
     episodes from 0. ``greedy_now``, ``mean_now`` (of the last 100 episodes) and ``optimum`` are the values to
     print, None where unknown or hidden. ``hidden`` tells that greedy and optimum are kept secret, ``barren``
-    that there were many episodes and none had a reward, ``is_decided`` that somewhere one action is estimated
+    that there were many episodes and none had a reward, ``unlearned`` that no estimate has moved in many,
+    ``is_decided`` that somewhere one action is estimated
     above another, so that being greedy means something (true as well where there is no choice, false where
     ``greedy_now`` is unknown). ``greedy_ends`` is, where the greedy policy has no return, how likely an
     episode of it ends; else None.
@@ -74,6 +75,7 @@ class CurveData:
     unit: str
     hidden: bool
     barren: bool
+    unlearned: bool
     is_decided: bool
     greedy_ends: float | None
     lanes: tuple[LaneLine, ...] = ()
@@ -161,6 +163,7 @@ def curve_data(snapshot: Snapshot, *, revealed: bool) -> CurveData:
         unit="sweep" if plans else "pull" if is_bandit else "episode",
         hidden=hidden,
         barren=_barren(snapshot),
+        unlearned=snapshot.answers.first_update is not None and snapshot.answers.first_update.is_long,
         is_decided=_is_decided(snapshot),
         greedy_ends=None if hidden else snapshot.results.greedy_ends,
         lanes=tuple(

@@ -270,6 +270,8 @@ def empty_words(unit: str) -> tuple[str, ...]:
 
 
 def barren_words(data: CurveData) -> tuple[str, ...]:
-    """Return that nothing was ever earned."""
+    """Return that no estimate has moved, and by which key to ask why, or that nothing was ever earned."""
+    if data.unlearned:
+        return "nothing learned", f"in {data.finished:,} {data.unit}s, Y tells why"
     finished = "finished " if data.unit == "episode" else ""
     return "no reward seen yet", f"in {data.finished:,} {finished}{data.unit}s"

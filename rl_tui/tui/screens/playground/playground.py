@@ -37,7 +37,6 @@ from rl_tui.tui.screens.key_line import KeyLine
 from rl_tui.tui.screens.legend_switch import LegendSwitch
 from rl_tui.tui.screens.playground.actions.agent import AgentActions
 from rl_tui.tui.screens.playground.actions.export import ExportActions
-from rl_tui.tui.screens.playground.actions.flips import FlipActions
 from rl_tui.tui.screens.playground.actions.lanes import LaneActions
 from rl_tui.tui.screens.playground.actions.manual import MANUAL_BINDINGS, ManualControl
 from rl_tui.tui.screens.playground.actions.microscope import MicroscopeActions
@@ -48,6 +47,7 @@ from rl_tui.tui.screens.playground.actions.session import SessionActions
 from rl_tui.tui.screens.playground.actions.time import TimeActions
 from rl_tui.tui.screens.playground.actions.until import UntilActions
 from rl_tui.tui.screens.playground.actions.view import ViewActions
+from rl_tui.tui.screens.playground.actions.why import WhyActions
 from rl_tui.tui.screens.playground.board import Board
 from rl_tui.tui.screens.playground.early_keys import EarlyKeys
 from rl_tui.tui.screens.playground.frame_pacing import Pacer
@@ -124,12 +124,12 @@ class Playground(ActionScreen):
         self.time = TimeActions(*of)
         self.until = UntilActions(*of)
         self.agent = AgentActions(*of)
+        self.why = WhyActions(*of, self.agent)
         self.manual = ManualControl(*of)
         self.lanes = LaneActions(*of)
         self.view = ViewActions(*of)
         self.microscope = MicroscopeActions(*of)
         self.seeds = SeedActions(*of)
-        self.flips = FlipActions(*of)
         self.session = SessionActions(*of, self.status, autosave, resumed)
         self.export = ExportActions(*of)
         self._left_after: int | None = None
@@ -203,7 +203,7 @@ class Playground(ActionScreen):
     @on(DescendantFocus)
     def ask_for_flips(self) -> None:
         """Have the marks on the slider of γ worked out, where it has the focus."""
-        self.flips.follow()
+        self.view.follow_flips()
 
     @on(TimelineBar.Sought)
     def seek(self, event: TimelineBar.Sought) -> None:
@@ -293,7 +293,7 @@ class Playground(ActionScreen):
             return
         self.microscope.follow_update()
         self.seeds.follow_panel()
-        self.flips.follow()
+        self.view.follow_flips()
         with self.app.batch_update():
             self.session.show_name()
             self.status.show(snapshot)
@@ -301,6 +301,7 @@ class Playground(ActionScreen):
             self.show_key_hints()
             self.board.show(snapshot)
             self.view.show(snapshot)
+            self.why.show(snapshot)
 
     def on_scrolled(self) -> None:
         """Have the parts of a large world copied that are in view now."""
