@@ -294,7 +294,7 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         "arrows choose a flip, and enter sets γ beyond it; on the slider { and } do so. Flip points are "
         "worked out for worlds of up to 100 states.",
         caption="where the best policy turns",
-        terms=("gamma", "flip-point", "q-star", "turns-the-way", "optimal-values-by-gamma", "gamma-best"),
+        terms=("gamma", "flip-point", "turns-the-way", "optimal-values-by-gamma", "earned-at-flip", "q-star"),
         opened_by=OpeningKey(
             "G",
             "flip points",

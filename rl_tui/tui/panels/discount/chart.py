@@ -34,6 +34,7 @@ LEAST_WIDTH: Final = 18
 LEAST_HEIGHT: Final = 4
 _ROOMY: Final = 36  # columns with labels a fifth apart; with fewer there are three
 _SIGNS_APART: Final = 12  # columns from one sign on a line to the next
+_SIGN_FREE: Final = 2  # columns at the end without one, which would read as part of the name beside it
 _UNIT: Final = " γ"
 
 
@@ -102,12 +103,13 @@ def draw_values(
     finite = values[np.isfinite(values)]
     scale = round_scale(*((float(finite.min()), float(finite.max())) if len(finite) else (0.0, 1.0)))
     left = value_axis_columns(scale, look)
-    names = max(cell_len(line.name) for line in lines)
-    names = min(names, (width - left) // 3)
+    unit = to_ascii(_UNIT, look.glyphs)
+    names = min(max(cell_len(line.name) for line in lines), (width - left) // 3)
+    names = max(names, cell_len(unit) - 1)
     plot = Plot(left, width - left - names - 1, height - 1, 1.0, scale)
     draw_value_axis(canvas, plot, look)
     step = 0.2 if plot.columns >= _ROOMY else 0.5
-    draw_count_axis(canvas, plot, 1.0, 6, to_ascii(_UNIT, look.glyphs), look, step)
+    draw_count_axis(canvas, plot, 1.0, 6, unit, look, step)
     _draw_marks(canvas, plot, flips, gamma, chosen, look)
     best_now = int(np.nan_to_num(values[:, _nearest(gammas, gamma)]).argmax())
     order = sorted(range(len(lines)), key=best_now.__eq__)  # what is best for the γ in force lies on top
@@ -162,18 +164,17 @@ def _draw_lines(
     for number, line in enumerate(lines):
         ends = line.values[:-1], line.values[1:]
         steps = Steps(gammas[:-1], gammas[1:], np.minimum(*ends), np.maximum(*ends))
+        codes = plot.braille_line(steps)
+        there = codes > braille.BLANK
         if look.glyphs.braille:
-            codes = plot.braille_line(steps)
-            there = codes > braille.BLANK
             shown[there] |= codes[there]
         else:
-            there = plot.line_dots(steps, plot.columns, plot.rows)
             shown[there] = ord(line.sign)
         for row, column in np.argwhere(there).tolist():
             canvas.put(plot.left + column, row, chr(shown[row, column]), line.style)
         if has_signs and look.glyphs.braille:
             first = _SIGNS_APART * (number + 1) // (len(lines) + 1)
-            for column in range(first, plot.columns, _SIGNS_APART):
+            for column in range(first, plot.columns - _SIGN_FREE, _SIGNS_APART):
                 for row in np.flatnonzero(there[:, column])[:1].tolist():
                     canvas.put(plot.left + column, row, line.sign, line.style)
 
