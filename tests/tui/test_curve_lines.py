@@ -14,8 +14,9 @@ from rl_tui.tui.draw.axes import draw_value_axis
 from rl_tui.tui.draw.braille import Steps
 from rl_tui.tui.draw.canvas import Canvas
 from rl_tui.tui.draw.chart_plot import Plot
+from rl_tui.tui.draw.label_rows import apart
 from rl_tui.tui.draw.scale import Scale, round_range, round_scale, settled, tick_label, tick_step
-from rl_tui.tui.panels.curve.chart import apart, taking_turns
+from rl_tui.tui.panels.curve.chart import taking_turns
 from rl_tui.tui.panels.curve.curve import ReturnCurve
 from rl_tui.tui.panels.curve.data import curve_data
 from rl_tui.tui.panels.curve.smoothing import smoothed

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 
 from rl_tui.lab.answers.drawn_policy import DrawnPolicy
 from rl_tui.lab.answers.first_updates import FirstUpdateView
+from rl_tui.lab.answers.flip_answer import NOT_ASKED, FlipAnswer
 from rl_tui.lab.answers.policy_kind import PolicyKind
 
 
@@ -21,3 +22,5 @@ class AnswersView:
     """The policy that a person drew."""
     first_update: FirstUpdateView | None = None
     """The wait for the first update; None: nobody has asked, and something was learned or may soon be."""
+    flips: FlipAnswer = NOT_ASKED
+    """Every γ at which the optimal actions of its world change."""

@@ -193,6 +193,11 @@ class FollowCell(Command):
 
 
 @dataclass(frozen=True, slots=True)
+class AskFlips(Command):
+    """Tell in every snapshot at which γ the optimal actions of the world shown change, once that is known."""
+
+
+@dataclass(frozen=True, slots=True)
 class StudyPolicy(Command):
     """Tell in every snapshot what policies are worth, with all values of this one; None: of none."""
 
@@ -226,7 +231,7 @@ class AskWhy(Command):
     is_asked: bool
 
 
-_AT_ANY_TIME: Final = (LookAt, FollowCell, MarkLane, EndStudy, SetSpeed, StudyPolicy, AskWhy)
+_AT_ANY_TIME: Final = (LookAt, FollowCell, MarkLane, EndStudy, SetSpeed, StudyPolicy, AskFlips, AskWhy)
 LOOKING: Final = (*_AT_ANY_TIME, StudySeeds)
 """Commands that leave nothing behind that is worth keeping."""
 

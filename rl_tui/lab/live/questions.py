@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from rl_tui.lab.answers.drawn_policy import DrawnPolicy
 from rl_tui.lab.answers.first_updates import FirstUpdates
+from rl_tui.lab.answers.flip_answers import FlipAnswers
 from rl_tui.lab.answers.view import AnswersView
 from rl_tui.lab.many_seeds.seed_studies import SeedStudies
 from rl_tui.lab.run.exact_answers import RunAnswers
@@ -34,6 +35,8 @@ class Questions:
         """What many seeds say of the runs."""
         self.exact = RunAnswers(on_exact)
         """The exact answers for the γ in force."""
+        self.flips = FlipAnswers(on_exact, automatic=automatic)
+        """Every γ at which optimal actions change, by world."""
         self.is_hidden = record.answer_is_hidden
         """Whether a person wants the answer hidden; None: nobody has said."""
         self.drawn = record.drawn
@@ -63,6 +66,11 @@ class Questions:
         """
         self.is_hidden = self.is_hidden or None
 
+    def close(self) -> None:
+        """End what is worked out in processes of their own, from any thread, and begin nothing any more."""
+        self.seed_studies.close()
+        self.flips.close()
+
     def answers(self, run: Run) -> AnswersView:
         """Return what is known by now for ``run``."""
         return AnswersView(
@@ -70,4 +78,5 @@ class Questions:
             studied=self.studied,
             drawn=self.drawn,
             first_update=self._first_updates.of(run, is_asked=self.asks_why),
+            flips=self.flips.of(run.world.mdp),
         )

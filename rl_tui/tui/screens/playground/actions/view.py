@@ -2,18 +2,24 @@
 
 from __future__ import annotations
 
-from rl_tui.lab.live.commands import HideAnswer, LookAt
+from rl_tui.lab.answers.flip_answer import FlipState
+from rl_tui.lab.live.commands import AskFlips, HideAnswer, LookAt
 from rl_tui.lab.live.snapshot import Phase, Snapshot
+from rl_tui.tui.panels.catalogue import DISCOUNT
+from rl_tui.tui.panels.controls.controls import GAMMA
+from rl_tui.tui.panels.controls.slider import Slider
 from rl_tui.tui.panels.panel import BORDERS
 from rl_tui.tui.screens.dialogs.model import ModelScreen
 from rl_tui.tui.screens.playground.actions.subject import Subject
 from rl_tui.worlds.drawing import Arms, Grid
+from rl_tui.worlds.world import World
 
 
 class ViewActions(Subject):
     """Another look at the same snapshot, or at more of the world."""
 
     _model: ModelScreen | None = None
+    _flips_asked: World | None = None
 
     def look_at(self) -> None:
         """Have those parts of a large world copied that are in view now."""
@@ -24,6 +30,28 @@ class ViewActions(Subject):
         """Draw ``snapshot`` in the model, if that is open."""
         if self._model is not None:
             self._model.show(snapshot)
+
+    def follow_flips(self) -> None:
+        """Ask for the flips of the world shown, where they are wanted and were not asked for yet."""
+        snapshot = self.snapshot
+        if snapshot is None or snapshot.world is self._flips_asked or snapshot.answers.is_hidden:
+            return
+        is_unknown = snapshot.answers.flips.state is FlipState.NOT_ASKED
+        is_there = snapshot.playback.phase not in (Phase.PREPARING, Phase.SEEKING)
+        if is_unknown and is_there and self._wants_flips(snapshot):
+            self._flips_asked = snapshot.world
+            self.link.send(AskFlips())
+
+    def _wants_flips(self, snapshot: Snapshot) -> bool:
+        """Return whether their panel is open or a person is at the slider of γ.
+
+        Where the run goes on by itself, they are wanted for the slider as soon as it rests.
+        """
+        focused = self.screen.focused
+        if self.board.opened == DISCOUNT or (isinstance(focused, Slider) and focused.id == GAMMA):
+            return True
+        rests = snapshot.playback.phase is not Phase.RUNNING
+        return self.link.player.is_automatic and rests and self.board.controls.has_slider(GAMMA)
 
     def next_layer(self) -> None:
         """Go to the next layer of the table."""
