@@ -219,4 +219,4 @@ def _first_words(world: World) -> str:
         how = "shift and an arrow draw and move on, digits draw"
     else:
         how = "arrows move, digits draw"
-    return f"you draw a policy: {how}; elsewhere it acts at random; D ends"
+    return f"you draw a policy: {how}; elsewhere (?) it acts at random; D ends"
