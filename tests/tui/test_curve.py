@@ -49,7 +49,7 @@ def test_the_cost_of_exploring_is_said_below_or_in_the_border() -> None:
     assert widget.footing == ""
     text, widget = drawn(lake(behaviour_return=0.4), NARROW)
     assert "exploring" not in text
-    assert widget.footing == "exploring (ε .10) costs .33 an episode"
+    assert widget.footing == "exploring (ε .10) costs .33"
     assert "exploring (ε .10) brings .01 an episode" in drawn(lake(behaviour_return=0.74))[0]
 
 
