@@ -111,7 +111,8 @@ async def test_the_mode_is_seen_and_ends(make_app: MakeApp) -> None:
             await press(pilot, "D")
             assert world.has_class("-manual")
             assert world.has_focus
-            assert str(world.border_title) == "You draw a policy · nothing drawn: all at random"
+            said = "return .01 · 10 states at random" if drawn(pilot) else "nothing drawn: all at random"
+            assert str(world.border_title) == f"You draw a policy · {said}"
             assert str(world.border_subtitle) == "1 ↑  2 →  3 ↓  4 ← · del: none · C: clear · D: end"
             assert keys.render_line(0).text.startswith(" shift+arrow draw  digits draw  D end")
             await press(pilot, "shift+right", key)

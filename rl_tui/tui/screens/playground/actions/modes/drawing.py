@@ -9,7 +9,7 @@ import numpy as np
 from rl_tui.lab.answers.policy_kind import PolicyKind
 from rl_tui.lab.live.commands import ClearDrawing, DrawAction, StudyPolicy
 from rl_tui.lab.live.snapshot import Phase, Snapshot
-from rl_tui.tui.panels.catalogue import WORLD
+from rl_tui.tui.panels.catalogue import POLICIES, WORLD
 from rl_tui.tui.panels.world.arms.arms import ArmsView
 from rl_tui.tui.panels.world.view import WorldView
 from rl_tui.tui.screens.dialogs.confirm import Confirm
@@ -33,6 +33,7 @@ class PolicyDrawing(KeyMode):
     """Drawing a policy under the cursor of the world, which has the focus; the run goes on as it does."""
 
     _studied_before: PolicyKind | None = None
+    _panel_is_open: bool = False
 
     def takes(self, key: str) -> bool:
         """Return whether ``key`` draws or leaves: it does where the cursor of a world is to be seen."""
@@ -104,9 +105,13 @@ class PolicyDrawing(KeyMode):
 
     def show(self, snapshot: Snapshot) -> None:
         """Show what is drawn, and what can be done under the cursor."""
-        view, glyphs = self._view, self.glyphs
+        was_open, self._panel_is_open = self._panel_is_open, self.board.opened == POLICIES
+        if was_open and not self._panel_is_open:
+            self.link.send(StudyPolicy(PolicyKind.DRAWN))  # the panel ends what it studied
+        view, world, glyphs = self._view, snapshot.world, self.glyphs
         state = None if view is None else self._state_under(view)
-        self._write(title(snapshot, glyphs), prompts(snapshot.world, state, glyphs), hints(snapshot.world))
+        titles = title(snapshot, glyphs, revealed=self.link.wanted.revealed)
+        self._write(titles, prompts(world, state, glyphs), hints(world))
 
     @property
     def _view(self) -> WorldView | None:
@@ -214,4 +219,4 @@ def _first_words(world: World) -> str:
         how = "shift and an arrow draw and move on, digits draw"
     else:
         how = "arrows move, digits draw"
-    return f"you draw a policy: {how}; elsewhere it acts at random; D ends"
+    return f"you draw a policy: {how}; elsewhere (?) it acts at random; D ends"
