@@ -7,11 +7,13 @@ from dataclasses import fields, is_dataclass, replace
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any, TypeVar
 
+from rl_tui.lab.live.questions import Questions
+from rl_tui.lab.live.record import Record
 from rl_tui.lab.live.snapshot import Phase, PlaybackView, Snapshot
 from rl_tui.lab.live.snapshot_builder import SnapshotBuilder
 from rl_tui.lab.live.viewport import Viewport
 from rl_tui.lab.run.exact_answers import PENDING, Answer
-from rl_tui.lab.timeline.branches import Timeline
+from rl_tui.lab.timeline.branches import RunRecord, Timeline
 from rl_tui.lab.timeline.lane_view import LaneView, RunGroupView
 
 if TYPE_CHECKING:
@@ -31,10 +33,10 @@ def snapshot_of(
     """What a player would show of ``run``."""
     lane = SimpleNamespace(run=run, timeline=Timeline(), trail=())
     alone: Any = SimpleNamespace(current=lane, beside=None, view=RunGroupView())
-    playback = PlaybackView(phase, message)
-    return SnapshotBuilder().build(
-        alone, playback, lambda _: exact_answer, viewport=viewport, cell=None, has_trail=False
-    )
+    questions = Questions(Record((RunRecord(run.recipe),)), lambda: None, automatic=False)
+    questions.viewport = viewport
+    questions.exact = SimpleNamespace(of=lambda _: exact_answer)  # type: ignore[assignment]
+    return SnapshotBuilder().build(alone, PlaybackView(phase, message), questions, has_trail=False)
 
 
 def changed(picture: Picture, **changes: Any) -> Picture:

@@ -19,7 +19,9 @@ class Algorithm:
     controls panel, those of the policy apart; ``source`` is the box in Sutton & Barto (2nd ed.) that it
     follows. A planner takes no steps in the world: it backs up one state after the other with the model.
     ``update`` says how its update is written. ``counts_updates``: a sample average is over its own updates,
-    which come later than the step or in one of several tables.
+    which come later than the step or in one of several tables. ``updates_own_pair``: each step updates the
+    estimate of its own pair, at once and by one step, and no other. ``takes_orders``: which sweep is next,
+    evaluation or improvement, can be ordered; its module has ``phase_of``, ``order`` and ``ordered``.
     """
 
     id: str
@@ -32,6 +34,8 @@ class Algorithm:
     planner: bool = False
     update: UpdateTerms = field(default_factory=UpdateTerms)
     counts_updates: bool = False
+    updates_own_pair: bool = False
+    takes_orders: bool = False
 
 
 _ALGORITHMS: Final[tuple[Algorithm, ...]] = (
@@ -43,6 +47,7 @@ _ALGORITHMS: Final[tuple[Algorithm, ...]] = (
         source="equation 6.8, box on page 131",
         module="rl_tui.agents.algorithms.q_learning",
         parameters=_TD,
+        updates_own_pair=True,
     ),
     Algorithm(
         id="sarsa",
@@ -53,6 +58,7 @@ _ALGORITHMS: Final[tuple[Algorithm, ...]] = (
         module="rl_tui.agents.algorithms.sarsa",
         parameters=_TD,
         update=UpdateTerms(bootstrap="Q({next},a′)", lookup=Lookup.NEXT),
+        updates_own_pair=True,
     ),
     Algorithm(
         id="expected-sarsa",
@@ -63,6 +69,7 @@ _ALGORITHMS: Final[tuple[Algorithm, ...]] = (
         module="rl_tui.agents.algorithms.expected_sarsa",
         parameters=_TD,
         update=UpdateTerms(bootstrap="Σ π Q({next},·)", lookup=Lookup.MEAN),
+        updates_own_pair=True,
     ),
     Algorithm(
         id="double-q-learning",
@@ -74,6 +81,7 @@ _ALGORITHMS: Final[tuple[Algorithm, ...]] = (
         parameters=_TD,
         update=UpdateTerms(bootstrap="Q{other}({next}, best of Q{own})", lookup=Lookup.OTHER),
         counts_updates=True,
+        updates_own_pair=True,
     ),
     Algorithm(
         id="n-step-sarsa",
@@ -176,6 +184,7 @@ _ALGORITHMS: Final[tuple[Algorithm, ...]] = (
         update=UpdateTerms(
             gathered="Σ p r", bootstrap="Σ p V(s′)", others="more of this state", lookup=Lookup.POLICY
         ),
+        takes_orders=True,
     ),
 )
 

@@ -15,8 +15,11 @@ PLAYGROUND_KEYS = {
     "space",
     "z",
     "W",
+    "Y",
     "s",
     "e",
+    "E",
+    "I",
     "plus",
     "equals_sign",
     "minus",
@@ -47,6 +50,7 @@ PLAYGROUND_KEYS = {
     "k",
     "K",
     "y",
+    "D",
     "c",
     "l",
     "w",
@@ -64,8 +68,8 @@ PLAYGROUND_KEYS = {
 }
 
 
-def hints(place: Place, width: int) -> list[str]:
-    shown, _ = fitting(actions_of(place), width)
+def hints(place: Place, width: int, *without: str) -> list[str]:
+    shown, _ = fitting([each for each in actions_of(place) if each.id not in without], width)
     return [" ".join(action.key_hint) for action in shown]
 
 
@@ -115,7 +119,7 @@ def test_bindings_carry_id_description_and_tooltip() -> None:
 
 
 def test_the_key_line_drops_whole_entries_and_keeps_help() -> None:
-    assert hints(Place.PLAYGROUND, 80) == [
+    assert hints(Place.PLAYGROUND, 80, "run.evaluate") == [
         "space run",
         "s step",
         "e episode",
@@ -123,6 +127,15 @@ def test_the_key_line_drops_whole_entries_and_keeps_help() -> None:
         "b B back",
         "v layer",
         "d dissect",
+        "? help",
+    ]
+    assert hints(Place.PLAYGROUND, 80) == [
+        "space run",
+        "s step",
+        "e episode",
+        "E I eval, improve",
+        "+ − speed",
+        "b B back",
         "? help",
     ]
     assert hints(Place.PLAYGROUND, 22) == ["space run", "? help"]

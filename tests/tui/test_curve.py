@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 from drawn_curves import NARROW, NO_MARKS, drawn, flat
-from samples import bandit, lake, look, planning, stepped_lake, student
+from samples import answered, bandit, lake, look, planning, stepped_lake, student
 from snapshots import changed
 
 from rl_tui.agents.hyperparameters import Hyperparameters
@@ -44,12 +44,22 @@ def test_a_mean_of_fewer_than_100_episodes_says_of_how_many() -> None:
 
 
 def test_the_cost_of_exploring_is_said_below_or_in_the_border() -> None:
+    text, widget = drawn(lake(behaviour_return=0.4))
+    assert "exploring (ε .10) costs .33 an episode" in text
+    assert widget.footing == ""
+    text, widget = drawn(lake(behaviour_return=0.4), NARROW)
+    assert "exploring" not in text
+    assert widget.footing == "exploring (ε .10) costs .33"
+    assert "exploring (ε .10) brings .01 an episode" in drawn(lake(behaviour_return=0.74))[0]
+
+
+def test_a_gap_of_which_that_is_not_known_is_not_laid_to_exploring() -> None:
     text, widget = drawn(lake())
-    assert "gap .32 an episode: mostly what exploring (ε .10) costs" in text
+    assert "gap .32 an episode · P: what exploring costs" in text
     assert widget.footing == ""
     text, widget = drawn(lake(), NARROW)
     assert "gap" not in text
-    assert widget.footing == "gap .32: mostly exploring (ε .10)"
+    assert widget.footing == "gap .32 · P: exploring"
 
 
 @pytest.mark.parametrize(
@@ -89,8 +99,8 @@ def test_one_action_is_no_tie() -> None:
     space = all_pairs(("A", "B"), ("go",), 0)
     snapshot = lake(q=np.zeros(2), greedy_return=0.5)
     alone = changed(snapshot, world=World(space, snapshot.world.drawing))
-    assert curve_data(alone, revealed=False).is_decided
-    assert not curve_data(lake(q=np.zeros(44)), revealed=False).is_decided
+    assert curve_data(alone).is_decided
+    assert not curve_data(lake(q=np.zeros(44))).is_decided
 
 
 def test_a_greedy_policy_of_mere_ties_has_no_figure() -> None:
@@ -121,12 +131,12 @@ def test_a_small_return_far_from_a_negative_optimum_is_not_learned() -> None:
 
 
 def test_at_full_speed_the_border_has_no_figures() -> None:
-    fast = lake(phase=Phase.RUNNING, speed=None)
+    fast = lake(phase=Phase.RUNNING, speed=None, behaviour_return=0.4)
     text, widget = drawn(fast, NARROW)
     assert widget.heading == "Return per episode"
-    assert widget.footing == "gap: mostly what exploring costs"
+    assert widget.footing == "pause to see what exploring costs"
     assert "greedy .73" in text
-    assert "gap .32 an episode" in drawn(fast)[0]
+    assert "exploring (ε .10) costs .33" in drawn(fast)[0]
 
 
 def test_many_episodes_without_reward_are_told() -> None:
@@ -167,9 +177,9 @@ def test_the_end_of_the_budget_reveals() -> None:
 
 
 def test_a_hidden_optimum_does_not_show_in_the_axis() -> None:
-    data = curve_data(bandit(400), revealed=False)
+    data = curve_data(bandit(400))
     assert data.range[1] < 1.5
-    assert curve_data(bandit(400), revealed=True).range[1] == pytest.approx(1.5)
+    assert curve_data(answered(bandit(400))).range[1] == pytest.approx(1.5)
 
 
 # Any size, any run
@@ -222,8 +232,9 @@ def test_they_fit_any_size(make: Callable[[], Snapshot], ascii: bool) -> None:  
 
 
 def test_what_exploring_costs_names_no_rate_that_is_not_in_force() -> None:
-    softmax = changed(lake(), hyperparameters=Hyperparameters(policy="softmax"))
-    assert "(ε .10)" in drawn(lake())[0]
+    known = lake(behaviour_return=0.4)
+    softmax = changed(known, hyperparameters=Hyperparameters(policy="softmax"))
+    assert "(ε .10)" in drawn(known)[0]
     text = drawn(softmax)[0]
-    assert "mostly what exploring costs" in text
+    assert "exploring costs .33 an episode" in text
     assert "ε" not in text

@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Final
 
+from rl_tui.agents.sweep_phases import SweepPhase
+from rl_tui.lab.answers.policy_kind import PolicyKind
 from rl_tui.lab.live.until import Until
 from rl_tui.lab.live.viewport import Viewport
 from rl_tui.lab.run.recipe import Change, Recipe, Setting
@@ -39,6 +41,16 @@ class Step(Command):
 @dataclass(frozen=True, slots=True)
 class RunEpisode(Command):
     """Run to the end of the episode under way, as fast as it goes, and pause there."""
+
+
+@dataclass(frozen=True, slots=True)
+class RunSweep(Command):
+    """Run to the end of a sweep of ``phase``, as fast as it goes, and pause there.
+
+    That is the sweep under way if it is one; else it is finished, and the next one is ordered.
+    """
+
+    phase: SweepPhase
 
 
 @dataclass(frozen=True, slots=True)
@@ -180,14 +192,56 @@ class FollowCell(Command):
     pair: int | None
 
 
-_AT_ANY_TIME: Final = (LookAt, FollowCell, MarkLane, EndStudy, SetSpeed)
+@dataclass(frozen=True, slots=True)
+class AskFlips(Command):
+    """Tell in every snapshot at which γ the optimal actions of the world shown change, once that is known."""
+
+
+@dataclass(frozen=True, slots=True)
+class StudyPolicy(Command):
+    """Tell in every snapshot what policies are worth, with all values of this one; None: of none."""
+
+    kind: PolicyKind | None
+
+
+@dataclass(frozen=True, slots=True)
+class DrawAction(Command):
+    """Choose an action (its number) in a state for the drawn policy; None: none."""
+
+    state: int
+    action: int | None
+
+
+@dataclass(frozen=True, slots=True)
+class ClearDrawing(Command):
+    """Forget the drawn policy."""
+
+
+@dataclass(frozen=True, slots=True)
+class HideAnswer(Command):
+    """Hide whatever would give the answer away, or show it."""
+
+    is_hidden: bool
+
+
+@dataclass(frozen=True, slots=True)
+class AskWhy(Command):
+    """Tell in every snapshot how long nothing is learned, and why, or only where that takes many episodes."""
+
+    is_asked: bool
+
+
+_AT_ANY_TIME: Final = (LookAt, FollowCell, MarkLane, EndStudy, SetSpeed, StudyPolicy, AskFlips, AskWhy)
 LOOKING: Final = (*_AT_ANY_TIME, StudySeeds)
 """Commands that leave nothing behind that is worth keeping."""
 
 MOVES: Final = (Play, WatchLearning, Pause, Step, RunEpisode, RunUntil, Take, Train)
 """Commands that mean nothing where a run takes no further step."""
 
-WHILE_SEEKING: Final = (StepBack, GoTo, Pause, DropLane, *_AT_ANY_TIME)
+WHILE_SEEKING: Final = (
+    *(StepBack, GoTo, Pause, DropLane, DrawAction, ClearDrawing, HideAnswer),
+    *_AT_ANY_TIME,
+)
 """Commands that replace a seek under way, or leave it alone."""
 
 FROM_HERE: Final = (StepBack, EpisodeBack, ChooseBranch)

@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any, Final
 
+from rl_tui.common.errors import UserError
 from rl_tui.lab.live import commands
 from rl_tui.lab.live.state import State
 from rl_tui.lab.live.until import Breakpoints, Event, Until
-from rl_tui.lab.run.recipe import TakeAction
+from rl_tui.lab.run.recipe import Change, OrderSweep, TakeAction
 
 if TYPE_CHECKING:
     from rl_tui.lab.live.playback import Playback
@@ -24,7 +25,7 @@ def _restart(playback: Playback, command: commands.Restart) -> None:
     learning, scenario = playback.transport.learning, playback.group.current.recipe.scenario
     playback.restart(command.recipe)
     if command.recipe.scenario != scenario:
-        playback.seed_studies.end()
+        playback.questions.seed_studies.end()
     if learning is not None:
         playback.transport.go_by_learning(playback.answer)
 
@@ -51,9 +52,27 @@ def _take(playback: Playback, command: commands.Take) -> None:
     playback.stop_if_due()
 
 
+def _run_sweep(playback: Playback, command: commands.RunSweep) -> None:
+    playback.rest()
+    run = playback.group.current.run
+    learner = run.learner
+    is_under_way = learner.episode_step > 0
+    if is_under_way and learner.phase == command.phase:
+        playback.run_until(Until(Event.EPISODE_END))
+        return
+    if learner.ordered != command.phase:  # it may be on the branch already
+        _change(playback, OrderSweep(command.phase))
+    if not run.over:
+        playback.run_until(Until(Event.EPISODE_END, number=int(is_under_way)))
+
+
 def _apply(playback: Playback, command: commands.Apply) -> None:
+    _change(playback, command.change)
+
+
+def _change(playback: Playback, change: Change) -> None:
     group = playback.group
-    group.apply(command.change)
+    group.apply(change)
     group.gather()
     playback.take_in_change()
     if group.seeking:
@@ -61,11 +80,34 @@ def _apply(playback: Playback, command: commands.Apply) -> None:
 
 
 def _look_at(playback: Playback, command: commands.LookAt) -> None:
-    playback.viewport = command.viewport
+    playback.questions.viewport = command.viewport
 
 
 def _follow_cell(playback: Playback, command: commands.FollowCell) -> None:
-    playback.cell = command.pair
+    playback.questions.cell = command.pair
+
+
+def _study_policy(playback: Playback, command: commands.StudyPolicy) -> None:
+    playback.questions.studied = command.kind
+
+
+def _ask_why(playback: Playback, command: commands.AskWhy) -> None:
+    playback.questions.asks_why = command.is_asked
+
+
+def _ask_flips(playback: Playback, _: commands.AskFlips) -> None:
+    playback.questions.flips.begin(playback.group.current.run.world.mdp)
+
+
+def _hide_answer(playback: Playback, command: commands.HideAnswer) -> None:
+    playback.questions.is_hidden = command.is_hidden
+
+
+def _draw_action(playback: Playback, command: commands.DrawAction) -> None:
+    space, state, action = playback.group.current.world.space, command.state, command.action
+    if not 0 <= state < space.states or (action is not None and space.pair_of(state, action) is None):
+        raise UserError("there is no such action to draw")
+    playback.questions.draw(state, action)
 
 
 def _toggle_breakpoint(playback: Playback, command: commands.ToggleBreakpoint) -> None:
@@ -120,6 +162,7 @@ HANDLERS: Final[Mapping[type, Callable[[Playback, Any], None]]] = {
     commands.Step: _step,
     commands.Take: _take,
     commands.RunEpisode: lambda playback, _: playback.run_until(Until(Event.EPISODE_END)),
+    commands.RunSweep: _run_sweep,
     commands.RunUntil: lambda playback, command: playback.run_until(command.until),
     commands.Train: lambda playback, command: playback.train(command.steps),
     commands.SetSpeed: lambda playback, command: playback.transport.set_speed(command.speed),
@@ -127,6 +170,12 @@ HANDLERS: Final[Mapping[type, Callable[[Playback, Any], None]]] = {
     commands.Restart: _restart,
     commands.LookAt: _look_at,
     commands.FollowCell: _follow_cell,
+    commands.StudyPolicy: _study_policy,
+    commands.AskFlips: _ask_flips,
+    commands.DrawAction: _draw_action,
+    commands.ClearDrawing: lambda playback, _: playback.questions.clear(),
+    commands.HideAnswer: _hide_answer,
+    commands.AskWhy: _ask_why,
     commands.ToggleBreakpoint: _toggle_breakpoint,
     commands.ClearBreakpoints: lambda playback, _: playback.set_breakpoints(Breakpoints()),
     commands.StepBack: _step_back,
@@ -137,8 +186,8 @@ HANDLERS: Final[Mapping[type, Callable[[Playback, Any], None]]] = {
     commands.AddBranch: _add_branch,
     commands.ChooseLane: lambda playback, command: _show_another(playback, playback.group.show, command.lane),
     commands.MarkLane: lambda playback, command: playback.group.mark(command.lane),
-    commands.StudySeeds: lambda playback, _: playback.seed_studies.begin(playback.group),
-    commands.EndStudy: lambda playback, _: playback.seed_studies.end(),
+    commands.StudySeeds: lambda playback, _: playback.questions.seed_studies.begin(playback.group),
+    commands.EndStudy: lambda playback, _: playback.questions.seed_studies.end(),
     commands.DropLane: lambda playback, command: _show_another(playback, playback.group.drop, command.lane),
 }
 """What a playback does with a command of each type."""

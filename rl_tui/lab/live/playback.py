@@ -10,6 +10,7 @@ from rl_tui.common.errors import UserError
 from rl_tui.lab.live.commands import FROM_HERE, LOOKING, MOVES, WHILE_SEEKING, Command, Restart, StepBack
 from rl_tui.lab.live.compilation import LOOK_AGAIN, Compilation
 from rl_tui.lab.live.handlers import HANDLERS
+from rl_tui.lab.live.questions import Questions
 from rl_tui.lab.live.record import LearnedTable, Record
 from rl_tui.lab.live.snapshot import PHASES, Phase, PlaybackView, Snapshot
 from rl_tui.lab.live.snapshot_builder import SnapshotBuilder, as_left, view_of
@@ -17,9 +18,7 @@ from rl_tui.lab.live.speed.pacing import AT_ONCE, CHUNK
 from rl_tui.lab.live.state import BUSY, ENDED, PASSING, UNFINISHED, State, shows_trail
 from rl_tui.lab.live.stop_condition import StopCondition, breakpoint_in_words, until_in_words, watching_for
 from rl_tui.lab.live.until import Breakpoints, Event, Until
-from rl_tui.lab.live.viewport import Viewport
-from rl_tui.lab.many_seeds.seed_studies import SeedStudies
-from rl_tui.lab.run.exact_answers import Answer, RunAnswers
+from rl_tui.lab.run.exact_answers import Answer
 from rl_tui.lab.run.recipe import Beginning, Recipe, begin
 from rl_tui.lab.timeline.branches import RunRecord
 
@@ -67,12 +66,6 @@ class Playback:
         """What it runs until, if it does."""
         self.breakpoints = Breakpoints()
         """Where else it pauses."""
-        self.viewport: Viewport | None = None
-        """What the screen shows of a large world; None: it has not said, so everything may be shown."""
-        self.cell: int | None = None
-        """The pair of which snapshots tell how Q went."""
-        self.seed_studies: SeedStudies = SeedStudies(on_exact, automatic=automatic)
-        """What many seeds say of the runs."""
         self.group: RunGroup
         """The runs; none while it is building."""
         self.transport: Transport
@@ -87,8 +80,9 @@ class Playback:
         self._record = record or Record((RunRecord(recipe),), speed=speed)
         self._automatic = automatic
         self._clock = clock
+        self.questions: Questions = Questions(self._record, on_exact, automatic=automatic)
+        """What a person asks beside the runs."""
         self._beginning: Beginning | None = None
-        self._answers = RunAnswers(on_exact)
         self._builder = SnapshotBuilder()
 
     @property
@@ -118,7 +112,14 @@ class Playback:
         """What is needed to come back to here."""
         if self.state is State.BUILDING:
             return self._record
-        return Record(self.group.records, self.group.shown, self.breakpoints, self.transport.speed)
+        return Record(
+            self.group.records,
+            self.group.shown,
+            self.breakpoints,
+            self.transport.speed,
+            self.questions.drawn,
+            self.questions.is_hidden,
+        )
 
     @property
     def table(self) -> LearnedTable | None:
@@ -168,7 +169,7 @@ class Playback:
             case State.RUNNING if self._automatic:
                 return self._continue_running()
             case _:
-                return self._find_trails()
+                return self._stand_still()
         return 0.0
 
     def snapshot(self) -> Snapshot:
@@ -178,26 +179,20 @@ class Playback:
             if self._beginning is None:
                 raise RuntimeError("there is no world yet")
             preparing = PlaybackView(message=PREPARING, speed=self._record.speed)
-            return as_left(self._builder.before(self._recipe, self._beginning.world, preparing), self._record)
+            is_hidden = self.questions.hides_answer(self._recipe.scenario)
+            before = self._builder.before(self._recipe, self._beginning.world, preparing, is_hidden=is_hidden)
+            return as_left(before, self._record)
         has_trail = shows_trail(self.state, self.transport.speed)
         if has_trail and not self._automatic:
             self.group.find_trails(math.inf)  # in pieces it would depend on the time
-        snapshot = self._builder.build(
-            self.group,
-            view_of(self),
-            self._answers.of,
-            viewport=self.viewport,
-            cell=self.cell,
-            has_trail=has_trail,
-            study=self.seed_studies.study_of(self.group),
-        )
+        snapshot = self._builder.build(self.group, view_of(self), self.questions, has_trail=has_trail)
         seeks = self.state is State.SEEKING
         returns = seeks and self.group.current.seek is not None and not self.touched
         return as_left(snapshot, self._record) if returns else snapshot
 
     def answer(self) -> Answer:
         """Return the exact answer for the γ in force, as far as it is known."""
-        return self._answers.of(self.group.current.run)
+        return self.questions.exact.of(self.group.current.run)
 
     # From one state to another
 
@@ -334,6 +329,7 @@ class Playback:
         self.compilation.has_changed(self.group)
         self.answer()  # it may take a while, so that it had better begin at once
         self.group.resume(record.lanes)
+        self.questions.fit(beginning.world.space)
         self.set_breakpoints(record.breakpoints)
         self.seek()
 
@@ -341,7 +337,11 @@ class Playback:
         """Start again from ``recipe``, paused. Raises UserError where its world cannot be built."""
         group, old = self.group, self.group.current
         beginning = begin(recipe, old.world if recipe.scenario == old.recipe.scenario else None)
-        breakpoints = self.breakpoints if beginning.world is old.world else Breakpoints()
+        breakpoints = self.breakpoints
+        if beginning.world is not old.world:
+            breakpoints = Breakpoints()
+            self.questions.hide_again()
+            self.questions.clear()
         self._recipe = recipe
         self._start(
             Record(group.restarted(recipe), group.shown, breakpoints, self.transport.speed), beginning
@@ -381,13 +381,16 @@ class Playback:
             if self._clock() >= until:
                 return
 
-    def _find_trails(self) -> float | None:
-        """Find out for some milliseconds how the episodes under way went."""
-        if not self._automatic or self.group.trails_are_whole:
+    def _stand_still(self) -> float | None:
+        """Find out for some milliseconds how the episodes under way went, then what was asked beside."""
+        if not self._automatic:
             return None
-        self.changed = True
-        self.group.find_trails(CHUNK)
-        return None if self.group.trails_are_whole else 0.0
+        had_news = not self.group.trails_are_whole
+        if had_news:
+            self.group.find_trails(CHUNK)
+        goes_on = not self.group.trails_are_whole or self.questions.work(self.group)
+        self.changed = self.changed or had_news or goes_on
+        return 0.0 if goes_on else None
 
     def _continue_running(self) -> float:
         run, before = self.group.current.run, self.group.current.run.step

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Protocol
 
+from rl_tui.lab.answers.drawn_policy import DrawnPolicy
 from rl_tui.lab.live.until import Breakpoints
 from rl_tui.lab.timeline.branches import RunRecord
 from rl_tui.worlds.mdp.space import FloatArray, IntArray
@@ -36,6 +37,10 @@ class Record:
     """Where the run shown is to stop."""
     speed: float | None = None
     """The wanted steps a second, None for as fast as it goes."""
+    drawn: DrawnPolicy = field(default_factory=DrawnPolicy)
+    """The policy that a person drew."""
+    answer_is_hidden: bool | None = None
+    """Whether what would give the answer away is hidden; None: as the scenario says."""
     table: LearnedTable | None = field(default=None, compare=False)
     """What the run shown had learned where it was left, None where that is not known. It is shown until the
     run is there again; nothing is learned from it, and it need not fit the world."""

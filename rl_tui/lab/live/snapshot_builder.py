@@ -2,23 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
 from rl_tui.agents.counters import Counters
+from rl_tui.lab.answers.view import AnswersView
 from rl_tui.lab.live.record import Record
-from rl_tui.lab.live.snapshot import AgentView, PlaybackView, Snapshot
+from rl_tui.lab.live.snapshot import AgentView, Phase, PlaybackView, Snapshot
 from rl_tui.lab.live.state import State
 from rl_tui.lab.live.stop_condition import until_in_words
 from rl_tui.lab.live.viewport import PartCopier, Viewport
-from rl_tui.lab.many_seeds.figures import SeedStudy
 from rl_tui.lab.run.bandit import bandit_figures
 from rl_tui.lab.run.exact_answers import NO_TABLE, PENDING, Answer
 from rl_tui.lab.run.large_worlds import is_large
-from rl_tui.lab.run.recipe import Recipe, TakeAction, changed_recipe
+from rl_tui.lab.run.recipe import Recipe, Setting, changed_recipe
 from rl_tui.lab.run.results import RunResults
 from rl_tui.lab.timeline.branches import Timeline
 from rl_tui.lab.timeline.lane_view import RunGroupView
@@ -27,9 +27,12 @@ from rl_tui.worlds.world import World
 
 if TYPE_CHECKING:
     from rl_tui.lab.live.playback import Playback
+    from rl_tui.lab.live.questions import Questions
     from rl_tui.lab.run.run import Run
     from rl_tui.lab.timeline.branching_run import BranchingRun
     from rl_tui.lab.timeline.run_group import RunGroup
+
+_MOVING: Final = (Phase.PREPARING, Phase.RUNNING, Phase.SEEKING)
 
 
 class SnapshotBuilder:
@@ -38,8 +41,11 @@ class SnapshotBuilder:
     def __init__(self) -> None:
         self._copier: PartCopier | None = None
 
-    def before(self, recipe: Recipe, world: World, playback: PlaybackView) -> Snapshot:
-        """Return the snapshot of a run whose world is there and whose agent is not yet."""
+    def before(self, recipe: Recipe, world: World, playback: PlaybackView, *, is_hidden: bool) -> Snapshot:
+        """Return the snapshot of a run whose world is there and whose agent is not yet.
+
+        ``is_hidden`` says that the answer is.
+        """
         hyperparameters, pairs = recipe.hyperparameters, world.space.pairs
         visits: IntArray = np.zeros(pairs, np.int64)
         return Snapshot(
@@ -52,37 +58,31 @@ class SnapshotBuilder:
             results=RunResults(bandit=bandit_figures(world, visits, winnings=0.0)),
             exact_answer=Answer(None, NO_TABLE) if world.mdp is None else PENDING,
             playback=playback,
+            answers=AnswersView(is_hidden=is_hidden),
         )
 
     def build(
         self,
         group: RunGroup,
         playback: PlaybackView,
-        answer: Callable[[Run], Answer],
+        questions: Questions,
         *,
-        viewport: Viewport | None,
-        cell: int | None,
         has_trail: bool,
-        study: SeedStudy | None = None,
     ) -> Snapshot:
-        """Return the snapshot of the run that ``group`` shows, with how Q of the pair ``cell`` went.
+        """Return the snapshot of the run that ``group`` shows, with the answers to ``questions``.
 
         With ``has_trail`` it has the trail of the episode, as far as that is known.
-
-        Of a large world it has what ``viewport`` shows, None: everything. ``answer`` gives the exact answer
-        for a run.
         """
         current, beside, view = group.current, group.beside, group.view
-        snapshot = self._of(current, view, view.shown, playback, answer, viewport, has_trail)
+        cell = questions.cell
+        snapshot = self._of(current, view, view.shown, playback, questions, has_trail)
         return replace(
             snapshot,
             cell=None if cell is None else current.cell_history(cell),
-            study=study,
+            study=questions.seed_studies.study_of(group),
             beside=None
             if beside is None or view.beside is None
-            else self._of(
-                beside, view, view.beside, playback, answer, viewport, has_trail, led=snapshot.counters
-            ),
+            else self._of(beside, view, view.beside, playback, questions, has_trail, led=snapshot.counters),
         )
 
     def _of(
@@ -91,8 +91,7 @@ class SnapshotBuilder:
         view: RunGroupView,
         number: int,
         playback: PlaybackView,
-        answer: Callable[[Run], Answer],
-        viewport: Viewport | None,
+        questions: Questions,
         has_trail: bool,
         led: Counters | None = None,
     ) -> Snapshot:
@@ -105,11 +104,12 @@ class SnapshotBuilder:
         return Snapshot(
             world=run.world,
             recipe=run.recipe,
-            agent=self._agent(run, (counters,) if led is None else (counters, led), viewport),
+            agent=self._agent(run, (counters,) if led is None else (counters, led), questions.viewport),
             counters=counters,
             results=view.lanes[number].results if view.lanes else run.results,
-            exact_answer=answer(run),
+            exact_answer=questions.exact.of(run),
             playback=playback,
+            answers=questions.answers(run, is_still=playback.phase not in _MOVING),
             timeline=lane.timeline,
             run_group=view,
             trail=lane.trail if has_trail else (),
@@ -134,6 +134,8 @@ class SnapshotBuilder:
             part=part,
             tables=() if part else learner.remembered("q1", "q2"),
             values=np.empty(0) if part else next(iter(learner.remembered("v")), np.empty(0)),
+            policy=np.empty(0) if part else next(iter(learner.remembered("policy")), np.empty(0)),
+            sweep=learner.phase,
             planning=learner.planning,
             author=learner.author,
         )
@@ -171,7 +173,7 @@ def as_left(snapshot: Snapshot, record: Record) -> Snapshot:
         return snapshot
     lane = record.lanes[record.shown]
     journal = lane.branches[lane.branch].journal
-    settings = [e.change for e in journal if e.step <= lane.step and not isinstance(e.change, TakeAction)]
+    settings = [e.change for e in journal if e.step <= lane.step and isinstance(e.change, Setting)]
     now = changed_recipe(lane.recipe, *settings)
     is_same_gamma = now.hyperparameters.gamma == snapshot.agent.hyperparameters.gamma
     views = [
@@ -193,6 +195,7 @@ def as_left(snapshot: Snapshot, record: Record) -> Snapshot:
         agent=AgentView(now.algorithm, now.hyperparameters, table.q, table.visits),
         counters=Counters(state=table.state, step=lane.step, episodes=table.episodes),
         results=RunResults(),
+        answers=replace(snapshot.answers, first_update=None),
         exact_answer=snapshot.exact_answer if is_same_gamma or snapshot.world.mdp is None else PENDING,
         timeline=Timeline(lane.branches, lane.branch),
         run_group=replace(snapshot.run_group, lanes=tuple(views)),

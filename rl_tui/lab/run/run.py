@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
+from rl_tui.agents.catalogue import POLICY_BY_ID
 from rl_tui.agents.kernels.stop import Stop
 from rl_tui.agents.kernels.watching import NOTHING_NOTICED
 from rl_tui.agents.learner import Learner
@@ -19,6 +20,7 @@ from rl_tui.lab.run.recipe import (
     Beginning,
     Change,
     JournalEntry,
+    OrderSweep,
     Recipe,
     SetParameter,
     Setting,
@@ -140,8 +142,17 @@ class Run:
             length_last_100=mean_length,
             greedy_return=greedy_return,
             greedy_ends=self._greedy_return.ends if is_evaluated else None,
+            behaviour_return=self._behaviour_return() if is_evaluated else None,
             bandit=self.bandit,
         )
+
+    def _behaviour_return(self) -> float | None:
+        """Return what the greedy policy last asked for earns with the ε of this episode, where it has one."""
+        learner = self.learner
+        values = learner.hyperparameters
+        if learner.plans or not POLICY_BY_ID[values.policy].explores_by_epsilon:
+            return None
+        return self._greedy_return.softened(values.epsilon_at(learner.episodes))
 
     @property
     def spent(self) -> bool:
@@ -207,6 +218,8 @@ class Run:
         entry = JournalEntry(self.step, change)
         if isinstance(change, TakeAction):
             self._take(change.action)
+        elif isinstance(change, OrderSweep):
+            self._order(change)
         else:
             self._set(change)
         self._journal.append(entry)
@@ -233,6 +246,11 @@ class Run:
         self._take_in(self.learner.take(pair))
         self._mark_if_due()
 
+    def _order(self, change: OrderSweep) -> None:
+        if self.over and not self.learner.converged:  # a planner that was done goes on with what is ordered
+            raise UserError("the run is over: no sweep can be run")
+        self.learner.order(change.phase)
+
     def follow(
         self, journal: Sequence[JournalEntry], last_step: int = UNLIMITED, last_episode: int = UNLIMITED
     ) -> None:
@@ -240,8 +258,8 @@ class Run:
 
         It ends at ``last_step`` or when ``last_episode`` episodes are finished, both counted from the start
         of the run, or earlier, where :meth:`advance` does. Each entry applies at its step, or at once where
-        the run is beyond that, and so do all settings of the step that is reached; what lies beyond is left
-        out, and so is an action taken by a person at that step, since it is a step further.
+        the run is beyond that, and so do all settings and orders of the step that is reached; what lies
+        beyond is left out, and so is an action taken by a person at that step, since it is a step further.
         """
         learner, stopped = self.learner, False
         while True:

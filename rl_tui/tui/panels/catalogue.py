@@ -22,6 +22,8 @@ CONTROLS: Final = "controls"
 LAST_STEP: Final = "last_step"
 MICROSCOPE: Final = "microscope"
 MANY_SEEDS: Final = "many_seeds"
+DISCOUNT: Final = "discount"
+POLICIES: Final = "policies"
 
 
 @dataclass(frozen=True, slots=True)
@@ -130,8 +132,9 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         "The return of each episode, its rewards added up without a discount, as band and mean, with the "
         "mean of the last 100 beside it; the exact return that the greedy policy has on average; and dotted "
         "what is best for this γ (in short γ-best): the return, undiscounted too, of the policy that is best "
-        "for the γ in force. At a smaller γ another policy can collect more than that one. Once something is "
-        "learned, the gap between episodes and greedy policy is mostly what exploring costs. A greedy policy "
+        "for the γ in force. At a smaller γ another policy can collect more than that one. What exploring "
+        "costs is exact too: the return of the greedy policy less that of the agent as it acts now, with its "
+        "ε. A greedy policy "
         "that may never end has no return: its line has a gap there. The vertical axis is that of the best "
         "and of most episodes: an arrow stands where a line goes below it. The other one counts "
         "finished episodes, the top line the one under way: between two it is the next. Where the run cannot "
@@ -168,7 +171,7 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         BUDGET,
         "rl_tui.tui.panels.budget:BudgetPanel",
         "Budget",
-        "Pulls and winnings of a bandit; revealed or spent, its regret too: over all pulls, the true mean "
+        "Pulls and winnings of a bandit; once shown or spent, its regret too: over all pulls, the true mean "
         "of the best arm less that of the arm pulled. Luck is left out, so winnings and regret need not add "
         "up to the best possible.",
         caption="what the pulls earned",
@@ -277,6 +280,53 @@ PANELS: Final[tuple[PanelRow, ...]] = (
             "many seeds",
             "Run the same under many other seeds: the mean of each figure, with its error, beside this seed.",
             rank=17,
+        ),
+        in_place_of=(TABLE, BUDGET),
+    ),
+    PanelRow(
+        DISCOUNT,
+        "rl_tui.tui.panels.discount.discount:DiscountPanel",
+        "γ and flip points",
+        "Which actions are best depends on γ. G draws Q* of every action of one state, that of the cursor of "
+        "world or table, else the agent's, from γ = 0 to 1; the highest line is the best action, and ◆ "
+        "stands where another one becomes it. Upright lines are flip points: every γ at which the optimal "
+        "actions of some state change, worked out exactly. ▸ marks those that turn the way from the start; "
+        "they stand on the slider of γ too, all others with them while this panel is open. The list says "
+        "what the optimal policy earns just below and just above, undiscounted, and which states turn. The "
+        "arrows choose a flip, and enter sets γ beyond it; on the slider { and } do so. Flip points are "
+        "worked out for worlds of up to 100 states.",
+        caption="where the best policy turns",
+        terms=("gamma", "flip-point", "turns-the-way", "optimal-values-by-gamma", "earned-at-flip", "q-star"),
+        opened_by=OpeningKey(
+            "G",
+            "flip points",
+            "Show Q* of a state for every γ, and each γ at which the best actions change.",
+            rank=19,
+        ),
+        in_place_of=(TABLE, BUDGET),
+    ),
+    PanelRow(
+        POLICIES,
+        "rl_tui.tui.panels.policies.policies:Policies",
+        "Policies",
+        "What policies are worth, exact, each in a row: one that picks at random, the greedy one "
+        "of this moment, the agent as it acts now, exploring as it does, the optimal one for the γ in force, "
+        "and one that you drew (D). The first figure is the return an episode has on average, undiscounted "
+        "and within the time limit; at start stands V there. What exploring costs is what the greedy policy "
+        "earns more than the agent as it acts. Of the policy under the cursor the world shows V and the "
+        "likeliest actions, and the curve has its return as a dashed line; enter keeps that when the panel "
+        "is closed, and the table then has a layer Qπ; P or esc goes back to what the agent learned. "
+        "A policy at work in a large world is worked out while the run is paused.",
+        caption="what each way to act is worth",
+        terms=(
+            *("policy-value", "policy-return", "exploring-cost", "behaviour", "greedy", "uniform-policy"),
+            *("q-pi", "value-at-start", "expected-steps", "chance-of-ending", "bellman-expectation"),
+        ),
+        opened_by=OpeningKey(
+            "P",
+            "policies",
+            "What policies are worth, exactly: random, greedy, as it acts, optimal, drawn; V of each.",
+            rank=18,
         ),
         in_place_of=(TABLE, BUDGET),
     ),

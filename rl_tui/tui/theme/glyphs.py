@@ -39,6 +39,8 @@ class Glyphs:
     track_done: str  # slider
     track_rest: str
     thumb: str
+    flip: str  # on a track: the way from the start turns, only other states do
+    side_flip: str
     change_mark: str  # timeline: a setting was changed, steps were taken by hand, the branch begins
     manual_mark: str
     fork_mark: str
@@ -52,6 +54,7 @@ class Glyphs:
     axis_corner: str
     axis_tick: str
     level: str  # the horizontal line of an optimum
+    dashes: str  # that of a policy
     whisker: str  # error bars
     estimate: str
     zero_line: str
@@ -115,6 +118,8 @@ _ROWS: Final[Mapping[str, tuple[Any, Any]]] = {
     "track_done": ("━", "="),
     "track_rest": ("─", "-"),
     "thumb": ("●", "o"),
+    "flip": ("┃", "|"),
+    "side_flip": ("│", ":"),
     "change_mark": ("◆", "+"),
     "manual_mark": ("╍", ":"),
     "fork_mark": ("┻", "Y"),
@@ -128,6 +133,7 @@ _ROWS: Final[Mapping[str, tuple[Any, Any]]] = {
     "axis_corner": ("└", "+"),
     "axis_tick": ("┤", "+"),
     "level": ("┈", "."),
+    "dashes": ("╌", "-"),
     "whisker": ("─", "-"),
     "estimate": ("●", "o"),
     "zero_line": ("┊", ":"),

@@ -17,6 +17,7 @@ from rl_tui.tui.draw.axes import draw_count_axis, draw_value_axis, value_axis_co
 from rl_tui.tui.draw.braille import Steps
 from rl_tui.tui.draw.canvas import Canvas, shortened
 from rl_tui.tui.draw.chart_plot import Plot
+from rl_tui.tui.draw.label_rows import apart
 from rl_tui.tui.draw.pieces import wrapped
 from rl_tui.tui.draw.scale import Scale, round_range
 from rl_tui.tui.panels.curve.chart_band import band_cells
@@ -33,7 +34,7 @@ _TICK_COLUMNS: Final = 9  # a labelled episode number at most every so many colu
 _UNIT_ROOM: Final = 40
 _ARROWS_APART: Final = 8  # columns between the arrows of a line that stays below the axis
 # What a cell shows, the more important the greater; after the greedy line come the lanes
-_NOTHING, _LEVEL, _BAND, _SEEDS, _EPISODES, _GREEDY = range(6)
+_NOTHING, _LEVEL, _STUDIED, _BAND, _SEEDS, _EPISODES, _GREEDY = range(7)
 
 
 def plot_columns(scale: Scale, look: Look, width: int) -> int:
@@ -90,9 +91,7 @@ def _draw_lines(canvas: Canvas, plot: Plot, data: CurveData, look: Look) -> None
     codes = _braille(plot, data) if look.glyphs.braille else _ascii(plot, data)
     band = band_cells(plot, data.band, look)
     shown, kind = band.codes.copy(), np.where(band.codes > 0, _BAND, _NOTHING)
-    if data.optimum is not None:
-        level = _level_cells(plot, data, data.optimum, look)
-        shown[level], kind[level] = ord(look.glyphs.level), _LEVEL
+    _put_levels(shown, kind, plot, data, look)
     seeds, _ = seed_cells(plot, data.seeds, look)
     for line, what, where in (
         (seeds, _SEEDS, True),
@@ -106,6 +105,7 @@ def _draw_lines(canvas: Canvas, plot: Plot, data: CurveData, look: Look) -> None
     styles = (
         palette.text,
         palette.optimum,
+        palette.good,
         palette.band,
         palette.dim,
         palette.episodes,
@@ -118,9 +118,7 @@ def _draw_lanes(canvas: Canvas, plot: Plot, data: CurveData, look: Look) -> None
     """Put the lines of runs side by side into the plot, over the level of the optimum and the band."""
     cells, palette = lane_cells(plot, data, look), look.palette
     shown, kind = cells.band.copy(), np.where(cells.band > 0, _BAND, _NOTHING)
-    if data.optimum is not None:
-        level = _level_cells(plot, data, data.optimum, look)
-        shown[level], kind[level] = ord(look.glyphs.level), _LEVEL
+    _put_levels(shown, kind, plot, data, look)
     seeds, whose = seed_cells(plot, data.seeds, look)
     shown[seeds > 0], kind[seeds > 0] = seeds[seeds > 0], (_GREEDY + len(palette.lanes) + whose)[seeds > 0]
     there = cells.line >= 0
@@ -131,6 +129,7 @@ def _draw_lanes(canvas: Canvas, plot: Plot, data: CurveData, look: Look) -> None
     styles = (
         palette.text,
         palette.optimum,
+        palette.good,
         band,
         palette.dim,
         palette.episodes,
@@ -168,6 +167,18 @@ def _mark_off_axis(
     """Put arrows into the lowest row of ``shown`` and ``kind``, [rows, columns], where lines are off."""
     there = off >= 0
     shown[-1, there], kind[-1, there] = ord(look.glyphs.down), first_kind + off[there]
+
+
+def _put_levels(
+    shown: npt.NDArray[np.int64], kind: npt.NDArray[np.int64], plot: Plot, data: CurveData, look: Look
+) -> None:
+    """Put the levels of the optimum and of the policy studied into ``shown`` and ``kind``."""
+    studied = None if data.studied is None else data.studied.value
+    levels = ((studied, look.glyphs.dashes, _STUDIED), (data.optimum, look.glyphs.level, _LEVEL))
+    for value, glyph, what in levels:
+        if value is not None and (value >= plot.scale.low or what is _LEVEL):
+            level = _level_cells(plot, data, value, look)
+            shown[level], kind[level] = ord(glyph), what
 
 
 def _level_cells(plot: Plot, data: CurveData, value: float, look: Look) -> tuple[int, slice]:
@@ -251,7 +262,7 @@ def _draw_names(canvas: Canvas, plot: Plot, data: CurveData, names: Sequence[Lin
             canvas.put(start, row, label.text, label.style)
         if -math.inf < label.value < plot.scale.low:
             canvas.put(start - 2, row, look.glyphs.down, label.style)
-    if data.barren and not data.lanes:
+    if (data.barren or data.unlearned) and not data.lanes:
         _put_message(canvas, plot, barren_words(data), look, {*rows, plot.rows - 1})
 
 
@@ -285,23 +296,3 @@ def _rows_of(names: Sequence[LineLabel], plot: Plot) -> list[tuple[LineLabel, in
     free = [row for row in reversed(range(plot.rows)) if row not in rows]
     without_end = downwards[len(with_end) :]
     return [*zip(with_end, rows, strict=True), *zip(without_end, free, strict=False)]
-
-
-def apart(wanted: Sequence[int], rows: int) -> list[int]:
-    """Return a row of its own for each of ``wanted`` (ascending, at most ``rows``).
-
-    Together they are moved as little as can be; where there is a choice, upwards.
-    """
-    reach = len(wanted)
-    placed: dict[int, tuple[int, tuple[int, ...]]] = {-1: (0, ())}  # by the row of the last: moves, rows
-    for row in wanted:
-        placed = {
-            place: min(
-                (moves + abs(place - row), (*above, place))
-                for last, (moves, above) in placed.items()
-                if last < place
-            )
-            for place in range(max(0, row - reach), min(rows, row + reach + 1))
-            if place > min(placed)
-        }
-    return list(min(placed.values())[1])

@@ -1,4 +1,4 @@
-"""V(s) and the greedy pairs of all states at one moment, for worlds small enough to show whole."""
+"""V(s) and the policy in all states at one moment, for worlds small enough to show whole."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from rich.style import Style
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.draw.number_form import NumberForm, SteadyForms
 from rl_tui.tui.panels.numbers_in_common import all_v, ends
+from rl_tui.tui.panels.world.drawn import AT_RANDOM, drawn_pairs
 from rl_tui.tui.theme.look import Look
 from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray
 
@@ -22,18 +23,27 @@ class StateValues:
     """``value[s]`` is max over a of Q(s, a), None where nothing can be done.
 
     ``known`` holds the states about which something was learned: updated, or with estimates that differ;
-    ``greedy`` the greedy pairs of those states, all ties. ``numbers`` are all values that have one form and
-    one scale of tints: of two lanes side by side those of both.
+    ``greedy`` the greedy pairs of those states, all ties. Where policy iteration keeps a policy, value and
+    pairs are those of that. Where a drawn one is studied, the pairs are those drawn, and ``at_random`` has
+    the states in which none was. ``numbers`` are all values that have one form and one scale of tints: of
+    two lanes side by side those of both.
     """
 
     value: tuple[float | None, ...]
     known: frozenset[int]
     greedy: frozenset[int]
     numbers: FloatArray
+    at_random: frozenset[int] = frozenset()
 
     def number_form(self, width: int, forms: SteadyForms) -> NumberForm:
         """Return the form of all values in ``width`` cells."""
         return forms.form("values", self.numbers, width, _DECIMALS)
+
+    def flag(self, state: int, differing: frozenset[int], look: Look) -> str:
+        """Return the sign after the name of a state: that it acts at random, or is ``differing``; or none."""
+        if state in self.at_random:
+            return AT_RANDOM
+        return look.glyphs.differs if state in differing else ""
 
     def style(self, state: int, look: Look) -> Style:
         """Return the background of a state, tinted from the least to the greatest value, 0 included."""
@@ -56,15 +66,17 @@ def state_values(space: FiniteSpace, snapshot: Snapshot) -> StateValues:
     """Return the values of ``snapshot``."""
     values: list[float | None] = []
     known, greedy = set(), set()
-    q, visits = snapshot.agent.q.tolist(), snapshot.agent.visits.tolist()
+    agent = snapshot.agent
+    q, visits, policy = agent.q.tolist(), agent.visits.tolist(), agent.policy.tolist()
     for state in range(space.states):
         pairs = space.pairs_of(state)
         if not pairs:
             values.append(None)
             continue
         best = max(q[pairs.start : pairs.stop])
-        values.append(best)
+        values.append(float(agent.values[state]) if policy else best)
         if any(visits[pairs.start : pairs.stop]) or min(q[pairs.start : pairs.stop]) != best:
             known.add(state)
-            greedy |= {pair for pair in pairs if q[pair] == best}
-    return StateValues(tuple(values), frozenset(known), frozenset(greedy), all_v(snapshot))
+            greedy |= {pair for pair in pairs if (policy[pair] > 0.0 if policy else q[pair] == best)}
+    shown = drawn_pairs(space, snapshot) or (frozenset(greedy), frozenset())
+    return StateValues(tuple(values), frozenset(known), shown[0], all_v(snapshot), shown[1])

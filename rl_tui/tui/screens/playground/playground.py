@@ -27,8 +27,10 @@ from rl_tui.tui.actions.bindings import bindings_of
 from rl_tui.tui.actions.registry import actions_of
 from rl_tui.tui.panels.catalogue import PANELS, PanelRow
 from rl_tui.tui.panels.controls.slider import Slider, key_hints
+from rl_tui.tui.panels.discount.discount import DiscountPanel
+from rl_tui.tui.panels.pointing import PartPointed, Pointed
+from rl_tui.tui.panels.policies.policies import PolicyChosen
 from rl_tui.tui.panels.q_table.q_table import QTable
-from rl_tui.tui.panels.snapshot_facts import lacks_exact
 from rl_tui.tui.panels.status_line import StatusLine
 from rl_tui.tui.panels.timeline.timeline import TimelineBar
 from rl_tui.tui.screens.action_screen import ActionScreen
@@ -38,8 +40,11 @@ from rl_tui.tui.screens.legend_switch import LegendSwitch
 from rl_tui.tui.screens.playground.actions.agent import AgentActions
 from rl_tui.tui.screens.playground.actions.export import ExportActions
 from rl_tui.tui.screens.playground.actions.lanes import LaneActions
-from rl_tui.tui.screens.playground.actions.manual import MANUAL_BINDINGS, ManualControl
 from rl_tui.tui.screens.playground.actions.microscope import MicroscopeActions
+from rl_tui.tui.screens.playground.actions.modes.drawing import PolicyDrawing
+from rl_tui.tui.screens.playground.actions.modes.manual import ManualControl
+from rl_tui.tui.screens.playground.actions.modes.mode import MODE_BINDINGS, Modes
+from rl_tui.tui.screens.playground.actions.policies import PolicyActions
 from rl_tui.tui.screens.playground.actions.run import RunActions
 from rl_tui.tui.screens.playground.actions.scenario_file import ScenarioFile
 from rl_tui.tui.screens.playground.actions.seeds import SeedActions
@@ -47,16 +52,18 @@ from rl_tui.tui.screens.playground.actions.session import SessionActions
 from rl_tui.tui.screens.playground.actions.time import TimeActions
 from rl_tui.tui.screens.playground.actions.until import UntilActions
 from rl_tui.tui.screens.playground.actions.view import ViewActions
+from rl_tui.tui.screens.playground.actions.why import WhyActions
 from rl_tui.tui.screens.playground.board import Board
 from rl_tui.tui.screens.playground.early_keys import EarlyKeys
 from rl_tui.tui.screens.playground.frame_pacing import Pacer
 from rl_tui.tui.screens.playground.player_link import PlayerLink
+from rl_tui.tui.screens.playground.settling import Settling
 from rl_tui.tui.screens.playground.wanted import Wanted
 from rl_tui.tui.theme.look import Look
 
-_MOST_PICTURES: Final = 100  # until a picture that shows what was asked for
 _ASKS_AGAIN: Final = 0.25  # seconds
 _CHECKS_ENVIRONMENT: Final = 0.5  # seconds
+_SWEEP_KEYS: Final = frozenset({"run.evaluate"})
 _WORTH_SHOWING: Final = 3.0  # seconds without an answer
 
 
@@ -69,7 +76,7 @@ class Playground(ActionScreen):
     """
 
     CSS_PATH = "playground.tcss"
-    BINDINGS: ClassVar[list[BindingType]] = [*bindings_of(actions_of(Place.PLAYGROUND)), *MANUAL_BINDINGS]
+    BINDINGS: ClassVar[list[BindingType]] = [*bindings_of(actions_of(Place.PLAYGROUND)), *MODE_BINDINGS]
     AUTO_FOCUS = ""
     place = Place.PLAYGROUND
 
@@ -123,21 +130,23 @@ class Playground(ActionScreen):
         self.time = TimeActions(*of)
         self.until = UntilActions(*of)
         self.agent = AgentActions(*of)
-        self.manual = ManualControl(*of)
+        self.why = WhyActions(*of, self.agent)
+        self.modes = Modes()
+        self.manual = ManualControl(*of, self.modes)
+        self.drawing = PolicyDrawing(*of, self.modes)
         self.lanes = LaneActions(*of)
         self.view = ViewActions(*of)
         self.microscope = MicroscopeActions(*of)
         self.seeds = SeedActions(*of)
+        self.policies = PolicyActions(*of)
         self.session = SessionActions(*of, self.status, autosave, resumed)
         self.export = ExportActions(*of)
         self._left_after: int | None = None
         """The last deed when escape was pressed, None where it was not."""
         self._watches = watches
         self._pacer = Pacer(fps, self._arrived)
-        self._framed = asyncio.Event()
+        self._settling = Settling(self.link, self.board, self.view.look_at, self.session.named)
         self._early_keys = EarlyKeys(self.actions)
-        self._is_over = False
-        """Whether nothing more will be drawn."""
 
     @classmethod
     def with_keys_of(cls, panels: Sequence[PanelRow]) -> type[Self]:
@@ -162,19 +171,35 @@ class Playground(ActionScreen):
         return self.wanted.recipe
 
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
-        """Leave arrows and digits to the panels unless a person is the agent."""
-        if action == "manual_key":
-            return self.manual.takes(str(parameters[0]))
+        """Leave arrows, digits and the like to the panels unless a mode takes them."""
+        if action == "mode_key":
+            return self.modes.takes(str(parameters[0]))
         return super().check_action(action, parameters)
 
-    def action_manual_key(self, key: str) -> None:
-        """Do what ``key`` means while a person is the agent."""
-        self.manual.press(key)
+    def action_mode_key(self, key: str) -> None:
+        """Do what ``key`` means in the mode that is on."""
+        self.modes.press(key)
+
+    @on(Pointed)
+    def show_mode(self) -> None:
+        """Show which keys the mode has where the cursor is now."""
+        if self.snapshot is not None:
+            self.modes.show(self.snapshot)
+
+    @on(PartPointed)
+    def draw_by_mouse(self, event: PartPointed) -> None:
+        """Draw the arrow towards the side of a cell that was clicked, while a policy is drawn."""
+        self.drawing.point(event.step)
 
     @on(Slider.Changed)
     def set_parameter(self, event: Slider.Changed) -> None:
         """Set the hyper-parameter of the slider in the running learner."""
         self.agent.set_parameter(event.name, event.value)
+
+    @on(DiscountPanel.GammaWanted)
+    def set_gamma(self, event: DiscountPanel.GammaWanted) -> None:
+        """Set γ on the other side of a flip."""
+        self.agent.set_parameter("gamma", event.gamma)
 
     @on(Slider.Refused)
     def tell_refusal(self, event: Slider.Refused) -> None:
@@ -194,6 +219,17 @@ class Playground(ActionScreen):
         keys = self.query_one(KeyLine)
         keys.first = key_hints(self.focused)
         keys.is_running = self.run.is_under_way
+        keys.idle = frozenset() if self.run.takes_orders else _SWEEP_KEYS
+
+    @on(DescendantFocus)
+    def ask_for_flips(self) -> None:
+        """Have the marks on the slider of γ worked out, where it has the focus."""
+        self.view.follow_flips()
+
+    @on(PolicyChosen)
+    def study(self, event: PolicyChosen) -> None:
+        """Study the policy that was clicked."""
+        self.policies.study(event.kind)
 
     @on(TimelineBar.Sought)
     def seek(self, event: TimelineBar.Sought) -> None:
@@ -215,6 +251,7 @@ class Playground(ActionScreen):
 
     def on_mount(self) -> None:
         """Draw whatever the player publishes; it starts to load once the first paint is done."""
+        self.show_key_hints()
         self.call_after_refresh(self._start_to_follow)
         self.set_interval(_CHECKS_ENVIRONMENT, self._check_environment)
         self.session.listen()
@@ -222,7 +259,7 @@ class Playground(ActionScreen):
     def on_unmount(self) -> None:
         """Let the player's thread end, without waiting for it."""
         self.player.close()
-        self._end()
+        self._settling.end()
 
     def _check_environment(self) -> None:
         """Show for how long an environment has not answered, if that is long: only the run waits for it."""
@@ -234,7 +271,7 @@ class Playground(ActionScreen):
         self.link.send(command)
 
     def _note_sent(self, command: Command) -> None:
-        self.manual.note(command)
+        self.modes.note(command)
         self._pacer.hurry()
 
     def _start_to_follow(self) -> None:
@@ -256,16 +293,12 @@ class Playground(ActionScreen):
                 self._draw(snapshot)
                 await self._painted()
                 self._pacer.end()
-                self._framed.set()
+                self._settling.note_frame()
                 await self._pacer.wait()
         except UserError as fault:
             self.post_message(self.Left(self.recipe, self.session.named(fault)))
         finally:
-            self._end()
-
-    def _end(self) -> None:
-        self._is_over = True
-        self._framed.set()
+            self._settling.end()
 
     def _draw(self, snapshot: Snapshot) -> None:
         before = self.snapshot
@@ -287,47 +320,24 @@ class Playground(ActionScreen):
             return
         self.microscope.follow_update()
         self.seeds.follow_panel()
+        self.view.follow_flips()
+        self.policies.follow_panel()
         with self.app.batch_update():
             self.session.show_name()
             self.status.show(snapshot)
-            self.manual.show(snapshot)
+            self.modes.show(snapshot)
             self.show_key_hints()
             self.board.show(snapshot)
             self.view.show(snapshot)
+            self.why.show(snapshot)
 
     def on_scrolled(self) -> None:
         """Have the parts of a large world copied that are in view now."""
         self.view.look_at()
 
     async def settled(self) -> None:
-        """Wait until all that was asked for is done and on screen, the exact answer included.
-
-        Where it was left, or a fault has ended the run, there is nothing to wait for. What does not come to
-        rest in many pictures never will, and is not waited for either.
-        """
-        for _ in range(_MOST_PICTURES):
-            if self._is_over:
-                return
-            self._framed.clear()
-            done = await self._carried_out()
-            if self.snapshot is not done:
-                await self._framed.wait()  # it comes to be drawn too, or a newer one
-            if self.snapshot is done and self._is_complete(done):
-                return
-            while not self._is_over and self.snapshot and lacks_exact(self.snapshot):
-                self._framed.clear()
-                await self._framed.wait()
-            if not self.board.is_complete:
-                self.view.look_at()
-
-    def _is_complete(self, drawn: Snapshot) -> bool:
-        return not lacks_exact(drawn) and self.board.is_complete
-
-    async def _carried_out(self) -> Snapshot:
-        try:
-            return await self.player.carried_out()
-        except UserError as fault:
-            raise self.session.named(fault) from fault
+        """Wait until all that was asked for is done and on screen, the exact answer included."""
+        await self._settling.settled()
 
     async def _arrived(self) -> None:
         if isinstance(self.app, LinkedApp):

@@ -12,7 +12,7 @@ from rl_tui.common.errors import UserError
 from rl_tui.lab.live.commands import Apply, Restart
 from rl_tui.lab.run.recipe import Recipe, SetParameter, SwitchAlgorithm, changed_recipe
 from rl_tui.lab.run.settings import settings_for
-from rl_tui.tui.actions.registry import ORDINALS
+from rl_tui.tui.actions.playground_actions import ORDINALS
 from rl_tui.tui.draw.action_order import shown_order
 from rl_tui.tui.draw.names import action_name
 from rl_tui.tui.panels.catalogue import CONTROLS

@@ -1,0 +1,90 @@
+"""How long runs on screen wait for the first update that tells anything, by their settings."""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from rl_tui.agents.exact.solution import NoExactAnswer
+from rl_tui.agents.hyperparameters import Hyperparameters
+from rl_tui.lab.run.exact_answers import DEAREST_LIVE, NO_TABLE, visits_of
+from rl_tui.lab.run.large_worlds import MOST_COPIED
+from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
+
+if TYPE_CHECKING:
+    from rl_tui.agents.exact.first_update_cause import FirstUpdate
+    from rl_tui.lab.run.run import Run
+
+MANY_EPISODES: Final = 10
+TOO_LARGE: Final = "this world is too large to be worked out on screen; rl-tui why has the answer"
+_KEPT: Final = 64
+_Settings = tuple[str, Hyperparameters, bool]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FirstUpdateView:
+    """The wait of one run for its first update, by the settings in force, as if it began with them.
+
+    Either ``answer`` is there, or ``refused`` says why there is none. ``has_moved`` tells whether an estimate
+    has moved already, and ``is_long`` that none has in many episodes.
+    """
+
+    answer: FirstUpdate | None
+    refused: str
+    has_moved: bool
+    is_long: bool
+
+
+class FirstUpdates:
+    """The waits of runs in one world at a time."""
+
+    def __init__(self) -> None:
+        self._mdp: TabularMDP | None = None
+        self._known: OrderedDict[_Settings, tuple[FirstUpdate | None, str]] = OrderedDict()
+
+    def of(self, run: Run, *, is_asked: bool) -> FirstUpdateView | None:
+        """Return the wait of ``run``; None where nobody has asked and something was learned, or may soon be.
+
+        Of a large world nothing is said unless somebody has asked.
+        """
+        learner = run.learner
+        has_many = not learner.plans and learner.episodes >= MANY_EPISODES
+        if not is_asked and (not has_many or run.world.space.pairs > MOST_COPIED):
+            return None
+        has_moved = bool(np.any(learner.q != run.recipe.hyperparameters.initial_q))
+        if has_moved and not is_asked:
+            return None
+        answer, refused = self._answer(run)
+        return FirstUpdateView(answer, refused, has_moved, has_many and not has_moved)
+
+    def _answer(self, run: Run) -> tuple[FirstUpdate | None, str]:
+        mdp, learner = run.world.mdp, run.learner
+        if mdp is None:
+            return None, NO_TABLE
+        if visits_of(mdp) > DEAREST_LIVE:
+            return None, TOO_LARGE
+        if mdp is not self._mdp:
+            self._mdp = mdp
+            self._known.clear()
+        # estimates start from what the recipe says, whatever is set later
+        values = replace(learner.hyperparameters, initial_q=run.recipe.hyperparameters.initial_q)
+        settings = (learner.algorithm, values, values.alpha_at(learner.episodes) == 0.0)
+        if settings not in self._known:
+            self._known[settings] = _worked_out(mdp, learner.algorithm, values, learner.episodes)
+            while len(self._known) > _KEPT:
+                self._known.popitem(last=False)
+        return self._known[settings]
+
+
+def _worked_out(
+    mdp: TabularMDP, algorithm: str, values: Hyperparameters, episode: int
+) -> tuple[FirstUpdate | None, str]:
+    from rl_tui.agents.exact.first_update_cause import first_update
+
+    try:
+        return first_update(mdp, algorithm, values, episode), ""
+    except NoExactAnswer as refusal:
+        return None, str(refusal)

@@ -1,0 +1,107 @@
+"""What a person asks beside the runs: what to show of them, and questions with exact answers."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING
+
+from rl_tui.lab.answers.drawn_policy import DrawnPolicy
+from rl_tui.lab.answers.first_updates import FirstUpdates
+from rl_tui.lab.answers.flip_answers import FlipAnswers
+from rl_tui.lab.answers.left_to_chance import LeftToChance
+from rl_tui.lab.answers.policy_kind import PolicyKind
+from rl_tui.lab.answers.policy_values import PolicyAnswer, PolicyAnswers
+from rl_tui.lab.answers.view import AnswersView
+from rl_tui.lab.many_seeds.seed_studies import SeedStudies
+from rl_tui.lab.run.exact_answers import RunAnswers
+
+if TYPE_CHECKING:
+    from rl_tui.lab.live.record import Record
+    from rl_tui.lab.live.viewport import Viewport
+    from rl_tui.lab.run.run import Run
+    from rl_tui.lab.timeline.run_group import RunGroup
+    from rl_tui.worlds.files.scenario import Scenario
+    from rl_tui.worlds.mdp.space import FiniteSpace
+
+
+class Questions:
+    """What was asked, the same of all lanes; ``on_exact`` is called when an exact answer has come.
+
+    With ``automatic`` off no answer depends on the time.
+    """
+
+    def __init__(self, record: Record, on_exact: Callable[[], None], *, automatic: bool) -> None:
+        self.viewport: Viewport | None = None
+        """What the screen shows of a large world; None: it has not said, so everything may be shown."""
+        self.cell: int | None = None
+        """The pair of which snapshots tell how Q went."""
+        self.seed_studies = SeedStudies(on_exact, automatic=automatic)
+        """What many seeds say of the runs."""
+        self.exact = RunAnswers(on_exact)
+        """The exact answers for the γ in force."""
+        self.flips = FlipAnswers(on_exact, automatic=automatic)
+        """Every γ at which optimal actions change, by world."""
+        self.is_hidden = record.answer_is_hidden
+        """Whether a person wants the answer hidden; None: nobody has said."""
+        self.drawn = record.drawn
+        """The policy that a person drew."""
+        self.studied: PolicyKind | None = None
+        """The policy whose values are asked for."""
+        self._policies = PolicyAnswers(automatic=automatic)
+        self._left_to_chance = LeftToChance()
+        self.asks_why = False
+        """Whether a person has asked why nothing is learned."""
+        self._first_updates = FirstUpdates()
+
+    def draw(self, state: int, action: int | None) -> None:
+        """Choose ``action`` in ``state`` for the drawn policy; None: no action."""
+        self.drawn = self.drawn.with_action(state, action)
+
+    def fit(self, space: FiniteSpace) -> None:
+        """Keep of the drawn policy what can be done in ``space``."""
+        self.drawn = self.drawn.fitting(space)
+
+    def clear(self) -> None:
+        """Forget the drawn policy."""
+        self.drawn = DrawnPolicy()
+
+    def hides_answer(self, scenario: Scenario) -> bool:
+        """Return whether the answer is hidden: as a person has said, else as ``scenario`` says."""
+        return scenario.hides_answer if self.is_hidden is None else self.is_hidden
+
+    def hide_again(self) -> None:
+        """Let the scenario say again whether the answer is hidden, unless a person has hidden it.
+
+        What a person has seen is not the answer of another world.
+        """
+        self.is_hidden = self.is_hidden or None
+
+    def close(self) -> None:
+        """End what is worked out in processes of their own, from any thread, and begin nothing any more."""
+        self.seed_studies.close()
+        self.flips.close()
+
+    def answers(self, run: Run, *, is_still: bool) -> AnswersView:
+        """Return what is known by now for ``run``, which takes steps unless it ``is_still``."""
+        studied, mdp, left = self.studied, run.world.mdp, None
+        policies: Mapping[PolicyKind, PolicyAnswer] = {}
+        if mdp is not None and studied is PolicyKind.DRAWN:
+            left = self._left_to_chance.of(mdp, self.drawn)
+        if studied is not None:
+            policies = self._policies.of(run, self.exact.of(run), self.drawn, is_still=is_still)
+        return AnswersView(
+            is_hidden=self.hides_answer(run.recipe.scenario),
+            studied=studied,
+            drawn=self.drawn,
+            left_to_chance=left,
+            policies=policies,
+            first_update=self._first_updates.of(run, is_asked=self.asks_why),
+            flips=self.flips.of(run.world.mdp),
+        )
+
+    def work(self, group: RunGroup) -> bool:
+        """Work out one answer that runs in view lack, all standing still; return whether there was one."""
+        if self.studied is None:
+            return False
+        in_view = (group.current,) if group.beside is None else (group.current, group.beside)
+        return self._policies.work(((lane.run, self.exact.of(lane.run)) for lane in in_view), self.drawn)

@@ -1,0 +1,81 @@
+"""``rl-tui why``: its document, its text, and what it refuses."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+import pytest
+from click.testing import CliRunner
+
+from rl_tui.cli.main import program
+
+
+def run(*args: str) -> tuple[int, str, str]:
+    result = CliRunner().invoke(program, ["why", *args])
+    return result.exit_code, result.stdout, result.stderr
+
+
+def document(*args: str) -> Any:
+    code, text, complaint = run(*args, "--json")
+    assert (code, complaint) == (0, "")
+    return json.loads(text)
+
+
+def test_the_document() -> None:
+    found = document("frozenlake", "--ties", "first")
+    assert list(found) == [
+        "scenario",
+        "algorithm",
+        "hyperparameters",
+        "first_update",
+        "cause",
+        "distance",
+        "remedies",
+    ]
+    assert found["first_update"]["chance"] == pytest.approx(5.41665e-6, rel=1e-5)
+    assert found["first_update"]["mean_episodes"] == pytest.approx(184_616, rel=1e-5)
+    assert found["first_update"]["median_episodes"] == 127_966
+    assert (found["cause"], found["distance"]) == ("ties", 6)
+    assert [(each["setting"], each["value"], each["median_episodes"]) for each in found["remedies"]] == [
+        ("initial_q", 1.0, 1),
+        ("ties", "random", 50),
+        ("epsilon", 1.0, 50),
+    ]
+
+
+@pytest.mark.parametrize(
+    ("args", "figures"),
+    [
+        (("cliff",), (1.0, 1.0, 1)),
+        (("frozenlake", "--initial-q", "1"), (1.0, 1.0, 1)),
+        (("frozenlake", "--ties", "first", "--epsilon", "0"), (0.0, None, None)),
+    ],
+)
+def test_waits_of_1_and_none(args: tuple[str, ...], figures: tuple[float, float | None, int | None]) -> None:
+    assert tuple(document(*args)["first_update"].values()) == figures
+
+
+def test_the_text_has_the_wait_the_cause_and_the_remedies() -> None:
+    code, text, _ = run("frozenlake", "--ties", "first")
+    assert code == 0
+    for words in ("5.41665e-6", "184,616", "127,966 episodes", "ties first", "ties random", "71.7"):
+        assert words in text
+    assert "nothing stands in the way" in run("cliff")[1]
+
+
+@pytest.mark.parametrize(
+    ("args", "reason"),
+    [
+        (("frozenlake", "--policy", "softmax"), "ε-greedy"),
+        (("frozenlake", "--algorithm", "dyna-q"), "Dyna-Q"),
+        (("discount",), "plans with the model"),
+        (("cartpole",), "no transition table"),
+        (("bandit-drifting",), "drift"),
+    ],
+)
+def test_what_is_refused_in_one_line(args: tuple[str, ...], reason: str) -> None:
+    code, text, complaint = run(*args)
+    assert (code, text) == (1, "")
+    assert reason in complaint
+    assert complaint.count("\n") == 1

@@ -1,0 +1,136 @@
+"""The key Y tells why nothing is learned; enter on a remedy applies it."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from typing import Any
+
+import pytest
+from click.testing import CliRunner
+from conftest import MakeApp
+from drawn_curves import NARROW, NO_MARKS, drawn, flat
+from samples import lake
+from seams import choose, notes, playground, press, screen_text, snapshot
+from textual.widgets import OptionList
+
+from rl_tui.cli.main import program
+from rl_tui.lab.answers.first_update_words import chance_in_words, episodes_in_words
+from rl_tui.lab.answers.first_updates import FirstUpdateView
+from rl_tui.tui.app.screenshot import settle
+from rl_tui.tui.screens.dialogs.why import Why, remedies_of
+
+EPISODES = ("e",) * 11
+
+
+def command(*args: str) -> Any:
+    return json.loads(CliRunner().invoke(program, ["why", *args, "--json"]).stdout)
+
+
+def unbroken(text: str) -> str:
+    """``text`` without the border and the line breaks of a dialog."""
+    return " ".join(text.replace("│", " ").split())
+
+
+def figures(wait: dict[str, Any]) -> list[str]:
+    """The figures of a wait as they are shown."""
+    shown = chance_in_words(wait["chance"]), episodes_in_words(wait["mean_episodes"])
+    return [*shown, f"{wait['median_episodes']:,}"]
+
+
+async def test_the_curve_and_the_dialog_tell_it_and_a_remedy_is_applied(make_app: MakeApp) -> None:
+    app = make_app("frozenlake")
+    async with app.run_test(size=(80, 24), notifications=True) as pilot:
+        await settle(pilot)
+        await press(pilot, "t", *EPISODES)
+        assert "in 11 episodes, Y tells why" in screen_text(app)
+        await press(pilot, "Y")
+        assert isinstance(app.screen, Why)
+        text, found = screen_text(app), command("frozenlake", "--ties", "first")
+        assert "In 11 episodes no estimate has moved" in text
+        assert "ties first" in text
+        for figure in figures(found["first_update"]):
+            assert figure in unbroken(text)
+        for place, remedy in enumerate(found["remedies"]):
+            option = app.screen.query_one(OptionList).get_option_at_index(place)
+            assert option.id == remedy["setting"]
+            assert str(option.prompt).split()[-3:] == figures(remedy)
+        await choose(pilot, "ties")
+        now = snapshot(pilot)
+        assert now.agent.hyperparameters.ties == "random"
+        assert now.counters.episodes == 11
+        assert not isinstance(app.screen, Why)
+
+
+async def test_an_optimistic_start_begins_again_and_then_it_is_over(make_app: MakeApp) -> None:
+    app = make_app("frozenlake")
+    async with app.run_test(size=(80, 24), notifications=True) as pilot:
+        await settle(pilot)
+        await press(pilot, "s", "Y")
+        text = screen_text(app)
+        assert "No estimate has moved" in text
+        assert "6 steps away" in unbroken(text)
+        await press(pilot, "down", "up", "enter")
+        now = snapshot(pilot)
+        assert (now.agent.hyperparameters.initial_q, now.counters.step) == (1.0, 0)
+        await press(pilot, "Y")
+        assert "Nothing stands in the way" in screen_text(app)
+        assert "enter: change" not in screen_text(app)
+        await press(pilot, "enter", "Y")
+        assert not isinstance(app.screen, Why)
+        await press(pilot, "e", "Y")
+        assert "An estimate has moved already" in screen_text(app)
+        await press(pilot, "escape")
+        assert snapshot(pilot).answers.first_update is None
+        assert playground(pilot).recipe.hyperparameters.initial_q == 1.0
+        assert notes(app) == []
+
+
+@pytest.mark.parametrize(
+    ("scenario", "reason"), [("discount", "plans with the model"), ("blackjack", "no transition table")]
+)
+async def test_what_cannot_be_told_is_said_with_the_reason(
+    make_app: MakeApp, scenario: str, reason: str
+) -> None:
+    app = make_app(scenario)
+    async with app.run_test(size=(60, 20)) as pilot:
+        await settle(pilot)
+        await press(pilot, "Y")
+        assert reason in unbroken(screen_text(app))
+        await press(pilot, "q")
+        assert not isinstance(app.screen, Why)
+
+
+async def test_a_bandit_keeps_its_secret_until_it_is_revealed(make_app: MakeApp) -> None:
+    app = make_app("bandit-bernoulli")
+    async with app.run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        await press(pilot, "Y")
+        assert "give away" in screen_text(app)
+        assert "chance" not in screen_text(app)
+        await press(pilot, "Y", "h", "Y")
+        assert "with chance" in screen_text(app)
+
+
+async def test_the_mouse_closes_it_and_ascii_is_enough(make_app: MakeApp) -> None:
+    app = make_app("frozenlake", ascii=True)
+    async with app.run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        await press(pilot, "t", "Y")
+        assert isinstance(app.screen, Why)
+        assert screen_text(app).isascii()
+        box = app.screen.query_one("#box")
+        row = box.region.bottom - 1
+        column = screen_text(app).splitlines()[row].index("esc: close")
+        await pilot.click(offset=(column, row))
+        await settle(pilot)
+        assert not isinstance(app.screen, Why)
+
+
+def test_the_curve_tells_that_no_estimate_has_moved() -> None:
+    barren = lake(curve=flat(0.0), marks=NO_MARKS, episodes=1_234, greedy_return=0.0, return_last_100=0.0)
+    stuck = replace(barren.answers, first_update=FirstUpdateView(None, "no table", False, True))
+    shown = replace(barren, answers=stuck)
+    assert "nothing learned in 1,234 episodes, Y tells why" in drawn(shown)[0]
+    assert "in 1,234 episodes, Y tells why" in drawn(shown, NARROW)[0]
+    assert remedies_of(shown) == ()
