@@ -174,6 +174,20 @@ def test_from_worst_to_best_a_crossing_is_seen_where_values_are_close() -> None:
     assert any(ord(cell) > braille.BLANK for row in chart(lake(), 0, is_ranked=True) for cell in row)
 
 
+def test_where_colours_do_not_tell_lines_apart_their_signs_do() -> None:
+    answer = known_of(lake())
+    assert answer.curves is not None
+    plain = look(depth="none")
+    lines = action_lines(lake().world, answer.curves, 0, plain)
+    strips = draw_values(lines, answer.curves.gamma, (), 0, 0.5, None, plain, 80, 20)
+    drawn_in = {cell for strip in strips[:-1] for cell in strip.text}
+    signs = {line.sign for line in lines}
+    usual = {*" ┤│┃.", *"0123456789"}
+    assert all(cell in usual | signs or braille.BLANK < ord(cell) <= braille.BLANK + 255 for cell in drawn_in)
+    body = "".join(strip.text[:-3] for strip in strips[:-1])
+    assert any(sign in body for sign in signs)
+
+
 # On the playground
 
 
