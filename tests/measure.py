@@ -59,6 +59,7 @@ ONE_STEP: Final = {
     "q-learning": "cliff",
 }
 SIDES: Final = (4, 16, 64, 256)
+EVALUATE: Final = ("evaluate", "--policy", "uniform", "--gamma", "0.99", "--json")
 OPEN_GRID: Final = """title = "Open grid"
 [defaults]
 epsilon = 0.1
@@ -155,9 +156,7 @@ def sizes(rounds: int) -> Rows:
     with TemporaryDirectory() as folder:
         speeds: dict[int, list[float]] = {side: [] for side in SIDES}
         for side in SIDES:
-            rows = ["S" + "." * (side - 1), *["." * side] * (side - 2), "." * (side - 1) + "G"]
-            text = OPEN_GRID.format(map="\n".join(rows), limit=10 * side)
-            (Path(folder) / f"grid-{side}.toml").write_text(text, encoding="utf-8")
+            _write_open_grid(Path(folder) / f"grid-{side}.toml", side, limit=10 * side)
         for _ in range(rounds):
             for side in SIDES:
                 speeds[side].append(
@@ -167,6 +166,29 @@ def sizes(rounds: int) -> Rows:
             share = median(speeds[side]) / median(speeds[SIDES[0]])
             speed = f"{median(speeds[side]) / 1e6:.1f} million/s, {share:.0%}"
             yield f"open grid of {side * side:,} states", speed, "flat"
+
+
+def _write_open_grid(path: Path, side: int, limit: int) -> None:
+    rows = ["S" + "." * (side - 1), *["." * side] * (side - 2), "." * (side - 1) + "G"]
+    path.write_text(OPEN_GRID.format(map="\n".join(rows), limit=limit), encoding="utf-8")
+
+
+def evaluation(rounds: int) -> Rows:
+    """How long it takes to evaluate a policy exactly in a large world, with the time to start in it."""
+    limits = {"without a time limit": 0, "within 1,000 steps": 1_000}
+    started: list[float] = []
+    taken: dict[str, list[float]] = {what: [] for what in limits}
+    with TemporaryDirectory() as folder:
+        for limit in limits.values():
+            _write_open_grid(Path(folder) / f"grid-{limit}.toml", 256, limit)
+        for _ in range(rounds):
+            started.append(_time_of((*RL_TUI, *EVALUATE, "student")))
+            for what, limit in limits.items():
+                file = str(Path(folder) / f"grid-{limit}.toml")
+                taken[what].append(_time_of((*RL_TUI, *EVALUATE, file)))
+    yield "evaluate student: the start of it", f"{median(started):.2f} s", ""
+    for what, times in taken.items():
+        yield f"65,536 states {what}", f"{median(times):.2f} s", "at most 2 s"
 
 
 def frames(rounds: int) -> Rows:
@@ -299,8 +321,8 @@ def main() -> None:
     parser.add_argument(
         "what",
         nargs="*",
-        help="start-up, beginnings, bench, algorithms, sizes, frames, first-paint, live, travel, player, "
-        "seeds, memory; default: all",
+        help="start-up, beginnings, bench, algorithms, sizes, evaluation, frames, first-paint, live, travel, "
+        "player, seeds, memory; default: all",
     )
     parser.add_argument("--rounds", type=int, default=5)
     parser.add_argument("--memory-steps", type=int, default=1_000_000_000)
@@ -312,6 +334,7 @@ def main() -> None:
         "bench": lambda: bench(options.rounds),
         "algorithms": lambda: algorithms(options.rounds),
         "sizes": lambda: sizes(options.rounds),
+        "evaluation": lambda: evaluation(options.rounds),
         "frames": lambda: frames(options.rounds),
         "first-paint": lambda: first_paint(options.rounds),
         "live": lambda: live(options.rounds),

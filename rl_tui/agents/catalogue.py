@@ -20,7 +20,8 @@ class Algorithm:
     follows. A planner takes no steps in the world: it backs up one state after the other with the model.
     ``update`` says how its update is written. ``counts_updates``: a sample average is over its own updates,
     which come later than the step or in one of several tables. ``updates_own_pair``: each step updates the
-    estimate of its own pair, at once and by one step, and no other.
+    estimate of its own pair, at once and by one step, and no other. ``takes_orders``: which sweep is next,
+    evaluation or improvement, can be ordered; its module has ``phase_of``, ``order`` and ``ordered``.
     """
 
     id: str
@@ -34,6 +35,7 @@ class Algorithm:
     update: UpdateTerms = field(default_factory=UpdateTerms)
     counts_updates: bool = False
     updates_own_pair: bool = False
+    takes_orders: bool = False
 
 
 _ALGORITHMS: Final[tuple[Algorithm, ...]] = (
@@ -182,6 +184,7 @@ _ALGORITHMS: Final[tuple[Algorithm, ...]] = (
         update=UpdateTerms(
             gathered="Σ p r", bootstrap="Σ p V(s′)", others="more of this state", lookup=Lookup.POLICY
         ),
+        takes_orders=True,
     ),
 )
 

@@ -18,7 +18,8 @@ class Counters:
     """
 
     state: int
-    """Where the agent is. After the last step of an episode it is the state in which the episode ended."""
+    """Where the agent is, of a planner the state backed up last. After the last step of an episode it is the
+    state in which the episode ended."""
     step_from: int | None = None
     """The state in which the next step starts: another one if an episode has ended; None: no learner yet."""
     step: int = 0

@@ -26,6 +26,7 @@ from rl_tui.agents.kernels.watching import WatchedEvents, Watching
 from rl_tui.agents.last_step import Author
 from rl_tui.agents.learner_counters import EPISODES_LOGGED, LearnerCounters
 from rl_tui.agents.learner_state import LearnerState, Planned, arrays_of, copies, put_back
+from rl_tui.agents.sweep_phases import SweepPhase
 from rl_tui.common.errors import UserError
 from rl_tui.common.streams import Streams
 from rl_tui.worlds.environment import Environment
@@ -146,6 +147,36 @@ class Learner(LearnerCounters):
     def planning(self) -> str:
         """How a planner is getting on, in words; empty before its first step, and for an agent."""
         return str(self._module.describe(self._memory)) if self.plans else ""
+
+    @property
+    def phase(self) -> SweepPhase | None:
+        """What the sweep under way, or the last one, does to the policy; None before the first.
+
+        It is None too where sweeps are all alike, and for an agent.
+        """
+        return self._module.phase_of(self._memory) if self._takes_orders else None
+
+    @property
+    def ordered(self) -> SweepPhase | None:
+        """What is ordered for the next sweep; None where nothing is."""
+        return self._module.ordered(self._memory) if self._takes_orders else None
+
+    @property
+    def _takes_orders(self) -> bool:
+        return BY_ID[self.algorithm].takes_orders
+
+    def order(self, phase: SweepPhase) -> None:
+        """Let the next sweep be one of ``phase``, whatever is due by itself, be it that nothing is.
+
+        Raises UserError where the algorithm in force has no such sweeps.
+        """
+        if not self._takes_orders:
+            able = " or ".join(each.id for each in BY_ID.values() if each.takes_orders)
+            raise UserError(
+                f"{BY_ID[self.algorithm].name} has no sweeps of evaluation and improvement: take {able}"
+            )
+        self._module.order(self._memory, phase)
+        self._go_on_planning()
 
     @property
     def mdp(self) -> TabularMDP | None:

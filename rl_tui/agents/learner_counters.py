@@ -124,13 +124,15 @@ class LearnerCounters:
     def _shown_state(self, last: LastStep | None) -> int:
         """Return where the agent is: after an episode's last step still where that step led.
 
-        After a sweep's last step it is the state backed up. Where a planner has taken over from an agent, or
-        the other way round, the last step tells nothing about that.
+        Of a planner it is the state backed up last. Where a planner has taken over from an agent, or the
+        other way round, the last step tells nothing about that.
         """
+        if last is not None and self.plans:
+            is_under_way = self.episode_step > 0 or self.episodes == last.episode
+            return last.state if last.planned and is_under_way else self.state
         if last is None or self.episode_step > 0:
             return self.state
-        ended = last.planned if self.plans else last.terminated or last.truncated
-        return last.next_state if ended else self.state
+        return last.next_state if last.terminated or last.truncated else self.state
 
     @property
     def _rewards_seen(self) -> int:

@@ -32,7 +32,10 @@ class RlTui(Program):
     modules: ClassVar = {
         each.name: f"{commands.__name__}.{each.name}" for each in iter_modules(commands.__path__)
     }
-    first_in_help = ("play", "train", "replay", "solve", "list", "check", "bench", "screenshot", "serve")
+    first_in_help = (
+        *("play", "train", "replay", "solve", "evaluate"),
+        *("list", "check", "bench", "screenshot", "serve"),
+    )
 
 
 @click.group(cls=RlTui, invoke_without_command=True, context_settings={"help_option_names": ["-h", "--help"]})

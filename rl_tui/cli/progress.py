@@ -1,19 +1,23 @@
-"""A progress bar on stderr, where that is a terminal."""
+"""What stands on stderr, where that is a terminal, while one waits: a progress bar, or that it compiles."""
 
 from __future__ import annotations
 
 import sys
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
-from typing import Final
+from contextlib import contextmanager, suppress
+from typing import TYPE_CHECKING, Final
 
 import click
 
 from rl_tui.common.words import lasting, short_count
 
+if TYPE_CHECKING:
+    from rl_tui.lab.experiments.training import OnProgress
+
 _PARTS: Final = 1000
 _WORTH_A_FORECAST: Final = 0.5  # seconds
+_LONGEST_FINISH: Final = 20.0  # seconds
 
 
 class Progress:
@@ -52,6 +56,30 @@ def progress(label: str) -> Iterator[Progress]:
         item_show_func=lambda text: text,
     ) as bar:
         yield Progress(bar.update)
+
+
+def with_compiling(bar: Progress) -> OnProgress:
+    """Return what shows how far training has come, and for how long it is compiled, which has no forecast."""
+    from rl_tui.agents.compiling.background import BACKGROUND
+
+    def on_progress(done: int, wanted: int) -> None:
+        if BACKGROUND.is_busy:
+            bar.say("compiling, soon faster")
+        else:
+            bar(done, wanted)
+
+    return on_progress
+
+
+def finish_compiling() -> None:
+    """Let a compiler that was too late for this run finish, or it is too late for all others like it."""
+    from rl_tui.agents.compiling.background import BACKGROUND
+
+    if BACKGROUND.is_busy and sys.stderr.isatty():  # a script has no time for that
+        sys.stdout.flush()
+        click.echo("finishing to compile, so that the next time is quick; ctrl+c leaves it", err=True)
+        with suppress(KeyboardInterrupt):
+            BACKGROUND.finish(_LONGEST_FINISH)
 
 
 def _how_far(begun: tuple[float, int], done: int, wanted: int) -> str:

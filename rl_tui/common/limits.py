@@ -13,7 +13,7 @@ LARGEST_SCREEN: Final = (400, 150)
 
 # Of a scenario file
 LARGEST_FILE: Final = 10_000_000
-"""Bytes of a scenario file."""
+"""Bytes of a scenario file, or of a file of choices."""
 MOST_VALUES: Final = 1_000_000
 """Values in a scenario file: keys, and entries of lists."""
 MOST_TABLES: Final = 320_000

@@ -1,9 +1,11 @@
 """The box of page 80 as it is printed, from the policy that takes all actions equally.
 
-As in exercise 4.4, the policy of a state is left alone where no other gains anything.
+As in exercise 4.4, the policy of a state is left alone where no other gains anything. Which sweep is next may
+be ordered, as in section 4.6; then what the box has in two loops is gone through a sweep at a time.
 """
 
 import math
+from collections.abc import Mapping
 
 from plain_value_iteration import look_ahead
 
@@ -12,14 +14,17 @@ from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
 
 def plain_policy_iteration(
-    mdp: TabularMDP, hyperparameters: Hyperparameters, steps: int
+    mdp: TabularMDP, hyperparameters: Hyperparameters, steps: int, orders: Mapping[int, str] | None = None
 ) -> tuple[dict[int, float], int, bool]:
-    """Return Q, the steps taken and whether the policy came to rest."""
+    """Return Q, the steps taken and whether the policy came to rest.
+
+    ``orders`` says of sweeps, counted from 0, whether they are an evaluation or an improvement.
+    """
     q = dict.fromkeys(range(mdp.pairs), hyperparameters.initial_q)
     states = [state for state in range(mdp.states) if mdp.pairs_of(state)]
     v = dict.fromkeys(states, hyperparameters.initial_q)
     policy = {pair: 1 / len(mdp.pairs_of(state)) for state in states for pair in mdp.pairs_of(state)}
-    taken = 0
+    orders = orders or {}
 
     def expected(state: int) -> float:
         total = 0.0
@@ -28,29 +33,36 @@ def plain_policy_iteration(
             total += policy[pair] * q[pair]
         return total
 
+    def improved(state: int) -> bool:
+        worth = expected(state)
+        best = max(q[pair] for pair in mdp.pairs_of(state))
+        slack = 1e-9 * max(1.0, abs(best))
+        if worth >= best - slack:
+            return False
+        tied = [pair for pair in mdp.pairs_of(state) if q[pair] >= best - slack]
+        chosen = tied if hyperparameters.ties == "random" else tied[:1]
+        for pair in mdp.pairs_of(state):
+            policy[pair] = 1 / len(chosen) if pair in chosen else 0.0
+        return True
+
+    taken, sweep, due = 0, 0, "evaluation"
+    delta = math.inf  # the largest change in the last evaluation of the policy as it is
     while True:
-        delta = math.inf
-        while delta > hyperparameters.accuracy:
-            delta = 0.0
-            for state in states:
-                if taken == steps:
-                    return q, taken, False
-                taken += 1
-                before, v[state] = v[state], expected(state)
-                delta = max(delta, abs(before - v[state]))
-        stable = True
+        phase = orders.get(sweep, due)
+        sweep += 1
+        stable, delta = True, 0.0 if phase == "evaluation" else delta
         for state in states:
             if taken == steps:
                 return q, taken, False
             taken += 1
-            worth = expected(state)
-            best = max(q[pair] for pair in mdp.pairs_of(state))
-            slack = 1e-9 * max(1.0, abs(best))
-            if worth < best - slack:
+            if phase == "evaluation":
+                before, v[state] = v[state], expected(state)
+                delta = max(delta, abs(before - v[state]))
+            elif improved(state):
                 stable = False
-                tied = [pair for pair in mdp.pairs_of(state) if q[pair] >= best - slack]
-                chosen = tied if hyperparameters.ties == "random" else tied[:1]
-                for pair in mdp.pairs_of(state):
-                    policy[pair] = 1 / len(chosen) if pair in chosen else 0.0
-        if stable:
+        at_rest = delta <= hyperparameters.accuracy
+        if phase == "improvement" and stable and at_rest:
             return q, taken, True
+        if not stable:
+            delta = math.inf
+        due = "improvement" if phase == "evaluation" and at_rest else "evaluation"

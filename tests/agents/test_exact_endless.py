@@ -6,9 +6,11 @@ import numpy as np
 import pytest
 from exact_reference import student, world
 
+from rl_tui.agents.exact.policies import uniform_over
 from rl_tui.agents.exact.policy_evaluation import always_ends, evaluate
+from rl_tui.agents.exact.policy_figures import figures
 from rl_tui.agents.exact.solution import NoExactAnswer
-from rl_tui.agents.exact.solve import best_expected_return, figures, solve, uniform_over
+from rl_tui.agents.exact.solve import best_expected_return, solve
 
 
 def test_a_state_that_cannot_reach_an_end_is_named() -> None:
@@ -80,7 +82,7 @@ def test_a_loop_that_balances_is_no_gain() -> None:
 def test_an_endless_policy_that_pays_nothing_adds_nothing() -> None:
     mdp = world(("A", "in", [(0.5, "B", 5.0), (0.5, "end", 1.0)]), ("B", "stay", [(1.0, "B", 0.0)]))
     found = figures(mdp, np.ones(2), 1.0)
-    assert (found.value_at_start, found.expected_return, found.greedy_ends) == (3.0, 3.0, 0.5)
+    assert (found.value_at_start, found.expected_return, found.ends) == (3.0, 3.0, 0.5)
 
 
 @pytest.mark.parametrize("reward", [1.0, -1.0])
@@ -88,7 +90,7 @@ def test_an_endless_policy_that_pays_has_no_return(reward: float) -> None:
     mdp = world(("A", "in", [(0.75, "B", 5.0), (0.25, "end", 1.0)]), ("B", "stay", [(1.0, "B", reward)]))
     undiscounted = figures(mdp, np.ones(2), 1.0)
     assert (undiscounted.value_at_start, undiscounted.expected_return) == (None, None)
-    assert undiscounted.greedy_ends == 0.25
+    assert undiscounted.ends == 0.25
     discounted = figures(mdp, np.ones(2), 0.5)
     assert discounted.value_at_start == pytest.approx(4.0 + 0.75 * reward, abs=1e-12)
     assert discounted.expected_return is None
@@ -100,7 +102,7 @@ def test_an_endless_part_that_the_policy_never_meets_does_not_matter() -> None:
     )
     policy = np.array([1.0, 0.0, 1.0])
     found = figures(mdp, policy, 1.0)
-    assert (found.value_at_start, found.expected_return, found.greedy_ends) == (2.0, 2.0, 1.0)
+    assert (found.value_at_start, found.expected_return, found.ends) == (2.0, 2.0, 1.0)
     values = evaluate(mdp, policy, 1.0)
     assert values.v[0] == values.at_start == 2.0
     assert np.isnan(values.v[mdp.state_names.index("B")])
@@ -109,7 +111,7 @@ def test_an_endless_part_that_the_policy_never_meets_does_not_matter() -> None:
 def test_a_time_limit_bounds_the_return_but_not_the_value() -> None:
     mdp = world(("A", "stay", [(1.0, "A", 1.0)]), ("A", "out", [(1.0, "end", 0.0)]), time_limit=10)
     found = figures(mdp, np.array([1.0, 0.0]), 1.0)
-    assert (found.value_at_start, found.expected_return, found.greedy_ends) == (None, 10.0, 0.0)
+    assert (found.value_at_start, found.expected_return, found.ends) == (None, 10.0, 0.0)
     assert best_expected_return(mdp) == 10.0
 
 
@@ -133,11 +135,11 @@ def test_an_end_too_unlikely_spoils_only_the_figures_that_need_it() -> None:
     assert (solution.expected_return, solution.best_expected_return) == (None, None)
     found = figures(unlimited, np.ones(2), 0.5)
     assert found.value_at_start == pytest.approx(-2.0, abs=1e-9)
-    assert (found.expected_return, found.greedy_ends) == (None, 1.0)
+    assert (found.expected_return, found.ends) == (None, 1.0)
     limited = figures(world(*endings, time_limit=10), np.ones(2), 1.0)
     assert limited.value_at_start is None
     assert limited.expected_return == pytest.approx(-10.0, abs=1e-9)
-    assert limited.greedy_ends == pytest.approx(5e-300, rel=1e-6)
+    assert limited.ends == pytest.approx(5e-300, rel=1e-6)
 
 
 def test_a_discount_one_bit_below_one_still_has_its_value() -> None:
@@ -153,7 +155,7 @@ def test_at_gamma_1_no_greedy_pair_goes_round_for_ever() -> None:
     assert np.flatnonzero(solution.best).tolist() == [study, check_phone, leave, sleep]
     assert np.flatnonzero(solution.greedy).tolist() == [study, leave, sleep]
     assert solution.expected_return == pytest.approx(7.5, abs=1e-12)
-    assert figures(mdp, uniform_over(mdp, solution.greedy), 1.0).greedy_ends == pytest.approx(1.0)
+    assert figures(mdp, uniform_over(mdp, solution.greedy), 1.0).ends == pytest.approx(1.0)
 
 
 def test_a_tie_that_leads_to_an_end_sooner_or_later_stays() -> None:

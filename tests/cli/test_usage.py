@@ -44,7 +44,7 @@ def test_help_lists_every_command() -> None:
     result = run("--help")
     assert result.exit_code == 0
     listed = re.findall(r"^  ([a-z]+) {2,}", result.stdout.partition("Commands:")[2], re.MULTILINE)
-    assert listed[:5] == ["play", "train", "replay", "solve", "list"]
+    assert listed[:6] == ["play", "train", "replay", "solve", "evaluate", "list"]
     assert set(listed) == set(RlTui.modules)
     for name in RlTui.modules:
         assert f"\n  {name} " in result.stdout
@@ -128,6 +128,9 @@ def test_a_value_out_of_range_is_refused_with_the_range(option: tuple[str, ...],
         ("train", "student", "--csv", "-", "--json"),
         ("train", "student", "--no-such-option"),
         ("solve", "student", "--gamma", "2"),
+        ("evaluate", "student"),
+        ("evaluate", "student", "--policy", "uniform", "--epsilon", "2"),
+        ("evaluate", "student", "--policy", "greedy", "--episodes", "3", "--steps", "3"),
         ("check",),
         ("bench", "--rounds", "0"),
         ("screenshot", "student"),

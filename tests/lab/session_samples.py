@@ -9,9 +9,18 @@ from hypothesis import strategies as st
 from recipes import recipe
 
 from rl_tui.agents.hyperparameters import PARAMETERS
+from rl_tui.agents.sweep_phases import SWEEP_PHASES
 from rl_tui.lab.live.record import Record
 from rl_tui.lab.live.until import Breakpoints
-from rl_tui.lab.run.recipe import Change, JournalEntry, Recipe, SetParameter, SwitchAlgorithm, TakeAction
+from rl_tui.lab.run.recipe import (
+    Change,
+    JournalEntry,
+    OrderSweep,
+    Recipe,
+    SetParameter,
+    SwitchAlgorithm,
+    TakeAction,
+)
 from rl_tui.lab.timeline.branches import FIRST, Branch, RunRecord
 
 NAMES = st.text(st.characters(exclude_categories=("C", "Z")), min_size=1, max_size=20)
@@ -48,6 +57,7 @@ CHANGES: st.SearchStrategy[Change] = st.one_of(
     ),
     st.builds(SwitchAlgorithm, st.sampled_from(["q-learning", "sarsa", "dyna-q"])),
     st.builds(TakeAction, st.integers(0, 9)),
+    st.builds(OrderSweep, st.sampled_from(SWEEP_PHASES)),
 )
 
 
@@ -90,4 +100,5 @@ def records(draw: st.DrawFn, scenario: str = "student") -> Record:
         draw(st.integers(0, len(lanes) - 1)),
         Breakpoints(draw(numbers), draw(numbers)),
         draw(st.none() | st.floats(0.1, 1e6)),
+        answer_is_hidden=draw(st.sampled_from([None, True, False])),
     )

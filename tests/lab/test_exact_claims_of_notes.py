@@ -10,8 +10,10 @@ import numpy as np
 import pytest
 from recipes import recipe
 
+from rl_tui.agents.exact.policies import greedy_policy, softened, uniform_over
 from rl_tui.agents.exact.policy_evaluation import evaluate
-from rl_tui.agents.exact.solve import expected_return, greedy_policy, solve, uniform_over
+from rl_tui.agents.exact.policy_figures import expected_return
+from rl_tui.agents.exact.solve import solve
 from rl_tui.lab.run.recipe import begin
 from rl_tui.worlds.files.catalogue import find
 from rl_tui.worlds.mdp.space import FloatArray
@@ -30,17 +32,12 @@ def is_said(scenario: str, text: str) -> None:
     assert text in " ".join(find(scenario).notes.split())
 
 
-def exploring(mdp: TabularMDP, policy: FloatArray, epsilon: float) -> FloatArray:
-    """``policy`` with a random action in a share ``epsilon`` of all steps."""
-    return (1.0 - epsilon) * policy + epsilon * uniform_over(mdp, np.ones(mdp.pairs, dtype=bool))
-
-
 def blind(scenario: str, **values: Any) -> float:
     """The chance that an episode pays while all estimates are equal."""
     mdp = table_of(scenario)
     settings = recipe(scenario, **values).hyperparameters
     policy = greedy_policy(mdp, np.zeros(mdp.pairs), settings.ties)
-    chance = expected_return(mdp, exploring(mdp, policy, settings.epsilon))
+    chance = expected_return(mdp, softened(mdp, policy, settings.epsilon))
     assert chance is not None
     return chance
 
@@ -85,31 +82,31 @@ def by_row(mdp: TabularMDP, row: int) -> FloatArray:
     return policy
 
 
-def best_exploring(mdp: TabularMDP, epsilon: float) -> tuple[float | None, float | None]:
+def best_softened(mdp: TabularMDP, epsilon: float) -> tuple[float | None, float | None]:
     """The return of the best policy that explores so much, and of its path without exploration."""
     policy = by_row(mdp, 0)
     outcome_pair = np.repeat(np.arange(mdp.pairs), np.diff(mdp.first_outcome))
     for _ in range(20):  # policy iteration among policies that explore
-        v = evaluate(mdp, exploring(mdp, policy, epsilon), 1.0).v
+        v = evaluate(mdp, softened(mdp, policy, epsilon), 1.0).v
         after = mdp.reward + np.where(mdp.terminated, 0.0, v[mdp.next_state])
         q = np.bincount(outcome_pair, weights=mdp.probability * after, minlength=mdp.pairs)
         policy = greedy_policy(mdp, np.round(q, 9), "first")
-    return evaluate(mdp, exploring(mdp, policy, epsilon), 1.0).at_start, expected_return(mdp, policy)
+    return evaluate(mdp, softened(mdp, policy, epsilon), 1.0).at_start, expected_return(mdp, policy)
 
 
 def test_one_row_from_the_edge_is_enough_for_one_random_action_in_ten() -> None:
     mdp = table_of("cliff")
-    best, path = best_exploring(mdp, 0.1)
+    best, path = best_softened(mdp, 0.1)
     assert path == -15.0
     is_said("cliff", f"15 steps and {best:.2f} an episode".replace("-", "−"))
-    top = evaluate(mdp, exploring(mdp, by_row(mdp, 0), 0.1), 1.0).at_start
+    top = evaluate(mdp, softened(mdp, by_row(mdp, 0), 0.1), 1.0).at_start
     assert expected_return(mdp, by_row(mdp, 0)) == -17.0
     is_said("cliff", f"Round by the top, 17 steps, it is {top:.2f}".replace("-", "−"))
 
 
 def test_the_top_is_right_for_two_random_actions_in_ten() -> None:
     is_said("cliff", "With ε = 0.2 the top is right")
-    assert best_exploring(table_of("cliff"), 0.2)[1] == -17.0
+    assert best_softened(table_of("cliff"), 0.2)[1] == -17.0
 
 
 def test_two_arrows_of_the_textbook_turn_with_the_discount() -> None:

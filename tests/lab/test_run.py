@@ -9,7 +9,8 @@ from hypothesis import strategies as st
 from recipes import bandit, recipe, replay
 from snapshots import snapshot_of
 
-from rl_tui.agents.exact.solve import expected_return, greedy_policy
+from rl_tui.agents.exact.policies import greedy_policy
+from rl_tui.agents.exact.policy_figures import expected_return
 from rl_tui.agents.hyperparameters import SAMPLE_AVERAGE
 from rl_tui.common.errors import UserError
 from rl_tui.lab.live.snapshot import Phase

@@ -18,6 +18,8 @@ PLAYGROUND_KEYS = {
     "Y",
     "s",
     "e",
+    "E",
+    "I",
     "plus",
     "equals_sign",
     "minus",
@@ -65,8 +67,8 @@ PLAYGROUND_KEYS = {
 }
 
 
-def hints(place: Place, width: int) -> list[str]:
-    shown, _ = fitting(actions_of(place), width)
+def hints(place: Place, width: int, *without: str) -> list[str]:
+    shown, _ = fitting([each for each in actions_of(place) if each.id not in without], width)
     return [" ".join(action.key_hint) for action in shown]
 
 
@@ -116,7 +118,7 @@ def test_bindings_carry_id_description_and_tooltip() -> None:
 
 
 def test_the_key_line_drops_whole_entries_and_keeps_help() -> None:
-    assert hints(Place.PLAYGROUND, 80) == [
+    assert hints(Place.PLAYGROUND, 80, "run.evaluate") == [
         "space run",
         "s step",
         "e episode",
@@ -124,6 +126,15 @@ def test_the_key_line_drops_whole_entries_and_keeps_help() -> None:
         "b B back",
         "v layer",
         "d dissect",
+        "? help",
+    ]
+    assert hints(Place.PLAYGROUND, 80) == [
+        "space run",
+        "s step",
+        "e episode",
+        "E I eval, improve",
+        "+ − speed",
+        "b B back",
         "? help",
     ]
     assert hints(Place.PLAYGROUND, 22) == ["space run", "? help"]

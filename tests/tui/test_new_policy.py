@@ -72,7 +72,5 @@ def test_the_gap_is_not_laid_to_its_epsilon(curious: str) -> None:
         changed(lake(), hyperparameters=Hyperparameters(policy=policy))
         for policy in ("epsilon-greedy", curious)
     )
-    assert remark(usual, curve_data(usual, revealed=False), UNICODE, 2)[0].endswith("exploring (ε .10) costs")
-    assert remark(other, curve_data(other, revealed=False), UNICODE, 2)[0].endswith(
-        "mostly what exploring costs"
-    )
+    assert remark(usual, curve_data(usual), UNICODE, 2)[0].endswith("exploring (ε .10) costs")
+    assert remark(other, curve_data(other), UNICODE, 2)[0].endswith("mostly what exploring costs")

@@ -4,11 +4,14 @@ The first policy takes all actions equally (Figure 4.1). It ends with probabilit
 reach an end, so that it has a value at γ = 1 too; where they cannot, values at γ = 1 may grow from sweep to
 sweep without end. The policy of a state changes only where that gains something: else it could go to and fro
 between equally good ones for ever (exercise 4.4), or at γ = 1 come to one that never ends.
+
+Which sweep is next can be ordered, whatever is due by itself: then evaluations need not come to rest before
+the policy is improved (generalized policy iteration, section 4.6).
 """
 
 from __future__ import annotations
 
-from typing import Final, Literal, NamedTuple
+from typing import Final, NamedTuple
 
 import numpy as np
 
@@ -26,6 +29,7 @@ from rl_tui.agents.algorithms.shared.backups import (
 from rl_tui.agents.kernels.compiled import compiled, member_of
 from rl_tui.agents.kernels.parameters import KernelParameters
 from rl_tui.agents.kernels.tables import Tables, pairs_of
+from rl_tui.agents.sweep_phases import SWEEP_PHASES, SweepPhase
 from rl_tui.common.words import counted
 from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray, IntArray
 
@@ -34,6 +38,7 @@ TIE: Final = 1e-9
 
 EVALUATION: Final = 0
 IMPROVEMENT: Final = 1
+NO_ORDER: Final = -1
 
 
 class Memory(NamedTuple):
@@ -42,8 +47,11 @@ class Memory(NamedTuple):
     The estimates ``q`` are [P], and so are ``visits``, which count how often each was backed up, and the
     probabilities ``policy``. ``v``, [S], is the value of each state under the policy, 0 where it owns no
     pair. ``phase`` is 0 in an evaluation and 1 in an improvement; ``policies`` counts them from 1 and
-    ``improved`` the states whose policy changed in the improvement, [1] each. The rest is the
-    :class:`rl_tui.agents.algorithms.shared.backups.Sweep`, which counts the sweeps of an evaluation.
+    ``improved`` the states whose policy changed in the improvement; ``ordered`` is the phase of the next
+    sweep where a person has ordered one, else −1; [1] each. The rest is the
+    :class:`rl_tui.agents.algorithms.shared.backups.Sweep`, which counts the sweeps of an evaluation. Its
+    change and its discount are those of the last evaluation, in an improvement too, and the change is
+    infinite where that was of another policy than the one in force.
     """
 
     q: FloatArray
@@ -53,6 +61,7 @@ class Memory(NamedTuple):
     phase: IntArray
     policies: IntArray
     improved: IntArray
+    ordered: IntArray
     number: IntArray
     sweeps: IntArray
     change: FloatArray
@@ -64,24 +73,38 @@ def new_memory(q: FloatArray, visits: IntArray, space: FiniteSpace) -> Memory:
     each = np.diff(space.first_pair)
     v = np.zeros(space.states)
     v[each > 0] = np.add.reduceat(q, space.first_pair[:-1][each > 0]) / each[each > 0]
-    phase, policies, improved = (np.full(1, number, dtype=np.int64) for number in (EVALUATION, 1, 0))
-    return Memory(q, visits, v, 1.0 / np.repeat(each, each), phase, policies, improved, *no_sweep())
+    phase, policies, improved, no_order = (
+        np.full(1, number, dtype=np.int64) for number in (EVALUATION, 1, 0, NO_ORDER)
+    )
+    equal = 1.0 / np.repeat(each, each)
+    return Memory(q, visits, v, equal, phase, policies, improved, no_order, *no_sweep())
 
 
-def phase_of(memory: Memory) -> Literal["evaluation", "improvement"]:
-    """Return what the sweep under way does to the policy."""
-    return "improvement" if memory.phase[0] == IMPROVEMENT else "evaluation"
+def phase_of(memory: Memory) -> SweepPhase | None:
+    """Return what the sweep under way, or the last one, does to the policy; None before the first."""
+    return None if memory.number[0] < 0 else SWEEP_PHASES[int(memory.phase[0])]
+
+
+def order(memory: Memory, phase: SweepPhase) -> None:
+    """Let the next sweep be one of ``phase``, whatever is due; the last order counts."""
+    memory.ordered[0] = SWEEP_PHASES.index(phase)
+
+
+def ordered(memory: Memory) -> SweepPhase | None:
+    """Return what is ordered for the next sweep, None where nothing is."""
+    return None if memory.ordered[0] == NO_ORDER else SWEEP_PHASES[int(memory.ordered[0])]
 
 
 def describe(memory: Memory) -> str:
     """Say how the sweep under way is getting on; empty before the first."""
     if memory.number[0] < 0:
         return ""
-    policy = f"policy {memory.policies[0]:,}"
+    policy, is_next = f"policy {memory.policies[0]:,}", ordered(memory)
+    after = "" if is_next is None else f"; then {is_next}"
     if phase_of(memory) == "evaluation":
-        return f"{policy}, evaluation sweep {memory.sweeps[0]:,}: {change_in_words(memory.change)}"
+        return f"{policy}, evaluation sweep {memory.sweeps[0]:,}: {change_in_words(memory.change)}{after}"
     improved = counted(int(memory.improved[0]), "state")
-    return f"{policy}, improvement: {improved} changed"
+    return f"{policy}, improvement: {improved} changed{after}"
 
 
 @member_of(back_up, Memory)
@@ -89,7 +112,9 @@ def _back_up(memory: Memory, params: KernelParameters, tables: Tables, state: in
     progress = Sweep(memory.number, memory.sweeps, memory.change, memory.gamma)
     if sweep != memory.number[0]:
         take_turns(memory, progress, params)
-        begin_sweep(progress, params, sweep)
+        if memory.phase[0] == EVALUATION:
+            begin_sweep(progress, params, sweep)
+        progress.number[0] = sweep
     if memory.phase[0] == EVALUATION:
         return evaluate(memory, progress, params, tables, state)
     return improve(memory, progress, params, tables, state)
@@ -97,21 +122,26 @@ def _back_up(memory: Memory, params: KernelParameters, tables: Tables, state: in
 
 @member_of(has_converged, Memory)
 def _has_converged(memory: Memory, params: KernelParameters) -> bool:
-    # If policy-stable, then stop
+    # If policy-stable, then stop: where its values are those of an evaluation that came to rest
     progress = Sweep(memory.number, memory.sweeps, memory.change, memory.gamma)
-    return memory.phase[0] == IMPROVEMENT and memory.improved[0] == 0 and at_rest(progress, params)
+    is_stable = memory.phase[0] == IMPROVEMENT and memory.improved[0] == 0 and at_rest(progress, params)
+    return is_stable and memory.ordered[0] == NO_ORDER
 
 
 @compiled
 def take_turns(memory: Memory, progress: Sweep, params: KernelParameters) -> None:
-    """Go from evaluation to improvement when the values are at rest, and after one sweep back."""
+    """Go to the sweep ordered; else to improvement when the values are at rest, and after one sweep back."""
+    phase = EVALUATION
+    if memory.ordered[0] != NO_ORDER:
+        phase = memory.ordered[0]
+        memory.ordered[0] = NO_ORDER
+    elif memory.phase[0] == EVALUATION and memory.sweeps[0] > 0 and at_rest(progress, params):
+        phase = IMPROVEMENT
     if memory.phase[0] == IMPROVEMENT:
-        memory.phase[0] = EVALUATION
         memory.policies[0] += memory.improved[0] > 0
         memory.sweeps[0] = 0
-    elif memory.sweeps[0] > 0 and at_rest(progress, params):
-        memory.phase[0] = IMPROVEMENT
-        memory.improved[0] = 0
+    memory.phase[0] = phase
+    memory.improved[0] = 0
 
 
 @compiled
@@ -150,6 +180,7 @@ def improve(memory: Memory, progress: Sweep, params: KernelParameters, tables: T
     # old-action ← π(s);  π(s) ← argmax_a Q(s,a);  if old-action ≠ π(s), then policy-stable ← false
     if value < best - slack:
         memory.improved[0] += 1
+        progress.change[0] = np.inf
         for pair in range(first, last):
             memory.policy[pair] = 0.0
             if params.random_ties and memory.q[pair] >= best - slack:

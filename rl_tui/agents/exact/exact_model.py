@@ -49,22 +49,16 @@ class ExactModel:
         """How many pairs each live state owns, [N]."""
         return np.diff(self.mdp.first_pair)[self.live]
 
-    def advantage(self, v: ExtendedArray, gamma: float, reward: ExtendedArray | None = None) -> ExtendedArray:
+    def advantage(self, v: ExtendedArray, gamma: float) -> ExtendedArray:
         """Return q(s, a) − v(s) of every pair, [P], for state values ``v``, [S+1] (equation 4.6).
 
-        ``reward``, [O], takes the place of the world's own. Differences of values keep the digits that
-        γ v(s′) − v(s) would lose where γ is near 1 and values are large.
+        Differences of values keep the digits that γ v(s′) − v(s) would lose where γ is near 1 and values are
+        large.
         """
-        rewards = self.reward if reward is None else reward
         own = v[self.pair_state]
-        gain = self.probability * (rewards + gamma * (v[self.landing] - own[self.outcome_pair]))
+        gain = self.probability * (self.reward + gamma * (v[self.landing] - own[self.outcome_pair]))
         summed: ExtendedArray = np.add.reduceat(gain, self.mdp.first_outcome[:-1])
         return summed - (1.0 - np.longdouble(gamma)) * own
-
-    def mixed(self, policy: ExtendedArray, of_pairs: ExtendedArray) -> ExtendedArray:
-        """Return the average of ``of_pairs``, [P], under ``policy``, [P], in every live state, [N]."""
-        mean: ExtendedArray = np.add.reduceat(policy * of_pairs, self.mdp.first_pair[self.live])
-        return mean
 
     def best(self, of_pairs: ExtendedArray) -> ExtendedArray:
         """Return the highest of ``of_pairs``, [P], in every live state, [N]."""
@@ -77,11 +71,24 @@ class ExactModel:
         Only ``usable`` pairs, [P], are taken; the end may be a goal. −1 where no goal can be reached.
         """
         used = usable[self.outcome_pair]
-        source, target = self.pair_state[self.outcome_pair][used], self.landing[used]
-        order = np.argsort(target, kind="stable")
-        before = source[order].tolist()
-        first = np.searchsorted(target[order], np.arange(self.end + 2)).tolist()
-        steps = [-1] * (self.end + 1)
+        ways = Ways(self.pair_state[self.outcome_pair][used], self.landing[used], self.end + 1)
+        return ways.steps_to(goals)
+
+
+class Ways:
+    """Ways from states to states, ``source`` to ``target``, [n] each, to be searched from their ends."""
+
+    def __init__(self, source: IntArray, target: IntArray, states: int) -> None:
+        ways = np.sort(target * states + source)
+        ways = ways[np.diff(ways, prepend=-1) > 0]  # each once: a world that slips has some of them often
+        self._before: list[int] = (ways % states).tolist()
+        self._first: list[int] = np.searchsorted(ways, states * np.arange(states + 1)).tolist()
+        self._states = states
+
+    def steps_to(self, goals: Iterable[int]) -> IntArray:
+        """Return the fewest steps, [S+1], from each state to one of ``goals``, −1 where none is reached."""
+        before, first = self._before, self._first
+        steps = [-1] * self._states
         queue = list(goals)
         for goal in queue:
             steps[goal] = 0

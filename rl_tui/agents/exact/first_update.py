@@ -16,9 +16,9 @@ import numpy as np
 from rl_tui.agents.catalogue import BY_ID, POLICY_BY_ID, algorithm_of
 from rl_tui.agents.exact.backward_induction import policy_values
 from rl_tui.agents.exact.exact_model import ExactModel, exact_model
-from rl_tui.agents.exact.policy_evaluation import always_ends, ending_probability, solve_chain
+from rl_tui.agents.exact.policies import greedy_policy, softened, uniform_policy
+from rl_tui.agents.exact.policy_evaluation import PolicyChain
 from rl_tui.agents.exact.solution import NoExactAnswer
-from rl_tui.agents.exact.solve import greedy_policy, uniform_over
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.worlds.mdp.space import BoolArray, FloatArray, IntArray
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
@@ -107,12 +107,9 @@ def _step_size(hyperparameters: Hyperparameters, episode: int) -> float:
 
 def _first_policy(mdp: TabularMDP, hyperparameters: Hyperparameters) -> FloatArray:
     """Return what is done while all estimates are equal, [P]."""
-    anything = uniform_over(mdp, np.ones(mdp.pairs, dtype=np.bool_))
     if hyperparameters.ties == "random":
-        return anything
-    first = greedy_policy(mdp, np.zeros(mdp.pairs), "first")
-    epsilon = hyperparameters.epsilon
-    return (1.0 - epsilon) * first + epsilon * anything
+        return uniform_policy(mdp)
+    return softened(mdp, greedy_policy(mdp, np.zeros(mdp.pairs), "first"), hyperparameters.epsilon)
 
 
 def _stopped(mdp: TabularMDP, tells: BoolArray) -> TabularMDP:
@@ -160,13 +157,14 @@ def _unlimited(stopped: TabularMDP, tells: BoolArray, policy: FloatArray) -> Wai
     if not (model.steps_to(np.flatnonzero(lost), usable) >= 0)[start].any():
         return Wait(1.0, 1.0, 1)
     chances = np.zeros(model.end + 1, dtype=np.longdouble)
-    error = solve_chain(model, policy, 1.0, can_tell, chances, tells.astype(np.longdouble))
+    chain = PolicyChain(model, policy)
+    error = chain.solve(1.0, can_tell, chances, tells.astype(np.longdouble))
     chance = _representable(stopped.average_at_start(chances))
     if error > _RELATIVE_PRECISION * chance:
         raise NoExactAnswer("without a time limit so small a chance cannot be told from rounding")
-    if always_ends(stopped, policy):
+    if chain.always_ends():
         return Wait(chance, 1.0 / chance, _median(chance))
-    another = max(0.0, ending_probability(model, policy) - chance)
+    another = max(0.0, chain.chance_of_ending() - chance)
     return Wait(chance, None, _median_of_those_that_end(chance, another))
 
 

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 
-from rl_tui.agents.exact.exact_model import ExactModel, ExtendedArray, exact_model
+from rl_tui.agents.exact.exact_model import ExactModel, ExtendedArray, Ways, exact_model
 from rl_tui.agents.exact.solution import NoExactAnswer
 from rl_tui.worlds.mdp.space import BoolArray, FloatArray, IntArray
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
@@ -38,112 +38,178 @@ class PolicyValue:
     at_start: float | None
 
 
+class _Moves(NamedTuple):
+    """All that may happen when a policy is followed, n outcomes in the order of the N live states.
+
+    The k-th happens in the state ``source`` with the probability ``weight``, is the world's ``outcome``, and
+    leads to ``target``, [n] each. Those of a live state begin at ``first`` and sum to ``total``, [N] each.
+    """
+
+    source: IntArray
+    outcome: IntArray
+    target: IntArray
+    weight: ExtendedArray
+    first: IntArray
+    total: ExtendedArray
+
+
+def _moves_of(model: ExactModel, policy: FloatArray) -> _Moves:
+    """Return what may happen under ``policy``, [P]."""
+    outcome = np.flatnonzero((policy > 0.0)[model.outcome_pair])
+    pair = model.outcome_pair[outcome]
+    source = model.pair_state[pair]
+    weight = policy[pair] * model.probability[outcome]
+    first = np.flatnonzero(np.diff(source, prepend=-1))
+    total: ExtendedArray = np.add.reduceat(weight, first)
+    return _Moves(source, outcome, model.landing[outcome], weight, first, total)
+
+
+class PolicyChain:
+    """The Markov chain that ``policy``, [P], makes of a model, and its figures over an unlimited horizon.
+
+    What was searched or factorised for one question serves the next. Each figure raises NoExactAnswer where
+    rounding would spoil it.
+    """
+
+    def __init__(self, model: ExactModel, policy: FloatArray) -> None:
+        self._model = model
+        self._moves = _moves_of(model, policy)
+        self._ways: Ways | None = None
+        self._endings: tuple[BoolArray, BoolArray] | None = None
+        # Only the last: that of a large world takes hundreds of megabytes
+        self._factorised: tuple[float, bytes] | None = None
+        self._solver: Solver | None = None
+
+    def value(self, gamma: float) -> PolicyValue:
+        """Return the values for ``gamma`` in [0, 1]. At γ = 1 an endless part that pays nothing adds 0."""
+        model = self._model
+        if gamma == 1.0:
+            v = self._undiscounted()
+        else:
+            v = np.zeros(model.end + 1, dtype=np.longdouble)
+            self.solve(gamma, model.is_live, v)
+        at_start = model.mdp.average_at_start(v)
+        return PolicyValue(v[:-1].astype(np.float64), None if np.isnan(at_start) else at_start)
+
+    def chance_of_ending(self) -> float:
+        """Return the probability that an episode ever ends."""
+        can_end, may_fail = self._find_endings()
+        chance = np.where(can_end, 1.0, 0.0).astype(np.longdouble)
+        unsure = can_end & may_fail
+        chance[unsure] = 0.0
+        self.solve(1.0, unsure, chance, np.zeros_like(self._model.reward))
+        return min(1.0, max(0.0, self._model.mdp.average_at_start(chance)))
+
+    def expected_length(self) -> float | None:
+        """Return the expected number of steps of an episode, None where it may never end."""
+        if not self.always_ends():
+            return None
+        _, may_fail = self._find_endings()
+        length = np.zeros(self._model.end + 1, dtype=np.longdouble)
+        self.solve(1.0, self._model.is_live & ~may_fail, length, np.ones_like(self._model.reward))
+        return self._model.mdp.average_at_start(length)
+
+    def always_ends(self) -> bool:
+        """Return True if every episode ends with probability 1, given time enough."""
+        _, may_fail = self._find_endings()
+        return not may_fail[self._model.mdp.start_state].any()
+
+    def solve(
+        self, gamma: float, unknown: BoolArray, v: ExtendedArray, reward: ExtendedArray | None = None
+    ) -> float:
+        """Set v(s) = E[R + γ v(S′)] in the ``unknown`` states, given ``v``, [S+1], in all others.
+
+        ``unknown``, [S+1], marks live states from which the policy comes to others where γ = 1. ``reward``,
+        [O], takes the place of the world's own. Returns what rounding may have left, judged by the last
+        correction.
+
+        Raises NoExactAnswer where that is more than 1e-10 (and 1e-15 of the largest value).
+        """
+        if not unknown.any():
+            return 0.0
+        model, moves = self._model, self._moves
+        inside = unknown[model.live]
+        places = model.live[inside]
+        rewards = model.reward if reward is None else reward
+        earned = np.add.reduceat(moves.weight * rewards[moves.outcome], moves.first)
+        stops = (1.0 - np.longdouble(gamma)) * moves.total
+        solver = self._solver_of(gamma, unknown)
+        error = np.inf
+        for _ in range(MOST_ROUNDS):
+            # Differences of values keep the digits that γ v(s′) − v(s) would lose where γ is near 1
+            gain = np.add.reduceat(moves.weight * (v[moves.target] - v[moves.source]), moves.first)
+            residual = (earned + gamma * gain - stops * v[model.live])[inside]
+            correction = solver(residual.astype(np.float64))
+            v[places] += correction
+            before, error = error, float(np.abs(correction).max())
+            scale = float(np.abs(v[places]).max())
+            if error <= np.finfo(np.longdouble).eps * scale or not error < before / 2:
+                break
+        if not error <= max(PRECISION, RELATIVE_PRECISION * scale):
+            raise _too_ill_conditioned(gamma)
+        return error
+
+    def _undiscounted(self) -> ExtendedArray:
+        """Return the values at γ = 1, [S+1], NaN where there are none."""
+        model, moves = self._model, self._moves
+        paying = np.zeros(model.end + 1, dtype=np.bool_)
+        paying[moves.source[model.reward[moves.outcome] != 0.0]] = True
+        to_be_paid = self._may_come_to(paying)
+        # A state from which no end and no part without rewards can be reached is paid for ever
+        undefined = self._may_come_to(~self._may_come_to(~to_be_paid))
+        v = np.zeros(model.end + 1, dtype=np.longdouble)
+        self.solve(1.0, to_be_paid & ~undefined, v)
+        v[undefined] = np.nan
+        return v
+
+    def _find_endings(self) -> tuple[BoolArray, BoolArray]:
+        """Return from which states, [S+1], it may come to an end, and from which it may never do so."""
+        if self._endings is None:
+            is_end = np.arange(self._model.end + 1) == self._model.end
+            can_end = self._may_come_to(is_end)
+            self._endings = can_end, self._may_come_to(~can_end)
+        return self._endings
+
+    def _may_come_to(self, goals: BoolArray) -> BoolArray:
+        """Return from which states luck may lead to one of ``goals``, themselves among them, [S+1] both."""
+        if self._ways is None:
+            self._ways = Ways(self._moves.source, self._moves.target, self._model.end + 1)
+        return self._ways.steps_to(np.flatnonzero(goals).tolist()) >= 0
+
+    def _solver_of(self, gamma: float, unknown: BoolArray) -> Solver:
+        wanted = gamma, unknown.tobytes()
+        if self._solver is None or self._factorised != wanted:
+            self._solver = None  # its memory, before another's is taken
+            try:
+                self._solver = _chain_solver(self._moves, gamma, unknown)
+            except SingularMatrixError:
+                raise _too_ill_conditioned(gamma) from None
+            self._factorised = wanted
+        return self._solver
+
+
 def evaluate(mdp: TabularMDP, policy: FloatArray, gamma: float) -> PolicyValue:
     """Return the exact value of ``policy``, [P] probabilities that sum to 1 in each state.
 
     There is no time limit; ``gamma`` is in [0, 1]. At γ = 1 an endless part that pays nothing adds 0. Raises
     NoExactAnswer where rounding would spoil the answer.
     """
-    model = exact_model(mdp)
-    return policy_value(model, policy, gamma)
-
-
-def policy_value(model: ExactModel, policy: FloatArray, gamma: float) -> PolicyValue:
-    """Return what :func:`evaluate` does, of a model at hand."""
-    if gamma == 1.0:
-        v = _undiscounted(model, policy)
-    else:
-        v = np.zeros(model.end + 1, dtype=np.longdouble)
-        solve_chain(model, policy, gamma, model.is_live, v)
-    at_start = model.mdp.average_at_start(v)
-    return PolicyValue(v[:-1].astype(np.float64), None if np.isnan(at_start) else at_start)
-
-
-def ending_probability(model: ExactModel, policy: FloatArray) -> float:
-    """Return the probability that ``policy``, [P], ever ends an episode that starts at the start."""
-    can_end, may_fail = _ways_to_end(model, policy)
-    chance = np.where(can_end, 1.0, 0.0).astype(np.longdouble)
-    unsure = can_end & may_fail
-    chance[unsure] = 0.0
-    solve_chain(model, policy, 1.0, unsure, chance, np.zeros_like(model.reward))
-    return min(1.0, max(0.0, model.mdp.average_at_start(chance)))
+    return PolicyChain(exact_model(mdp), policy).value(gamma)
 
 
 def always_ends(mdp: TabularMDP, policy: FloatArray) -> bool:
     """Return True if ``policy``, [P], ends every episode with probability 1, given time enough."""
-    _, may_fail = _ways_to_end(exact_model(mdp), policy)
-    return not may_fail[mdp.start_state].any()
+    return PolicyChain(exact_model(mdp), policy).always_ends()
 
 
-def _ways_to_end(model: ExactModel, policy: FloatArray) -> tuple[BoolArray, BoolArray]:
-    """Return from which states, [S+1], ``policy`` may come to an end, and from which it may never do so."""
-    usable = policy > 0.0
-    can_end = model.steps_to([model.end], usable) >= 0
-    return can_end, model.steps_to(np.flatnonzero(~can_end[:-1]), usable) >= 0
-
-
-def _undiscounted(model: ExactModel, policy: FloatArray) -> ExtendedArray:
-    """Return the values at γ = 1, [S+1], NaN where there are none."""
-    usable = policy > 0.0
-    paying = model.pair_state[model.outcome_pair[(model.reward != 0.0) & usable[model.outcome_pair]]]
-    to_be_paid = model.steps_to(np.unique(paying), usable) >= 0
-    # A state from which no end and no part without rewards can be reached is paid for ever
-    settled = np.flatnonzero(~to_be_paid)
-    endless = model.steps_to(settled, usable) < 0
-    undefined = model.steps_to(np.flatnonzero(endless), usable) >= 0
-    v = np.zeros(model.end + 1, dtype=np.longdouble)
-    solve_chain(model, policy, 1.0, to_be_paid & ~undefined, v)
-    v[undefined] = np.nan
-    return v
-
-
-def solve_chain(
-    model: ExactModel,
-    policy: FloatArray,
-    gamma: float,
-    unknown: BoolArray,
-    v: ExtendedArray,
-    reward: ExtendedArray | None = None,
-) -> float:
-    """Set v(s) = E[R + γ v(S′)] in the ``unknown`` states, given ``v``, [S+1], in all others.
-
-    ``unknown``, [S+1], marks live states from which ``policy`` comes to others where γ = 1. ``reward``, [O],
-    takes the place of the world's own. Returns what rounding may have left, judged by the last correction.
-
-    Raises NoExactAnswer where that is more than 1e-10 (and 1e-15 of the largest value).
-    """
-    if not unknown.any():
-        return 0.0
-    weights = policy.astype(np.longdouble)
-    inside = unknown[model.live]
-    places = model.live[inside]
-    try:
-        solver = _chain_solver(model, policy, gamma, unknown)
-    except SingularMatrixError:
-        raise _too_ill_conditioned(gamma) from None
-    error = np.inf
-    for _ in range(MOST_ROUNDS):
-        residual = model.mixed(weights, model.advantage(v, gamma, reward))[inside]
-        correction = solver(residual.astype(np.float64))
-        v[places] += correction
-        before, error = error, float(np.abs(correction).max())
-        scale = float(np.abs(v[places]).max())
-        if error <= np.finfo(np.longdouble).eps * scale or not error < before / 2:
-            break
-    if not error <= max(PRECISION, RELATIVE_PRECISION * scale):
-        raise _too_ill_conditioned(gamma)
-    return error
-
-
-def _chain_solver(model: ExactModel, policy: FloatArray, gamma: float, unknown: BoolArray) -> Solver:
-    """Return the solver of I − γ P under ``policy``, restricted to the ``unknown`` states."""
+def _chain_solver(moves: _Moves, gamma: float, unknown: BoolArray) -> Solver:
+    """Return the solver of I − γ P under ``moves``, restricted to the ``unknown`` states, [S+1]."""
     index = np.cumsum(unknown) - 1
     size = int(index[-1]) + 1
-    source = model.pair_state[model.outcome_pair]
-    weight = policy[model.outcome_pair] * model.probability.astype(np.float64)
-    leaving = unknown[source] & (model.landing != source) & (weight > 0.0)
-    staying_inside = leaving & unknown[model.landing]
-    rows, columns = index[source[staying_inside]], index[model.landing[staying_inside]]
+    source, target, weight = moves.source, moves.target, moves.weight.astype(np.float64)
+    leaving = unknown[source] & (target != source) & (weight > 0.0)
+    staying_inside = leaving & unknown[target]
+    rows, columns = index[source[staying_inside]], index[target[staying_inside]]
     # Summed from what leaves, the diagonal keeps the digits that 1 − γ p(s | s) would lose
     left = np.bincount(index[source[leaving]], weights=weight[leaving], minlength=size)
     diagonal = np.arange(size)

@@ -9,7 +9,7 @@ import numpy as np
 
 from rl_tui.agents.exact.backward_induction import best_values
 from rl_tui.agents.exact.exact_model import ExactModel, ExtendedArray
-from rl_tui.agents.exact.policy_evaluation import solve_chain
+from rl_tui.agents.exact.policy_evaluation import PolicyChain
 from rl_tui.agents.exact.solution import NoExactAnswer
 from rl_tui.worlds.mdp.space import BoolArray, FloatArray, IntArray
 
@@ -43,7 +43,7 @@ def policy_iteration(model: ExactModel, gamma: float) -> Optimum:
     seen: set[bytes] = set()
     while True:
         seen.add(policy.tobytes())
-        error = solve_chain(model, _probabilities(model, policy), gamma, model.is_live, v)
+        error = PolicyChain(model, _probabilities(model, policy)).solve(gamma, model.is_live, v)
         advantage = model.advantage(v, gamma)
         better = _improved(model, policy, advantage, _least_gain(v, gamma, error))
         # A policy that comes back is as good as the others of the circle: rounding alone tells them apart

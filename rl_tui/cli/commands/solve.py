@@ -6,9 +6,13 @@ from typing import TYPE_CHECKING, Any, Final
 
 import click
 
-from rl_tui.agents.hyperparameters import PARAMETERS
-from rl_tui.cli.options.numbers import ParameterValue
-from rl_tui.cli.options.run import allow_module_option, json_option, scenario_argument, seed_option
+from rl_tui.cli.options.run import (
+    allow_module_option,
+    json_option,
+    parameter_option,
+    scenario_argument,
+    seed_option,
+)
 from rl_tui.cli.output import columns, number, print_json
 from rl_tui.common.words import counted
 
@@ -23,11 +27,7 @@ earn what Q* promises. Of equally good actions the policy has only those that co
 
 @click.command("solve")
 @scenario_argument
-@click.option(
-    "--gamma",
-    type=ParameterValue(PARAMETERS["gamma"]),
-    help=f"γ, {PARAMETERS['gamma'].help}: {PARAMETERS['gamma'].expected}  [default: the scenario's]",
-)
+@parameter_option("gamma", "  [default: the scenario's]")
 @click.option("--flips", is_flag=True, help="also every γ at which the best actions change, exactly")
 @seed_option
 @allow_module_option

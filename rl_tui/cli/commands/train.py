@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import sys
-from contextlib import nullcontext, suppress
+from contextlib import nullcontext
 from typing import TYPE_CHECKING, Any, Final, TextIO
 
 import click
@@ -21,20 +20,20 @@ from rl_tui.cli.options.run import (
     run_options,
     scenario_argument,
     seed_option,
+    warn_of_no_effect,
 )
 from rl_tui.cli.output import print_json
-from rl_tui.cli.progress import Progress, progress
+from rl_tui.cli.progress import finish_compiling, progress, with_compiling
 from rl_tui.common.words import counted
 
 if TYPE_CHECKING:
-    from rl_tui.lab.experiments.training import Goal, OnProgress
+    from rl_tui.lab.experiments.training import Goal
     from rl_tui.lab.run.changes import ChangeText
     from rl_tui.lab.run.recipe import Recipe
     from rl_tui.lab.run.run import Run
 
 MOST: Final = 10**15
 MOST_RUNS: Final = 100_000
-_LONGEST_FINISH: Final = 20.0  # seconds
 
 
 @click.command("train", cls=SectionedCommand)
@@ -51,8 +50,8 @@ _LONGEST_FINISH: Final = 20.0  # seconds
     "changes",
     type=ChangeValue(),
     multiple=True,
-    help="after STEP steps set a hyper-parameter, algorithm=NAME, or take=ACTION in place of the agent; "
-    "may be given several times",
+    help="after STEP steps set a hyper-parameter, algorithm=NAME, take=ACTION in place of the agent, or "
+    "sweep=evaluation or sweep=improvement of policy iteration; may be given several times",
 )
 @allow_module_option
 @run_options
@@ -90,7 +89,8 @@ def command(
 
     recipe = recipe_named(scenario, overrides, seed)
     goal = Goal(steps=steps) if steps is not None else Goal(episodes=episodes or episodes_of(recipe.scenario))
-    _warn_of_no_effect(recipe, overrides, changes)
+    if not any(change.name in ("algorithm", "policy") for change in changes):
+        warn_of_no_effect(recipe, overrides)  # what the first algorithm does not use may be for a later one
     _warn_beyond_budget(recipe, goal)
     with nullcontext() if curve is None else file_or_stream(curve) as points:
         if runs is None:
@@ -104,43 +104,7 @@ def command(
 
         report = one_run(run, figures) if runs is None else several_runs(recipe, figures)
         click.echo(report, err=is_stdout(csv) or is_stdout(curve))
-    _finish_compiling()
-
-
-def _with_compiling(bar: Progress) -> OnProgress:
-    """Return what shows how far training has come, and for how long it is compiled, which has no forecast."""
-    from rl_tui.agents.compiling.background import BACKGROUND
-
-    def on_progress(done: int, wanted: int) -> None:
-        if BACKGROUND.is_busy:
-            bar.say("compiling, soon faster")
-        else:
-            bar(done, wanted)
-
-    return on_progress
-
-
-def _finish_compiling() -> None:
-    """Let a compiler that was too late for this run finish, or it is too late for all others like it."""
-    from rl_tui.agents.compiling.background import BACKGROUND
-
-    if BACKGROUND.is_busy and sys.stderr.isatty():  # a script has no time for that
-        sys.stdout.flush()
-        click.echo("finishing to compile, so that the next time is quick; ctrl+c leaves it", err=True)
-        with suppress(KeyboardInterrupt):
-            BACKGROUND.finish(_LONGEST_FINISH)
-
-
-def _warn_of_no_effect(recipe: Recipe, overrides: dict[str, object], changes: tuple[ChangeText, ...]) -> None:
-    from rl_tui.agents.catalogue import BY_ID
-    from rl_tui.lab.run.library import without_effect
-
-    if any(change.name in ("algorithm", "policy") for change in changes):
-        return  # what the first algorithm does not use may be for a later one
-    policy = "" if BY_ID[recipe.algorithm].planner else f" with policy {recipe.hyperparameters.policy}"
-    for name in without_effect(recipe, overrides):
-        option = f"--{name.replace('_', '-')}"
-        click.echo(f"{option} has no effect: {recipe.algorithm}{policy} does not use it", err=True)
+    finish_compiling()
 
 
 def _warn_beyond_budget(recipe: Recipe, goal: Goal) -> None:
@@ -179,9 +143,9 @@ def _train_once(
         rows = None if stream is None else EpisodeRows(stream, 1)
         curve = None if points is None or goal.episodes is None else RunCurve(goal.episodes)
         run = Run(recipe, beginning, evaluate=False, on_episodes=each_of(rows, curve))
-        seconds = train(run, goal, _with_compiling(on_progress), journal)
+        seconds = train(run, goal, with_compiling(on_progress), journal)
         if points is not None:
-            write_curve(points, curve_of_run(run, curve, _with_compiling(on_progress)))
+            write_curve(points, curve_of_run(run, curve, with_compiling(on_progress)))
     for left_out in journal[len(run.journal) :]:
         change = written_change(left_out, names)
         click.echo(f"--change {change} has no effect: the run ends after {run.step:,} steps", err=True)

@@ -104,16 +104,31 @@ def run_options(command: Command) -> Command:
         return command(overrides=overrides, **values)
 
     decorated: Command = gathered
-    for parameter in reversed(list(PARAMETERS.values())):
-        decorated = click.option(
-            f"--{parameter.name.replace('_', '-')}",
-            parameter.name,
-            type=ParameterValue(parameter),
-            help=_help(parameter),
-        )(decorated)
+    for name in reversed(list(PARAMETERS)):
+        decorated = parameter_option(name)(decorated)
+    return algorithm_option("algorithm")(decorated)
+
+
+def algorithm_option(argument: str, more: str = "") -> Callable[[Command], Command]:
+    """Return the option ``--algorithm``, which arrives as ``argument``; ``more`` is said in the help."""
     return click.option(
-        "--algorithm", type=click.Choice(list(BY_ID)), metavar="NAME", help=f"one of {', '.join(BY_ID)}"
-    )(decorated)
+        "--algorithm",
+        argument,
+        type=click.Choice(list(BY_ID)),
+        metavar="NAME",
+        help=f"one of {', '.join(BY_ID)}{more}",
+    )
+
+
+def parameter_option(name: str, more: str = "") -> Callable[[Command], Command]:
+    """Return the option of the hyper-parameter of that ``name``; ``more`` is said in the help."""
+    parameter = PARAMETERS[name]
+    return click.option(
+        f"--{name.replace('_', '-')}",
+        name,
+        type=ParameterValue(parameter),
+        help=f"{_help(parameter)}{more}",
+    )
 
 
 def start_of(name: str, overrides: dict[str, object], seed: int) -> Recipe | StoredSession:
@@ -132,6 +147,16 @@ def start_of(name: str, overrides: dict[str, object], seed: int) -> Recipe | Sto
     session = read_session(Path(name))
     session.record()  # what is wrong with it is said before the screen is taken
     return session
+
+
+def warn_of_no_effect(recipe: Recipe, overrides: Mapping[str, object]) -> None:
+    """Say on stderr which of ``overrides`` the algorithm and the policy of ``recipe`` do not use."""
+    from rl_tui.lab.run.library import without_effect
+
+    policy = "" if BY_ID[recipe.algorithm].planner else f" with policy {recipe.hyperparameters.policy}"
+    for name in without_effect(recipe, overrides):
+        option = f"--{name.replace('_', '-')}"
+        click.echo(f"{option} has no effect: {recipe.algorithm}{policy} does not use it", err=True)
 
 
 def _help(parameter: Parameter) -> str:

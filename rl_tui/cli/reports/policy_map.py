@@ -25,12 +25,18 @@ def policy_map(world: World, policy: Sequence[Sequence[str]]) -> str:
     the edges in which nothing is known are left out.
     """
     drawing, policy = world.drawing, as_shown(world, policy)
-    if isinstance(drawing, Grid) and drawing.rows <= MOST_ROWS and drawing.columns <= MOST_COLUMNS:
+    if isinstance(drawing, Grid) and is_drawn(world):
         return _grid(world, drawing, policy)
     states = zip(world.space.state_names, policy, strict=True)
     rows = [(name, ", ".join(actions)) for name, actions in states if actions]
     more = f"\n... and {len(rows) - MOST_ROWS:,} more: --json has all" if len(rows) > MOST_ROWS else ""
     return columns([("state", "greedy"), *rows[:MOST_ROWS]]) + more
+
+
+def is_drawn(world: World) -> bool:
+    """Return whether a policy of ``world`` is drawn on its map: there is one, and it is not too large."""
+    drawing = world.drawing
+    return isinstance(drawing, Grid) and drawing.rows <= MOST_ROWS and drawing.columns <= MOST_COLUMNS
 
 
 def as_shown(world: World, policy: Sequence[Sequence[str]]) -> list[list[str]]:

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-
+from rl_tui.agents.exact.policies import policy_of_choices
 from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray
 
 
@@ -27,13 +26,13 @@ class DrawnPolicy:
             chosen[state] = action
         return DrawnPolicy(tuple(sorted(chosen.items())))
 
+    def pairs(self, space: FiniteSpace) -> dict[int, int]:
+        """Return the pair chosen in each state of ``space`` in which what was chosen is legal."""
+        chosen = {
+            state: space.pair_of(state, action) for state, action in self.choices if state < space.states
+        }
+        return {state: pair for state, pair in chosen.items() if pair is not None}
+
     def chances(self, space: FiniteSpace) -> FloatArray:
         """Return π(a|s) of each pair of ``space``, [P]; uniform where nothing that is legal was chosen."""
-        each = np.diff(space.first_pair)
-        policy: FloatArray = 1.0 / np.repeat(each, each)
-        for state, action in self.choices:
-            pair = space.pair_of(state, action) if state < space.states else None
-            if pair is not None:
-                policy[space.first_pair[state] : space.first_pair[state + 1]] = 0.0
-                policy[pair] = 1.0
-        return policy
+        return policy_of_choices(space, self.pairs(space))

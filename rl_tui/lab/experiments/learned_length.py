@@ -7,9 +7,9 @@ from typing import Final
 import numpy as np
 
 from rl_tui.agents.exact.exact_model import ExactModel, ExtendedArray, exact_model
-from rl_tui.agents.exact.policy_evaluation import ending_probability, solve_chain
+from rl_tui.agents.exact.policies import softened, uniform_over
+from rl_tui.agents.exact.policy_evaluation import PolicyChain
 from rl_tui.agents.exact.solution import NoExactAnswer
-from rl_tui.agents.exact.solve import uniform_over
 from rl_tui.worlds.mdp.space import BoolArray, FloatArray
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
@@ -33,12 +33,13 @@ def learned_length(mdp: TabularMDP, gamma: float, planned: float, epsilon: float
     except NoExactAnswer:
         return 0.0
     policy = _exploring(model, best, epsilon)
-    if ending_probability(model, policy) < _SURE:
+    chain = PolicyChain(model, policy)
+    if chain.chance_of_ending() < _SURE:
         return np.inf
     can_end = (model.steps_to([model.end], policy > 0.0) >= 0) & model.is_live
     length = np.zeros(model.end + 1, dtype=np.longdouble)
     try:
-        solve_chain(model, policy, 1.0, can_end, length, np.ones_like(model.reward))
+        chain.solve(1.0, can_end, length, np.ones_like(model.reward))
     except NoExactAnswer:
         return np.inf
     return float(mdp.average_at_start(length))
@@ -53,7 +54,7 @@ def _best_actions(model: ExactModel, gamma: float, epsilon: float) -> BoolArray:
     best = np.ones(model.mdp.pairs, dtype=np.bool_)
     v: ExtendedArray = np.zeros(model.end + 1, dtype=np.longdouble)
     for _ in range(_MOST_ROUNDS):
-        solve_chain(model, _exploring(model, best, epsilon), gamma, model.is_live, v)
+        PolicyChain(model, _exploring(model, best, epsilon)).solve(gamma, model.is_live, v)
         advantage = model.advantage(v, gamma)
         highest = np.repeat(model.best(advantage), model.pairs_each)
         before, best = best, advantage >= highest - _AS_GOOD * max(1.0, float(np.abs(v).max()))
@@ -64,5 +65,4 @@ def _best_actions(model: ExactModel, gamma: float, epsilon: float) -> BoolArray:
 
 def _exploring(model: ExactModel, best: BoolArray, epsilon: float) -> FloatArray:
     """Return the policy, [P], that picks among ``best``, and among all pairs ``epsilon`` of the time."""
-    every = uniform_over(model.mdp, np.ones_like(best))
-    return (1.0 - epsilon) * uniform_over(model.mdp, best) + epsilon * every
+    return softened(model.mdp, uniform_over(model.mdp, best), epsilon)

@@ -9,13 +9,20 @@ from typing import Final
 
 from rl_tui.agents.hyperparameters import PARAMETERS
 from rl_tui.common.errors import UserError
+from rl_tui.common.text_file import UnreadableError, read_text
 from rl_tui.lab.run.changes import written_change, written_value
 from rl_tui.lab.run.library import recipe_for, without_effect
-from rl_tui.lab.run.recipe import JournalEntry, Recipe, SetParameter, SwitchAlgorithm, TakeAction
+from rl_tui.lab.run.recipe import (
+    JournalEntry,
+    OrderSweep,
+    Recipe,
+    SetParameter,
+    SwitchAlgorithm,
+    TakeAction,
+)
 from rl_tui.worlds.files import catalogue
 from rl_tui.worlds.files.gymnasium_ids import PREFIX
 from rl_tui.worlds.files.scenario import Scenario
-from rl_tui.worlds.files.toml_file import UnreadableError, read_text
 from rl_tui.worlds.gym.modules import OPTION, module_of
 
 MOST_CHANGES: Final = 200
@@ -54,7 +61,7 @@ def recipe_line(
 
 
 def entries_until(journal: Sequence[JournalEntry], step: int) -> list[JournalEntry]:
-    """Return what of ``journal`` belongs to the run at ``step``: settings of that step count, a step not."""
+    """Return what of ``journal`` belongs to the run at ``step``: changes of that step count, a step not."""
     return [
         entry
         for entry in journal
@@ -77,9 +84,13 @@ def _without_passing(entries: Sequence[JournalEntry]) -> list[JournalEntry]:
 
 def _is_taken_back(entry: JournalEntry, after: JournalEntry) -> bool:
     one, other = entry.change, after.change
+    if entry.step != after.step:
+        return False
+    if isinstance(one, OrderSweep) and isinstance(other, OrderSweep):
+        return True  # the last order counts
     if not (isinstance(one, SetParameter) and isinstance(other, SetParameter)):
         return False
-    return entry.step == after.step and one.name == other.name != "policy"
+    return one.name == other.name != "policy"
 
 
 def _name_of(scenario: Scenario) -> str:

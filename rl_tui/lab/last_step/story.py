@@ -16,6 +16,7 @@ from rl_tui.agents.update_terms import UpdateTerms
 from rl_tui.lab.last_step.backup import Backup, backup_of, sources
 from rl_tui.lab.last_step.estimates import EstimatesBefore
 from rl_tui.lab.last_step.gust import gust_of
+from rl_tui.lab.last_step.state_backup import StateBackup, state_backup_of
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.worlds.drawing import Arms
 from rl_tui.worlds.mdp.space import FloatArray
@@ -100,6 +101,11 @@ class StepStory:
     def backup(self) -> Backup | None:
         """The update as a tree over all that might have followed; None where there is none."""
         return backup_of(self.before, self.mean)
+
+    @cached_property
+    def state_backup(self) -> StateBackup | None:
+        """A planner's backup of a state: its value or its policy; None for an agent, and where not known."""
+        return state_backup_of(self.world, self.before.agent, self.last)
 
     @cached_property
     def sources(self) -> dict[int, float]:

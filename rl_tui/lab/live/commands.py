@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Final
 
+from rl_tui.agents.sweep_phases import SweepPhase
 from rl_tui.lab.answers.policy_kind import PolicyKind
 from rl_tui.lab.live.until import Until
 from rl_tui.lab.live.viewport import Viewport
@@ -40,6 +41,16 @@ class Step(Command):
 @dataclass(frozen=True, slots=True)
 class RunEpisode(Command):
     """Run to the end of the episode under way, as fast as it goes, and pause there."""
+
+
+@dataclass(frozen=True, slots=True)
+class RunSweep(Command):
+    """Run to the end of a sweep of ``phase``, as fast as it goes, and pause there.
+
+    That is the sweep under way if it is one; else it is finished, and the next one is ordered.
+    """
+
+    phase: SweepPhase
 
 
 @dataclass(frozen=True, slots=True)
@@ -227,7 +238,7 @@ LOOKING: Final = (*_AT_ANY_TIME, StudySeeds)
 MOVES: Final = (Play, WatchLearning, Pause, Step, RunEpisode, RunUntil, Take, Train)
 """Commands that mean nothing where a run takes no further step."""
 
-WHILE_SEEKING: Final = (StepBack, GoTo, Pause, DropLane, *_AT_ANY_TIME)
+WHILE_SEEKING: Final = (StepBack, GoTo, Pause, DropLane, HideAnswer, *_AT_ANY_TIME)
 """Commands that replace a seek under way, or leave it alone."""
 
 FROM_HERE: Final = (StepBack, EpisodeBack, ChooseBranch)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Final
 from rl_tui.lab.live import commands
 from rl_tui.lab.live.state import State
 from rl_tui.lab.live.until import Breakpoints, Event, Until
-from rl_tui.lab.run.recipe import TakeAction
+from rl_tui.lab.run.recipe import Change, OrderSweep, TakeAction
 
 if TYPE_CHECKING:
     from rl_tui.lab.live.playback import Playback
@@ -51,9 +51,27 @@ def _take(playback: Playback, command: commands.Take) -> None:
     playback.stop_if_due()
 
 
+def _run_sweep(playback: Playback, command: commands.RunSweep) -> None:
+    playback.rest()
+    run = playback.group.current.run
+    learner = run.learner
+    is_under_way = learner.episode_step > 0
+    if is_under_way and learner.phase == command.phase:
+        playback.run_until(Until(Event.EPISODE_END))
+        return
+    if learner.ordered != command.phase:  # it may be on the branch already
+        _change(playback, OrderSweep(command.phase))
+    if not run.over:
+        playback.run_until(Until(Event.EPISODE_END, number=int(is_under_way)))
+
+
 def _apply(playback: Playback, command: commands.Apply) -> None:
+    _change(playback, command.change)
+
+
+def _change(playback: Playback, change: Change) -> None:
     group = playback.group
-    group.apply(command.change)
+    group.apply(change)
     group.gather()
     playback.take_in_change()
     if group.seeking:
@@ -136,6 +154,7 @@ HANDLERS: Final[Mapping[type, Callable[[Playback, Any], None]]] = {
     commands.Step: _step,
     commands.Take: _take,
     commands.RunEpisode: lambda playback, _: playback.run_until(Until(Event.EPISODE_END)),
+    commands.RunSweep: _run_sweep,
     commands.RunUntil: lambda playback, command: playback.run_until(command.until),
     commands.Train: lambda playback, command: playback.train(command.steps),
     commands.SetSpeed: lambda playback, command: playback.transport.set_speed(command.speed),

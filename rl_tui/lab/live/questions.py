@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from rl_tui.lab.live.record import Record
     from rl_tui.lab.live.viewport import Viewport
     from rl_tui.lab.run.run import Run
+    from rl_tui.worlds.files.scenario import Scenario
 
 
 class Questions:
@@ -37,7 +38,7 @@ class Questions:
         self.flips = FlipAnswers(on_exact, automatic=automatic)
         """Every γ at which optimal actions change, by world."""
         self.is_hidden = record.answer_is_hidden
-        """Whether a person has the answer hidden; None: nobody has said."""
+        """Whether a person wants the answer hidden; None: nobody has said."""
         self.drawn = record.drawn
         """The policy that a person drew."""
         self.studied: PolicyKind | None = None
@@ -54,6 +55,17 @@ class Questions:
         """Forget the drawn policy."""
         self.drawn = DrawnPolicy()
 
+    def hides_answer(self, scenario: Scenario) -> bool:
+        """Return whether the answer is hidden: as a person has said, else as ``scenario`` says."""
+        return scenario.hides_answer if self.is_hidden is None else self.is_hidden
+
+    def hide_again(self) -> None:
+        """Let the scenario say again whether the answer is hidden, unless a person has hidden it.
+
+        What a person has seen is not the answer of another world.
+        """
+        self.is_hidden = self.is_hidden or None
+
     def close(self) -> None:
         """End what is worked out in processes of their own, from any thread, and begin nothing any more."""
         self.seed_studies.close()
@@ -62,7 +74,7 @@ class Questions:
     def answers(self, run: Run) -> AnswersView:
         """Return what is known by now for ``run``."""
         return AnswersView(
-            is_hidden=bool(self.is_hidden),
+            is_hidden=self.hides_answer(run.recipe.scenario),
             studied=self.studied,
             drawn=self.drawn,
             first_update=self._first_updates.of(run, is_asked=self.asks_why),

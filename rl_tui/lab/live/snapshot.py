@@ -11,6 +11,7 @@ import numpy as np
 from rl_tui.agents.counters import Counters
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.agents.last_step import Author
+from rl_tui.agents.sweep_phases import SweepPhase
 from rl_tui.lab.answers.view import AnswersView
 from rl_tui.lab.live.state import ENDED, State
 from rl_tui.lab.live.until import Breakpoints
@@ -65,6 +66,10 @@ class AgentView:
     """[P] each, the two of Double Q-learning, of which ``q`` is the mean; else, or with a ``part``, none."""
     values: FloatArray = field(default_factory=lambda: np.empty(0))
     """[S], the V that a planner keeps; else, or with a ``part``, empty."""
+    policy: FloatArray = field(default_factory=lambda: np.empty(0))
+    """[P], the probabilities of the policy that policy iteration keeps; else, or with a ``part``, empty."""
+    sweep: SweepPhase | None = None
+    """What the sweep of the last step does to that policy; None: nothing, or there was no sweep yet."""
     planning: str = ""
     """How a planner's sweep is getting on, in words; empty for an agent that learns."""
     author: Author | None = None

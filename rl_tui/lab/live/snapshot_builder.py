@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rl_tui.agents.counters import Counters
+from rl_tui.lab.answers.view import AnswersView
 from rl_tui.lab.live.record import Record
 from rl_tui.lab.live.snapshot import AgentView, PlaybackView, Snapshot
 from rl_tui.lab.live.state import State
@@ -17,7 +18,7 @@ from rl_tui.lab.live.viewport import PartCopier, Viewport
 from rl_tui.lab.run.bandit import bandit_figures
 from rl_tui.lab.run.exact_answers import NO_TABLE, PENDING, Answer
 from rl_tui.lab.run.large_worlds import is_large
-from rl_tui.lab.run.recipe import Recipe, TakeAction, changed_recipe
+from rl_tui.lab.run.recipe import Recipe, Setting, changed_recipe
 from rl_tui.lab.run.results import RunResults
 from rl_tui.lab.timeline.branches import Timeline
 from rl_tui.lab.timeline.lane_view import RunGroupView
@@ -38,8 +39,11 @@ class SnapshotBuilder:
     def __init__(self) -> None:
         self._copier: PartCopier | None = None
 
-    def before(self, recipe: Recipe, world: World, playback: PlaybackView) -> Snapshot:
-        """Return the snapshot of a run whose world is there and whose agent is not yet."""
+    def before(self, recipe: Recipe, world: World, playback: PlaybackView, *, is_hidden: bool) -> Snapshot:
+        """Return the snapshot of a run whose world is there and whose agent is not yet.
+
+        ``is_hidden`` says that the answer is.
+        """
         hyperparameters, pairs = recipe.hyperparameters, world.space.pairs
         visits: IntArray = np.zeros(pairs, np.int64)
         return Snapshot(
@@ -52,6 +56,7 @@ class SnapshotBuilder:
             results=RunResults(bandit=bandit_figures(world, visits, winnings=0.0)),
             exact_answer=Answer(None, NO_TABLE) if world.mdp is None else PENDING,
             playback=playback,
+            answers=AnswersView(is_hidden=is_hidden),
         )
 
     def build(
@@ -127,6 +132,8 @@ class SnapshotBuilder:
             part=part,
             tables=() if part else learner.remembered("q1", "q2"),
             values=np.empty(0) if part else next(iter(learner.remembered("v")), np.empty(0)),
+            policy=np.empty(0) if part else next(iter(learner.remembered("policy")), np.empty(0)),
+            sweep=learner.phase,
             planning=learner.planning,
             author=learner.author,
         )
@@ -164,7 +171,7 @@ def as_left(snapshot: Snapshot, record: Record) -> Snapshot:
         return snapshot
     lane = record.lanes[record.shown]
     journal = lane.branches[lane.branch].journal
-    settings = [e.change for e in journal if e.step <= lane.step and not isinstance(e.change, TakeAction)]
+    settings = [e.change for e in journal if e.step <= lane.step and isinstance(e.change, Setting)]
     now = changed_recipe(lane.recipe, *settings)
     is_same_gamma = now.hyperparameters.gamma == snapshot.agent.hyperparameters.gamma
     views = [

@@ -62,7 +62,7 @@ class StopCondition:
                     f"episode {run.learner.episodes + 1:,}",
                 )
             case Event.EPISODE_END:
-                self.episodes = run.learner.episodes + 1
+                self.episodes = run.learner.episodes + 1 + until.number
             case Event.VALUE:
                 if not 0 <= until.pair < run.world.space.pairs:
                     raise UserError(f"there is no pair {until.pair} here")
@@ -106,8 +106,8 @@ def is_optimal(mdp: TabularMDP, q: FloatArray, ties: Ties, optimum: Solution) ->
     some, and no other. At γ = 1 it has to end with probability 1 too, since otherwise it never earns what
     these promise.
     """
+    from rl_tui.agents.exact.policies import greedy_policy
     from rl_tui.agents.exact.policy_evaluation import always_ends
-    from rl_tui.agents.exact.solve import greedy_policy
 
     policy = greedy_policy(mdp, q, ties)
     if not _takes_the_best(mdp, policy, optimum):

@@ -25,7 +25,8 @@ class Event(StrEnum):
 class Until:
     """``event`` and what it needs: ``number`` is a step, or the episode (from 1) to begin with.
 
-    With ``Event.VALUE`` it is the moment Q of ``pair`` reaches ``threshold``, from below or above.
+    With ``Event.EPISODE_END`` it is how many more episodes are to end after the one under way. With
+    ``Event.VALUE`` it is the moment Q of ``pair`` reaches ``threshold``, from below or above.
     """
 
     event: Event

@@ -1,4 +1,6 @@
-"""The entries of a journal as text: ``500:epsilon=0.01``, ``800:algorithm=sarsa``, ``900:take=left``."""
+"""The entries of a journal as text: ``500:epsilon=0.01``, ``800:algorithm=sarsa``, ``900:take=left``,
+``32:sweep=improvement``.
+"""
 
 from __future__ import annotations
 
@@ -7,17 +9,26 @@ from typing import Any, Final, NamedTuple
 
 from rl_tui.agents.catalogue import BY_ID
 from rl_tui.agents.hyperparameters import PARAMETERS
+from rl_tui.agents.sweep_phases import SWEEP_PHASES
 from rl_tui.common.errors import UserError
 from rl_tui.common.findings import near, shown
-from rl_tui.lab.run.recipe import Change, JournalEntry, SetParameter, SwitchAlgorithm, TakeAction
+from rl_tui.lab.run.recipe import (
+    Change,
+    JournalEntry,
+    OrderSweep,
+    SetParameter,
+    SwitchAlgorithm,
+    TakeAction,
+)
 
 ALGORITHM: Final = "algorithm"
 TAKE: Final = "take"
+SWEEP: Final = "sweep"
 FORM: Final = "STEP:NAME=VALUE"
 LATEST: Final = 10**15
 # Every estimate starts from it: later there is nothing left to set
 _AT_THE_START_ONLY: Final = "initial_q"
-_NAMES: Final = tuple(name for name in (ALGORITHM, TAKE, *PARAMETERS) if name != _AT_THE_START_ONLY)
+_NAMES: Final = tuple(name for name in (ALGORITHM, TAKE, SWEEP, *PARAMETERS) if name != _AT_THE_START_ONLY)
 
 
 class ChangeText(NamedTuple):
@@ -42,7 +53,7 @@ def read_change(text: str) -> ChangeText:
         raise ValueError(f"{shown(text)}: every estimate starts from {name}; it cannot change on the way")
     if name not in _NAMES:
         raise ValueError(
-            f"{shown(text)}: expected the name of a hyper-parameter, {ALGORITHM} or {TAKE}"
+            f"{shown(text)}: expected the name of a hyper-parameter, {ALGORITHM}, {TAKE} or {SWEEP}"
             f"{near(name, _NAMES)}"
         )
     return ChangeText(int(step), name, value if name == TAKE else _value(text, name, value.strip()))
@@ -53,6 +64,13 @@ def _value(text: str, name: str, value: str) -> float | str:
         if value not in BY_ID:
             expected = f"one of {', '.join(BY_ID)}{near(value, BY_ID)}"
             raise ValueError(f"{shown(text)}: algorithm is {shown(value)}; expected {expected}")
+        return value
+    if name == SWEEP:
+        if value not in SWEEP_PHASES:
+            raise ValueError(
+                f"{shown(text)}: sweep is {shown(value)}; expected {' or '.join(SWEEP_PHASES)}"
+                f"{near(value, SWEEP_PHASES)}"
+            )
         return value
     parameter = PARAMETERS[name]
     if value in parameter.words:
@@ -78,6 +96,8 @@ def journal_of(changes: Iterable[ChangeText], action_names: Sequence[str]) -> tu
 def _change(change: ChangeText, action_names: Sequence[str]) -> Change:
     if change.name == ALGORITHM:
         return SwitchAlgorithm(str(change.value))
+    if change.name == SWEEP:
+        return OrderSweep("improvement" if change.value == "improvement" else "evaluation")
     if change.name != TAKE:
         return SetParameter(change.name, change.value)
     wanted = str(change.value)
@@ -94,11 +114,15 @@ def _change(change: ChangeText, action_names: Sequence[str]) -> Change:
 
 def name_and_value(change: Change, action_names: Sequence[str]) -> tuple[str, float | str]:
     """Return what ``change`` sets and to what; an action by its name."""
-    if isinstance(change, SetParameter):
-        return change.name, change.value
-    if isinstance(change, SwitchAlgorithm):
-        return ALGORITHM, change.algorithm
-    return TAKE, action_names[change.action]
+    match change:
+        case SetParameter(name, value):
+            return name, value
+        case SwitchAlgorithm(algorithm):
+            return ALGORITHM, algorithm
+        case OrderSweep(phase):
+            return SWEEP, phase
+        case TakeAction(action):
+            return TAKE, action_names[action]
 
 
 def written_change(entry: JournalEntry, action_names: Sequence[str]) -> str:

@@ -8,7 +8,8 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from rl_tui.agents.exact.solve import chance_of_ending, expected_return, greedy_policy
+from rl_tui.agents.exact.policies import greedy_policy
+from rl_tui.agents.exact.policy_figures import chance_of_ending, expected_return
 from rl_tui.agents.hyperparameters import Ties
 from rl_tui.agents.learner_state import put_back
 from rl_tui.lab.run.exact_answers import visits_of

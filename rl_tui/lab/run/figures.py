@@ -11,8 +11,10 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 import numpy.typing as npt
 
+from rl_tui.agents.exact.policies import greedy_policy
+from rl_tui.agents.exact.policy_figures import figures
 from rl_tui.agents.exact.solution import NoExactAnswer, Solution
-from rl_tui.agents.exact.solve import figures, greedy_policy, solve
+from rl_tui.agents.exact.solve import solve
 from rl_tui.lab.run.exact_answers import NO_TABLE
 from rl_tui.lab.run.recipe import Recipe
 from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray
@@ -75,7 +77,7 @@ def greedy_figures(run: Run, optimum: Solution | None) -> GreedyFigures:
         optimal_value_at_start=optimum.value_at_start if optimum else None,
         expected_return=of_policy.expected_return,
         max_error=float(np.abs(learner.q - optimum.q).max()) if optimum else None,
-        greedy_ends=of_policy.greedy_ends,
+        greedy_ends=of_policy.ends,
     )
 
 

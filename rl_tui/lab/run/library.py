@@ -12,10 +12,10 @@ from rl_tui.agents.catalogue import BY_ID, POLICY_BY_ID, parameters_of
 from rl_tui.agents.hyperparameters import PARAMETERS, Hyperparameters
 from rl_tui.common.errors import Fault, ScenarioError, UserError, first_of
 from rl_tui.common.findings import Finding, near, place, shown
+from rl_tui.common.text_file import UnreadableError, read_text
 from rl_tui.lab.run.recipe import Recipe, begin, changed_parameter
 from rl_tui.worlds.files import catalogue
 from rl_tui.worlds.files.scenario import Scenario, read_scenario, scenario_of
-from rl_tui.worlds.files.toml_file import UnreadableError, read_text
 from rl_tui.worlds.sections.schema import unknown_key
 
 DEFAULT_ALGORITHM: Final = "q-learning"

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field, replace
 from typing import Final, NamedTuple
 
 from rl_tui.agents.hyperparameters import Hyperparameters
+from rl_tui.agents.sweep_phases import SweepPhase
 from rl_tui.common.errors import UserError
 from rl_tui.common.streams import Streams, streams
 from rl_tui.worlds.files.scenario import Scenario
@@ -65,8 +66,15 @@ class TakeAction:
     action: int
 
 
+@dataclass(frozen=True, slots=True)
+class OrderSweep:
+    """The next sweep of a planner evaluates its policy, or improves it, whatever is due by itself."""
+
+    phase: SweepPhase
+
+
 Setting = SetParameter | SwitchAlgorithm
-Change = Setting | TakeAction
+Change = Setting | TakeAction | OrderSweep
 
 
 @dataclass(frozen=True, slots=True)

@@ -19,6 +19,7 @@ from rl_tui.lab.run.recipe import (
     Beginning,
     Change,
     JournalEntry,
+    OrderSweep,
     Recipe,
     SetParameter,
     Setting,
@@ -207,6 +208,8 @@ class Run:
         entry = JournalEntry(self.step, change)
         if isinstance(change, TakeAction):
             self._take(change.action)
+        elif isinstance(change, OrderSweep):
+            self._order(change)
         else:
             self._set(change)
         self._journal.append(entry)
@@ -233,6 +236,11 @@ class Run:
         self._take_in(self.learner.take(pair))
         self._mark_if_due()
 
+    def _order(self, change: OrderSweep) -> None:
+        if self.over and not self.learner.converged:  # a planner that was done goes on with what is ordered
+            raise UserError("the run is over: no sweep can be run")
+        self.learner.order(change.phase)
+
     def follow(
         self, journal: Sequence[JournalEntry], last_step: int = UNLIMITED, last_episode: int = UNLIMITED
     ) -> None:
@@ -240,8 +248,8 @@ class Run:
 
         It ends at ``last_step`` or when ``last_episode`` episodes are finished, both counted from the start
         of the run, or earlier, where :meth:`advance` does. Each entry applies at its step, or at once where
-        the run is beyond that, and so do all settings of the step that is reached; what lies beyond is left
-        out, and so is an action taken by a person at that step, since it is a step further.
+        the run is beyond that, and so do all settings and orders of the step that is reached; what lies
+        beyond is left out, and so is an action taken by a person at that step, since it is a step further.
         """
         learner, stopped = self.learner, False
         while True:

@@ -7,6 +7,7 @@ from typing import Annotated, Final, Literal
 
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, FailFast, Field, model_validator
 
+from rl_tui.agents.sweep_phases import SweepPhase
 from rl_tui.worlds.sections.schema import control_character
 
 FORMAT: Final = "rl-tui session"
@@ -59,7 +60,7 @@ class Part(BaseModel):
 
 class Entry(Part):
     """One change after ``step`` steps: a parameter is ``set`` ``to`` a value, another ``algorithm`` takes
-    over, or a person takes the action of that number.
+    over, a person takes the action of that number, or orders what a planner's next ``sweep`` does.
     """
 
     step: Count
@@ -67,6 +68,7 @@ class Entry(Part):
     to: Value | None = None
     algorithm: Word | None = None
     take: Place | None = None
+    sweep: SweepPhase | None = None
 
 
 class StoredBranch(Part):
@@ -175,6 +177,7 @@ class Document(Part):
     breakpoints: StoredBreakpoints
     speed: Annotated[float, Field(gt=0, allow_inf_nan=False)] | None
     digest: Annotated[str, Field(pattern=r"^([0-9a-f]{64})?$")]
+    answer_hidden: bool | None = None
     table: StoredTable | None = None
 
     @model_validator(mode="after")

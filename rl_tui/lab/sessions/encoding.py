@@ -16,7 +16,15 @@ from rl_tui.common.errors import UserError
 from rl_tui.common.findings import near, shown
 from rl_tui.lab.live.record import LearnedTable, Record
 from rl_tui.lab.live.until import Breakpoints
-from rl_tui.lab.run.recipe import Change, JournalEntry, Recipe, SetParameter, SwitchAlgorithm, TakeAction
+from rl_tui.lab.run.recipe import (
+    Change,
+    JournalEntry,
+    OrderSweep,
+    Recipe,
+    SetParameter,
+    SwitchAlgorithm,
+    TakeAction,
+)
 from rl_tui.lab.sessions.document import (
     FORMAT,
     MOST_BRANCHES,
@@ -61,7 +69,8 @@ def document_of(record: Record, *, title: str, kept: bool, digest: str) -> dict[
         "digest": digest,
     }
     table = None if record.table is None else _stored_table(record.table)
-    return fields if table is None else {**fields, "table": table}
+    asked = {"answer_hidden": record.answer_is_hidden, "table": table}
+    return fields | {name: value for name, value in asked.items() if value is not None}
 
 
 def _stored_scenario(scenario: Scenario) -> dict[str, str]:
@@ -112,6 +121,8 @@ def _stored_entry(entry: JournalEntry) -> dict[str, Any]:
             return {"step": entry.step, "algorithm": algorithm}
         case TakeAction(action):  # its number: names are known only where the world is built
             return {"step": entry.step, "take": action}
+        case OrderSweep(phase):
+            return {"step": entry.step, "sweep": phase}
 
 
 def _stored_table(table: LearnedTable) -> dict[str, Any] | None:
@@ -140,6 +151,7 @@ def record_of(document: Document) -> Record:
             frozenset(document.breakpoints.states), frozenset(document.breakpoints.pairs)
         ),
         speed=document.speed,
+        answer_is_hidden=document.answer_hidden,
         table=None if document.table is None else _table(document.table),
     )
 
@@ -197,15 +209,17 @@ class _Lane:
             yield JournalEntry(entry.step, self._change(entry, f"{place}.journal[{number}]"))
 
     def _change(self, entry: Entry, place: str) -> Change:
-        kinds = [key for key in ("set", "algorithm", "take") if getattr(entry, key) is not None]
+        kinds = [key for key in ("set", "algorithm", "take", "sweep") if getattr(entry, key) is not None]
         if len(kinds) != 1 or (entry.to is None) == (entry.set is not None):
-            raise self._fault(f"{place} is no change; expected set and to, algorithm, or take")
+            raise self._fault(f"{place} is no change; expected set and to, algorithm, take, or sweep")
         if entry.set is not None and entry.to is not None:
             values = self._changed(Hyperparameters(), entry.set, entry.to, place)
             return SetParameter(entry.set, values.value(entry.set))
         if entry.algorithm is not None:
             self._check_algorithm(entry.algorithm, f"{place}.algorithm")
             return SwitchAlgorithm(entry.algorithm)
+        if entry.sweep is not None:
+            return OrderSweep(entry.sweep)
         return TakeAction(entry.take or 0)
 
     def _check_order(self, journal: Sequence[JournalEntry], stored: StoredBranch, place: str) -> None:

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 from itertools import takewhile
 from typing import Final, NamedTuple
 
-from rl_tui.lab.run.recipe import JournalEntry, Recipe, SetParameter, SwitchAlgorithm
+from rl_tui.lab.run.recipe import JournalEntry, OrderSweep, Recipe, SetParameter, SwitchAlgorithm
 from rl_tui.lab.timeline.run_names import ALGORITHM, distinct, feature_text, run_names
 
 _MOST_NAMED: Final = 2
@@ -69,6 +69,8 @@ def _deed(entry: JournalEntry, unit: str) -> tuple[tuple[str, int], str]:
             return (name, step), f"{feature_text(name, value)} from {unit} {step:,}"
         case SwitchAlgorithm(algorithm):
             return (ALGORITHM, step), f"{feature_text(ALGORITHM, algorithm)} from {unit} {step:,}"
+        case OrderSweep():
+            return ("sweeps", 0), "sweeps by hand"
     return ("by hand", 0), f"{unit}s by hand"
 
 

@@ -18,11 +18,11 @@ from rl_tui.lab.run.recipe import (
     UNLIMITED,
     Change,
     JournalEntry,
+    OrderSweep,
     Recipe,
     SetParameter,
     Setting,
     SwitchAlgorithm,
-    TakeAction,
     changed_recipe,
 )
 from rl_tui.lab.run.run import Run
@@ -212,8 +212,9 @@ class RunGroup:
     def add(self, changes: Sequence[Setting]) -> None:
         """Add a run that differs from the one shown by ``changes``, from the start.
 
-        It keeps what was changed on the way, but for what differs, and but for steps taken by a person.
-        Raises UserError where there is no room for another, or it cannot work.
+        It keeps what was changed on the way, but for what differs, and but for steps taken by a person; with
+        another algorithm also but for sweeps that were ordered. Raises UserError where there is no room for
+        another, or it cannot work.
         """
         self._check_room()
         model, step = self.current, self.step
@@ -305,14 +306,14 @@ def _subject(change: Change) -> str:
     """Return what ``change`` is about, empty for a step taken by a person."""
     if isinstance(change, SetParameter):
         return change.name
-    return "algorithm" if isinstance(change, SwitchAlgorithm) else ""
+    return "algorithm" if isinstance(change, SwitchAlgorithm | OrderSweep) else ""
 
 
 def _check(world: World, recipe: Recipe, journal: Sequence[JournalEntry]) -> None:
     """Raise UserError where the recipe, or what its journal makes of it, cannot work in ``world``."""
     check_compatible(world.space, recipe.algorithm, recipe.hyperparameters)
     for entry in journal:
-        if not isinstance(entry.change, TakeAction):
+        if isinstance(entry.change, Setting):
             recipe = changed_recipe(recipe, entry.change)
             check_compatible(world.space, recipe.algorithm, recipe.hyperparameters)
 

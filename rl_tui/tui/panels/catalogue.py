@@ -169,7 +169,7 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         BUDGET,
         "rl_tui.tui.panels.budget:BudgetPanel",
         "Budget",
-        "Pulls and winnings of a bandit; revealed or spent, its regret too: over all pulls, the true mean "
+        "Pulls and winnings of a bandit; once shown or spent, its regret too: over all pulls, the true mean "
         "of the best arm less that of the arm pulled. Luck is left out, so winnings and regret need not add "
         "up to the best possible.",
         caption="what the pulls earned",

@@ -9,11 +9,15 @@ from rich.cells import cell_len
 from rich.style import Style
 from textual.strip import Strip
 
+from rl_tui.agents.catalogue import BY_ID
+from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.draw.pieces import Piece, length, spelled, strips_of
 from rl_tui.tui.draw.to_ascii import separated, to_ascii
 from rl_tui.tui.theme.look import Look
 
 GREEDY_IN_FULL: Final = "greedy: looks best"
+POLICY_IN_FULL: Final = "policy: what it does"
+AGENT: Final = "agent"
 _GAP: Final = "  "
 _BETWEEN: Final = " · "
 _CLOSER: Final = ", "  # where all signs fit so
@@ -34,6 +38,11 @@ class LegendSign(NamedTuple):
 
 
 Legend = tuple[LegendSign, ...]
+
+
+def agent_meaning(snapshot: Snapshot) -> str:
+    """Return what the sign of the agent means; a planner is nowhere, but has backed up a state."""
+    return "backed up" if BY_ID[snapshot.agent.algorithm].planner else AGENT
 
 
 @lru_cache(_MOST_KEPT)

@@ -40,6 +40,8 @@ def _q(lane: Snapshot) -> FloatArray:
 
 def _v(lane: Snapshot) -> FloatArray:
     first_pair, part, q = lane.world.space.first_pair, lane.agent.part, lane.agent.q
+    if len(lane.agent.policy):
+        return lane.agent.values[np.diff(first_pair) > 0]
     if part is None:
         first = first_pair[:-1][np.diff(first_pair) > 0]
     else:

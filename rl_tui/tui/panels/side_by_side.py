@@ -141,8 +141,12 @@ def _states_held(left: Snapshot, right: Snapshot) -> tuple[IntArray, bool]:
 def _greedy(
     agent: AgentView, pairs: IntArray, first: IntArray, count: IntArray
 ) -> tuple[BoolArray, BoolArray]:
-    """Return which of ``pairs`` are greedy, and of which of their states anything is known."""
+    """Return which of ``pairs`` are greedy, and of which of their states anything is known.
+
+    Where policy iteration keeps a policy, they are those of that, as on the map.
+    """
     q = agent.q[pairs]
     best = np.maximum.reduceat(q, first)
     knows = (np.maximum.reduceat(agent.visits[pairs], first) > 0) | (best != np.minimum.reduceat(q, first))
-    return q == np.repeat(best, count), knows
+    is_greedy = agent.policy[pairs] > 0.0 if len(agent.policy) else q == np.repeat(best, count)
+    return is_greedy, knows

@@ -63,12 +63,14 @@ class KeyLine(Widget):
 
     ``hints`` are keys and words to show in their place, as many as fit, while a mode has keys of its own;
     ``first`` are ways to write those that stand before them, the longest first, for what is in focus; words
-    without a key say what that is. While the run ``is_running`` some keys do something else.
+    without a key say what that is. While the run ``is_running`` some keys do something else; actions whose
+    ids are ``idle`` have nothing to do and are left out.
     """
 
     hints: reactive[Hints] = reactive(())
     first: reactive[tuple[Hints, ...]] = reactive(())
     is_running: reactive[bool] = reactive(False)
+    idle: reactive[frozenset[str]] = reactive(frozenset())
 
     def __init__(self, look: Look, actions: Sequence[Action], *, id: str | None = None) -> None:  # noqa: A002
         super().__init__(id=id)
@@ -130,7 +132,9 @@ class KeyLine(Widget):
         """Return the actions that fit behind what stands first, but for those whose keys that takes."""
         first = self._fitting_first()
         taken = {keys for keys, _ in first}
-        actions = [action for action in self._actions if action.shown not in taken]
+        actions = [
+            action for action in self._actions if action.shown not in taken and action.id not in self.idle
+        ]
         room = self.size.width
         if first:
             room -= _line_columns(first, _GAPS[0], self.look.glyphs) - 1 + _GAPS[0]

@@ -4,18 +4,17 @@ from __future__ import annotations
 
 import re
 import tomllib
-from pathlib import Path
 from typing import Any, Final
 
 from rl_tui.common.findings import one_line
 from rl_tui.common.limits import (
-    LARGEST_FILE,
     LONGEST_WORD,
     MOST_KEY_PARTS,
     MOST_NAMED_TABLES,
     MOST_TABLES,
     MOST_VALUES,
 )
+from rl_tui.common.text_file import UnreadableError
 
 # What is no structure: texts in three quotes, in one, and comments. Those that never end match too: to look
 # on from every quote in them would take the square of their length. No choice is repeated possessively:
@@ -31,25 +30,6 @@ _FLOAT: Final = re.compile(r"(?<![\w.-])[-+]?\d[\d_]*+\.\d[\d_]*+(?:[eE][-+]?[\d
 _DECIMAL_COMMA: Final = re.compile(r"(?<![\w.,])[-+]?[0-9]+,[0-9]+(?![\w.])[ \t]*+")
 _LONG_KEY: Final = re.compile(rf"(?<![\w-])(?:[\w-]++[ \t]*+\.[ \t]*+){{{MOST_KEY_PARTS}}}")
 _LONG_WORD: Final = re.compile(rf"(?<!\w)\w{{{LONGEST_WORD + 1}}}")
-
-
-class UnreadableError(Exception):
-    """The file gives no table at all; ``place`` is the line and column, if it is one."""
-
-    def __init__(self, place: str, found: str, expected: str) -> None:
-        super().__init__(found)
-        self.place, self.found, self.expected = place, found, expected
-
-
-def read_text(path: Path) -> str:
-    """Return what stands in the file. Raises UnreadableError."""
-    content = _content(path)
-    try:
-        # "sig" because editors on Windows begin a file with a byte order mark, which TOML does not know
-        return content.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        line = content.count(b"\n", 0, error.start) + 1
-        raise UnreadableError(f"line {line}", f"byte {content[error.start]:#04x}", "text in UTF-8") from error
 
 
 def tables_in(text: str) -> dict[str, Any]:
@@ -88,20 +68,6 @@ def _check_structure(text: str) -> None:
     tables = named + structure.count("{") + max(parts, structure.count("[["))
     if tables > MOST_TABLES:
         raise UnreadableError("", f"some {tables:,} tables", f"at most {MOST_TABLES:,}")
-
-
-def _content(path: Path) -> bytes:
-    try:
-        if path.is_dir():
-            raise UnreadableError("", "a folder", "a TOML file")
-        if not path.exists():
-            raise UnreadableError("", "no such file", "a TOML file")
-        if not path.is_file() or path.stat().st_size > LARGEST_FILE:
-            raise UnreadableError("", "something else", f"a TOML file of at most {LARGEST_FILE // 10**6} MB")
-        return path.read_bytes()
-    except (OSError, ValueError) as error:  # ValueError: a null character in the path
-        reason = getattr(error, "strerror", None) or str(error)
-        raise UnreadableError("", f"a file that cannot be read ({reason})", "a TOML file") from error
 
 
 def _decimal_comma(message: str, place: str, text: str) -> UnreadableError | None:

@@ -19,8 +19,8 @@ class Sweep(NamedTuple):
     """The progress of the sweep under way, each an array of one number.
 
     ``number`` is the sweep as the loop counts them, −1 before the first, and ``sweeps`` as the planner does.
-    ``change`` is the largest change of a state's value in it so far; infinite where the discount was changed
-    on the way, since then it proves nothing. ``gamma`` is the discount it began with.
+    ``change`` is the largest change of a state's value in it so far; infinite before the first, and where the
+    discount was changed on the way, since then it proves nothing. ``gamma`` is the discount it began with.
     """
 
     number: IntArray
@@ -31,7 +31,7 @@ class Sweep(NamedTuple):
 
 def no_sweep() -> Sweep:
     """Return the sweep before the first one."""
-    return Sweep(np.full(1, -1, dtype=np.int64), np.zeros(1, dtype=np.int64), np.zeros(1), np.zeros(1))
+    return Sweep(np.full(1, -1, dtype=np.int64), np.zeros(1, dtype=np.int64), np.full(1, np.inf), np.zeros(1))
 
 
 @inlined

@@ -14,8 +14,9 @@ from rl_tui.agents.exact.flips.optimal_intervals import optimal_intervals
 from rl_tui.agents.exact.flips.rational_model import rational_model
 from rl_tui.agents.exact.flips.real_roots import RealRoot
 from rl_tui.agents.exact.flips.way import way_from_start
+from rl_tui.agents.exact.policies import uniform_over
+from rl_tui.agents.exact.policy_figures import expected_return
 from rl_tui.agents.exact.solution import NoExactAnswer
-from rl_tui.agents.exact.solve import expected_return, uniform_over
 from rl_tui.common.words import counted
 from rl_tui.worlds.mdp.space import BoolArray
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP

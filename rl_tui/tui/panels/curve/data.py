@@ -15,7 +15,7 @@ from rl_tui.tui.draw.braille import NO_STEPS, Steps
 from rl_tui.tui.panels.curve.seed_band import SeedBand, seed_bands
 from rl_tui.tui.panels.curve.smoothing import smoothed
 from rl_tui.tui.panels.model.reward_range import reward_range
-from rl_tui.tui.panels.snapshot_facts import is_secret
+from rl_tui.tui.panels.snapshot_facts import hides_means, is_secret
 from rl_tui.worlds.drawing import Arms
 from rl_tui.worlds.mdp.space import FloatArray
 
@@ -50,12 +50,12 @@ class CurveData:
     ``episodes`` is the smoothed mean of the returns, ``band`` their lowest and highest (none as long as each
     episode is on the line itself), ``greedy`` the exact expected return of the greedy policy, each over
     episodes from 0. ``greedy_now``, ``mean_now`` (of the last 100 episodes) and ``optimum`` are the values to
-    print, None where unknown or hidden. ``hidden`` tells that greedy and optimum are kept secret, ``barren``
-    that there were many episodes and none had a reward, ``unlearned`` that no estimate has moved in many,
-    ``is_decided`` that somewhere one action is estimated
-    above another, so that being greedy means something (true as well where there is no choice, false where
-    ``greedy_now`` is unknown). ``greedy_ends`` is, where the greedy policy has no return, how likely an
-    episode of it ends; else None.
+    print, None where unknown or hidden. ``hides_optimum`` tells that the optimum is hidden, of a bandit the
+    greedy arm as well, ``barren`` that there were many episodes and none had a reward, ``unlearned`` that no
+    estimate has moved in many, ``is_decided`` that somewhere one action is estimated above another, so that
+    being greedy means something (true as well where there is no choice, false where ``greedy_now`` is
+    unknown). ``greedy_ends`` is, where the greedy policy has no return, how likely an episode of it ends;
+    else None.
     ``unit`` is what the horizontal axis counts: pulls, a planner's sweeps, or episodes. The optimum is the
     undiscounted return of the policy that is best for the γ in force.
 
@@ -73,7 +73,7 @@ class CurveData:
     optimum: float | None
     is_bandit: bool
     unit: str
-    hidden: bool
+    hides_optimum: bool
     barren: bool
     unlearned: bool
     is_decided: bool
@@ -145,10 +145,12 @@ def _without_lowest(values: FloatArray) -> FloatArray:
     return np.partition(values, few)[few:] if few else values
 
 
-def curve_data(snapshot: Snapshot, *, revealed: bool) -> CurveData:
-    """Return what there is to draw; of a bandit's greedy arm and optimum only if ``revealed``."""
-    is_bandit, hidden = isinstance(snapshot.world.drawing, Arms), is_secret(snapshot, revealed=revealed)
+def curve_data(snapshot: Snapshot) -> CurveData:
+    """Return what there is to draw; what would give the answer away only where it is not hidden."""
+    is_bandit = isinstance(snapshot.world.drawing, Arms)
+    hidden = hides_means(snapshot)
     plans, solution = BY_ID[snapshot.agent.algorithm].planner, snapshot.exact_answer.solution
+    hides_optimum = is_secret(snapshot) and not snapshot.exact_answer.refused
     episodes, curve = _episodes(snapshot.results), snapshot.results.curve
     return CurveData(
         finished=snapshot.counters.episodes,
@@ -158,10 +160,10 @@ def curve_data(snapshot: Snapshot, *, revealed: bool) -> CurveData:
         greedy=NO_STEPS if hidden else _greedy(snapshot.results, snapshot.counters.episodes),
         greedy_now=None if hidden else snapshot.results.greedy_return,
         mean_now=snapshot.results.return_last_100,
-        optimum=None if hidden or solution is None else solution.expected_return,
+        optimum=None if hides_optimum or solution is None else solution.expected_return,
         is_bandit=is_bandit,
         unit="sweep" if plans else "pull" if is_bandit else "episode",
-        hidden=hidden,
+        hides_optimum=hides_optimum,
         barren=_barren(snapshot),
         unlearned=snapshot.answers.first_update is not None and snapshot.answers.first_update.is_long,
         is_decided=_is_decided(snapshot),

@@ -47,6 +47,12 @@ class LastStepPanel(Panel):
         palette, is_bandit = self.look.palette, isinstance(snapshot.world.drawing, Arms)
         delta, plans = to_ascii("δ", self.look.glyphs), BY_ID[snapshot.agent.algorithm].planner
         tells_chances = snapshot.world.mdp is not None and not (is_bandit or plans)
+        story = story_of(snapshot)
+        if story is not None and story.state_backup is not None:
+            chance = LegendSign("p", "probability", palette.strong)
+            keeps = BY_ID[snapshot.agent.algorithm].takes_orders
+            policy = LegendSign(to_ascii("π", self.look.glyphs), "policy", palette.strong)
+            return (policy, chance) if keeps else (chance,)
         # beside the numbers on the border it would come and go with their digits
         has_room = self.free_rows > 0 or self.size.width >= _ROOM_ON_BORDER
         return (

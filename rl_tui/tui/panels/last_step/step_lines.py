@@ -7,6 +7,7 @@ from typing import Final
 
 from rl_tui.tui.draw.pieces import Line, Piece, first_that_fits, length, spelled
 from rl_tui.tui.panels.last_step.equation import equation, error_piece, in_brackets
+from rl_tui.tui.panels.last_step.state_backup_text import ActionText, BackupText
 from rl_tui.tui.panels.last_step.update_text import subtracts
 from rl_tui.tui.panels.last_step.words import StepWords
 from rl_tui.tui.theme.look import Look
@@ -35,6 +36,8 @@ class StepWriter:
         """Return the loop part by part, in the longest form that ``height`` rows (at least 4) hold."""
         if self._story.is_bandit and not self._last.planned:
             return self._bandit()
+        if self.words.backup is not None:
+            return self._state_backup(self.words.backup, height)
         form: list[Line] = []
         for agent, environment, target, delta in _ROWS:
             form = [
@@ -50,6 +53,9 @@ class StepWriter:
 
     def short(self, height: int) -> list[Line]:
         """Return one to three lines: the update, and above it what led to it."""
+        if self.words.backup is not None:
+            line = self._bellman(self.words.backup, "", self._kind_of_sweep(self.words.backup))
+            return [line] if height == 1 else [self._sweep(), line]
         if height == 1:
             return [self._one_line()]
         summary = self._sweep() if self._last.planned else self._summary()
@@ -99,6 +105,43 @@ class StepWriter:
         return self._fitting(
             [self._label(""), self._plain(each)] for each in (planning, planning.split(":")[0])
         )
+
+    def _state_backup(self, backup: BackupText, height: int) -> list[Line]:
+        """Return the Bellman equation in symbols, for each action where there is room, and in numbers."""
+        law = self._fitting(
+            [each, self._plain(backup.law)] for each in (self._label(backup.kind), self._dim(" "))
+        )
+        lines = [self._sweep(), *([law] if self._fits(law) else []), self._bellman(backup, _GAP)]
+        signs = max(len(each.sign) for each in backup.actions)
+        if len(lines) + len(backup.actions) <= height and all(each.worked_out for each in backup.actions):
+            lines[-1:-1] = [self._action_backup(each, signs) for each in backup.actions]
+        if self._story.planning and len(lines) < height:
+            lines.insert(1, self._progress())
+        return lines
+
+    def _action_backup(self, action: ActionText, signs: int) -> Line:
+        """Return ``→  0 + .99·.34 = .34``, dim where it makes no part of the result."""
+        write = self._plain if action.counts else self._dim
+        result = self._strong(action.q) if action.counts else self._dim(action.q)
+        sign = f"{action.sign:<{signs}}  "
+        worked_out = write(f"{sign}{action.worked_out} = ")
+        return self._fitting([self._label(""), each, result] for each in (worked_out, write(sign)))
+
+    def _bellman(self, backup: BackupText, indent: str, tail: Sequence[str] = ()) -> Line:
+        """Return ``V(6) ← max{↑0 →.06 ↓.34 ←.06} = .34``, behind it as much of ``tail`` as fits."""
+        start = self._dim(f"{indent} {backup.left} {self._look.glyphs.arrow_update} ")
+        rights = [f"{each} = " for each in backup.right]
+        result = self._strong(backup.result)
+        forms: list[Line] = [[start, self._plain(each), result] for each in (*rights, "")]
+        forms.append([self._dim(" "), result])
+        line = list(self._fitting(forms))
+        for each in tail:
+            if self._fits([*line, self._plain(f"  {each}")]):
+                line.append(self._plain(f"  {each}"))
+        return line
+
+    def _kind_of_sweep(self, backup: BackupText) -> Sequence[str]:
+        return backup.kind, self._which_sweep
 
     def _places(self) -> list[list[Piece]]:
         """Return where the state is on a grid, if it is on one, or nothing."""

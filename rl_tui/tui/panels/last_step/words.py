@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from rl_tui.agents.hyperparameters import PARAMETERS
 from rl_tui.lab.last_step.story import StepStory
 from rl_tui.tui.draw import names, numbers
+from rl_tui.tui.panels.last_step.state_backup_text import BackupText, backup_text
 from rl_tui.tui.panels.last_step.update_text import UpdateText, setting, update_text
 from rl_tui.tui.theme.glyphs import Glyphs
 
@@ -21,6 +22,7 @@ class StepWords:
     ``choices`` say how the action came about, ``endings`` how the episode ended. ``meant`` and ``went`` name
     actions, and are empty where the world does not slip. ``estimate`` is what the update moved, ``Q(6,←)``,
     ``bootstrap`` the estimate in its target in symbols, and ``others`` tells of its further updates.
+    ``backup`` is the Bellman equation of the state that a planner backed up, None where there is none.
     """
 
     story: StepStory
@@ -39,6 +41,7 @@ class StepWords:
     bootstrap: str
     others: Sequence[str]
     update: UpdateText
+    backup: BackupText | None
 
     @property
     def outcome(self) -> str:
@@ -89,6 +92,7 @@ def words_of(story: StepStory, glyphs: Glyphs) -> StepWords:
         bootstrap=_bootstrap(story, glyphs),
         others=_others(story),
         update=update,
+        backup=None if story.state_backup is None else backup_text(world, story.state_backup, glyphs),
     )
 
 

@@ -16,7 +16,7 @@ from rl_tui.lab.timeline.lane_view import LaneView
 from rl_tui.tui.draw import numbers
 from rl_tui.tui.draw.number_form import NumberForm, SteadyForms
 from rl_tui.tui.panels.numbers_in_common import ends, finite, lanes_in_view
-from rl_tui.tui.panels.snapshot_facts import passes_too_fast
+from rl_tui.tui.panels.snapshot_facts import is_secret, passes_too_fast
 from rl_tui.tui.theme.look import Look
 from rl_tui.worlds.drawing import Arms
 from rl_tui.worlds.mdp.space import BoolArray, FloatArray
@@ -35,17 +35,17 @@ class Layer(StrEnum):
 EXACT_LAYERS: Final = (Layer.OPTIMAL, Layer.ERROR)
 
 
-def exact_q(snapshot: Snapshot, revealed: bool) -> tuple[FloatArray, BoolArray] | None:
-    """Return Q* and the pairs that are greedy for it, [P] each; None while unknown, secret or refused.
+def exact_q(snapshot: Snapshot) -> tuple[FloatArray, BoolArray] | None:
+    """Return Q* and the pairs that are greedy for it, [P] each; None while unknown, hidden or refused.
 
     For a bandit they are the true means, whatever γ is: every pull ends its episode. Where they drift they
     are those of this very step.
     """
+    if is_secret(snapshot):
+        return None
     if isinstance(snapshot.world.drawing, Arms):
         mdp = snapshot.world.mdp
-        if mdp is None or not revealed:
-            return None
-        if mdp.drift_std == 0.0 or snapshot.counters.step == 0:
+        if mdp is not None and (mdp.drift_std == 0.0 or snapshot.counters.step == 0):
             return true_means(mdp), best_arms(mdp)
     solution = snapshot.exact_answer.solution
     return None if solution is None else (solution.q, solution.greedy)
@@ -216,7 +216,7 @@ def _numbers(snapshot: Snapshot, layer: Layer, exact: tuple[FloatArray, BoolArra
     """Return the numbers of ``layer`` that are held, in both lanes in view."""
     found: list[npt.NDArray[np.float64] | npt.NDArray[np.int64]] = []
     for lane in lanes_in_view(snapshot):
-        known = exact if lane is snapshot else exact_q(lane, revealed=exact is not None)
+        known = exact if lane is snapshot else exact_q(lane)
         if layer is Layer.LANES and lane is not snapshot:
             found.append(-found[0])
         elif known is not None or layer not in EXACT_LAYERS:

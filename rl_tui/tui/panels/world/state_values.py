@@ -1,4 +1,4 @@
-"""V(s) and the greedy pairs of all states at one moment, for worlds small enough to show whole."""
+"""V(s) and the policy in all states at one moment, for worlds small enough to show whole."""
 
 from __future__ import annotations
 
@@ -22,8 +22,9 @@ class StateValues:
     """``value[s]`` is max over a of Q(s, a), None where nothing can be done.
 
     ``known`` holds the states about which something was learned: updated, or with estimates that differ;
-    ``greedy`` the greedy pairs of those states, all ties. ``numbers`` are all values that have one form and
-    one scale of tints: of two lanes side by side those of both.
+    ``greedy`` the greedy pairs of those states, all ties. Where policy iteration keeps a policy, value and
+    pairs are those of that. ``numbers`` are all values that have one form and one scale of tints: of two
+    lanes side by side those of both.
     """
 
     value: tuple[float | None, ...]
@@ -56,15 +57,16 @@ def state_values(space: FiniteSpace, snapshot: Snapshot) -> StateValues:
     """Return the values of ``snapshot``."""
     values: list[float | None] = []
     known, greedy = set(), set()
-    q, visits = snapshot.agent.q.tolist(), snapshot.agent.visits.tolist()
+    agent = snapshot.agent
+    q, visits, policy = agent.q.tolist(), agent.visits.tolist(), agent.policy.tolist()
     for state in range(space.states):
         pairs = space.pairs_of(state)
         if not pairs:
             values.append(None)
             continue
         best = max(q[pairs.start : pairs.stop])
-        values.append(best)
+        values.append(float(agent.values[state]) if policy else best)
         if any(visits[pairs.start : pairs.stop]) or min(q[pairs.start : pairs.stop]) != best:
             known.add(state)
-            greedy |= {pair for pair in pairs if q[pair] == best}
+            greedy |= {pair for pair in pairs if (policy[pair] > 0.0 if policy else q[pair] == best)}
     return StateValues(tuple(values), frozenset(known), frozenset(greedy), all_v(snapshot))

@@ -2,20 +2,32 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import ClassVar, Final
 
+from rich.style import Style
 from textual import events
 from textual.binding import BindingType
 from textual.strip import Strip
 
+from rl_tui.lab.last_step.story import story_of
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.live.viewport import Cells
 from rl_tui.tui.draw.canvas import Canvas, shortened
 from rl_tui.tui.draw.names import state_name
 from rl_tui.tui.panels.bindings import binding
-from rl_tui.tui.panels.legend import Legend, LegendSign
+from rl_tui.tui.panels.last_step.state_backup_text import backup_text
+from rl_tui.tui.panels.legend import (
+    AGENT,
+    GREEDY_IN_FULL,
+    POLICY_IN_FULL,
+    Legend,
+    LegendSign,
+    agent_meaning,
+)
 from rl_tui.tui.panels.panel import BoardPanel, Panel
 from rl_tui.tui.panels.pointing import NOWHERE, Moved, Pointed
+from rl_tui.tui.panels.snapshot_facts import passes_too_fast
 from rl_tui.tui.theme.look import Look
 from rl_tui.worlds.world import World
 
@@ -32,6 +44,9 @@ class WorldView(Panel, can_focus=True):
     says that a person is the agent: then the cursor is not drawn, and ``title`` and ``prompt``, the longest
     forms first, stand in the border. So does the name of a ``lane`` where another one stands beside it, and
     below it, without focus, a ``note`` about both.
+
+    While a planner works, and its steps can be followed, the Bellman equation of the state backed up last
+    stands below the picture, in place of the legend where that has no rows of its own.
 
     Subclasses implement :meth:`drawing`, which may set ``heading`` and ``footing`` on the way, and say what
     the places are.
@@ -64,6 +79,7 @@ class WorldView(Panel, can_focus=True):
         self.lane: tuple[str, ...] = ()
         self.note: tuple[str, ...] = ()
         self._is_manual = False
+        self._has_equation = False
         self._is_numbered = False
         self._shows_actions = False
         self.differing: frozenset[int] = frozenset()
@@ -135,8 +151,9 @@ class WorldView(Panel, can_focus=True):
         return self.cursor is not None
 
     def legend(self, snapshot: Snapshot) -> Legend:
-        """Return the signs of the world; none while a person acts, who has keys on the border."""
-        return () if self.is_manual else self.signs()
+        """Return the signs of the world; none while keys or an equation need the border."""
+        is_taken = self.is_manual or (self._has_equation and self.free_rows < 1)
+        return () if is_taken else self.signs()
 
     def signs(self) -> Legend:
         """Return the signs that pictures of this world may have, those that matter most first."""
@@ -146,6 +163,26 @@ class WorldView(Panel, can_focus=True):
         """Return the sign of V(s), which is a colour; none where there are no colours."""
         palette = self.look.palette
         return (LegendSign(" tint ", "V", palette.value(1.0), "value V(s)"),) if palette.tints else ()
+
+    @property
+    def shows_kept_policy(self) -> bool:
+        """Whether arrows and values are those of the policy that a planner keeps, not the greedy ones."""
+        return self.snapshot is not None and len(self.snapshot.agent.policy) > 0
+
+    @property
+    def policy_shown(self) -> str:
+        """What the arrows are, in a word."""
+        return "policy" if self.shows_kept_policy else "greedy"
+
+    def agent_sign(self) -> LegendSign:
+        """Return the sign of where the agent is."""
+        who = AGENT if self.snapshot is None else agent_meaning(self.snapshot)
+        return LegendSign(self.look.glyphs.agent, who, self.look.palette.agent)
+
+    def policy_sign(self, sign: str, style: Style) -> LegendSign:
+        """Return the ``sign`` of the actions that are drawn."""
+        in_full = POLICY_IN_FULL if self.shows_kept_policy else GREEDY_IN_FULL
+        return LegendSign(sign, self.policy_shown, style, in_full)
 
     # Places
 
@@ -237,6 +274,10 @@ class WorldView(Panel, can_focus=True):
         """Return the drawing of ``snapshot``, a moment of a run in this view's world."""
         if snapshot is not None:
             strips = self.drawing(snapshot, width, height)
+            self._has_equation = not (self.footing or self.lane or self.is_manual or self.cursor is not None)
+            if self._has_equation:
+                self.footing = self.fitting(self._equation(snapshot), width)
+                self._has_equation = bool(self.footing)
             if self.lane:
                 self._name_lane(width)
             if not self.footing and self.has_focus:
@@ -256,6 +297,14 @@ class WorldView(Panel, can_focus=True):
         if not self.has_focus:
             forms = self.note or (self.footing, "" if self.is_explained else shows)
             self.footing = self.fitting(filter(None, forms), width)
+
+    def _equation(self, snapshot: Snapshot) -> Sequence[str]:
+        """Return the Bellman equation of the state that a planner backed up last, the longest form first."""
+        story = None if passes_too_fast(snapshot) else story_of(snapshot)
+        if story is None or story.state_backup is None:
+            return ()
+        glyphs = self.look.glyphs
+        return backup_text(snapshot.world, story.state_backup, glyphs).lines(glyphs.arrow_update)
 
     def _about_cursor(self) -> tuple[str, ...]:
         """Return where the cursor stands and what may be done there, the longest form first."""

@@ -22,6 +22,7 @@ from rl_tui.lab.live.commands import AddBranch
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.run.recipe import (
     JournalEntry,
+    OrderSweep,
     Recipe,
     SetParameter,
     Setting,
@@ -190,6 +191,8 @@ def journal_lines(
             if len(entries) == 1:
                 what = f"by hand {action_name(world, last.change.action, glyphs)}"
             lines.append(JournalLine(first, last.step + 1, what, len(entries)))
+        elif isinstance(last.change, OrderSweep):
+            lines.append(JournalLine(first, first, f"next sweep: {last.change.phase}"))
         else:
             before, recipe = recipe, changed_recipe(recipe, last.change)
             was, is_now = _in_force(before, last.change), _in_force(recipe, last.change)
@@ -209,6 +212,8 @@ def _keyed(journal: Sequence[JournalEntry]) -> Iterator[tuple[tuple[str, int], J
             yield ("by hand", began), entry
         elif isinstance(change, SetParameter):
             yield (PARAMETERS[change.name].symbol, entry.step), entry
+        elif isinstance(change, OrderSweep):
+            yield ("sweep", entry.step), entry
         else:
             yield ("", entry.step), entry
         previous = entry

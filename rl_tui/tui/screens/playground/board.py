@@ -14,7 +14,7 @@ from textual.layout import Layout
 from textual.message import Message
 from textual.widget import Widget
 
-from rl_tui.lab.live.snapshot import Phase, Snapshot
+from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.live.viewport import Viewport
 from rl_tui.tui.panels.catalogue import (
     CONTROLS,
@@ -129,7 +129,6 @@ class Board(Container):
         self.controls.marks_all_flips = self.opened == DISCOUNT
         self.timeline.sought = self._wanted.step
         for panel in self._shown():
-            panel.revealed = self._wanted.revealed or snapshot.playback.phase is Phase.SPENT
             if not self._pair.has(panel):
                 panel.show(snapshot)
         if self._pair.is_shown:

@@ -58,6 +58,7 @@ from rl_tui.tui.theme.look import Look
 
 _ASKS_AGAIN: Final = 0.25  # seconds
 _CHECKS_ENVIRONMENT: Final = 0.5  # seconds
+_SWEEP_KEYS: Final = frozenset({"run.evaluate"})
 _WORTH_SHOWING: Final = 3.0  # seconds without an answer
 
 
@@ -199,6 +200,7 @@ class Playground(ActionScreen):
         keys = self.query_one(KeyLine)
         keys.first = key_hints(self.focused)
         keys.is_running = self.run.is_under_way
+        keys.idle = frozenset() if self.run.takes_orders else _SWEEP_KEYS
 
     @on(DescendantFocus)
     def ask_for_flips(self) -> None:
@@ -225,6 +227,7 @@ class Playground(ActionScreen):
 
     def on_mount(self) -> None:
         """Draw whatever the player publishes; it starts to load once the first paint is done."""
+        self.show_key_hints()
         self.call_after_refresh(self._start_to_follow)
         self.set_interval(_CHECKS_ENVIRONMENT, self._check_environment)
         self.session.listen()

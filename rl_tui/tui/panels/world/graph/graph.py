@@ -10,7 +10,7 @@ from textual.strip import Strip
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.draw.canvas import Canvas, centred, shortened
 from rl_tui.tui.draw.number_form import NumberForm, SteadyForms
-from rl_tui.tui.panels.legend import GREEDY_IN_FULL, Legend, LegendSign
+from rl_tui.tui.panels.legend import Legend
 from rl_tui.tui.panels.panel import BoardPanel
 from rl_tui.tui.panels.scrolling import scrolled_to
 from rl_tui.tui.panels.snapshot_facts import is_new_run
@@ -26,7 +26,7 @@ from rl_tui.worlds.drawing import Graph
 from rl_tui.worlds.world import World
 
 VALUE_WIDTH: Final = 6
-HEADING: Final = f"{TITLE} · bold = greedy"
+HEADING: Final = f"{TITLE} · bold ="
 END: Final = "end"  # in place of the value of a terminal state
 THIN: Final = 1
 BOLD: Final = 2
@@ -64,7 +64,8 @@ class GraphView(WorldView):
         if self._shape_glyphs is not self.look.glyphs:
             self._shape = graph_shape(self._mdp, self._graph, self.look.glyphs)
             self._shape_glyphs = self.look.glyphs
-        self.heading = self.fitting((*self.captioned(TITLE), HEADING), width) or HEADING
+        heading = f"{HEADING} {self.policy_shown}"
+        self.heading = self.fitting((*self.captioned(TITLE), heading), width) or heading
         values = state_values(self.world.space, snapshot)
         form = values.number_form(VALUE_WIDTH, self._number_forms)
         stops = snapshot.playback.breakpoints
@@ -83,9 +84,9 @@ class GraphView(WorldView):
         """Return the signs of states and edges."""
         palette = self.look.palette
         return (
-            LegendSign("bold", "greedy", palette.greedy, GREEDY_IN_FULL),
+            self.policy_sign("bold", palette.greedy),
             *self.value_signs(),
-            LegendSign(self.look.glyphs.agent, "agent", palette.agent),
+            self.agent_sign(),
         )
 
     def moved(self, place: int, rows: int, columns: int) -> int:

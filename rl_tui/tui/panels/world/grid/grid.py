@@ -13,18 +13,17 @@ from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.live.viewport import Cells
 from rl_tui.lab.run.large_worlds import is_large
 from rl_tui.tui.draw.number_form import SteadyForms
-from rl_tui.tui.panels.legend import GREEDY_IN_FULL, Legend, LegendSign
+from rl_tui.tui.panels.legend import Legend, LegendSign
 from rl_tui.tui.panels.numbers_in_common import all_q, all_v, ends
 from rl_tui.tui.panels.panel import BoardPanel
 from rl_tui.tui.panels.scrolling import Scrolled, kept_in_view, scrolled_to
 from rl_tui.tui.panels.snapshot_facts import is_new_run
 from rl_tui.tui.panels.world.grid.action_form import ActionForm, Places, part_form, whole_map_form
 from rl_tui.tui.panels.world.grid.action_values import ActionArtist, name_room, sign_text
-from rl_tui.tui.panels.world.grid.cells import SEVERAL, START, CellArtist
+from rl_tui.tui.panels.world.grid.cells import START, CellArtist
 from rl_tui.tui.panels.world.grid.form import LEAST_ARROWS, LEAST_DIGITS, CellForm, cell_form, digits_needed
 from rl_tui.tui.panels.world.grid.headings import (
     FOLLOWS,
-    HEADING,
     STATE_NUMBERS,
     heading_of_actions,
     heading_of_values,
@@ -35,7 +34,7 @@ from rl_tui.tui.panels.world.grid.headings import (
     where,
 )
 from rl_tui.tui.panels.world.grid.map import GridMap, MapPart, with_extra
-from rl_tui.tui.panels.world.grid.signs import action_signs, differing_sign, end_signs, reward_signs
+from rl_tui.tui.panels.world.grid.signs import action_signs, differing_sign, end_signs, reward_signs, tie_sign
 from rl_tui.tui.panels.world.grid.strips import draw_grid, origin
 from rl_tui.tui.panels.world.grid.trail import traces, trail_signs
 from rl_tui.tui.panels.world.grid.wind import wind_line, wind_sign, wind_strip
@@ -73,7 +72,7 @@ class GridView(WorldView):
         self._top = self._left = 0
         self._following = True
         self._number_forms = SteadyForms()
-        self.heading = HEADING
+        self.heading = TITLE
 
     @property
     def cells(self) -> Cells | None:
@@ -255,11 +254,11 @@ class GridView(WorldView):
 
         Where the border has no room for the legend, it says what is drawn; with every action it always does.
         """
-        actions = self._action_form
-        heading = heading_of_actions(actions) if actions else heading_of_values(form, self.look)
+        actions, arrows = self._action_form, self.policy_shown
+        heading = heading_of_actions(actions) if actions else heading_of_values(form, arrows, self.look)
         forms: tuple[str, ...] = (heading,)
         if self.is_numbered and self._longest_name <= self._room_for_names(form):
-            forms = numbered(heading, form, self._longest_name, in_corner=actions is not None)
+            forms = numbered(heading, form, arrows, self._longest_name, in_corner=actions is not None)
         elif actions is None and not self._map.grid.legend:
             forms = (*self.captioned(TITLE), heading)
         return self.fitting(forms, width) or heading
@@ -305,7 +304,7 @@ class GridView(WorldView):
         if actions is not None:
             yield from action_signs(actions, self.look)
         elif form is not None and len(signs) > form.most_signs and has_arrows:
-            yield LegendSign(SEVERAL, "tie", palette.strong, "tie: equally good")
+            yield tie_sign(self.look, is_kept=self.shows_kept_policy)
         if self._map.grid.wind:
             yield wind_sign(self._map.grid, self.look)
         if self._map.unreached:
@@ -316,7 +315,7 @@ class GridView(WorldView):
             yield LegendSign(self._own_name, "state", palette.text, "number of a state")
         if actions is None:
             yield from self.value_signs()
-        yield LegendSign(glyphs.agent, "agent", palette.agent)
+        yield self.agent_sign()
         if self.snapshot is not None and form is not None:
             left = traces(self.snapshot.trail, self._map.grid, signs)
             tints_alone = actions is not None and actions.places is Places.TINTS
@@ -327,7 +326,7 @@ class GridView(WorldView):
             yield LegendSign(START, "start", palette.start)
         if actions is None and has_arrows:
             greedy = ([each for each in signs if isinstance(each, tuple)] or signs)[-1]
-            yield LegendSign(sign_text(greedy, self.look), "greedy", palette.strong, GREEDY_IN_FULL)
+            yield self.policy_sign(sign_text(greedy, self.look), palette.strong)
         if CellKind.WALL in self._kinds:
             yield LegendSign(glyphs.wall, "wall", palette.wall)
 

@@ -11,19 +11,16 @@ from rl_tui.tui.theme.look import Look
 
 FOLLOWS: Final = "follows the agent"
 FOLLOW_HINT: Final = "esc: follow the agent"
-HEADING: Final = f"{TITLE} · V and greedy"
-HEADING_WITHOUT_VALUES: Final = f"{TITLE} · greedy, V as tint"
-HEADING_GREEDY: Final = f"{TITLE} · greedy"
 HEADING_ACTIONS: Final = f"{TITLE} · Q of every action"
 HEADING_TINTS: Final = f"{HEADING_ACTIONS}, as tint"
 STATE_NUMBERS: Final = "state numbers"
 
 
-def heading_of_values(form: CellForm, look: Look) -> str:
-    """Return what cells with V and arrows show."""
+def heading_of_values(form: CellForm, arrows: str, look: Look) -> str:
+    """Return what cells with V and ``arrows``, the greedy ones or those of a policy, show."""
     if form.has_values:
-        return HEADING
-    return HEADING_WITHOUT_VALUES if look.palette.tints else HEADING_GREEDY
+        return f"{TITLE} · V and {arrows}"
+    return f"{TITLE} · {arrows}, V as tint" if look.palette.tints else f"{TITLE} · {arrows}"
 
 
 def heading_of_actions(form: ActionForm) -> str:
@@ -31,15 +28,16 @@ def heading_of_actions(form: ActionForm) -> str:
     return HEADING_TINTS if form.places is Places.TINTS else HEADING_ACTIONS
 
 
-def numbered(heading: str, form: CellForm, longest: int, *, in_corner: bool) -> tuple[str, ...]:
+def numbered(heading: str, form: CellForm, arrows: str, longest: int, *, in_corner: bool) -> tuple[str, ...]:
     """Return headings for cells with the numbers of their states, the longest first.
 
-    ``longest`` characters take the longest in view; ``in_corner`` says that they take the place of nothing.
+    ``arrows`` are the greedy ones or those of a policy; ``longest`` characters take the longest in view;
+    ``in_corner`` says that they take the place of nothing.
     """
     if in_corner or form.has_corner:
         return f"{heading} · {STATE_NUMBERS}", f"{TITLE} · {STATE_NUMBERS}", STATE_NUMBERS
     has_arrows = form.has_values or longest <= form.width - LEAST_ARROWS
-    what = f"{STATE_NUMBERS} and greedy" if has_arrows else STATE_NUMBERS
+    what = f"{STATE_NUMBERS} and {arrows}" if has_arrows else STATE_NUMBERS
     return f"{TITLE} · {what}", f"{TITLE} · {STATE_NUMBERS}", STATE_NUMBERS
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from functools import cached_property
 from typing import Any, Final, NamedTuple
 
@@ -64,7 +65,8 @@ class CellContent(NamedTuple):
     ``value`` is V(s) = max over a of Q(s, a), None where nothing can be done or the snapshot does not tell.
     ``known`` says that something was learned about the state: it was updated or its estimates differ.
     ``greedy`` holds the greedy actions, all ties, as direction or first letter of the name, in the
-    order in which actions are shown; it is empty where nothing is known. ``reward`` is what the cell pays
+    order in which actions are shown; it is empty where nothing is known. Where policy iteration keeps a
+    policy, value and actions are those of that. ``reward`` is what the cell pays
     where that is not the usual step's. ``stops`` marks a breakpoint, ``cursor`` the cell the cursor is on.
     ``differs`` says that the greedy actions are others in the lane beside this one. ``actions`` are all
     actions in the order in which they are shown, where they were asked for. ``extra`` is what few cells have.
@@ -162,6 +164,8 @@ class GridMap:
         counts[states != NO_STATE] = self._space.first_pair[owners + 1] - self._space.first_pair[owners]
         held = None if snapshot.agent.part is None else snapshot.agent.part.held[pairs].tolist()
         q, visits = snapshot.agent.q[pairs].tolist(), snapshot.agent.visits[pairs].tolist()
+        policy = snapshot.agent.policy[pairs].tolist() if len(snapshot.agent.policy) else None
+        values = snapshot.agent.values[states].tolist() if policy else []
         actions = self._space.pair_action[pairs].tolist()
         signs = [self.signs[action] for action in actions]
         agent = self._place(part, int(self.grid.cell_of_state[snapshot.counters.state]))
@@ -178,6 +182,8 @@ class GridMap:
                 content = self._content(
                     kind, place == agent, q[first:last], visits[first:last], signs[first:last]
                 )
+                if policy:
+                    content = self._kept(content, values[place], policy[first:last], signs[first:last])
                 if with_actions:
                     own = q[first:last], visits[first:last], actions[first:last]
                     content = content._replace(actions=self._actions(*own, content.known))
@@ -257,7 +263,15 @@ class GridMap:
         known = min(q) != value or any(visits)
         if not known:
             return CellContent(kind, agent, value)
-        greedy = [sign for sign, each in zip(signs, q, strict=True) if each == value]
-        if len(greedy) > 1:
-            greedy.sort(key=self._sign_places.__getitem__)
-        return CellContent(kind, agent, value, known, tuple(greedy))
+        greedy = (sign for sign, each in zip(signs, q, strict=True) if each == value)
+        return CellContent(kind, agent, value, known, self._in_order(greedy))
+
+    def _kept(
+        self, content: CellContent, value: float, policy: list[float], signs: list[Sign]
+    ) -> CellContent:
+        """Return ``content`` with the value and the actions of the policy that a planner keeps."""
+        taken = (sign for sign, chance in zip(signs, policy, strict=True) if chance > 0.0)
+        return content._replace(value=value, greedy=self._in_order(taken) if content.known else ())
+
+    def _in_order(self, signs: Iterable[Sign]) -> tuple[Sign, ...]:
+        return tuple(sorted(signs, key=self._sign_places.__getitem__))

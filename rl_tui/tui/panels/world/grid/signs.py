@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 
 from rl_tui.tui.panels.legend import GREEDY_IN_FULL, LegendSign
 from rl_tui.tui.panels.world.grid.action_form import ActionForm, Places
-from rl_tui.tui.panels.world.grid.cells import differing_style, reward_style
+from rl_tui.tui.panels.world.grid.cells import SEVERAL, differing_style, reward_style
 from rl_tui.tui.panels.world.grid.form import LEAST_ARROWS
 from rl_tui.tui.panels.world.grid.map import GridMap
 from rl_tui.tui.panels.world.grid.rewards import CellReward
@@ -26,6 +26,11 @@ def differing_sign(width: int, name: str, look: Look) -> LegendSign:
         is_name = width - len(name) < LEAST_ARROWS
         sign, style = name if is_name else glyphs.up, differing_style(strong)
     return LegendSign(sign, "differs", style, "greedy in the other lane differs")
+
+
+def tie_sign(look: Look, *, is_kept: bool) -> LegendSign:
+    """Return how a narrow cell says that there are several actions; ``is_kept``: of a planner's policy."""
+    return LegendSign(SEVERAL, "tie", look.palette.strong, f"tie: equally {'likely' if is_kept else 'good'}")
 
 
 def action_signs(form: ActionForm, look: Look) -> Iterator[LegendSign]:

@@ -5,7 +5,18 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Final
 
-from rl_tui.lab.live.commands import Pause, Play, Restart, RunEpisode, SetSpeed, Step, WatchLearning
+from rl_tui.agents.catalogue import BY_ID
+from rl_tui.agents.sweep_phases import SweepPhase
+from rl_tui.lab.live.commands import (
+    Pause,
+    Play,
+    Restart,
+    RunEpisode,
+    RunSweep,
+    SetSpeed,
+    Step,
+    WatchLearning,
+)
 from rl_tui.lab.live.snapshot import Phase
 from rl_tui.tui.screens.playground.actions.scenario_file import ScenarioFile
 from rl_tui.tui.screens.playground.actions.subject import Subject
@@ -71,6 +82,28 @@ class RunActions(Subject):
     def episode(self) -> None:
         """Run to the end of the episode."""
         self.link.send(RunEpisode())
+
+    def evaluate(self) -> None:
+        """Run to the end of a sweep that evaluates the policy of policy iteration."""
+        self._run_sweep("evaluation")
+
+    def improve(self) -> None:
+        """Run to the end of a sweep that improves it."""
+        self._run_sweep("improvement")
+
+    @property
+    def takes_orders(self) -> bool:
+        """Whether which sweep is next can be ordered, once all that was sent is taken in."""
+        return BY_ID[self.link.wanted.recipe.algorithm].takes_orders
+
+    def _run_sweep(self, phase: SweepPhase) -> None:
+        if self.takes_orders:
+            self.link.send(RunSweep(phase))
+        elif self.snapshot is not None and self.snapshot.world.mdp is None:
+            self.screen.tell("policy iteration alone has such sweeps, and here nobody knows the model for it")
+        else:
+            does = "E evaluates" if phase == "evaluation" else "I improves"
+            self.screen.tell(f"{does} the policy of policy iteration: a chooses that")
 
     def faster(self) -> None:
         """Go to the next higher speed."""

@@ -1,9 +1,9 @@
-"""What is shown: layers of the table, one panel alone, the secrets of a bandit, the model."""
+"""What is shown: layers of the table, one panel alone, the exact answer, the model."""
 
 from __future__ import annotations
 
 from rl_tui.lab.answers.flip_answer import FlipState
-from rl_tui.lab.live.commands import AskFlips, LookAt
+from rl_tui.lab.live.commands import AskFlips, HideAnswer, LookAt
 from rl_tui.lab.live.snapshot import Phase, Snapshot
 from rl_tui.tui.panels.catalogue import DISCOUNT
 from rl_tui.tui.panels.controls.controls import GAMMA
@@ -78,13 +78,16 @@ class ViewActions(Subject):
         """Show one panel alone, or all again."""
         self.board.zoom(None if self.board.zoomed else self.board.panel_of(self.screen.focused))
 
-    def reveal(self) -> None:
-        """Show or hide what a bandit keeps secret."""
-        if self.snapshot is None or not isinstance(self.snapshot.world.drawing, Arms):
-            self.screen.tell("nothing is hidden here; h is for bandits, whose true means it shows")
+    def hide_answer(self) -> None:
+        """Hide whatever would give the exact answer away, or show it."""
+        if self.snapshot is None:
             return
-        self.link.wanted.revealed = not self.link.wanted.revealed
-        self.board.show(self.snapshot)
+        if self.snapshot.world.mdp is None:
+            self.screen.tell("there is nothing to hide: this world has no exact answer")
+        elif self.snapshot.playback.phase is Phase.SPENT:
+            self.screen.tell("the budget is spent: nothing is hidden until r starts again")
+        else:
+            self.link.send(HideAnswer(not self.link.wanted.is_hidden))
 
     def numbers(self) -> None:
         """Show or hide the numbers of the states in the cells of a map."""
@@ -104,8 +107,8 @@ class ViewActions(Subject):
             self.screen.look,
             self.snapshot,
             pair,
-            revealed=self.link.wanted.revealed,
             on_scrolled=self.look_at,
+            hide_answer=self.hide_answer,
         )
         self.screen.app.push_screen(self._model, self._model_closed)
 
