@@ -16,7 +16,6 @@ from snapshots import changed
 from rl_tui.lab.answers.flip_answer import FlipAnswer, FlipState, refused
 from rl_tui.lab.answers.flip_worker import worked_out
 from rl_tui.lab.answers.view import AnswersView
-from rl_tui.lab.live.commands import HideAnswer
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.app.screenshot import settle
 from rl_tui.tui.draw import braille
@@ -240,19 +239,17 @@ async def test_a_cursor_of_the_table_counts_as_well(make_app: MakeApp) -> None:
         assert "Q* of state 1" in str(board.discount.border_title)
 
 
-async def test_while_the_answer_is_hidden_nothing_is_shown_or_asked(make_app: MakeApp) -> None:
+async def test_while_the_answer_is_hidden_nothing_is_shown(make_app: MakeApp) -> None:
     app = make_app("student")
     async with app.run_test(size=(120, 40)) as pilot:
         await settle(pilot)
-        playground(pilot).send(HideAnswer(True))
-        await settle(pilot)
         await press(pilot, "G", "2")
+        assert HIDDEN in screen_text(app)
         assert "earns" not in screen_text(app)
         assert UNICODE.flip not in screen_text(app)
-        assert snapshot(pilot).answers.flips.state is FlipState.NOT_ASKED
-        playground(pilot).send(HideAnswer(False))
-        await settle(pilot)
+        await press(pilot, "h")
         assert "earns 0 below, 7.5 above" in screen_text(app)
+        assert UNICODE.flip in screen_text(app)
 
 
 @pytest.mark.parametrize(
@@ -271,5 +268,5 @@ async def test_a_planner_has_them_too(make_app: MakeApp) -> None:
     async with app.run_test(size=(120, 40)) as pilot:
         await settle(pilot)
         await switch(pilot, "value-iteration")
-        await press(pilot, "G", "s")
+        await press(pilot, "G", "h", "s")
         assert "earns 0 below" in screen_text(app)

@@ -13,7 +13,6 @@ from rl_tui.agents.catalogue import parameters_of
 from rl_tui.agents.hyperparameters import PARAMETERS, SAMPLE_AVERAGE, Hyperparameters, Parameter
 from rl_tui.agents.idle_parameters import why_idle
 from rl_tui.lab.answers.flip_answer import beyond
-from rl_tui.lab.answers.view import AnswersView
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.run.recipe import Recipe
 from rl_tui.tui.draw.to_ascii import separated, to_ascii
@@ -22,6 +21,7 @@ from rl_tui.tui.panels.controls.slider import Slider
 from rl_tui.tui.panels.controls.slider_picture import SliderMark
 from rl_tui.tui.panels.legend import Legend, LegendSign, legend_text
 from rl_tui.tui.panels.panel import BORDER_ENDS, BoardPanel
+from rl_tui.tui.panels.snapshot_facts import is_secret
 from rl_tui.tui.theme.look import Look
 from rl_tui.worlds.drawing import Arms
 
@@ -53,12 +53,12 @@ def in_force(values: Hyperparameters, parameter: Parameter) -> float | str:
     return values.value(parameter.name)
 
 
-def flip_marks(answers: AnswersView, *, every: bool) -> tuple[SliderMark, ...]:
+def flip_marks(snapshot: Snapshot, *, every: bool) -> tuple[SliderMark, ...]:
     """Return the marks on the slider of γ: of flips that turn the way from the start, or of ``every`` flip.
 
     There are none while the answer is hidden.
     """
-    known = answers.flips
+    known = snapshot.answers.flips
     return tuple(
         SliderMark(
             flip.gamma,
@@ -67,7 +67,7 @@ def flip_marks(answers: AnswersView, *, every: bool) -> tuple[SliderMark, ...]:
             stands_out=flip.turns_the_way,
         )
         for flip in known.flips
-        if (flip.turns_the_way or every) and not answers.is_hidden
+        if (flip.turns_the_way or every) and not is_secret(snapshot)
     )
 
 
@@ -154,7 +154,7 @@ class Controls(Container, BoardPanel):
                 self._mark_flips(slider, snapshot)
 
     def _mark_flips(self, slider: Slider, snapshot: Snapshot) -> None:
-        marks = flip_marks(snapshot.answers, every=self.marks_all_flips)
+        marks = flip_marks(snapshot, every=self.marks_all_flips)
         slider.set_marks(marks, _MEANING)
         if bool(marks) != self._has_marks:
             self._has_marks = bool(marks)

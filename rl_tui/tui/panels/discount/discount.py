@@ -20,14 +20,14 @@ from rl_tui.tui.panels.discount.flip_list import flip_lines
 from rl_tui.tui.panels.legend import Legend, LegendSign
 from rl_tui.tui.panels.panel import Panel
 from rl_tui.tui.panels.pointing import NOWHERE
-from rl_tui.tui.panels.snapshot_facts import passes_too_fast
+from rl_tui.tui.panels.snapshot_facts import ANSWER_KEY, is_secret, passes_too_fast
 from rl_tui.tui.theme.look import Look
 from rl_tui.worlds.drawing import Arms
 
 if TYPE_CHECKING:
     from rl_tui.agents.exact.flips.flips import Flip
 
-HIDDEN: Final = "the answer is hidden, and what γ decides gives it away: h shows it"
+HIDDEN: Final = f"what γ decides is hidden: {ANSWER_KEY}"
 PENDING: Final = "being worked out, beside all else"
 NO_FLIPS: Final = "the same actions are best at every γ between 0 and 1"
 _TITLE: Final = "γ"
@@ -82,9 +82,9 @@ class DiscountPanel(Panel, can_focus=True):
 
     @property
     def chosen(self) -> Flip | None:
-        """The flip that was chosen, None where none was."""
-        answer = None if self.snapshot is None else self.snapshot.answers.flips
-        return next((flip for flip in answer.flips if flip.gamma == self._chosen), None) if answer else None
+        """The flip that was chosen, None where none was, and while the answer is hidden."""
+        flips = () if self.snapshot is None else _shown_flips(self.snapshot)
+        return next((flip for flip in flips if flip.gamma == self._chosen), None)
 
     def action_choose(self, by: int) -> None:
         """Choose the next flip; the first time the one that is next to the γ in force."""
@@ -189,18 +189,18 @@ class DiscountPanel(Panel, can_focus=True):
 def said_instead(snapshot: Snapshot) -> str:
     """Return what is said where nothing can be drawn; empty where something can."""
     answer = snapshot.answers.flips
-    if snapshot.answers.is_hidden:
-        return HIDDEN
     if answer.is_idle:
         step = "pull" if isinstance(snapshot.world.drawing, Arms) else "step"
         return f"each {step} ends its episode: γ changes nothing"
     if answer.state is FlipState.REFUSED:
         return answer.reason
+    if is_secret(snapshot):
+        return HIDDEN
     return "" if answer.state is FlipState.KNOWN else PENDING
 
 
 def _shown_flips(snapshot: Snapshot) -> tuple[Flip, ...]:
-    return () if snapshot.answers.is_hidden else snapshot.answers.flips.flips
+    return () if is_secret(snapshot) else snapshot.answers.flips.flips
 
 
 def _next_to(flips: Sequence[Flip], snapshot: Snapshot) -> int:
