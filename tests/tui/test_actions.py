@@ -50,6 +50,7 @@ PLAYGROUND_KEYS = {
     "k",
     "K",
     "y",
+    "D",
     "c",
     "l",
     "w",

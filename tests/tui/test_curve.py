@@ -44,12 +44,22 @@ def test_a_mean_of_fewer_than_100_episodes_says_of_how_many() -> None:
 
 
 def test_the_cost_of_exploring_is_said_below_or_in_the_border() -> None:
+    text, widget = drawn(lake(behaviour_return=0.4))
+    assert "exploring (ε .10) costs .33 an episode" in text
+    assert widget.footing == ""
+    text, widget = drawn(lake(behaviour_return=0.4), NARROW)
+    assert "exploring" not in text
+    assert widget.footing == "exploring (ε .10) costs .33"
+    assert "exploring (ε .10) brings .01 an episode" in drawn(lake(behaviour_return=0.74))[0]
+
+
+def test_a_gap_of_which_that_is_not_known_is_not_laid_to_exploring() -> None:
     text, widget = drawn(lake())
-    assert "gap .32 an episode: mostly what exploring (ε .10) costs" in text
+    assert "gap .32 an episode · P: what exploring costs" in text
     assert widget.footing == ""
     text, widget = drawn(lake(), NARROW)
     assert "gap" not in text
-    assert widget.footing == "gap .32: mostly exploring (ε .10)"
+    assert widget.footing == "gap .32 · P: exploring"
 
 
 @pytest.mark.parametrize(
@@ -121,12 +131,12 @@ def test_a_small_return_far_from_a_negative_optimum_is_not_learned() -> None:
 
 
 def test_at_full_speed_the_border_has_no_figures() -> None:
-    fast = lake(phase=Phase.RUNNING, speed=None)
+    fast = lake(phase=Phase.RUNNING, speed=None, behaviour_return=0.4)
     text, widget = drawn(fast, NARROW)
     assert widget.heading == "Return per episode"
-    assert widget.footing == "gap: mostly what exploring costs"
+    assert widget.footing == "pause to see what exploring costs"
     assert "greedy .73" in text
-    assert "gap .32 an episode" in drawn(fast)[0]
+    assert "exploring (ε .10) costs .33" in drawn(fast)[0]
 
 
 def test_many_episodes_without_reward_are_told() -> None:
@@ -222,8 +232,9 @@ def test_they_fit_any_size(make: Callable[[], Snapshot], ascii: bool) -> None:  
 
 
 def test_what_exploring_costs_names_no_rate_that_is_not_in_force() -> None:
-    softmax = changed(lake(), hyperparameters=Hyperparameters(policy="softmax"))
-    assert "(ε .10)" in drawn(lake())[0]
+    known = lake(behaviour_return=0.4)
+    softmax = changed(known, hyperparameters=Hyperparameters(policy="softmax"))
+    assert "(ε .10)" in drawn(known)[0]
     text = drawn(softmax)[0]
-    assert "mostly what exploring costs" in text
+    assert "exploring costs .33 an episode" in text
     assert "ε" not in text

@@ -10,15 +10,9 @@ from rl_tui.lab.last_step.story import story_of
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.panels.last_step.last_step import last_step_lines
 from rl_tui.tui.panels.last_step.words import words_of
-from rl_tui.tui.screens.playground.actions.manual_keys import (
-    acting_keys,
-    action_towards,
-    digit_keys,
-    has_directions,
-    legal_actions,
-    prompts,
-    title,
-)
+from rl_tui.tui.screens.playground.actions.modes import action_keys
+from rl_tui.tui.screens.playground.actions.modes.action_keys import has_directions
+from rl_tui.tui.screens.playground.actions.modes.manual import acts_in, prompts, title
 
 GLYPHS = look().glyphs
 STUDY, PHONE, SCROLL, QUIT, SLEEP = range(5)
@@ -27,6 +21,22 @@ STUDY, PHONE, SCROLL, QUIT, SLEEP = range(5)
 def ended(snapshot: Snapshot, state: int, start: int = 0) -> Snapshot:
     """``snapshot`` after an episode that ended in ``state``; the next one starts in ``start``."""
     return changed(snapshot, state=state, episode_step=0, step_from=start)
+
+
+def digit_keys(snapshot: Snapshot) -> dict[str, int]:
+    return action_keys.digit_keys(snapshot.world, acts_in(snapshot))
+
+
+def legal_actions(snapshot: Snapshot) -> tuple[int, ...]:
+    return action_keys.legal_actions(snapshot.world, acts_in(snapshot))
+
+
+def action_towards(snapshot: Snapshot, step: tuple[int, int]) -> int | None:
+    return action_keys.action_towards(snapshot.world, acts_in(snapshot), step)
+
+
+def acting_keys(snapshot: Snapshot) -> str:
+    return action_keys.acting_keys(snapshot.world, acts_in(snapshot))
 
 
 def test_digits_take_the_legal_actions_in_the_order_in_which_they_are_shown() -> None:
@@ -55,7 +65,7 @@ def test_arrows_are_directions_on_a_grid_only() -> None:
     assert action_towards(lake(), (-1, 0)) == UP
     assert action_towards(lake(), (-1, 1)) is None
     assert action_towards(student(), (0, 1)) is None
-    assert [has_directions(each) for each in (lake(), student(), bandit(5))] == [True, False, False]
+    assert [has_directions(each.world) for each in (lake(), student(), bandit(5))] == [True, False, False]
 
 
 def test_the_keys_are_told() -> None:

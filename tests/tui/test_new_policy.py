@@ -69,8 +69,8 @@ def test_its_settings_are_those_of_its_row(curious: str) -> None:
 
 def test_the_gap_is_not_laid_to_its_epsilon(curious: str) -> None:
     usual, other = (
-        changed(lake(), hyperparameters=Hyperparameters(policy=policy))
+        changed(lake(behaviour_return=0.4), hyperparameters=Hyperparameters(policy=policy))
         for policy in ("epsilon-greedy", curious)
     )
-    assert remark(usual, curve_data(usual), UNICODE, 2)[0].endswith("exploring (ε .10) costs")
-    assert remark(other, curve_data(other), UNICODE, 2)[0].endswith("mostly what exploring costs")
+    assert "exploring (ε .10) costs" in remark(usual, curve_data(usual), UNICODE, 2)[0]
+    assert "exploring costs" in remark(other, curve_data(other), UNICODE, 2)[0]

@@ -73,7 +73,7 @@ def test_a_bandit_keeps_its_means_until_they_are_revealed() -> None:
     shown = Drawn(bandit(), 36, 13, revealed=True)
     assert "1.500" in shown.rows[6]
     assert "···" not in shown.text
-    assert shown.table.layer_choices == tuple(layer for layer in Layer if layer is not Layer.LANES)
+    assert shown.table.layer_choices == (Layer.Q, Layer.OPTIMAL, Layer.ERROR, Layer.VISITS)
 
 
 def test_visits_of_arms_have_the_frames_while_they_are_shown() -> None:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from rl_tui.lab.answers.drawn_policy import DrawnPolicy
 from rl_tui.lab.answers.first_updates import FirstUpdateView
 from rl_tui.lab.answers.flip_answer import NOT_ASKED, FlipAnswer
 from rl_tui.lab.answers.policy_kind import PolicyKind
+from rl_tui.lab.answers.policy_values import PolicyAnswer
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -20,6 +22,10 @@ class AnswersView:
     """The policy whose values are asked for; None: of none."""
     drawn: DrawnPolicy = field(default_factory=DrawnPolicy)
     """The policy that a person drew."""
+    left_to_chance: int | None = None
+    """In how many states it may come to act at random for want of a choice; None: it is not studied."""
+    policies: Mapping[PolicyKind, PolicyAnswer] = field(default_factory=dict)
+    """What each policy is worth, as far as it is known; none while nobody asks."""
     first_update: FirstUpdateView | None = None
     """The wait for the first update; None: nobody has asked, and something was learned or may soon be."""
     flips: FlipAnswer = NOT_ASKED

@@ -47,8 +47,8 @@ def recipe_line(
     words = [
         "rl-tui",
         "train",
-        _name_of(recipe.scenario),
-        *_allowance(recipe.scenario),
+        scenario_name(recipe.scenario),
+        *allowance(recipe.scenario),
         *_settings(recipe, entries),
         "--seed",
         str(recipe.seed),
@@ -93,7 +93,7 @@ def _is_taken_back(entry: JournalEntry, after: JournalEntry) -> bool:
     return one.name == other.name != "policy"
 
 
-def _name_of(scenario: Scenario) -> str:
+def scenario_name(scenario: Scenario) -> str:
     """Return what to call ``scenario`` on the command line: its id where that finds it, else its file.
 
     What counts is what stands in there: of a session that was gone on with, the file may be elsewhere.
@@ -114,7 +114,7 @@ def _name_of(scenario: Scenario) -> str:
     )
 
 
-def _allowance(scenario: Scenario) -> list[str]:
+def allowance(scenario: Scenario) -> list[str]:
     """Return the option without which the environment of ``scenario`` would be refused, if there is one."""
     from rl_tui.worlds.gym.section import GymnasiumSection
 

@@ -238,7 +238,10 @@ LOOKING: Final = (*_AT_ANY_TIME, StudySeeds)
 MOVES: Final = (Play, WatchLearning, Pause, Step, RunEpisode, RunUntil, Take, Train)
 """Commands that mean nothing where a run takes no further step."""
 
-WHILE_SEEKING: Final = (StepBack, GoTo, Pause, DropLane, HideAnswer, *_AT_ANY_TIME)
+WHILE_SEEKING: Final = (
+    *(StepBack, GoTo, Pause, DropLane, DrawAction, ClearDrawing, HideAnswer),
+    *_AT_ANY_TIME,
+)
 """Commands that replace a seek under way, or leave it alone."""
 
 FROM_HERE: Final = (StepBack, EpisodeBack, ChooseBranch)

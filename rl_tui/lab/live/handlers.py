@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any, Final
 
+from rl_tui.common.errors import UserError
 from rl_tui.lab.live import commands
 from rl_tui.lab.live.state import State
 from rl_tui.lab.live.until import Breakpoints, Event, Until
@@ -102,6 +103,13 @@ def _hide_answer(playback: Playback, command: commands.HideAnswer) -> None:
     playback.questions.is_hidden = command.is_hidden
 
 
+def _draw_action(playback: Playback, command: commands.DrawAction) -> None:
+    space, state, action = playback.group.current.world.space, command.state, command.action
+    if not 0 <= state < space.states or (action is not None and space.pair_of(state, action) is None):
+        raise UserError("there is no such action to draw")
+    playback.questions.draw(state, action)
+
+
 def _toggle_breakpoint(playback: Playback, command: commands.ToggleBreakpoint) -> None:
     playback.set_breakpoints(playback.breakpoints.toggled(state=command.state, pair=command.pair))
 
@@ -164,7 +172,7 @@ HANDLERS: Final[Mapping[type, Callable[[Playback, Any], None]]] = {
     commands.FollowCell: _follow_cell,
     commands.StudyPolicy: _study_policy,
     commands.AskFlips: _ask_flips,
-    commands.DrawAction: lambda playback, command: playback.questions.draw(command.state, command.action),
+    commands.DrawAction: _draw_action,
     commands.ClearDrawing: lambda playback, _: playback.questions.clear(),
     commands.HideAnswer: _hide_answer,
     commands.AskWhy: _ask_why,

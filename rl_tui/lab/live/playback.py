@@ -169,7 +169,7 @@ class Playback:
             case State.RUNNING if self._automatic:
                 return self._continue_running()
             case _:
-                return self._find_trails()
+                return self._stand_still()
         return 0.0
 
     def snapshot(self) -> Snapshot:
@@ -329,6 +329,7 @@ class Playback:
         self.compilation.has_changed(self.group)
         self.answer()  # it may take a while, so that it had better begin at once
         self.group.resume(record.lanes)
+        self.questions.fit(beginning.world.space)
         self.set_breakpoints(record.breakpoints)
         self.seek()
 
@@ -340,6 +341,7 @@ class Playback:
         if beginning.world is not old.world:
             breakpoints = Breakpoints()
             self.questions.hide_again()
+            self.questions.clear()
         self._recipe = recipe
         self._start(
             Record(group.restarted(recipe), group.shown, breakpoints, self.transport.speed), beginning
@@ -379,13 +381,16 @@ class Playback:
             if self._clock() >= until:
                 return
 
-    def _find_trails(self) -> float | None:
-        """Find out for some milliseconds how the episodes under way went."""
-        if not self._automatic or self.group.trails_are_whole:
+    def _stand_still(self) -> float | None:
+        """Find out for some milliseconds how the episodes under way went, then what was asked beside."""
+        if not self._automatic:
             return None
-        self.changed = True
-        self.group.find_trails(CHUNK)
-        return None if self.group.trails_are_whole else 0.0
+        had_news = not self.group.trails_are_whole
+        if had_news:
+            self.group.find_trails(CHUNK)
+        goes_on = not self.group.trails_are_whole or self.questions.work(self.group)
+        self.changed = self.changed or had_news or goes_on
+        return 0.0 if goes_on else None
 
     def _continue_running(self) -> float:
         run, before = self.group.current.run, self.group.current.run.step

@@ -2,22 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING
 
 from rl_tui.lab.answers.drawn_policy import DrawnPolicy
 from rl_tui.lab.answers.first_updates import FirstUpdates
 from rl_tui.lab.answers.flip_answers import FlipAnswers
+from rl_tui.lab.answers.left_to_chance import LeftToChance
+from rl_tui.lab.answers.policy_kind import PolicyKind
+from rl_tui.lab.answers.policy_values import PolicyAnswer, PolicyAnswers
 from rl_tui.lab.answers.view import AnswersView
 from rl_tui.lab.many_seeds.seed_studies import SeedStudies
 from rl_tui.lab.run.exact_answers import RunAnswers
 
 if TYPE_CHECKING:
-    from rl_tui.lab.answers.policy_kind import PolicyKind
     from rl_tui.lab.live.record import Record
     from rl_tui.lab.live.viewport import Viewport
     from rl_tui.lab.run.run import Run
+    from rl_tui.lab.timeline.run_group import RunGroup
     from rl_tui.worlds.files.scenario import Scenario
+    from rl_tui.worlds.mdp.space import FiniteSpace
 
 
 class Questions:
@@ -43,6 +47,8 @@ class Questions:
         """The policy that a person drew."""
         self.studied: PolicyKind | None = None
         """The policy whose values are asked for."""
+        self._policies = PolicyAnswers(automatic=automatic)
+        self._left_to_chance = LeftToChance()
         self.asks_why = False
         """Whether a person has asked why nothing is learned."""
         self._first_updates = FirstUpdates()
@@ -50,6 +56,10 @@ class Questions:
     def draw(self, state: int, action: int | None) -> None:
         """Choose ``action`` in ``state`` for the drawn policy; None: no action."""
         self.drawn = self.drawn.with_action(state, action)
+
+    def fit(self, space: FiniteSpace) -> None:
+        """Keep of the drawn policy what can be done in ``space``."""
+        self.drawn = self.drawn.fitting(space)
 
     def clear(self) -> None:
         """Forget the drawn policy."""
@@ -71,12 +81,27 @@ class Questions:
         self.seed_studies.close()
         self.flips.close()
 
-    def answers(self, run: Run) -> AnswersView:
-        """Return what is known by now for ``run``."""
+    def answers(self, run: Run, *, is_still: bool) -> AnswersView:
+        """Return what is known by now for ``run``, which takes steps unless it ``is_still``."""
+        studied, mdp, left = self.studied, run.world.mdp, None
+        policies: Mapping[PolicyKind, PolicyAnswer] = {}
+        if mdp is not None and studied is PolicyKind.DRAWN:
+            left = self._left_to_chance.of(mdp, self.drawn)
+        if studied is not None:
+            policies = self._policies.of(run, self.exact.of(run), self.drawn, is_still=is_still)
         return AnswersView(
             is_hidden=self.hides_answer(run.recipe.scenario),
-            studied=self.studied,
+            studied=studied,
             drawn=self.drawn,
+            left_to_chance=left,
+            policies=policies,
             first_update=self._first_updates.of(run, is_asked=self.asks_why),
             flips=self.flips.of(run.world.mdp),
         )
+
+    def work(self, group: RunGroup) -> bool:
+        """Work out one answer that runs in view lack, all standing still; return whether there was one."""
+        if self.studied is None:
+            return False
+        in_view = (group.current,) if group.beside is None else (group.current, group.beside)
+        return self._policies.work(((lane.run, self.exact.of(lane.run)) for lane in in_view), self.drawn)

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
 from rl_tui.agents.counters import Counters
 from rl_tui.lab.answers.view import AnswersView
 from rl_tui.lab.live.record import Record
-from rl_tui.lab.live.snapshot import AgentView, PlaybackView, Snapshot
+from rl_tui.lab.live.snapshot import AgentView, Phase, PlaybackView, Snapshot
 from rl_tui.lab.live.state import State
 from rl_tui.lab.live.stop_condition import until_in_words
 from rl_tui.lab.live.viewport import PartCopier, Viewport
@@ -31,6 +31,8 @@ if TYPE_CHECKING:
     from rl_tui.lab.run.run import Run
     from rl_tui.lab.timeline.branching_run import BranchingRun
     from rl_tui.lab.timeline.run_group import RunGroup
+
+_MOVING: Final = (Phase.PREPARING, Phase.RUNNING, Phase.SEEKING)
 
 
 class SnapshotBuilder:
@@ -107,7 +109,7 @@ class SnapshotBuilder:
             results=view.lanes[number].results if view.lanes else run.results,
             exact_answer=questions.exact.of(run),
             playback=playback,
-            answers=questions.answers(run),
+            answers=questions.answers(run, is_still=playback.phase not in _MOVING),
             timeline=lane.timeline,
             run_group=view,
             trail=lane.trail if has_trail else (),

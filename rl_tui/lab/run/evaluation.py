@@ -8,7 +8,7 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from rl_tui.agents.exact.policies import greedy_policy
+from rl_tui.agents.exact.policies import greedy_policy, softened
 from rl_tui.agents.exact.policy_figures import chance_of_ending, expected_return
 from rl_tui.agents.hyperparameters import Ties
 from rl_tui.agents.learner_state import put_back
@@ -35,6 +35,7 @@ class GreedyReturn:
         self._policy: FloatArray | None = None
         self._value: float | None = None
         self._ends: tuple[float | None] | None = None
+        self._softened: tuple[float, float | None] | None = None
 
     def __call__(self, q: FloatArray, ties: Ties) -> float | None:
         """Return it for the estimates ``q``, [P]; None where the policy has none."""
@@ -44,8 +45,19 @@ class GreedyReturn:
         policy = greedy_policy(mdp, q, ties)
         if mdp is not self._mdp or self._policy is None or not np.array_equal(policy, self._policy):
             self._value = expected_return(mdp, policy)
-            self._policy, self._mdp, self._ends = policy, mdp, None
+            self._policy, self._mdp, self._ends, self._softened = policy, mdp, None, None
         return self._value
+
+    def softened(self, epsilon: float) -> float | None:
+        """Return it for the policy last asked for, ``epsilon`` of the time a random action in its place."""
+        if self._mdp is None or self._policy is None:
+            return None
+        if epsilon == 0.0:
+            return self._value
+        if self._softened is None or self._softened[0] != epsilon:
+            policy = softened(self._mdp, self._policy, epsilon)
+            self._softened = epsilon, expected_return(self._mdp, policy)
+        return self._softened[1]
 
     @property
     def ends(self) -> float | None:

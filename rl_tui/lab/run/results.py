@@ -64,3 +64,5 @@ class RunResults:
     """Where that policy has no return: the probability (0 to 1) that an episode of it ends; else None."""
     bandit: BanditFigures | None = None
     """How the pulls of a bandit were spent; None where the world is no bandit."""
+    behaviour_return: float | None = None
+    """As ``greedy_return``, of the agent as it acts in this episode; None where it explores not by an ε."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
+from rl_tui.agents.catalogue import POLICY_BY_ID
 from rl_tui.agents.kernels.stop import Stop
 from rl_tui.agents.kernels.watching import NOTHING_NOTICED
 from rl_tui.agents.learner import Learner
@@ -141,8 +142,17 @@ class Run:
             length_last_100=mean_length,
             greedy_return=greedy_return,
             greedy_ends=self._greedy_return.ends if is_evaluated else None,
+            behaviour_return=self._behaviour_return() if is_evaluated else None,
             bandit=self.bandit,
         )
+
+    def _behaviour_return(self) -> float | None:
+        """Return what the greedy policy last asked for earns with the ε of this episode, where it has one."""
+        learner = self.learner
+        values = learner.hyperparameters
+        if learner.plans or not POLICY_BY_ID[values.policy].explores_by_epsilon:
+            return None
+        return self._greedy_return.softened(values.epsilon_at(learner.episodes))
 
     @property
     def spent(self) -> bool:

@@ -44,7 +44,7 @@ class Autosave:
     """Writes the newest record that it is offered to a file of its own, at most every 0.3 s if it changed.
 
     ``opened`` is what the screen starts from: a file is begun only once something differs from it and a step
-    was taken, or a person saves it by a name. Settings alone are quickly made again.
+    was taken or a policy drawn, or a person saves it by a name. Settings alone are quickly made again.
     ``resumed`` is the session that it came from; that file is gone on with where it can be, otherwise a new
     one in ``folder``. A file is locked as long as it is written here.
 
@@ -243,8 +243,8 @@ class Autosave:
 class _Session:
     """A session under way: what is to be written, and who writes it.
 
-    It is ``begun`` once a record differs from the one with which it was ``opened``. Without a step taken it
-    is written only where it has a file already.
+    It is ``begun`` once a record differs from the one with which it was ``opened``. Without a step taken
+    and with nothing drawn it is written only where it has a file already.
     """
 
     def __init__(self, opened: Record, writer: SessionWriter) -> None:
@@ -256,7 +256,7 @@ class _Session:
 
     @property
     def is_due(self) -> bool:
-        is_worth_it = self.writer.path is not None or _has_steps(self.newest.record)
+        is_worth_it = self.writer.path is not None or _has_deeds(self.newest.record)
         return self.begun and self.newest is not self.written and is_worth_it
 
     def take(self, offer: _Offer) -> None:
@@ -283,12 +283,13 @@ def _copied(table: LearnedTable) -> LearnedTable:
     return replace(table, q=table.q.copy(), visits=table.visits.copy())
 
 
-def _has_steps(record: Record) -> bool:
-    """Tell whether a step was taken in any lane."""
-    return any(branch.end for lane in record.lanes for branch in lane.branches)
+def _has_deeds(record: Record) -> bool:
+    """Tell whether a step was taken in any lane, or a policy drawn."""
+    has_steps = any(branch.end for lane in record.lanes for branch in lane.branches)
+    return has_steps or bool(record.drawn.choices)
 
 
 def _is_blank(record: Record) -> bool:
-    """Tell whether no step was taken and nothing was changed in any lane."""
+    """Tell whether no step was taken, nothing changed in any lane, and nothing drawn."""
     is_changed = any(branch.journal for lane in record.lanes for branch in lane.branches)
-    return not (is_changed or _has_steps(record))
+    return not (is_changed or _has_deeds(record))

@@ -19,6 +19,7 @@ MOST_ENTRIES: Final = 200_000
 MOST_STEPS: Final = 10**15
 _MOST_KEYS: Final = 100
 _MOST_BREAKPOINTS: Final = 100_000
+MOST_DRAWN: Final = 100_000
 MOST_IN_ALL: Final = 20_000_000  # entries of all branches, those that they share counted for each
 _LONGEST_TEXT: Final = 20_000_000
 # Taxi has 2,400 pairs. With so many a file has 70 kB more, and is written in 2.7 ms, read in 2.2 ms
@@ -45,6 +46,7 @@ Number = Annotated[float, Field(allow_inf_nan=False)]
 Count = Annotated[int, Field(ge=0, le=MOST_STEPS)]
 Place = Annotated[int, Field(ge=0, le=10**12)]
 Value = Number | Word
+DrawnChoice = Annotated[tuple[Place, Place], Field(strict=False)]
 
 
 class Part(BaseModel):
@@ -179,6 +181,8 @@ class Document(Part):
     digest: Annotated[str, Field(pattern=r"^([0-9a-f]{64})?$")]
     answer_hidden: bool | None = None
     table: StoredTable | None = None
+    # The state and the action of each choice of the policy that a person drew, by their numbers
+    drawn: Annotated[tuple[DrawnChoice, ...], FailFast(), Field(max_length=MOST_DRAWN, strict=False)] = ()
 
     @model_validator(mode="after")
     def _check_numbers(self) -> Document:

@@ -14,6 +14,7 @@ from rl_tui.agents.catalogue import BY_ID
 from rl_tui.agents.hyperparameters import PARAMETERS, Hyperparameters
 from rl_tui.common.errors import UserError
 from rl_tui.common.findings import near, shown
+from rl_tui.lab.answers.drawn_policy import DrawnPolicy
 from rl_tui.lab.live.record import LearnedTable, Record
 from rl_tui.lab.live.until import Breakpoints
 from rl_tui.lab.run.recipe import (
@@ -28,6 +29,7 @@ from rl_tui.lab.run.recipe import (
 from rl_tui.lab.sessions.document import (
     FORMAT,
     MOST_BRANCHES,
+    MOST_DRAWN,
     MOST_ENTRIES,
     MOST_IN_ALL,
     MOST_PAIRS_KEPT,
@@ -68,9 +70,17 @@ def document_of(record: Record, *, title: str, kept: bool, digest: str) -> dict[
         "speed": record.speed,
         "digest": digest,
     }
+    if record.drawn.choices:
+        fields["drawn"] = _stored_drawing(record.drawn)
     table = None if record.table is None else _stored_table(record.table)
     asked = {"answer_hidden": record.answer_is_hidden, "table": table}
     return fields | {name: value for name, value in asked.items() if value is not None}
+
+
+def _stored_drawing(drawn: DrawnPolicy) -> list[list[int]]:
+    if len(drawn.choices) > MOST_DRAWN:
+        raise UserError(f"the drawn policy has more than {MOST_DRAWN:,} choices")
+    return [list(choice) for choice in drawn.choices]
 
 
 def _stored_scenario(scenario: Scenario) -> dict[str, str]:
@@ -152,6 +162,7 @@ def record_of(document: Document) -> Record:
         ),
         speed=document.speed,
         answer_is_hidden=document.answer_hidden,
+        drawn=DrawnPolicy(tuple(sorted(dict(document.drawn).items()))),
         table=None if document.table is None else _table(document.table),
     )
 

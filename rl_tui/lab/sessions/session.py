@@ -73,10 +73,10 @@ class StoredSession:
 
     @property
     def is_blank(self) -> bool:
-        """Whether no step was taken in it, and nobody gave it a name: there is nothing to go on with."""
-        lanes = self.document.lanes
-        has_steps = any(branch.end for lane in lanes for branch in lane.branches)
-        return not (has_steps or self.document.kept or self.document.title)
+        """Whether there is nothing to go on with: no step was taken, nothing drawn, and it has no name."""
+        document = self.document
+        has_steps = any(branch.end for lane in document.lanes for branch in lane.branches)
+        return not (has_steps or document.drawn or document.kept or document.title)
 
     @property
     def algorithm(self) -> str:

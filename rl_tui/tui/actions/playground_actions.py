@@ -201,6 +201,15 @@ PLAYGROUND_ACTIONS: Final[tuple[Action, ...]] = (
         needs_world=True,
     ),
     Action(
+        "drawing.toggle",
+        "D",
+        "draw a policy",
+        "Draw a policy of your own on the world, state by state, and see what it is worth; again ends it.",
+        Group.AGENT,
+        needs_world=True,
+        aliases="arrows own sketch evaluate",
+    ),
+    Action(
         "view.next_layer",
         "v",
         "layer",

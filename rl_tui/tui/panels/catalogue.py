@@ -23,6 +23,7 @@ LAST_STEP: Final = "last_step"
 MICROSCOPE: Final = "microscope"
 MANY_SEEDS: Final = "many_seeds"
 DISCOUNT: Final = "discount"
+POLICIES: Final = "policies"
 
 
 @dataclass(frozen=True, slots=True)
@@ -131,8 +132,9 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         "The return of each episode, its rewards added up without a discount, as band and mean, with the "
         "mean of the last 100 beside it; the exact return that the greedy policy has on average; and dotted "
         "what is best for this γ (in short γ-best): the return, undiscounted too, of the policy that is best "
-        "for the γ in force. At a smaller γ another policy can collect more than that one. Once something is "
-        "learned, the gap between episodes and greedy policy is mostly what exploring costs. A greedy policy "
+        "for the γ in force. At a smaller γ another policy can collect more than that one. What exploring "
+        "costs is exact too: the return of the greedy policy less that of the agent as it acts now, with its "
+        "ε. A greedy policy "
         "that may never end has no return: its line has a gap there. The vertical axis is that of the best "
         "and of most episodes: an arrow stands where a line goes below it. The other one counts "
         "finished episodes, the top line the one under way: between two it is the next. Where the run cannot "
@@ -300,6 +302,31 @@ PANELS: Final[tuple[PanelRow, ...]] = (
             "flip points",
             "Show Q* of a state for every γ, and each γ at which the best actions change.",
             rank=19,
+        ),
+        in_place_of=(TABLE, BUDGET),
+    ),
+    PanelRow(
+        POLICIES,
+        "rl_tui.tui.panels.policies.policies:Policies",
+        "Policies",
+        "What policies are worth, exact, each in a row: one that picks at random, the greedy one "
+        "of this moment, the agent as it acts now, exploring as it does, the optimal one for the γ in force, "
+        "and one that you drew (D). The first figure is the return an episode has on average, undiscounted "
+        "and within the time limit; at start stands V there. What exploring costs is what the greedy policy "
+        "earns more than the agent as it acts. Of the policy under the cursor the world shows V and the "
+        "likeliest actions, and the curve has its return as a dashed line; enter keeps that when the panel "
+        "is closed, and the table then has a layer Qπ; P or esc goes back to what the agent learned. "
+        "A policy at work in a large world is worked out while the run is paused.",
+        caption="what each way to act is worth",
+        terms=(
+            *("policy-value", "policy-return", "exploring-cost", "behaviour", "greedy", "uniform-policy"),
+            *("q-pi", "value-at-start", "expected-steps", "chance-of-ending", "bellman-expectation"),
+        ),
+        opened_by=OpeningKey(
+            "P",
+            "policies",
+            "What policies are worth, exactly: random, greedy, as it acts, optimal, drawn; V of each.",
+            rank=18,
         ),
         in_place_of=(TABLE, BUDGET),
     ),

@@ -9,12 +9,14 @@ from textual.widget import Widget
 
 from rl_tui.agents.catalogue import BY_ID
 from rl_tui.common.words import counted
+from rl_tui.lab.answers.policy_kind import PolicyKind
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.draw import names
 from rl_tui.tui.draw.action_order import shown_pairs
 from rl_tui.tui.draw.number_form import number_form
 from rl_tui.tui.panels.model.bellman import SECRET
-from rl_tui.tui.panels.q_table.layers import Layer, exact_q, other_lane
+from rl_tui.tui.panels.policies.names import POLICY_NAMES
+from rl_tui.tui.panels.q_table.layers import Layer, exact_q, other_lane, policy_q
 from rl_tui.tui.panels.q_table.q_table import QTable
 from rl_tui.tui.panels.snapshot_facts import hides_means, is_secret
 from rl_tui.tui.panels.world.view import WorldView
@@ -66,6 +68,8 @@ def _of_world(view: WorldView, look: Look, at: Offset | None) -> NumberHere | No
     if isinstance(view.world.drawing, Arms):
         return number_of_pair(view.snapshot, place, Layer.Q, look)
     state = view.state_at(place)
+    if state is not None and view.studied is not None:
+        return number_of_policy(view.snapshot, state, view.studied, look)
     return None if state is None else number_of_state(view.snapshot, state, look)
 
 
@@ -79,6 +83,19 @@ def number_of_state(snapshot: Snapshot, state: int, look: Look) -> NumberHere | 
     pairs = snapshot.world.space.pairs_of(state)
     held = not pairs or snapshot.agent.holds(pairs.start)
     return _Teller(snapshot, look).of_state(state) if held else None
+
+
+def number_of_policy(snapshot: Snapshot, state: int, kind: PolicyKind, look: Look) -> NumberHere:
+    """Return V of ``state`` under the policy ``kind``, which ``snapshot`` shows in place of the agent's."""
+    name = names.state_name(snapshot.world, state, look.glyphs)
+    value = float(snapshot.agent.values[state])
+    text = number_form([value], _COLUMNS).text(value, look.glyphs)
+    return NumberHere(
+        f"Vπ({name}) = {text}",
+        f"The discounted return to be expected from state {name} on of {POLICY_NAMES[kind].of}. Exact: "
+        f"worked out from the table of the world, not learned. P lists what policies are worth.",
+        "policy-value",
+    )
 
 
 class _Teller:
@@ -110,6 +127,14 @@ class _Teller:
                 f"Q({name}) − Q of {other.name} = {gap}",
                 f"The estimate here, {mine}, less the one of {other.name}, {its}: both learned.",
                 "q",
+            )
+        if layer is Layer.POLICY and (known := policy_q(self._snapshot)) is not None:
+            worth = self._written(float(known[0][pair]))[0]
+            return NumberHere(
+                f"Qπ({name}) = {worth}",
+                f"The discounted return to be expected from {self._deed(pair)} on, if that is followed by "
+                f"the policy that is studied. Exact: worked out from the table of the world.",
+                "q-pi",
             )
         if layer is Layer.OPTIMAL and exact is not None:
             return NumberHere(

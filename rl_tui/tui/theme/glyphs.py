@@ -54,6 +54,7 @@ class Glyphs:
     axis_corner: str
     axis_tick: str
     level: str  # the horizontal line of an optimum
+    dashes: str  # that of a policy
     whisker: str  # error bars
     estimate: str
     zero_line: str
@@ -132,6 +133,7 @@ _ROWS: Final[Mapping[str, tuple[Any, Any]]] = {
     "axis_corner": ("└", "+"),
     "axis_tick": ("┤", "+"),
     "level": ("┈", "."),
+    "dashes": ("╌", "-"),
     "whisker": ("─", "-"),
     "estimate": ("●", "o"),
     "zero_line": ("┊", ":"),

@@ -64,7 +64,8 @@ def flips(mdp: TabularMDP) -> tuple[Flip, ...]:
     model = exact_model(mdp)
     if len(model.live) > MOST_STATES:
         raise NoExactAnswer(
-            f"flips are worked out for at most {counted(MOST_STATES, 'state')}; here {len(model.live):,} are live"
+            f"flips are worked out for at most {counted(MOST_STATES, 'state')}; "
+            f"here {len(model.live):,} are live"
         )
     if mdp.terminated.all():
         return ()

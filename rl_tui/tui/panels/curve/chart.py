@@ -34,7 +34,7 @@ _TICK_COLUMNS: Final = 9  # a labelled episode number at most every so many colu
 _UNIT_ROOM: Final = 40
 _ARROWS_APART: Final = 8  # columns between the arrows of a line that stays below the axis
 # What a cell shows, the more important the greater; after the greedy line come the lanes
-_NOTHING, _LEVEL, _BAND, _SEEDS, _EPISODES, _GREEDY = range(6)
+_NOTHING, _LEVEL, _STUDIED, _BAND, _SEEDS, _EPISODES, _GREEDY = range(7)
 
 
 def plot_columns(scale: Scale, look: Look, width: int) -> int:
@@ -91,9 +91,7 @@ def _draw_lines(canvas: Canvas, plot: Plot, data: CurveData, look: Look) -> None
     codes = _braille(plot, data) if look.glyphs.braille else _ascii(plot, data)
     band = band_cells(plot, data.band, look)
     shown, kind = band.codes.copy(), np.where(band.codes > 0, _BAND, _NOTHING)
-    if data.optimum is not None:
-        level = _level_cells(plot, data, data.optimum, look)
-        shown[level], kind[level] = ord(look.glyphs.level), _LEVEL
+    _put_levels(shown, kind, plot, data, look)
     seeds, _ = seed_cells(plot, data.seeds, look)
     for line, what, where in (
         (seeds, _SEEDS, True),
@@ -107,6 +105,7 @@ def _draw_lines(canvas: Canvas, plot: Plot, data: CurveData, look: Look) -> None
     styles = (
         palette.text,
         palette.optimum,
+        palette.good,
         palette.band,
         palette.dim,
         palette.episodes,
@@ -119,9 +118,7 @@ def _draw_lanes(canvas: Canvas, plot: Plot, data: CurveData, look: Look) -> None
     """Put the lines of runs side by side into the plot, over the level of the optimum and the band."""
     cells, palette = lane_cells(plot, data, look), look.palette
     shown, kind = cells.band.copy(), np.where(cells.band > 0, _BAND, _NOTHING)
-    if data.optimum is not None:
-        level = _level_cells(plot, data, data.optimum, look)
-        shown[level], kind[level] = ord(look.glyphs.level), _LEVEL
+    _put_levels(shown, kind, plot, data, look)
     seeds, whose = seed_cells(plot, data.seeds, look)
     shown[seeds > 0], kind[seeds > 0] = seeds[seeds > 0], (_GREEDY + len(palette.lanes) + whose)[seeds > 0]
     there = cells.line >= 0
@@ -132,6 +129,7 @@ def _draw_lanes(canvas: Canvas, plot: Plot, data: CurveData, look: Look) -> None
     styles = (
         palette.text,
         palette.optimum,
+        palette.good,
         band,
         palette.dim,
         palette.episodes,
@@ -169,6 +167,18 @@ def _mark_off_axis(
     """Put arrows into the lowest row of ``shown`` and ``kind``, [rows, columns], where lines are off."""
     there = off >= 0
     shown[-1, there], kind[-1, there] = ord(look.glyphs.down), first_kind + off[there]
+
+
+def _put_levels(
+    shown: npt.NDArray[np.int64], kind: npt.NDArray[np.int64], plot: Plot, data: CurveData, look: Look
+) -> None:
+    """Put the levels of the optimum and of the policy studied into ``shown`` and ``kind``."""
+    studied = None if data.studied is None else data.studied.value
+    levels = ((studied, look.glyphs.dashes, _STUDIED), (data.optimum, look.glyphs.level, _LEVEL))
+    for value, glyph, what in levels:
+        if value is not None and (value >= plot.scale.low or what is _LEVEL):
+            level = _level_cells(plot, data, value, look)
+            shown[level], kind[level] = ord(glyph), what
 
 
 def _level_cells(plot: Plot, data: CurveData, value: float, look: Look) -> tuple[int, slice]:

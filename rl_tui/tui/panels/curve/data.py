@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 
 from rl_tui.agents.catalogue import BY_ID
+from rl_tui.lab.answers.policy_kind import PolicyKind
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.run.results import Curve, RunResults
 from rl_tui.lab.timeline.lane_view import LaneView
@@ -15,11 +16,20 @@ from rl_tui.tui.draw.braille import NO_STEPS, Steps
 from rl_tui.tui.panels.curve.seed_band import SeedBand, seed_bands
 from rl_tui.tui.panels.curve.smoothing import smoothed
 from rl_tui.tui.panels.model.reward_range import reward_range
+from rl_tui.tui.panels.policies.names import POLICY_NAMES
+from rl_tui.tui.panels.policies.studied import studied_answer
 from rl_tui.tui.panels.snapshot_facts import hides_means, is_secret
 from rl_tui.worlds.drawing import Arms
 from rl_tui.worlds.mdp.space import FloatArray
 
 _MANY_WITHOUT_REWARD: Final = 10
+
+
+class StudiedLevel(NamedTuple):
+    """The exact return, ``value``, of a policy that is studied, and what that is called."""
+
+    name: str
+    value: float
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -56,6 +66,8 @@ class CurveData:
     being greedy means something (true as well where there is no choice, false where ``greedy_now`` is
     unknown). ``greedy_ends`` is, where the greedy policy has no return, how likely an episode of it ends;
     else None.
+    ``acting_now`` is the exact return of the agent as it acts now, None where it is not known, ``studied``
+    that of a policy that is studied and has no line already.
     ``unit`` is what the horizontal axis counts: pulls, a planner's sweeps, or episodes. The optimum is the
     undiscounted return of the policy that is best for the γ in force.
 
@@ -78,6 +90,8 @@ class CurveData:
     unlearned: bool
     is_decided: bool
     greedy_ends: float | None
+    acting_now: float | None = None
+    studied: StudiedLevel | None = None
     lanes: tuple[LaneLine, ...] = ()
     seeds: tuple[SeedBand, ...] = ()
 
@@ -130,7 +144,8 @@ class CurveData:
             return 0.0, 0.0
         low, high = float(core.min()), float(core.max())
         room = max((high - low) / 2.0, abs(high)) if core.any() else np.inf
-        every = np.concatenate((*seen, *worth))
+        studied = np.array([] if self.studied is None else [self.studied.value])
+        every = np.concatenate((*seen, *worth, studied))
         every = every[every >= low - room]
         return float(every.min(initial=low)), float(every.max(initial=high))
 
@@ -168,12 +183,33 @@ def curve_data(snapshot: Snapshot) -> CurveData:
         unlearned=snapshot.answers.first_update is not None and snapshot.answers.first_update.is_long,
         is_decided=_is_decided(snapshot),
         greedy_ends=None if hidden else snapshot.results.greedy_ends,
+        acting_now=_acting(snapshot),
+        studied=_studied(snapshot),
         lanes=tuple(
             _lane(number, lane, shown=number - 1 == snapshot.run_group.shown, hidden=hidden)
             for number, lane in enumerate(snapshot.run_group.lanes, 1)
         ),
         seeds=seed_bands(snapshot),
     )
+
+
+def _acting(snapshot: Snapshot) -> float | None:
+    """Return the exact return of the agent as it acts now: known always, or since it was asked for."""
+    if is_secret(snapshot):
+        return None
+    answer = snapshot.answers.policies.get(PolicyKind.BEHAVIOUR)
+    always = snapshot.results.behaviour_return
+    return always if always is not None or answer is None else answer.expected_return
+
+
+def _studied(snapshot: Snapshot) -> StudiedLevel | None:
+    """Return the level of the policy that is studied; the greedy one and the best have lines already."""
+    kind = snapshot.answers.studied
+    answer = studied_answer(snapshot)
+    has_line = kind is None or kind in (PolicyKind.GREEDY, PolicyKind.OPTIMAL)
+    if has_line or kind is None or answer is None or answer.expected_return is None:
+        return None
+    return StudiedLevel(POLICY_NAMES[kind].line, answer.expected_return)
 
 
 def _lane(number: int, lane: LaneView, *, shown: bool, hidden: bool) -> LaneLine:

@@ -99,6 +99,8 @@ def labels(
         (names[1], data.mean_now if mean else None, palette.episodes),
         (names[2], data.optimum, palette.optimum),
     ]
+    if data.studied is not None:
+        lines.insert(2, (data.studied.name, data.studied.value, palette.good))
     if mean:  # lanes have theirs in the remark
         lines += [
             (f"{each.seeds} seeds{each.until if room >= ROOM_FOR_LONG else ''}", each.value, palette.dim)
@@ -125,7 +127,7 @@ def label_columns(data: CurveData, look: Look, room: int, *, mean: bool = True) 
         return 0
     number = 1 + NUMBER if room >= ROOM_FOR_NUMBERS else 0
     greedy, recent, best = _usual_names(data.is_bandit, room, f"{recent_name(RECENT)}:")
-    names = (greedy, recent, best) if mean else (greedy, best)
+    names = [greedy, *([recent] if mean else []), best, *([data.studied.name] if data.studied else [])]
     return 2 + max(len(to_ascii(name, look.glyphs)) for name in names) + number
 
 
@@ -187,28 +189,41 @@ def remark(
     """Return what is to be said of the picture, longest form first; empty where there is nothing."""
     if data.hides_optimum:
         return _HIDDEN_ARMS if data.is_bandit else _HIDDEN_OPTIMUM
-    if data.greedy_now is None or data.mean_now is None or data.finished < RECENT:
+    if data.greedy_now is None or data.finished < RECENT or not data.is_decided:
         return ()
-    gap = data.greedy_now - data.mean_now
     values = snapshot.agent.hyperparameters
     by_epsilon = POLICY_BY_ID[values.policy].explores_by_epsilon
     epsilon = values.epsilon_at(snapshot.counters.episodes) if by_epsilon else None
-    cost = amount(gap, decimals, glyphs)
-    if not numbers.has_digits(cost) or gap < 0.0 or epsilon == 0.0:
+    if epsilon == 0.0:
         return ()
-    if not _has_learned(data):
+    what = "a pull" if data.is_bandit else "an episode"
+    if data.acting_now is None:
+        return _gap(data, what, glyphs, decimals) if with_figures else ()
+    cost = data.greedy_now - data.acting_now
+    amount_said = amount(abs(cost), decimals, glyphs)
+    if not numbers.has_digits(amount_said):
         return ()
     if not with_figures:
-        return "gap: mostly what exploring costs", "gap: mostly exploring"
-    what = "a pull" if data.is_bandit else "an episode"
-    if epsilon is None:
-        return f"gap {cost} {what}: mostly what exploring costs", f"gap {cost}: mostly exploring"
-    rate = setting(round(epsilon, 3), glyphs)
+        return "pause to see what exploring costs", "pause: what exploring costs"
+    rate = "" if epsilon is None else f" (ε {setting(round(epsilon, 3), glyphs)})"
+    said = f"{'costs' if cost > 0.0 else 'brings'} {amount_said}"
     return (
-        f"gap {cost} {what}: mostly what exploring (ε {rate}) costs",
-        f"gap {cost}: mostly exploring (ε {rate})",
-        f"gap {cost}: mostly exploring",
+        f"exploring{rate} {said} {what}: greedy less as it acts",
+        f"exploring{rate} {said} {what}",
+        f"exploring{rate} {said}",
+        f"exploring {said}",
     )
+
+
+def _gap(data: CurveData, what: str, glyphs: Glyphs, decimals: int) -> tuple[str, ...]:
+    """Return the gap between greedy policy and episodes, where what exploring costs was not asked for."""
+    if data.greedy_now is None or data.mean_now is None or not _has_learned(data):
+        return ()
+    gap = data.greedy_now - data.mean_now
+    said = amount(gap, decimals, glyphs)
+    if not numbers.has_digits(said) or gap < 0.0:
+        return ()
+    return f"gap {said} {what} · P: what exploring costs", f"gap {said} · P: exploring", f"gap {said}"
 
 
 def below_note(

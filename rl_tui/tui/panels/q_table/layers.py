@@ -16,6 +16,7 @@ from rl_tui.lab.timeline.lane_view import LaneView
 from rl_tui.tui.draw import numbers
 from rl_tui.tui.draw.number_form import NumberForm, SteadyForms
 from rl_tui.tui.panels.numbers_in_common import ends, finite, lanes_in_view
+from rl_tui.tui.panels.policies.studied import shown_actions, studied_answer
 from rl_tui.tui.panels.snapshot_facts import is_secret, passes_too_fast
 from rl_tui.tui.theme.look import Look
 from rl_tui.worlds.drawing import Arms
@@ -28,14 +29,19 @@ class Layer(StrEnum):
     Q = "Q"
     OPTIMAL = "Q*"
     ERROR = "Q−Q*"
+    POLICY = "Qπ"
     LANES = "Q−other"
     VISITS = "visits"
 
 
 EXACT_LAYERS: Final = (Layer.OPTIMAL, Layer.ERROR)
+LEARNED_NOT: Final = (Layer.OPTIMAL, Layer.POLICY)
+"""Layers of which nothing was learned."""
+
+Exact = tuple[FloatArray, BoolArray]
 
 
-def exact_q(snapshot: Snapshot) -> tuple[FloatArray, BoolArray] | None:
+def exact_q(snapshot: Snapshot) -> Exact | None:
     """Return Q* and the pairs that are greedy for it, [P] each; None while unknown, hidden or refused.
 
     For a bandit they are the true means, whatever γ is: every pull ends its episode. Where they drift they
@@ -49,6 +55,26 @@ def exact_q(snapshot: Snapshot) -> tuple[FloatArray, BoolArray] | None:
             return true_means(mdp), best_arms(mdp)
     solution = snapshot.exact_answer.solution
     return None if solution is None else (solution.q, solution.greedy)
+
+
+def policy_q(snapshot: Snapshot) -> Exact | None:
+    """Return Q of the policy that is studied and the pairs that it takes most likely, [P] each, or None.
+
+    There is none for a bandit, in which nothing follows an action.
+    """
+    answer, kind = studied_answer(snapshot), snapshot.answers.studied
+    if answer is None or kind is None or answer.q is None or answer.policy is None:
+        return None
+    if isinstance(snapshot.world.drawing, Arms):
+        return None
+    return answer.q, shown_actions(snapshot, kind, answer.policy)
+
+
+def exact_of(snapshot: Snapshot, layer: Layer) -> Exact | None:
+    """Return the exact numbers that ``layer`` needs, and the pairs it frames; None where there are none."""
+    if layer is Layer.POLICY:
+        return policy_q(snapshot)
+    return exact_q(snapshot) if layer in EXACT_LAYERS else None
 
 
 def other_lane(snapshot: Snapshot) -> LaneView | None:
@@ -65,11 +91,11 @@ def lit_pair(snapshot: Snapshot) -> int | None:
 
 
 class Figures:
-    """One layer at one moment. ``exact`` is what :func:`exact_q` returns; the exact layers need it.
+    """One layer at one moment. ``exact`` is what :func:`exact_of` returns; the exact layers need it.
 
     Ties between greedy pairs are exact equality of Q, as the agent compares, and those of the solution in the
-    layer of Q*. No pair is greedy where nothing is known about the state. ``sources`` are pairs that the last
-    update looked up.
+    layer of Q*; in that of a policy the pairs are its likeliest. No pair is greedy where nothing is known
+    about the state. ``sources`` are pairs that the last update looked up.
 
     All ``numbers`` of a layer have one form, which ``forms`` keeps steady from one moment to the next, and
     tints between ``low`` and ``high``, the least and the greatest. Those of the lane beside this one are
@@ -81,7 +107,7 @@ class Figures:
         snapshot: Snapshot,
         layer: Layer,
         look: Look,
-        exact: tuple[FloatArray, BoolArray] | None,
+        exact: Exact | None,
         forms: SteadyForms,
         lit: int | None = None,
         sources: frozenset[int] = frozenset(),
@@ -90,11 +116,12 @@ class Figures:
         self._look = look
         self._q = snapshot.agent.q
         self._visits = snapshot.agent.visits
-        self._exact_greedy = exact[1] if exact is not None and layer is Layer.OPTIMAL else None
-        self._lit = lit if layer is not Layer.OPTIMAL else None
-        self._sources = sources if layer is not Layer.OPTIMAL else frozenset()
+        is_learned = layer not in LEARNED_NOT
+        self._exact_greedy = None if is_learned or exact is None else exact[1]
+        self._lit = lit if is_learned else None
+        self._sources = sources if is_learned else frozenset()
         self._values: npt.NDArray[np.float64] | npt.NDArray[np.int64] = _values(snapshot, layer, exact)
-        window = None if layer is Layer.OPTIMAL else snapshot.agent.part
+        window = snapshot.agent.part if is_learned else None
         self._held = None if window is None else window.held
         self.numbers = _numbers(snapshot, layer, exact)
         self.low, self.high = ends(self.numbers)
@@ -171,7 +198,7 @@ class Figures:
     def _is_new(self, pair: int) -> bool:
         if self.layer is Layer.LANES and self._values[pair]:  # the other lane has been there
             return False
-        return self.layer is not Layer.OPTIMAL and not self._visits[pair]
+        return self.layer not in LEARNED_NOT and not self._visits[pair]
 
     def _tint(self, x: float) -> Style:
         palette = self._look.palette
@@ -198,7 +225,7 @@ class Figures:
 
 
 def _values(
-    snapshot: Snapshot, layer: Layer, exact: tuple[FloatArray, BoolArray] | None
+    snapshot: Snapshot, layer: Layer, exact: Exact | None
 ) -> npt.NDArray[np.float64] | npt.NDArray[np.int64]:
     if layer is Layer.VISITS:
         return snapshot.agent.visits
@@ -209,18 +236,18 @@ def _values(
         return np.zeros(len(snapshot.agent.q)) if other is None else np.asarray(snapshot.agent.q - other.q)
     if exact is None:
         raise ValueError(f"the layer {layer} needs the exact answer")
-    return exact[0] if layer is Layer.OPTIMAL else np.asarray(snapshot.agent.q - exact[0])
+    return exact[0] if layer in LEARNED_NOT else np.asarray(snapshot.agent.q - exact[0])
 
 
-def _numbers(snapshot: Snapshot, layer: Layer, exact: tuple[FloatArray, BoolArray] | None) -> FloatArray:
+def _numbers(snapshot: Snapshot, layer: Layer, exact: Exact | None) -> FloatArray:
     """Return the numbers of ``layer`` that are held, in both lanes in view."""
     found: list[npt.NDArray[np.float64] | npt.NDArray[np.int64]] = []
     for lane in lanes_in_view(snapshot):
-        known = exact if lane is snapshot else exact_q(lane)
+        known = exact if lane is snapshot else exact_of(lane, layer)
         if layer is Layer.LANES and lane is not snapshot:
             found.append(-found[0])
-        elif known is not None or layer not in EXACT_LAYERS:
-            part = None if layer is Layer.OPTIMAL else lane.agent.part
+        elif known is not None or layer not in (*EXACT_LAYERS, Layer.POLICY):
+            part = None if layer in LEARNED_NOT else lane.agent.part
             values = _values(lane, layer, known)
             found.append(values if part is None else values[part.pairs])
     return finite(np.concatenate(found, dtype=np.float64))

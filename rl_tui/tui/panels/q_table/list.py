@@ -13,7 +13,7 @@ from rich.segment import Segment
 from rl_tui.tui.draw.canvas import shortened
 from rl_tui.tui.draw.to_ascii import to_ascii
 from rl_tui.tui.panels.q_table.form import Pieces, Scene, aligned_right, boxed, framed, padded
-from rl_tui.tui.panels.q_table.layers import EXACT_LAYERS, Layer
+from rl_tui.tui.panels.q_table.layers import EXACT_LAYERS, LEARNED_NOT, Layer
 from rl_tui.tui.panels.q_table.world import NO_ROW
 
 DIGITS: Final = 6
@@ -114,7 +114,7 @@ def list_form(scene: Scene, width: int) -> ListForm:
 
 
 def greedy_line(scene: Scene) -> str:
-    """Return the greedy actions of all states, ties joined by =; empty where nothing is known."""
+    """Return the actions framed in all states, ties joined by =; empty where nothing is known."""
     world = scene.world
     states = []
     for state in world.live.tolist():
@@ -122,7 +122,8 @@ def greedy_line(scene: Scene) -> str:
         shown = [pair for pair in world.pairs_shown(state) if pair in greedy]
         states.append("=".join(world.action_names[world.action_of(pair)] for pair in shown) or NOT_TRIED)
     known = any(state != NOT_TRIED for state in states)
-    return f"greedy: {' · '.join(states)}" if known else ""
+    what = "likeliest" if scene.layer is Layer.POLICY else "greedy"
+    return f"{what}: {' · '.join(states)}" if known else ""
 
 
 def _pair_columns(scene: Scene, width: int) -> list[Column]:
@@ -228,8 +229,8 @@ def _beside(layer: Layer) -> list[Layer]:
             return [Layer.Q, Layer.OPTIMAL]
         case Layer.ERROR:
             return [Layer.Q, Layer.OPTIMAL, Layer.ERROR]
-        case Layer.LANES:
-            return [Layer.Q, Layer.LANES]
+        case Layer.LANES | Layer.POLICY:
+            return [Layer.Q, layer]
         case _:
             return [Layer.Q]
 
@@ -254,12 +255,12 @@ def _widening(wanted: int, room: int) -> int:
 
 
 def _value_columns(scene: Scene, layers: Sequence[Layer]) -> list[Column]:
-    """Return a column a layer. One has the frames and the cursor: Q*, if it is in force, else the first.
+    """Return a column a layer. One has the frames and the cursor: what is exact, if it is in force.
 
     While visits are in force they have them.
     """
     _share_form(scene, layers)
-    main = scene.layer if scene.layer is Layer.OPTIMAL and scene.layer in layers else layers[0]
+    main = scene.layer if scene.layer in LEARNED_NOT and scene.layer in layers else layers[0]
     counts = scene.layer is Layer.VISITS
     shown = replace(scene, cursor=None) if counts else scene
     columns = []

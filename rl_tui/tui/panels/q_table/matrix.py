@@ -11,7 +11,7 @@ from rich.segment import Segment
 from rl_tui.tui.draw import numbers
 from rl_tui.tui.draw.canvas import shortened
 from rl_tui.tui.panels.q_table.form import Pieces, Scene, aligned_right, boxed, padded
-from rl_tui.tui.panels.q_table.layers import Layer
+from rl_tui.tui.panels.q_table.layers import LEARNED_NOT, Layer
 from rl_tui.tui.panels.q_table.world import TableWorld
 
 LEAST_FIELD: Final = 3  # .54
@@ -146,7 +146,7 @@ def _fits_narrow(scene: Scene) -> bool:
     sign sooner or later, and so have estimates where rewards are negative.
     """
     figures = scene.shown
-    if figures.layer not in (Layer.Q, Layer.OPTIMAL) or scene.world.least_reward < 0.0:
+    if figures.layer not in (Layer.Q, *LEARNED_NOT) or scene.world.least_reward < 0.0:
         return False
     return figures.low >= 0.0 and len(numbers.fixed(figures.high, 1)) <= LEAST_FIELD
 

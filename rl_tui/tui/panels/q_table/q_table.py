@@ -23,11 +23,14 @@ from rl_tui.tui.panels.pointing import NOWHERE, Moved, Pointed
 from rl_tui.tui.panels.q_table.form import Scene
 from rl_tui.tui.panels.q_table.layers import (
     EXACT_LAYERS,
+    LEARNED_NOT,
     Figures,
     Layer,
+    exact_of,
     exact_q,
     lit_pair,
     other_lane,
+    policy_q,
 )
 from rl_tui.tui.panels.q_table.list import list_form
 from rl_tui.tui.panels.q_table.matrix import matrix_form
@@ -111,12 +114,15 @@ class QTable(Panel, can_focus=True):
     def layer_choices(self) -> tuple[Layer, ...]:
         """The layers there are: where the answer is hidden those that give nothing away.
 
-        The difference from another run is there while runs are side by side.
+        The difference from another run is there while runs are side by side, and a policy's while it is
+        studied.
         """
         snapshot = self.snapshot
         missing: set[Layer] = set()
         if snapshot is None or other_lane(snapshot) is None:
             missing.add(Layer.LANES)
+        if snapshot is None or policy_q(snapshot) is None:
+            missing.add(Layer.POLICY)
         if snapshot is not None and _hides_exact(snapshot):
             missing.update(EXACT_LAYERS)
         return tuple(layer for layer in Layer if layer not in missing)
@@ -205,10 +211,11 @@ class QTable(Panel, can_focus=True):
         """Return the signs that cells have."""
         palette, glyphs = self.look.palette, self.look.glyphs
         frame, state = glyphs.mark_left + glyphs.mark_right, snapshot.world.space.states > 1
-        is_learned = self.shown_layer is not Layer.OPTIMAL
+        is_learned = self.shown_layer not in LEARNED_NOT
         greedy = GREEDY_IN_FULL if is_learned else ""  # of Q* it is best
+        framed = "likeliest" if self.shown_layer is Layer.POLICY else "greedy"
         return (
-            LegendSign(frame, "greedy", palette.greedy, greedy),
+            LegendSign(frame, framed, palette.greedy, greedy),
             *([LegendSign(" lit ", "just updated", palette.updated)] if is_learned and self.lights else []),
             LegendSign(glyphs.agent, agent_meaning(snapshot) if state else "last pull", palette.agent),
             *([LegendSign(glyphs.stay, "not tried", palette.unvisited)] if is_learned else []),
@@ -350,14 +357,14 @@ class QTable(Panel, can_focus=True):
         return list_form(scene, width - 1 if is_scrolled else width), scene
 
     def _scene(self, snapshot: Snapshot, layers: Iterable[Layer]) -> Scene:
-        exact = exact_q(snapshot)
+        exact = {layer: exact_of(snapshot, layer) for layer in layers}
         lit = lit_pair(snapshot) if self.lights else None
         return Scene(
             world=self._world_of(snapshot),
             figures={
-                layer: Figures(snapshot, layer, self.look, exact, self._forms, lit, self.sources)
-                for layer in layers
-                if exact is not None or layer not in EXACT_LAYERS
+                layer: Figures(snapshot, layer, self.look, known, self._forms, lit, self.sources)
+                for layer, known in exact.items()
+                if known is not None or layer not in EXACT_LAYERS
             },
             layer=self.shown_layer,
             state=snapshot.counters.state,

@@ -9,6 +9,7 @@ from rl_tui.common.words import counted
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.draw.to_ascii import separated, to_ascii
 from rl_tui.tui.panels.panel import Panel
+from rl_tui.tui.panels.policies.names import POLICY_NAMES
 from rl_tui.tui.panels.q_table.form import Scene
 from rl_tui.tui.panels.q_table.layers import Layer, other_lane
 from rl_tui.tui.panels.q_table.list import ListForm
@@ -21,12 +22,14 @@ TITLES: Final = {
     Layer.Q: "Q",
     Layer.OPTIMAL: "Q*, exact",
     Layer.ERROR: "Q − Q*",
+    Layer.POLICY: "Q of a policy",
     Layer.LANES: "Q − other lane",
     Layer.VISITS: "Visits",
 }
 _CAPTIONS: Final = {
     Layer.OPTIMAL: "what each action is worth",
     Layer.ERROR: "how wrong each estimate is",
+    Layer.POLICY: "exact",
     Layer.VISITS: "how often each was tried",
 }
 _KEY: Final = "v:"
@@ -44,7 +47,9 @@ def headings(snapshot: Snapshot, layer: Layer, size: str, panel: Panel, lane: st
         lane = f"{panel.look.glyphs.cursor}{group.shown + 1}"
     other = other_lane(snapshot) if layer is Layer.LANES else None
     if other is None:
-        title = TITLES[layer]
+        title, studied = TITLES[layer], snapshot.answers.studied
+        if layer is Layer.POLICY and studied is not None:
+            title = f"Q of {POLICY_NAMES[studied].of}"
         captions = panel.captioned(title, _CAPTIONS.get(layer, ""))
         forms = (*(f"{each} · {size}" for each in captions), *captions, f"{title} · {size}", title)
         return tuple(f"{lane} · {each}" for each in forms) if lane else forms

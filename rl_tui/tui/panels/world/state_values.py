@@ -11,6 +11,7 @@ from rich.style import Style
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.draw.number_form import NumberForm, SteadyForms
 from rl_tui.tui.panels.numbers_in_common import all_v, ends
+from rl_tui.tui.panels.world.drawn import AT_RANDOM, drawn_pairs
 from rl_tui.tui.theme.look import Look
 from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray
 
@@ -23,18 +24,26 @@ class StateValues:
 
     ``known`` holds the states about which something was learned: updated, or with estimates that differ;
     ``greedy`` the greedy pairs of those states, all ties. Where policy iteration keeps a policy, value and
-    pairs are those of that. ``numbers`` are all values that have one form and one scale of tints: of two
-    lanes side by side those of both.
+    pairs are those of that. Where a drawn one is studied, the pairs are those drawn, and ``at_random`` has
+    the states in which none was. ``numbers`` are all values that have one form and one scale of tints: of
+    two lanes side by side those of both.
     """
 
     value: tuple[float | None, ...]
     known: frozenset[int]
     greedy: frozenset[int]
     numbers: FloatArray
+    at_random: frozenset[int] = frozenset()
 
     def number_form(self, width: int, forms: SteadyForms) -> NumberForm:
         """Return the form of all values in ``width`` cells."""
         return forms.form("values", self.numbers, width, _DECIMALS)
+
+    def flag(self, state: int, differing: frozenset[int], look: Look) -> str:
+        """Return the sign after the name of a state: that it acts at random, or is ``differing``; or none."""
+        if state in self.at_random:
+            return AT_RANDOM
+        return look.glyphs.differs if state in differing else ""
 
     def style(self, state: int, look: Look) -> Style:
         """Return the background of a state, tinted from the least to the greatest value, 0 included."""
@@ -69,4 +78,5 @@ def state_values(space: FiniteSpace, snapshot: Snapshot) -> StateValues:
         if any(visits[pairs.start : pairs.stop]) or min(q[pairs.start : pairs.stop]) != best:
             known.add(state)
             greedy |= {pair for pair in pairs if (policy[pair] > 0.0 if policy else q[pair] == best)}
-    return StateValues(tuple(values), frozenset(known), frozenset(greedy), all_v(snapshot))
+    shown = drawn_pairs(space, snapshot) or (frozenset(greedy), frozenset())
+    return StateValues(tuple(values), frozenset(known), shown[0], all_v(snapshot), shown[1])

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import ClassVar, Final
 
-from rich.style import Style
 from textual import events
 from textual.binding import BindingType
 from textual.strip import Strip
@@ -17,33 +16,27 @@ from rl_tui.tui.draw.canvas import Canvas, shortened
 from rl_tui.tui.draw.names import state_name
 from rl_tui.tui.panels.bindings import binding
 from rl_tui.tui.panels.last_step.state_backup_text import backup_text
-from rl_tui.tui.panels.legend import (
-    AGENT,
-    GREEDY_IN_FULL,
-    POLICY_IN_FULL,
-    Legend,
-    LegendSign,
-    agent_meaning,
-)
-from rl_tui.tui.panels.panel import BoardPanel, Panel
-from rl_tui.tui.panels.pointing import NOWHERE, Moved, Pointed
+from rl_tui.tui.panels.legend import AGENT, Legend, LegendSign, agent_meaning
+from rl_tui.tui.panels.panel import BoardPanel
+from rl_tui.tui.panels.pointing import NOWHERE, Moved, PartPointed, Pointed, part_pointed_at
+from rl_tui.tui.panels.policies.studied import as_studied
 from rl_tui.tui.panels.snapshot_facts import passes_too_fast
+from rl_tui.tui.panels.world.policy_picture import TITLE, PolicyPicture
 from rl_tui.tui.theme.look import Look
 from rl_tui.worlds.world import World
 
-TITLE: Final = "World"
 WAITING: Final = "the world is being built"
 _WHEEL: Final = 3
 
 
-class WorldView(Panel, can_focus=True):
+class WorldView(PolicyPicture, can_focus=True):
     """A panel with the picture of one world. Before the first snapshot one line says what comes.
 
     In focus it has a cursor, which stands on a place: a cell of a map, a state of a graph, an arm. Until an
     arrow key or a click moves it, it stays with the agent; escape takes it back there. ``is_manual``
-    says that a person is the agent: then the cursor is not drawn, and ``title`` and ``prompt``, the longest
-    forms first, stand in the border. So does the name of a ``lane`` where another one stands beside it, and
-    below it, without focus, a ``note`` about both.
+    says that a person is the agent: then the cursor is not drawn. While a mode is on that has keys of its
+    own, ``title`` and ``prompt``, the longest forms first, stand in the border. So does the name of a
+    ``lane`` where another one stands beside it, and below it, without focus, a ``note`` about both.
 
     While a planner works, and its steps can be followed, the Bellman equation of the state backed up last
     stands below the picture, in place of the legend where that has no rows of its own.
@@ -82,8 +75,6 @@ class WorldView(Panel, can_focus=True):
         self._has_equation = False
         self._is_numbered = False
         self._shows_actions = False
-        self.differing: frozenset[int] = frozenset()
-        """The states whose greedy actions are others in the lane beside; seen when it is drawn again."""
         self.enter(world)
 
     def enter(self, world: World) -> None:
@@ -131,14 +122,20 @@ class WorldView(Panel, can_focus=True):
     @is_manual.setter
     def is_manual(self, is_manual: bool) -> None:
         self._is_manual = is_manual
-        self.set_class(is_manual, "-manual")
         self.redraw()
+
+    def show_mode(self, title: tuple[str, ...], prompt: tuple[str, ...]) -> None:
+        """Write on the border what mode is on and which keys it has; without a title none is."""
+        if (title, prompt) != (self.title, self.prompt):
+            self.title, self.prompt = title, prompt
+            self.set_class(bool(title), "-manual")
+            self.redraw()
 
     def show(self, snapshot: Snapshot) -> None:
         """Draw ``snapshot``; another seed may have made another world of the same kind."""
         if snapshot.world is not self.world:
             self.enter(snapshot.world)
-        super().show(snapshot)
+        super().show(as_studied(snapshot))
 
     @property
     def cells(self) -> Cells | None:
@@ -152,37 +149,17 @@ class WorldView(Panel, can_focus=True):
 
     def legend(self, snapshot: Snapshot) -> Legend:
         """Return the signs of the world; none while keys or an equation need the border."""
-        is_taken = self.is_manual or (self._has_equation and self.free_rows < 1)
-        return () if is_taken else self.signs()
+        is_taken = bool(self.title) or (self._has_equation and self.free_rows < 1)
+        return () if is_taken else (*self.random_signs(), *self.signs())
 
     def signs(self) -> Legend:
         """Return the signs that pictures of this world may have, those that matter most first."""
         raise NotImplementedError
 
-    def value_signs(self) -> Legend:
-        """Return the sign of V(s), which is a colour; none where there are no colours."""
-        palette = self.look.palette
-        return (LegendSign(" tint ", "V", palette.value(1.0), "value V(s)"),) if palette.tints else ()
-
-    @property
-    def shows_kept_policy(self) -> bool:
-        """Whether arrows and values are those of the policy that a planner keeps, not the greedy ones."""
-        return self.snapshot is not None and len(self.snapshot.agent.policy) > 0
-
-    @property
-    def policy_shown(self) -> str:
-        """What the arrows are, in a word."""
-        return "policy" if self.shows_kept_policy else "greedy"
-
     def agent_sign(self) -> LegendSign:
         """Return the sign of where the agent is."""
         who = AGENT if self.snapshot is None else agent_meaning(self.snapshot)
         return LegendSign(self.look.glyphs.agent, who, self.look.palette.agent)
-
-    def policy_sign(self, sign: str, style: Style) -> LegendSign:
-        """Return the ``sign`` of the actions that are drawn."""
-        in_full = POLICY_IN_FULL if self.shows_kept_policy else GREEDY_IN_FULL
-        return LegendSign(sign, self.policy_shown, style, in_full)
 
     # Places
 
@@ -277,7 +254,7 @@ class WorldView(Panel, can_focus=True):
                 self._name_lane(width)
             if not self.footing and self.has_focus:
                 self.footing = self.fitting(self._about_cursor(), width)
-            if self.is_manual:
+            if self.title:
                 self.heading, self.footing = self.fitting(self.title, width), self.fitting(self.prompt, width)
             return strips
         palette, glyphs = self.look.palette, self.look.glyphs
@@ -291,11 +268,13 @@ class WorldView(Panel, can_focus=True):
         shows, self.heading = self.heading.removeprefix(f"{TITLE} · "), self.fitting(self.lane, width)
         if not self.has_focus:
             forms = self.note or (self.footing, "" if self.is_explained else shows)
+            forms = (shows, *forms) if self.studied is not None else forms
             self.footing = self.fitting(filter(None, forms), width)
 
     def _equation(self, snapshot: Snapshot) -> Sequence[str]:
         """Return the Bellman equation of the state that a planner backed up last, the longest form first."""
-        story = None if passes_too_fast(snapshot) else story_of(snapshot)
+        is_told = self.studied is None and not passes_too_fast(snapshot)
+        story = story_of(snapshot) if is_told else None
         if story is None or story.state_backup is None:
             return ()
         glyphs = self.look.glyphs
@@ -355,8 +334,12 @@ class WorldView(Panel, can_focus=True):
         if offset is None or self.snapshot is None or self.is_manual:
             return
         place = self.place_at(offset.x, offset.y)
-        if place is not None:
-            self.put_cursor(place)
+        if place is None:
+            return
+        was_there = place == self.cursor
+        self.put_cursor(place)
+        if was_there:
+            self.post_message(PartPointed(self, part_pointed_at(self, offset.x, offset.y)))
 
     def on_resize(self) -> None:
         """Bring the part that is in view now into view in the lane beside."""

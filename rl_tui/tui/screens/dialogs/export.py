@@ -22,6 +22,7 @@ from rl_tui.tui.screens.dialogs.prompt import Prompt
 from rl_tui.tui.theme.glyphs import Glyphs
 
 COMMAND, SCRIPT, Q_CSV, Q_ARRAY, RETURNS, PICTURE = "command", "script", "q-csv", "q-npy", "returns", "svg"
+POLICY: Final = "policy"
 _SECRET: Final = "Careful: the true means of the arms are written in it."
 _KINDS: Final = {
     COMMAND: ("Command", "The rl-tui train line that does this run again, to read and copy."),
@@ -29,13 +30,14 @@ _KINDS: Final = {
     Q_CSV: ("Q-table as CSV", "A row for each state, a column for each action, and their visits."),
     Q_ARRAY: ("Q-table as .npy", "The same for NumPy: states × actions, NaN where one is not possible."),
     RETURNS: ("Returns as CSV", "Return, undiscounted, and length of every episode; the run is done again."),
+    POLICY: ("Drawn policy as JSON", "The policy you drew, for rl-tui evaluate; the command is shown then."),
     PICTURE: ("Screen as SVG", "A picture of the screen, without this window."),
 }
 _LOOKS_AT_PROGRESS: Final = 0.1
 
 
-def export_choice(glyphs: Glyphs, *, bandit: bool, no_returns: str) -> Choice:
-    """Return the choice of what to write.
+def export_choice(glyphs: Glyphs, *, bandit: bool, no_returns: str, has_drawing: bool) -> Choice:
+    """Return the choice of what to write; with ``has_drawing`` the drawn policy is among it.
 
     For a ``bandit`` the script shows what is hidden from the agent; the dialog warns of that. ``no_returns``
     says why there are no returns, empty if there are.
@@ -45,6 +47,7 @@ def export_choice(glyphs: Glyphs, *, bandit: bool, no_returns: str) -> Choice:
     candidates = (
         Candidate(what, name, (sentence, *secret.get(what, ())), refused.get(what, ""))
         for what, (name, sentence) in _KINDS.items()
+        if what != POLICY or has_drawing
     )
     return Choice("Export", candidates, "", glyphs)
 

@@ -156,7 +156,8 @@ class Board(Container):
         self.set_class(self.is_paired, "-lanes")
         if world is not None and self.world is not None and world is not self.world:
             self.world.is_manual, world.is_manual = world.is_manual, False
-            self.world.title, self.world.prompt = world.title, world.prompt
+            self.world.show_mode(world.title, world.prompt)
+            world.show_mode((), ())
         zoomed = None if self.zoomed is None else self._pair.row_of(self.zoomed)
         if zoomed is not None:
             self.zoom(self._pair.led(zoomed))
@@ -263,7 +264,6 @@ class Board(Container):
 
     def on_pointed(self, event: Pointed) -> None:
         """Show where the cursor of a world or a table stands in all others."""
-        event.stop()
         self._pair.align(event.panel)
         for panel in self._widgets().values():
             if isinstance(panel, QTable | WorldView) and panel is not event.panel:

@@ -28,6 +28,8 @@ from rl_tui.tui.actions.registry import actions_of
 from rl_tui.tui.panels.catalogue import PANELS, PanelRow
 from rl_tui.tui.panels.controls.slider import Slider, key_hints
 from rl_tui.tui.panels.discount.discount import DiscountPanel
+from rl_tui.tui.panels.pointing import PartPointed, Pointed
+from rl_tui.tui.panels.policies.policies import PolicyChosen
 from rl_tui.tui.panels.q_table.q_table import QTable
 from rl_tui.tui.panels.status_line import StatusLine
 from rl_tui.tui.panels.timeline.timeline import TimelineBar
@@ -38,8 +40,11 @@ from rl_tui.tui.screens.legend_switch import LegendSwitch
 from rl_tui.tui.screens.playground.actions.agent import AgentActions
 from rl_tui.tui.screens.playground.actions.export import ExportActions
 from rl_tui.tui.screens.playground.actions.lanes import LaneActions
-from rl_tui.tui.screens.playground.actions.manual import MANUAL_BINDINGS, ManualControl
 from rl_tui.tui.screens.playground.actions.microscope import MicroscopeActions
+from rl_tui.tui.screens.playground.actions.modes.drawing import PolicyDrawing
+from rl_tui.tui.screens.playground.actions.modes.manual import ManualControl
+from rl_tui.tui.screens.playground.actions.modes.mode import MODE_BINDINGS, Modes
+from rl_tui.tui.screens.playground.actions.policies import PolicyActions
 from rl_tui.tui.screens.playground.actions.run import RunActions
 from rl_tui.tui.screens.playground.actions.scenario_file import ScenarioFile
 from rl_tui.tui.screens.playground.actions.seeds import SeedActions
@@ -71,7 +76,7 @@ class Playground(ActionScreen):
     """
 
     CSS_PATH = "playground.tcss"
-    BINDINGS: ClassVar[list[BindingType]] = [*bindings_of(actions_of(Place.PLAYGROUND)), *MANUAL_BINDINGS]
+    BINDINGS: ClassVar[list[BindingType]] = [*bindings_of(actions_of(Place.PLAYGROUND)), *MODE_BINDINGS]
     AUTO_FOCUS = ""
     place = Place.PLAYGROUND
 
@@ -126,11 +131,14 @@ class Playground(ActionScreen):
         self.until = UntilActions(*of)
         self.agent = AgentActions(*of)
         self.why = WhyActions(*of, self.agent)
-        self.manual = ManualControl(*of)
+        self.modes = Modes()
+        self.manual = ManualControl(*of, self.modes)
+        self.drawing = PolicyDrawing(*of, self.modes)
         self.lanes = LaneActions(*of)
         self.view = ViewActions(*of)
         self.microscope = MicroscopeActions(*of)
         self.seeds = SeedActions(*of)
+        self.policies = PolicyActions(*of)
         self.session = SessionActions(*of, self.status, autosave, resumed)
         self.export = ExportActions(*of)
         self._left_after: int | None = None
@@ -163,14 +171,25 @@ class Playground(ActionScreen):
         return self.wanted.recipe
 
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
-        """Leave arrows and digits to the panels unless a person is the agent."""
-        if action == "manual_key":
-            return self.manual.takes(str(parameters[0]))
+        """Leave arrows, digits and the like to the panels unless a mode takes them."""
+        if action == "mode_key":
+            return self.modes.takes(str(parameters[0]))
         return super().check_action(action, parameters)
 
-    def action_manual_key(self, key: str) -> None:
-        """Do what ``key`` means while a person is the agent."""
-        self.manual.press(key)
+    def action_mode_key(self, key: str) -> None:
+        """Do what ``key`` means in the mode that is on."""
+        self.modes.press(key)
+
+    @on(Pointed)
+    def show_mode(self) -> None:
+        """Show which keys the mode has where the cursor is now."""
+        if self.snapshot is not None:
+            self.modes.show(self.snapshot)
+
+    @on(PartPointed)
+    def draw_by_mouse(self, event: PartPointed) -> None:
+        """Draw the arrow towards the side of a cell that was clicked, while a policy is drawn."""
+        self.drawing.point(event.step)
 
     @on(Slider.Changed)
     def set_parameter(self, event: Slider.Changed) -> None:
@@ -206,6 +225,11 @@ class Playground(ActionScreen):
     def ask_for_flips(self) -> None:
         """Have the marks on the slider of γ worked out, where it has the focus."""
         self.view.follow_flips()
+
+    @on(PolicyChosen)
+    def study(self, event: PolicyChosen) -> None:
+        """Study the policy that was clicked."""
+        self.policies.study(event.kind)
 
     @on(TimelineBar.Sought)
     def seek(self, event: TimelineBar.Sought) -> None:
@@ -247,7 +271,7 @@ class Playground(ActionScreen):
         self.link.send(command)
 
     def _note_sent(self, command: Command) -> None:
-        self.manual.note(command)
+        self.modes.note(command)
         self._pacer.hurry()
 
     def _start_to_follow(self) -> None:
@@ -297,10 +321,11 @@ class Playground(ActionScreen):
         self.microscope.follow_update()
         self.seeds.follow_panel()
         self.view.follow_flips()
+        self.policies.follow_panel()
         with self.app.batch_update():
             self.session.show_name()
             self.status.show(snapshot)
-            self.manual.show(snapshot)
+            self.modes.show(snapshot)
             self.show_key_hints()
             self.board.show(snapshot)
             self.view.show(snapshot)

@@ -27,6 +27,7 @@ from rl_tui.tui.panels.world.arms.bars import (
     value_width,
 )
 from rl_tui.tui.panels.world.arms.scale import NO_SCALE, ArmsScale, bound_text, grown, shown_scale
+from rl_tui.tui.panels.world.drawn import drawn_pairs
 from rl_tui.tui.panels.world.view import WorldView
 from rl_tui.worlds.drawing import Arms
 from rl_tui.worlds.mdp.space import FloatArray
@@ -66,8 +67,13 @@ class ArmsView(WorldView):
     def drawing(self, snapshot: Snapshot, width: int, height: int) -> list[Strip]:
         """Return the bars of the arms from the first in view on, and the axis where a row is left for it."""
         means = None if is_secret(snapshot) else true_means_now(self._mdp, snapshot)
+        drawn = drawn_pairs(self._mdp, snapshot)
         arms = tuple(
-            arm._replace(cursor=pair == self.shown_cursor, stops=pair in snapshot.playback.breakpoints.pairs)
+            arm._replace(
+                cursor=pair == self.shown_cursor,
+                stops=pair in snapshot.playback.breakpoints.pairs,
+                greedy=arm.greedy if drawn is None else pair in drawn[0],
+            )
             for pair, arm in enumerate(arms_of(self._mdp, snapshot, means))
         )
         self.scale = grown(self.scale, [value for arm in arms for value in arm.extent()])

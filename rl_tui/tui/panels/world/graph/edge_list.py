@@ -44,8 +44,8 @@ def draw_edge_list(
             if with_names:
                 style = look.palette.focus if state == signs.cursor else look.palette.text + Style(bold=True)
                 canvas.put(1, y, shape.nodes[state].name, style)
-                if state in signs.differing:
-                    canvas.put(1 + len(shape.nodes[state].name), y, look.glyphs.differs, look.palette.accent)
+                flag = values.flag(state, signs.differing, look)
+                canvas.put(1 + len(shape.nodes[state].name), y, flag, look.palette.accent)
             if with_values:
                 text = form.text(values.value[state] or 0.0, look.glyphs)
                 canvas.put(2 + names, y, text.rjust(_VALUE_WIDTH), values.style(state, look))

@@ -13,13 +13,13 @@ from rl_tui.tui.draw.number_form import NumberForm, SteadyForms
 from rl_tui.tui.panels.legend import Legend
 from rl_tui.tui.panels.panel import BoardPanel
 from rl_tui.tui.panels.scrolling import scrolled_to
-from rl_tui.tui.panels.snapshot_facts import is_new_run
 from rl_tui.tui.panels.world.graph.edge_list import draw_edge_list
 from rl_tui.tui.panels.world.graph.layout import GraphLayout, graph_layout
 from rl_tui.tui.panels.world.graph.routing import Box
 from rl_tui.tui.panels.world.graph.shape import GraphShape, Node, Signs, graph_shape
+from rl_tui.tui.panels.world.policy_picture import TITLE
 from rl_tui.tui.panels.world.state_values import StateValues, state_values
-from rl_tui.tui.panels.world.view import TITLE, WorldView
+from rl_tui.tui.panels.world.view import WorldView
 from rl_tui.tui.theme.glyphs import Glyphs
 from rl_tui.tui.theme.look import Look
 from rl_tui.worlds.drawing import Graph
@@ -55,7 +55,7 @@ class GraphView(WorldView):
 
     def show(self, snapshot: Snapshot) -> None:
         """Draw ``snapshot``; the form of its numbers is steady until another run starts."""
-        if is_new_run(self.snapshot, snapshot):
+        if self.begins_anew(snapshot):
             self._number_forms.clear()
         super().show(snapshot)
 
@@ -65,11 +65,12 @@ class GraphView(WorldView):
             self._shape = graph_shape(self._mdp, self._graph, self.look.glyphs)
             self._shape_glyphs = self.look.glyphs
         heading = f"{HEADING} {self.policy_shown}"
-        self.heading = self.fitting((*self.captioned(TITLE), heading), width) or heading
+        forms = self.study_headings("V") or (*self.captioned(TITLE), heading)
+        self.heading = self.fitting(forms, width) or heading
         values = state_values(self.world.space, snapshot)
         form = values.number_form(VALUE_WIDTH, self._number_forms)
         stops = snapshot.playback.breakpoints
-        signs = Signs(snapshot.counters.state, self.shown_cursor, stops, self.differing)
+        signs = Signs(snapshot.counters.state, self.shown_cursor, stops, self.shown_differences)
         self._layout = layout = graph_layout(self._shape, width, height)
         if layout is not None:
             self.footing = ""
@@ -199,8 +200,12 @@ def _draw_box(
     name = shortened(node.name, inner - 1, glyphs.ellipsis)
     start = max(1, (inner - len(name) + 1) // 2)
     canvas.put(box.x + 1 + start, first, name, background + Style(bold=True))
-    if state in signs.differing:
-        canvas.put(min(box.x + 1 + start + len(name), box.x + inner), first, glyphs.differs, background)
+    flag = values.flag(state, signs.differing, look)
+    after = box.x + 1 + start + len(name)
+    if after <= box.x + inner:
+        canvas.put(after, first, flag, background)
+    else:  # a name that fills the box keeps its last letter
+        canvas.put(box.x, box.y, flag, border)
     if agent:
         canvas.put(
             box.x + 1 + start - (2 if start > 1 else 1), first, glyphs.agent, background + palette.agent

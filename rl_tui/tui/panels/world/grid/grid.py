@@ -17,7 +17,6 @@ from rl_tui.tui.panels.legend import Legend, LegendSign
 from rl_tui.tui.panels.numbers_in_common import all_q, all_v, ends
 from rl_tui.tui.panels.panel import BoardPanel
 from rl_tui.tui.panels.scrolling import Scrolled, kept_in_view, scrolled_to
-from rl_tui.tui.panels.snapshot_facts import is_new_run
 from rl_tui.tui.panels.world.grid.action_form import ActionForm, Places, part_form, whole_map_form
 from rl_tui.tui.panels.world.grid.action_values import ActionArtist, name_room, sign_text
 from rl_tui.tui.panels.world.grid.cells import START, CellArtist
@@ -38,7 +37,8 @@ from rl_tui.tui.panels.world.grid.signs import action_signs, differing_sign, end
 from rl_tui.tui.panels.world.grid.strips import draw_grid, origin
 from rl_tui.tui.panels.world.grid.trail import traces, trail_signs
 from rl_tui.tui.panels.world.grid.wind import wind_line, wind_sign, wind_strip
-from rl_tui.tui.panels.world.view import TITLE, WorldView
+from rl_tui.tui.panels.world.policy_picture import TITLE
+from rl_tui.tui.panels.world.view import WorldView
 from rl_tui.worlds.drawing import CellKind, Grid
 from rl_tui.worlds.world import World
 
@@ -158,7 +158,7 @@ class GridView(WorldView):
 
     def show(self, snapshot: Snapshot) -> None:
         """Draw ``snapshot``. Its numbers only ever get wider, until another run starts."""
-        if is_new_run(self.snapshot, snapshot):
+        if self.begins_anew(snapshot):
             self._digits = self._action_digits = LEAST_DIGITS
             self._action_artist = None
             self._number_forms.clear()
@@ -166,8 +166,7 @@ class GridView(WorldView):
 
     def drawing(self, snapshot: Snapshot, width: int, height: int) -> list[Strip]:
         """Return the map, or the part of it that fits, which leaves a row for the legend."""
-        grid = self._map.grid
-        if self.is_explained and grid.rows > height >= _LEAST_WITH_LEGEND:
+        if self.is_explained and self._map.grid.rows > height >= _LEAST_WITH_LEGEND:
             strips = self._drawn_map(snapshot, width, height - 1)
             self.free_rows = 1
             return [*strips, Strip([Segment(" " * width, self.look.palette.text)], width)]
@@ -210,7 +209,7 @@ class GridView(WorldView):
             part,
             snapshot,
             self.shown_cursor,
-            self.differing,
+            self.shown_differences,
             with_actions=actions is not None,
             named=self.is_numbered,
         )
@@ -255,6 +254,8 @@ class GridView(WorldView):
         Where the border has no room for the legend, it says what is drawn; with every action it always does.
         """
         actions, arrows = self._action_form, self.policy_shown
+        if studies := self.study_headings("V" if actions is None else "Q"):
+            return self.fitting(studies, width) or studies[-1]
         heading = heading_of_actions(actions) if actions else heading_of_values(form, arrows, self.look)
         forms: tuple[str, ...] = (heading,)
         if self.is_numbered and self._longest_name <= self._room_for_names(form):
@@ -295,7 +296,7 @@ class GridView(WorldView):
         form, signs, actions = self._form, self._map.signs, self._action_form
         name = "" if form is None else self._name_beside_arrows(form)
         has_arrows = form is not None and form.width - len(name) >= LEAST_ARROWS
-        if form is not None and self.differing:
+        if form is not None and self.shown_differences:
             yield differing_sign(form.width, name, self.look)
         if form is not None and self._map.rewards:  # what is hardest to guess stands first
             rewards = self._map.rewards
@@ -372,7 +373,7 @@ class GridView(WorldView):
         Where it has room for the one, the footing tells the other.
         """
         legend = self._map.grid.legend
-        if self._is_whole or not legend:
+        if self._is_whole or not legend or self.studied is not None:
             return heading
         heading_with_legend = self.fitting((f"{heading} · {legend}", f"{TITLE} · {legend}"), width)
         if heading_with_legend or not self._following:

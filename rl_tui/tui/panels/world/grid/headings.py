@@ -6,7 +6,7 @@ from typing import Final
 
 from rl_tui.tui.panels.world.grid.action_form import ActionForm, Places
 from rl_tui.tui.panels.world.grid.form import LEAST_ARROWS, CellForm
-from rl_tui.tui.panels.world.view import TITLE
+from rl_tui.tui.panels.world.policy_picture import TITLE
 from rl_tui.tui.theme.look import Look
 
 FOLLOWS: Final = "follows the agent"

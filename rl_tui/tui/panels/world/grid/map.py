@@ -11,6 +11,7 @@ import numpy as np
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.live.viewport import NO_STATE, first_state_of_cells, pairs_of_states
 from rl_tui.tui.draw.action_order import order_of
+from rl_tui.tui.panels.world.drawn import AT_RANDOM, drawn_actions
 from rl_tui.tui.panels.world.grid.action_form import ActionKinds, action_kinds
 from rl_tui.tui.panels.world.grid.reach import unreached_cells
 from rl_tui.tui.panels.world.grid.rewards import CellReward, cell_rewards
@@ -66,10 +67,11 @@ class CellContent(NamedTuple):
     ``known`` says that something was learned about the state: it was updated or its estimates differ.
     ``greedy`` holds the greedy actions, all ties, as direction or first letter of the name, in the
     order in which actions are shown; it is empty where nothing is known. Where policy iteration keeps a
-    policy, value and actions are those of that. ``reward`` is what the cell pays
-    where that is not the usual step's. ``stops`` marks a breakpoint, ``cursor`` the cell the cursor is on.
-    ``differs`` says that the greedy actions are others in the lane beside this one. ``actions`` are all
-    actions in the order in which they are shown, where they were asked for. ``extra`` is what few cells have.
+    policy, value and actions are those of that; where a drawn one is studied, the action is that drawn.
+    ``reward`` is what the cell pays where that is not the usual step's. ``stops`` marks a breakpoint,
+    ``cursor`` the cell the cursor is on. ``differs`` says that the greedy actions are others in the lane
+    beside this one. ``actions`` are all actions in the order in which they are shown, where they were asked
+    for. ``extra`` is what few cells have.
     """
 
     kind: CellKind
@@ -169,6 +171,7 @@ class GridMap:
         actions = self._space.pair_action[pairs].tolist()
         signs = [self.signs[action] for action in actions]
         agent = self._place(part, int(self.grid.cell_of_state[snapshot.counters.state]))
+        drawn = drawn_actions(snapshot)
         contents, first = [], 0
         for place, count in enumerate(counts.tolist()):
             row, column = divmod(place, part.columns)
@@ -187,6 +190,8 @@ class GridMap:
                 if with_actions:
                     own = q[first:last], visits[first:last], actions[first:last]
                     content = content._replace(actions=self._actions(*own, content.known))
+                if drawn is not None:
+                    content = self._drawn(content, drawn.get(int(states[place])), signs[first:last])
                 reward = self._rewards.get(cell)
                 contents.append(content if reward is None else content._replace(reward=reward))
             first = last
@@ -272,6 +277,12 @@ class GridMap:
         """Return ``content`` with the value and the actions of the policy that a planner keeps."""
         taken = (sign for sign, chance in zip(signs, policy, strict=True) if chance > 0.0)
         return content._replace(value=value, greedy=self._in_order(taken) if content.known else ())
+
+    def _drawn(self, content: CellContent, action: int | None, signs: list[Sign]) -> CellContent:
+        """Return ``content`` with the ``action`` that was drawn; None: with the only one, else at random."""
+        chosen = self.signs[action] if action is not None else signs[0] if len(signs) == 1 else AT_RANDOM
+        actions = tuple(each._replace(is_greedy=each.sign == chosen) for each in content.actions)
+        return content._replace(greedy=(chosen,), actions=actions)
 
     def _in_order(self, signs: Iterable[Sign]) -> tuple[Sign, ...]:
         return tuple(sorted(signs, key=self._sign_places.__getitem__))

@@ -17,6 +17,7 @@ from rl_tui.lab.run.recipe import JournalEntry, Recipe
 from rl_tui.tui.screens.dialogs.export import (
     COMMAND,
     PICTURE,
+    POLICY,
     Q_ARRAY,
     Q_CSV,
     RETURNS,
@@ -47,7 +48,12 @@ class ExportActions(Subject):
         if snapshot is None:
             return
         is_bandit = isinstance(snapshot.world.drawing, Arms)
-        choice = export_choice(self.glyphs, bandit=is_bandit, no_returns=_without_returns(snapshot))
+        choice = export_choice(
+            self.glyphs,
+            bandit=is_bandit,
+            no_returns=_without_returns(snapshot),
+            has_drawing=bool(snapshot.answers.drawn.choices),
+        )
         self.ask(choice, partial(self._export, snapshot))
 
     def _export(self, snapshot: Snapshot, what: str) -> None:
@@ -57,6 +63,7 @@ class ExportActions(Subject):
             Q_CSV: self._export_q_csv,
             Q_ARRAY: self._export_q_array,
             RETURNS: self._export_returns,
+            POLICY: self._export_policy,
             PICTURE: self._export_picture,
         }[what]
         try:
@@ -66,11 +73,7 @@ class ExportActions(Subject):
 
     def _export_command(self, snapshot: Snapshot) -> None:
         line = recipe_line(*_run_of(snapshot), snapshot.world.space.action_names)
-
-        def write(_: str) -> None:
-            self._ask_file(snapshot, "Command", ".txt", partial(write_text, text=f"{line}\n"))
-
-        self.ask(CommandLine(line, _about_command(snapshot)), write)
+        self._ask_command(snapshot, line, _about_command(snapshot))
 
     def _export_script(self, snapshot: Snapshot) -> None:
         self._ask_file(snapshot, "Python script", ".py", partial(write_text, text=script_of(snapshot)))
@@ -106,6 +109,26 @@ class ExportActions(Subject):
 
         self._ask_file(snapshot, "Returns as CSV", "-returns.csv", write, takes_time=True)
 
+    def _export_policy(self, snapshot: Snapshot) -> None:
+        from rl_tui.lab.export.policy import evaluate_line, policy_text
+
+        text = policy_text(snapshot.world.space, snapshot.answers.drawn)
+
+        def write(path: Path) -> None:
+            line = evaluate_line(in_force(snapshot), str(path))
+            write_text(path, text)
+            self._ask_command(snapshot, line, "It prints what the policy you drew is worth in each state.")
+
+        self._ask_file(snapshot, "Drawn policy as JSON", "-policy.json", write, is_of_agent=False)
+
+    def _ask_command(self, snapshot: Snapshot, line: str, hint: str) -> None:
+        """Show ``line`` to copy, or to write to a file."""
+
+        def write(_: str) -> None:
+            self._ask_file(snapshot, "Command", ".txt", partial(write_text, text=f"{line}\n"))
+
+        self.ask(CommandLine(line, hint), write)
+
     def _export_picture(self, snapshot: Snapshot) -> None:
         def write(path: Path) -> None:
             write_text(path, self.screen.app.export_screenshot(title="rl-tui", simplify=True))
@@ -120,8 +143,12 @@ class ExportActions(Subject):
         write: Callable[..., None],
         *,
         takes_time: bool = False,
+        is_of_agent: bool = True,
     ) -> None:
-        """Ask for a new file, offering a name, and have it written: a SlowWrite where it takes time."""
+        """Ask for a new file, offering a name, and have it written: a SlowWrite where it takes time.
+
+        The name has that of the algorithm where the file ``is_of_agent``.
+        """
 
         def write_to(chosen: float | str) -> None:
             path = Path(str(chosen))
@@ -132,7 +159,8 @@ class ExportActions(Subject):
                 # What is asked is closed by then, so that a picture does not show it
                 self.screen.call_after_refresh(self._write_now, path, write)
 
-        name = free_name(f"{snapshot.recipe.scenario.id}-{snapshot.agent.algorithm}", ending)
+        agent = f"-{snapshot.agent.algorithm}" if is_of_agent else ""
+        name = free_name(f"{snapshot.recipe.scenario.id}{agent}", ending)
         self.ask(ask_new_file(title, name, self.glyphs), write_to)
 
     def _write_now(self, path: Path, write: Write) -> None:

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from typing import Final
 
-from textual.binding import Binding, BindingType
-
 from rl_tui.agents.catalogue import BY_ID
 from rl_tui.lab.live.commands import (
     Command,
@@ -18,65 +16,54 @@ from rl_tui.lab.live.commands import (
     WatchLearning,
 )
 from rl_tui.lab.live.snapshot import Phase, Snapshot
+from rl_tui.tui.draw.names import state_name
 from rl_tui.tui.panels.catalogue import WORLD
 from rl_tui.tui.panels.controls.slider import Slider
 from rl_tui.tui.panels.status_line import StatusLine
-from rl_tui.tui.screens.key_line import KeyLine
-from rl_tui.tui.screens.playground.actions.manual_keys import (
+from rl_tui.tui.screens.playground.actions.modes.action_keys import (
     DIGITS,
     acting_keys,
     action_towards,
+    actions_in_a_line,
     digit_keys,
     has_directions,
-    prompts,
-    title,
 )
-from rl_tui.tui.screens.playground.actions.subject import Subject
+from rl_tui.tui.screens.playground.actions.modes.mode import LEAVE, STEPS, KeyMode
+from rl_tui.tui.theme.glyphs import Glyphs
+from rl_tui.worlds.drawing import Arms
 
-_STEPS: Final = {"up": (-1, 0), "down": (1, 0), "left": (0, -1), "right": (0, 1)}
-_BACK: Final = "escape"
-
-
-def _binding(key: str, tooltip: str) -> Binding:
-    # Before whatever is in focus: a slider or a table has uses of its own for these keys
-    return Binding(
-        key, f"manual_key('{key}')", key, show=False, priority=True, id=f"manual.{key}", tooltip=tooltip
-    )
+MANUAL_TITLE: Final = "You are the agent"
+_HAND_BACK: Final = " · y: hand back"
 
 
-MANUAL_BINDINGS: Final[list[BindingType]] = [
-    *(_binding(key, "Go there") for key in _STEPS),
-    *(_binding(digit, "Take this action") for digit in DIGITS),
-    _binding(_BACK, "Hand back"),
-]
-
-
-class ManualControl(Subject):
-    """Taking over, acting, and handing back; ``is_on`` while a person is the agent."""
-
-    is_on = False
+class ManualControl(KeyMode):
+    """Taking over, acting, and handing back; while it is on, a person is the agent."""
 
     def takes(self, key: str) -> bool:
         """Return whether ``key`` acts: else arrows and digits are left to the panels, or to what is typed."""
         snapshot, focused = self.snapshot, self.screen.focused
         if isinstance(focused, Slider) and focused.is_typing:
             return False
-        return self.is_on and (key not in _STEPS or (snapshot is not None and has_directions(snapshot)))
+        if key in STEPS:
+            return snapshot is not None and has_directions(snapshot.world)
+        return key in DIGITS or key == LEAVE
 
     def press(self, key: str) -> None:
         """Take the action of ``key``; escape hands back."""
-        if key == _BACK:
+        snapshot = self.snapshot
+        if key == LEAVE:
             self.toggle()
-        elif self.snapshot is not None and key in _STEPS:
-            step = _STEPS[key]
-            self._take(self.snapshot, action_towards(self.snapshot, step), self.glyphs.direction(step))
-        elif self.snapshot is not None:
-            self._take(self.snapshot, digit_keys(self.snapshot).get(key), key)
+        elif snapshot is not None and key in STEPS:
+            step = STEPS[key]
+            action = action_towards(snapshot.world, acts_in(snapshot), step)
+            self._take(snapshot, action, self.glyphs.direction(step))
+        elif snapshot is not None:
+            self._take(snapshot, digit_keys(snapshot.world, acts_in(snapshot)).get(key), key)
 
     def toggle(self) -> None:
         """Take over, or hand back."""
         if self.is_on:
-            self.hand_back()
+            self.leave()
             self.screen.tell("the agent acts again")
             return
         snapshot = self.snapshot
@@ -89,54 +76,53 @@ class ManualControl(Subject):
         if snapshot.playback.phase is not Phase.PAUSED:
             self.link.send(Pause())
         self.board.bring_into_view(WORLD)
-        self._show_mode(True)
+        self.enter()
         self.board.table.action_follow()
         self.show(snapshot)
         if self.board.world is not None:
             self.board.world.action_follow()
-        text = f"you are the agent: act with {acting_keys(snapshot)}; y hands back"
+        text = f"you are the agent: act with {_keys(snapshot)}; y hands back"
         self.screen.tell(text)
 
-    def hand_back(self) -> None:
+    def enter(self) -> None:
+        """Let a person be the agent."""
+        super().enter()
+        self._show(is_on=True)
+
+    def leave(self) -> None:
         """Let the agent act again."""
         if self.is_on:
-            self._show_mode(False)
+            super().leave()
+            self._show(is_on=False)
 
     def note(self, command: Command) -> None:
         """Hand back where the agent is asked to go on by itself, or the run starts again."""
         if isinstance(command, Play | WatchLearning | RunEpisode | RunUntil | Restart):
-            self.hand_back()
+            self.leave()
 
     def show(self, snapshot: Snapshot) -> None:
         """Show what can be done in ``snapshot``; hand back where nothing can be done any more."""
-        if not self.is_on:
-            return
         refused = _refused(snapshot)
         if refused:
-            self.hand_back()
+            self.leave()
             self.screen.tell(refused)
-        elif self.board.world is not None:
-            glyphs = self.glyphs
-            self.board.world.title = title(snapshot, glyphs)
-            self.board.world.prompt = prompts(snapshot, glyphs)
-            self.screen.query_one(KeyLine).hints = ((acting_keys(snapshot), "act"), *_HINTS)
+            return
+        glyphs = self.glyphs
+        self._write(title(snapshot, glyphs), prompts(snapshot, glyphs), ((_keys(snapshot), "act"), *_HINTS))
 
     def _take(self, snapshot: Snapshot, action: int | None, key: str) -> None:
         if action is not None:
             self.link.send(Take(action))
             return
-        text = f"{key} is no action here: act with {acting_keys(snapshot)}"
+        text = f"{key} is no action here: act with {_keys(snapshot)}"
         self.screen.tell(text, severity="warning")
 
-    def _show_mode(self, is_on: bool) -> None:
-        self.is_on = is_on
+    def _show(self, *, is_on: bool) -> None:
         if self.board.world is not None:
             self.board.world.is_manual = is_on
         status = self.screen.query_one(StatusLine)
         status.is_manual = is_on
         status.redraw()
-        if not is_on:
-            self.screen.query_one(KeyLine).hints = ()
 
 
 _HINTS: Final = (
@@ -155,3 +141,32 @@ def _refused(snapshot: Snapshot) -> str:
     if snapshot.playback.phase is Phase.SPENT:
         return "the budget is spent; r starts again"
     return "the run has stopped; r starts again" if snapshot.playback.phase is Phase.STOPPED else ""
+
+
+def acts_in(snapshot: Snapshot) -> int:
+    """Return the state in which the next action is taken: after an episode where the next one starts."""
+    return snapshot.counters.state if snapshot.counters.step_from is None else snapshot.counters.step_from
+
+
+def title(snapshot: Snapshot, glyphs: Glyphs) -> tuple[str, ...]:
+    """Return what a panel is called while a person acts in it, the longest form first.
+
+    After an episode it tells where the next one starts: the agent is still seen where the last one ended.
+    """
+    state = acts_in(snapshot)
+    if isinstance(snapshot.world.drawing, Arms) or state == snapshot.counters.state:
+        return (MANUAL_TITLE,)
+    start = f"starts at {state_name(snapshot.world, state, glyphs)}"
+    return f"{MANUAL_TITLE} · {start}", f"You act · {start}", MANUAL_TITLE
+
+
+def prompts(snapshot: Snapshot, glyphs: Glyphs) -> tuple[str, ...]:
+    """Return the legal actions with their digits, and how to hand back, the longest form first."""
+    keys = _keys(snapshot)
+    brief = (f"{keys}: act{_HAND_BACK}", f"{keys}: act", "y: hand back")
+    forms = actions_in_a_line(snapshot.world, acts_in(snapshot), glyphs)
+    return (*(f"{form}{_HAND_BACK}" for form in forms[:2]), *forms[:1], *forms[1:], *brief)
+
+
+def _keys(snapshot: Snapshot) -> str:
+    return acting_keys(snapshot.world, acts_in(snapshot))

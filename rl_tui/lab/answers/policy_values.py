@@ -1,0 +1,199 @@
+"""What a policy is worth in a run: its values, its return, and why there is none where there is none."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final, NamedTuple
+from weakref import WeakKeyDictionary
+
+import numpy as np
+
+from rl_tui.lab.answers.policy_kind import PolicyKind
+from rl_tui.lab.run.exact_answers import AT_ONCE_STATES, LIVE_STATES, NO_TABLE
+from rl_tui.worlds.mdp.space import FloatArray
+from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
+
+if TYPE_CHECKING:
+    from rl_tui.lab.answers.drawn_policy import DrawnPolicy
+    from rl_tui.lab.run.exact_answers import Answer
+    from rl_tui.lab.run.run import Run
+
+# Up to so many steps an episode of a small world is worked out in some milliseconds
+LONGEST_AT_ONCE: Final = 1_000
+
+TOO_MANY: Final = f"more than {LIVE_STATES:,} states: rl-tui evaluate works it out"
+WHILE_RUNNING: Final = "pause to see it"
+PLANS: Final = "a planner takes no actions"
+BROKE_DOWN: Final = "the estimates ran away"
+NO_CHANCES: Final = "its chances have no closed form, or are too many"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PolicyAnswer:
+    """What one policy is worth; all None while that is worked out, or where it is ``refused``.
+
+    ``policy`` is π(a|s), [P], ``v`` V^π, [S], and ``q`` Q^π, [P], for the γ in force and without a time
+    limit; NaN where there is no value, at γ = 1 only. ``value_at_start`` is V^π on average at the start. The
+    others are of an episode within the time limit: the ``expected_return``, undiscounted, the expected
+    ``steps``, and the probability ``ends`` that it ends. Each is None where it is not known exactly.
+    """
+
+    policy: FloatArray | None = None
+    v: FloatArray | None = None
+    q: FloatArray | None = None
+    value_at_start: float | None = None
+    expected_return: float | None = None
+    steps: float | None = None
+    ends: float | None = None
+    refused: str = ""
+    """Why there is no answer; empty where there is one, and while it is worked out."""
+
+    @property
+    def is_known(self) -> bool:
+        """Whether it has been worked out."""
+        return self.policy is not None
+
+
+PENDING: Final = PolicyAnswer()
+
+
+def worth_of(mdp: TabularMDP, policy: FloatArray, gamma: float) -> PolicyAnswer:
+    """Return what ``policy``, [P], is worth for ``gamma`` in [0, 1]."""
+    from rl_tui.agents.exact.policy_figures import figures
+
+    found = figures(mdp, policy, gamma)
+    q = None if found.v is None else action_values(mdp, found.v, gamma)
+    return PolicyAnswer(
+        policy, found.v, q, found.value_at_start, found.expected_return, found.steps, found.ends
+    )
+
+
+def action_values(mdp: TabularMDP, v: FloatArray, gamma: float) -> FloatArray:
+    """Return q(s, a) of every pair, [P], where it goes on with ``v``, [S] (equation 4.6)."""
+    first = mdp.first_outcome[:-1]
+    later = np.where(mdp.terminated, 0.0, v[mdp.next_state])
+    gain = mdp.probability * (mdp.reward + gamma * later)
+    summed: FloatArray = np.add.reduceat(gain, first) / np.add.reduceat(mdp.probability, first)
+    return summed
+
+
+class _Question(NamedTuple):
+    """What has to be evaluated."""
+
+    mdp: TabularMDP
+    policy: FloatArray
+    gamma: float
+
+    def is_answered_by(self, other: _Question) -> bool:
+        """Return whether ``other`` is the same question."""
+        is_same_world = self.mdp is other.mdp and self.gamma == other.gamma
+        return is_same_world and np.array_equal(self.policy, other.policy)
+
+
+class PolicyAnswers:
+    """What the policies of runs are worth, worked out again only where policy, γ or world are others.
+
+    What takes longer than a frame may is worked out by :meth:`work`, while a run stands still; with
+    ``automatic`` off, where nothing may depend on the time, it is worked out when it is asked for.
+    """
+
+    def __init__(self, *, automatic: bool) -> None:
+        self._automatic = automatic
+        self._known: WeakKeyDictionary[Run, dict[PolicyKind, tuple[_Question, PolicyAnswer]]] = (
+            WeakKeyDictionary()
+        )
+
+    def of(
+        self, run: Run, exact: Answer, drawn: DrawnPolicy, *, is_still: bool
+    ) -> Mapping[PolicyKind, PolicyAnswer]:
+        """Return what each policy is worth in ``run``, as far as it is known; ``exact`` is its best answer.
+
+        A run that ``is_still`` takes no step before it is told otherwise.
+        """
+        answers = {}
+        for kind in PolicyKind:
+            asked = _question(kind, run, exact, drawn)
+            answers[kind] = (
+                asked if isinstance(asked, PolicyAnswer) else self._answer(run, kind, asked, is_still)
+            )
+        return answers
+
+    def work(self, runs: Iterable[tuple[Run, Answer]], drawn: DrawnPolicy) -> bool:
+        """Work out one of the answers that :meth:`of` lacks of ``runs``; return whether there was one."""
+        for run, exact in runs:
+            for kind in PolicyKind:
+                asked = _question(kind, run, exact, drawn)
+                if not isinstance(asked, PolicyAnswer) and self._kept(run, kind, asked) is None:
+                    self._work_out(run, kind, asked)
+                    return True
+        return False
+
+    def _answer(self, run: Run, kind: PolicyKind, asked: _Question, is_still: bool) -> PolicyAnswer:
+        known = self._kept(run, kind, asked)
+        if known is not None:
+            return known
+        if is_quick(asked.mdp) or (is_still and not self._automatic):
+            return self._work_out(run, kind, asked)
+        return PENDING if is_still else PolicyAnswer(refused=WHILE_RUNNING)
+
+    def _kept(self, run: Run, kind: PolicyKind, asked: _Question) -> PolicyAnswer | None:
+        question, answer = self._known.get(run, {}).get(kind, (None, PENDING))
+        return answer if question is not None and asked.is_answered_by(question) else None
+
+    def _work_out(self, run: Run, kind: PolicyKind, asked: _Question) -> PolicyAnswer:
+        answer = worth_of(asked.mdp, asked.policy, asked.gamma)
+        self._known.setdefault(run, {})[kind] = (asked, answer)
+        return answer
+
+
+def is_quick(mdp: TabularMDP) -> bool:
+    """Return whether a policy of ``mdp`` is evaluated quickly enough to be asked for in every frame."""
+    return mdp.states <= AT_ONCE_STATES and mdp.time_limit <= LONGEST_AT_ONCE
+
+
+def _question(kind: PolicyKind, run: Run, exact: Answer, drawn: DrawnPolicy) -> _Question | PolicyAnswer:
+    """Return what to evaluate, or the answer where there is nothing to evaluate."""
+    mdp = run.learner.mdp
+    if mdp is None:
+        return PolicyAnswer(refused=NO_TABLE)
+    if mdp.states > LIVE_STATES:
+        return PolicyAnswer(refused=TOO_MANY)
+    policy = _policy(kind, run, exact, drawn)
+    if isinstance(policy, PolicyAnswer):
+        return policy
+    return _Question(mdp, policy, run.learner.hyperparameters.gamma)
+
+
+def _policy(kind: PolicyKind, run: Run, exact: Answer, drawn: DrawnPolicy) -> FloatArray | PolicyAnswer:
+    """Return π(a|s), [P], or why there is none."""
+    from rl_tui.agents.exact.policies import greedy_policy, uniform_over, uniform_policy
+
+    space, learner = run.world.space, run.learner
+    match kind:
+        case PolicyKind.UNIFORM:
+            return uniform_policy(space)
+        case PolicyKind.OPTIMAL:
+            if exact.solution is None:
+                return PolicyAnswer(refused=exact.refused)
+            return uniform_over(space, exact.solution.greedy)
+        case PolicyKind.DRAWN:
+            return drawn.chances(space)
+    if run.stop_reason:
+        return PolicyAnswer(refused=BROKE_DOWN)
+    if kind is PolicyKind.GREEDY:
+        return greedy_policy(space, learner.q, learner.hyperparameters.ties)
+    if learner.plans:
+        return PolicyAnswer(refused=PLANS)
+    return _behaviour(run)
+
+
+def _behaviour(run: Run) -> FloatArray | PolicyAnswer:
+    """Return π(a|s) of the agent as it acts in this episode, [P], or why that is not known."""
+    from rl_tui.agents.policies.chances import all_chances
+
+    learner, space = run.learner, run.world.space
+    values = learner.hyperparameters
+    epsilon = values.epsilon_at(learner.episodes)
+    chances = all_chances(space, values, learner.rule, epsilon, learner.q, learner.visits)
+    return PolicyAnswer(refused=NO_CHANCES) if chances is None else chances

@@ -1,0 +1,222 @@
+"""A policy that a person draws on the world."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+
+from rl_tui.lab.answers.policy_kind import PolicyKind
+from rl_tui.lab.live.commands import ClearDrawing, DrawAction, StudyPolicy
+from rl_tui.lab.live.snapshot import Phase, Snapshot
+from rl_tui.tui.panels.catalogue import POLICIES, WORLD
+from rl_tui.tui.panels.world.arms.arms import ArmsView
+from rl_tui.tui.panels.world.view import WorldView
+from rl_tui.tui.screens.dialogs.confirm import Confirm
+from rl_tui.tui.screens.playground.actions.modes.action_keys import (
+    DIGITS,
+    action_towards,
+    digit_keys,
+    digits_in_words,
+    has_directions,
+)
+from rl_tui.tui.screens.playground.actions.modes.drawing_texts import hints, prompts, title
+from rl_tui.tui.screens.playground.actions.modes.mode import CLEAR, LEAVE, STEPS, WITH_SHIFT, KeyMode
+from rl_tui.worlds.drawing import Grid
+from rl_tui.worlds.world import World
+
+_DRAWS: Final = {f"{WITH_SHIFT}{key}": step for key, step in STEPS.items()}
+_NONE: Final = ("delete", "backspace")
+
+
+class PolicyDrawing(KeyMode):
+    """Drawing a policy under the cursor of the world, which has the focus; the run goes on as it does."""
+
+    _studied_before: PolicyKind | None = None
+    _panel_is_open: bool = False
+
+    def takes(self, key: str) -> bool:
+        """Return whether ``key`` draws or leaves: it does where the cursor of a world is to be seen."""
+        view = self._view
+        if view is None:
+            return False
+        if key in _DRAWS:
+            return has_directions(view.world)
+        return key in (*DIGITS, *_NONE, CLEAR, LEAVE) or (key == "enter" and isinstance(view, ArmsView))
+
+    def press(self, key: str) -> None:
+        """Draw what ``key`` means in the state under the cursor."""
+        view = self._view
+        if key == LEAVE:
+            self.toggle()
+        elif key == CLEAR:
+            self._ask_to_clear()
+        elif view is not None and key in _DRAWS:
+            self._draw_towards(view, _DRAWS[key])
+        elif view is not None and key in _NONE:
+            self._draw_nothing(view)
+        elif isinstance(view, ArmsView) and key == "enter":
+            self._draw_arm(view)
+        elif view is not None:
+            self._draw_numbered(view, key)
+
+    def point(self, step: tuple[int, int] | None) -> None:
+        """Draw the action towards a side of the cell under the cursor; of a bandit the arm there."""
+        view = self._view
+        if not self.is_on or view is None:
+            return
+        if isinstance(view, ArmsView):
+            self._draw_arm(view)
+        elif step is not None and has_directions(view.world):
+            self._draw_towards(view, step, moves=False)
+
+    def toggle(self) -> None:
+        """Begin to draw, or end it."""
+        snapshot = self.snapshot
+        if self.is_on:
+            self.leave()
+            self.screen.tell("what you drew is kept; D goes on drawing")
+            return
+        if snapshot is None or snapshot.playback.phase is Phase.PREPARING:
+            return
+        refused = _refused(snapshot.world)
+        if refused:
+            self.screen.tell(refused)
+            return
+        self._studied_before = snapshot.answers.studied
+        self.board.bring_into_view(WORLD)
+        self.enter()
+        self.link.send(StudyPolicy(PolicyKind.DRAWN))
+        view = self.board.world
+        if view is not None:
+            view.focus()
+            if view.cursor_place is not None:
+                view.put_cursor(view.cursor_place)  # it stays there while the agent goes on
+        self.show(snapshot)
+        self.screen.tell(_first_words(snapshot.world))
+
+    def leave(self) -> None:
+        """Give the keys back; what was drawn stays."""
+        if self.is_on:
+            super().leave()
+            self.link.send(StudyPolicy(self._studied_before))
+            if self.board.world is not None:
+                self.board.world.action_follow()
+
+    def show(self, snapshot: Snapshot) -> None:
+        """Show what is drawn, and what can be done under the cursor."""
+        was_open, self._panel_is_open = self._panel_is_open, self.board.opened == POLICIES
+        if was_open and not self._panel_is_open:
+            self.link.send(StudyPolicy(PolicyKind.DRAWN))  # the panel ends what it studied
+        view, world, glyphs = self._view, snapshot.world, self.glyphs
+        state = None if view is None else self._state_under(view)
+        titles = title(snapshot, glyphs, revealed=self.link.wanted.revealed)
+        self._write(titles, prompts(world, state, glyphs), hints(world))
+
+    @property
+    def _view(self) -> WorldView | None:
+        """The world in focus."""
+        focused = self.screen.focused
+        return focused if isinstance(focused, WorldView) else None
+
+    def _state_under(self, view: WorldView) -> int | None:
+        """Return the state under the cursor of ``view``, None where nothing can be chosen there."""
+        place = view.cursor_place
+        pairs = range(0) if place is None else view.pairs_at(place)
+        if not pairs:
+            return None
+        state = view.world.space.state_of(pairs.start)
+        return state if len(view.world.space.pairs_of(state)) > 1 else None
+
+    def _state_to_draw_in(self, view: WorldView) -> int | None:
+        """Return the state under the cursor; say so where there is nothing to choose."""
+        state = self._state_under(view)
+        if state is None:
+            place = view.cursor_place
+            is_only_one = place is not None and bool(view.pairs_at(place))
+            why = "there is only one action" if is_only_one else "no action is taken here"
+            self.screen.tell(f"nothing to choose: {why}")
+        return state
+
+    def _draw_towards(self, view: WorldView, step: tuple[int, int], *, moves: bool = True) -> None:
+        state = self._state_to_draw_in(view)
+        if state is None:
+            return
+        action = action_towards(view.world, state, step)
+        if action is None:
+            self._tell_no_action(view.world, state, self.glyphs.direction(step))
+            return
+        self.link.send(DrawAction(state, action))
+        if moves:
+            view.put_cursor(likely_cell(view.world, state, action))
+
+    def _draw_numbered(self, view: WorldView, key: str) -> None:
+        state = self._state_to_draw_in(view)
+        if state is None:
+            return
+        action = digit_keys(view.world, state).get(key)
+        if action is None:
+            self._tell_no_action(view.world, state, key)
+        else:
+            self.link.send(DrawAction(state, action))
+
+    def _draw_arm(self, view: ArmsView) -> None:
+        state, place = self._state_to_draw_in(view), view.cursor_place
+        if state is not None and place is not None:
+            self.link.send(DrawAction(state, int(view.world.space.pair_action[place])))
+
+    def _draw_nothing(self, view: WorldView) -> None:
+        state = self._state_to_draw_in(view)
+        if state is not None:
+            self.link.send(DrawAction(state, None))
+
+    def _tell_no_action(self, world: World, state: int, key: str) -> None:
+        text = f"{key} is no action here: draw with {digits_in_words(world, state)}"
+        self.screen.tell(text, severity="warning")
+
+    def _ask_to_clear(self) -> None:
+        count = 0 if self.snapshot is None else len(self.snapshot.answers.drawn.choices)
+        if not count:
+            self.screen.tell("nothing is drawn yet")
+            return
+        states = f"{count:,} state{'s' if count > 1 else ''}"
+        question = f"You have drawn an action in {states}; this cannot be undone."
+        self.ask(Confirm("Draw afresh?", question, "clear all", self.glyphs), self._clear)
+
+    def _clear(self, _: bool) -> None:
+        self.link.send(ClearDrawing())
+        self.screen.tell("all that was drawn is gone")
+
+
+def likely_cell(world: World, state: int, action: int) -> int:
+    """Return the cell of a map to which ``action`` most likely leads from ``state``.
+
+    Where several are as likely, it is the one in which the action happens as meant, if that is among them.
+    """
+    mdp, grid, pair = world.mdp, world.drawing, world.space.pair_of(state, action)
+    if mdp is None or pair is None or not isinstance(grid, Grid):
+        raise ValueError("only maps with a table have a cell that an action leads to")
+    own = mdp.outcomes_of(pair)
+    next_states, actions = mdp.next_state[own.start : own.stop], mdp.outcome_action[own.start : own.stop]
+    chances = np.bincount(next_states, mdp.probability[own.start : own.stop], minlength=mdp.states)
+    likely = chances[next_states] >= chances.max() - 1e-9
+    meant = likely & (actions == action)
+    chosen = next_states[meant if meant.any() else likely][0]
+    return grid.cell_of_state[int(chosen)]
+
+
+def _refused(world: World) -> str:
+    """Return why nothing can be drawn in ``world``, empty if something can be."""
+    if world.mdp is None:
+        return "what actions lead to is not known here: a drawn policy could not be evaluated"
+    if not (np.diff(world.space.first_pair) > 1).any():
+        return "nothing to draw: no state has more than one action"
+    return ""
+
+
+def _first_words(world: World) -> str:
+    if has_directions(world):
+        how = "shift and an arrow draw and move on, digits draw"
+    else:
+        how = "arrows move, digits draw"
+    return f"you draw a policy: {how}; elsewhere (?) it acts at random; D ends"

@@ -1,0 +1,279 @@
+"""A policy that a person draws on the world, with real keys and the mouse."""
+
+from __future__ import annotations
+
+import json
+import shlex
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner
+from conftest import MakeApp
+from seams import choose, notes, playground, press, snapshot
+from textual.pilot import Pilot
+from textual.widgets import Static
+
+from rl_tui.cli.main import program
+from rl_tui.common.errors import UserError
+from rl_tui.lab.answers.policy_kind import PolicyKind
+from rl_tui.lab.answers.policy_values import PolicyAnswer
+from rl_tui.lab.live.commands import AddLane
+from rl_tui.lab.run.recipe import SetParameter
+from rl_tui.tui.app.screenshot import settle
+from rl_tui.tui.panels.pointing import part_pointed_at
+from rl_tui.tui.panels.world.view import WorldView
+from rl_tui.tui.screens.dialogs.confirm import Confirm
+from rl_tui.tui.screens.dialogs.export import CommandLine
+from rl_tui.tui.screens.key_line import KeyLine
+from rl_tui.tui.screens.playground.playground import Playground
+
+LEFT, DOWN, RIGHT, UP = range(4)
+SHORTEST = ((0, DOWN), (4, DOWN), (8, RIGHT), (9, DOWN), (13, RIGHT), (14, RIGHT))
+WAY = ("down", "down", "right", "down", "right", "right")
+
+
+def view(pilot: Pilot[UserError]) -> WorldView:
+    world = playground(pilot).board.world
+    assert world is not None
+    return world
+
+
+def drawn(pilot: Pilot[UserError]) -> tuple[tuple[int, int], ...]:
+    return snapshot(pilot).answers.drawn.choices
+
+
+def worth(pilot: Pilot[UserError]) -> PolicyAnswer:
+    return snapshot(pilot).answers.policies[PolicyKind.DRAWN]
+
+
+def picture(pilot: Pilot[UserError]) -> str:
+    world = view(pilot)
+    return "\n".join(world.render_line(y).text for y in range(world.size.height))
+
+
+async def draw_shortest(pilot: Pilot[UserError]) -> None:
+    await settle(pilot)
+    await press(pilot, "D", *(f"shift+{key}" for key in WAY))
+
+
+@pytest.mark.parametrize(
+    ("scenario", "expected_return", "said"),
+    [
+        ("frozenlake", 1.0, "You draw a policy · return 1 · nothing at random"),
+        ("frozenlake-slippery", None, "5 states at random"),
+    ],
+)
+async def test_a_way_is_drawn_with_shift_and_arrows(
+    make_app: MakeApp, scenario: str, expected_return: float | None, said: str
+) -> None:
+    async with make_app(scenario).run_test(size=(120, 40)) as pilot:
+        await draw_shortest(pilot)
+        assert drawn(pilot) == SHORTEST
+        assert view(pilot).cursor == 15
+        assert said in str(view(pilot).border_title)
+        found = worth(pilot).expected_return
+        assert found is not None
+        if expected_return is None:
+            assert 0.0 < found < 0.2
+        else:
+            assert found == expected_return
+        arrows = picture(pilot)
+        assert (arrows.count("↓"), arrows.count("→"), arrows.count("?")) == (3, 3, 5)
+
+
+async def test_digits_draw_and_the_cursor_stays(make_app: MakeApp) -> None:
+    async with make_app("frozenlake").run_test(size=(80, 24), notifications=True) as pilot:
+        await settle(pilot)
+        await press(pilot, "D", "right", "1", "2", "down")
+        assert drawn(pilot) == ((1, RIGHT),)
+        await press(pilot, "3")
+        assert drawn(pilot) == ((1, RIGHT),)  # a hole is below
+        assert "nothing to choose" in notes(pilot.app)[-1]
+        assert str(view(pilot).border_subtitle) == "nothing to choose here · D: end"
+        await press(pilot, "up", "7")
+        assert notes(pilot.app)[-1] == "7 is no action here: draw with 1…4"
+        await press(pilot, "delete")
+        assert drawn(pilot) == ()
+        assert snapshot(pilot).counters.step == 0
+
+
+async def test_the_mode_is_seen_and_ends(make_app: MakeApp) -> None:
+    async with make_app("frozenlake").run_test(size=(120, 40), notifications=True) as pilot:
+        await settle(pilot)
+        world, keys = view(pilot), playground(pilot).query_one(KeyLine)
+        before = (
+            str(world.border_title),
+            str(world.border_subtitle),
+            keys.render_line(0).text,
+            picture(pilot),
+        )
+        for key in ("D", "escape"):
+            await press(pilot, "D")
+            assert world.has_class("-manual")
+            assert world.has_focus
+            said = "return .01 · 10 states at random" if drawn(pilot) else "nothing drawn: all at random"
+            assert str(world.border_title) == f"You draw a policy · {said}"
+            assert str(world.border_subtitle) == "1 ↑  2 →  3 ↓  4 ← · del: none · C: clear · D: end"
+            assert keys.render_line(0).text.startswith(" shift+arrow draw  digits draw  D end")
+            await press(pilot, "shift+right", key)
+            assert not playground(pilot).drawing.is_on
+            assert not world.has_class("-manual")
+            pilot.app.set_focus(None)
+            await settle(pilot)
+            now = (
+                str(world.border_title),
+                str(world.border_subtitle),
+                keys.render_line(0).text,
+                picture(pilot),
+            )
+            assert now == before
+            assert isinstance(pilot.app.screen, Playground)
+        assert drawn(pilot) == ((0, RIGHT),)
+        assert notes(pilot.app)[-1] == "what you drew is kept; D goes on drawing"
+
+
+async def test_one_mode_ends_the_other(make_app: MakeApp) -> None:
+    async with make_app("frozenlake").run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        screen = playground(pilot)
+        await press(pilot, "D", "y")
+        assert (screen.drawing.is_on, screen.manual.is_on) == (False, True)
+        assert view(pilot).is_manual
+        await press(pilot, "D")
+        assert (screen.drawing.is_on, screen.manual.is_on) == (True, False)
+        assert not view(pilot).is_manual
+        assert snapshot(pilot).answers.studied is PolicyKind.DRAWN
+
+
+async def test_the_run_goes_on_beside_it(make_app: MakeApp) -> None:
+    async with make_app("frozenlake").run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        seen = await press(pilot, "D", "shift+down", "s", "e")
+        assert seen.counters.episodes == 1
+        assert playground(pilot).drawing.is_on
+        assert drawn(pilot) == ((0, DOWN),)
+        assert view(pilot).cursor == 4
+
+
+async def test_with_another_panel_in_focus_keys_are_its_own(make_app: MakeApp) -> None:
+    async with make_app("frozenlake").run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        await press(pilot, "D")
+        playground(pilot).board.table.focus()
+        await press(pilot, "shift+right", "2")
+        assert drawn(pilot) == ()
+        await press(pilot, "D")
+        assert not playground(pilot).drawing.is_on
+
+
+async def test_all_is_cleared_after_asking(make_app: MakeApp) -> None:
+    async with make_app("frozenlake").run_test(size=(80, 24), notifications=True) as pilot:
+        await settle(pilot)
+        await press(pilot, "D", "C")
+        assert notes(pilot.app)[-1] == "nothing is drawn yet"
+        await press(pilot, "shift+down", "C")
+        assert isinstance(pilot.app.screen, Confirm)
+        await press(pilot, "escape")
+        assert drawn(pilot) == ((0, DOWN),)
+        await press(pilot, "C", "enter")
+        assert drawn(pilot) == ()
+
+
+async def test_a_node_of_a_graph_takes_its_own_actions(make_app: MakeApp) -> None:
+    async with make_app("student").run_test(size=(120, 40), notifications=True) as pilot:
+        await settle(pilot)
+        await press(pilot, "D")
+        assert str(view(pilot).border_subtitle).startswith("1 study  2 check phone · ")
+        names = snapshot(pilot).world.space.state_names
+        assert picture(pilot).count("?") == 2  # Pass has one action
+        await press(pilot, "1")
+        view(pilot).put_cursor(names.index("Phone"))
+        await press(pilot, "2")
+        assert drawn(pilot) == ((0, 0), (1, 3))
+        assert "?" not in picture(pilot)
+        assert "nothing at random" in str(view(pilot).border_title)
+        mdp = snapshot(pilot).world.mdp
+        assert mdp is not None
+        assert worth(pilot).expected_return == pytest.approx(7.5, abs=5.0)
+
+
+async def test_an_arm_of_a_bandit_is_drawn(make_app: MakeApp) -> None:
+    async with make_app("bandit").run_test(size=(120, 40)) as pilot:
+        await settle(pilot)
+        await press(pilot, "D", "down", "down", "enter")
+        assert drawn(pilot) == ((0, 2),)
+        await press(pilot, "7")
+        assert drawn(pilot) == ((0, 7),)
+        assert worth(pilot).expected_return is not None
+
+
+async def test_a_world_without_a_table_refuses_with_the_reason(make_app: MakeApp) -> None:
+    async with make_app("blackjack").run_test(size=(80, 24), notifications=True) as pilot:
+        await settle(pilot)
+        await press(pilot, "D")
+        assert not playground(pilot).drawing.is_on
+        assert "could not be evaluated" in notes(pilot.app)[-1]
+
+
+async def test_the_mouse_draws_towards_the_side_that_is_clicked_again(make_app: MakeApp) -> None:
+    async with make_app("frozenlake").run_test(size=(120, 40)) as pilot:
+        await settle(pilot)
+        await press(pilot, "D")
+        world = view(pilot)
+        places = [(x, y) for y in range(world.size.height) for x in range(world.size.width)]
+        cell = [each for each in places if world.place_at(*each) == 6]
+        sides = {part_pointed_at(world, *each): each for each in cell}
+        assert set(sides) == {None, (0, 1), (0, -1), (1, 0), (-1, 0)}
+        for step, expected in (((0, 1), RIGHT), ((1, 0), DOWN), ((0, -1), LEFT), ((-1, 0), UP)):
+            x, y = sides[step]
+            if world.cursor != 6:
+                await pilot.click(world, offset=(x + 1, y + 1))
+                await settle(pilot)
+                assert drawn(pilot) == ()
+            await pilot.click(world, offset=(x + 1, y + 1))
+            await settle(pilot)
+            assert drawn(pilot) == ((6, expected),)
+            assert world.cursor == 6
+
+
+async def test_two_lanes_have_one_drawing(make_app: MakeApp) -> None:
+    async with make_app("frozenlake").run_test(size=(120, 40)) as pilot:
+        await settle(pilot)
+        playground(pilot).send(AddLane((SetParameter("alpha", 0.5),)))
+        await settle(pilot)
+        seen = await press(pilot, "D", "shift+down")
+        assert seen.beside is not None
+        assert seen.answers.drawn == seen.beside.answers.drawn
+        assert seen.answers.drawn.choices == ((0, DOWN),)
+
+
+async def test_what_is_exported_is_worth_what_the_screen_says(
+    make_app: MakeApp, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    async with make_app("frozenlake-slippery").run_test(size=(120, 40), notifications=True) as pilot:
+        await settle(pilot)
+        await press(pilot, "x")
+        with pytest.raises(Exception, match="policy"):
+            pilot.app.screen.query_one("OptionList").get_option("policy")  # type: ignore[attr-defined]
+        await press(pilot, "escape")
+        await draw_shortest(pilot)
+        shown = worth(pilot)
+        await press(pilot, "x")
+        await choose(pilot, "policy")
+        await press(pilot, "enter")
+        assert isinstance(pilot.app.screen, CommandLine)
+        line = str(pilot.app.screen.query_one("#command Static", Static).render())
+    words = shlex.split(line)
+    assert words[:5] == [
+        "rl-tui",
+        "evaluate",
+        "frozenlake-slippery",
+        "--policy",
+        "frozenlake-slippery-policy.json",
+    ]
+    answer = json.loads(CliRunner().invoke(program, [*words[1:], "--json"]).stdout)
+    assert shown.v is not None
+    assert list(answer["V"].values()) == shown.v.tolist()
+    assert answer["expected_return"] == shown.expected_return
+    assert answer["value_at_start"] == shown.value_at_start
