@@ -38,7 +38,7 @@ _KEYS: Final = (
     "↑ ↓: flip · enter: γ beyond it · v: worst to best · G: close",
     "↑ ↓: flip · enter: γ beyond it · v: layer · G: close",
     "↑ ↓: flip · enter: beyond · v: layer · G: close",
-    "↑ ↓ · enter: beyond · v · G: close",
+    "↑ ↓ enter: beyond · v · G: close",
     "↑ ↓ · enter: beyond · G: close",
     "G: close",
 )
