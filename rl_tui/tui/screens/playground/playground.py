@@ -389,8 +389,10 @@ class Playground(ActionScreen):
             self.post_message(self.Left(self.recipe))
 
     def _was_used(self) -> bool:
-        """Return whether there is a run to lose; what was asked for last may not be on screen yet."""
-        drawn = self.snapshot
-        return drawn is not None and (
-            drawn.counters.step > 0 or drawn.playback.handled < self.wanted.last_deed
+        """Return whether there is something to lose; what was asked for last may not be on screen yet."""
+        shown = self.snapshot
+        return shown is not None and (
+            shown.counters.step > 0
+            or bool(shown.answers.drawn.choices)
+            or shown.playback.handled < self.wanted.last_deed
         )
