@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from typing import Final
 
 from textual.app import ComposeResult
 from textual.containers import Container
@@ -11,15 +12,21 @@ from textual.content import Content
 from rl_tui.agents.catalogue import parameters_of
 from rl_tui.agents.hyperparameters import PARAMETERS, SAMPLE_AVERAGE, Hyperparameters, Parameter
 from rl_tui.agents.idle_parameters import why_idle
+from rl_tui.lab.answers.flip_answer import beyond
+from rl_tui.lab.answers.view import AnswersView
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.run.recipe import Recipe
 from rl_tui.tui.draw.to_ascii import separated, to_ascii
 from rl_tui.tui.panels.controls.settings import AgentSettings
 from rl_tui.tui.panels.controls.slider import Slider
+from rl_tui.tui.panels.controls.slider_picture import SliderMark
 from rl_tui.tui.panels.legend import LegendSign, legend_text
 from rl_tui.tui.panels.panel import BORDER_ENDS, BoardPanel
 from rl_tui.tui.theme.look import Look
 from rl_tui.worlds.drawing import Arms
+
+GAMMA: Final = "gamma"
+"""The hyper-parameter whose slider marks flips."""
 
 
 def sliders_of(algorithm: str, values: Hyperparameters, *, is_bandit: bool = False) -> tuple[Parameter, ...]:
@@ -42,6 +49,24 @@ def in_force(values: Hyperparameters, parameter: Parameter) -> float | str:
     return values.value(parameter.name)
 
 
+def flip_marks(answers: AnswersView, *, every: bool) -> tuple[SliderMark, ...]:
+    """Return the marks on the slider of γ: of flips that turn the way from the start, or of ``every`` flip.
+
+    There are none while the answer is hidden.
+    """
+    known = answers.flips
+    return tuple(
+        SliderMark(
+            flip.gamma,
+            below=beyond(known, flip, is_above=False),
+            above=beyond(known, flip, is_above=True),
+            stands_out=flip.turns_the_way,
+        )
+        for flip in known.flips
+        if (flip.turns_the_way or every) and not answers.is_hidden
+    )
+
+
 class Controls(Container, BoardPanel):
     """Sliders and settings; posts the sliders' own messages.
 
@@ -54,7 +79,13 @@ class Controls(Container, BoardPanel):
         self._look = look
         self._is_explained = False
         self.wanted = Hyperparameters()
+        self.marks_all_flips = False
+        """Whether the slider of γ marks every flip, not only those that turn the way from the start."""
         self._parameters: tuple[Parameter, ...] = ()
+
+    def has_slider(self, name: str) -> bool:
+        """Return whether the hyper-parameter ``name`` has a slider here."""
+        return any(parameter.name == name for parameter in self._parameters)
 
     @property
     def is_explained(self) -> bool:
@@ -106,6 +137,8 @@ class Controls(Container, BoardPanel):
             return
         for slider in self.query(Slider):
             slider.set_value(in_force(self.wanted, slider.parameter))
+            if slider.parameter.name == GAMMA:
+                slider.set_marks(flip_marks(snapshot.answers, every=self.marks_all_flips))
 
     def _sliders(self) -> Iterable[Slider]:
         for parameter in self._parameters:

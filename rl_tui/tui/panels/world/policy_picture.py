@@ -36,7 +36,7 @@ class PolicyPicture(Panel):
     @property
     def studied(self) -> PolicyKind | None:
         """The policy whose values and actions are drawn; None: they are what the agent has learned."""
-        return None if self.snapshot is None else studied_kind(self.snapshot, revealed=self.revealed)
+        return None if self.snapshot is None else studied_kind(self.snapshot)
 
     def study_headings(self, what: str) -> tuple[str, ...]:
         """Return headings that say of which policy ``what`` is, or how to see it; none for the agent's."""

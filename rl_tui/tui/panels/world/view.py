@@ -135,7 +135,7 @@ class WorldView(PolicyPicture, can_focus=True):
         """Draw ``snapshot``; another seed may have made another world of the same kind."""
         if snapshot.world is not self.world:
             self.enter(snapshot.world)
-        super().show(as_studied(snapshot, revealed=self.revealed))
+        super().show(as_studied(snapshot))
 
     @property
     def cells(self) -> Cells | None:
@@ -204,6 +204,11 @@ class WorldView(PolicyPicture, can_focus=True):
         if self.cursor is not None or self.snapshot is None:
             return self.cursor
         return self.agent_place(self.snapshot)
+
+    @property
+    def has_cursor(self) -> bool:
+        """Whether a cursor was put somewhere, be it in focus or not."""
+        return self.cursor is not None
 
     @property
     def shown_cursor(self) -> int | None:

@@ -27,6 +27,7 @@ from rl_tui.tui.actions.bindings import bindings_of
 from rl_tui.tui.actions.registry import actions_of
 from rl_tui.tui.panels.catalogue import PANELS, PanelRow
 from rl_tui.tui.panels.controls.slider import Slider, key_hints
+from rl_tui.tui.panels.discount.discount import DiscountPanel
 from rl_tui.tui.panels.pointing import PartPointed, Pointed
 from rl_tui.tui.panels.policies.policies import PolicyChosen
 from rl_tui.tui.panels.q_table.q_table import QTable
@@ -195,6 +196,11 @@ class Playground(ActionScreen):
         """Set the hyper-parameter of the slider in the running learner."""
         self.agent.set_parameter(event.name, event.value)
 
+    @on(DiscountPanel.GammaWanted)
+    def set_gamma(self, event: DiscountPanel.GammaWanted) -> None:
+        """Set γ on the other side of a flip."""
+        self.agent.set_parameter("gamma", event.gamma)
+
     @on(Slider.Refused)
     def tell_refusal(self, event: Slider.Refused) -> None:
         """Say why what was typed on a slider is no value."""
@@ -214,6 +220,11 @@ class Playground(ActionScreen):
         keys.first = key_hints(self.focused)
         keys.is_running = self.run.is_under_way
         keys.idle = frozenset() if self.run.takes_orders else _SWEEP_KEYS
+
+    @on(DescendantFocus)
+    def ask_for_flips(self) -> None:
+        """Have the marks on the slider of γ worked out, where it has the focus."""
+        self.view.follow_flips()
 
     @on(PolicyChosen)
     def study(self, event: PolicyChosen) -> None:
@@ -309,6 +320,7 @@ class Playground(ActionScreen):
             return
         self.microscope.follow_update()
         self.seeds.follow_panel()
+        self.view.follow_flips()
         self.policies.follow_panel()
         with self.app.batch_update():
             self.session.show_name()
