@@ -110,8 +110,7 @@ class PolicyDrawing(KeyMode):
             self.link.send(StudyPolicy(PolicyKind.DRAWN))  # the panel ends what it studied
         view, world, glyphs = self._view, snapshot.world, self.glyphs
         state = None if view is None else self._state_under(view)
-        titles = title(snapshot, glyphs, revealed=self.link.wanted.revealed)
-        self._write(titles, prompts(world, state, glyphs), hints(world))
+        self._write(title(snapshot, glyphs), prompts(world, state, glyphs), hints(world))
 
     @property
     def _view(self) -> WorldView | None:
