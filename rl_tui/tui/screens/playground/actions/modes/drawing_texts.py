@@ -29,7 +29,13 @@ def title(snapshot: Snapshot, glyphs: Glyphs) -> tuple[str, ...]:
         return "You draw a policy", "You draw"
     whole = " · ".join(figures)
     brief = whole.replace(" states at", " at").replace(" state at", " at")
-    forms = (f"You draw a policy · {whole}", f"You draw · {whole}", f"You draw · {brief}", brief)
+    forms = (
+        f"You draw a policy · {whole}",
+        f"You draw · {whole}",
+        f"You draw · {brief}",
+        f"Drawn · {brief}",
+        brief,
+    )
     return (*forms, f"You draw · {figures[0]}", figures[0], "You draw")
 
 
