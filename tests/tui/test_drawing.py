@@ -145,6 +145,21 @@ async def test_one_mode_ends_the_other(make_app: MakeApp) -> None:
         assert snapshot(pilot).answers.studied is PolicyKind.DRAWN
 
 
+@pytest.mark.parametrize("size", [(80, 24), (120, 40)])
+async def test_the_panel_of_policies_may_come_and_go(make_app: MakeApp, size: tuple[int, int]) -> None:
+    async with make_app("frozenlake").run_test(size=size) as pilot:
+        await settle(pilot)
+        await press(pilot, "P", "D", "shift+down")
+        if playground(pilot).board.opened is not None:
+            await press(pilot, "P")
+        assert snapshot(pilot).answers.studied is PolicyKind.DRAWN
+        assert "↓" in picture(pilot)
+        await press(pilot, "P", "P")
+        assert snapshot(pilot).answers.studied is PolicyKind.DRAWN
+        await press(pilot, "D")
+        assert snapshot(pilot).answers.studied is None
+
+
 async def test_the_run_goes_on_beside_it(make_app: MakeApp) -> None:
     async with make_app("frozenlake").run_test(size=(80, 24)) as pilot:
         await settle(pilot)

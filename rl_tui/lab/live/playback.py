@@ -337,14 +337,13 @@ class Playback:
         """Start again from ``recipe``, paused. Raises UserError where its world cannot be built."""
         group, old = self.group, self.group.current
         beginning = begin(recipe, old.world if recipe.scenario == old.recipe.scenario else None)
-        breakpoints = self.breakpoints
         if beginning.world is not old.world:
-            breakpoints = Breakpoints()
+            self.breakpoints = Breakpoints()
             self.questions.hide_again()
             self.questions.clear()
         self._recipe = recipe
         self._start(
-            Record(group.restarted(recipe), group.shown, breakpoints, self.transport.speed), beginning
+            Record(group.restarted(recipe), group.shown, self.breakpoints, self.transport.speed), beginning
         )
 
     def _continue_seek(self) -> float:

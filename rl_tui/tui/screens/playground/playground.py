@@ -181,15 +181,10 @@ class Playground(ActionScreen):
         self.modes.press(key)
 
     @on(Pointed)
-    def show_mode(self) -> None:
-        """Show which keys the mode has where the cursor is now."""
-        if self.snapshot is not None:
-            self.modes.show(self.snapshot)
-
     @on(PartPointed)
-    def draw_by_mouse(self, event: PartPointed) -> None:
-        """Draw the arrow towards the side of a cell that was clicked, while a policy is drawn."""
-        self.drawing.point(event.step)
+    def tell_mode(self, event: Pointed | PartPointed) -> None:
+        """Let the mode that is on know what is pointed at."""
+        self.modes.point(event, self.snapshot)
 
     @on(Slider.Changed)
     def set_parameter(self, event: Slider.Changed) -> None:
@@ -393,16 +388,9 @@ class Playground(ActionScreen):
             self.board.zoom(None)
         elif self.board.opened is not None:
             self.board.close()
-        elif self._was_used() and self._left_after != self.wanted.last_deed:
+        elif self.wanted.was_used(self.snapshot) and self._left_after != self.wanted.last_deed:
             self._left_after = self.wanted.last_deed
             kept = "run is then gone" if self.in_kiosk else "session is kept there"
             self.tell(f"esc again goes to the catalogue; this {kept}")
         else:
             self.post_message(self.Left(self.recipe))
-
-    def _was_used(self) -> bool:
-        """Return whether there is a run to lose; what was asked for last may not be on screen yet."""
-        drawn = self.snapshot
-        return drawn is not None and (
-            drawn.counters.step > 0 or drawn.playback.handled < self.wanted.last_deed
-        )

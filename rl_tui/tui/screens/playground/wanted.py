@@ -56,6 +56,13 @@ class Wanted:
         if snapshot.playback.phase is not Phase.SEEKING and (is_there or self.is_taken_in(snapshot)):
             self.step = None
 
+    def was_used(self, snapshot: Snapshot | None) -> bool:
+        """Return whether there is something to lose; what was asked for last may not be there yet."""
+        if snapshot is None:
+            return False
+        has_deeds = snapshot.counters.step > 0 or bool(snapshot.answers.drawn.choices)
+        return has_deeds or snapshot.playback.handled < self.last_deed
+
     def is_taken_in(self, snapshot: Snapshot) -> bool:
         """Return True if ``snapshot`` comes after all that was sent."""
         return snapshot.playback.handled == self.sent

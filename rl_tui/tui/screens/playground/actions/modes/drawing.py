@@ -33,7 +33,6 @@ class PolicyDrawing(KeyMode):
     """Drawing a policy under the cursor of the world, which has the focus; the run goes on as it does."""
 
     _studied_before: PolicyKind | None = None
-    _panel_is_open: bool = False
 
     def takes(self, key: str) -> bool:
         """Return whether ``key`` draws or leaves: it does where the cursor of a world is to be seen."""
@@ -63,11 +62,9 @@ class PolicyDrawing(KeyMode):
     def point(self, step: tuple[int, int] | None) -> None:
         """Draw the action towards a side of the cell under the cursor; of a bandit the arm there."""
         view = self._view
-        if not self.is_on or view is None:
-            return
         if isinstance(view, ArmsView):
             self._draw_arm(view)
-        elif step is not None and has_directions(view.world):
+        elif view is not None and step is not None and has_directions(view.world):
             self._draw_towards(view, step, moves=False)
 
     def toggle(self) -> None:
@@ -83,7 +80,7 @@ class PolicyDrawing(KeyMode):
         if refused:
             self.screen.tell(refused)
             return
-        self._studied_before = snapshot.answers.studied
+        self._studied_before = None if self._has_panel else snapshot.answers.studied
         self.board.bring_into_view(WORLD)
         self.enter()
         self.link.send(StudyPolicy(PolicyKind.DRAWN))
@@ -99,19 +96,24 @@ class PolicyDrawing(KeyMode):
         """Give the keys back; what was drawn stays."""
         if self.is_on:
             super().leave()
-            self.link.send(StudyPolicy(self._studied_before))
+            if not self._has_panel:
+                self.link.send(StudyPolicy(self._studied_before))
             if self.board.world is not None:
                 self.board.world.action_follow()
 
     def show(self, snapshot: Snapshot) -> None:
         """Show what is drawn, and what can be done under the cursor."""
-        was_open, self._panel_is_open = self._panel_is_open, self.board.opened == POLICIES
-        if was_open and not self._panel_is_open:
-            self.link.send(StudyPolicy(PolicyKind.DRAWN))  # the panel ends what it studied
+        is_drawn = snapshot.answers.studied is PolicyKind.DRAWN
+        if not (is_drawn or self._has_panel) and self.link.wanted.is_taken_in(snapshot):
+            self.link.send(StudyPolicy(PolicyKind.DRAWN))  # a panel that was closed ended it
         view, world, glyphs = self._view, snapshot.world, self.glyphs
         state = None if view is None else self._state_under(view)
-        titles = title(snapshot, glyphs, revealed=self.link.wanted.revealed)
-        self._write(titles, prompts(world, state, glyphs), hints(world))
+        self._write(title(snapshot, glyphs), prompts(world, state, glyphs), hints(world))
+
+    @property
+    def _has_panel(self) -> bool:
+        """Whether the panel is open that says which policy is studied."""
+        return self.board.opened == POLICIES
 
     @property
     def _view(self) -> WorldView | None:

@@ -22,28 +22,31 @@ from rl_tui.worlds.world import World
 _END = "D: end"
 
 
-def title(snapshot: Snapshot, glyphs: Glyphs, *, revealed: bool) -> tuple[str, ...]:
-    """Return what the world is called while a policy is drawn on it, the longest form first.
-
-    ``revealed`` says that what a bandit keeps secret is to be seen.
-    """
-    figures = tuple(_figures(snapshot, glyphs, revealed=revealed))
+def title(snapshot: Snapshot, glyphs: Glyphs) -> tuple[str, ...]:
+    """Return what the world is called while a policy is drawn on it, the longest form first."""
+    figures = tuple(_figures(snapshot, glyphs))
     if not figures:
         return "You draw a policy", "You draw"
     whole = " · ".join(figures)
     brief = whole.replace(" states at", " at").replace(" state at", " at")
-    forms = (f"You draw a policy · {whole}", f"You draw · {whole}", f"You draw · {brief}", brief)
+    forms = (
+        f"You draw a policy · {whole}",
+        f"You draw · {whole}",
+        f"You draw · {brief}",
+        f"Drawn · {brief}",
+        brief,
+    )
     return (*forms, f"You draw · {figures[0]}", figures[0], "You draw")
 
 
-def _figures(snapshot: Snapshot, glyphs: Glyphs, *, revealed: bool) -> Iterator[str]:
+def _figures(snapshot: Snapshot, glyphs: Glyphs) -> Iterator[str]:
     """Yield what the drawn policy earns, then what of it is open."""
     world, answers = snapshot.world, snapshot.answers
     if not answers.drawn.choices:
         yield "nothing drawn: all at random"
         return
     worth = answers.policies.get(PolicyKind.DRAWN)
-    if is_kept_back(snapshot, PolicyKind.DRAWN, revealed=revealed):
+    if is_kept_back(snapshot, PolicyKind.DRAWN):
         yield "its return is secret"
     elif worth is not None and worth.expected_return is not None:
         yield f"return {numbers.brief(worth.expected_return, glyphs, decimals=3)}"
