@@ -16,9 +16,9 @@ from typing import Any, Final
 from rl_tui.lab.live.commands import Play, StudySeeds
 from rl_tui.lab.live.player import Player
 from rl_tui.lab.live.snapshot import Snapshot
-from rl_tui.lab.many_seeds import study_process
 from rl_tui.lab.many_seeds.figures import StudyState
 from rl_tui.lab.run.library import recipe_named
+from rl_tui.lab.workers import answering_process
 
 SCENARIO: Final = "taxi"
 SECONDS: Final = 0.5
@@ -73,13 +73,13 @@ async def seed_study_cost(rounds: int) -> list[tuple[float, float]]:
     The second leaves out what others took away, and shows what is lost in the caches.
     """
     processes: list[subprocess.Popen[bytes]] = []
-    start_process = study_process.python_process
+    start_process = answering_process.python_process
 
     def noted(*args: Any) -> subprocess.Popen[bytes]:
         processes.append(start_process(*args))
         return processes[-1]
 
-    study_process.python_process = noted
+    answering_process.python_process = noted
     live, ratios = _LiveRun(), list[tuple[float, float]]()
     reading = asyncio.create_task(live.read())
     await live.is_at_full_speed()

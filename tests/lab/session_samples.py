@@ -100,4 +100,5 @@ def records(draw: st.DrawFn, scenario: str = "student") -> Record:
         draw(st.integers(0, len(lanes) - 1)),
         Breakpoints(draw(numbers), draw(numbers)),
         draw(st.none() | st.floats(0.1, 1e6)),
+        answer_is_hidden=draw(st.sampled_from([None, True, False])),
     )

@@ -46,7 +46,7 @@ from rl_tui.lab.live.commands import (
 from rl_tui.lab.live.playback import Playback
 from rl_tui.lab.live.player import Player
 from rl_tui.lab.live.snapshot import Phase
-from rl_tui.lab.many_seeds import seed_studies, study, study_process
+from rl_tui.lab.many_seeds import seed_studies, study
 from rl_tui.lab.many_seeds.estimates import difference_of
 from rl_tui.lab.many_seeds.figures import Estimate, LaneStudy, SeedStudy, StudyState
 from rl_tui.lab.many_seeds.request import StudyRequest, study_request
@@ -56,6 +56,7 @@ from rl_tui.lab.run.figures import training_figures
 from rl_tui.lab.run.recipe import Recipe, SetParameter, SwitchAlgorithm
 from rl_tui.lab.run.run import Run
 from rl_tui.lab.timeline.run_group import RunGroup
+from rl_tui.lab.workers import answering_process
 
 pytestmark = pytest.mark.process
 
@@ -423,13 +424,13 @@ def test_it_is_outdated_where_runs_were_changed_and_only_there(monkeypatch: pyte
 def processes(monkeypatch: pytest.MonkeyPatch) -> list[subprocess.Popen[bytes]]:
     """All that were started."""
     started: list[subprocess.Popen[bytes]] = []
-    start = study_process.python_process
+    start = answering_process.python_process
 
     def noted(*args: Any, **named: Any) -> subprocess.Popen[bytes]:
         started.append(start(*args, **named))
         return started[-1]
 
-    monkeypatch.setattr(study_process, "python_process", noted)
+    monkeypatch.setattr(answering_process, "python_process", noted)
     return started
 
 
@@ -501,15 +502,15 @@ async def test_it_ends_with_the_player_and_two_players_have_each_their_own(
 
 PARENT = """
 import sys, time
-from rl_tui.lab.many_seeds import study_process
-start = study_process.python_process
+from rl_tui.lab.workers import answering_process
+start = answering_process.python_process
 
 def noted(*args):
     process = start(*args)
     print(process.pid, flush=True)
     return process
 
-study_process.python_process = noted
+answering_process.python_process = noted
 from rl_tui.lab.live.commands import StudySeeds
 from rl_tui.lab.live.playback import Playback
 from rl_tui.lab.run.library import recipe_named

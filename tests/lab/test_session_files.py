@@ -109,6 +109,16 @@ def test_a_table_comes_out_to_the_last_bit(
     assert (table.episodes, table.state) == (episodes, state)
 
 
+@pytest.mark.parametrize("hidden", [None, True, False])
+def test_whether_the_answer_is_hidden_is_kept_where_somebody_has_said(
+    tmp_path: Path, hidden: bool | None
+) -> None:
+    record = replace(SOUND, answer_is_hidden=hidden)
+    assert json.loads(encoded(record)).get("answer_hidden") is hidden
+    assert ("answer_hidden" in json.loads(encoded(record))) is (hidden is not None)
+    assert stored(tmp_path / "a.json", record).record().answer_is_hidden is hidden
+
+
 def test_a_session_need_not_have_a_table(tmp_path: Path) -> None:
     assert "table" not in json.loads(encoded(SOUND))
     assert stored(tmp_path / "a.json").record().table is None
@@ -255,6 +265,7 @@ def test_an_edited_file_is_told(tmp_path: Path) -> None:
         ({"saved": "yesterday"}, "saved"),
         ({"saved": "0001-01-01T00:00:00+23:00"}, "saved"),
         ({"speed": 0}, "speed"),
+        ({"answer_hidden": 1}, "answer_hidden"),
         ({"digest": "abc"}, "digest"),
         ({"title": "a\nb"}, "title: U+000A is a control character"),
     ],

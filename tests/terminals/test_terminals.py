@@ -19,6 +19,7 @@ EXACT: Final = r"γ-best 7\.5|10┤"  # the optimum, which is known last: its na
 SIZES: Final = ((80, 24), (100, 30), (120, 40), (200, 60))
 ODD_SIZES: Final = ((60, 18), (61, 19), (79, 23), (81, 25), (300, 80))
 STEPS: Final = 5
+BEGIN: Final = "s" * STEPS + "h"  # h shows the answer, which the student hides
 REDRAW: Final = "\x0c"  # ctrl+l
 ESCAPE: Final = "\x1b[27u"
 DIALOGS: Final = {  # keys, and what then stands on the screen
@@ -36,7 +37,7 @@ DIALOGS: Final = {  # keys, and what then stands on the screen
 
 def begin(terminal: PseudoTerminal) -> None:
     terminal.wait_for("paused")
-    terminal.press("s" * STEPS)
+    terminal.press(BEGIN)
     terminal.wait_for(rf"step +{STEPS}\b")
 
 
@@ -162,7 +163,7 @@ def test_inside_tmux(fresh: dict[tuple[int, int], str]) -> None:
     in_shell = ["sh", "-c", f"{' '.join(PLAY)}; echo it ended with $?; exec cat"]
     with in_tmux(in_shell, (80, 24)) as tmux:
         tmux.wait_for("paused")
-        tmux.press("s" * STEPS)
+        tmux.press(BEGIN)
         tmux.wait_for(rf"step +{STEPS}\b")
         tmux.wait_for(re.escape(fresh[80, 24]))
         tmux.resize(120, 40)

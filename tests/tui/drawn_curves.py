@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from samples import look
+from samples import answered, look
 
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.run.results import Curve, Marks
@@ -22,7 +22,7 @@ def drawn(
     revealed: bool = False,
 ) -> tuple[str, ReturnCurve]:
     widget = ReturnCurve(look(ascii))
-    widget.snapshot, widget.revealed = snapshot, revealed
+    widget.snapshot = snapshot = answered(snapshot, revealed)
     rows = widget.picture(snapshot, *size)
     assert [row.cell_length for row in rows] == [size[0]] * size[1]
     return "\n".join(row.text for row in rows), widget

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 from rich.style import Style
-from samples import lake, look
+from samples import answered, lake, look
 from seams import sized
 from snapshots import changed
 
@@ -31,8 +31,8 @@ class Drawn:
         lights: bool = True,
         ascii_only: bool = False,
     ) -> None:
+        state = answered(state, revealed)
         self.table = sized(QTable(look(ascii_only)), width, height)
-        self.table.revealed = revealed
         self.table.lights = lights
         self.table.shown_layer = layer
         self.table.show(state)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
-from typing import Any, cast
+from typing import Any, TypeVar, cast
 
 import numpy as np
 from sample_worlds import (
@@ -59,6 +59,7 @@ def scenario(id: str, title: str, kind: str) -> Scenario:  # noqa: A002
         defaults={},
         source=Path(f"{id}.toml"),
         section=cast("Any", SimpleNamespace(drawn_from_seed=kind == "bandit")),
+        hides_answer=kind == "bandit",
     )
 
 
@@ -66,9 +67,19 @@ def snapshot(world: World, name: Scenario, hyperparameters: Hyperparameters, **c
     """A paused run of ``world`` before its first step, with ``changes`` to its fields."""
     space = world.space
     recipe = Recipe(name, "q-learning", hyperparameters, seed=0)
-    start = SnapshotBuilder().before(recipe, world, PlaybackView(Phase.PAUSED, speed=10.0))
+    start = SnapshotBuilder().before(
+        recipe, world, PlaybackView(Phase.PAUSED, speed=10.0), is_hidden=name.hides_answer
+    )
     usual = {"q": np.zeros(space.pairs), "state": int(space.start_state[0]), "bandit": None}
     return changed(start, **(usual | changes))
+
+
+Shown = TypeVar("Shown", Snapshot, None)
+
+
+def answered(picture: Shown, revealed: bool = True) -> Shown:
+    """``picture`` with the exact answer shown, if ``revealed``; else as it is."""
+    return picture if picture is None or not revealed else changed(picture, is_hidden=False)
 
 
 def curve(bins: int, low: float, high: float, width: int = 50) -> Curve:

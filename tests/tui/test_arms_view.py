@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 from rich.style import Style
 from sample_worlds import bandit_world
-from samples import bandit, look
+from samples import answered, bandit, look
 from snapshots import changed
 from textual.strip import Strip
 
-from rl_tui.lab.live.snapshot import Snapshot
+from rl_tui.lab.live.snapshot import Phase, Snapshot
 from rl_tui.tui.panels.world.arms.arms import (
     ArmsView,
     arms_of,
@@ -43,13 +43,12 @@ def picture(
     ascii: bool = False,  # noqa: A002
 ) -> list[str]:
     view = ArmsView(snapshot.world, look(ascii))
-    view.revealed = revealed
-    return [strip.text for strip in view.picture(snapshot, width, height)]
+    return [strip.text for strip in view.picture(answered(snapshot, revealed), width, height)]
 
 
 def test_each_arm_is_a_bar_of_its_estimate_and_standard_error() -> None:
     view = ArmsView(bandit_world(), look())
-    snapshot = bandit()
+    snapshot = changed(bandit(), phase=Phase.PAUSED)
     rows = [strip.text for strip in view.picture(snapshot, 40, 10)]
     assert rows == [
         "  0             ──●──                   ",
@@ -89,16 +88,15 @@ def test_what_is_said_of_arms_not_pulled_keeps_off_their_true_means(width: int) 
 
 def test_titles_are_shortened_by_whole_parts() -> None:
     view = ArmsView(bandit_world(), look())
-    view.revealed = True
-    view.picture(bandit(), 28, 6)
+    view.picture(answered(bandit()), 28, 6)
     assert view.heading == "Arms  −2…+2"
     assert view.footing == "↑↓ 1–6 of 10"
-    view.picture(bandit(), 60, 6)
+    view.picture(answered(bandit()), 60, 6)
     assert view.footing == "↑↓ 1–6 of 10  ◆ true mean  ★ best arm"
 
 
 def test_the_truth_is_drawn_only_when_revealed() -> None:
-    snapshot = bandit()
+    snapshot = changed(bandit(), phase=Phase.PAUSED)
     hidden = "".join(picture(snapshot, 60, 21))
     assert "◆" not in hidden
     assert "★" not in hidden
@@ -109,7 +107,7 @@ def test_the_truth_is_drawn_only_when_revealed() -> None:
 
 
 def test_the_hidden_picture_does_not_depend_on_the_truth() -> None:
-    snapshot = bandit()
+    snapshot = changed(bandit(), phase=Phase.PAUSED)
     other = changed(snapshot, world=bandit_world(means=tuple(range(10))))
     assert picture(other, 60, 21) == picture(snapshot, 60, 21)
 
@@ -225,8 +223,7 @@ def test_every_size_is_filled_exactly(size: tuple[int, int], plain: bool) -> Non
     odd = changed(bandit(), q=np.array([np.nan, np.inf, -np.inf, 1e15, *[0.0] * 6]))
     for snapshot in (bandit(), bandit(pulls=0), odd):
         view = ArmsView(snapshot.world, look(plain, "none" if plain else "truecolor"))
-        view.revealed = not plain
-        strips = view.picture(snapshot, width, height)
+        strips = view.picture(answered(snapshot, not plain), width, height)
         assert [strip.cell_length for strip in strips] == [width] * height
         assert all(segment.style is not None for strip in strips for segment in strip)
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 from conftest import MakeApp
-from samples import bandit, lake, look
+from samples import answered, bandit, lake, look
 from seams import playground, press, slider, train
 from test_lanes import open_lane
 from textual.containers import VerticalScroll
@@ -246,8 +246,8 @@ async def test_the_number_under_the_cursor_is_explained_first(make_app: MakeApp)
     app = make_app("student")
     async with app.run_test(size=(80, 24)) as pilot:
         await settle(pilot)
-        now = await train(pilot, 400)
-        await press(pilot, "tab", "tab", "home", "question_mark")
+        await train(pilot, 400)
+        now = await press(pilot, "h", "tab", "tab", "home", "question_mark")
         assert listed(pilot)[0] == NUMBER
         visits = f"{int(now.agent.visits[0]):,} visit"
         for part in ("study in state Class", visits, "exact Q* here is"):
@@ -269,7 +269,7 @@ def test_what_is_secret_is_not_told() -> None:
     assert arm is not None
     assert SECRET in arm.meaning
     assert "exact" not in arm.meaning
-    known = number_of_pair(bandit(400), 5, Layer.Q, look(), revealed=True)
+    known = number_of_pair(answered(bandit(400)), 5, Layer.Q, look())
     assert known is not None
     assert "exact" in known.meaning
 

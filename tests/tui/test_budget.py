@@ -1,7 +1,7 @@
 from __future__ import annotations
 
 import pytest
-from samples import bandit, lake, look
+from samples import answered, bandit, lake, look
 
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.run.bandit import BanditFigures
@@ -10,7 +10,7 @@ from rl_tui.tui.panels.budget import BudgetPanel, sum_decimals, sum_text
 
 def drawn(snapshot: Snapshot | None, width: int = 54, height: int = 4, *, revealed: bool = False) -> str:
     panel = BudgetPanel(look())
-    panel.snapshot, panel.revealed = snapshot, revealed
+    panel.snapshot = snapshot = answered(snapshot, revealed)
     rows = panel.picture(snapshot, width, height)
     assert [row.cell_length for row in rows] == [width] * height
     return "\n".join(row.text.rstrip() for row in rows)

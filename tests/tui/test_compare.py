@@ -14,7 +14,7 @@ from textual.pilot import Pilot
 from textual.widgets import Input, OptionList, Static
 
 from rl_tui.common.errors import UserError
-from rl_tui.lab.live.commands import AddBranch, AddLane, ChooseLane, Command, DropLane
+from rl_tui.lab.live.commands import AddBranch, AddLane, ChooseLane, Command, DropLane, HideAnswer
 from rl_tui.lab.run.library import recipe_for
 from rl_tui.lab.run.recipe import JournalEntry, SetParameter, SwitchAlgorithm
 from rl_tui.lab.timeline.branches import Branch, Timeline
@@ -219,11 +219,15 @@ async def test_a_hidden_bandit_gives_nothing_away(make_app: MakeApp, monkeypatch
     app = make_app("bandit", ascii=True)
     async with app.run_test(size=(80, 24)) as pilot:
         await settle(pilot)
-        await beside(pilot, 2, monkeypatch)
+        sent = await beside(pilot, 2, monkeypatch)
         await pilot.press("c")
         assert rows(pilot)[1].split()[-1] == "-"
+        assert "-: hidden until h." in " ".join(rows(pilot))
         assert all(row.isascii() for row in rows(pilot))
-        await pilot.press("escape", "h", "c")
+        await pilot.press("escape", "h")
+        assert sent == [HideAnswer(is_hidden=False)]
+        show(playground(pilot), changed(snapshot(pilot), is_hidden=False))
+        await pilot.press("c")
         assert rows(pilot)[1].split()[-1] == ".730"
 
 

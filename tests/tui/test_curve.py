@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 from drawn_curves import NARROW, NO_MARKS, drawn, flat
-from samples import bandit, lake, look, planning, stepped_lake, student
+from samples import answered, bandit, lake, look, planning, stepped_lake, student
 from snapshots import changed
 
 from rl_tui.agents.hyperparameters import Hyperparameters
@@ -99,8 +99,8 @@ def test_one_action_is_no_tie() -> None:
     space = all_pairs(("A", "B"), ("go",), 0)
     snapshot = lake(q=np.zeros(2), greedy_return=0.5)
     alone = changed(snapshot, world=World(space, snapshot.world.drawing))
-    assert curve_data(alone, revealed=False).is_decided
-    assert not curve_data(lake(q=np.zeros(44)), revealed=False).is_decided
+    assert curve_data(alone).is_decided
+    assert not curve_data(lake(q=np.zeros(44))).is_decided
 
 
 def test_a_greedy_policy_of_mere_ties_has_no_figure() -> None:
@@ -177,9 +177,9 @@ def test_the_end_of_the_budget_reveals() -> None:
 
 
 def test_a_hidden_optimum_does_not_show_in_the_axis() -> None:
-    data = curve_data(bandit(400), revealed=False)
+    data = curve_data(bandit(400))
     assert data.range[1] < 1.5
-    assert curve_data(bandit(400), revealed=True).range[1] == pytest.approx(1.5)
+    assert curve_data(answered(bandit(400))).range[1] == pytest.approx(1.5)
 
 
 # Any size, any run

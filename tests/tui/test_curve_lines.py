@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from drawn_curves import NARROW, WIDE, drawn, flat, steps
-from samples import bandit, curve, lake, look, marks, planning, student
+from samples import answered, bandit, curve, lake, look, marks, planning, student
 from snapshots import changed
 
 from rl_tui.lab.timeline.branches import Branch, Timeline
@@ -14,8 +14,9 @@ from rl_tui.tui.draw.axes import draw_value_axis
 from rl_tui.tui.draw.braille import Steps
 from rl_tui.tui.draw.canvas import Canvas
 from rl_tui.tui.draw.chart_plot import Plot
+from rl_tui.tui.draw.label_rows import apart
 from rl_tui.tui.draw.scale import Scale, round_range, round_scale, settled, tick_label, tick_step
-from rl_tui.tui.panels.curve.chart import apart, taking_turns
+from rl_tui.tui.panels.curve.chart import taking_turns
 from rl_tui.tui.panels.curve.curve import ReturnCurve
 from rl_tui.tui.panels.curve.data import curve_data
 from rl_tui.tui.panels.curve.smoothing import smoothed
@@ -275,7 +276,7 @@ def test_the_past_of_a_run_keeps_the_axis_of_its_present() -> None:
 def test_a_greedy_policy_that_walks_into_walls_does_not_blow_up_the_axis() -> None:
     early = marks(30, 0.0, 0.73, 12_500)
     early.expected_return[3:6] = -100_000.0
-    assert curve_data(lake(marks=early), revealed=True).range[0] >= -1.0
-    assert curve_data(planning(marks=early), revealed=True).range[0] >= -1.0
+    assert curve_data(answered(lake(marks=early))).range[0] >= -1.0
+    assert curve_data(answered(planning(marks=early))).range[0] >= -1.0
     alone = planning(marks=early, solution=None, greedy_return=None)
-    assert curve_data(alone, revealed=True).range[0] == -100_000.0
+    assert curve_data(answered(alone)).range[0] == -100_000.0

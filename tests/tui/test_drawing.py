@@ -111,7 +111,8 @@ async def test_the_mode_is_seen_and_ends(make_app: MakeApp) -> None:
             await press(pilot, "D")
             assert world.has_class("-manual")
             assert world.has_focus
-            assert str(world.border_title) == "You draw a policy · nothing drawn: all at random"
+            said = "return .01 · 10 states at random" if drawn(pilot) else "nothing drawn: all at random"
+            assert str(world.border_title) == f"You draw a policy · {said}"
             assert str(world.border_subtitle) == "1 ↑  2 →  3 ↓  4 ← · del: none · C: clear · D: end"
             assert keys.render_line(0).text.startswith(" shift+arrow draw  digits draw  D end")
             await press(pilot, "shift+right", key)
@@ -142,6 +143,21 @@ async def test_one_mode_ends_the_other(make_app: MakeApp) -> None:
         assert (screen.drawing.is_on, screen.manual.is_on) == (True, False)
         assert not view(pilot).is_manual
         assert snapshot(pilot).answers.studied is PolicyKind.DRAWN
+
+
+@pytest.mark.parametrize("size", [(80, 24), (120, 40)])
+async def test_the_panel_of_policies_may_come_and_go(make_app: MakeApp, size: tuple[int, int]) -> None:
+    async with make_app("frozenlake").run_test(size=size) as pilot:
+        await settle(pilot)
+        await press(pilot, "P", "D", "shift+down")
+        if playground(pilot).board.opened is not None:
+            await press(pilot, "P")
+        assert snapshot(pilot).answers.studied is PolicyKind.DRAWN
+        assert "↓" in picture(pilot)
+        await press(pilot, "P", "P")
+        assert snapshot(pilot).answers.studied is PolicyKind.DRAWN
+        await press(pilot, "D")
+        assert snapshot(pilot).answers.studied is None
 
 
 async def test_the_run_goes_on_beside_it(make_app: MakeApp) -> None:

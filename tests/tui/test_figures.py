@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 
 import pytest
-from samples import bandit, lake, look, planning
+from samples import answered, bandit, lake, look, planning
 
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.draw.pieces import Line
@@ -62,7 +62,7 @@ def test_the_speed_does() -> None:
 
 
 def test_the_sums_of_a_budget_do() -> None:
-    lines = [text_of(line) for line in budget_lines(bandit(400), look(), 60, revealed=True)]
+    lines = [text_of(line) for line in budget_lines(answered(bandit(400)), look(), 60)]
     labels = [label for line in lines for label in numbered(line)]
     assert len(labels) >= 5
     assert not [each for each in labels if not figures_in(each)], labels

@@ -58,7 +58,7 @@ async def test_a_message_goes_with_a_click_and_with_the_scenario(make_app: MakeA
     app = make_app("student")
     async with app.run_test(size=(80, 24), notifications=True) as pilot:
         await settle(pilot)
-        await press(pilot, "h")
+        await press(pilot, "l")
         assert len(notes(app)) == 1
         app.post_message(MouseDown(None, 60, 5, 0, 0, 1, False, False, False))
         await pilot.pause()

@@ -7,7 +7,7 @@ import pytest
 from lane_samples import lane_views, side_by_side, without_episodes
 from rich.cells import cell_len
 from rich.style import Style
-from samples import bandit, curve, lake, look, marks, planning
+from samples import answered, bandit, curve, lake, look, marks, planning
 from snapshots import changed
 
 from rl_tui.lab.live.snapshot import Snapshot
@@ -133,7 +133,7 @@ def test_the_axis_reaches_as_far_as_the_longest_lane() -> None:
     short, long = lane_views(2)
     many = changed(long, episodes=100_000, curve=curve(40, 0.0, 0.3, 2_500))
     snapshot = changed(side_by_side(2), lanes=(short, many))
-    data = curve_data(snapshot, revealed=True)
+    data = curve_data(answered(snapshot))
     assert (data.finished, data.furthest) == (12_500, 100_000)
     assert "100k" in "\n".join(drawn(snapshot, BROAD)[0])
 
@@ -141,7 +141,7 @@ def test_the_axis_reaches_as_far_as_the_longest_lane() -> None:
 def test_the_vertical_axis_holds_every_lane() -> None:
     first, second = lane_views(2)
     low = changed(second, curve=curve(40, -8.0, -5.0, 300), return_last_100=-5.0)
-    data = curve_data(changed(side_by_side(2), lanes=(first, low)), revealed=True)
+    data = curve_data(answered(changed(side_by_side(2), lanes=(first, low))))
     assert data.range[0] == pytest.approx(-8.0)
     assert data.range[1] == pytest.approx(0.73)
 
@@ -201,10 +201,10 @@ def test_the_lane_of_a_planner_is_what_its_greedy_policy_is_worth() -> None:
 def test_a_hidden_bandit_gives_nothing_away_in_other_lanes() -> None:
     secret = bandit(400)
     lanes = tuple(changed(lane, greedy_return=1.5, return_last_100=1.2) for lane in lane_views(2))
-    hidden = curve_data(changed(secret, lanes=lanes), revealed=False)
+    hidden = curve_data(changed(secret, lanes=lanes))
     assert all(lane.greedy_now is None for lane in hidden.lanes)
     planner = changed(without_episodes(lanes[1]), algorithm="value-iteration", greedy_return=1.5)
-    also = curve_data(changed(secret, lanes=(lanes[0], planner)), revealed=False)
+    also = curve_data(changed(secret, lanes=(lanes[0], planner)))
     assert also.lanes[1].value is None
     assert not len(also.lanes[1].line.low)
     assert "h adds the best arm" in "\n".join(drawn(changed(secret, lanes=lanes))[0])

@@ -7,15 +7,15 @@ from dataclasses import replace
 import pytest
 from conftest import MakeApp
 from lane_samples import lane_views, side_by_side
-from samples import bandit, lake, look
-from seams import playground, screen_text, show
+from samples import answered, bandit, lake, look
+from seams import playground, screen_text, show, snapshot
 from snapshots import changed
 from study_samples import bandit_study, cliff_study, lake_study
 from textual.pilot import Pilot
 from textual.widgets import OptionList
 
 from rl_tui.common.errors import UserError
-from rl_tui.lab.live.commands import Command, EndStudy, StudySeeds
+from rl_tui.lab.live.commands import Command, EndStudy, HideAnswer, StudySeeds
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.many_seeds.figures import SeedStudy, StudyState
 from rl_tui.tui.app.screenshot import settle
@@ -90,7 +90,7 @@ async def test_another_panel_and_escape_end_it(make_app: MakeApp, monkeypatch: p
 async def test_a_bandit_reveals_its_regret_with_h(make_app: MakeApp, monkeypatch: pytest.MonkeyPatch) -> None:
     async with make_app("bandit").run_test(size=(80, 24)) as pilot:
         await settle(pilot)
-        recorded(pilot, monkeypatch)
+        sent = recorded(pilot, monkeypatch)
         await pilot.press("M")
         await pilot.pause()
         assert not playground(pilot).board.shows(BUDGET)
@@ -98,6 +98,8 @@ async def test_a_bandit_reveals_its_regret_with_h(make_app: MakeApp, monkeypatch
         study = bandit_study(lanes=(lane,))
         assert "146 ± 2" not in await fed(pilot, study)
         await pilot.press("h")
+        assert sent[-1] == HideAnswer(is_hidden=False)
+        show(playground(pilot), answered(snapshot(pilot)))
         assert "146 ± 2" in await fed(pilot, study)
 
 
@@ -154,13 +156,13 @@ def test_the_band_of_many_seeds_lies_behind_the_curve() -> None:
 )
 def test_there_is_no_band_without_a_study_of_these_runs(study: SeedStudy | None) -> None:
     snapshot = changed(lake(), study=study)
-    assert not curve_data(snapshot, revealed=True).seeds
+    assert not curve_data(answered(snapshot)).seeds
     assert pieces(chart(snapshot)) == pieces(chart(lake()))
 
 
 def test_the_band_ends_where_the_run_is_and_is_as_wide_as_told() -> None:
     snapshot = changed(lake(), episodes=1_000, study=lake_study())
-    (found,) = curve_data(snapshot, revealed=True).seeds
+    (found,) = curve_data(answered(snapshot)).seeds
     assert found.band.end[-1] == 1_000
     assert found.band.high - found.band.low == pytest.approx(0.08)
 
@@ -172,7 +174,7 @@ def test_each_lane_has_its_band(depth: str, ascii: bool) -> None:  # noqa: A002
     snapshot = side_by_side(2, 1, study=cliff_study())
     made = chart(snapshot, shown_with)
     drawn = "".join(text for text, _ in pieces(made))
-    assert len(curve_data(snapshot, revealed=True).seeds) == 2
+    assert len(curve_data(answered(snapshot)).seeds) == 2
     if ascii:
         assert "=" in drawn
     error = "+/-" if ascii else "±"
@@ -266,7 +268,9 @@ async def test_of_a_bandit_it_has_winnings_and_once_revealed_regret(
         assert "485" in listed[1]
         assert "1,402 ± 9" in listed[2]
         assert not any("146" in row for row in listed)
-        await pilot.press("escape", "h", "c")
+        await pilot.press("escape")
+        show(playground(pilot), changed(arms, lanes=lanes, is_hidden=False))
+        await pilot.press("c")
         await pilot.pause()
         listed = rows(pilot)
         assert "146 ± 2" in listed[2]

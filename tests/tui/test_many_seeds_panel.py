@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 from lane_samples import side_by_side
-from samples import bandit, lake, look
+from samples import answered, bandit, lake, look
 from snapshots import changed
 from study_samples import bandit_study, cliff_study, difference, lake_study
 
@@ -34,12 +34,13 @@ SIZES = ((118, 30), (97, 40), (58, 13), (36, 19), (36, 13), (26, 13), (26, 7), (
 
 def panel(snapshot: Snapshot | None, *, revealed: bool = False, ascii: bool = False) -> ManySeeds:  # noqa: A002
     made = ManySeeds(look(ascii))
-    made.snapshot, made.revealed = snapshot, revealed
+    made.snapshot = answered(snapshot, revealed)
     return made
 
 
 def drawn(snapshot: Snapshot | None, width: int = 58, height: int = 60, **how: Any) -> str:
-    rows = panel(snapshot, **how).picture(snapshot, width, height)
+    made = panel(snapshot, **how)
+    rows = made.picture(made.snapshot, width, height)
     assert [row.cell_length for row in rows] == [width] * height
     return "\n".join(row.text.rstrip() for row in rows)
 

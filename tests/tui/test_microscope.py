@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from samples import bandit, big_lake, lake, look, planning, stepped_lake, student
+from samples import answered, bandit, big_lake, lake, look, planning, stepped_lake, student
 from snapshots import changed
 
 from rl_tui.agents.catalogue import BY_ID
@@ -50,7 +50,7 @@ def shown(
     scrolled: int = 0,
 ) -> list[str]:
     widget = Microscope(look(ascii))
-    widget.revealed = revealed
+    snapshot = answered(snapshot, revealed)
     widget.pair = (
         snapshot.counters.last_step.updated_pair
         if snapshot is not None and snapshot.counters.last_step is not None

@@ -25,7 +25,7 @@ def lines(pilot: Pilot[UserError]) -> str:
     """All that the microscope says, in however many rows."""
     widget = board(pilot).microscope
     rows = Microscope(widget.look)
-    rows.pair, rows.revealed = widget.pair, widget.revealed
+    rows.pair = widget.pair
     return "\n".join(row.text.rstrip() for row in rows.picture(widget.snapshot, widget.size.width, 60))
 
 

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from samples import bandit, big_lake, lake, look, stepped_lake, student
+from samples import answered, bandit, big_lake, lake, look, stepped_lake, student
 from snapshots import changed
 from textual.app import App, ComposeResult
 
@@ -114,8 +114,7 @@ def test_a_bandit_keeps_its_means() -> None:
     assert "R       hidden until h or the end of the budget" in text
     assert "··· hidden until h or the end of the budget" in text
     assert ".7" not in text.replace("learned Q(3) = 0.700", "")
-    made.revealed = True
-    text = drawn(made)
+    text = drawn(panel(answered(bandit(400)), 3))
     assert "Q*(3) = Σ p" in text
     assert "= 1·[.7]" in text
     assert "r ± 1 (normal)" in text

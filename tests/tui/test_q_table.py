@@ -237,4 +237,4 @@ def test_the_footing_names_the_layers_and_frames_the_one_in_force() -> None:
     drawn.table.picture(lake(), 36, 17)
     assert drawn.table.footing == "v: Q ▌Q*▐ Q−Q*  visits"
     assert Drawn(student(), 20, 10, Layer.VISITS).table.footing == "v: visits"
-    assert Drawn(bandit(), 30, 12).table.footing == "v:▌Q▐ visits"
+    assert Drawn(changed(bandit(), phase=Phase.PAUSED), 30, 12).table.footing == "v:▌Q▐ visits"

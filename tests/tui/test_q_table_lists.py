@@ -5,7 +5,9 @@ from __future__ import annotations
 import pytest
 from drawn_tables import Drawn, fresh
 from samples import bandit, student
+from snapshots import changed
 
+from rl_tui.lab.live.snapshot import Phase
 from rl_tui.tui.panels.q_table.layers import Layer
 
 
@@ -61,7 +63,7 @@ def test_ties_are_joined_in_the_greedy_line() -> None:
 
 
 def test_a_bandit_keeps_its_means_until_they_are_revealed() -> None:
-    hidden = Drawn(bandit(), 36, 13)
+    hidden = Drawn(changed(bandit(), phase=Phase.PAUSED), 36, 13)
     assert hidden.rows[0].split() == ["arm", "Q", "q*", "N", "share"]
     assert hidden.text.count("···") == 10
     assert "1.500" not in hidden.text
@@ -83,14 +85,14 @@ def test_visits_of_arms_have_the_frames_while_they_are_shown() -> None:
 
 
 def test_a_hidden_layer_falls_back_to_q() -> None:
-    drawn = Drawn(bandit(), layer=Layer.ERROR, revealed=True)
+    drawn = Drawn(bandit(400), layer=Layer.ERROR, revealed=True)
     assert drawn.table.heading.startswith("Q − Q*")
-    drawn.table.revealed = False
+    drawn.table.show(bandit(400))
     assert drawn.table.shown_layer is Layer.Q
 
 
 def test_the_bar_of_an_arm_is_its_share_of_the_pulls() -> None:
-    rows = Drawn(bandit(), 56, 13, revealed=False).rows
+    rows = Drawn(changed(bandit(), phase=Phase.PAUSED), 56, 13).rows
     lengths = [row.count("█") for row in rows[1:11]]
     assert lengths[5] == max(lengths)
     assert lengths[5] / 20 == pytest.approx(0.842, abs=0.05)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 from samples import look
+from seams import sized
 from snapshots import changed, snapshot_of
 
 from rl_tui.agents.sweep_phases import SweepPhase
@@ -16,6 +17,7 @@ from rl_tui.tui.draw.precision import last_digit, parsed
 from rl_tui.tui.draw.to_ascii import to_ascii
 from rl_tui.tui.panels.last_step.last_step import LastStepPanel
 from rl_tui.tui.panels.last_step.state_backup_text import BackupText, backup_text
+from rl_tui.tui.panels.microscope.microscope import Microscope
 from rl_tui.tui.panels.world.grid.grid import GridView
 from rl_tui.tui.panels.world.make_view import make_world_view
 from rl_tui.tui.panels.world.state_values import state_values
@@ -220,3 +222,13 @@ def test_rewards_that_drift_are_not_taken_apart() -> None:
     assert not any(each.worked_out for each in text.actions)
     assert text.left == "V"
     assert to_ascii(text.law, UNICODE)
+
+
+@pytest.mark.parametrize("width", [40, 60, 120])
+def test_the_microscope_tells_it_in_full(width: int) -> None:
+    shown = snapshot_of(swept("frozenlake-slippery", *["evaluation"] * 4, steps=9))
+    rows = sized(Microscope(look()), width, 40).picture(shown, width, 40)
+    text = " ".join(" ".join(row.text for row in rows).split())
+    told = text_of(shown).lines("←")[0]
+    assert told in text or width < 120
+    assert told.split(" = ")[-1] in text

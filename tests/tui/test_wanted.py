@@ -15,7 +15,7 @@ import rl_tui.agents.learner
 import rl_tui.lab.run.settings
 from rl_tui.agents.compatibility import check_compatible
 from rl_tui.agents.hyperparameters import Hyperparameters
-from rl_tui.lab.live.commands import Apply, Command, LookAt, Restart, SetSpeed, Step
+from rl_tui.lab.live.commands import Apply, Command, HideAnswer, LookAt, Restart, SetSpeed, Step
 from rl_tui.lab.live.snapshot import Phase, Snapshot
 from rl_tui.lab.live.viewport import Viewport
 from rl_tui.lab.run.recipe import SetParameter, SwitchAlgorithm, TakeAction
@@ -52,18 +52,17 @@ def test_an_action_of_a_person_changes_no_recipe() -> None:
     assert wanted(Apply(TakeAction(1))).recipe == shown(0).recipe
 
 
-def test_a_speed_stays_and_a_restart_hides_what_was_revealed() -> None:
-    kept = wanted(SetSpeed(None))
-    kept.revealed = True
+def test_a_speed_and_a_hidden_answer_stay() -> None:
+    kept = wanted(SetSpeed(None), HideAnswer(is_hidden=True))
     kept.reconcile(shown(0))
     assert kept.speed is None
-    kept.reconcile(changed(shown(1), speed=None))
+    kept.reconcile(changed(shown(2), speed=None, is_hidden=True))
     assert kept.speed is None
-    assert kept.revealed
+    assert kept.is_hidden
     recipe = replace(kept.recipe, seed=7)
     kept.note(Restart(recipe))
     assert kept.recipe == recipe
-    assert not kept.revealed
+    assert kept.is_hidden
 
 
 def test_the_handle_stays_until_the_run_is_there_or_something_else_came_in_between() -> None:

@@ -47,6 +47,8 @@ ONE_FAULT = {
         BANDIT + LAKE,
         ("", "[bandit] and [gymnasium]", "exactly one of [gymnasium], [mdp], [grid], [bandit]"),
     ),
+    "an answer that is neither": ('answer = "maybe"\n' + BANDIT, ("answer", '"maybe"', "hidden or shown")),
+    "an answer that is no text": ("answer = [true]\n" + BANDIT, ("answer", ".*", "hidden or shown")),
     "a world that is no table": ("mdp = 3\n", ("mdp", "3", "a table")),
     "an unknown key at the top": (
         'sumary = "s"\n' + BANDIT,

@@ -38,7 +38,7 @@ class PolicyValue:
     at_start: float | None
 
 
-class Moves(NamedTuple):
+class _Moves(NamedTuple):
     """All that may happen when a policy is followed, n outcomes in the order of the N live states.
 
     The k-th happens in the state ``source`` with the probability ``weight``, is the world's ``outcome``, and
@@ -53,7 +53,7 @@ class Moves(NamedTuple):
     total: ExtendedArray
 
 
-def moves_of(model: ExactModel, policy: FloatArray) -> Moves:
+def _moves_of(model: ExactModel, policy: FloatArray) -> _Moves:
     """Return what may happen under ``policy``, [P]."""
     outcome = np.flatnonzero((policy > 0.0)[model.outcome_pair])
     pair = model.outcome_pair[outcome]
@@ -61,7 +61,7 @@ def moves_of(model: ExactModel, policy: FloatArray) -> Moves:
     weight = policy[pair] * model.probability[outcome]
     first = np.flatnonzero(np.diff(source, prepend=-1))
     total: ExtendedArray = np.add.reduceat(weight, first)
-    return Moves(source, outcome, model.landing[outcome], weight, first, total)
+    return _Moves(source, outcome, model.landing[outcome], weight, first, total)
 
 
 class PolicyChain:
@@ -73,7 +73,7 @@ class PolicyChain:
 
     def __init__(self, model: ExactModel, policy: FloatArray) -> None:
         self._model = model
-        self._moves = moves_of(model, policy)
+        self._moves = _moves_of(model, policy)
         self._ways: Ways | None = None
         self._endings: tuple[BoolArray, BoolArray] | None = None
         # Only the last: that of a large world takes hundreds of megabytes
@@ -130,14 +130,15 @@ class PolicyChain:
         model, moves = self._model, self._moves
         inside = unknown[model.live]
         places = model.live[inside]
-        rewards = (model.reward if reward is None else reward)[moves.outcome]
+        rewards = model.reward if reward is None else reward
+        earned = np.add.reduceat(moves.weight * rewards[moves.outcome], moves.first)
         stops = (1.0 - np.longdouble(gamma)) * moves.total
         solver = self._solver_of(gamma, unknown)
         error = np.inf
         for _ in range(MOST_ROUNDS):
             # Differences of values keep the digits that γ v(s′) − v(s) would lose where γ is near 1
-            gain = moves.weight * (rewards + gamma * (v[moves.target] - v[moves.source]))
-            residual = (np.add.reduceat(gain, moves.first) - stops * v[model.live])[inside]
+            gain = np.add.reduceat(moves.weight * (v[moves.target] - v[moves.source]), moves.first)
+            residual = (earned + gamma * gain - stops * v[model.live])[inside]
             correction = solver(residual.astype(np.float64))
             v[places] += correction
             before, error = error, float(np.abs(correction).max())
@@ -201,7 +202,7 @@ def always_ends(mdp: TabularMDP, policy: FloatArray) -> bool:
     return PolicyChain(exact_model(mdp), policy).always_ends()
 
 
-def _chain_solver(moves: Moves, gamma: float, unknown: BoolArray) -> Solver:
+def _chain_solver(moves: _Moves, gamma: float, unknown: BoolArray) -> Solver:
     """Return the solver of I − γ P under ``moves``, restricted to the ``unknown`` states, [S+1]."""
     index = np.cumsum(unknown) - 1
     size = int(index[-1]) + 1

@@ -17,6 +17,7 @@ from rl_tui.cli.output import columns, number, print_json
 from rl_tui.common.words import counted
 
 if TYPE_CHECKING:
+    from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
     from rl_tui.worlds.world import World
 
 _GREEDY_IS_NOT_ENOUGH: Final = """\
@@ -27,10 +28,11 @@ earn what Q* promises. Of equally good actions the policy has only those that co
 @click.command("solve")
 @scenario_argument
 @parameter_option("gamma", "  [default: the scenario's]")
+@click.option("--flips", is_flag=True, help="also every γ at which the best actions change, exactly")
 @seed_option
 @allow_module_option
 @json_option
-def command(scenario: str, gamma: float | None, seed: int, as_json: bool) -> None:
+def command(scenario: str, gamma: float | None, flips: bool, seed: int, as_json: bool) -> None:
     """Print the optimal values and policy, exact to 1e-9.
 
     The seed counts only where the world depends on it: the arms of a bandit, a random map.
@@ -64,11 +66,29 @@ def command(scenario: str, gamma: float | None, seed: int, as_json: bool) -> Non
         "best_expected_return": solution.best_expected_return,
         "iterations": solution.iterations,
     }
+    changes = _with_flips(world, mdp, answer) if flips else None
     if as_json:
         print_json(answer)
-    else:
-        left_out = int((solution.best & ~solution.greedy).sum())
-        click.echo(_report(recipe.scenario.title, world, answer, left_out))
+        return
+    left_out = int((solution.best & ~solution.greedy).sum())
+    click.echo(_report(recipe.scenario.title, world, answer, left_out))
+    if changes is not None:
+        click.echo(f"\n{changes}")
+
+
+def _with_flips(world: World, mdp: TabularMDP, answer: dict[str, Any]) -> str:
+    """Add the flips to ``answer``, or why there are none to be had; return them as text."""
+    from rl_tui.agents.exact.flips.flips import flips
+    from rl_tui.agents.exact.solution import NoExactAnswer
+    from rl_tui.cli.reports.flip_points import flips_document, flips_report
+
+    try:
+        found = flips(mdp)
+    except NoExactAnswer as refusal:
+        answer["flips"], answer["flips_refused"] = None, str(refusal)
+        return str(refusal)
+    answer["flips"] = flips_document(mdp, found)
+    return flips_report(world, found)
 
 
 def _report(title: str, world: World, answer: dict[str, Any], left_out: int) -> str:

@@ -50,8 +50,8 @@ MOST_RUNS: Final = 100_000
     "changes",
     type=ChangeValue(),
     multiple=True,
-    help="after STEP steps set a hyper-parameter, algorithm=NAME, or take=ACTION in place of the agent; "
-    "may be given several times",
+    help="after STEP steps set a hyper-parameter, algorithm=NAME, take=ACTION in place of the agent, or "
+    "sweep=evaluation or sweep=improvement of policy iteration; may be given several times",
 )
 @allow_module_option
 @run_options

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 
 from rl_tui.lab.answers.drawn_policy import DrawnPolicy
 from rl_tui.lab.answers.first_updates import FirstUpdateView
+from rl_tui.lab.answers.flip_answer import NOT_ASKED, FlipAnswer
 from rl_tui.lab.answers.policy_kind import PolicyKind
 from rl_tui.lab.answers.policy_values import PolicyAnswer
 
@@ -27,3 +28,5 @@ class AnswersView:
     """What each policy is worth, as far as it is known; none while nobody asks."""
     first_update: FirstUpdateView | None = None
     """The wait for the first update; None: nobody has asked, and something was learned or may soon be."""
+    flips: FlipAnswer = NOT_ASKED
+    """Every γ at which the optimal actions of its world change."""

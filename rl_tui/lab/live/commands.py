@@ -193,6 +193,11 @@ class FollowCell(Command):
 
 
 @dataclass(frozen=True, slots=True)
+class AskFlips(Command):
+    """Tell in every snapshot at which γ the optimal actions of the world shown change, once that is known."""
+
+
+@dataclass(frozen=True, slots=True)
 class StudyPolicy(Command):
     """Tell in every snapshot what policies are worth, with all values of this one; None: of none."""
 
@@ -226,14 +231,17 @@ class AskWhy(Command):
     is_asked: bool
 
 
-_AT_ANY_TIME: Final = (LookAt, FollowCell, MarkLane, EndStudy, SetSpeed, StudyPolicy, AskWhy)
+_AT_ANY_TIME: Final = (LookAt, FollowCell, MarkLane, EndStudy, SetSpeed, StudyPolicy, AskFlips, AskWhy)
 LOOKING: Final = (*_AT_ANY_TIME, StudySeeds)
 """Commands that leave nothing behind that is worth keeping."""
 
 MOVES: Final = (Play, WatchLearning, Pause, Step, RunEpisode, RunUntil, Take, Train)
 """Commands that mean nothing where a run takes no further step."""
 
-WHILE_SEEKING: Final = (StepBack, GoTo, Pause, DropLane, DrawAction, ClearDrawing, *_AT_ANY_TIME)
+WHILE_SEEKING: Final = (
+    *(StepBack, GoTo, Pause, DropLane, DrawAction, ClearDrawing, HideAnswer),
+    *_AT_ANY_TIME,
+)
 """Commands that replace a seek under way, or leave it alone."""
 
 FROM_HERE: Final = (StepBack, EpisodeBack, ChooseBranch)

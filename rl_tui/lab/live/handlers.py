@@ -95,6 +95,10 @@ def _ask_why(playback: Playback, command: commands.AskWhy) -> None:
     playback.questions.asks_why = command.is_asked
 
 
+def _ask_flips(playback: Playback, _: commands.AskFlips) -> None:
+    playback.questions.flips.begin(playback.group.current.run.world.mdp)
+
+
 def _hide_answer(playback: Playback, command: commands.HideAnswer) -> None:
     playback.questions.is_hidden = command.is_hidden
 
@@ -167,6 +171,7 @@ HANDLERS: Final[Mapping[type, Callable[[Playback, Any], None]]] = {
     commands.LookAt: _look_at,
     commands.FollowCell: _follow_cell,
     commands.StudyPolicy: _study_policy,
+    commands.AskFlips: _ask_flips,
     commands.DrawAction: _draw_action,
     commands.ClearDrawing: lambda playback, _: playback.questions.clear(),
     commands.HideAnswer: _hide_answer,

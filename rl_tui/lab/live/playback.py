@@ -179,7 +179,9 @@ class Playback:
             if self._beginning is None:
                 raise RuntimeError("there is no world yet")
             preparing = PlaybackView(message=PREPARING, speed=self._record.speed)
-            return as_left(self._builder.before(self._recipe, self._beginning.world, preparing), self._record)
+            is_hidden = self.questions.hides_answer(self._recipe.scenario)
+            before = self._builder.before(self._recipe, self._beginning.world, preparing, is_hidden=is_hidden)
+            return as_left(before, self._record)
         has_trail = shows_trail(self.state, self.transport.speed)
         if has_trail and not self._automatic:
             self.group.find_trails(math.inf)  # in pieces it would depend on the time
@@ -335,13 +337,13 @@ class Playback:
         """Start again from ``recipe``, paused. Raises UserError where its world cannot be built."""
         group, old = self.group, self.group.current
         beginning = begin(recipe, old.world if recipe.scenario == old.recipe.scenario else None)
-        breakpoints = self.breakpoints
         if beginning.world is not old.world:
-            breakpoints = Breakpoints()
+            self.breakpoints = Breakpoints()
+            self.questions.hide_again()
             self.questions.clear()
         self._recipe = recipe
         self._start(
-            Record(group.restarted(recipe), group.shown, breakpoints, self.transport.speed), beginning
+            Record(group.restarted(recipe), group.shown, self.breakpoints, self.transport.speed), beginning
         )
 
     def _continue_seek(self) -> float:

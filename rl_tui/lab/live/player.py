@@ -106,6 +106,11 @@ class Player:
         return await question.answer
 
     @property
+    def is_automatic(self) -> bool:
+        """Whether the run goes on by itself, so that what snapshots show depends on the time."""
+        return self._automatic
+
+    @property
     def unanswered(self) -> float:
         """For how many seconds an environment has kept the run waiting; 0 where none does."""
         thread = self._thread
@@ -120,7 +125,7 @@ class Player:
         if self._thread is not None:
             self._thread.join(LONGEST_GOODBYE)
             self._playback.compilation.close()
-            self._playback.questions.seed_studies.close()
+            self._playback.questions.close()
             is_last = as_usual(self)
             if is_last and self._automatic:
                 BACKGROUND.want(())

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from rl_tui.lab.answers.drawn_policy import DrawnPolicy
 from rl_tui.lab.answers.first_updates import FirstUpdates
+from rl_tui.lab.answers.flip_answers import FlipAnswers
 from rl_tui.lab.answers.left_to_chance import LeftToChance
 from rl_tui.lab.answers.policy_kind import PolicyKind
 from rl_tui.lab.answers.policy_values import PolicyAnswer, PolicyAnswers
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
     from rl_tui.lab.live.viewport import Viewport
     from rl_tui.lab.run.run import Run
     from rl_tui.lab.timeline.run_group import RunGroup
+    from rl_tui.worlds.files.scenario import Scenario
     from rl_tui.worlds.mdp.space import FiniteSpace
 
 
@@ -37,8 +39,10 @@ class Questions:
         """What many seeds say of the runs."""
         self.exact = RunAnswers(on_exact)
         """The exact answers for the γ in force."""
+        self.flips = FlipAnswers(on_exact, automatic=automatic)
+        """Every γ at which optimal actions change, by world."""
         self.is_hidden = record.answer_is_hidden
-        """Whether a person has the answer hidden; None: nobody has said."""
+        """Whether a person wants the answer hidden; None: nobody has said."""
         self.drawn = record.drawn
         """The policy that a person drew."""
         self.studied: PolicyKind | None = None
@@ -61,6 +65,22 @@ class Questions:
         """Forget the drawn policy."""
         self.drawn = DrawnPolicy()
 
+    def hides_answer(self, scenario: Scenario) -> bool:
+        """Return whether the answer is hidden: as a person has said, else as ``scenario`` says."""
+        return scenario.hides_answer if self.is_hidden is None else self.is_hidden
+
+    def hide_again(self) -> None:
+        """Let the scenario say again whether the answer is hidden, unless a person has hidden it.
+
+        What a person has seen is not the answer of another world.
+        """
+        self.is_hidden = self.is_hidden or None
+
+    def close(self) -> None:
+        """End what is worked out in processes of their own, from any thread, and begin nothing any more."""
+        self.seed_studies.close()
+        self.flips.close()
+
     def answers(self, run: Run, *, is_still: bool) -> AnswersView:
         """Return what is known by now for ``run``, which takes steps unless it ``is_still``."""
         studied, mdp, left = self.studied, run.world.mdp, None
@@ -70,12 +90,13 @@ class Questions:
         if studied is not None:
             policies = self._policies.of(run, self.exact.of(run), self.drawn, is_still=is_still)
         return AnswersView(
-            is_hidden=bool(self.is_hidden),
+            is_hidden=self.hides_answer(run.recipe.scenario),
             studied=studied,
             drawn=self.drawn,
             left_to_chance=left,
             policies=policies,
             first_update=self._first_updates.of(run, is_asked=self.asks_why),
+            flips=self.flips.of(run.world.mdp),
         )
 
     def work(self, group: RunGroup) -> bool:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from rl_tui.agents.counters import Counters
+from rl_tui.lab.answers.view import AnswersView
 from rl_tui.lab.live.record import Record
 from rl_tui.lab.live.snapshot import AgentView, Phase, PlaybackView, Snapshot
 from rl_tui.lab.live.state import State
@@ -40,8 +41,11 @@ class SnapshotBuilder:
     def __init__(self) -> None:
         self._copier: PartCopier | None = None
 
-    def before(self, recipe: Recipe, world: World, playback: PlaybackView) -> Snapshot:
-        """Return the snapshot of a run whose world is there and whose agent is not yet."""
+    def before(self, recipe: Recipe, world: World, playback: PlaybackView, *, is_hidden: bool) -> Snapshot:
+        """Return the snapshot of a run whose world is there and whose agent is not yet.
+
+        ``is_hidden`` says that the answer is.
+        """
         hyperparameters, pairs = recipe.hyperparameters, world.space.pairs
         visits: IntArray = np.zeros(pairs, np.int64)
         return Snapshot(
@@ -54,6 +58,7 @@ class SnapshotBuilder:
             results=RunResults(bandit=bandit_figures(world, visits, winnings=0.0)),
             exact_answer=Answer(None, NO_TABLE) if world.mdp is None else PENDING,
             playback=playback,
+            answers=AnswersView(is_hidden=is_hidden),
         )
 
     def build(

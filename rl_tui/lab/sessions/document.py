@@ -179,6 +179,7 @@ class Document(Part):
     breakpoints: StoredBreakpoints
     speed: Annotated[float, Field(gt=0, allow_inf_nan=False)] | None
     digest: Annotated[str, Field(pattern=r"^([0-9a-f]{64})?$")]
+    answer_hidden: bool | None = None
     table: StoredTable | None = None
     # The state and the action of each choice of the policy that a person drew, by their numbers
     drawn: Annotated[tuple[DrawnChoice, ...], FailFast(), Field(max_length=MOST_DRAWN, strict=False)] = ()

@@ -73,7 +73,8 @@ def document_of(record: Record, *, title: str, kept: bool, digest: str) -> dict[
     if record.drawn.choices:
         fields["drawn"] = _stored_drawing(record.drawn)
     table = None if record.table is None else _stored_table(record.table)
-    return fields if table is None else {**fields, "table": table}
+    asked = {"answer_hidden": record.answer_is_hidden, "table": table}
+    return fields | {name: value for name, value in asked.items() if value is not None}
 
 
 def _stored_drawing(drawn: DrawnPolicy) -> list[list[int]]:
@@ -160,6 +161,7 @@ def record_of(document: Document) -> Record:
             frozenset(document.breakpoints.states), frozenset(document.breakpoints.pairs)
         ),
         speed=document.speed,
+        answer_is_hidden=document.answer_hidden,
         drawn=DrawnPolicy(tuple(sorted(dict(document.drawn).items()))),
         table=None if document.table is None else _table(document.table),
     )

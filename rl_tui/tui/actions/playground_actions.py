@@ -249,10 +249,10 @@ PLAYGROUND_ACTIONS: Final[tuple[Action, ...]] = (
         needs_world=True,
     ),
     Action(
-        "view.reveal",
+        "view.hide_answer",
         "h",
-        "reveal",
-        "Show or hide what a bandit keeps secret.",
+        "answer",
+        "Hide or show the exact answer.",
         Group.VIEW,
         rank=18,
         needs_world=True,

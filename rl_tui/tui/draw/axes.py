@@ -47,18 +47,21 @@ def _labelled(plot: Plot) -> list[float]:
     return [*ends, 0.0] if has_zero else ends
 
 
-def draw_count_axis(canvas: Canvas, plot: Plot, last: float, most: int, unit: str, look: Look) -> None:
+def draw_count_axis(
+    canvas: Canvas, plot: Plot, last: float, most: int, unit: str, look: Look, step: float | None = None
+) -> None:
     """Draw the horizontal axis with ``unit`` behind it, and at most ``most`` labels from 0 to ``last``.
 
-    Where the canvas has no room behind the axis, the unit stands on its end.
+    They are a whole number apart, or ``step``, where that is not None. Where the canvas has no room behind
+    the axis, the unit stands on its end.
     """
     glyphs, style = look.glyphs, look.palette.dim
     canvas.put(plot.left - 1, plot.rows, glyphs.axis_corner + glyphs.axis_horizontal * plot.columns, style)
     place = min(plot.left + plot.columns, canvas.width - len(unit))
     canvas.put(place, plot.rows, unit, style)
     free, end = 0, min(plot.columns, place - plot.left)  # the unit begins with a blank
-    step = tick_step(last, most)
-    for number in range(int(last / step) + 1):
+    step = step or tick_step(last, most)
+    for number in range(int(last / step + 1e-9) + 1):
         short = tick_label(number * step, step, glyphs)
         text, column = f"{int(short):,}" if short.isdigit() else short, plot.column(number * step)
         # the last one may stand at the very end, where only its left half has room

@@ -16,6 +16,7 @@ from rl_tui.tui.draw.pieces import Line, Piece, first_that_fits, strips_of
 from rl_tui.tui.draw.to_ascii import separated, to_ascii
 from rl_tui.tui.panels.panel import Panel
 from rl_tui.tui.panels.side_by_side import sides
+from rl_tui.tui.panels.snapshot_facts import is_secret
 from rl_tui.tui.theme.look import Look
 
 WAITING: Final = "the arms are being drawn"
@@ -29,35 +30,36 @@ _MANY: Final = 100.0  # from here on the sum of so many rewards is shown in whol
 
 
 class BudgetPanel(Panel):
-    """Pulls and winnings; regret and the share of the best arm when revealed or spent."""
+    """Pulls and winnings; regret and the share of the best arm unless hidden."""
 
     def picture(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
         """Return the picture of the figures of ``snapshot``."""
         self.heading = self.fitting((*self.captioned("Budget"), "Budget"), width)
-        lines = budget_lines(snapshot, self.look, width, revealed=self.tells_all)
+        lines = budget_lines(snapshot, self.look, width)
         if snapshot is not None and snapshot.beside is not None and height >= _ROWS_OF_TWO:
-            lines = pair_lines(sides(snapshot), snapshot, self.look, revealed=self.tells_all)
+            lines = pair_lines(sides(snapshot), snapshot, self.look)
         return strips_of(lines, width, height, self.look)
 
 
-def budget_lines(snapshot: Snapshot | None, look: Look, width: int, *, revealed: bool) -> list[Line]:
-    """Return the lines; what the agent cannot know only if ``revealed``."""
+def budget_lines(snapshot: Snapshot | None, look: Look, width: int) -> list[Line]:
+    """Return the lines; what the agent cannot know only where it is not hidden."""
     if snapshot is None or snapshot.results.bandit is None:
         return [[Piece(f" {WAITING if snapshot is None else NO_BUDGET}", look.palette.dim)]]
     figures, spent = snapshot.results.bandit, snapshot.playback.phase is Phase.SPENT
     drifts = snapshot.world.mdp is not None and snapshot.world.mdp.drift_std > 0.0
-    lines = [_pulls(figures, look, spent, drifts), *_winnings(figures, look, width, revealed)]
-    return lines if revealed else [*lines, _hint(look)]
+    known = not is_secret(snapshot)
+    lines = [_pulls(figures, look, spent, drifts), *_winnings(figures, look, width, known)]
+    return lines if known else [*lines, _hint(look)]
 
 
 def _hint(look: Look) -> Line:
     return [Piece(" h  ", look.palette.accent), Piece("shows regret and the best arm", look.palette.dim)]
 
 
-def pair_lines(lanes: tuple[Snapshot, Snapshot], led: Snapshot, look: Look, *, revealed: bool) -> list[Line]:
+def pair_lines(lanes: tuple[Snapshot, Snapshot], led: Snapshot, look: Look) -> list[Line]:
     """Return the lines of two lanes, of which that of ``led`` is marked."""
-    palette = look.palette
-    heads = ("winnings", "a pull", *(("regret", "best arm") if revealed else ()))
+    palette, known = look.palette, not is_secret(led)
+    heads = ("winnings", "a pull", *(("regret", "best arm") if known else ()))
     lines: list[Line] = [[Piece(" " * _LANE + "".join(f"{head:>{_COLUMN}}" for head in heads), palette.dim)]]
     bandits = [lane.results.bandit for lane in lanes if lane.results.bandit is not None]
     decimals = sum_decimals([each.winnings for each in bandits] + [each.regret for each in bandits])
@@ -75,7 +77,7 @@ def pair_lines(lanes: tuple[Snapshot, Snapshot], led: Snapshot, look: Look, *, r
             sum_text(figures.winnings, decimals, look),
             numbers.fixed(mean, 2, look.glyphs, leading_zero=False),
         ]
-        if revealed:
+        if known:
             rate = figures.best_arm_rate
             texts += [sum_text(figures.regret, decimals, look), "" if rate is None else numbers.percent(rate)]
         row = set_cell_size(name, _LANE) + "".join(f"{text:>{_COLUMN}}" for text in texts)
@@ -83,7 +85,7 @@ def pair_lines(lanes: tuple[Snapshot, Snapshot], led: Snapshot, look: Look, *, r
     if led.results.bandit is not None:
         drifts = led.world.mdp is not None and led.world.mdp.drift_std > 0.0
         lines += [[], _pulls(led.results.bandit, look, led.playback.phase is Phase.SPENT, drifts)]
-    return lines if revealed else [*lines, _hint(look)]
+    return lines if known else [*lines, _hint(look)]
 
 
 def _pulls(figures: BanditFigures, look: Look, spent: bool, drifts: bool) -> Line:

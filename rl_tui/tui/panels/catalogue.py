@@ -22,6 +22,7 @@ CONTROLS: Final = "controls"
 LAST_STEP: Final = "last_step"
 MICROSCOPE: Final = "microscope"
 MANY_SEEDS: Final = "many_seeds"
+DISCOUNT: Final = "discount"
 POLICIES: Final = "policies"
 
 
@@ -170,7 +171,7 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         BUDGET,
         "rl_tui.tui.panels.budget:BudgetPanel",
         "Budget",
-        "Pulls and winnings of a bandit; revealed or spent, its regret too: over all pulls, the true mean "
+        "Pulls and winnings of a bandit; once shown or spent, its regret too: over all pulls, the true mean "
         "of the best arm less that of the arm pulled. Luck is left out, so winnings and regret need not add "
         "up to the best possible.",
         caption="what the pulls earned",
@@ -279,6 +280,28 @@ PANELS: Final[tuple[PanelRow, ...]] = (
             "many seeds",
             "Run the same under many other seeds: the mean of each figure, with its error, beside this seed.",
             rank=17,
+        ),
+        in_place_of=(TABLE, BUDGET),
+    ),
+    PanelRow(
+        DISCOUNT,
+        "rl_tui.tui.panels.discount.discount:DiscountPanel",
+        "γ and flip points",
+        "Which actions are best depends on γ. G draws Q* of every action of one state, that of the cursor of "
+        "world or table, else the agent's, from γ = 0 to 1; the highest line is the best action, and ◆ "
+        "stands where another one becomes it. Upright lines are flip points: every γ at which the optimal "
+        "actions of some state change, worked out exactly. ▸ marks those that turn the way from the start; "
+        "they stand on the slider of γ too, all others with them while this panel is open. The list says "
+        "what the optimal policy earns just below and just above, undiscounted, and which states turn. The "
+        "arrows choose a flip, and enter sets γ beyond it; on the slider { and } do so. Flip points are "
+        "worked out for worlds of up to 100 states.",
+        caption="where the best policy turns",
+        terms=("gamma", "flip-point", "turns-the-way", "optimal-values-by-gamma", "earned-at-flip", "q-star"),
+        opened_by=OpeningKey(
+            "G",
+            "flip points",
+            "Show Q* of a state for every γ, and each γ at which the best actions change.",
+            rank=19,
         ),
         in_place_of=(TABLE, BUDGET),
     ),

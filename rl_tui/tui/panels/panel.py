@@ -13,7 +13,7 @@ from textual.geometry import Region, Size
 from textual.strip import Strip
 from textual.widget import Widget
 
-from rl_tui.lab.live.snapshot import Phase, Snapshot
+from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.draw.to_ascii import separated
 from rl_tui.tui.panels.bindings import key_of_hint
 from rl_tui.tui.panels.legend import Legend, legend_rows, legend_text
@@ -36,14 +36,13 @@ def key_at(hints: str, column: int) -> str | None:
 
 
 class BoardPanel(Widget):
-    """What the board asks of each of its panels; ``revealed`` shows what a bandit keeps secret.
+    """What the board asks of each of its panels.
 
     ``caption`` says in some five words what the panel is; it and the legend are seen while ``is_explained``.
     ``is_led`` says that the same panel of the lane beside this one decides which part is in view.
     """
 
     is_led: bool = False
-    revealed: bool = False
     caption: str = ""
     is_explained: bool = False
 
@@ -73,7 +72,7 @@ class Panel(BoardPanel):
 
     Subclasses implement :meth:`picture`, which may set ``heading`` and ``footing`` on the way, and
     ``free_rows``: how many rows at the bottom it leaves empty. There the :meth:`legend` stands, otherwise on
-    the border. ``revealed`` tells whether what a bandit's agent cannot know is shown.
+    the border.
     """
 
     def __init__(self, look: Look, *, id: str | None = None, classes: str | None = None) -> None:  # noqa: A002
@@ -83,7 +82,6 @@ class Panel(BoardPanel):
         self.footing = ""
         self.free_rows = 0
         self._look = look
-        self._revealed = False
         self._is_explained = False
         self._border_legend = ""
         self._least_free: tuple[World | None, Size, int] | None = None
@@ -102,17 +100,6 @@ class Panel(BoardPanel):
         self.redraw()
 
     @property
-    def revealed(self) -> bool:
-        """Whether what the agent cannot know (the true means of a bandit) is shown."""
-        return self._revealed
-
-    @revealed.setter
-    def revealed(self, revealed: bool) -> None:
-        if revealed != self._revealed:
-            self._revealed = revealed
-            self.redraw()
-
-    @property
     def is_explained(self) -> bool:
         """Whether caption and legend are shown."""
         return self._is_explained
@@ -122,11 +109,6 @@ class Panel(BoardPanel):
         if is_explained != self._is_explained:
             self._is_explained = is_explained
             self.redraw()
-
-    @property
-    def tells_all(self) -> bool:
-        """Whether secrets are out: by :attr:`revealed`, or because the budget is spent."""
-        return self._revealed or (self.snapshot is not None and self.snapshot.playback.phase is Phase.SPENT)
 
     def show(self, snapshot: Snapshot) -> None:
         """Draw ``snapshot``."""

@@ -82,9 +82,7 @@ def name_panels(
     for panel in panels:
         panel.is_led = not is_led
         if isinstance(panel, WorldView):
-            panel.lane = lane_titles(lane, number)
-            # the arrows of a policy that is studied are not the greedy ones
-            panel.differing = differences.states if lane.answers.studied is None else frozenset()
+            panel.lane, panel.differing = lane_titles(lane, number), differences.states
         elif isinstance(panel, QTable):
             panel.lane, panel.differing = number, differences.states
 

@@ -12,6 +12,9 @@ from rl_tui.tui.glossary.figure_text import FigureSetting
 from rl_tui.tui.theme.glyphs import Glyphs
 from rl_tui.worlds.drawing import Arms
 
+ANSWER_KEY: Final = "h shows the exact answer"
+"""What stands in place of whatever is hidden while :func:`is_secret` holds."""
+
 _FASTEST_FOLLOWED: Final = 30.0  # steps a second; above it single steps would only flicker
 
 
@@ -26,9 +29,17 @@ def is_new_run(before: Snapshot | None, now: Snapshot) -> bool:
     return before.recipe != now.recipe or first.end < was.end
 
 
-def is_secret(snapshot: Snapshot, *, revealed: bool) -> bool:
-    """Return whether what is exact must be hidden: the true means of a bandit, until they are revealed."""
-    return isinstance(snapshot.world.drawing, Arms) and not revealed
+def is_secret(snapshot: Snapshot) -> bool:
+    """Return whether all that gives the exact answer away must be hidden; a spent budget hides nothing."""
+    return snapshot.answers.is_hidden and snapshot.playback.phase is not Phase.SPENT
+
+
+def hides_means(snapshot: Snapshot) -> bool:
+    """Return whether the true means of arms must be hidden.
+
+    Of a bandit these are the model and what the greedy policy earns, which other worlds do not hide.
+    """
+    return is_secret(snapshot) and isinstance(snapshot.world.drawing, Arms)
 
 
 def current_study(snapshot: Snapshot) -> SeedStudy | None:

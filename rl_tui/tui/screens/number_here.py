@@ -18,7 +18,7 @@ from rl_tui.tui.panels.model.bellman import SECRET
 from rl_tui.tui.panels.policies.names import POLICY_NAMES
 from rl_tui.tui.panels.q_table.layers import Layer, exact_q, other_lane, policy_q
 from rl_tui.tui.panels.q_table.q_table import QTable
-from rl_tui.tui.panels.snapshot_facts import is_secret
+from rl_tui.tui.panels.snapshot_facts import hides_means, is_secret
 from rl_tui.tui.panels.world.view import WorldView
 from rl_tui.tui.theme.look import Look
 from rl_tui.worlds.drawing import Arms
@@ -58,7 +58,7 @@ def _of_table(table: QTable, look: Look, at: Offset | None) -> NumberHere | None
     pair = table.shown_cursor if at is None else table.pair_at(*at)
     if pair is None or table.snapshot is None:
         return None
-    return number_of_pair(table.snapshot, pair, table.shown_layer, look, revealed=table.revealed)
+    return number_of_pair(table.snapshot, pair, table.shown_layer, look)
 
 
 def _of_world(view: WorldView, look: Look, at: Offset | None) -> NumberHere | None:
@@ -66,28 +66,23 @@ def _of_world(view: WorldView, look: Look, at: Offset | None) -> NumberHere | No
     if place is None or view.snapshot is None or (at is None and view.is_manual):
         return None
     if isinstance(view.world.drawing, Arms):
-        return number_of_pair(view.snapshot, place, Layer.Q, look, revealed=view.revealed)
+        return number_of_pair(view.snapshot, place, Layer.Q, look)
     state = view.state_at(place)
     if state is not None and view.studied is not None:
         return number_of_policy(view.snapshot, state, view.studied, look)
     return None if state is None else number_of_state(view.snapshot, state, look)
 
 
-def number_of_pair(
-    snapshot: Snapshot, pair: int, layer: Layer, look: Look, *, revealed: bool = False
-) -> NumberHere | None:
-    """Return the number of ``pair`` in ``layer`` of the table; None where the snapshot does not hold it.
-
-    ``revealed`` says that the means of a bandit are shown.
-    """
-    return _Teller(snapshot, look, revealed).of_pair(pair, layer) if snapshot.agent.holds(pair) else None
+def number_of_pair(snapshot: Snapshot, pair: int, layer: Layer, look: Look) -> NumberHere | None:
+    """Return the number of ``pair`` in ``layer`` of the table; None where the snapshot does not hold it."""
+    return _Teller(snapshot, look).of_pair(pair, layer) if snapshot.agent.holds(pair) else None
 
 
 def number_of_state(snapshot: Snapshot, state: int, look: Look) -> NumberHere | None:
     """Return V of ``state``; None where the snapshot does not hold it."""
     pairs = snapshot.world.space.pairs_of(state)
     held = not pairs or snapshot.agent.holds(pairs.start)
-    return _Teller(snapshot, look, revealed=False).of_state(state) if held else None
+    return _Teller(snapshot, look).of_state(state) if held else None
 
 
 def number_of_policy(snapshot: Snapshot, state: int, kind: PolicyKind, look: Look) -> NumberHere:
@@ -104,14 +99,13 @@ def number_of_policy(snapshot: Snapshot, state: int, kind: PolicyKind, look: Loo
 
 
 class _Teller:
-    """Tells of the numbers of one snapshot; ``revealed`` says that a bandit's means are shown."""
+    """Tells of the numbers of one snapshot."""
 
-    def __init__(self, snapshot: Snapshot, look: Look, revealed: bool) -> None:
+    def __init__(self, snapshot: Snapshot, look: Look) -> None:
         self._snapshot = snapshot
         self._world = snapshot.world
         self._look = look
-        self._revealed = revealed
-        self._exact = exact_q(snapshot, revealed)
+        self._exact = exact_q(snapshot)
         self._is_bandit = isinstance(snapshot.world.drawing, Arms)
 
     def of_pair(self, pair: int, layer: Layer) -> NumberHere:
@@ -134,7 +128,7 @@ class _Teller:
                 f"The estimate here, {mine}, less the one of {other.name}, {its}: both learned.",
                 "q",
             )
-        if layer is Layer.POLICY and (known := policy_q(self._snapshot, self._revealed)) is not None:
+        if layer is Layer.POLICY and (known := policy_q(self._snapshot)) is not None:
             worth = self._written(float(known[0][pair]))[0]
             return NumberHere(
                 f"Qπ({name}) = {worth}",
@@ -227,7 +221,8 @@ class _Teller:
         """Return the exact value beside an estimate, or why it is not told."""
         if optimum:
             return f"The exact {symbol} here is {optimum}."
-        if is_secret(self._snapshot, revealed=self._revealed):
+        if hides_means(self._snapshot):
             return f"The true mean is {SECRET}."
-        refused = self._snapshot.exact_answer.refused
-        return f"There is no exact value: {refused}" if refused else ""
+        if refused := self._snapshot.exact_answer.refused:
+            return f"There is no exact value: {refused}"
+        return f"The exact {symbol} is hidden: h shows it." if is_secret(self._snapshot) else ""

@@ -39,6 +39,8 @@ class Glyphs:
     track_done: str  # slider
     track_rest: str
     thumb: str
+    flip: str  # on a track: the way from the start turns, only other states do
+    side_flip: str
     change_mark: str  # timeline: a setting was changed, steps were taken by hand, the branch begins
     manual_mark: str
     fork_mark: str
@@ -116,6 +118,8 @@ _ROWS: Final[Mapping[str, tuple[Any, Any]]] = {
     "track_done": ("━", "="),
     "track_rest": ("─", "-"),
     "thumb": ("●", "o"),
+    "flip": ("┃", "|"),
+    "side_flip": ("│", ":"),
     "change_mark": ("◆", "+"),
     "manual_mark": ("╍", ":"),
     "fork_mark": ("┻", "Y"),

@@ -41,6 +41,10 @@ WORLD_KINDS: Final[Mapping[str, str]] = {
 }
 """The class of each kind of table, ``module:Class``, imported when a file has such a table."""
 
+HIDDEN: Final = "hidden"
+ANSWERS: Final = (HIDDEN, "shown")
+_USUAL_ANSWERS: Final = {"bandit": HIDDEN}  # of every other kind it is shown
+
 
 class ScenarioHead(FileSection):
     """What a file says besides its world."""
@@ -49,6 +53,7 @@ class ScenarioHead(FileSection):
     summary: Annotated[str, text(200)] = ""
     notes: Annotated[str, markdown(20_000)] = ""
     order: Annotated[int, whole_number(0, 1_000_000)] = 1_000_000
+    answer: Annotated[str | None, Expect(" or ".join(ANSWERS), lambda value: value in ANSWERS)] = None
     defaults: Annotated[dict[str, Any], Expect("a table", is_table)] = Field(default_factory=dict)
 
 
@@ -58,7 +63,8 @@ class Scenario:
 
     ``id`` is the file's stem, ``kind`` the name of its world's table, ``defaults`` the raw table of that name
     (what its values may be is known to the agents). ``order`` says where it stands among its neighbours in
-    the catalogue. ``text`` is the file as it was read, empty where there is none.
+    the catalogue. ``text`` is the file as it was read, empty where there is none. ``hides_answer`` says that
+    the exact answer is hidden until a person asks for it.
     """
 
     id: str
@@ -71,6 +77,7 @@ class Scenario:
     source: Path
     section: WorldSection
     text: str = ""
+    hides_answer: bool = False
 
     def build(self, generator: Generator) -> World:
         """Return the world. What is random about it (a bandit's arms, a random map) is drawn first from
@@ -135,6 +142,7 @@ def scenario_of(text: str, path: Path, *, ask_environment: bool = True) -> Scena
         source=path,
         section=sections[0],
         text=text,
+        hides_answer=(head.answer or _USUAL_ANSWERS.get(kinds[0])) == HIDDEN,
     )
 
 

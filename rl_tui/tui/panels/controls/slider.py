@@ -19,7 +19,7 @@ from textual.widget import Widget
 from rl_tui.agents.hyperparameters import PARAMETERS, SAMPLE_AVERAGE, Hyperparameters, Parameter
 from rl_tui.tui.draw.to_ascii import to_ascii
 from rl_tui.tui.panels.bindings import binding
-from rl_tui.tui.panels.controls.slider_picture import SliderState, slider_form, slider_strip
+from rl_tui.tui.panels.controls.slider_picture import SliderMark, SliderState, slider_form, slider_strip
 from rl_tui.tui.panels.controls.slider_scale import SliderScale, parsed, scale_of
 from rl_tui.tui.panels.draggable import Draggable
 from rl_tui.tui.theme.look import Look
@@ -53,6 +53,8 @@ class Slider(Draggable, can_focus=True):
         binding("pageup", "move('coarse', 1)", "slider.much_more", "A tenth more"),
         binding("home", "end(False)", "slider.least", "The least value"),
         binding("end", "end(True)", "slider.most", "The greatest value"),
+        binding("left_curly_bracket", "jump(False)", "slider.previous_mark", "Beyond the mark before"),
+        binding("right_curly_bracket", "jump(True)", "slider.next_mark", "Beyond the next mark"),
         binding("enter", "type", "slider.type", "Type a value; enter again sets it"),
         binding("escape", "release", "slider.release", "Leave the slider"),
     ]
@@ -86,11 +88,12 @@ class Slider(Draggable, can_focus=True):
             f"{parameter.help}. The arrows change it; enter, or a click on its value, types {typed}. "
             "What begins with 1 to 4 needs enter first."
         )
-        self.tooltip = to_ascii(help_text, look.glyphs)
+        self._help = self.tooltip = to_ascii(help_text, look.glyphs)
         self._value = value
         self._number = _first_number(parameter, self.scale, value)
         self._typed: str | None = None
         self._refused = False
+        self._marks: tuple[SliderMark, ...] = ()
 
     @property
     def value(self) -> float | str:
@@ -106,6 +109,19 @@ class Slider(Draggable, can_focus=True):
             self.refresh()
 
     @property
+    def marks(self) -> tuple[SliderMark, ...]:
+        """The marks on the track, rising."""
+        return self._marks
+
+    def set_marks(self, marks: tuple[SliderMark, ...], meaning: str = "") -> None:
+        """Show ``marks``, rising, on the track; ``meaning`` is a sentence that says what they are."""
+        if marks != self._marks:
+            self._marks = marks
+            told = f"{self._help} {meaning} {{ and }} go beyond the next." if marks else self._help
+            self.tooltip = to_ascii(told, self.look.glyphs)
+            self.refresh()
+
+    @property
     def is_typing(self) -> bool:
         """Whether a value is being typed."""
         return self._typed is not None
@@ -113,7 +129,7 @@ class Slider(Draggable, can_focus=True):
     @property
     def state(self) -> SliderState:
         """What the slider shows now."""
-        return SliderState(self._value, self._typed, self._refused, self.has_focus)
+        return SliderState(self._value, self._typed, self._refused, self.has_focus, self._marks)
 
     def render_line(self, y: int) -> Strip:
         """Draw the row, and blank ones below it."""
@@ -133,6 +149,15 @@ class Slider(Draggable, can_focus=True):
     def action_end(self, high: bool) -> None:
         """Go to an end of the range."""
         self._set(self.scale.high if high else self.scale.low)
+
+    def action_jump(self, upwards: bool) -> None:
+        """Go beyond the next mark, or the one before; stay where there is none."""
+        value = self._number if isinstance(self._value, str) else self._value
+        if upwards:
+            beyond = next((mark.above for mark in self._marks if mark.value > value), value)
+        else:
+            beyond = next((mark.below for mark in reversed(self._marks) if mark.value < value), value)
+        self._set(beyond)
 
     def action_type(self) -> None:
         """Begin typing a value."""
@@ -278,6 +303,7 @@ def key_hints(focused: Widget | None) -> tuple[tuple[tuple[str, str], ...], ...]
         row = focused.parameter
         name = "", f"{row.symbol} {row.short_name}"
         forms = ("type a number", "type")
-        return tuple((name, ("← →", "move"), ("enter", form), ("esc", "leave")) for form in forms)
+        jump = (("{ }", "to flips"),) if focused.marks else ()
+        return tuple((name, ("← →", "move"), *jump, ("enter", form), ("esc", "leave")) for form in forms)
     average = (("1/N", "sample average"),) if SAMPLE_AVERAGE in focused.parameter.words else ()
     return ((("enter", "set"), ("esc", "drop"), *average),)

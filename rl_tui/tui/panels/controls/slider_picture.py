@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import groupby
 from typing import Final
 
 from rich.cells import cell_len
 from rich.segment import Segment
+from rich.style import Style
 from textual.strip import Strip
 
 from rl_tui.agents.hyperparameters import SAMPLE_AVERAGE, Parameter
@@ -25,6 +27,19 @@ _WORDS: Final = {SAMPLE_AVERAGE: ("1/N  sample average", "1/N sample average", "
 
 
 @dataclass(frozen=True, slots=True)
+class SliderMark:
+    """A mark on the track at ``value``; the values ``below`` and ``above`` are beyond it on either side.
+
+    One that ``stands_out`` hides another in the same cell.
+    """
+
+    value: float
+    below: float
+    above: float
+    stands_out: bool = True
+
+
+@dataclass(frozen=True, slots=True)
 class SliderState:
     """What a slider shows. ``typed`` is the text being typed, else None; ``refused``: it was not accepted."""
 
@@ -32,6 +47,7 @@ class SliderState:
     typed: str | None = None
     refused: bool = False
     focused: bool = False
+    marks: tuple[SliderMark, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,18 +95,30 @@ def slider_strip(
         Segment(" " * (form.start - cell_len(label)), palette.text),
     ]
     if form.cells and not isinstance(state.value, str):
-        thumb = scale.cell_of(state.value, form.cells)
-        segments += [
-            Segment(glyphs.track_done * thumb, palette.slider_done),
-            Segment(glyphs.thumb, palette.accent if state.focused else palette.slider_thumb),
-            Segment(glyphs.track_rest * (form.cells - thumb - 1), palette.slider_rest),
-        ]
+        segments += _track(scale, state, state.value, form.cells, look)
     elif form.cells:
         segments.append(Segment(glyphs.track_rest * form.cells, palette.slider_rest))
     if form.cells:
         segments.append(Segment(" " * form.gap, palette.text))
     segments += _text_segments(form.text, state, look)
     return Strip([segment for segment in segments if segment.text]).adjust_cell_length(width, palette.text)
+
+
+def _track(scale: SliderScale, state: SliderState, value: float, cells: int, look: Look) -> list[Segment]:
+    """Return a segment for each cell of the track: the thumb covers marks, and they the track."""
+    palette, glyphs = look.palette, look.glyphs
+    thumb = scale.cell_of(value, cells)
+    track = [Segment(glyphs.track_done, palette.slider_done)] * thumb
+    track += [Segment(glyphs.track_rest, palette.slider_rest)] * (cells - thumb)
+    for mark in sorted(state.marks, key=lambda mark: mark.stands_out):
+        drawn = (glyphs.flip, palette.greedy) if mark.stands_out else (glyphs.side_flip, palette.dim)
+        track[scale.cell_of(mark.value, cells)] = Segment(*drawn)
+    track[thumb] = Segment(glyphs.thumb, palette.accent if state.focused else palette.slider_thumb)
+    return [Segment("".join(each.text for each in run), style) for style, run in groupby(track, _style_of)]
+
+
+def _style_of(segment: Segment) -> Style | None:
+    return segment.style
 
 
 def _text_segments(text: str, state: SliderState, look: Look) -> list[Segment]:

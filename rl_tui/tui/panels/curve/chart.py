@@ -17,6 +17,7 @@ from rl_tui.tui.draw.axes import draw_count_axis, draw_value_axis, value_axis_co
 from rl_tui.tui.draw.braille import Steps
 from rl_tui.tui.draw.canvas import Canvas, shortened
 from rl_tui.tui.draw.chart_plot import Plot
+from rl_tui.tui.draw.label_rows import apart
 from rl_tui.tui.draw.pieces import wrapped
 from rl_tui.tui.draw.scale import Scale, round_range
 from rl_tui.tui.panels.curve.chart_band import band_cells
@@ -295,23 +296,3 @@ def _rows_of(names: Sequence[LineLabel], plot: Plot) -> list[tuple[LineLabel, in
     free = [row for row in reversed(range(plot.rows)) if row not in rows]
     without_end = downwards[len(with_end) :]
     return [*zip(with_end, rows, strict=True), *zip(without_end, free, strict=False)]
-
-
-def apart(wanted: Sequence[int], rows: int) -> list[int]:
-    """Return a row of its own for each of ``wanted`` (ascending, at most ``rows``).
-
-    Together they are moved as little as can be; where there is a choice, upwards.
-    """
-    reach = len(wanted)
-    placed: dict[int, tuple[int, tuple[int, ...]]] = {-1: (0, ())}  # by the row of the last: moves, rows
-    for row in wanted:
-        placed = {
-            place: min(
-                (moves + abs(place - row), (*above, place))
-                for last, (moves, above) in placed.items()
-                if last < place
-            )
-            for place in range(max(0, row - reach), min(rows, row + reach + 1))
-            if place > min(placed)
-        }
-    return list(min(placed.values())[1])

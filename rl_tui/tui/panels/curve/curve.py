@@ -60,7 +60,7 @@ class ReturnCurve(Panel, can_focus=True):
         if snapshot is None:
             self.heading = self.fitting(titles(None, self.look.glyphs, 2, width), width)
             return strips_of([[Piece(f" {WAITING}", self.look.palette.dim)]], width, height, self.look)
-        data = curve_data(snapshot, revealed=self.tells_all)
+        data = curve_data(snapshot)
         low, high = with_room_for(data.range, data.seeds)
         scale = settled(self.scale, low, high, may_shrink=not snapshot.timeline.in_past)
         if low or high:

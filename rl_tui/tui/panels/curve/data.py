@@ -18,7 +18,7 @@ from rl_tui.tui.panels.curve.smoothing import smoothed
 from rl_tui.tui.panels.model.reward_range import reward_range
 from rl_tui.tui.panels.policies.names import POLICY_NAMES
 from rl_tui.tui.panels.policies.studied import studied_answer
-from rl_tui.tui.panels.snapshot_facts import is_secret
+from rl_tui.tui.panels.snapshot_facts import hides_means, is_secret
 from rl_tui.worlds.drawing import Arms
 from rl_tui.worlds.mdp.space import FloatArray
 
@@ -60,12 +60,12 @@ class CurveData:
     ``episodes`` is the smoothed mean of the returns, ``band`` their lowest and highest (none as long as each
     episode is on the line itself), ``greedy`` the exact expected return of the greedy policy, each over
     episodes from 0. ``greedy_now``, ``mean_now`` (of the last 100 episodes) and ``optimum`` are the values to
-    print, None where unknown or hidden. ``hidden`` tells that greedy and optimum are kept secret, ``barren``
-    that there were many episodes and none had a reward, ``unlearned`` that no estimate has moved in many,
-    ``is_decided`` that somewhere one action is estimated
-    above another, so that being greedy means something (true as well where there is no choice, false where
-    ``greedy_now`` is unknown). ``greedy_ends`` is, where the greedy policy has no return, how likely an
-    episode of it ends; else None.
+    print, None where unknown or hidden. ``hides_optimum`` tells that the optimum is hidden, of a bandit the
+    greedy arm as well, ``barren`` that there were many episodes and none had a reward, ``unlearned`` that no
+    estimate has moved in many, ``is_decided`` that somewhere one action is estimated above another, so that
+    being greedy means something (true as well where there is no choice, false where ``greedy_now`` is
+    unknown). ``greedy_ends`` is, where the greedy policy has no return, how likely an episode of it ends;
+    else None.
     ``acting_now`` is the exact return of the agent as it acts now, None where it is not known, ``studied``
     that of a policy that is studied and has no line already.
     ``unit`` is what the horizontal axis counts: pulls, a planner's sweeps, or episodes. The optimum is the
@@ -85,7 +85,7 @@ class CurveData:
     optimum: float | None
     is_bandit: bool
     unit: str
-    hidden: bool
+    hides_optimum: bool
     barren: bool
     unlearned: bool
     is_decided: bool
@@ -160,10 +160,12 @@ def _without_lowest(values: FloatArray) -> FloatArray:
     return np.partition(values, few)[few:] if few else values
 
 
-def curve_data(snapshot: Snapshot, *, revealed: bool) -> CurveData:
-    """Return what there is to draw; of a bandit's greedy arm and optimum only if ``revealed``."""
-    is_bandit, hidden = isinstance(snapshot.world.drawing, Arms), is_secret(snapshot, revealed=revealed)
+def curve_data(snapshot: Snapshot) -> CurveData:
+    """Return what there is to draw; what would give the answer away only where it is not hidden."""
+    is_bandit = isinstance(snapshot.world.drawing, Arms)
+    hidden = hides_means(snapshot)
     plans, solution = BY_ID[snapshot.agent.algorithm].planner, snapshot.exact_answer.solution
+    hides_optimum = is_secret(snapshot) and not snapshot.exact_answer.refused
     episodes, curve = _episodes(snapshot.results), snapshot.results.curve
     return CurveData(
         finished=snapshot.counters.episodes,
@@ -173,16 +175,16 @@ def curve_data(snapshot: Snapshot, *, revealed: bool) -> CurveData:
         greedy=NO_STEPS if hidden else _greedy(snapshot.results, snapshot.counters.episodes),
         greedy_now=None if hidden else snapshot.results.greedy_return,
         mean_now=snapshot.results.return_last_100,
-        optimum=None if hidden or solution is None else solution.expected_return,
+        optimum=None if hides_optimum or solution is None else solution.expected_return,
         is_bandit=is_bandit,
         unit="sweep" if plans else "pull" if is_bandit else "episode",
-        hidden=hidden,
+        hides_optimum=hides_optimum,
         barren=_barren(snapshot),
         unlearned=snapshot.answers.first_update is not None and snapshot.answers.first_update.is_long,
         is_decided=_is_decided(snapshot),
         greedy_ends=None if hidden else snapshot.results.greedy_ends,
-        acting_now=_acting(snapshot, revealed=revealed),
-        studied=_studied(snapshot, revealed=revealed),
+        acting_now=_acting(snapshot),
+        studied=_studied(snapshot),
         lanes=tuple(
             _lane(number, lane, shown=number - 1 == snapshot.run_group.shown, hidden=hidden)
             for number, lane in enumerate(snapshot.run_group.lanes, 1)
@@ -191,19 +193,19 @@ def curve_data(snapshot: Snapshot, *, revealed: bool) -> CurveData:
     )
 
 
-def _acting(snapshot: Snapshot, *, revealed: bool) -> float | None:
+def _acting(snapshot: Snapshot) -> float | None:
     """Return the exact return of the agent as it acts now: known always, or since it was asked for."""
-    if is_secret(snapshot, revealed=revealed):
+    if is_secret(snapshot):
         return None
     answer = snapshot.answers.policies.get(PolicyKind.BEHAVIOUR)
     always = snapshot.results.behaviour_return
     return always if always is not None or answer is None else answer.expected_return
 
 
-def _studied(snapshot: Snapshot, *, revealed: bool) -> StudiedLevel | None:
+def _studied(snapshot: Snapshot) -> StudiedLevel | None:
     """Return the level of the policy that is studied; the greedy one and the best have lines already."""
     kind = snapshot.answers.studied
-    answer = studied_answer(snapshot, revealed=revealed)
+    answer = studied_answer(snapshot)
     has_line = kind is None or kind in (PolicyKind.GREEDY, PolicyKind.OPTIMAL)
     if has_line or kind is None or answer is None or answer.expected_return is None:
         return None

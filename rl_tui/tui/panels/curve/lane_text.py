@@ -96,9 +96,10 @@ def lane_remark(data: CurveData, look: Look, room: int) -> tuple[str, ...]:
             f"mean of the {recent}; planners: exact",
             f"mean of the {recent}, or exact",
         )
+    best = "the best arm" if data.is_bandit else "γ-best"
     return (
         f"beside names: mean of the {recent} {what} of one seed; M counts many",
-        *(("one seed; M counts many · h adds the best arm",) if data.hidden else ()),
+        *((f"one seed; M counts many · h adds {best}",) if data.hides_optimum else ()),
         f"beside names: {recent} {what}, one seed; M counts many",
         f"{recent} of one seed; M counts many",
         f"{recent}, one seed; M: many",

@@ -30,6 +30,16 @@ _MOST_DECIMALS: Final = 5
 _LEAST_FIXED: Final = 2e-4  # extent of an axis whose numbers have no exponents
 _COMMA_FROM: Final = 5  # digits
 _TIES: Final = "greedy: ties"
+_HIDDEN_ARMS: Final = (
+    "h adds the best arm and the greedy arm, exact",
+    "h adds best and greedy arm",
+    "h adds the best arm",
+)
+_HIDDEN_OPTIMUM: Final = (
+    "h adds what is best for this γ, exact",
+    "h adds what is best for γ",
+    "h adds γ-best",
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -177,12 +187,8 @@ def remark(
     snapshot: Snapshot, data: CurveData, glyphs: Glyphs, decimals: int, *, with_figures: bool = True
 ) -> tuple[str, ...]:
     """Return what is to be said of the picture, longest form first; empty where there is nothing."""
-    if data.hidden:
-        return (
-            "h adds the best arm and the greedy arm, exact",
-            "h adds best and greedy arm",
-            "h adds the best arm",
-        )
+    if data.hides_optimum:
+        return _HIDDEN_ARMS if data.is_bandit else _HIDDEN_OPTIMUM
     if data.greedy_now is None or data.finished < RECENT or not data.is_decided:
         return ()
     values = snapshot.agent.hyperparameters

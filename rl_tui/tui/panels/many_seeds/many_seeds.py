@@ -16,7 +16,7 @@ from rl_tui.tui.panels.many_seeds.figures import in_percent, may_count_again, sh
 from rl_tui.tui.panels.many_seeds.remarks import remarks
 from rl_tui.tui.panels.many_seeds.table import table_lines
 from rl_tui.tui.panels.scrolled_panel import ScrolledPanel, scroll_bindings
-from rl_tui.tui.panels.snapshot_facts import episodes_reached, is_secret, shown_lane
+from rl_tui.tui.panels.snapshot_facts import episodes_reached, hides_means, shown_lane
 from rl_tui.tui.theme.look import Look
 from rl_tui.worlds.drawing import Arms
 
@@ -38,7 +38,7 @@ class ManySeeds(ScrolledPanel):
     def rows(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
         """Return all rows of what is known so far."""
         for is_short in (False, True):
-            lines = list(study_lines(snapshot, self.look, width, revealed=self.tells_all, is_short=is_short))
+            lines = list(study_lines(snapshot, self.look, width, is_short=is_short))
             if len(lines) <= height:
                 break
         return strips_of(lines, width, len(lines), self.look)
@@ -51,10 +51,8 @@ class ManySeeds(ScrolledPanel):
         return "enter: count again · M: close", "enter: again · M: close"
 
 
-def study_lines(
-    snapshot: Snapshot | None, look: Look, width: int, *, revealed: bool, is_short: bool
-) -> Iterator[Line]:
-    """Yield the lines; of a bandit what the agent cannot know only if ``revealed``.
+def study_lines(snapshot: Snapshot | None, look: Look, width: int, *, is_short: bool) -> Iterator[Line]:
+    """Yield the lines; of a bandit what the agent cannot know only where it is not hidden.
 
     Where room ``is_short`` there are no blank lines, and the figures stand above what was counted for them.
     """
@@ -71,7 +69,7 @@ def study_lines(
     if not is_short:
         yield from what
         yield []
-    secret = is_secret(snapshot, revealed=revealed)
+    secret = hides_means(snapshot)
     figures = shown_figures(study, secret=secret)
     until = until_of(study, episodes_reached(snapshot))
     lanes = _names(study, snapshot), shown_lane(study, snapshot)

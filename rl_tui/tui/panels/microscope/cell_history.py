@@ -20,6 +20,7 @@ from rl_tui.tui.draw.pieces import wrapped
 from rl_tui.tui.draw.scale import round_range, round_scale
 from rl_tui.tui.panels.microscope.section import MicroscopeSection, columns_of, stacked
 from rl_tui.tui.panels.q_table.layers import exact_q
+from rl_tui.tui.panels.snapshot_facts import is_secret
 from rl_tui.tui.theme.look import Look
 
 HISTORY: Final = "History"
@@ -35,17 +36,15 @@ _UNIT: Final = " step"
 _HALVES: Final = np.array([ord(each) for each in " '.:"])
 
 
-def history_strips(
-    snapshot: Snapshot, pair: int | None, look: Look, width: int, height: int, *, revealed: bool
-) -> list[Strip]:
+def history_strips(snapshot: Snapshot, pair: int | None, look: Look, width: int, height: int) -> list[Strip]:
     """Return how the estimate of ``pair`` went, in ``height`` rows, heading included.
 
-    The exact value is shown where it is known; ``revealed`` shows that of a bandit as well.
+    The exact value is shown where it is known and not hidden.
     """
     rows = height - 1
     if pair is None:
         return _instead(NO_CELL, HISTORY, (), look, width, rows)
-    known = exact_q(snapshot, revealed)
+    known = exact_q(snapshot)
     exact = None if known is None else float(known[0][pair])
     values = _values_text(snapshot, pair, exact, look)
     name = f"Q({names.pair_name(snapshot.world, pair, look.glyphs)})"
@@ -66,6 +65,8 @@ def _values_text(snapshot: Snapshot, pair: int, exact: float | None, look: Look)
     q = float(snapshot.agent.q[pair])
     form = number_form([q] if exact is None else [q, exact], _VALUE_COLUMNS)
     now = form.text(q, look.glyphs) if snapshot.agent.holds(pair) else look.glyphs.ellipsis
+    if exact is None and is_secret(snapshot) and not snapshot.exact_answer.refused:
+        return f"now {now}, h shows the exact", f"now {now}"
     if exact is None:
         return (f"now {now}",)
     return f"now {now}, exact {form.text(exact, look.glyphs)}", f"now {now}"

@@ -21,7 +21,7 @@ from rl_tui.tui.panels.microscope.section import MicroscopeSection, stacked
 from rl_tui.tui.panels.microscope.step import STEP_HEADING, STEP_ROWS, step_section
 from rl_tui.tui.panels.microscope.update import UPDATE_HEADING, update_rows, update_section
 from rl_tui.tui.panels.scrolled_panel import ScrolledPanel, scroll_bindings
-from rl_tui.tui.panels.snapshot_facts import is_secret, passes_too_fast
+from rl_tui.tui.panels.snapshot_facts import hides_means, passes_too_fast
 from rl_tui.tui.theme.look import Look
 
 ROOM_FOR_TWO: Final = 96
@@ -52,7 +52,7 @@ class Microscope(ScrolledPanel):
 
     def rows(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
         """Return all rows of the page."""
-        return page(snapshot, self.pair, self.look, width, height, revealed=self.tells_all)
+        return page(snapshot, self.pair, self.look, width, height)
 
     def keys(self, snapshot: Snapshot | None) -> Sequence[str]:
         """Return the key that closes it."""
@@ -65,12 +65,10 @@ def lit_sources(snapshot: Snapshot) -> frozenset[int]:
     return frozenset() if story is None else frozenset(story.sources)
 
 
-def page(
-    snapshot: Snapshot | None, pair: int | None, look: Look, width: int, height: int, *, revealed: bool
-) -> list[Strip]:
+def page(snapshot: Snapshot | None, pair: int | None, look: Look, width: int, height: int) -> list[Strip]:
     """Return all rows of the microscope, at least ``height`` where the history may grow.
 
-    ``pair`` is the one whose history is shown; ``revealed`` says that a bandit's means are shown.
+    ``pair`` is the one whose history is shown.
     """
     columns = 2 if width >= ROOM_FOR_TWO else 1
     room = (width - _GAP * (columns - 1)) // columns
@@ -78,7 +76,7 @@ def page(
     if snapshot is None or story is None:
         nothing: list[Line] = [[Piece(f" {nothing_yet(snapshot)}", look.palette.dim)]]
         return strips_of(nothing, width, 1, look)
-    sections = _sections(snapshot, story, look, room, secret=is_secret(snapshot, revealed=revealed))
+    sections = _sections(snapshot, story, look, room, secret=hides_means(snapshot))
     parts = (sections,) if columns == 1 else (sections[:2] + sections[3:], sections[2:3])
     least = _HISTORY_ROWS if columns == 1 else _HISTORY_ROWS - 1
     sides = [
@@ -86,7 +84,7 @@ def page(
         for part, below in zip(parts, (0, least + 1)[-columns:], strict=True)
     ]
     left = max(least, height - len(sides[-1]))
-    sides[-1] = [*sides[-1], *history_strips(snapshot, pair, look, room, left, revealed=revealed)]
+    sides[-1] = [*sides[-1], *history_strips(snapshot, pair, look, room, left)]
     return sides[0] if columns == 1 else _beside(sides[0], sides[1], room, width, look)
 
 

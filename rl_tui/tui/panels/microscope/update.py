@@ -25,7 +25,7 @@ _GAP: Final = "   "
 
 
 def update_section(words: StepWords, look: Look, width: int) -> MicroscopeSection:
-    """Return the update in numbers and where each comes from."""
+    """Return the update in numbers and where each comes from; of a planner also what becomes of the state."""
     terms = words.story.terms
     if not words.estimate:
         waiting = flowed([[Piece(f" {terms.waiting}", look.palette.text)]], width, look)
@@ -33,6 +33,10 @@ def update_section(words: StepWords, look: Look, width: int) -> MicroscopeSectio
     writer = _Writer(words, look)
     groups = ((writer.equation(), 4), (writer.terms(), 1), (writer.mixture(), 4), (writer.gathered(width), 4))
     lines = [line for group, indent in groups for line in flowed(group, width, look, indent)]
+    if words.backup is not None:
+        whole = words.backup.lines(look.glyphs.arrow_update)[0]
+        bellman: list[Line] = [[Piece(f" {each}", look.palette.text)] for each in whole.split(" ")]
+        lines += flowed(bellman, width, look, 4)
     for remark in ([TABLES] if words.story.last.table else []) + [*words.others[:1]]:
         lines += flowed([[Piece(f" {remark}", look.palette.dim)]], width, look)
     return MicroscopeSection(UPDATE_HEADING, lines, update_rows(terms))

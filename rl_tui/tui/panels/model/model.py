@@ -58,8 +58,8 @@ class ModelPanel(Panel, can_focus=True):
         if snapshot is None or pair is None:
             return strips_of([[Piece(f" {WAITING}", self.look.palette.dim)]], width, height, self.look)
         self.heading = f"Model ⟨S, A, P, R, γ⟩ · {snapshot.recipe.scenario.title}"
-        model = model_lines(snapshot, self.look, width, revealed=self.tells_all)
-        one_pair = pair_lines(snapshot, pair, self.look, width, revealed=self.tells_all)
+        model = model_lines(snapshot, self.look, width)
+        one_pair = pair_lines(snapshot, pair, self.look, width)
         blank: Line = [Piece("", self.look.palette.text)]
         lines = [*model, blank, *one_pair]
         if len(lines) > height:  # what the arrows change stays in view

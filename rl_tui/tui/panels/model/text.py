@@ -21,7 +21,7 @@ from rl_tui.tui.panels.last_step.update_text import setting
 from rl_tui.tui.panels.model.bellman import SECRET, bellman_lines, decimals_of
 from rl_tui.tui.panels.model.outcomes import outcome_lines
 from rl_tui.tui.panels.model.reward_range import reward_range
-from rl_tui.tui.panels.snapshot_facts import is_secret
+from rl_tui.tui.panels.snapshot_facts import hides_means, is_secret
 from rl_tui.tui.theme.look import Look
 from rl_tui.worlds.drawing import Arms
 from rl_tui.worlds.mdp.space import FiniteSpace, IntArray
@@ -33,7 +33,7 @@ _MANY_NAMES: Final = 100  # no two lines hold more
 _LABEL: Final = 8
 
 
-def model_lines(snapshot: Snapshot, look: Look, width: int, *, revealed: bool) -> list[Line]:
+def model_lines(snapshot: Snapshot, look: Look, width: int) -> list[Line]:
     """Return the five parts, the start and the end of episodes."""
     space, mdp = snapshot.world.space, snapshot.world.mdp
     others = _without_pairs(space)
@@ -46,7 +46,7 @@ def model_lines(snapshot: Snapshot, look: Look, width: int, *, revealed: bool) -
         end = "where the environment says so" + _time_limit(space)
     else:
         chances = f"{pairs}, {counted(len(mdp.next_state), 'outcome')}"
-        rewards = _rewards(snapshot, mdp, look, revealed=revealed)
+        rewards = _rewards(snapshot, mdp, look)
         start, end = _start(snapshot.world, mdp, look, room), _end(snapshot.world, mdp, look, room)
     parts = [
         ("S", f"{counted(space.states, 'state')}: {_listed(space.state_names, room, look)}{actors}"),
@@ -74,11 +74,11 @@ def _terminal(mdp: TabularMDP) -> IntArray:
     return np.intersect1d(mdp.next_state[mdp.terminated], _without_pairs(mdp))
 
 
-def pair_lines(snapshot: Snapshot, pair: int, look: Look, width: int, *, revealed: bool) -> list[Line]:
+def pair_lines(snapshot: Snapshot, pair: int, look: Look, width: int) -> list[Line]:
     """Return the outcomes of ``pair`` and its Bellman optimality equation with numbers put in."""
     world, space, palette, glyphs = snapshot.world, snapshot.world.space, look.palette, look.glyphs
     state, action = space.state_of(pair), int(space.pair_action[pair])
-    secret = is_secret(snapshot, revealed=revealed)
+    secret = hides_means(snapshot)
     number = 1 + space.pairs_of(state).start + shown_pairs(world, space.pairs_of(state)).index(pair)
     head: list[Piece] = [
         Piece(" state ", palette.dim),
@@ -89,7 +89,7 @@ def pair_lines(snapshot: Snapshot, pair: int, look: Look, width: int, *, reveale
         Piece(f"   pair {number:,} of {space.pairs:,}", palette.dim),
     ]
     taken = int(snapshot.agent.visits[pair])
-    learned = _learned(snapshot, pair, look, secret=secret) if taken else "not yet visited"
+    learned = _learned(snapshot, pair, look) if taken else "not yet visited"
     if not snapshot.agent.holds(pair):  # the next snapshot of a large world will have it
         learned = glyphs.ellipsis
     estimate: Line = [
@@ -104,19 +104,19 @@ def pair_lines(snapshot: Snapshot, pair: int, look: Look, width: int, *, reveale
         *([unknown] if mdp is None else outcome_lines(world, mdp, pair, look, secret=secret)),
         estimate,
         [Piece("", palette.text)],
-        *bellman_lines(snapshot, pair, look, width, secret=secret),
+        *bellman_lines(snapshot, pair, look, width),
     ]
 
 
-def _learned(snapshot: Snapshot, pair: int, look: Look, *, secret: bool) -> str:
+def _learned(snapshot: Snapshot, pair: int, look: Look) -> str:
     """Return the estimate of ``pair``, with as many decimals as the exact value shown below it."""
     x, mdp, exact = float(snapshot.agent.q[pair]), snapshot.world.mdp, snapshot.exact_answer.solution
-    if mdp is None or exact is None or secret or not math.isfinite(x):
+    if mdp is None or exact is None or is_secret(snapshot) or not math.isfinite(x):
         return numbers.value(x, 7, look.glyphs)
     return column_figure(x, decimals_of(mdp, exact, pair), look.glyphs)
 
 
-def _rewards(snapshot: Snapshot, mdp: TabularMDP, look: Look, *, revealed: bool) -> str:
+def _rewards(snapshot: Snapshot, mdp: TabularMDP, look: Look) -> str:
     glyphs = look.glyphs
     rewards, drift = reward_range(mdp), mdp.drift_std
     known = ""
@@ -125,7 +125,7 @@ def _rewards(snapshot: Snapshot, mdp: TabularMDP, look: Look, *, revealed: bool)
         known = f", normally distributed around their mean (standard deviation {deviation})"
     if drift:
         known += f"; after every step each mean drifts by a normal step of standard deviation {drift:g}"
-    if is_secret(snapshot, revealed=revealed):
+    if hides_means(snapshot):
         return SECRET + known
     low, high = (numbers.brief(each, glyphs, decimals=3) for each in (rewards.low, rewards.high))
     text = f"always {low}" if low == high else f"from {low} to {high}"

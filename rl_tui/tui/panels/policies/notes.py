@@ -19,14 +19,14 @@ from rl_tui.worlds.drawing import Arms
 Note = tuple[str, bool]
 
 
-def notes(snapshot: Snapshot, look: Look, *, revealed: bool) -> Iterator[Note]:
+def notes(snapshot: Snapshot, look: Look) -> Iterator[Note]:
     """Yield the notes, those that matter most first, and of each whether it is about figures."""
     is_bandit = isinstance(snapshot.world.drawing, Arms)
-    if is_bandit and is_kept_back(snapshot, PolicyKind.UNIFORM, revealed=revealed):
+    if is_bandit and is_kept_back(snapshot, PolicyKind.UNIFORM):
         yield "what they earn tells of the true means: h shows them", False
         return
-    yield from _gaps(snapshot, look, revealed=revealed)
-    yield from _reasons(snapshot, revealed=revealed)
+    yield from _gaps(snapshot, look)
+    yield from _reasons(snapshot)
     if is_bandit:
         yield "a pull: the reward it brings on average, exact", False
         return
@@ -36,18 +36,17 @@ def notes(snapshot: Snapshot, look: Look, *, revealed: bool) -> Iterator[Note]:
     yield f"at start: V there, γ {numbers.brief(gamma, look.glyphs)}, as if without a limit", False
 
 
-def return_of(snapshot: Snapshot, kind: PolicyKind, *, revealed: bool) -> float | None:
+def return_of(snapshot: Snapshot, kind: PolicyKind) -> float | None:
     """Return the exact return of a policy; None where it is not known or not to be seen."""
-    if is_kept_back(snapshot, kind, revealed=revealed) or not has_row(snapshot, kind):
+    if is_kept_back(snapshot, kind) or not has_row(snapshot, kind):
         return None
     return answer_of(snapshot, kind).expected_return
 
 
-def _gaps(snapshot: Snapshot, look: Look, *, revealed: bool) -> Iterator[Note]:
+def _gaps(snapshot: Snapshot, look: Look) -> Iterator[Note]:
     """Yield what lies between acting and greedy, and between greedy and the best."""
     acts, greedy, best = (
-        return_of(snapshot, kind, revealed=revealed)
-        for kind in (PolicyKind.BEHAVIOUR, PolicyKind.GREEDY, PolicyKind.OPTIMAL)
+        return_of(snapshot, kind) for kind in (PolicyKind.BEHAVIOUR, PolicyKind.GREEDY, PolicyKind.OPTIMAL)
     )
     what = "a pull" if isinstance(snapshot.world.drawing, Arms) else "an episode"
     if greedy is not None and acts is not None:
@@ -79,11 +78,11 @@ def _amount(x: float, look: Look) -> str:
     return "" if abs(x) < numbers.NEGLIGIBLE else amount(x, look)
 
 
-def _reasons(snapshot: Snapshot, *, revealed: bool) -> Iterator[Note]:
+def _reasons(snapshot: Snapshot) -> Iterator[Note]:
     """Yield why figures are lacking, a reason once."""
     said = set[str]()
     for kind, name in POLICY_NAMES.items():
-        if is_kept_back(snapshot, kind, revealed=revealed):
+        if is_kept_back(snapshot, kind):
             yield f"{name.line}: hidden, h shows it", False
         elif not has_row(snapshot, kind):
             if answer_of(snapshot, kind).is_known:

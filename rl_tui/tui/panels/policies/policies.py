@@ -63,7 +63,7 @@ class Policies(Panel, can_focus=True):
         table = self._table(snapshot, width, height)
         lines = list(table)
         room = height - len(lines)
-        for note, is_plain in notes(snapshot, self.look, revealed=self.tells_all):
+        for note, is_plain in notes(snapshot, self.look):
             style = self.look.palette.text if is_plain else self.look.palette.dim
             wrapped_note = wrapped(note, width, style, self.look, " ", "   ")
             gap = int(len(lines) == len(table) and room > len(wrapped_note))
@@ -75,8 +75,8 @@ class Policies(Panel, can_focus=True):
 
     def _table(self, snapshot: Snapshot, width: int, height: int) -> list[Line]:
         """Return the rows that fit, those around the cursor first, below a heading if there is room."""
-        form = table_form(snapshot, width, self.look, revealed=self.tells_all)
-        rows = row_lines(snapshot, form, self.look, revealed=self.tells_all)
+        form = table_form(snapshot, width, self.look)
+        rows = row_lines(snapshot, form, self.look)
         has_head = height > len(rows)
         studied = snapshot.answers.studied
         cursor = list(POLICY_NAMES).index(studied) if studied is not None else 0

@@ -10,33 +10,31 @@ from rl_tui.lab.answers.policy_kind import PolicyKind
 from rl_tui.lab.answers.policy_values import WHILE_RUNNING, PolicyAnswer
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.panels.policies.names import POLICY_NAMES
-from rl_tui.tui.panels.snapshot_facts import is_secret
+from rl_tui.tui.panels.snapshot_facts import hides_means, is_secret
 from rl_tui.worlds.drawing import Arms
 from rl_tui.worlds.mdp.space import BoolArray, FiniteSpace, FloatArray
 
 
-def is_kept_back(snapshot: Snapshot, kind: PolicyKind, *, revealed: bool) -> bool:
+def is_kept_back(snapshot: Snapshot, kind: PolicyKind) -> bool:
     """Return whether what a policy is worth would give away what is to be found out.
 
     Of a bandit that is the worth of any policy, since it tells of the means.
     """
-    if kind is PolicyKind.OPTIMAL and snapshot.answers.is_hidden:
-        return not revealed
-    return is_secret(snapshot, revealed=revealed)
+    return is_secret(snapshot) if kind is PolicyKind.OPTIMAL else hides_means(snapshot)
 
 
-def studied_answer(snapshot: Snapshot, *, revealed: bool) -> PolicyAnswer | None:
+def studied_answer(snapshot: Snapshot) -> PolicyAnswer | None:
     """Return the values of the policy that is studied; None where there is none, or it is not to be seen."""
     answers = snapshot.answers
-    if answers.studied is None or is_kept_back(snapshot, answers.studied, revealed=revealed):
+    if answers.studied is None or is_kept_back(snapshot, answers.studied):
         return None
     answer = answers.policies.get(answers.studied)
     return answer if answer is not None and answer.v is not None else None
 
 
-def studied_kind(snapshot: Snapshot, *, revealed: bool) -> PolicyKind | None:
+def studied_kind(snapshot: Snapshot) -> PolicyKind | None:
     """Return which policy a world shows; None: what the agent has learned. A bandit shows its arms."""
-    if isinstance(snapshot.world.drawing, Arms) or studied_answer(snapshot, revealed=revealed) is None:
+    if isinstance(snapshot.world.drawing, Arms) or studied_answer(snapshot) is None:
         return None
     return snapshot.answers.studied
 
@@ -77,12 +75,12 @@ def _greatest(space: FiniteSpace, of_pairs: FloatArray) -> FloatArray:
     return np.asarray(np.repeat(np.maximum.reduceat(of_pairs, space.first_pair[:-1][acts]), count[acts]))
 
 
-def as_studied(snapshot: Snapshot, *, revealed: bool) -> Snapshot:
+def as_studied(snapshot: Snapshot) -> Snapshot:
     """Return ``snapshot`` with values and actions of the policy studied in place of what the agent learned.
 
     The lane beside it has its own; ``snapshot`` itself where nothing is studied that may be seen.
     """
-    answer, kind = studied_answer(snapshot, revealed=revealed), snapshot.answers.studied
+    answer, kind = studied_answer(snapshot), snapshot.answers.studied
     if answer is None or kind is None or answer.policy is None or answer.v is None or answer.q is None:
         return snapshot
     if isinstance(snapshot.world.drawing, Arms):
@@ -95,5 +93,5 @@ def as_studied(snapshot: Snapshot, *, revealed: bool) -> Snapshot:
         visits=np.ones_like(snapshot.agent.visits),
         part=None,
     )
-    beside = None if snapshot.beside is None else as_studied(snapshot.beside, revealed=revealed)
+    beside = None if snapshot.beside is None else as_studied(snapshot.beside)
     return replace(snapshot, agent=agent, beside=beside)

@@ -69,12 +69,12 @@ def has_row(snapshot: Snapshot, kind: PolicyKind) -> bool:
     return kind is not PolicyKind.DRAWN or bool(snapshot.answers.drawn.choices)
 
 
-def table_form(snapshot: Snapshot, width: int, look: Look, *, revealed: bool) -> TableForm:
+def table_form(snapshot: Snapshot, width: int, look: Look) -> TableForm:
     """Return the form of the table in ``width`` cells."""
     known = [
         answer_of(snapshot, kind)
         for kind in POLICY_NAMES
-        if has_row(snapshot, kind) and not is_kept_back(snapshot, kind, revealed=revealed)
+        if has_row(snapshot, kind) and not is_kept_back(snapshot, kind)
     ]
     columns = _columns(snapshot, known)
     longest, short = (max(_cells(name, look) for name in names) for names in _names())
@@ -94,7 +94,7 @@ def head_line(form: TableForm, look: Look) -> Line:
     return [*pieces, *(Piece(each.head.rjust(_width(form, each)), look.palette.dim) for each in form.columns)]
 
 
-def row_lines(snapshot: Snapshot, form: TableForm, look: Look, *, revealed: bool) -> list[Line]:
+def row_lines(snapshot: Snapshot, form: TableForm, look: Look) -> list[Line]:
     """Return a row for each policy, that which is studied with the cursor."""
     palette, glyphs = look.palette, look.glyphs
     lines: list[Line] = []
@@ -106,7 +106,7 @@ def row_lines(snapshot: Snapshot, form: TableForm, look: Look, *, revealed: bool
         text = f"{mark}{shortened(name, form.name, glyphs.ellipsis):<{form.name}}"
         pieces = [Piece(text, style)]
         for column in form.columns:
-            said = _said(snapshot, kind, column, form, look, revealed=revealed)
+            said = _said(snapshot, kind, column, form, look)
             number = palette.strong if column.rank == 0 else palette.text
             pieces.append(Piece(said.rjust(_width(form, column)), number))
         lines.append(pieces)
@@ -125,12 +125,10 @@ def _figure(answer: PolicyAnswer, column: Column) -> float | None:
     return figure
 
 
-def _said(
-    snapshot: Snapshot, kind: PolicyKind, column: Column, form: TableForm, look: Look, *, revealed: bool
-) -> str:
+def _said(snapshot: Snapshot, kind: PolicyKind, column: Column, form: TableForm, look: Look) -> str:
     """Return a figure; in its place a dot where there is none, … while it is worked out, ? where hidden."""
     glyphs = look.glyphs
-    if is_kept_back(snapshot, kind, revealed=revealed):
+    if is_kept_back(snapshot, kind):
         return "?"
     if not has_row(snapshot, kind):
         return glyphs.stay

@@ -24,7 +24,7 @@ class Scene:
     """What is drawn: the figures of each layer that can be shown, the agent's state and the cursor's pair.
 
     ``last_pair`` is the pair taken last. ``cursor`` is None where no cursor is to be seen; ``pointed`` are
-    the pairs on which the cursor of another panel stands, or none. ``is_secret`` says that the means of a
+    the pairs on which the cursor of another panel stands, or none. ``hides_means`` says that the means of a
     bandit are hidden. ``differing`` are the states whose greedy actions are others in the lane beside.
     """
 
@@ -34,7 +34,7 @@ class Scene:
     state: int
     last_pair: int | None
     cursor: int | None
-    is_secret: bool
+    hides_means: bool
     look: Look
     forms: SteadyForms
     breakpoints: Breakpoints = NO_BREAKPOINTS

@@ -17,7 +17,7 @@ from rl_tui.tui.draw import numbers
 from rl_tui.tui.draw.number_form import NumberForm, SteadyForms
 from rl_tui.tui.panels.numbers_in_common import ends, finite, lanes_in_view
 from rl_tui.tui.panels.policies.studied import shown_actions, studied_answer
-from rl_tui.tui.panels.snapshot_facts import passes_too_fast
+from rl_tui.tui.panels.snapshot_facts import is_secret, passes_too_fast
 from rl_tui.tui.theme.look import Look
 from rl_tui.worlds.drawing import Arms
 from rl_tui.worlds.mdp.space import BoolArray, FloatArray
@@ -41,28 +41,28 @@ LEARNED_NOT: Final = (Layer.OPTIMAL, Layer.POLICY)
 Exact = tuple[FloatArray, BoolArray]
 
 
-def exact_q(snapshot: Snapshot, revealed: bool) -> Exact | None:
-    """Return Q* and the pairs that are greedy for it, [P] each; None while unknown, secret or refused.
+def exact_q(snapshot: Snapshot) -> Exact | None:
+    """Return Q* and the pairs that are greedy for it, [P] each; None while unknown, hidden or refused.
 
     For a bandit they are the true means, whatever γ is: every pull ends its episode. Where they drift they
     are those of this very step.
     """
+    if is_secret(snapshot):
+        return None
     if isinstance(snapshot.world.drawing, Arms):
         mdp = snapshot.world.mdp
-        if mdp is None or not revealed:
-            return None
-        if mdp.drift_std == 0.0 or snapshot.counters.step == 0:
+        if mdp is not None and (mdp.drift_std == 0.0 or snapshot.counters.step == 0):
             return true_means(mdp), best_arms(mdp)
     solution = snapshot.exact_answer.solution
     return None if solution is None else (solution.q, solution.greedy)
 
 
-def policy_q(snapshot: Snapshot, revealed: bool) -> Exact | None:
+def policy_q(snapshot: Snapshot) -> Exact | None:
     """Return Q of the policy that is studied and the pairs that it takes most likely, [P] each, or None.
 
     There is none for a bandit, in which nothing follows an action.
     """
-    answer, kind = studied_answer(snapshot, revealed=revealed), snapshot.answers.studied
+    answer, kind = studied_answer(snapshot), snapshot.answers.studied
     if answer is None or kind is None or answer.q is None or answer.policy is None:
         return None
     if isinstance(snapshot.world.drawing, Arms):
@@ -70,11 +70,11 @@ def policy_q(snapshot: Snapshot, revealed: bool) -> Exact | None:
     return answer.q, shown_actions(snapshot, kind, answer.policy)
 
 
-def exact_of(snapshot: Snapshot, layer: Layer, revealed: bool) -> Exact | None:
+def exact_of(snapshot: Snapshot, layer: Layer) -> Exact | None:
     """Return the exact numbers that ``layer`` needs, and the pairs it frames; None where there are none."""
     if layer is Layer.POLICY:
-        return policy_q(snapshot, revealed)
-    return exact_q(snapshot, revealed) if layer in EXACT_LAYERS else None
+        return policy_q(snapshot)
+    return exact_q(snapshot) if layer in EXACT_LAYERS else None
 
 
 def other_lane(snapshot: Snapshot) -> LaneView | None:
@@ -243,7 +243,7 @@ def _numbers(snapshot: Snapshot, layer: Layer, exact: Exact | None) -> FloatArra
     """Return the numbers of ``layer`` that are held, in both lanes in view."""
     found: list[npt.NDArray[np.float64] | npt.NDArray[np.int64]] = []
     for lane in lanes_in_view(snapshot):
-        known = exact if lane is snapshot else exact_of(lane, layer, revealed=exact is not None)
+        known = exact if lane is snapshot else exact_of(lane, layer)
         if layer is Layer.LANES and lane is not snapshot:
             found.append(-found[0])
         elif known is not None or layer not in (*EXACT_LAYERS, Layer.POLICY):

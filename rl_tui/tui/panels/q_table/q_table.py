@@ -45,7 +45,7 @@ from rl_tui.tui.panels.q_table.titles import (
 )
 from rl_tui.tui.panels.q_table.world import NO_ROW, TableWorld
 from rl_tui.tui.panels.scrolling import Scrolled
-from rl_tui.tui.panels.snapshot_facts import is_new_run, is_secret
+from rl_tui.tui.panels.snapshot_facts import hides_means, is_new_run, is_secret
 from rl_tui.tui.theme.look import Look
 
 WAITING: Final = "the estimates Q(s, a) come with the first step"
@@ -112,7 +112,7 @@ class QTable(Panel, can_focus=True):
 
     @property
     def layer_choices(self) -> tuple[Layer, ...]:
-        """The layers there are: of a bandit only those that give nothing away, until it is revealed.
+        """The layers there are: where the answer is hidden those that give nothing away.
 
         The difference from another run is there while runs are side by side, and a policy's while it is
         studied.
@@ -121,9 +121,9 @@ class QTable(Panel, can_focus=True):
         missing: set[Layer] = set()
         if snapshot is None or other_lane(snapshot) is None:
             missing.add(Layer.LANES)
-        if snapshot is None or policy_q(snapshot, self.revealed) is None:
+        if snapshot is None or policy_q(snapshot) is None:
             missing.add(Layer.POLICY)
-        if snapshot is not None and is_secret(snapshot, revealed=self.revealed):
+        if snapshot is not None and _hides_exact(snapshot):
             missing.update(EXACT_LAYERS)
         return tuple(layer for layer in Layer if layer not in missing)
 
@@ -183,7 +183,7 @@ class QTable(Panel, can_focus=True):
         self._sheet = None
         if snapshot is None:
             return strips_of([[Piece(f" {WAITING}", self.look.palette.dim)]], width, height, self.look)
-        if self.shown_layer in EXACT_LAYERS and exact_q(snapshot, self.revealed) is None:
+        if self.shown_layer in EXACT_LAYERS and exact_q(snapshot) is None:
             self.heading = TITLES[self.shown_layer]
             self.footing = self._footing(width, is_scrolled=False)
             return self._message(snapshot, width, height)
@@ -357,7 +357,7 @@ class QTable(Panel, can_focus=True):
         return list_form(scene, width - 1 if is_scrolled else width), scene
 
     def _scene(self, snapshot: Snapshot, layers: Iterable[Layer]) -> Scene:
-        exact = {layer: exact_of(snapshot, layer, self.revealed) for layer in layers}
+        exact = {layer: exact_of(snapshot, layer) for layer in layers}
         lit = lit_pair(snapshot) if self.lights else None
         return Scene(
             world=self._world_of(snapshot),
@@ -370,7 +370,7 @@ class QTable(Panel, can_focus=True):
             state=snapshot.counters.state,
             last_pair=None if snapshot.counters.last_step is None else snapshot.counters.last_step.pair,
             cursor=self.shown_cursor if self.has_focus else None,
-            is_secret=is_secret(snapshot, revealed=self.revealed),
+            hides_means=hides_means(snapshot),
             look=self.look,
             breakpoints=snapshot.playback.breakpoints,
             pointed=self.pointed,
@@ -379,7 +379,11 @@ class QTable(Panel, can_focus=True):
         )
 
     def _footing(self, width: int, *, is_scrolled: bool) -> str:
-        forms = footings(self.shown_layer, self.layer_choices, self.look.glyphs)
+        snapshot = self.snapshot
+        hides_exact = (
+            snapshot is not None and _hides_exact(snapshot) and not self._world_of(snapshot).is_bandit
+        )
+        forms = footings(self.shown_layer, self.layer_choices, self.look.glyphs, hides_exact=hides_exact)
         if is_scrolled:
             forms = followed(forms, is_following=self._following)
         return self.fitting(forms, width)
@@ -389,6 +393,11 @@ class QTable(Panel, can_focus=True):
         text = f"No exact answer: {refused}" if refused else COMPUTING
         lines = wrapped(text, max(1, width - 2), palette.text if refused else palette.dim, self.look)
         return strips_of([[Piece(" ", palette.text), *line] for line in lines], width, height, self.look)
+
+
+def _hides_exact(snapshot: Snapshot) -> bool:
+    """Return whether there is or will be an exact answer, and it is hidden."""
+    return is_secret(snapshot) and not snapshot.exact_answer.refused
 
 
 def _followed(snapshot: Snapshot) -> int:

@@ -122,7 +122,7 @@ class Sheet:
 
     def _bandit_note(self) -> Pieces:
         palette = self._scene.look.palette
-        if not self._scene.is_secret:
+        if not self._scene.hides_means:
             return []
         return [Segment("  h", palette.accent), Segment(f"  {REVEAL_HINT}", palette.dim)]
 

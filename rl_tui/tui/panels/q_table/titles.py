@@ -33,6 +33,7 @@ _CAPTIONS: Final = {
     Layer.VISITS: "how often each was tried",
 }
 _KEY: Final = "v:"
+EXACT_KEY: Final = "h: Q*"
 
 
 def headings(snapshot: Snapshot, layer: Layer, size: str, panel: Panel, lane: str = "") -> tuple[str, ...]:
@@ -72,12 +73,16 @@ def size_in_words(scene: Scene, form: Form) -> str:
     return f"{form.entries:,} states × {len(scene.world.action_names)}"
 
 
-def footings(layer: Layer, choices: Sequence[Layer], glyphs: Glyphs) -> list[str]:
-    """Return the key and the layers that it goes through, then the key and ``layer``, which is shown."""
+def footings(layer: Layer, choices: Sequence[Layer], glyphs: Glyphs, *, hides_exact: bool) -> list[str]:
+    """Return the key and the layers that it goes through, then the key and ``layer``, which is shown.
+
+    Behind them stands the key that shows what is exact, where ``hides_exact`` says that this is hidden.
+    """
     marked = [
         f"{glyphs.mark_left}{each}{glyphs.mark_right}" if each is layer else f" {each} " for each in choices
     ]
-    return [f"{_KEY}{''.join(marked)}".rstrip(), f"{_KEY} {layer}"]
+    all_layers, one = f"{_KEY}{''.join(marked)}".rstrip(), f"{_KEY} {layer}"
+    return [*(f"{each} · {EXACT_KEY}" for each in (all_layers, one) if hides_exact), all_layers, one]
 
 
 def followed(footings: Sequence[str], *, is_following: bool) -> list[str]:

@@ -13,6 +13,7 @@ from rl_tui.worlds.mdp.space import FiniteSpace
 
 AT_RANDOM: Final = "?"
 """In place of an arrow: no action was drawn, so it acts at random."""
+DRAWN_IN_FULL: Final = "drawn: your choice"
 
 
 def drawn_actions(snapshot: Snapshot) -> Mapping[int, int] | None:

@@ -12,6 +12,7 @@ from rl_tui.tui.panels.legend import GREEDY_IN_FULL, POLICY_IN_FULL, Legend, Leg
 from rl_tui.tui.panels.panel import Panel
 from rl_tui.tui.panels.policies.studied import studied_kind, study_headings
 from rl_tui.tui.panels.snapshot_facts import is_new_run
+from rl_tui.tui.panels.world.drawn import DRAWN_IN_FULL, random_sign
 from rl_tui.tui.theme.look import Look
 
 TITLE: Final = "World"
@@ -35,11 +36,15 @@ class PolicyPicture(Panel):
     @property
     def studied(self) -> PolicyKind | None:
         """The policy whose values and actions are drawn; None: they are what the agent has learned."""
-        return None if self.snapshot is None else studied_kind(self.snapshot, revealed=self.revealed)
+        return None if self.snapshot is None else studied_kind(self.snapshot)
 
     def study_headings(self, what: str) -> tuple[str, ...]:
         """Return headings that say of which policy ``what`` is, or how to see it; none for the agent's."""
         return () if self.snapshot is None else study_headings(self.snapshot, self.studied, TITLE, what)
+
+    def random_signs(self) -> Legend:
+        """Return the sign of states in which nothing was drawn; none where no drawing is shown."""
+        return (random_sign(self.look),) if self.shows_drawing else ()
 
     def value_signs(self) -> Legend:
         """Return the sign of V(s), which is a colour; none where there are no colours."""
@@ -55,11 +60,20 @@ class PolicyPicture(Panel):
         return self.snapshot is not None and len(self.snapshot.agent.policy) > 0
 
     @property
+    def shows_drawing(self) -> bool:
+        """Whether actions are those that a person drew, whether their values are known or not."""
+        return self.snapshot is not None and self.snapshot.answers.studied is PolicyKind.DRAWN
+
+    @property
     def policy_shown(self) -> str:
         """What the arrows are, in a word."""
+        if self.shows_drawing:
+            return "drawn"
         return "policy" if self.shows_kept_policy else "greedy"
 
     def policy_sign(self, sign: str, style: Style) -> LegendSign:
         """Return the ``sign`` of the actions that are drawn."""
         in_full = POLICY_IN_FULL if self.shows_kept_policy else GREEDY_IN_FULL
+        if self.shows_drawing:
+            in_full = DRAWN_IN_FULL
         return LegendSign(sign, self.policy_shown, style, in_full)

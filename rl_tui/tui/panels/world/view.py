@@ -135,7 +135,7 @@ class WorldView(PolicyPicture, can_focus=True):
         """Draw ``snapshot``; another seed may have made another world of the same kind."""
         if snapshot.world is not self.world:
             self.enter(snapshot.world)
-        super().show(as_studied(snapshot, revealed=self.revealed))
+        super().show(as_studied(snapshot))
 
     @property
     def cells(self) -> Cells | None:
@@ -150,7 +150,7 @@ class WorldView(PolicyPicture, can_focus=True):
     def legend(self, snapshot: Snapshot) -> Legend:
         """Return the signs of the world; none while keys or an equation need the border."""
         is_taken = bool(self.title) or (self._has_equation and self.free_rows < 1)
-        return () if is_taken else self.signs()
+        return () if is_taken else (*self.random_signs(), *self.signs())
 
     def signs(self) -> Legend:
         """Return the signs that pictures of this world may have, those that matter most first."""

@@ -266,7 +266,8 @@ class CatalogueScreen(SavedSessions):
             view.can_focus = False
             await drawing.mount(view)
             recipe = recipe_for(scenario, {}, _SEED)
-            view.show(SnapshotBuilder().before(recipe, world, PlaybackView()))
+            is_hidden = scenario.hides_answer
+            view.show(SnapshotBuilder().before(recipe, world, PlaybackView(), is_hidden=is_hidden))
         elif world is None:
             await drawing.mount(Static(f"preparing {self.look.glyphs.ellipsis}", classes="hint"))
 

@@ -42,6 +42,7 @@ _HINTS: Final = {
     ALGORITHM: "another way to learn, or to plan",
 }
 _ONE_SEED: Final = "One seed decides nothing: M counts many."
+_HIDDEN: Final = " –: hidden until h."
 _MANY_SEEDS: Final = "Below each: mean ± standard error of many seeds."
 _LEAST_SYMBOL: Final = 12
 
@@ -196,6 +197,8 @@ class Compare(Dialog[Answer]):
             yield Option(text, id=f"{_LANE}{number}")
         if len(rows) > 1 or self._study is not None:
             said = _ONE_SEED if self._study is None else _MANY_SEEDS
+            if self._hidden and len(said) + len(_HIDDEN) <= self._room:
+                said += _HIDDEN
             yield Option(to_ascii(said, self._look.glyphs), disabled=True)
 
     def _symbol(self, name: str) -> str:

@@ -19,6 +19,7 @@ class ModelScreen(Dialog[None]):
 
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("m,q", "cancel", "back", id="close_model", tooltip="Close the model."),
+        Binding("h", "hide", "answer", id="model.hide", tooltip="Hide or show the exact answer."),
     ]
 
     def __init__(
@@ -27,13 +28,13 @@ class ModelScreen(Dialog[None]):
         snapshot: Snapshot,
         pair: int | None,
         *,
-        revealed: bool,
         on_scrolled: Callable[[], None],
+        hide_answer: Callable[[], None],
     ) -> None:
         super().__init__()
+        self._hide_answer = hide_answer
         self._on_scrolled = on_scrolled
         self._panel = ModelPanel(look, id="box", classes="tall")
-        self._panel.revealed = revealed
         self._snapshot = snapshot
         self._pair = pair
 
@@ -56,6 +57,10 @@ class ModelScreen(Dialog[None]):
     def on_scrolled(self) -> None:
         """Tell the playground that another pair of a large world is shown."""
         self._on_scrolled()
+
+    def action_hide(self) -> None:
+        """Hide or show the exact answer, as on the playground."""
+        self._hide_answer()
 
     def show(self, snapshot: Snapshot) -> None:
         """Draw the newest snapshot."""

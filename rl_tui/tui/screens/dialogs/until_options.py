@@ -12,7 +12,7 @@ from rl_tui.lab.live.until import Event, Until
 from rl_tui.tui.draw import numbers
 from rl_tui.tui.draw.names import estimate_name
 from rl_tui.tui.draw.to_ascii import to_ascii
-from rl_tui.tui.panels.snapshot_facts import episode_under_way
+from rl_tui.tui.panels.snapshot_facts import episode_under_way, is_secret
 from rl_tui.tui.screens.dialogs.prompt import Prompt
 from rl_tui.tui.theme.glyphs import Glyphs
 from rl_tui.worlds.drawing import Arms
@@ -106,6 +106,8 @@ def _optimal(snapshot: Snapshot, kind: Kind) -> UntilOption:
     else:
         name = "the greedy policy is optimal"
         hint = "No policy has a larger discounted return from the start on, for the γ in force."
+        if is_secret(snapshot):
+            hint = "Compares with the exact answer without showing it."
     refused = f"No exact answer: {snapshot.exact_answer.refused}." if snapshot.exact_answer.refused else ""
     return UntilOption("optimal", Event.OPTIMAL, name, hint, refused)
 

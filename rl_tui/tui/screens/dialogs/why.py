@@ -23,12 +23,12 @@ from rl_tui.lab.answers.first_update_words import (
 )
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.draw.to_ascii import to_ascii
-from rl_tui.tui.panels.snapshot_facts import is_secret
+from rl_tui.tui.panels.snapshot_facts import hides_means
 from rl_tui.tui.screens.dialogs.dialog import Dialog
 from rl_tui.tui.theme.look import Look
 
 _COLUMNS: Final = (13, 11, 16, 9)  # what to change, chance, mean and median
-_SECRET: Final = "The wait would give away what the arms pay: h, which reveals that, lets it be told."
+_SECRET: Final = "The wait would give away what the arms pay: h, which shows that, lets it be told."
 _STARTS_AGAIN: Final = "the run starts again with it"
 _CHANGES: Final = "enter: change   "
 _CLOSES: Final = "esc: close"
@@ -38,18 +38,17 @@ _HEAD: Final = ("instead", "chance", "episodes: mean", "median")
 class Why(Dialog[Remedy]):
     """What ``snapshot`` says of the first update, and the remedies in a list. Answers the one chosen.
 
-    Of a bandit that is not ``revealed`` nothing is told that its secret means decide.
+    Of a bandit nothing is told that its means decide while these are hidden.
     """
 
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("Y,q", "cancel", "back", id="close_why", tooltip="Close without a change."),
     ]
 
-    def __init__(self, look: Look, snapshot: Snapshot, *, revealed: bool) -> None:
+    def __init__(self, look: Look, snapshot: Snapshot) -> None:
         super().__init__()
         self._look = look
         self._snapshot = snapshot
-        self._revealed = revealed
         self._remedies: dict[str, Remedy] = {}
 
     def compose(self) -> ComposeResult:
@@ -69,7 +68,7 @@ class Why(Dialog[Remedy]):
         self._snapshot = snapshot
         if not self.is_mounted:
             return
-        is_hidden = is_secret(snapshot, revealed=self._revealed)
+        is_hidden = hides_means(snapshot)
         words = _SECRET if is_hidden else "\n".join(said(snapshot))
         self.query_one("#said", Static).update(to_ascii(words, self._look.glyphs))
         remedies = {} if is_hidden else {remedy.setting: remedy for remedy in remedies_of(snapshot)}

@@ -14,11 +14,12 @@ from textual.layout import Layout
 from textual.message import Message
 from textual.widget import Widget
 
-from rl_tui.lab.live.snapshot import Phase, Snapshot
+from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.live.viewport import Viewport
 from rl_tui.tui.panels.catalogue import (
     CONTROLS,
     CURVE,
+    DISCOUNT,
     MICROSCOPE,
     PANELS,
     TABLE,
@@ -30,6 +31,7 @@ from rl_tui.tui.panels.catalogue import (
 from rl_tui.tui.panels.controls.controls import Controls
 from rl_tui.tui.panels.controls.slider import Slider
 from rl_tui.tui.panels.curve.curve import ReturnCurve
+from rl_tui.tui.panels.discount.discount import DiscountPanel
 from rl_tui.tui.panels.microscope.microscope import Microscope, lit_sources
 from rl_tui.tui.panels.panel import BoardPanel
 from rl_tui.tui.panels.pointing import Moved, Pointed
@@ -73,6 +75,7 @@ class Board(Container):
         self.controls = self._made(CONTROLS, Controls)
         self.controls.begin_with(wanted.recipe)
         self.microscope = self._made(MICROSCOPE, Microscope)
+        self.discount = self._made(DISCOUNT, DiscountPanel)
         self._wanted = wanted
         self._focused_before: Widget | None = None
         self._focused_beside_sliders: Widget | None = None
@@ -123,9 +126,9 @@ class Board(Container):
         self._take_lead(snapshot)
         self.table.sources = lit_sources(snapshot) if self.opened == MICROSCOPE else frozenset()
         self.controls.wanted = self._wanted.recipe.hyperparameters
+        self.controls.marks_all_flips = self.opened == DISCOUNT
         self.timeline.sought = self._wanted.step
         for panel in self._shown():
-            panel.revealed = self._wanted.revealed or snapshot.playback.phase is Phase.SPENT
             if not self._pair.has(panel):
                 panel.show(snapshot)
         if self._pair.is_shown:
@@ -265,6 +268,10 @@ class Board(Container):
         for panel in self._widgets().values():
             if isinstance(panel, QTable | WorldView) and panel is not event.panel:
                 panel.point_at(event.pairs)
+        cursor = event.panel.cursor_pair if isinstance(event.panel, QTable) else None
+        cursor = event.panel.cursor if isinstance(event.panel, WorldView) else cursor
+        if event.pairs or cursor is None:  # one that is not in focus still points
+            self.discount.point_at(event.pairs)
 
     def on_moved(self, event: Moved) -> None:
         """Bring the same part into view in the other lane."""

@@ -27,6 +27,7 @@ from rl_tui.tui.actions.bindings import bindings_of
 from rl_tui.tui.actions.registry import actions_of
 from rl_tui.tui.panels.catalogue import PANELS, PanelRow
 from rl_tui.tui.panels.controls.slider import Slider, key_hints
+from rl_tui.tui.panels.discount.discount import DiscountPanel
 from rl_tui.tui.panels.pointing import PartPointed, Pointed
 from rl_tui.tui.panels.policies.policies import PolicyChosen
 from rl_tui.tui.panels.q_table.q_table import QTable
@@ -180,20 +181,20 @@ class Playground(ActionScreen):
         self.modes.press(key)
 
     @on(Pointed)
-    def show_mode(self) -> None:
-        """Show which keys the mode has where the cursor is now."""
-        if self.snapshot is not None:
-            self.modes.show(self.snapshot)
-
     @on(PartPointed)
-    def draw_by_mouse(self, event: PartPointed) -> None:
-        """Draw the arrow towards the side of a cell that was clicked, while a policy is drawn."""
-        self.drawing.point(event.step)
+    def tell_mode(self, event: Pointed | PartPointed) -> None:
+        """Let the mode that is on know what is pointed at."""
+        self.modes.point(event, self.snapshot)
 
     @on(Slider.Changed)
     def set_parameter(self, event: Slider.Changed) -> None:
         """Set the hyper-parameter of the slider in the running learner."""
         self.agent.set_parameter(event.name, event.value)
+
+    @on(DiscountPanel.GammaWanted)
+    def set_gamma(self, event: DiscountPanel.GammaWanted) -> None:
+        """Set γ on the other side of a flip."""
+        self.agent.set_parameter("gamma", event.gamma)
 
     @on(Slider.Refused)
     def tell_refusal(self, event: Slider.Refused) -> None:
@@ -214,6 +215,11 @@ class Playground(ActionScreen):
         keys.first = key_hints(self.focused)
         keys.is_running = self.run.is_under_way
         keys.idle = frozenset() if self.run.takes_orders else _SWEEP_KEYS
+
+    @on(DescendantFocus)
+    def ask_for_flips(self) -> None:
+        """Have the marks on the slider of γ worked out, where it has the focus."""
+        self.view.follow_flips()
 
     @on(PolicyChosen)
     def study(self, event: PolicyChosen) -> None:
@@ -309,6 +315,7 @@ class Playground(ActionScreen):
             return
         self.microscope.follow_update()
         self.seeds.follow_panel()
+        self.view.follow_flips()
         self.policies.follow_panel()
         with self.app.batch_update():
             self.session.show_name()
@@ -381,16 +388,9 @@ class Playground(ActionScreen):
             self.board.zoom(None)
         elif self.board.opened is not None:
             self.board.close()
-        elif self._was_used() and self._left_after != self.wanted.last_deed:
+        elif self.wanted.was_used(self.snapshot) and self._left_after != self.wanted.last_deed:
             self._left_after = self.wanted.last_deed
             kept = "run is then gone" if self.in_kiosk else "session is kept there"
             self.tell(f"esc again goes to the catalogue; this {kept}")
         else:
             self.post_message(self.Left(self.recipe))
-
-    def _was_used(self) -> bool:
-        """Return whether there is a run to lose; what was asked for last may not be on screen yet."""
-        drawn = self.snapshot
-        return drawn is not None and (
-            drawn.counters.step > 0 or drawn.playback.handled < self.wanted.last_deed
-        )

@@ -4,17 +4,17 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from rl_tui.lab.live.commands import LOOKING, Apply, Command, Restart, SetSpeed
+from rl_tui.lab.live.commands import LOOKING, Apply, Command, HideAnswer, Restart, SetSpeed
 from rl_tui.lab.live.snapshot import Phase, Snapshot
 from rl_tui.lab.run.recipe import Recipe, Setting, changed_recipe
 from rl_tui.lab.timeline.lane_view import LaneView
 
 
 class Wanted:
-    """What commands ask for, beside the newest snapshot, which reconciles ``recipe``, ``speed`` and ``step``.
+    """What commands ask for, beside the newest snapshot, which reconciles them with what is in force.
 
     ``recipe`` is what a restart starts from: with every change made, be it in force already or not. ``speed``
-    is in steps a second, None for as fast as it goes. ``revealed`` shows what a bandit keeps secret. ``step``
+    is in steps a second, None for as fast as it goes. ``is_hidden`` says that the answer is. ``step``
     is where the handle of the timeline was put, None once the run has come to it. ``sent`` counts the
     commands, ``last_deed`` tells how many had been sent with the last one that does more than look.
     """
@@ -22,7 +22,7 @@ class Wanted:
     def __init__(self, recipe: Recipe, speed: float | None) -> None:
         self.recipe = recipe
         self.speed = speed
-        self.revealed = False
+        self.is_hidden = recipe.scenario.hides_answer
         self.step: int | None = None
         self.sent = 0
         self.last_deed = 0
@@ -35,8 +35,10 @@ class Wanted:
         match command:
             case SetSpeed(speed):
                 self.speed = speed
+            case HideAnswer(is_hidden):
+                self.is_hidden = is_hidden
             case Restart(recipe):
-                self.recipe, self.revealed = recipe, False
+                self.recipe = recipe
             case Apply(change) if isinstance(change, Setting):
                 self.recipe = changed_recipe(self.recipe, change)
 
@@ -49,9 +51,17 @@ class Wanted:
         if self.is_taken_in(snapshot):
             self.recipe = in_force(snapshot)
             self.speed = snapshot.playback.speed
+            self.is_hidden = snapshot.answers.is_hidden
         is_there = snapshot.timeline.current.here == self.step
         if snapshot.playback.phase is not Phase.SEEKING and (is_there or self.is_taken_in(snapshot)):
             self.step = None
+
+    def was_used(self, snapshot: Snapshot | None) -> bool:
+        """Return whether there is something to lose; what was asked for last may not be there yet."""
+        if snapshot is None:
+            return False
+        has_deeds = snapshot.counters.step > 0 or bool(snapshot.answers.drawn.choices)
+        return has_deeds or snapshot.playback.handled < self.last_deed
 
     def is_taken_in(self, snapshot: Snapshot) -> bool:
         """Return True if ``snapshot`` comes after all that was sent."""

@@ -17,7 +17,7 @@ from rl_tui.tui.panels.legend import GREEDY_IN_FULL, Legend, LegendSign
 from rl_tui.tui.panels.numbers_in_common import all_q
 from rl_tui.tui.panels.panel import BoardPanel
 from rl_tui.tui.panels.scrolling import scrolled_to
-from rl_tui.tui.panels.snapshot_facts import is_new_run
+from rl_tui.tui.panels.snapshot_facts import is_new_run, is_secret
 from rl_tui.tui.panels.world.arms.bars import (
     Arm,
     draw_arms,
@@ -41,7 +41,7 @@ HEADINGS: Final = ("Arms · estimate ± standard error", "Arms · estimate ± er
 class ArmsView(WorldView):
     """The arms of a bandit, from top to bottom; more of them than rows scroll.
 
-    What the agent has not learned, the true means and the best arm, is drawn only while ``revealed``.
+    What the agent has not learned, the true means and the best arm, is drawn only where it is not hidden.
     """
 
     scale = NO_SCALE
@@ -66,7 +66,7 @@ class ArmsView(WorldView):
 
     def drawing(self, snapshot: Snapshot, width: int, height: int) -> list[Strip]:
         """Return the bars of the arms from the first in view on, and the axis where a row is left for it."""
-        means = true_means_now(self._mdp, snapshot) if self.revealed else None
+        means = None if is_secret(snapshot) else true_means_now(self._mdp, snapshot)
         drawn = drawn_pairs(self._mdp, snapshot)
         arms = tuple(
             arm._replace(
@@ -88,7 +88,7 @@ class ArmsView(WorldView):
         self.free_rows = height - shown * each - 1
         hidden = len(arms) - shown
         parts = [f"↑↓ {self._top + 1}–{self._top + shown} of {len(arms)}"] if hidden else []
-        if self.revealed:
+        if not is_secret(snapshot):
             parts.append(f"{true_mean_glyph(self.look)} true mean  {self.look.glyphs.best_arm} best arm")
         self.footing = self.fitting(("  ".join(parts), *parts), width)
         names = names_width(arms, self.look)

@@ -201,7 +201,11 @@ def _draw_box(
     start = max(1, (inner - len(name) + 1) // 2)
     canvas.put(box.x + 1 + start, first, name, background + Style(bold=True))
     flag = values.flag(state, signs.differing, look)
-    canvas.put(min(box.x + 1 + start + len(name), box.x + inner), first, flag, background)
+    after = box.x + 1 + start + len(name)
+    if after <= box.x + inner:
+        canvas.put(after, first, flag, background)
+    else:  # a name that fills the box keeps its last letter
+        canvas.put(box.x, box.y, flag, border)
     if agent:
         canvas.put(
             box.x + 1 + start - (2 if start > 1 else 1), first, glyphs.agent, background + palette.agent

@@ -10,7 +10,7 @@ from rl_tui.common.errors import UserError
 from rl_tui.lab.live.commands import AddBranch, AddLane, ChooseLane, DropLane, MarkLane
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.timeline.lane_view import LaneView
-from rl_tui.tui.panels.snapshot_facts import current_study, is_secret
+from rl_tui.tui.panels.snapshot_facts import current_study, hides_means
 from rl_tui.tui.screens.dialogs.choice import algorithm_choice, policy_choice
 from rl_tui.tui.screens.dialogs.compare import Answer, Compare
 from rl_tui.tui.screens.dialogs.dialog import Dialog
@@ -28,7 +28,7 @@ class LaneActions(Subject):
         snapshot = self.snapshot
         if snapshot is None:
             return
-        hidden = is_secret(snapshot, revealed=self.board.curve.tells_all)
+        hidden = hides_means(snapshot)
         lanes = snapshot.run_group.lanes or (_only_lane(snapshot),)
         dialog = Compare(
             self.screen.look,

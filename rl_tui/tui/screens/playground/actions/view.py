@@ -1,19 +1,26 @@
-"""What is shown: layers of the table, one panel alone, the secrets of a bandit, the model."""
+"""What is shown: layers of the table, one panel alone, the exact answer, the model."""
 
 from __future__ import annotations
 
-from rl_tui.lab.live.commands import LookAt
-from rl_tui.lab.live.snapshot import Snapshot
+from rl_tui.lab.answers.flip_answer import FlipState
+from rl_tui.lab.live.commands import AskFlips, HideAnswer, LookAt
+from rl_tui.lab.live.snapshot import Phase, Snapshot
+from rl_tui.tui.panels.catalogue import DISCOUNT
+from rl_tui.tui.panels.controls.controls import GAMMA
+from rl_tui.tui.panels.controls.slider import Slider
 from rl_tui.tui.panels.panel import BORDERS
+from rl_tui.tui.panels.snapshot_facts import is_secret
 from rl_tui.tui.screens.dialogs.model import ModelScreen
 from rl_tui.tui.screens.playground.actions.subject import Subject
 from rl_tui.worlds.drawing import Arms, Grid
+from rl_tui.worlds.world import World
 
 
 class ViewActions(Subject):
     """Another look at the same snapshot, or at more of the world."""
 
     _model: ModelScreen | None = None
+    _flips_asked: World | None = None
 
     def look_at(self) -> None:
         """Have those parts of a large world copied that are in view now."""
@@ -24,6 +31,30 @@ class ViewActions(Subject):
         """Draw ``snapshot`` in the model, if that is open."""
         if self._model is not None:
             self._model.show(snapshot)
+
+    def follow_flips(self) -> None:
+        """Ask for the flips of the world shown, where they are wanted and were not asked for yet."""
+        snapshot = self.snapshot
+        if snapshot is None or snapshot.world is self._flips_asked:
+            return
+        is_unknown = snapshot.answers.flips.state is FlipState.NOT_ASKED
+        is_there = snapshot.playback.phase not in (Phase.PREPARING, Phase.SEEKING)
+        if is_unknown and is_there and self._wants_flips(snapshot):
+            self._flips_asked = snapshot.world
+            self.link.send(AskFlips())
+
+    def _wants_flips(self, snapshot: Snapshot) -> bool:
+        """Return whether their panel is open or, unless they are hidden, a person is at the slider of γ.
+
+        Where the run goes on by itself, they are wanted for the slider as soon as it rests.
+        """
+        if self.board.opened == DISCOUNT or is_secret(snapshot):
+            return self.board.opened == DISCOUNT
+        focused = self.screen.focused
+        if isinstance(focused, Slider) and focused.id == GAMMA:
+            return True
+        rests = snapshot.playback.phase is not Phase.RUNNING
+        return self.link.player.is_automatic and rests and self.board.controls.has_slider(GAMMA)
 
     def next_layer(self) -> None:
         """Go to the next layer of the table."""
@@ -50,13 +81,16 @@ class ViewActions(Subject):
         """Show one panel alone, or all again."""
         self.board.zoom(None if self.board.zoomed else self.board.panel_of(self.screen.focused))
 
-    def reveal(self) -> None:
-        """Show or hide what a bandit keeps secret."""
-        if self.snapshot is None or not isinstance(self.snapshot.world.drawing, Arms):
-            self.screen.tell("nothing is hidden here; h is for bandits, whose true means it shows")
+    def hide_answer(self) -> None:
+        """Hide whatever would give the exact answer away, or show it."""
+        if self.snapshot is None:
             return
-        self.link.wanted.revealed = not self.link.wanted.revealed
-        self.board.show(self.snapshot)
+        if self.snapshot.world.mdp is None:
+            self.screen.tell("there is nothing to hide: this world has no exact answer")
+        elif self.snapshot.playback.phase is Phase.SPENT:
+            self.screen.tell("the budget is spent: nothing is hidden until r starts again")
+        else:
+            self.link.send(HideAnswer(not self.link.wanted.is_hidden))
 
     def numbers(self) -> None:
         """Show or hide the numbers of the states in the cells of a map."""
@@ -76,8 +110,8 @@ class ViewActions(Subject):
             self.screen.look,
             self.snapshot,
             pair,
-            revealed=self.link.wanted.revealed,
             on_scrolled=self.look_at,
+            hide_answer=self.hide_answer,
         )
         self.screen.app.push_screen(self._model, self._model_closed)
 

@@ -24,7 +24,7 @@ class WhyActions(Subject):
         if self.snapshot is None:
             return
         self.link.send(AskWhy(is_asked=True))
-        self._dialog = Why(self.screen.look, self.snapshot, revealed=self.link.wanted.revealed)
+        self._dialog = Why(self.screen.look, self.snapshot)
         self.screen.app.push_screen(self._dialog, self._closed)
 
     def show(self, snapshot: Snapshot) -> None:

@@ -9,7 +9,7 @@ import numpy as np
 from rl_tui.lab.answers.policy_kind import PolicyKind
 from rl_tui.lab.live.commands import ClearDrawing, DrawAction, StudyPolicy
 from rl_tui.lab.live.snapshot import Phase, Snapshot
-from rl_tui.tui.panels.catalogue import WORLD
+from rl_tui.tui.panels.catalogue import POLICIES, WORLD
 from rl_tui.tui.panels.world.arms.arms import ArmsView
 from rl_tui.tui.panels.world.view import WorldView
 from rl_tui.tui.screens.dialogs.confirm import Confirm
@@ -62,11 +62,9 @@ class PolicyDrawing(KeyMode):
     def point(self, step: tuple[int, int] | None) -> None:
         """Draw the action towards a side of the cell under the cursor; of a bandit the arm there."""
         view = self._view
-        if not self.is_on or view is None:
-            return
         if isinstance(view, ArmsView):
             self._draw_arm(view)
-        elif step is not None and has_directions(view.world):
+        elif view is not None and step is not None and has_directions(view.world):
             self._draw_towards(view, step, moves=False)
 
     def toggle(self) -> None:
@@ -82,7 +80,7 @@ class PolicyDrawing(KeyMode):
         if refused:
             self.screen.tell(refused)
             return
-        self._studied_before = snapshot.answers.studied
+        self._studied_before = None if self._has_panel else snapshot.answers.studied
         self.board.bring_into_view(WORLD)
         self.enter()
         self.link.send(StudyPolicy(PolicyKind.DRAWN))
@@ -98,15 +96,24 @@ class PolicyDrawing(KeyMode):
         """Give the keys back; what was drawn stays."""
         if self.is_on:
             super().leave()
-            self.link.send(StudyPolicy(self._studied_before))
+            if not self._has_panel:
+                self.link.send(StudyPolicy(self._studied_before))
             if self.board.world is not None:
                 self.board.world.action_follow()
 
     def show(self, snapshot: Snapshot) -> None:
         """Show what is drawn, and what can be done under the cursor."""
-        view, glyphs = self._view, self.glyphs
+        is_drawn = snapshot.answers.studied is PolicyKind.DRAWN
+        if not (is_drawn or self._has_panel) and self.link.wanted.is_taken_in(snapshot):
+            self.link.send(StudyPolicy(PolicyKind.DRAWN))  # a panel that was closed ended it
+        view, world, glyphs = self._view, snapshot.world, self.glyphs
         state = None if view is None else self._state_under(view)
-        self._write(title(snapshot, glyphs), prompts(snapshot.world, state, glyphs), hints(snapshot.world))
+        self._write(title(snapshot, glyphs), prompts(world, state, glyphs), hints(world))
+
+    @property
+    def _has_panel(self) -> bool:
+        """Whether the panel is open that says which policy is studied."""
+        return self.board.opened == POLICIES
 
     @property
     def _view(self) -> WorldView | None:
@@ -214,4 +221,4 @@ def _first_words(world: World) -> str:
         how = "shift and an arrow draw and move on, digits draw"
     else:
         how = "arrows move, digits draw"
-    return f"you draw a policy: {how}; elsewhere it acts at random; D ends"
+    return f"you draw a policy: {how}; elsewhere (?) it acts at random; D ends"

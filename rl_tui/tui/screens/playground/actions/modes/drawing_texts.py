@@ -8,6 +8,7 @@ from rl_tui.common.words import counted
 from rl_tui.lab.answers.policy_kind import PolicyKind
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.draw import numbers
+from rl_tui.tui.panels.policies.studied import is_kept_back
 from rl_tui.tui.screens.key_line import Hints
 from rl_tui.tui.screens.playground.actions.modes.action_keys import (
     actions_in_a_line,
@@ -24,9 +25,17 @@ _END = "D: end"
 def title(snapshot: Snapshot, glyphs: Glyphs) -> tuple[str, ...]:
     """Return what the world is called while a policy is drawn on it, the longest form first."""
     figures = tuple(_figures(snapshot, glyphs))
+    if not figures:
+        return "You draw a policy", "You draw"
     whole = " · ".join(figures)
     brief = whole.replace(" states at", " at").replace(" state at", " at")
-    forms = (f"You draw a policy · {whole}", f"You draw · {whole}", f"You draw · {brief}", brief)
+    forms = (
+        f"You draw a policy · {whole}",
+        f"You draw · {whole}",
+        f"You draw · {brief}",
+        f"Drawn · {brief}",
+        brief,
+    )
     return (*forms, f"You draw · {figures[0]}", figures[0], "You draw")
 
 
@@ -37,7 +46,9 @@ def _figures(snapshot: Snapshot, glyphs: Glyphs) -> Iterator[str]:
         yield "nothing drawn: all at random"
         return
     worth = answers.policies.get(PolicyKind.DRAWN)
-    if worth is not None and worth.expected_return is not None:
+    if is_kept_back(snapshot, PolicyKind.DRAWN):
+        yield "its return is secret"
+    elif worth is not None and worth.expected_return is not None:
         yield f"return {numbers.brief(worth.expected_return, glyphs, decimals=3)}"
     elif worth is not None and (worth.is_known or worth.refused):
         yield f"no return: {worth.refused or 'it may never end'}"

@@ -10,6 +10,7 @@ from textual.binding import Binding, BindingType
 
 from rl_tui.lab.live.commands import Command
 from rl_tui.lab.live.snapshot import Snapshot
+from rl_tui.tui.panels.pointing import PartPointed, Pointed
 from rl_tui.tui.screens.key_line import Hints, KeyLine
 from rl_tui.tui.screens.playground.actions.modes.action_keys import DIGITS
 from rl_tui.tui.screens.playground.actions.subject import Subject
@@ -53,6 +54,13 @@ class Modes:
         if self.current is not None:
             self.current.press(key)
 
+    def point(self, event: Pointed | PartPointed, snapshot: Snapshot | None) -> None:
+        """Let the mode take notice of what is pointed at, which may have other keys."""
+        if self.current is not None and snapshot is not None:
+            if isinstance(event, PartPointed):
+                self.current.point(event.step)
+            self.current.show(snapshot)
+
     def note(self, command: Command) -> None:
         """Let the mode take notice of ``command``, which is being sent."""
         if self.current is not None:
@@ -82,6 +90,9 @@ class KeyMode(Subject):
     def press(self, key: str) -> None:
         """Do what ``key`` means."""
         raise NotImplementedError
+
+    def point(self, step: tuple[int, int] | None) -> None:
+        """Do what a second click under the cursor means, towards a side or in the middle (None)."""
 
     def note(self, command: Command) -> None:
         """Take notice of ``command``, which is being sent."""

@@ -1,0 +1,178 @@
+"""Polynomials with whole coefficients: signs, sign variations, common factors, all without rounding.
+
+A polynomial is the tuple of its coefficients, that of the constant first; the last is not 0, and the
+polynomial 0 is empty.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from fractions import Fraction
+from itertools import accumulate, repeat
+from operator import mul
+from typing import Final
+
+Polynomial = tuple[int, ...]
+
+# Running sums between two looks at their signs
+LOOK_EVERY: Final = 3
+
+
+def polynomial(coefficients: Iterable[int]) -> Polynomial:
+    """Return the polynomial with these coefficients, zeros at the end left out."""
+    kept = list(coefficients)
+    while kept and not kept[-1]:
+        kept.pop()
+    return tuple(kept)
+
+
+def primitive(given: Polynomial) -> Polynomial:
+    """Return ``given`` divided by what is common to its coefficients, a positive number."""
+    common = math.gcd(*given)
+    return given if common <= 1 else tuple(each // common for each in given)
+
+
+def scaled_value(given: Sequence[int], at: Fraction) -> int:
+    """Return the value at ``at`` times its denominator to the power of len(given) − 1, a whole number."""
+    numerator, denominator = at.numerator, at.denominator
+    value, scale = 0, 1
+    for coefficient in reversed(given):
+        value = value * numerator + coefficient * scale
+        scale *= denominator
+    return value
+
+
+def sign_at(given: Polynomial, at: Fraction) -> int:
+    """Return the sign of the value at ``at``: −1, 0 or 1."""
+    value = scaled_value(given, at)
+    return (value > 0) - (value < 0)
+
+
+def variations(given: Polynomial, lower: Fraction, upper: Fraction) -> int:
+    """Return Descartes' bound of the roots between ``lower`` and ``upper``, both left out.
+
+    It counts the sign changes among the coefficients of (1 + t)ⁿ p((lower·t + upper) / (1 + t)), whose
+    positive roots are those in between. The number of roots, each as often as it is multiple, is that or less
+    by an even number: 0 and 1 are exact.
+    """
+    # p(lower + (upper − lower)·s), whose roots in (0, 1) are wanted
+    moved = list(given)
+    if lower:
+        moved = _shifted_by_one(_stretched(moved, lower))
+        moved = _stretched(moved, (upper - lower) / lower)
+    else:
+        moved = _stretched(moved, upper)
+    return _changes_of_shifted(moved[::-1])
+
+
+def without_roots_at_ends(given: Polynomial) -> Polynomial:
+    """Return ``given``, not 0 everywhere, without its roots at 0 and 1; its signs in between stay."""
+    rest = list(given)
+    while not rest[0]:
+        del rest[0]
+    while not sum(rest):
+        # by 1 − γ, which is positive on (0, 1)
+        rest = list(accumulate(rest))[:-1]
+    return tuple(rest)
+
+
+def derivative(given: Polynomial) -> Polynomial:
+    """Return the derivative."""
+    return tuple(power * each for power, each in enumerate(given) if power)
+
+
+def quotient(dividend: Polynomial, divisor: Polynomial) -> Polynomial | None:
+    """Return ``dividend`` / ``divisor``, None where that is no polynomial with whole coefficients."""
+    rest = list(dividend)
+    result = [0] * max(0, len(dividend) - len(divisor) + 1)
+    for place in reversed(range(len(result))):
+        result[place], remainder = divmod(rest[place + len(divisor) - 1], divisor[-1])
+        if remainder:
+            return None
+        if result[place]:
+            for offset, each in enumerate(divisor):
+                rest[place + offset] -= result[place] * each
+    return None if any(rest) else tuple(result)
+
+
+def common_factor(one: Polynomial, other: Polynomial) -> Polynomial:
+    """Return the greatest common divisor of two primitive polynomials, itself primitive.
+
+    The values at a large whole x have a greatest common divisor too, and its digits in base x, from
+    −x/2 to x/2, are the coefficients that are looked for, times a number of at most x/2. Proof that a
+    candidate C is the greatest where it divides both: let C·Q be the greatest. Q(x) divides that number, so
+    that |Q(x)| ≤ x/2. But each root of Q is one of either polynomial, so at most 1 + h in size, where h is
+    the lesser of their largest coefficients: were Q not constant, |Q(x)| ≥ x − 1 − h > x/2 as x > 2h + 2.
+    Larger and larger x come to an end: what the values have in common beyond the divisor divides the
+    resultant of what is left of the two.
+    """
+    base = 4 * min(max(map(abs, one)), max(map(abs, other))) + 9
+    while True:
+        at = Fraction(base)
+        candidate = _digits(math.gcd(scaled_value(one, at), scaled_value(other, at)), base)
+        if quotient(one, candidate) and quotient(other, candidate):
+            return candidate
+        base = 3 * base + 1
+
+
+def square_free(given: Polynomial) -> Polynomial:
+    """Return the primitive polynomial with the roots of ``given``, a primitive one, each of them once."""
+    repeated = common_factor(given, primitive(derivative(given)))
+    result = quotient(given, repeated)
+    assert result is not None
+    return result
+
+
+def _stretched(given: list[int], by: Fraction) -> list[int]:
+    """Return the coefficients of p(by · x), times a positive number that makes them whole."""
+    result = given
+    if by.numerator != 1:
+        result = list(map(mul, result, _powers(by.numerator, len(given))))
+    if by.denominator != 1:
+        result = list(map(mul, result, reversed(_powers(by.denominator, len(given)))))
+    return result
+
+
+def _powers(base: int, many: int) -> list[int]:
+    """Return the first powers of ``base``, from 1 on."""
+    return list(accumulate(repeat(base, many - 1), mul, initial=1))
+
+
+def _shifted_by_one(given: list[int]) -> list[int]:
+    """Return the coefficients of p(x + 1): by running sums, each of which leaves one coefficient (Horner)."""
+    running = given[::-1]
+    result = []
+    while running:
+        running = list(accumulate(running))
+        result.append(running.pop())
+    return result
+
+
+def _changes_of_shifted(given: list[int]) -> int:
+    """Return how often the sign changes among the coefficients of p(x + 1), zeros left out.
+
+    Where what is left is all of one sign, so are the coefficients to come.
+    """
+    running = given[::-1]
+    changes, last = 0, 0
+    while running:
+        if len(running) % LOOK_EVERY == 0 and (max(running) <= 0 or min(running) >= 0):
+            return changes + (last * sum(running) < 0)
+        running = list(accumulate(running))
+        if each := running.pop():
+            changes += last * each < 0
+            last = 1 if each > 0 else -1
+    return changes
+
+
+def _digits(number: int, base: int) -> Polynomial:
+    """Return the polynomial of the digits of ``number``, from −base/2 to base/2, made primitive."""
+    digits = []
+    while number:
+        digit = number % base
+        if 2 * digit > base:
+            digit -= base
+        digits.append(digit)
+        number = (number - digit) // base
+    return primitive(tuple(digits))

@@ -1,0 +1,1 @@
+"""What γ decides: Q*(γ), and where the optimal actions change."""

@@ -1,0 +1,238 @@
+"""What γ decides: Q*(γ) of one state, and every γ at which the optimal actions of the world change."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar, Final
+
+from textual.binding import BindingType
+from textual.message import Message
+from textual.strip import Strip
+
+from rl_tui.lab.answers.flip_answer import FlipState, beyond
+from rl_tui.lab.live.snapshot import Snapshot
+from rl_tui.tui.draw.names import state_name
+from rl_tui.tui.draw.pieces import Line, strips_of, wrapped
+from rl_tui.tui.panels.bindings import binding
+from rl_tui.tui.panels.discount.chart import LEAST_HEIGHT, action_lines, draw_values, ranked
+from rl_tui.tui.panels.discount.flip_list import flip_lines
+from rl_tui.tui.panels.legend import Legend, LegendSign
+from rl_tui.tui.panels.panel import Panel
+from rl_tui.tui.panels.pointing import NOWHERE
+from rl_tui.tui.panels.snapshot_facts import ANSWER_KEY, is_secret, passes_too_fast
+from rl_tui.tui.theme.look import Look
+from rl_tui.worlds.drawing import Arms
+
+if TYPE_CHECKING:
+    from rl_tui.agents.exact.flips.flips import Flip
+
+HIDDEN: Final = f"what γ decides is hidden: {ANSWER_KEY}"
+PENDING: Final = "being worked out, beside all else"
+NO_FLIPS: Final = "the same actions are best at every γ between 0 and 1"
+_TITLE: Final = "γ"
+_CHART_SHARE: Final = 0.55  # of the rows, where the list has more than it has room for
+_CHART_ROWS: Final = 7
+_LIST_ROWS: Final = 2  # what the list has at the least, where that leaves a chart
+_KEYS: Final = (
+    "↑ ↓: flip · enter: γ beyond it · v: worst to best · G: close",
+    "↑ ↓: flip · enter: γ beyond it · v: layer · G: close",
+    "↑ ↓: flip · enter: beyond · v: layer · G: close",
+    "↑ ↓ enter: beyond · v · G: close",
+    "↑ ↓ · enter: beyond · G: close",
+    "G: close",
+)
+_KEYS_WITHOUT_FLIPS: Final = ("v: worst to best · G: close", "v: layer · G: close", "G: close")
+_ROOMY_WIDTH: Final = 44
+_ROOMY_HEIGHT: Final = 18  # there the legend has rows of its own
+
+
+class DiscountPanel(Panel, can_focus=True):
+    """A chart of Q*(γ) over a list of flips; the arrow keys choose one, enter sets γ beyond it.
+
+    It is about the state that the cursor of world or table points at, else that of the agent; where steps
+    pass too fast, about the start.
+    """
+
+    BINDINGS: ClassVar[list[BindingType]] = [
+        binding("up", "choose(-1)", "discount.up", "The flip at the next lower γ"),
+        binding("down", "choose(1)", "discount.down", "The flip at the next higher γ"),
+        binding("v", "turn_layer", "discount.layer", "Q*, or how good each action is from worst to best"),
+        binding("enter", "go_beyond", "discount.go_beyond", "Set γ on the other side of the flip"),
+    ]
+
+    @dataclass
+    class GammaWanted(Message):
+        """The user wants this γ."""
+
+        gamma: float
+
+    def __init__(self, look: Look, *, id: str | None = None, classes: str | None = None) -> None:  # noqa: A002
+        super().__init__(look, id=id, classes=classes)
+        self._pointed = NOWHERE
+        self._chosen: float | None = None  # the γ of a flip
+        self._is_ranked = False
+        self._kept: tuple[object, list[Strip], int] | None = None
+
+    def point_at(self, pairs: range) -> None:
+        """Be about the state of ``pairs``; none: about that of the agent."""
+        if pairs != self._pointed:
+            self._pointed = pairs
+            self.redraw()
+
+    @property
+    def chosen(self) -> Flip | None:
+        """The flip that was chosen, None where none was, and while the answer is hidden."""
+        flips = () if self.snapshot is None else _shown_flips(self.snapshot)
+        return next((flip for flip in flips if flip.gamma == self._chosen), None)
+
+    def action_choose(self, by: int) -> None:
+        """Choose the next flip; the first time the one that is next to the γ in force."""
+        if self.snapshot is None or not (flips := _shown_flips(self.snapshot)):
+            return
+        gammas = [flip.gamma for flip in flips]
+        if self._chosen in gammas:
+            place = max(0, min(gammas.index(self._chosen) + by, len(gammas) - 1))
+        else:
+            place = _next_to(flips, self.snapshot)
+        self._chosen = gammas[place]
+        self.redraw()
+
+    def action_turn_layer(self) -> None:
+        """Show Q* or, at each γ, where each action stands between the worst and the best."""
+        self._is_ranked = not self._is_ranked
+        self.redraw()
+
+    def action_go_beyond(self) -> None:
+        """Ask for a γ on that side of the chosen flip on which the one in force is not."""
+        flip = self.chosen
+        if flip is not None and self.snapshot is not None:
+            is_below = self.snapshot.agent.hyperparameters.gamma <= flip.gamma
+            gamma = beyond(self.snapshot.answers.flips, flip, is_above=is_below)
+            self.post_message(self.GammaWanted(gamma))
+
+    def legend(self, snapshot: Snapshot) -> Legend:
+        """Return the signs of flips and lines."""
+        if not _shown_flips(snapshot):
+            return ()
+        glyphs, palette = self.look.glyphs, self.look.palette
+        return (
+            LegendSign(glyphs.cursor, "turns the way", palette.greedy, "turns the way from the start"),
+            LegendSign(glyphs.change_mark, "this state", palette.strong, "this state turns"),
+            LegendSign(glyphs.bold_vertical, "γ in force", palette.accent),
+        )
+
+    def picture(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
+        """Return the chart above the list, or why there is none."""
+        self.heading, self.footing, self.free_rows = _TITLE, self.fitting(_KEYS[-1:], width), 0
+        palette = self.look.palette
+        text = "" if snapshot is None else said_instead(snapshot)
+        if snapshot is None or text:
+            lines = wrapped(text, width, palette.dim, self.look, " ", " ")
+            self.free_rows = height - len(lines) - 1
+            return strips_of(lines, width, height, self.look)
+        state = self._state(snapshot)
+        name = state_name(snapshot.world, state, self.look.glyphs)
+        layer = ", worst to best" if self._is_ranked else ""
+        about = f"{_TITLE} · Q* of state {name}{layer}"
+        captioned = self.captioned(about)
+        self.heading = self.fitting(
+            (*captioned, about, f"Q* of {name}{layer}", f"Q* of {name}", _TITLE), width
+        )
+        self.footing = self.fitting(_KEYS if snapshot.answers.flips.flips else _KEYS_WITHOUT_FLIPS, width)
+        gamma, answer = snapshot.agent.hyperparameters.gamma, snapshot.answers.flips
+        stance = self._chosen, self._is_ranked, self.is_explained
+        what = answer, state, gamma, stance, self.look, width, height
+        if self._kept is None or self._kept[0] != what:
+            strips = self._drawn(snapshot, state, width, height)
+            self._kept = what, strips, self.free_rows
+        self.free_rows = self._kept[2]
+        return list(self._kept[1])
+
+    def _drawn(self, snapshot: Snapshot, state: int, width: int, height: int) -> list[Strip]:
+        """Return the chart above the list; it takes milliseconds, and depends on little of the snapshot."""
+        answer, look, chosen = snapshot.answers.flips, self.look, self.chosen
+        assert answer.curves is not None
+        blocks = _blocks(snapshot, state, chosen, look, width)
+        needed = sum(map(len, blocks)) + self._legend_rows(width, height)
+        least = min(_CHART_ROWS, max(LEAST_HEIGHT, height - _LIST_ROWS))
+        rows = min(height, max(least, height - needed, round(_CHART_SHARE * height)))
+        gamma = snapshot.agent.hyperparameters.gamma
+        lines = action_lines(snapshot.world, answer.curves, state, look)
+        lines = ranked(lines) if self._is_ranked else lines
+        chart = draw_values(lines, answer.curves.gamma, answer.flips, state, gamma, chosen, look, width, rows)
+        if rows < LEAST_HEIGHT:
+            return chart
+        listed = _in_view(blocks, _focused(answer.flips, snapshot, chosen), height - rows)
+        self.free_rows = height - rows - len(listed)
+        return [*chart, *strips_of(listed, width, height - rows, look)]
+
+    def _legend_rows(self, width: int, height: int) -> int:
+        """Return how many rows are kept free for the legend."""
+        if not self.is_explained or height < _ROOMY_HEIGHT:
+            return 0
+        return 1 if width >= _ROOMY_WIDTH else 2
+
+    def _state(self, snapshot: Snapshot) -> int:
+        """Return the state that is shown: one in which something is to be chosen."""
+        space = snapshot.world.space
+        if self._pointed and self._pointed.start < space.pairs:
+            return space.state_of(self._pointed.start)
+        here = snapshot.counters.state
+        if not passes_too_fast(snapshot) and here < space.states and space.pairs_of(here):
+            return here
+        mdp = snapshot.world.mdp
+        assert mdp is not None
+        return int(mdp.start_state[0])
+
+
+def said_instead(snapshot: Snapshot) -> str:
+    """Return what is said where nothing can be drawn; empty where something can."""
+    answer = snapshot.answers.flips
+    if answer.is_idle:
+        step = "pull" if isinstance(snapshot.world.drawing, Arms) else "step"
+        return f"each {step} ends its episode: γ changes nothing"
+    if answer.state is FlipState.REFUSED:
+        return answer.reason
+    if is_secret(snapshot):
+        return HIDDEN
+    return "" if answer.state is FlipState.KNOWN else PENDING
+
+
+def _shown_flips(snapshot: Snapshot) -> tuple[Flip, ...]:
+    return () if is_secret(snapshot) else snapshot.answers.flips.flips
+
+
+def _next_to(flips: Sequence[Flip], snapshot: Snapshot) -> int:
+    gamma = snapshot.agent.hyperparameters.gamma
+    return min(range(len(flips)), key=lambda place: abs(flips[place].gamma - gamma))
+
+
+def _focused(flips: Sequence[Flip], snapshot: Snapshot, chosen: Flip | None) -> int:
+    """Return which flip must be in view: the chosen one, else that next to the γ in force."""
+    if chosen is not None:
+        return flips.index(chosen)
+    return _next_to(flips, snapshot) if flips else 0
+
+
+def _blocks(snapshot: Snapshot, state: int, chosen: Flip | None, look: Look, width: int) -> list[list[Line]]:
+    """Return the lines of each flip, or what is said where there is none."""
+    flips: Sequence[Flip] = snapshot.answers.flips.flips
+    if not flips:
+        return [[*wrapped(NO_FLIPS, width, look.palette.dim, look, " ", " ")]]
+    return [flip_lines(flip, state, snapshot.world, look, width, is_chosen=flip is chosen) for flip in flips]
+
+
+def _in_view(blocks: Sequence[Sequence[Line]], focused: int, rows: int) -> list[Line]:
+    """Return the lines of as many whole blocks as fit into ``rows`` around the one ``focused``."""
+    first, behind = focused, focused + 1
+    free = rows - len(blocks[focused])
+    grows = True
+    while grows:
+        grows = False
+        for place in (behind, first - 1):
+            if 0 <= place < len(blocks) and len(blocks[place]) <= free:
+                first, behind = min(first, place), max(behind, place + 1)
+                free -= len(blocks[place])
+                grows = True
+    return [line for block in blocks[first:behind] for line in block][:rows]

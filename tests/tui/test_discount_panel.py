@@ -1,0 +1,272 @@
+"""The panel of γ: Q*(γ) of one state, its crossings, and the flips with what they earn."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+from typing import Any
+
+import numpy as np
+import pytest
+from conftest import MakeApp
+from samples import bandit, lake, look, student
+from seams import playground, press, screen_text, snapshot, switch
+from snapshots import changed
+
+from rl_tui.lab.answers.flip_answer import FlipAnswer, FlipState, refused
+from rl_tui.lab.answers.flip_worker import worked_out
+from rl_tui.lab.answers.view import AnswersView
+from rl_tui.lab.live.snapshot import Snapshot
+from rl_tui.tui.app.screenshot import settle
+from rl_tui.tui.draw import braille
+from rl_tui.tui.panels.discount.chart import action_lines, draw_values, ranked
+from rl_tui.tui.panels.discount.discount import HIDDEN, NO_FLIPS, PENDING, DiscountPanel
+from rl_tui.tui.theme.glyphs import UNICODE
+from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
+
+SIZES = ((118, 30), (58, 19), (56, 20), (36, 19), (36, 13), (26, 7), (16, 10), (5, 3), (1, 1))
+
+
+@cache
+def known(mdp: TabularMDP) -> FlipAnswer:
+    return worked_out(mdp)
+
+
+def with_flips(shown: Snapshot, answer: FlipAnswer | None = None, **answers: Any) -> Snapshot:
+    mdp = shown.world.mdp
+    assert mdp is not None
+    return changed(shown, answers=AnswersView(flips=answer or known(mdp), **answers))
+
+
+def panel(shown: Snapshot | None, *, state: int | None = None, ascii: bool = False) -> DiscountPanel:  # noqa: A002
+    made = DiscountPanel(look(ascii))
+    made.snapshot = shown
+    if state is not None and shown is not None:
+        made.point_at(shown.world.space.pairs_of(state))
+    return made
+
+
+def drawn(shown: Snapshot | None, width: int = 56, height: int = 20, **how: Any) -> str:
+    rows = panel(shown, **how).picture(shown, width, height)
+    assert [row.cell_length for row in rows] == [width] * height
+    return "\n".join(row.text.rstrip() for row in rows)
+
+
+def said(shown: Snapshot | None, width: int = 56, **how: Any) -> str:
+    return " ".join(drawn(shown, width, **how).split())
+
+
+@pytest.mark.parametrize("size", SIZES)
+@pytest.mark.parametrize("ascii", [False, True])
+def test_it_is_drawn_at_any_size(size: tuple[int, int], ascii: bool) -> None:  # noqa: A002
+    answers = [None, with_flips(lake(slippery=True)), with_flips(student()), with_flips(lake(slippery=False))]
+    for shown in (*answers, with_flips(student(), is_hidden=True), with_flips(bandit())):
+        text = drawn(shown, *size, ascii=ascii)
+        assert not ascii or text.isascii()
+
+
+# What is said
+
+
+def test_of_the_student_it_tells_the_one_flip_and_what_it_earns() -> None:
+    text = said(with_flips(student()), state=0)
+    assert f"{UNICODE.cursor}{UNICODE.change_mark}.25 earns 0 below, 7.5 above" in text
+    assert "state Class: check phone to study" in text
+
+
+def test_of_the_lake_it_tells_both_flips_to_twelve_digits_where_there_is_room() -> None:
+    text = drawn(with_flips(lake()), state=0)
+    assert ".808783309216  earns .446599 below, .729766 above" in text
+    assert ".978316459143  earns .729766 below, .740165 above" in text
+    narrow = said(with_flips(lake()), 36, state=0)
+    assert ".808783 earns .447, then .73" in narrow
+
+
+def test_what_turns_in_the_state_shown_is_told_first() -> None:
+    first, second = "state 0: →, ↓ to ←", "state 2: → to ←"
+    of_0, of_2 = (drawn(with_flips(lake()), state=state) for state in (0, 2))
+    assert of_0.index(first) < of_0.index(second)
+    assert of_2.index(second) < of_2.index(first)
+    here = [line.split()[0] for line in of_2.splitlines() if "earns" in line]
+    assert here == [
+        f"{UNICODE.cursor}{UNICODE.change_mark}.808783309216",
+        f"{UNICODE.cursor}{UNICODE.change_mark}.978316459143",
+    ]
+
+
+def test_a_return_that_is_not_known_is_not_made_up() -> None:
+    answer = known_of(student())
+    flip = replace(answer.flips[0], expected_return=(None, 7.5))
+    assert "earns unknown below, 7.5 above" in said(with_flips(student(), replace(answer, flips=(flip,))))
+
+
+def known_of(shown: Snapshot) -> FlipAnswer:
+    mdp = shown.world.mdp
+    assert mdp is not None
+    return known(mdp)
+
+
+def test_where_nothing_can_be_drawn_it_says_why() -> None:
+    assert said(with_flips(student(), is_hidden=True)) == HIDDEN
+    assert said(with_flips(student(), FlipAnswer(FlipState.PENDING))) == PENDING
+    assert said(with_flips(student(), refused("too large"))) == "too large"
+    idle = FlipAnswer(FlipState.KNOWN)
+    assert said(with_flips(bandit(), idle)) == "each pull ends its episode: γ changes nothing"
+    assert NO_FLIPS in said(with_flips(lake(slippery=False)))
+
+
+def test_while_hidden_no_key_gives_anything_away() -> None:
+    made = panel(with_flips(student(), is_hidden=True))
+    made.action_choose(1)
+    assert made.chosen is None
+
+
+# The chart
+
+
+def chart(
+    shown: Snapshot, state: int, width: int = 60, height: int = 16, *, is_ranked: bool = False
+) -> list[str]:
+    answer = known_of(shown)
+    assert answer.curves is not None
+    lines = action_lines(shown.world, answer.curves, state, look())
+    lines = ranked(lines) if is_ranked else lines
+    strips = draw_values(lines, answer.curves.gamma, answer.flips, state, 0.9, None, look(), width, height)
+    return [strip.text for strip in strips]
+
+
+def test_the_lines_are_the_values_of_solve() -> None:
+    curves = known_of(student()).curves
+    assert curves is not None
+    lines = {line.name: line.values for line in action_lines(student().world, curves, 0, look())}
+    at = int(np.searchsorted(curves.gamma, 0.9))
+    # by hand: Q(study) = −2 + .9 (.8 · 10 + .2 V), V = Q(study); Q(check phone) = .9 · .9 V
+    best = (-2 + 0.9 * 0.8 * 10) / (1 - 0.9 * 0.2)
+    assert lines["study"][at] == pytest.approx(best)
+    assert lines["check phone"][at] == pytest.approx(0.81 * best)
+    assert (lines["study"][0], lines["check phone"][0]) == (-2.0, 0.0)
+
+
+def test_a_crossing_stands_on_the_line_of_its_flip_and_lines_have_their_names() -> None:
+    rows = chart(student(), 0)
+    mark = next(
+        (y, row.index(UNICODE.change_mark)) for y, row in enumerate(rows) if UNICODE.change_mark in row
+    )
+    below = {row[mark[1]] for y, row in enumerate(rows[:-1]) if abs(y - mark[0]) > 2}
+    assert below == {UNICODE.axis_vertical}
+    zero = next(row for row in rows if row.strip().startswith("0┤"))
+    assert UNICODE.change_mark in zero
+    assert any("study" in row for row in rows)
+    assert any("check phone" in row for row in rows)
+    assert UNICODE.change_mark not in "".join(chart(student(), 1)), "nothing turns in Phone"
+
+
+def test_from_worst_to_best_a_crossing_is_seen_where_values_are_close() -> None:
+    curves = known_of(lake()).curves
+    assert curves is not None
+    lines = {line.name: line.values for line in ranked(action_lines(lake().world, curves, 0, look()))}
+    below, above = (int(np.searchsorted(curves.gamma, each)) for each in (0.79, 0.83))
+    assert (lines["↓"][below], lines["←"][above]) == (1.0, 1.0)
+    assert lines["←"][below] < 1.0 > lines["↓"][above]
+    assert np.isnan(lines["↑"][0]), "at γ = 0 all are as good"
+    assert UNICODE.change_mark in chart(lake(), 0, is_ranked=True)[0]
+    assert any(ord(cell) > braille.BLANK for row in chart(lake(), 0, is_ranked=True) for cell in row)
+
+
+def test_where_colours_do_not_tell_lines_apart_their_signs_do() -> None:
+    answer = known_of(lake())
+    assert answer.curves is not None
+    plain = look(depth="none")
+    lines = action_lines(lake().world, answer.curves, 0, plain)
+    strips = draw_values(lines, answer.curves.gamma, (), 0, 0.5, None, plain, 80, 20)
+    drawn_in = {cell for strip in strips[:-1] for cell in strip.text}
+    signs = {line.sign for line in lines}
+    usual = {*" ┤│┃.", *"0123456789"}
+    assert all(cell in usual | signs or braille.BLANK < ord(cell) <= braille.BLANK + 255 for cell in drawn_in)
+    body = "".join(strip.text[:-3] for strip in strips[:-1])
+    assert any(sign in body for sign in signs)
+
+
+# On the playground
+
+
+async def test_its_keys_choose_a_flip_and_go_beyond_it(make_app: MakeApp) -> None:
+    app = make_app("frozenlake-slippery")
+    async with app.run_test(size=(120, 40)) as pilot:
+        await settle(pilot)
+        await press(pilot, "G", "down")
+        shown = playground(pilot).board.discount
+        assert shown.chosen is not None
+        assert round(shown.chosen.gamma, 4) == 0.9783
+        assert (await press(pilot, "enter")).agent.hyperparameters.gamma == 0.97
+        assert (await press(pilot, "enter")).agent.hyperparameters.gamma == 0.98
+        assert (await press(pilot, "up", "up", "enter")).agent.hyperparameters.gamma == 0.8
+        solution = snapshot(pilot).exact_answer.solution
+        assert solution is not None
+        assert solution.expected_return == pytest.approx(shown.chosen.expected_return[0])
+        await press(pilot, "v")
+        assert "worst to best" in screen_text(app)
+        await press(pilot, "G")
+        assert "earns" not in screen_text(app)
+
+
+async def test_it_follows_the_cursor_of_the_world_and_then_the_agent_again(make_app: MakeApp) -> None:
+    app = make_app("frozenlake-slippery")
+    async with app.run_test(size=(120, 40)) as pilot:
+        await settle(pilot)
+        board = playground(pilot).board
+        assert board.world is not None
+        await press(pilot, "G")
+        assert "Q* of state 0" in str(board.discount.border_title)
+        board.world.focus()
+        await press(pilot, "right", "right")
+        assert "Q* of state 2" in str(board.discount.border_title)
+        board.discount.focus()
+        await press(pilot, "down")
+        assert "Q* of state 2" in str(board.discount.border_title), "the cursor points without the focus too"
+        board.world.focus()
+        await press(pilot, "home")
+        assert "Q* of state 0" in str(board.discount.border_title)
+
+
+async def test_a_cursor_of_the_table_counts_as_well(make_app: MakeApp) -> None:
+    app = make_app("frozenlake-slippery")
+    async with app.run_test(size=(120, 40)) as pilot:
+        await settle(pilot)
+        board = playground(pilot).board
+        board.table.focus()
+        await press(pilot, "down", "G")
+        assert "Q* of state 1" in str(board.discount.border_title)
+
+
+async def test_while_the_answer_is_hidden_nothing_is_shown(make_app: MakeApp) -> None:
+    app = make_app("student")
+    async with app.run_test(size=(120, 40)) as pilot:
+        await settle(pilot)
+        await press(pilot, "G", "2")
+        assert HIDDEN in screen_text(app)
+        assert "earns" not in screen_text(app)
+        assert UNICODE.flip not in screen_text(app)
+        await press(pilot, "h")
+        assert "earns 0 below, 7.5 above" in screen_text(app)
+        assert UNICODE.flip in screen_text(app)
+
+
+@pytest.mark.parametrize(
+    ("scenario", "said"), [("bandit", "each pull ends its"), ("taxi", "at most 100 states")]
+)
+async def test_where_there_are_none_the_panel_says_why(scenario: str, said: str, make_app: MakeApp) -> None:
+    app = make_app(scenario)
+    async with app.run_test(size=(120, 40)) as pilot:
+        await settle(pilot)
+        await press(pilot, "G")
+        assert said in screen_text(app)
+
+
+async def test_a_planner_has_them_too(make_app: MakeApp) -> None:
+    app = make_app("student")
+    async with app.run_test(size=(120, 40)) as pilot:
+        await settle(pilot)
+        await switch(pilot, "value-iteration")
+        await press(pilot, "G", "h", "s")
+        assert "earns 0 below" in screen_text(app)

@@ -1,0 +1,140 @@
+"""What gives the exact answer away is hidden on every panel, which says so, until h shows it."""
+
+from __future__ import annotations
+
+import pytest
+from conftest import MakeApp
+from drawn_curves import drawn as drawn_curve
+from drawn_tables import Drawn
+from samples import lake, look, student
+from seams import notes, playground, press, screen_text, train
+from snapshots import changed
+
+from rl_tui.lab.live.snapshot import Phase
+from rl_tui.tui.app.screenshot import settle
+from rl_tui.tui.panels.curve.data import curve_data
+from rl_tui.tui.panels.microscope.cell_history import history_strips
+from rl_tui.tui.panels.model.text import pair_lines
+from rl_tui.tui.panels.q_table.layers import EXACT_LAYERS, Layer
+from rl_tui.tui.panels.snapshot_facts import ANSWER_KEY, hides_means, is_secret
+from rl_tui.tui.screens.dialogs.until_options import until_options
+from rl_tui.tui.screens.number_here import number_of_pair, number_of_state
+from rl_tui.tui.theme.glyphs import UNICODE
+
+SECRET = changed(lake(), is_hidden=True)
+
+
+def test_the_model_of_a_world_that_is_no_bandit_is_no_secret() -> None:
+    assert is_secret(SECRET)
+    assert not hides_means(SECRET)
+    assert not is_secret(lake())
+
+
+@pytest.mark.parametrize("state", [changed(lake(), is_hidden=True), changed(student(), is_hidden=True)])
+def test_the_table_has_no_exact_layer_and_names_the_key(state: type) -> None:
+    for layer in Layer:
+        table = Drawn(state, 44, 17, layer)
+        assert not set(table.table.layer_choices) & set(EXACT_LAYERS)
+        assert table.table.shown_layer not in EXACT_LAYERS
+    assert Drawn(state, 44, 17).table.footing == "v:▌Q▐ visits · h: Q*"
+
+
+def test_a_world_without_an_exact_answer_hides_nothing_in_its_table() -> None:
+    refused = changed(lake(0), refused="state 3 cannot reach an end", is_hidden=True)
+    table = Drawn(refused, 44, 17, Layer.OPTIMAL)
+    assert "state 3 cannot" in table.text
+    assert "h:" not in table.table.footing
+    assert not curve_data(refused).hides_optimum
+
+
+def test_the_curve_keeps_the_greedy_policy_and_hides_the_best() -> None:
+    shown, hidden = curve_data(lake()), curve_data(SECRET)
+    assert shown.optimum is not None
+    assert hidden.optimum is None
+    assert hidden.greedy_now == shown.greedy_now
+    text, _ = drawn_curve(SECRET)
+    assert "h adds what is best for this γ" in text
+    assert "best for this γ 0" not in text
+    assert "best for this γ" in drawn_curve(lake())[0].replace("h adds what is best for this γ", "")
+
+
+def test_the_bellman_equation_has_no_numbers() -> None:
+    lines = "\n".join("".join(piece.text for piece in line) for line in pair_lines(SECRET, 0, look(), 90))
+    assert f"··· {ANSWER_KEY}" in lines
+    assert "p · [r + γ · max Q*" in lines.replace("\xa0", " ")
+
+
+def test_the_history_of_a_cell_has_no_exact_value() -> None:
+    for snapshot, told in ((lake(), True), (SECRET, False)):
+        text = "".join(strip.text for strip in history_strips(snapshot, 0, look(), 60, 9))
+        assert ("h shows the exact" in text) is not told
+        assert (", exact " in text) is told
+
+
+def test_a_number_is_told_without_the_exact_one() -> None:
+    for number, symbol in (
+        (number_of_pair(SECRET, 0, Layer.Q, look()), "Q*"),
+        (number_of_state(SECRET, 0, look()), "V*"),
+    ):
+        assert number is not None
+        assert number.meaning.endswith(f"The exact {symbol} is hidden: h shows it.")
+
+
+def test_until_the_policy_is_optimal_shows_nothing_of_it() -> None:
+    (option,) = (each for each in until_options(SECRET, 0, UNICODE) if each.id == "optimal")
+    assert not option.refused
+    assert option.hint == "Compares with the exact answer without showing it."
+
+
+async def test_the_student_is_asked_before_he_is_told(make_app: MakeApp) -> None:
+    async with make_app("student").run_test(size=(120, 40)) as pilot:
+        await settle(pilot)
+        asked = screen_text(pilot.app)
+        assert "Q−Q*" not in asked
+        assert "h adds what is best for this γ" in asked
+        await press(pilot, "v")
+        assert playground(pilot).board.table.shown_layer is Layer.VISITS
+        await press(pilot, "h", "v", "v")
+        assert playground(pilot).board.table.shown_layer is Layer.OPTIMAL
+        told = screen_text(pilot.app)
+        assert "6.341" in told
+        assert "h adds" not in told
+
+
+async def test_h_hides_the_layer_that_is_shown_and_the_line_and_brings_both_back(make_app: MakeApp) -> None:
+    async with make_app("frozenlake").run_test(size=(120, 40), notifications=True) as pilot:
+        await settle(pilot)
+        await press(pilot, "e", "v")
+        table = playground(pilot).board.table
+        assert table.shown_layer is Layer.OPTIMAL
+        before = screen_text(pilot.app)
+        assert "best for this γ 1" in before
+        hidden = await press(pilot, "h")
+        assert is_secret(hidden)
+        assert table.shown_layer is Layer.Q
+        assert "best for this γ 1" not in screen_text(pilot.app)
+        assert is_secret(await press(pilot, "r", "e"))
+        await press(pilot, "h")
+        assert table.shown_layer is Layer.OPTIMAL
+        assert "best for this γ 1" in screen_text(pilot.app)
+        assert not notes(pilot.app)
+
+
+async def test_h_shows_the_numbers_of_the_model_while_it_is_open(make_app: MakeApp) -> None:
+    async with make_app("student").run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        await press(pilot, "m")
+        assert ANSWER_KEY in screen_text(pilot.app)
+        await press(pilot, "h")
+        assert ANSWER_KEY not in screen_text(pilot.app)
+        assert "6.3415" in screen_text(pilot.app)
+
+
+async def test_a_spent_budget_has_nothing_to_hide(make_app: MakeApp) -> None:
+    app = make_app("bandit")
+    async with app.run_test(size=(80, 24), notifications=True) as pilot:
+        await settle(pilot)
+        spent = await train(pilot, 5_000)
+        assert spent.playback.phase is Phase.SPENT
+        assert not is_secret(await press(pilot, "h"))
+        assert notes(app) == ["the budget is spent: nothing is hidden until r starts again"]
