@@ -10,6 +10,7 @@ import pytest
 from conftest import MakeApp
 from samples import bandit, lake, look, student
 from seams import playground, press, screen_text, show, snapshot, train
+from snapshots import changed
 from textual.pilot import Pilot
 
 from rl_tui.agents.exact.policies import greedy_policy, softened, uniform_policy
@@ -54,9 +55,8 @@ def studied(
     gamma = snapshot.agent.hyperparameters.gamma
     found = {each: worth_of(mdp, policy, gamma) for each, policy in chances.items()}
     found |= {PolicyKind(each): answer for each, answer in other.items()}
-    return replace(
-        snapshot, answers=AnswersView(studied=kind, drawn=choices or DrawnPolicy(), policies=found)
-    )
+    answers = replace(snapshot.answers, studied=kind, drawn=choices or DrawnPolicy(), policies=found)
+    return replace(snapshot, answers=answers)
 
 
 def drawn(
@@ -65,10 +65,9 @@ def drawn(
     height: int = 20,
     *,
     ascii: bool = False,  # noqa: A002
-    revealed: bool = False,
 ) -> str:
     panel = Policies(look(ascii))
-    panel.snapshot, panel.revealed = shown, revealed
+    panel.snapshot = shown
     rows = panel.picture(shown, width, height)
     assert [row.cell_length for row in rows] == [width] * height
     return "\n".join(row.text.rstrip() for row in rows)
@@ -131,18 +130,18 @@ def test_why_there_is_none_is_said_once() -> None:
 
 
 def test_what_a_bandits_policies_earn_is_secret_until_it_is_revealed() -> None:
-    shown = studied(bandit(400))
+    shown = changed(studied(bandit(400)), is_hidden=True)
     text = said(shown)
     assert not re.search(r"\d", text.replace("h shows them", ""))
     assert "?" in text
-    known = said(shown, revealed=True)
+    known = said(changed(shown, is_hidden=False))
     assert "a pull" in known
     assert "exploring (ε .1) costs" in known
 
 
 def test_a_hidden_optimum_is_not_told() -> None:
     shown = studied(lake(), PolicyKind.OPTIMAL)
-    hidden = replace(shown, answers=replace(shown.answers, is_hidden=True))
+    hidden = changed(shown, is_hidden=True)
     rows = [line for line in drawn(hidden).splitlines() if "optimal" in line]
     assert rows[0].split()[-1] == "?"
     assert "short of" not in said(hidden)
@@ -159,7 +158,7 @@ def test_it_fits_any_size(size: tuple[int, int], ascii: bool) -> None:  # noqa: 
         studied(bandit(400)),
         studied(student(), choices=DrawnPolicy(((0, 1),))),
     ):
-        text = drawn(shown, *size, ascii=ascii, revealed=True)
+        text = drawn(shown, *size, ascii=ascii)
         assert not ascii or text.isascii()
 
 
@@ -234,7 +233,7 @@ async def test_enter_keeps_it_on_world_table_and_curve(make_app: MakeApp) -> Non
         assert board.opened is None
         assert "V of uniform random · P: policies" in headings(pilot)[0]
         assert Layer.POLICY in board.table.layer_choices
-        await press(pilot, "v", "v", "v")
+        await press(pilot, *["v"] * board.table.layer_choices.index(Layer.POLICY))
         assert board.table.shown_layer is Layer.POLICY
         assert headings(pilot)[1].strip().startswith("Q of uniform random")
         text = screen_text(pilot.app)

@@ -57,6 +57,11 @@ def exact_q(snapshot: Snapshot) -> Exact | None:
     return None if solution is None else (solution.q, solution.greedy)
 
 
+def hides_exact(snapshot: Snapshot) -> bool:
+    """Return whether there is or will be an exact answer, and it is hidden."""
+    return is_secret(snapshot) and not snapshot.exact_answer.refused
+
+
 def policy_q(snapshot: Snapshot) -> Exact | None:
     """Return Q of the policy that is studied and the pairs that it takes most likely, [P] each, or None.
 

@@ -28,6 +28,7 @@ from rl_tui.tui.panels.q_table.layers import (
     Layer,
     exact_of,
     exact_q,
+    hides_exact,
     lit_pair,
     other_lane,
     policy_q,
@@ -45,7 +46,7 @@ from rl_tui.tui.panels.q_table.titles import (
 )
 from rl_tui.tui.panels.q_table.world import NO_ROW, TableWorld
 from rl_tui.tui.panels.scrolling import Scrolled
-from rl_tui.tui.panels.snapshot_facts import hides_means, is_new_run, is_secret
+from rl_tui.tui.panels.snapshot_facts import hides_means, is_new_run
 from rl_tui.tui.theme.look import Look
 
 WAITING: Final = "the estimates Q(s, a) come with the first step"
@@ -123,7 +124,7 @@ class QTable(Panel, can_focus=True):
             missing.add(Layer.LANES)
         if snapshot is None or policy_q(snapshot) is None:
             missing.add(Layer.POLICY)
-        if snapshot is not None and _hides_exact(snapshot):
+        if snapshot is not None and hides_exact(snapshot):
             missing.update(EXACT_LAYERS)
         return tuple(layer for layer in Layer if layer not in missing)
 
@@ -380,10 +381,8 @@ class QTable(Panel, can_focus=True):
 
     def _footing(self, width: int, *, is_scrolled: bool) -> str:
         snapshot = self.snapshot
-        hides_exact = (
-            snapshot is not None and _hides_exact(snapshot) and not self._world_of(snapshot).is_bandit
-        )
-        forms = footings(self.shown_layer, self.layer_choices, self.look.glyphs, hides_exact=hides_exact)
+        says = snapshot is not None and hides_exact(snapshot) and not self._world_of(snapshot).is_bandit
+        forms = footings(self.shown_layer, self.layer_choices, self.look.glyphs, hides_exact=says)
         if is_scrolled:
             forms = followed(forms, is_following=self._following)
         return self.fitting(forms, width)
@@ -393,11 +392,6 @@ class QTable(Panel, can_focus=True):
         text = f"No exact answer: {refused}" if refused else COMPUTING
         lines = wrapped(text, max(1, width - 2), palette.text if refused else palette.dim, self.look)
         return strips_of([[Piece(" ", palette.text), *line] for line in lines], width, height, self.look)
-
-
-def _hides_exact(snapshot: Snapshot) -> bool:
-    """Return whether there is or will be an exact answer, and it is hidden."""
-    return is_secret(snapshot) and not snapshot.exact_answer.refused
 
 
 def _followed(snapshot: Snapshot) -> int:
