@@ -14,8 +14,10 @@ from plain_flips import disagreements, optimal_pairs, plain_world, small_world
 from shipped import SHIPPED
 
 from rl_tui.agents.exact.flips.flips import MOST_STATES, Flip, flips
+from rl_tui.agents.exact.policies import uniform_over
+from rl_tui.agents.exact.policy_figures import expected_return
 from rl_tui.agents.exact.solution import NoExactAnswer
-from rl_tui.agents.exact.solve import expected_return, solve, uniform_over
+from rl_tui.agents.exact.solve import solve
 from rl_tui.lab.run.library import recipe_named
 from rl_tui.lab.run.recipe import begin
 from rl_tui.worlds.files.catalogue import shipped_folder
@@ -99,7 +101,7 @@ def test_shipped_worlds_have_as_many_flips_as_are_known(scenario: str) -> None:
         return
     live = np.count_nonzero(np.diff(mdp.first_pair))
     if live > MOST_STATES:
-        with pytest.raises(NoExactAnswer, match=f"100 live states; here are {live}$"):
+        with pytest.raises(NoExactAnswer, match=f"100 states; here {live} are live$"):
             flips(mdp)
     else:
         _, found = known(scenario)
@@ -168,6 +170,21 @@ def test_a_tie_on_one_side_only_is_a_flip() -> None:
     )
     (flip,) = flips(mdp)
     assert (flip.gamma, flip.turns[0].before, flip.turns[0].after) == (0.5, (0,), (1, 2))
+
+
+def test_flips_close_to_each_other_and_to_the_ends_are_told_apart() -> None:
+    prices = [0.000001, 0.499999, 0.5, 0.500001, 0.999998, 0.999999]
+    rooms = [
+        pair
+        for price in prices
+        for pair in (
+            (f"room {price}", "stop", [(1.0, "end", price)]),
+            (f"room {price}", "go", [(1.0, "hall", 0.0)]),
+        )
+    ]
+    start = {f"room {price}": 1 / len(prices) for price in prices}
+    mdp = world(*rooms, ("hall", "out", [(1.0, "end", 1.0)]), start=start)
+    assert [flip.gamma for flip in flips(mdp)] == prices
 
 
 def test_numbers_are_read_as_the_fractions_they_are_meant_to_be() -> None:

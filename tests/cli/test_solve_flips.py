@@ -50,7 +50,7 @@ def test_flips_do_not_depend_on_the_gamma_that_is_solved_for() -> None:
 def test_above_100_live_states_there_is_a_reason_in_place_of_flips() -> None:
     answer = document("blackjack-table", "--flips")
     assert answer["flips"] is None
-    assert answer["flips_refused"].endswith("here are 290")
+    assert answer["flips_refused"].endswith("here 290 are live")
     assert answer["flips_refused"] in printed("blackjack-table", "--flips").splitlines()
 
 

@@ -83,6 +83,17 @@ def test_q_by_gamma_ends_before_1_where_1_has_no_answer() -> None:
     assert curves.q[-1, 0] == pytest.approx(200.0)
 
 
+def test_of_very_many_actions_q_by_gamma_still_fits_into_a_message() -> None:
+    pairs = 6_000
+    one = [Transition(0, pair, (Outcome(1.0, 1, float(pair), True),)) for pair in range(pairs)]
+    curves = optimal_value_curves(
+        tabular_mdp(("s", "end"), [str(pair) for pair in range(pairs)], one, {0: 1.0})
+    )
+    assert curves.q.shape == (51, pairs)
+    answer = FlipAnswer(FlipState.KNOWN, curves=curves)
+    assert len(json.dumps(as_json(answer))) < 4_000_000
+
+
 def test_beyond_a_flip_its_other_actions_are_best(known: dict[str, tuple[TabularMDP, FlipAnswer]]) -> None:
     for mdp, answer in known.values():
         for flip in answer.flips:

@@ -16,7 +16,6 @@ from snapshots import changed
 from rl_tui.lab.answers.flip_answer import FlipAnswer, FlipState, refused
 from rl_tui.lab.answers.flip_worker import worked_out
 from rl_tui.lab.answers.view import AnswersView
-from rl_tui.lab.live.commands import HideAnswer
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.app.screenshot import settle
 from rl_tui.tui.draw import braille
@@ -174,6 +173,20 @@ def test_from_worst_to_best_a_crossing_is_seen_where_values_are_close() -> None:
     assert any(ord(cell) > braille.BLANK for row in chart(lake(), 0, is_ranked=True) for cell in row)
 
 
+def test_where_colours_do_not_tell_lines_apart_their_signs_do() -> None:
+    answer = known_of(lake())
+    assert answer.curves is not None
+    plain = look(depth="none")
+    lines = action_lines(lake().world, answer.curves, 0, plain)
+    strips = draw_values(lines, answer.curves.gamma, (), 0, 0.5, None, plain, 80, 20)
+    drawn_in = {cell for strip in strips[:-1] for cell in strip.text}
+    signs = {line.sign for line in lines}
+    usual = {*" ┤│┃.", *"0123456789"}
+    assert all(cell in usual | signs or braille.BLANK < ord(cell) <= braille.BLANK + 255 for cell in drawn_in)
+    body = "".join(strip.text[:-3] for strip in strips[:-1])
+    assert any(sign in body for sign in signs)
+
+
 # On the playground
 
 
@@ -226,19 +239,17 @@ async def test_a_cursor_of_the_table_counts_as_well(make_app: MakeApp) -> None:
         assert "Q* of state 1" in str(board.discount.border_title)
 
 
-async def test_while_the_answer_is_hidden_nothing_is_shown_or_asked(make_app: MakeApp) -> None:
+async def test_while_the_answer_is_hidden_nothing_is_shown(make_app: MakeApp) -> None:
     app = make_app("student")
     async with app.run_test(size=(120, 40)) as pilot:
         await settle(pilot)
-        playground(pilot).send(HideAnswer(True))
-        await settle(pilot)
         await press(pilot, "G", "2")
+        assert HIDDEN in screen_text(app)
         assert "earns" not in screen_text(app)
         assert UNICODE.flip not in screen_text(app)
-        assert snapshot(pilot).answers.flips.state is FlipState.NOT_ASKED
-        playground(pilot).send(HideAnswer(False))
-        await settle(pilot)
+        await press(pilot, "h")
         assert "earns 0 below, 7.5 above" in screen_text(app)
+        assert UNICODE.flip in screen_text(app)
 
 
 @pytest.mark.parametrize(
@@ -257,5 +268,5 @@ async def test_a_planner_has_them_too(make_app: MakeApp) -> None:
     async with app.run_test(size=(120, 40)) as pilot:
         await settle(pilot)
         await switch(pilot, "value-iteration")
-        await press(pilot, "G", "s")
+        await press(pilot, "G", "h", "s")
         assert "earns 0 below" in screen_text(app)

@@ -4,23 +4,33 @@ from __future__ import annotations
 
 import pytest
 from conftest import MakeApp
-from sample_worlds import student_world
-from samples import look
+from samples import look, student
 from seams import notes, press, screen_text, slider, snapshot
+from snapshots import changed
 from textual.app import App, ComposeResult
 
 from rl_tui.agents.hyperparameters import PARAMETERS
 from rl_tui.lab.answers.flip_answer import FlipState
 from rl_tui.lab.answers.flip_worker import worked_out
-from rl_tui.lab.answers.view import AnswersView
+from rl_tui.lab.run.library import recipe_named
+from rl_tui.lab.run.recipe import begin
 from rl_tui.tui.app.screenshot import settle
 from rl_tui.tui.panels.controls.controls import flip_marks
 from rl_tui.tui.panels.controls.slider import Slider, key_hints
 from rl_tui.tui.panels.controls.slider_picture import SliderMark, SliderState, slider_strip
 from rl_tui.tui.panels.controls.slider_scale import scale_of
 from rl_tui.tui.theme.glyphs import ASCII, UNICODE
+from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
 GAMMA = PARAMETERS["gamma"]
+
+
+def discount_mdp() -> TabularMDP:
+    mdp = begin(recipe_named("discount")).world.mdp
+    assert mdp is not None
+    return mdp
+
+
 QUARTER = SliderMark(0.25, 0.24, 0.26)
 HALF = SliderMark(0.5, 0.49, 0.51)
 ASIDE = SliderMark(0.5, 0.49, 0.51, stands_out=False)
@@ -59,13 +69,12 @@ def test_they_are_seen_on_both_parts_of_the_track_at_any_width() -> None:
 
 
 def test_flips_of_the_way_are_marked_others_on_request_and_none_while_the_answer_is_hidden() -> None:
-    mdp = student_world().mdp
-    assert mdp is not None
-    answers = AnswersView(flips=worked_out(mdp))
-    assert flip_marks(answers, every=False) == (QUARTER,)
-    assert flip_marks(answers, every=True) == (QUARTER,)
-    assert flip_marks(AnswersView(is_hidden=True, flips=answers.flips), every=True) == ()
-    assert flip_marks(AnswersView(), every=True) == ()
+    mdp = discount_mdp()
+    shown = changed(student(), flips=worked_out(mdp))
+    assert len(flip_marks(shown, every=True)) == 14
+    assert [round(mark.value, 12) for mark in flip_marks(shown, every=False)] == [0.518845036131]
+    assert flip_marks(changed(shown, is_hidden=True), every=True) == ()
+    assert flip_marks(student(), every=True) == ()
 
 
 class Bench(App[None]):
@@ -108,7 +117,10 @@ async def test_the_marks_come_with_the_focus_and_a_key_turns_the_policy(make_app
         await settle(pilot)
         assert slider(app, "gamma").marks == ()
         before = screen_text(app)
-        shown = await press(pilot, "2")
+        await press(pilot, "2")
+        assert slider(app, "gamma").marks == (), "the student's answer is hidden at first"
+        assert snapshot(pilot).answers.flips.state is FlipState.NOT_ASKED
+        shown = await press(pilot, "h")
         assert slider(app, "gamma").marks == (QUARTER,)
         assert UNICODE.flip in screen_text(app)
         assert len(before) == len(screen_text(app))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from base64 import b64decode, b64encode
 from dataclasses import asdict, dataclass
 from enum import StrEnum
 from typing import TYPE_CHECKING, Any, Final
@@ -69,8 +70,17 @@ def as_json(answer: FlipAnswer) -> dict[str, Any]:
         "state": answer.state.value,
         "reason": answer.reason,
         "flips": [asdict(flip) for flip in answer.flips],
-        "curves": None if curves is None else {"gamma": curves.gamma.tolist(), "q": curves.q.tolist()},
+        "curves": None if curves is None else {"gamma": curves.gamma.tolist(), "q": _in_base64(curves.q)},
     }
+
+
+def _in_base64(values: FloatArray) -> str:
+    """Return ``values`` as text that is read at once, where a list of numbers would stop all threads."""
+    return b64encode(values.astype("<f8").tobytes()).decode("ascii")
+
+
+def _of_base64(text: str, rows: int) -> FloatArray:
+    return np.frombuffer(b64decode(text), "<f8").astype(np.float64).reshape(rows, -1)
 
 
 def of_json(document: dict[str, Any]) -> FlipAnswer:
@@ -92,7 +102,9 @@ def of_json(document: dict[str, Any]) -> FlipAnswer:
             )
             for flip in document["flips"]
         ),
-        None if curves is None else OptimalValueCurves(np.array(curves["gamma"]), np.array(curves["q"])),
+        None
+        if curves is None
+        else OptimalValueCurves(np.array(curves["gamma"]), _of_base64(curves["q"], len(curves["gamma"]))),
     )
 
 

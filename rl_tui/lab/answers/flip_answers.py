@@ -88,7 +88,9 @@ class FlipAnswers:
                 self._keep(process.mdp, process.answer)
 
     def _keep(self, mdp: TabularMDP, answer: FlipAnswer) -> None:
-        self._answers = [*self._answers, (mdp, answer)][-KEPT:]
+        # of worlds without flips, which may be large, the last one alone is kept
+        known = [each for each in self._answers if each[1].state is FlipState.KNOWN]
+        self._answers = [*known, (mdp, answer)][-KEPT:]
 
 
 def at_once(mdp: TabularMDP) -> FlipAnswer | None:

@@ -15,6 +15,8 @@ if TYPE_CHECKING:
 
 GAMMAS: Final = 200
 """Equal parts of 0 to 1 at whose ends Q* is worked out: more than a chart has columns of dots."""
+MOST_VALUES: Final = 300_000
+"""Of all pairs at all γ, which are one message: a world of very many actions has fewer γ."""
 MOST_SECONDS: Final = 300
 """Of a processor. The dearest of the shipped worlds takes 5."""
 _LONGEST_REASON: Final = 200
@@ -55,8 +57,9 @@ def optimal_value_curves(mdp: TabularMDP) -> OptimalValueCurves:
 
     model = exact_model(mdp)
     gammas, q = list[float](), list[Any]()
-    for part in range(GAMMAS + 1):
-        gamma = part / GAMMAS
+    parts = min(GAMMAS, max(2, MOST_VALUES // mdp.pairs))
+    for part in range(parts + 1):
+        gamma = part / parts
         try:
             optimum = policy_iteration(model, gamma)
         except NoExactAnswer:

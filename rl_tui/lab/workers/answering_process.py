@@ -14,7 +14,7 @@ from rl_tui.agents.compiling.cache_folder import base_folder
 from rl_tui.common.child_process import python_process
 
 _LONGEST_LINE: Final = 4_000_000
-"""Bytes of one answer. The curves of four lanes are a tenth of it, Q*(γ) of a hundred states a third."""
+"""Bytes of one answer. The curves of four lanes are a tenth of it, Q*(γ) of all pairs is the longest."""
 
 
 class AnsweringProcess:

@@ -67,6 +67,11 @@ def _between(
         order, lower, upper = in_order(lower, upper)
         if order == 0:
             return []
+    # Roots that differ may still share a bound, with each other or with an end
+    while lower and lower.upper == (upper.lower if upper else ONE):
+        lower = lower.refined()
+    while upper and upper.lower == ZERO:
+        upper = upper.refined()
     return [_around(model, lower.upper if lower else ZERO, upper.lower if upper else ONE, guess)]
 
 

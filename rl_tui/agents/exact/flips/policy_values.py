@@ -13,7 +13,15 @@ import numpy as np
 
 from rl_tui.agents.exact.flips.polynomials import Polynomial, polynomial, scaled_value
 from rl_tui.agents.exact.flips.rational_model import RationalModel, RationalPair
-from rl_tui.agents.exact.flips.residues import BITS, WholeArray, primes, shortest_recurrence, whole_numbers
+from rl_tui.agents.exact.flips.residues import (
+    BITS,
+    PRODUCTS,
+    WholeArray,
+    column,
+    primes,
+    shortest_recurrence,
+    whole_numbers,
+)
 from rl_tui.worlds.mdp.space import IntArray
 
 PROJECTION_SEED: Final = 1
@@ -76,35 +84,32 @@ def policy_values(model: RationalModel, policy: Sequence[int]) -> PolicyValues:
     pairs = [model.pairs[number] for number in policy]
     for attempt in count():
         found = _pieced_together(pairs, attempt)
-        if not any(found.advantage(pair) for pair in pairs):
+        if found and not any(found.advantage(pair) for pair in pairs):
             return found
     raise AssertionError
 
 
-def _pieced_together(pairs: Sequence[RationalPair], attempt: int) -> PolicyValues:
-    """Return what is most likely the values of the policy that takes ``pairs``."""
+def _pieced_together(pairs: Sequence[RationalPair], attempt: int) -> PolicyValues | None:
+    """Return what is most likely the values of the policy that takes ``pairs``; None on a rare failure."""
     scale = math.prod(pair.scale for pair in pairs)
     # D, scaled so that D(0) is the product of all scales, is whole, and so is N; |λ| ≤ 1 and |Pᵏ R| ≤ |R|
     bound = 2 * scale * 2 ** len(pairs) * max(1, *(abs(pair.reward) for pair in pairs))
     moduli = _primes_for(pairs, bound, skipped=attempt)
     krylov = _krylov(pairs, moduli)
     u = np.random.default_rng((PROJECTION_SEED, attempt)).integers(1, 2**BITS, size=len(pairs))
-    projected = (krylov * u % _column(moduli, 3)).sum(axis=2) % _column(moduli, 2)
-    recurrences = [
-        shortest_recurrence(terms, prime) for terms, prime in zip(projected.tolist(), moduli, strict=True)
-    ]
-    length = max(length for _, length in recurrences)
-    recurrence = np.zeros((len(moduli), length + 1), dtype=np.int64)
-    for number, ((coefficients, _), prime) in enumerate(zip(recurrences, moduli, strict=True)):
-        recurrence[number, : len(coefficients)] = [each * scale % prime for each in coefficients]
-    numerators = _truncated_product(recurrence, krylov[:, :length], moduli)
+    projected = (krylov * u % column(moduli, 3)).sum(axis=2) % column(moduli, 2)
+    recurrence = shortest_recurrence(projected, moduli)
+    if recurrence is None:
+        return None
+    recurrence = recurrence * column([scale % prime for prime in moduli], 2) % column(moduli, 2)
+    numerators = _truncated_product(recurrence, krylov, moduli)
     whole = whole_numbers(np.concatenate((recurrence[:, :, None], numerators), axis=2), moduli)
     return PolicyValues(whole[:, 0], whole[:, 1:].T)
 
 
 def _primes_for(pairs: Sequence[RationalPair], bound: int, skipped: int) -> list[int]:
     """Return primes with a product above ``bound`` that divide no scale, not those that were tried before."""
-    wanted = bound.bit_length() // BITS + 1
+    wanted = bound.bit_length() // (BITS - 1) + 1
     scales = {pair.scale for pair in pairs}
     usable = (prime for prime in primes() if all(scale % prime for scale in scales))
     found: list[int] = []
@@ -135,7 +140,7 @@ def _krylov(pairs: Sequence[RationalPair], moduli: Sequence[int]) -> IntArray:
         [pair.reward * inverse % prime for pair, inverse in zip(pairs, inverses, strict=True)]
         for prime, inverses in _inverses(pairs, moduli)
     ]
-    weight, modulus = np.array(weights), _column(moduli, 2)
+    weight, modulus = np.array(weights), column(moduli, 2)
     result = np.empty((len(moduli), 2 * count_, count_), dtype=np.int64)
     for power in range(2 * count_):
         result[:, power] = current[:, :-1]
@@ -150,16 +155,12 @@ def _inverses(pairs: Sequence[RationalPair], moduli: Sequence[int]) -> list[tupl
 
 
 def _truncated_product(recurrence: IntArray, krylov: IntArray, moduli: Sequence[int]) -> IntArray:
-    """Return the coefficients of the numerators modulo each prime, [K, length + 1, N]; the last are 0."""
-    primes_, length, count_ = krylov.shape
-    result = np.zeros((primes_, length + 1, count_), dtype=np.int64)
-    modulus = _column(moduli, 3)
+    """Return the coefficients of the numerators modulo each prime, [K, L + 1, N]; the last are 0."""
+    length = recurrence.shape[1] - 1
+    result = np.zeros((len(moduli), length + 1, krylov.shape[2]), dtype=np.int64)
+    modulus = column(moduli, 3)
     for power in range(length):
-        if recurrence[:, power].any():
-            part = recurrence[:, power, None, None] * krylov[:, : length - power] % modulus
-            result[:, power:length] += part
+        result[:, power:length] += recurrence[:, power, None, None] * krylov[:, : length - power]
+        if power % PRODUCTS == PRODUCTS - 1:
+            result %= modulus
     return result % modulus
-
-
-def _column(moduli: Sequence[int], dimensions: int) -> IntArray:
-    return np.array(moduli, dtype=np.int64).reshape(-1, *[1] * (dimensions - 1))

@@ -13,20 +13,24 @@ from rl_tui.agents.catalogue import parameters_of
 from rl_tui.agents.hyperparameters import PARAMETERS, SAMPLE_AVERAGE, Hyperparameters, Parameter
 from rl_tui.agents.idle_parameters import why_idle
 from rl_tui.lab.answers.flip_answer import beyond
-from rl_tui.lab.answers.view import AnswersView
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.run.recipe import Recipe
 from rl_tui.tui.draw.to_ascii import separated, to_ascii
 from rl_tui.tui.panels.controls.settings import AgentSettings
 from rl_tui.tui.panels.controls.slider import Slider
 from rl_tui.tui.panels.controls.slider_picture import SliderMark
-from rl_tui.tui.panels.legend import LegendSign, legend_text
+from rl_tui.tui.panels.legend import Legend, LegendSign, legend_text
 from rl_tui.tui.panels.panel import BORDER_ENDS, BoardPanel
+from rl_tui.tui.panels.snapshot_facts import is_secret
 from rl_tui.tui.theme.look import Look
 from rl_tui.worlds.drawing import Arms
 
 GAMMA: Final = "gamma"
 """The hyper-parameter whose slider marks flips."""
+
+_MEANING: Final = (
+    "Marks are flip points: there the best way from the start turns, or, while G is open, any state."
+)
 
 
 def sliders_of(algorithm: str, values: Hyperparameters, *, is_bandit: bool = False) -> tuple[Parameter, ...]:
@@ -49,12 +53,12 @@ def in_force(values: Hyperparameters, parameter: Parameter) -> float | str:
     return values.value(parameter.name)
 
 
-def flip_marks(answers: AnswersView, *, every: bool) -> tuple[SliderMark, ...]:
+def flip_marks(snapshot: Snapshot, *, every: bool) -> tuple[SliderMark, ...]:
     """Return the marks on the slider of γ: of flips that turn the way from the start, or of ``every`` flip.
 
     There are none while the answer is hidden.
     """
-    known = answers.flips
+    known = snapshot.answers.flips
     return tuple(
         SliderMark(
             flip.gamma,
@@ -63,7 +67,7 @@ def flip_marks(answers: AnswersView, *, every: bool) -> tuple[SliderMark, ...]:
             stands_out=flip.turns_the_way,
         )
         for flip in known.flips
-        if (flip.turns_the_way or every) and not answers.is_hidden
+        if (flip.turns_the_way or every) and not is_secret(snapshot)
     )
 
 
@@ -82,6 +86,7 @@ class Controls(Container, BoardPanel):
         self.marks_all_flips = False
         """Whether the slider of γ marks every flip, not only those that turn the way from the start."""
         self._parameters: tuple[Parameter, ...] = ()
+        self._has_marks = False
 
     def has_slider(self, name: str) -> bool:
         """Return whether the hyper-parameter ``name`` has a slider here."""
@@ -110,9 +115,17 @@ class Controls(Container, BoardPanel):
                 for each in self._parameters
             )
             title = f"Controls · {self.caption}"
-            legend = legend_text(signs, self.size.width - BORDER_ENDS, look)
+            legend = self._legend(signs)
         self.border_title = Content(separated(title, look.glyphs))
         self.border_subtitle = Content(separated(legend, look.glyphs))
+
+    def _legend(self, signs: Legend) -> str:
+        """Return ``signs`` behind that of a flip, which comes later, where that moves none of them."""
+        look, room = self._look, self.size.width - BORDER_ENDS
+        legend = legend_text(signs, room, look)
+        flip = LegendSign(look.glyphs.flip, "flip", look.palette.greedy)
+        longer = legend_text((flip, *signs), room, look) if self._has_marks else ""
+        return longer if longer.endswith(legend) else legend
 
     def begin_with(self, recipe: Recipe) -> None:
         """Show the sliders of ``recipe`` before the first snapshot."""
@@ -138,7 +151,14 @@ class Controls(Container, BoardPanel):
         for slider in self.query(Slider):
             slider.set_value(in_force(self.wanted, slider.parameter))
             if slider.parameter.name == GAMMA:
-                slider.set_marks(flip_marks(snapshot.answers, every=self.marks_all_flips))
+                self._mark_flips(slider, snapshot)
+
+    def _mark_flips(self, slider: Slider, snapshot: Snapshot) -> None:
+        marks = flip_marks(snapshot, every=self.marks_all_flips)
+        slider.set_marks(marks, _MEANING)
+        if bool(marks) != self._has_marks:
+            self._has_marks = bool(marks)
+            self._write_border()
 
     def _sliders(self) -> Iterable[Slider]:
         for parameter in self._parameters:

@@ -88,7 +88,7 @@ class Slider(Draggable, can_focus=True):
             f"{parameter.help}. The arrows change it; enter, or a click on its value, types {typed}. "
             "What begins with 1 to 4 needs enter first."
         )
-        self.tooltip = to_ascii(help_text, look.glyphs)
+        self._help = self.tooltip = to_ascii(help_text, look.glyphs)
         self._value = value
         self._number = _first_number(parameter, self.scale, value)
         self._typed: str | None = None
@@ -113,10 +113,12 @@ class Slider(Draggable, can_focus=True):
         """The marks on the track, rising."""
         return self._marks
 
-    def set_marks(self, marks: tuple[SliderMark, ...]) -> None:
-        """Show ``marks``, rising, on the track."""
+    def set_marks(self, marks: tuple[SliderMark, ...], meaning: str = "") -> None:
+        """Show ``marks``, rising, on the track; ``meaning`` is a sentence that says what they are."""
         if marks != self._marks:
             self._marks = marks
+            told = f"{self._help} {meaning} {{ and }} go beyond the next." if marks else self._help
+            self.tooltip = to_ascii(told, self.look.glyphs)
             self.refresh()
 
     @property

@@ -118,4 +118,4 @@ class ReturnCurve(Panel, can_focus=True):
             words = lane_remark(data, look, plot_columns(plot.scale, look, width))
         below = below_note(data, plot, look.glyphs, decimals, with_figures=with_figures)
         heads = lane_titles(data, heads, look.glyphs) if data.lanes else heads
-        return heads, together(below, words)
+        return heads, together(words, below)

@@ -161,22 +161,25 @@ def _draw_lines(
     """Draw ``lines``, the last on top; in dots where there are any, which those below add to."""
     has_signs = not look.palette.tells_lanes_apart or len(lines) > len(look.palette.lanes)
     shown = np.zeros((plot.rows, plot.columns), dtype=np.int64)
+    whose = np.full(shown.shape, -1)
     for number, line in enumerate(lines):
         ends = line.values[:-1], line.values[1:]
         steps = Steps(gammas[:-1], gammas[1:], np.minimum(*ends), np.maximum(*ends))
         codes = plot.braille_line(steps)
         there = codes > braille.BLANK
+        whose[there] = number
         if look.glyphs.braille:
             shown[there] |= codes[there]
         else:
             shown[there] = ord(line.sign)
-        for row, column in np.argwhere(there).tolist():
-            canvas.put(plot.left + column, row, chr(shown[row, column]), line.style)
-        if has_signs and look.glyphs.braille:
+    if has_signs and look.glyphs.braille:
+        for number, line in enumerate(lines):
             first = _SIGNS_APART * (number + 1) // (len(lines) + 1)
             for column in range(first, plot.columns - _SIGN_FREE, _SIGNS_APART):
-                for row in np.flatnonzero(there[:, column])[:1].tolist():
-                    canvas.put(plot.left + column, row, line.sign, line.style)
+                shown[np.flatnonzero(whose[:, column] == number)[:1], column] = ord(line.sign)
+    for row, column in np.argwhere(whose >= 0).tolist():
+        style = lines[whose[row, column]].style
+        canvas.put(plot.left + column, row, chr(shown[row, column]), style)
 
 
 def _draw_names(canvas: Canvas, plot: Plot, lines: Sequence[ActionLine], look: Look) -> None:

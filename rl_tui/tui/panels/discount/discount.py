@@ -20,24 +20,25 @@ from rl_tui.tui.panels.discount.flip_list import flip_lines
 from rl_tui.tui.panels.legend import Legend, LegendSign
 from rl_tui.tui.panels.panel import Panel
 from rl_tui.tui.panels.pointing import NOWHERE
-from rl_tui.tui.panels.snapshot_facts import passes_too_fast
+from rl_tui.tui.panels.snapshot_facts import ANSWER_KEY, is_secret, passes_too_fast
 from rl_tui.tui.theme.look import Look
 from rl_tui.worlds.drawing import Arms
 
 if TYPE_CHECKING:
     from rl_tui.agents.exact.flips.flips import Flip
 
-HIDDEN: Final = "the answer is hidden, and what γ decides gives it away: h shows it"
+HIDDEN: Final = f"what γ decides is hidden: {ANSWER_KEY}"
 PENDING: Final = "being worked out, beside all else"
 NO_FLIPS: Final = "the same actions are best at every γ between 0 and 1"
 _TITLE: Final = "γ"
 _CHART_SHARE: Final = 0.55  # of the rows, where the list has more than it has room for
 _CHART_ROWS: Final = 7
+_LIST_ROWS: Final = 2  # what the list has at the least, where that leaves a chart
 _KEYS: Final = (
     "↑ ↓: flip · enter: γ beyond it · v: worst to best · G: close",
     "↑ ↓: flip · enter: γ beyond it · v: layer · G: close",
     "↑ ↓: flip · enter: beyond · v: layer · G: close",
-    "↑ ↓ · enter: beyond · v · G: close",
+    "↑ ↓ enter: beyond · v · G: close",
     "↑ ↓ · enter: beyond · G: close",
     "G: close",
 )
@@ -71,6 +72,7 @@ class DiscountPanel(Panel, can_focus=True):
         self._pointed = NOWHERE
         self._chosen: float | None = None  # the γ of a flip
         self._is_ranked = False
+        self._kept: tuple[object, list[Strip], int] | None = None
 
     def point_at(self, pairs: range) -> None:
         """Be about the state of ``pairs``; none: about that of the agent."""
@@ -80,9 +82,9 @@ class DiscountPanel(Panel, can_focus=True):
 
     @property
     def chosen(self) -> Flip | None:
-        """The flip that was chosen, None where none was."""
-        answer = None if self.snapshot is None else self.snapshot.answers.flips
-        return next((flip for flip in answer.flips if flip.gamma == self._chosen), None) if answer else None
+        """The flip that was chosen, None where none was, and while the answer is hidden."""
+        flips = () if self.snapshot is None else _shown_flips(self.snapshot)
+        return next((flip for flip in flips if flip.gamma == self._chosen), None)
 
     def action_choose(self, by: int) -> None:
         """Choose the next flip; the first time the one that is next to the γ in force."""
@@ -138,14 +140,23 @@ class DiscountPanel(Panel, can_focus=True):
             (*captioned, about, f"Q* of {name}{layer}", f"Q* of {name}", _TITLE), width
         )
         self.footing = self.fitting(_KEYS if snapshot.answers.flips.flips else _KEYS_WITHOUT_FLIPS, width)
-        return self._drawn(snapshot, state, width, height)
+        gamma, answer = snapshot.agent.hyperparameters.gamma, snapshot.answers.flips
+        stance = self._chosen, self._is_ranked, self.is_explained
+        what = answer, state, gamma, stance, self.look, width, height
+        if self._kept is None or self._kept[0] != what:
+            strips = self._drawn(snapshot, state, width, height)
+            self._kept = what, strips, self.free_rows
+        self.free_rows = self._kept[2]
+        return list(self._kept[1])
 
     def _drawn(self, snapshot: Snapshot, state: int, width: int, height: int) -> list[Strip]:
+        """Return the chart above the list; it takes milliseconds, and depends on little of the snapshot."""
         answer, look, chosen = snapshot.answers.flips, self.look, self.chosen
         assert answer.curves is not None
         blocks = _blocks(snapshot, state, chosen, look, width)
         needed = sum(map(len, blocks)) + self._legend_rows(width, height)
-        rows = min(height, max(_CHART_ROWS, height - needed, round(_CHART_SHARE * height)))
+        least = min(_CHART_ROWS, max(LEAST_HEIGHT, height - _LIST_ROWS))
+        rows = min(height, max(least, height - needed, round(_CHART_SHARE * height)))
         gamma = snapshot.agent.hyperparameters.gamma
         lines = action_lines(snapshot.world, answer.curves, state, look)
         lines = ranked(lines) if self._is_ranked else lines
@@ -178,18 +189,18 @@ class DiscountPanel(Panel, can_focus=True):
 def said_instead(snapshot: Snapshot) -> str:
     """Return what is said where nothing can be drawn; empty where something can."""
     answer = snapshot.answers.flips
-    if snapshot.answers.is_hidden:
-        return HIDDEN
     if answer.is_idle:
         step = "pull" if isinstance(snapshot.world.drawing, Arms) else "step"
         return f"each {step} ends its episode: γ changes nothing"
     if answer.state is FlipState.REFUSED:
         return answer.reason
+    if is_secret(snapshot):
+        return HIDDEN
     return "" if answer.state is FlipState.KNOWN else PENDING
 
 
 def _shown_flips(snapshot: Snapshot) -> tuple[Flip, ...]:
-    return () if snapshot.answers.is_hidden else snapshot.answers.flips.flips
+    return () if is_secret(snapshot) else snapshot.answers.flips.flips
 
 
 def _next_to(flips: Sequence[Flip], snapshot: Snapshot) -> int:

@@ -31,15 +31,15 @@ def flip_lines(
     is_here = any(turn.state == state for turn in flip.turns)
     signs = (glyphs.cursor if flip.turns_the_way else " ") + (glyphs.change_mark if is_here else " ")
     style = palette.focus if is_chosen else palette.strong if is_here or flip.turns_the_way else palette.text
-    heads: list[Line] = [
+    heads = (
         [
             Piece(f" {signs}", flip_style(flip, look)),
-            Piece(f"{gamma_text(flip.gamma, digits, look)}", style),
+            Piece(gamma_text(flip.gamma, digits, look), style),
             Piece(f"  {earned}", palette.text),
         ]
         for digits, decimals in zip(_DIGITS, _RETURNS, strict=True)
         for earned in returns_in_words(flip, decimals, look)
-    ]
+    )
     lines: list[Line] = [first_that_fits(heads, width, look)]
     for text in turns_in_words(flip.turns, state, world, look):
         lines += wrapped(text, width, palette.text if is_here else palette.dim, look, "    ", "      ")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -59,8 +60,12 @@ class BackupText:
         return (*(f"{start}{each} = {self.result}" for each in self.right), f"{start}{self.result}")
 
 
+@lru_cache(maxsize=2)
 def backup_text(world: World, backup: StateBackup, glyphs: Glyphs) -> BackupText:
-    """Return the texts of ``backup``, with as few decimals as let the printed arithmetic come out."""
+    """Return the texts of ``backup``, with as few decimals as let the printed arithmetic come out.
+
+    They are kept until those of two others were asked for: all panels of a frame tell the same.
+    """
     fewest = _FEWEST + leading_zeros(backup.value, *backup.q.tolist())
     text = _Writer(world, backup, glyphs, fewest)
     for decimals in range(fewest, fewest + _MOST):

@@ -328,11 +328,6 @@ class QTable(Panel, can_focus=True):
         self._tell()
 
     @property
-    def has_cursor(self) -> bool:
-        """Whether a cursor was put somewhere, be it in focus or not."""
-        return self.cursor_pair is not None
-
-    @property
     def shown_cursor(self) -> int | None:
         """The pair of the cursor: until it is moved the first of the agent's state, or of the table.
 

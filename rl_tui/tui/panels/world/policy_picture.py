@@ -65,11 +65,6 @@ class PolicyPicture(Panel):
         return self.snapshot is not None and self.snapshot.answers.studied is PolicyKind.DRAWN
 
     @property
-    def shown_differences(self) -> frozenset[int]:
-        """The states to be marked since greedy actions differ there: none while others are drawn."""
-        return self.differing if self.studied is None and not self.shows_drawing else frozenset()
-
-    @property
     def policy_shown(self) -> str:
         """What the arrows are, in a word."""
         if self.shows_drawing:

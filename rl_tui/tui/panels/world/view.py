@@ -206,11 +206,6 @@ class WorldView(PolicyPicture, can_focus=True):
         return self.agent_place(self.snapshot)
 
     @property
-    def has_cursor(self) -> bool:
-        """Whether a cursor was put somewhere, be it in focus or not."""
-        return self.cursor is not None
-
-    @property
     def shown_cursor(self) -> int | None:
         """The place at which a cursor is drawn: its own while in focus, else that of another panel."""
         if self.is_manual:

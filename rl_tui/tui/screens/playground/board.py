@@ -268,8 +268,10 @@ class Board(Container):
         for panel in self._widgets().values():
             if isinstance(panel, QTable | WorldView) and panel is not event.panel:
                 panel.point_at(event.pairs)
-        if event.pairs or (isinstance(event.panel, QTable | WorldView) and not event.panel.has_cursor):
-            self.discount.point_at(event.pairs)  # a cursor that is not in focus still points
+        cursor = event.panel.cursor_pair if isinstance(event.panel, QTable) else None
+        cursor = event.panel.cursor if isinstance(event.panel, WorldView) else cursor
+        if event.pairs or cursor is None:  # one that is not in focus still points
+            self.discount.point_at(event.pairs)
 
     def on_moved(self, event: Moved) -> None:
         """Bring the same part into view in the other lane."""

@@ -70,7 +70,7 @@ class GraphView(WorldView):
         values = state_values(self.world.space, snapshot)
         form = values.number_form(VALUE_WIDTH, self._number_forms)
         stops = snapshot.playback.breakpoints
-        signs = Signs(snapshot.counters.state, self.shown_cursor, stops, self.shown_differences)
+        signs = Signs(snapshot.counters.state, self.shown_cursor, stops, self.differing)
         self._layout = layout = graph_layout(self._shape, width, height)
         if layout is not None:
             self.footing = ""

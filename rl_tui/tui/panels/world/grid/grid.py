@@ -209,7 +209,7 @@ class GridView(WorldView):
             part,
             snapshot,
             self.shown_cursor,
-            self.shown_differences,
+            self.differing,
             with_actions=actions is not None,
             named=self.is_numbered,
         )
@@ -296,7 +296,7 @@ class GridView(WorldView):
         form, signs, actions = self._form, self._map.signs, self._action_form
         name = "" if form is None else self._name_beside_arrows(form)
         has_arrows = form is not None and form.width - len(name) >= LEAST_ARROWS
-        if form is not None and self.shown_differences:
+        if form is not None and self.differing:
             yield differing_sign(form.width, name, self.look)
         if form is not None and self._map.rewards:  # what is hardest to guess stands first
             rewards = self._map.rewards

@@ -9,6 +9,7 @@ from rl_tui.tui.panels.catalogue import DISCOUNT
 from rl_tui.tui.panels.controls.controls import GAMMA
 from rl_tui.tui.panels.controls.slider import Slider
 from rl_tui.tui.panels.panel import BORDERS
+from rl_tui.tui.panels.snapshot_facts import is_secret
 from rl_tui.tui.screens.dialogs.model import ModelScreen
 from rl_tui.tui.screens.playground.actions.subject import Subject
 from rl_tui.worlds.drawing import Arms, Grid
@@ -34,7 +35,7 @@ class ViewActions(Subject):
     def follow_flips(self) -> None:
         """Ask for the flips of the world shown, where they are wanted and were not asked for yet."""
         snapshot = self.snapshot
-        if snapshot is None or snapshot.world is self._flips_asked or snapshot.answers.is_hidden:
+        if snapshot is None or snapshot.world is self._flips_asked:
             return
         is_unknown = snapshot.answers.flips.state is FlipState.NOT_ASKED
         is_there = snapshot.playback.phase not in (Phase.PREPARING, Phase.SEEKING)
@@ -43,12 +44,14 @@ class ViewActions(Subject):
             self.link.send(AskFlips())
 
     def _wants_flips(self, snapshot: Snapshot) -> bool:
-        """Return whether their panel is open or a person is at the slider of γ.
+        """Return whether their panel is open or, unless they are hidden, a person is at the slider of γ.
 
         Where the run goes on by itself, they are wanted for the slider as soon as it rests.
         """
+        if self.board.opened == DISCOUNT or is_secret(snapshot):
+            return self.board.opened == DISCOUNT
         focused = self.screen.focused
-        if self.board.opened == DISCOUNT or (isinstance(focused, Slider) and focused.id == GAMMA):
+        if isinstance(focused, Slider) and focused.id == GAMMA:
             return True
         rests = snapshot.playback.phase is not Phase.RUNNING
         return self.link.player.is_automatic and rests and self.board.controls.has_slider(GAMMA)

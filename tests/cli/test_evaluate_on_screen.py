@@ -1,0 +1,71 @@
+"""What the screen says of a policy is what ``rl-tui evaluate`` prints of it."""
+
+from __future__ import annotations
+
+import itertools
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from rl_tui.cli.main import program
+from rl_tui.lab.answers.policy_kind import PolicyKind
+from rl_tui.lab.answers.policy_values import PolicyAnswer
+from rl_tui.lab.live.commands import DrawAction, StudyPolicy, Train
+from rl_tui.lab.live.playback import Playback
+from rl_tui.lab.run.library import find, recipe_for
+
+STEPS = 3_000
+SCENARIOS = ("frozenlake-slippery", "student", "cliff")
+
+
+def document(*args: str) -> dict[str, Any]:
+    result = CliRunner().invoke(program, ["evaluate", *args, "--json"])
+    assert (result.exit_code, result.stderr) == (0, "")
+    found: dict[str, Any] = json.loads(result.stdout)
+    return found
+
+
+def on_screen(scenario: str) -> Playback:
+    """The player of ``scenario`` after so many steps, with an action drawn in its first state."""
+    playback = Playback(
+        recipe_for(find(scenario), {}, 0),
+        speed=None,
+        automatic=False,
+        clock=itertools.count(0.0, 0.01).__next__,
+        on_exact=lambda: None,
+    )
+    while playback.on_the_way:
+        playback.work()
+    for command in (StudyPolicy(PolicyKind.UNIFORM), DrawAction(0, 1), Train(STEPS)):
+        playback.handle(command)
+        while playback.on_the_way:
+            playback.work()
+    return playback
+
+
+def assert_same(answer: PolicyAnswer, printed: dict[str, Any]) -> None:
+    for name in ("value_at_start", "expected_return", "steps"):
+        shown = getattr(answer, name)
+        assert shown == (None if printed[name] is None else pytest.approx(printed[name], rel=1e-12)), name
+    if printed["V"] is not None:
+        assert answer.v is not None
+        assert answer.v == pytest.approx(np.array(list(printed["V"].values())), rel=1e-12, abs=1e-15)
+
+
+@pytest.mark.parametrize("scenario", SCENARIOS)
+def test_every_policy_has_the_figures_of_the_command(scenario: str, tmp_path: Path) -> None:
+    playback = on_screen(scenario)
+    answers, run = playback.snapshot().answers.policies, playback.group.current.run
+    assert_same(answers[PolicyKind.UNIFORM], document(scenario, "--policy", "uniform"))
+    assert_same(answers[PolicyKind.OPTIMAL], document(scenario, "--policy", "optimal"))
+    greedy = ("--policy", "greedy", "--steps", str(STEPS))
+    assert_same(answers[PolicyKind.GREEDY], document(scenario, *greedy))
+    epsilon = str(run.learner.hyperparameters.epsilon)
+    assert_same(answers[PolicyKind.BEHAVIOUR], document(scenario, *greedy, "--epsilon", epsilon))
+    space, file = run.world.space, tmp_path / "drawn.json"
+    file.write_text(json.dumps({space.state_names[0]: space.action_names[1]}), encoding="utf-8")
+    assert_same(answers[PolicyKind.DRAWN], document(scenario, "--policy", str(file)))

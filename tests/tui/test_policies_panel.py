@@ -1,0 +1,301 @@
+"""The panel of policies, and what world, table and curve show of the one that is studied: with real keys."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from conftest import MakeApp
+from samples import bandit, lake, look, student
+from seams import playground, press, screen_text, show, snapshot, train
+from textual.pilot import Pilot
+
+from rl_tui.agents.exact.policies import greedy_policy, softened, uniform_policy
+from rl_tui.common.errors import UserError
+from rl_tui.lab.answers.drawn_policy import DrawnPolicy
+from rl_tui.lab.answers.policy_kind import PolicyKind
+from rl_tui.lab.answers.policy_values import NO_CHANCES, PLANS, WHILE_RUNNING, PolicyAnswer, worth_of
+from rl_tui.lab.answers.view import AnswersView
+from rl_tui.lab.live.snapshot import Snapshot
+from rl_tui.tui.app.screenshot import settle
+from rl_tui.tui.glossary.glossary import glossary, term_at
+from rl_tui.tui.panels.catalogue import CURVE, PANELS, POLICIES, TABLE, WORLD
+from rl_tui.tui.panels.policies.names import POLICY_NAMES
+from rl_tui.tui.panels.policies.policies import Policies
+from rl_tui.tui.panels.policies.table import COLUMNS, amount
+from rl_tui.tui.panels.q_table.layers import Layer
+from rl_tui.tui.screens.number_here import number_here
+from rl_tui.tui.theme.glyphs import UNICODE
+
+KINDS = list(POLICY_NAMES)
+SIZES = ((60, 40), (46, 16), (36, 19), (27, 13), (27, 5), (27, 3), (16, 10), (8, 4), (3, 2), (1, 1))
+
+
+def studied(
+    snapshot: Snapshot,
+    kind: PolicyKind = PolicyKind.BEHAVIOUR,
+    *,
+    choices: DrawnPolicy | None = None,
+    **other: PolicyAnswer,
+) -> Snapshot:
+    """``snapshot`` with policies of evenly mixed chances, greedy ones for Q and such with ε .1."""
+    mdp = snapshot.world.mdp
+    assert mdp is not None
+    greedy = greedy_policy(mdp, snapshot.agent.q, "random")
+    chances = {
+        PolicyKind.UNIFORM: uniform_policy(mdp),
+        PolicyKind.GREEDY: greedy,
+        PolicyKind.BEHAVIOUR: softened(mdp, greedy, 0.1),
+        PolicyKind.OPTIMAL: greedy,
+        PolicyKind.DRAWN: (choices or DrawnPolicy()).chances(mdp),
+    }
+    gamma = snapshot.agent.hyperparameters.gamma
+    found = {each: worth_of(mdp, policy, gamma) for each, policy in chances.items()}
+    found |= {PolicyKind(each): answer for each, answer in other.items()}
+    return replace(
+        snapshot, answers=AnswersView(studied=kind, drawn=choices or DrawnPolicy(), policies=found)
+    )
+
+
+def drawn(
+    shown: Snapshot | None,
+    width: int = 46,
+    height: int = 20,
+    *,
+    ascii: bool = False,  # noqa: A002
+    revealed: bool = False,
+) -> str:
+    panel = Policies(look(ascii))
+    panel.snapshot, panel.revealed = shown, revealed
+    rows = panel.picture(shown, width, height)
+    assert [row.cell_length for row in rows] == [width] * height
+    return "\n".join(row.text.rstrip() for row in rows)
+
+
+def said(shown: Snapshot | None, width: int = 46, **how: bool) -> str:
+    return " ".join(drawn(shown, width, **how).split())
+
+
+# The panel
+
+
+def test_each_policy_has_its_figures() -> None:
+    shown = studied(lake())
+    answers = shown.answers.policies
+    rows = {line[1:16].strip(): line[16:].split() for line in drawn(shown).splitlines()[:6]}
+    for kind in KINDS[:4]:
+        answer = answers[kind]
+        figures = (answer.expected_return, answer.value_at_start, answer.steps)
+        assert rows[POLICY_NAMES[kind].row][:3] == [amount(x, look()) for x in figures if x is not None]
+    assert set(rows["drawn"]) == {"·"}
+
+
+def test_what_exploring_costs_is_the_difference() -> None:
+    answers = studied(lake()).answers.policies
+    greedy, acts = (answers[each].expected_return for each in (PolicyKind.GREEDY, PolicyKind.BEHAVIOUR))
+    assert greedy is not None
+    assert acts is not None
+    assert acts > greedy  # this greedy policy goes round
+    text = said(studied(lake()))
+    assert f"exploring (ε .1) brings {amount(acts - greedy, look())} an episode" in text
+    assert "greedy earns as much as optimal" in text
+    worse = replace(answers[PolicyKind.OPTIMAL], expected_return=greedy + 0.25)
+    assert "greedy is .250 an episode short of optimal" in said(studied(lake(), optimal=worse))
+    worst = replace(answers[PolicyKind.BEHAVIOUR], expected_return=greedy - 0.01)
+    assert "exploring (ε .1) costs .010" in said(studied(lake(), behaviour=worst))
+
+
+def test_the_limit_and_the_discount_are_told() -> None:
+    text = said(studied(lake()), 60)
+    assert "undiscounted, within 100 steps" in text
+    assert "γ .99, as if without a limit" in text
+
+
+def test_a_policy_that_never_ends_has_no_return_and_says_so() -> None:
+    endless = PolicyAnswer(np.zeros(5), np.zeros(4), np.zeros(5), -9.0, None, None, 0.0)
+    text = said(studied(student(), greedy=endless), 60)
+    assert "greedy: never ends, so it has no return" in text
+    assert "0 %" in text
+    assert "exploring" not in text
+
+
+def test_why_there_is_none_is_said_once() -> None:
+    text = said(studied(lake(), behaviour=PolicyAnswer(refused=NO_CHANCES)))
+    assert f"as it acts: {NO_CHANCES}" in text
+    waiting = {kind.value: PolicyAnswer(refused=WHILE_RUNNING) for kind in KINDS}
+    assert said(studied(lake(), **waiting)).count(WHILE_RUNNING) == 1
+    assert PLANS in said(studied(lake(), behaviour=PolicyAnswer(refused=PLANS)))
+    assert "…" in said(studied(lake(), optimal=PolicyAnswer()))
+
+
+def test_what_a_bandits_policies_earn_is_secret_until_it_is_revealed() -> None:
+    shown = studied(bandit(400))
+    text = said(shown)
+    assert not re.search(r"\d", text.replace("h shows them", ""))
+    assert "?" in text
+    known = said(shown, revealed=True)
+    assert "a pull" in known
+    assert "exploring (ε .1) costs" in known
+
+
+def test_a_hidden_optimum_is_not_told() -> None:
+    shown = studied(lake(), PolicyKind.OPTIMAL)
+    hidden = replace(shown, answers=replace(shown.answers, is_hidden=True))
+    rows = [line for line in drawn(hidden).splitlines() if "optimal" in line]
+    assert rows[0].split()[-1] == "?"
+    assert "short of" not in said(hidden)
+    assert "as much as" not in said(hidden)
+
+
+@pytest.mark.parametrize("ascii", [False, True])
+@pytest.mark.parametrize("size", SIZES)
+def test_it_fits_any_size(size: tuple[int, int], ascii: bool) -> None:  # noqa: A002
+    for shown in (
+        None,
+        lake(),
+        studied(lake()),
+        studied(bandit(400)),
+        studied(student(), choices=DrawnPolicy(((0, 1),))),
+    ):
+        text = drawn(shown, *size, ascii=ascii, revealed=True)
+        assert not ascii or text.isascii()
+
+
+@pytest.mark.parametrize("height", [3, 4, 5, 6])
+@pytest.mark.parametrize("kind", PolicyKind)
+def test_the_cursor_is_always_seen(height: int, kind: PolicyKind) -> None:
+    assert "▸" in drawn(studied(lake(), kind), 27, height)
+
+
+def test_its_figures_can_be_asked() -> None:
+    terms = next(row.terms for row in PANELS if row.id == POLICIES)
+    assert set(terms) <= set(glossary())
+    for column in COLUMNS:
+        ids = {term_at(column.head, place, UNICODE) for place in range(len(column.head))}
+        assert any(glossary()[each].figure is not None for each in ids if each is not None), column.head
+    line = "exploring (ε .1) costs .146 an episode"
+    assert term_at(line, 0, UNICODE) in ("explore", "exploring-cost")
+    for kind in (PolicyKind.UNIFORM, PolicyKind.BEHAVIOUR):
+        assert term_at(POLICY_NAMES[kind].row, 0, UNICODE) is not None
+
+
+# With keys
+
+
+def headings(pilot: Pilot[UserError]) -> list[str]:
+    board = playground(pilot).board
+    return [str(board.panel(each).border_title) for each in (WORLD, TABLE, CURVE)]
+
+
+@pytest.mark.parametrize("size", [(60, 18), (80, 24), (120, 40)])
+async def test_p_opens_it_beside_the_world_and_its_cursor_says_what_that_shows(
+    make_app: MakeApp, size: tuple[int, int]
+) -> None:
+    async with make_app("student").run_test(size=size) as pilot:
+        await settle(pilot)
+        board = playground(pilot).board
+        assert snapshot(pilot).answers.studied is None
+        assert (await press(pilot, "P")).answers.studied is PolicyKind.UNIFORM
+        assert board.panel(POLICIES).has_focus
+        assert board.shows(WORLD)
+        assert not board.shows(TABLE)
+        assert "V of uniform random" in headings(pilot)[0]
+        if size != (60, 18):  # there the graph is a list of its edges
+            assert "4.04" in screen_text(pilot.app)
+            assert "2.40" in screen_text(pilot.app)
+        assert (await press(pilot, "down")).answers.studied is PolicyKind.GREEDY
+        assert "V of greedy now" in headings(pilot)[0]
+        assert (await press(pilot, "end")).answers.studied is PolicyKind.DRAWN
+        assert (await press(pilot, "down", "home", "up")).answers.studied is PolicyKind.UNIFORM
+        assert (await press(pilot, "P")).answers.studied is None
+        assert board.shows(TABLE)
+        assert "V of" not in headings(pilot)[0]
+        assert "4.04" not in screen_text(pilot.app)
+
+
+async def test_escape_goes_back_and_another_panel_ends_it(make_app: MakeApp) -> None:
+    async with make_app("student").run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        assert (await press(pilot, "P", "down", "escape")).answers.studied is None
+        assert (await press(pilot, "P")).answers.studied is PolicyKind.GREEDY  # where the cursor was
+        assert (await press(pilot, "d")).answers.studied is None
+
+
+async def test_enter_keeps_it_on_world_table_and_curve(make_app: MakeApp) -> None:
+    async with make_app("student").run_test(size=(120, 40)) as pilot:
+        await settle(pilot)
+        await train(pilot, 400)
+        board = playground(pilot).board
+        assert Layer.POLICY not in board.table.layer_choices
+        kept = await press(pilot, "P", "enter")
+        assert kept.answers.studied is PolicyKind.UNIFORM
+        assert board.opened is None
+        assert "V of uniform random · P: policies" in headings(pilot)[0]
+        assert Layer.POLICY in board.table.layer_choices
+        await press(pilot, "v", "v", "v")
+        assert board.table.shown_layer is Layer.POLICY
+        assert headings(pilot)[1].strip().startswith("Q of uniform random")
+        text = screen_text(pilot.app)
+        assert "5.928" in text
+        assert "uniform 6.2" in text
+        assert "╌╌" in text
+        assert (await press(pilot, "P", "P")).answers.studied is None
+        assert board.table.shown_layer is Layer.Q
+        assert "uniform 6.2" not in screen_text(pilot.app)
+
+
+async def test_the_arrows_of_a_map_are_the_likeliest_actions(make_app: MakeApp) -> None:
+    async with make_app("cliff").run_test(size=(120, 40)) as pilot:
+        await settle(pilot)
+        await press(pilot, "P", "end", "up")
+        world = playground(pilot).board.world
+        assert world is not None
+        assert world.studied is PolicyKind.OPTIMAL
+        rows = [world.render_line(y).text for y in range(14)]
+        assert max(row.count("→") for row in rows) >= 11  # along the cliff
+        told = number_here(world, look())
+        assert told is not None
+        assert told.name.startswith("Vπ(36) = −13")
+        assert told.term == "policy-value"
+
+
+async def test_a_click_chooses(make_app: MakeApp) -> None:
+    async with make_app("student").run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        await press(pilot, "P")
+        panel = playground(pilot).board.panel(POLICIES)
+        rows = [panel.render_line(y).text for y in range(8)]
+        y = next(y for y, row in enumerate(rows) if "as it acts" in row)
+        await pilot.click(panel, offset=(4, y + 1))
+        await settle(pilot)
+        assert snapshot(pilot).answers.studied is PolicyKind.BEHAVIOUR
+
+
+async def test_two_lanes_show_the_same_policy_each_its_own(make_app: MakeApp) -> None:
+    async with make_app("student").run_test(size=(120, 40)) as pilot:
+        await settle(pilot)
+        screen = playground(pilot)
+        from rl_tui.lab.live.commands import AddLane
+        from rl_tui.lab.run.recipe import SetParameter
+
+        screen.send(AddLane((SetParameter("epsilon", 0.5),)))
+        await settle(pilot)
+        await train(pilot, 500)
+        both = await press(pilot, "P", "down", "down", "enter")
+        assert both.beside is not None
+        assert both.beside.answers.studied is PolicyKind.BEHAVIOUR
+        assert screen.board.is_paired
+        text = screen_text(pilot.app)
+        assert text.count("V of the agent as it acts") == 2
+
+
+async def test_a_dear_world_says_while_it_runs_what_to_do(make_app: MakeApp) -> None:
+    async with make_app("student").run_test(size=(120, 40)) as pilot:
+        await settle(pilot)
+        screen, now = playground(pilot), snapshot(pilot)
+        waits = {kind: PolicyAnswer(refused=WHILE_RUNNING) for kind in PolicyKind}
+        show(screen, replace(now, answers=AnswersView(studied=PolicyKind.GREEDY, policies=waits)))
+        await pilot.pause()
+        assert "pause: V of greedy now" in headings(pilot)[0]
