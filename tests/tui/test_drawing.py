@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import json
 import shlex
+from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import pytest
 from click.testing import CliRunner
 from conftest import MakeApp
+from open_grids import open_grid_recipe
 from seams import choose, notes, playground, press, snapshot
 from textual.pilot import Pilot
 from textual.widgets import Static
@@ -17,8 +20,11 @@ from rl_tui.cli.main import program
 from rl_tui.common.errors import UserError
 from rl_tui.lab.answers.policy_kind import PolicyKind
 from rl_tui.lab.answers.policy_values import PolicyAnswer
-from rl_tui.lab.live.commands import AddLane
+from rl_tui.lab.live.commands import AddLane, Restart
+from rl_tui.lab.live.player import Player
 from rl_tui.lab.run.recipe import SetParameter
+from rl_tui.tui.app.app import RlTuiApp
+from rl_tui.tui.app.display import Display
 from rl_tui.tui.app.screenshot import settle
 from rl_tui.tui.panels.pointing import part_pointed_at
 from rl_tui.tui.panels.world.view import WorldView
@@ -228,6 +234,34 @@ async def test_a_world_without_a_table_refuses_with_the_reason(make_app: MakeApp
         await press(pilot, "D")
         assert not playground(pilot).drawing.is_on
         assert "could not be evaluated" in notes(pilot.app)[-1]
+
+
+async def test_a_large_map_says_at_least_what_is_open() -> None:
+    app = RlTuiApp(
+        Display(fps=1000.0), open_grid_recipe(200), make_player=partial(Player, automatic=False), picture=True
+    )
+    async with app.run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        await press(pilot, "D", "shift+right", "shift+down", "2")
+        assert len(drawn(pilot)) == 3
+        assert str(view(pilot).border_title) == "You draw · 39,996 states at random"
+
+
+async def test_another_map_ends_the_drawing_but_not_the_mode(make_app: MakeApp) -> None:
+    async with make_app("frozenlake-random", seed=1).run_test(size=(120, 40)) as pilot:
+        await settle(pilot)
+        await press(pilot, "D", "1")
+        assert len(drawn(pilot)) == 1
+        await press(pilot, "r")
+        assert len(drawn(pilot)) == 1
+        screen = playground(pilot)
+        screen.send(Restart(replace(screen.recipe, seed=2)))
+        await settle(pilot)
+        assert drawn(pilot) == ()
+        assert playground(pilot).drawing.is_on
+        assert "nothing drawn" in str(view(pilot).border_title)
+        await press(pilot, "1")
+        assert len(drawn(pilot)) == 1
 
 
 async def test_the_mouse_draws_towards_the_side_that_is_clicked_again(make_app: MakeApp) -> None:

@@ -339,8 +339,7 @@ class Playback:
         beginning = begin(recipe, old.world if recipe.scenario == old.recipe.scenario else None)
         if beginning.world is not old.world:
             self.breakpoints = Breakpoints()
-            self.questions.hide_again()
-            self.questions.clear()
+            self.questions.change_world(old.recipe, recipe)
         self._recipe = recipe
         self._start(
             Record(group.restarted(recipe), group.shown, self.breakpoints, self.transport.speed), beginning

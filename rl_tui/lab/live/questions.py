@@ -18,6 +18,7 @@ from rl_tui.lab.run.exact_answers import RunAnswers
 if TYPE_CHECKING:
     from rl_tui.lab.live.record import Record
     from rl_tui.lab.live.viewport import Viewport
+    from rl_tui.lab.run.recipe import Recipe
     from rl_tui.lab.run.run import Run
     from rl_tui.lab.timeline.run_group import RunGroup
     from rl_tui.worlds.files.scenario import Scenario
@@ -60,6 +61,12 @@ class Questions:
     def fit(self, space: FiniteSpace) -> None:
         """Keep of the drawn policy what can be done in ``space``."""
         self.drawn = self.drawn.fitting(space)
+
+    def change_world(self, before: Recipe, now: Recipe) -> None:
+        """Hide the answer again; forget the drawn policy, unless the same world came of the same seed."""
+        self.hide_again()
+        if (before.scenario, before.seed) != (now.scenario, now.seed):
+            self.clear()
 
     def clear(self) -> None:
         """Forget the drawn policy."""

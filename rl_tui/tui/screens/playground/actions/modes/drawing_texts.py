@@ -36,7 +36,7 @@ def title(snapshot: Snapshot, glyphs: Glyphs) -> tuple[str, ...]:
         f"Drawn · {brief}",
         brief,
     )
-    return (*forms, f"You draw · {figures[0]}", figures[0], "You draw")
+    return (*forms, *(form for each in figures for form in (f"You draw · {each}", each)), "You draw")
 
 
 def _figures(snapshot: Snapshot, glyphs: Glyphs) -> Iterator[str]:
