@@ -288,6 +288,9 @@ async def test_two_lanes_show_the_same_policy_each_its_own(make_app: MakeApp) ->
         assert screen.board.is_paired
         text = screen_text(pilot.app)
         assert text.count("V of the agent as it acts") == 2
+        world = screen.board.world
+        assert world is not None
+        assert not world.differing  # its arrows are not the greedy ones
 
 
 async def test_a_dear_world_says_while_it_runs_what_to_do(make_app: MakeApp) -> None:

@@ -14,6 +14,7 @@ from rl_tui.lab.live.viewport import pairs_of_states
 from rl_tui.lab.timeline.run_names import feature_text
 from rl_tui.tui.panels.controls.controls import in_force, sliders_of
 from rl_tui.tui.panels.panel import BoardPanel
+from rl_tui.tui.panels.policies.studied import studied_kind
 from rl_tui.tui.panels.q_table.q_table import QTable
 from rl_tui.tui.panels.world.view import WorldView
 from rl_tui.tui.theme.look import Look
@@ -82,7 +83,9 @@ def name_panels(
     for panel in panels:
         panel.is_led = not is_led
         if isinstance(panel, WorldView):
-            panel.lane, panel.differing = lane_titles(lane, number), differences.states
+            panel.lane = lane_titles(lane, number)
+            # what is marked are greedy actions, and other arrows are drawn while a policy is studied
+            panel.differing = differences.states if studied_kind(lane) is None else frozenset()
         elif isinstance(panel, QTable):
             panel.lane, panel.differing = number, differences.states
 
