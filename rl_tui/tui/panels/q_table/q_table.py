@@ -28,9 +28,9 @@ from rl_tui.tui.panels.q_table.layers import (
     Layer,
     exact_of,
     exact_q,
+    hides_exact,
+    layer_choices,
     lit_pair,
-    other_lane,
-    policy_q,
 )
 from rl_tui.tui.panels.q_table.list import list_form
 from rl_tui.tui.panels.q_table.matrix import matrix_form
@@ -45,7 +45,7 @@ from rl_tui.tui.panels.q_table.titles import (
 )
 from rl_tui.tui.panels.q_table.world import NO_ROW, TableWorld
 from rl_tui.tui.panels.scrolling import Scrolled
-from rl_tui.tui.panels.snapshot_facts import hides_means, is_new_run, is_secret
+from rl_tui.tui.panels.snapshot_facts import hides_means, is_new_run
 from rl_tui.tui.theme.look import Look
 
 WAITING: Final = "the estimates Q(s, a) come with the first step"
@@ -112,20 +112,8 @@ class QTable(Panel, can_focus=True):
 
     @property
     def layer_choices(self) -> tuple[Layer, ...]:
-        """The layers there are: where the answer is hidden those that give nothing away.
-
-        The difference from another run is there while runs are side by side, and a policy's while it is
-        studied.
-        """
-        snapshot = self.snapshot
-        missing: set[Layer] = set()
-        if snapshot is None or other_lane(snapshot) is None:
-            missing.add(Layer.LANES)
-        if snapshot is None or policy_q(snapshot) is None:
-            missing.add(Layer.POLICY)
-        if snapshot is not None and _hides_exact(snapshot):
-            missing.update(EXACT_LAYERS)
-        return tuple(layer for layer in Layer if layer not in missing)
+        """The layers there are: see :func:`layer_choices`."""
+        return layer_choices(self.snapshot)
 
     def next_layer(self) -> None:
         """Go to the next layer, from the last to the first."""
@@ -380,10 +368,8 @@ class QTable(Panel, can_focus=True):
 
     def _footing(self, width: int, *, is_scrolled: bool) -> str:
         snapshot = self.snapshot
-        hides_exact = (
-            snapshot is not None and _hides_exact(snapshot) and not self._world_of(snapshot).is_bandit
-        )
-        forms = footings(self.shown_layer, self.layer_choices, self.look.glyphs, hides_exact=hides_exact)
+        is_hidden = snapshot is not None and hides_exact(snapshot) and not self._world_of(snapshot).is_bandit
+        forms = footings(self.shown_layer, self.layer_choices, self.look.glyphs, hides_exact=is_hidden)
         if is_scrolled:
             forms = followed(forms, is_following=self._following)
         return self.fitting(forms, width)
@@ -393,11 +379,6 @@ class QTable(Panel, can_focus=True):
         text = f"No exact answer: {refused}" if refused else COMPUTING
         lines = wrapped(text, max(1, width - 2), palette.text if refused else palette.dim, self.look)
         return strips_of([[Piece(" ", palette.text), *line] for line in lines], width, height, self.look)
-
-
-def _hides_exact(snapshot: Snapshot) -> bool:
-    """Return whether there is or will be an exact answer, and it is hidden."""
-    return is_secret(snapshot) and not snapshot.exact_answer.refused
 
 
 def _followed(snapshot: Snapshot) -> int:
