@@ -10,7 +10,7 @@ from weakref import WeakKeyDictionary
 import numpy as np
 
 from rl_tui.lab.answers.policy_kind import PolicyKind
-from rl_tui.lab.run.exact_answers import AT_ONCE_STATES, LIVE_STATES, NO_TABLE
+from rl_tui.lab.run.exact_answers import LIVE_STATES, NO_TABLE, is_quick
 from rl_tui.worlds.mdp.space import FloatArray
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
@@ -18,9 +18,6 @@ if TYPE_CHECKING:
     from rl_tui.lab.answers.drawn_policy import DrawnPolicy
     from rl_tui.lab.run.exact_answers import Answer
     from rl_tui.lab.run.run import Run
-
-# Up to so many steps an episode of a small world is worked out in some milliseconds
-LONGEST_AT_ONCE: Final = 1_000
 
 TOO_MANY: Final = f"more than {LIVE_STATES:,} states: rl-tui evaluate works it out"
 WHILE_RUNNING: Final = "pause to see it"
@@ -145,11 +142,6 @@ class PolicyAnswers:
         answer = worth_of(asked.mdp, asked.policy, asked.gamma)
         self._known.setdefault(run, {})[kind] = (asked, answer)
         return answer
-
-
-def is_quick(mdp: TabularMDP) -> bool:
-    """Return whether a policy of ``mdp`` is evaluated quickly enough to be asked for in every frame."""
-    return mdp.states <= AT_ONCE_STATES and mdp.time_limit <= LONGEST_AT_ONCE
 
 
 def _question(kind: PolicyKind, run: Run, exact: Answer, drawn: DrawnPolicy) -> _Question | PolicyAnswer:
