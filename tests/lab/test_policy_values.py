@@ -240,12 +240,16 @@ def dear(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.mark.usefixtures("dear")
-def test_what_is_dear_waits_for_a_pause(asked: list[float]) -> None:
+def test_what_is_dear_waits_for_a_pause(asked: list[float], monkeypatch: pytest.MonkeyPatch) -> None:
     playback = ready(recipe("student"), automatic=True)
     playback.handle(StudyPolicy(UNIFORM))
     playback.handle(Play())
     playback.work()
-    assert {each.refused for each in playback.snapshot().answers.policies.values()} == {WHILE_RUNNING}
+    with monkeypatch.context() as patched:
+        patched.delattr("rl_tui.lab.answers.drawn_policy.DrawnPolicy.chances")  # none is built to be refused
+        patched.delattr("rl_tui.agents.policies.chances.all_chances")
+        shown = playback.snapshot().answers.policies
+    assert {each.refused for each in shown.values()} == {WHILE_RUNNING}
     assert not asked
     playback.handle(Pause())
     assert not any(each.refused or each.is_known for each in playback.snapshot().answers.policies.values())

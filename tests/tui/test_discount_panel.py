@@ -57,7 +57,7 @@ def said(shown: Snapshot | None, width: int = 56, **how: Any) -> str:
     return " ".join(drawn(shown, width, **how).split())
 
 
-@pytest.mark.parametrize("size", (*SIZES, *LOW))
+@pytest.mark.parametrize("size", [*SIZES, *LOW])
 @pytest.mark.parametrize("ascii", [False, True])
 def test_it_is_drawn_at_any_size(size: tuple[int, int], ascii: bool) -> None:  # noqa: A002
     answers = [None, with_flips(lake(slippery=True)), with_flips(student()), with_flips(lake(slippery=False))]
