@@ -149,7 +149,7 @@ def view_of(playback: Playback) -> PlaybackView:
         phase=playback.phase,
         message=transport.seek_message(waits=playback.waits) if seeks else run.message,
         speed=transport.speed,
-        watching=transport.watching,
+        watching=transport.watching(hides_answer=playback.questions.hides_answer(run.recipe.scenario)),
         steps_per_second=transport.meter.steps_per_second,
         interpreted=playback.compilation.interpreted,
         until="" if playback.condition is None else until_in_words(playback.condition.until, run.world),
