@@ -119,7 +119,9 @@ def test_that_an_optimal_policy_is_found_is_not_told_while_the_answer_is_hidden(
     watched = Watched(recipe("frozenlake", algorithm="dyna-q"))
     watched.playback.handle(HideAnswer(is_hidden=hidden))
     said = {
-        shown.playback.watching for _, shown in watched.turns() if shown.playback.speed in SPEEDS[Stage.OPTIMAL]
+        shown.playback.watching
+        for _, shown in watched.turns()
+        if shown.playback.speed in SPEEDS[Stage.OPTIMAL]
     }
     assert ("an optimal policy is found" in said, "nothing new" in said) == (not hidden, hidden)
     assert not any("optimal" in each for each in said) or not hidden
