@@ -273,8 +273,8 @@ class WorldView(PolicyPicture, can_focus=True):
 
     def _equation(self, snapshot: Snapshot) -> Sequence[str]:
         """Return the Bellman equation of the state that a planner backed up last, the longest form first."""
-        is_told = self.studied is None and not passes_too_fast(snapshot)
-        story = story_of(snapshot) if is_told else None
+        is_followed = self.studied is None and not passes_too_fast(snapshot)
+        story = story_of(snapshot) if is_followed else None
         if story is None or story.state_backup is None:
             return ()
         glyphs = self.look.glyphs
