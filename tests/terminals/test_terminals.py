@@ -15,8 +15,8 @@ from multiplexers import in_screen, in_tmux
 from pseudo_terminal import RL_TUI, PseudoTerminal
 
 PLAY: Final = (*RL_TUI, "play", "student")
-EXACT: Final = r"γ-best 7\.5|10┤"  # the optimum, which is known last: its name, or an axis that holds it
-FLIP: Final = "┃ flip"  # of γ, where there is room for controls: worked out beside, and known after the optimum
+EXACT: Final = r"γ-best 7\.5|10┤"  # the optimum: its name, or an axis that holds it
+FLIP: Final = r"γ +━+┃"  # its mark on the slider of γ: worked out beside, and known after the optimum
 SIZES: Final = ((80, 24), (100, 30), (120, 40), (200, 60))
 ODD_SIZES: Final = ((60, 18), (61, 19), (79, 23), (81, 25), (300, 80))
 STEPS: Final = 5
@@ -84,14 +84,15 @@ def leave(terminal: PseudoTerminal) -> None:
 def fresh() -> dict[tuple[int, int], str]:
     """The screens of two programs that were started at these sizes and never resized."""
     screens = {}
-    for size, has_controls in (((80, 24), False), ((120, 40), True)):
+    for size in ((80, 24), (120, 40)):
         with PseudoTerminal(PLAY, {"COLORTERM": "truecolor"}, size) as terminal:
             begin(terminal)
-            known_last = FLIP if has_controls else EXACT
-            terminal.wait_for(known_last)
+            terminal.wait_for(EXACT)
+            terminal.wait_for(FLIP)
             terminal.blank()  # of a screen that comes in several frames all has come then
             terminal.press(REDRAW)
-            terminal.wait_for(known_last)
+            terminal.wait_for(EXACT)
+            terminal.wait_for(FLIP)
             wait_for_playground(terminal)
             screens[size] = terminal.screen
             assert colour_kinds(terminal.written) == {"truecolor"}
