@@ -17,6 +17,8 @@ from rl_tui.lab.answers.flip_answer import FlipAnswer, FlipState, refused
 from rl_tui.lab.answers.flip_worker import worked_out
 from rl_tui.lab.answers.view import AnswersView
 from rl_tui.lab.live.snapshot import Snapshot
+from rl_tui.lab.run.library import recipe_named
+from rl_tui.lab.run.recipe import begin
 from rl_tui.tui.app.screenshot import settle
 from rl_tui.tui.draw import braille
 from rl_tui.tui.panels.discount.chart import action_lines, draw_values, ranked
@@ -36,6 +38,12 @@ def with_flips(shown: Snapshot, answer: FlipAnswer | None = None, **answers: Any
     mdp = shown.world.mdp
     assert mdp is not None
     return changed(shown, answers=AnswersView(flips=answer or known(mdp), **answers))
+
+
+@cache
+def discount() -> Snapshot:
+    """A world of fourteen flips, one of which turns the way."""
+    return changed(student(), world=begin(recipe_named("discount")).world)
 
 
 def panel(shown: Snapshot | None, *, state: int | None = None, ascii: bool = False) -> DiscountPanel:  # noqa: A002
@@ -70,7 +78,7 @@ def test_it_is_drawn_at_any_size(size: tuple[int, int], ascii: bool) -> None:  #
 
 def test_of_the_student_it_tells_the_one_flip_and_what_it_earns() -> None:
     text = said(with_flips(student()), state=0)
-    assert f"{UNICODE.cursor}{UNICODE.change_mark}.25 earns 0 below, 7.5 above" in text
+    assert f"{UNICODE.flip}{UNICODE.change_mark}.25 earns 0 below, 7.5 above" in text
     assert "state Class: check phone to study" in text
 
 
@@ -89,8 +97,8 @@ def test_what_turns_in_the_state_shown_is_told_first() -> None:
     assert of_2.index(second) < of_2.index(first)
     here = [line.split()[0] for line in of_2.splitlines() if "earns" in line]
     assert here == [
-        f"{UNICODE.cursor}{UNICODE.change_mark}.808783309216",
-        f"{UNICODE.cursor}{UNICODE.change_mark}.978316459143",
+        f"{UNICODE.flip}{UNICODE.change_mark}.808783309216",
+        f"{UNICODE.flip}{UNICODE.change_mark}.978316459143",
     ]
 
 
@@ -153,12 +161,35 @@ def test_a_crossing_stands_on_the_line_of_its_flip_and_lines_have_their_names() 
         (y, row.index(UNICODE.change_mark)) for y, row in enumerate(rows) if UNICODE.change_mark in row
     )
     below = {row[mark[1]] for y, row in enumerate(rows[:-1]) if abs(y - mark[0]) > 2}
-    assert below == {UNICODE.axis_vertical}
+    assert below == {UNICODE.flip}
     zero = next(row for row in rows if row.strip().startswith("0┤"))
     assert UNICODE.change_mark in zero
     assert any("study" in row for row in rows)
     assert any("check phone" in row for row in rows)
     assert UNICODE.change_mark not in "".join(chart(student(), 1)), "nothing turns in Phone"
+
+
+@pytest.mark.parametrize("ascii", [False, True])
+def test_each_sign_means_one_thing_in_chart_list_slider_and_legend(ascii: bool) -> None:  # noqa: A002
+    shown = with_flips(discount())
+    made = panel(shown, state=19, ascii=ascii)
+    rows = [row.text for row in made.picture(shown, 56, 99)]
+    glyphs, flips = made.look.glyphs, known_of(discount()).flips
+    listed = [row[1] for row in rows if "earns" in row]
+    assert listed == [glyphs.flip if flip.turns_the_way else glyphs.side_flip for flip in flips]
+    meanings = {sign.sign: sign.meaning for sign in made.legend(shown)}
+    assert len(meanings) == 4
+    assert meanings[glyphs.flip] == "turns the way"
+    assert meanings[glyphs.side_flip] == "other"
+    assert meanings[glyphs.thumb] == "γ now"
+    plot = [row[4:] for row in rows[: next(y for y, row in enumerate(rows) if "earns" in row) - 1]]
+    assert sum(row.count(glyphs.thumb) for row in plot) == 1, "on the best value at the γ in force"
+    assert sum(glyphs.stay in row for row in plot) > len(plot) - 4
+
+
+def test_a_world_without_other_flips_explains_none() -> None:
+    shown = with_flips(student())
+    assert UNICODE.side_flip not in {sign.sign for sign in panel(shown).legend(shown)}
 
 
 def test_from_worst_to_best_a_crossing_is_seen_where_values_are_close() -> None:
@@ -181,7 +212,7 @@ def test_where_colours_do_not_tell_lines_apart_their_signs_do() -> None:
     strips = draw_values(lines, answer.curves.gamma, (), 0, 0.5, None, plain, 80, 20)
     drawn_in = {cell for strip in strips[:-1] for cell in strip.text}
     signs = {line.sign for line in lines}
-    usual = {*" ┤│┃.", *"0123456789"}
+    usual = {*" ┤│·●.", *"0123456789"}
     assert all(cell in usual | signs or braille.BLANK < ord(cell) <= braille.BLANK + 255 for cell in drawn_in)
     body = "".join(strip.text[:-3] for strip in strips[:-1])
     assert any(sign in body for sign in signs)

@@ -111,10 +111,13 @@ def draw_values(
     step = 0.2 if plot.columns >= _ROOMY else 0.5
     draw_count_axis(canvas, plot, 1.0, 6, unit, look, step)
     _draw_marks(canvas, plot, flips, gamma, chosen, look)
-    best_now = int(np.nan_to_num(values[:, _nearest(gammas, gamma)]).argmax())
+    now = _nearest(gammas, gamma)
+    best_now = int(np.nan_to_num(values[:, now]).argmax())
     order = sorted(range(len(lines)), key=best_now.__eq__)  # what is best for the γ in force lies on top
     _draw_lines(canvas, plot, [lines[number] for number in order], gammas, look)
     best = np.nan_to_num(values.max(axis=0))
+    row = plot.row(float(best[now])) if gamma <= gammas[-1] else 0
+    canvas.put(plot.left + _column(plot, gamma), row, look.glyphs.thumb, look.palette.accent)
     for flip in flips:
         if any(turn.state == state for turn in flip.turns):
             row = plot.row(float(np.interp(flip.gamma, gammas, best)))
@@ -136,18 +139,23 @@ def _nearest(gammas: FloatArray, gamma: float) -> int:
 def _draw_marks(
     canvas: Canvas, plot: Plot, flips: Sequence[Flip], gamma: float, chosen: Flip | None, look: Look
 ) -> None:
-    """Draw an upright line at each flip, then at the γ in force; what matters more covers the rest."""
+    """Draw an upright line at each flip, then dots at the γ in force; what matters more covers the rest."""
     glyphs, palette = look.glyphs, look.palette
     marks = [
-        (flip.gamma, glyphs.axis_vertical if flip.turns_the_way else glyphs.zero_line, flip_style(flip, look))
+        (flip.gamma, flip_sign(flip, look), flip_style(flip, look))
         for flip in sorted(flips, key=lambda flip: flip.turns_the_way)
     ]
-    marks.append((gamma, glyphs.bold_vertical, palette.accent))
+    marks.append((gamma, glyphs.stay, palette.accent))
     if chosen is not None:
-        marks.append((chosen.gamma, glyphs.axis_vertical, palette.focus))
+        marks.append((chosen.gamma, flip_sign(chosen, look), palette.focus))
     for at, glyph, style in marks:
         for row in range(plot.rows):
             canvas.put(plot.left + _column(plot, at), row, glyph, style)
+
+
+def flip_sign(flip: Flip, look: Look) -> str:
+    """Return what stands for ``flip``, here and on the slider of γ."""
+    return look.glyphs.flip if flip.turns_the_way else look.glyphs.side_flip
 
 
 def flip_style(flip: Flip, look: Look) -> Style:

@@ -116,10 +116,15 @@ class DiscountPanel(Panel, can_focus=True):
         if not _shown_flips(snapshot):
             return ()
         glyphs, palette = self.look.glyphs, self.look.palette
+        signs = {
+            True: LegendSign(glyphs.flip, "turns the way", palette.greedy, "turns the way from the start"),
+            False: LegendSign(glyphs.side_flip, "other", palette.dim, "other flip"),
+        }
+        there = {flip.turns_the_way for flip in _shown_flips(snapshot)}
         return (
-            LegendSign(glyphs.cursor, "turns the way", palette.greedy, "turns the way from the start"),
+            *(sign for turns_the_way, sign in signs.items() if turns_the_way in there),
             LegendSign(glyphs.change_mark, "this state", palette.strong, "this state turns"),
-            LegendSign(glyphs.bold_vertical, "γ in force", palette.accent),
+            LegendSign(glyphs.thumb, "γ now", palette.accent, "γ in force"),
         )
 
     def picture(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:

@@ -10,7 +10,7 @@ from rl_tui.tui.draw import numbers
 from rl_tui.tui.draw.action_order import shown_pairs
 from rl_tui.tui.draw.names import action_name, state_name
 from rl_tui.tui.draw.pieces import Line, Piece, first_that_fits, kept, wrapped
-from rl_tui.tui.panels.discount.chart import flip_style
+from rl_tui.tui.panels.discount.chart import flip_sign, flip_style
 from rl_tui.tui.theme.look import Look
 from rl_tui.worlds.world import World
 
@@ -29,7 +29,7 @@ def flip_lines(
     """Return the lines of one flip: γ and returns, then what turns, that in ``state`` first."""
     palette, glyphs = look.palette, look.glyphs
     is_here = any(turn.state == state for turn in flip.turns)
-    signs = (glyphs.cursor if flip.turns_the_way else " ") + (glyphs.change_mark if is_here else " ")
+    signs = flip_sign(flip, look) + (glyphs.change_mark if is_here else " ")
     style = palette.focus if is_chosen else palette.strong if is_here or flip.turns_the_way else palette.text
     heads = (
         [
