@@ -23,6 +23,7 @@ from rl_tui.tui.app.screenshot import settle
 from rl_tui.tui.draw import braille
 from rl_tui.tui.panels.discount.chart import action_lines, draw_values, ranked
 from rl_tui.tui.panels.discount.discount import HIDDEN, NO_FLIPS, PENDING, DiscountPanel
+from rl_tui.tui.panels.discount.flip_list import fitting_form
 from rl_tui.tui.theme.glyphs import UNICODE
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
@@ -87,7 +88,7 @@ def test_of_the_lake_it_tells_both_flips_to_twelve_digits_where_there_is_room() 
     assert ".808783309216  earns .446599 below, .729766 above" in text
     assert ".978316459143  earns .729766 below, .740165 above" in text
     narrow = said(with_flips(lake()), 36, state=0)
-    assert ".808783 earns .447, then .73" in narrow
+    assert ".808783 .447 below, .730 above" in narrow
 
 
 def test_what_turns_in_the_state_shown_is_told_first() -> None:
@@ -100,6 +101,32 @@ def test_what_turns_in_the_state_shown_is_told_first() -> None:
         f"{UNICODE.flip}{UNICODE.change_mark}.808783309216",
         f"{UNICODE.flip}{UNICODE.change_mark}.978316459143",
     ]
+
+
+@pytest.mark.parametrize("width", [118, 56, 36])
+def test_numbers_of_a_list_have_as_many_decimals_as_tell_them_apart(width: int) -> None:
+    flips = known_of(discount()).flips
+    form = fitting_form(flips, look(), width)
+    gammas = [form.gamma(flip, look()) for flip in flips]
+    assert len(set(gammas)) == len(flips)
+    assert {len(gamma) for gamma in gammas} == {1 + form.gamma_decimals}
+    assert form.gamma_decimals >= 4
+    for flip in flips:
+        below, above = (
+            form.returns(flip, look()).removeprefix("earns ").removesuffix(" above").split(" below, ")
+        )
+        assert (below != above) is (flip.expected_return[0] != flip.expected_return[1])
+        assert len(below.partition(".")[2]) == len(above.partition(".")[2])
+
+
+def test_close_gammas_and_returns_get_more_decimals_where_room_is_short() -> None:
+    flip = replace(known_of(student()).flips[0], gamma=0.12341, expected_return=(0.862952, 0.862955))
+    near = replace(flip, gamma=0.12344)
+    form = fitting_form((flip, near), look(), 30)
+    assert [form.gamma(each, look()) for each in (flip, near)] == [".12341", ".12344"]
+    assert form.returns(flip, look()) == ".86295 below, .86296 above"
+    same = replace(flip, expected_return=(0.5, 0.5))
+    assert form.returns(same, look()) == ".50 below, .50 above"
 
 
 def test_a_return_that_is_not_known_is_not_made_up() -> None:

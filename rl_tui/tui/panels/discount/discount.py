@@ -16,7 +16,7 @@ from rl_tui.tui.draw.names import state_name
 from rl_tui.tui.draw.pieces import Line, strips_of, wrapped
 from rl_tui.tui.panels.bindings import binding
 from rl_tui.tui.panels.discount.chart import LEAST_HEIGHT, action_lines, draw_values, ranked
-from rl_tui.tui.panels.discount.flip_list import flip_lines
+from rl_tui.tui.panels.discount.flip_list import fitting_form, flip_lines
 from rl_tui.tui.panels.legend import Legend, LegendSign
 from rl_tui.tui.panels.panel import Panel
 from rl_tui.tui.panels.pointing import NOWHERE
@@ -225,7 +225,10 @@ def _blocks(snapshot: Snapshot, state: int, chosen: Flip | None, look: Look, wid
     flips: Sequence[Flip] = snapshot.answers.flips.flips
     if not flips:
         return [[*wrapped(NO_FLIPS, width, look.palette.dim, look, " ", " ")]]
-    return [flip_lines(flip, state, snapshot.world, look, width, is_chosen=flip is chosen) for flip in flips]
+    form = fitting_form(flips, look, width)
+    return [
+        flip_lines(flip, state, snapshot.world, look, width, form, is_chosen=flip is chosen) for flip in flips
+    ]
 
 
 def _in_view(blocks: Sequence[Sequence[Line]], focused: int, rows: int) -> list[Line]:
