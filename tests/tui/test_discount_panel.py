@@ -24,6 +24,7 @@ from rl_tui.tui.draw import braille
 from rl_tui.tui.panels.discount.chart import action_lines, draw_values, ranked
 from rl_tui.tui.panels.discount.discount import HIDDEN, NO_FLIPS, PENDING, DiscountPanel
 from rl_tui.tui.panels.discount.flip_list import fitting_form
+from rl_tui.tui.panels.legend import legend_rows
 from rl_tui.tui.theme.glyphs import UNICODE
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
@@ -243,6 +244,55 @@ def test_where_colours_do_not_tell_lines_apart_their_signs_do() -> None:
     assert all(cell in usual | signs or braille.BLANK < ord(cell) <= braille.BLANK + 255 for cell in drawn_in)
     body = "".join(strip.text[:-3] for strip in strips[:-1])
     assert any(sign in body for sign in signs)
+
+
+# What there is room for
+
+
+def framed(shown: Snapshot, width: int, height: int, *downs: int) -> tuple[DiscountPanel, list[str]]:
+    made = panel(shown, state=0)
+    made.is_explained = True
+    for _ in downs:
+        made.action_choose(1)
+    return made, [row.text.rstrip() for row in made.picture(shown, width, height)]
+
+
+@pytest.mark.parametrize("size", [(58, 18), (36, 18), (26, 11)])
+@pytest.mark.parametrize("presses", range(4))
+def test_the_flip_chosen_comes_before_the_legend_and_that_before_other_flips(
+    size: tuple[int, int], presses: int
+) -> None:
+    for shown in (with_flips(lake()), with_flips(discount()), with_flips(student())):
+        made, rows = framed(shown, *size, *range(presses))
+        signs = tuple(sign._replace(in_full="") for sign in made.legend(shown))
+        assert made.free_rows >= len(legend_rows(signs, size[0], len(signs), made.look))
+        flip = made.chosen or known_of(shown).flips[0]
+        if presses or len(known_of(shown).flips) == 1:
+            gamma = fitting_form(known_of(shown).flips, made.look, size[0]).gamma(flip, made.look)
+            assert any(gamma in row for row in rows)
+
+
+def test_a_list_that_is_cut_tells_which_flips_of_how_many() -> None:
+    made, rows = framed(with_flips(discount()), 56, 20, *range(20))
+    count = sum("earns" in row for row in rows)
+    assert f"flips {15 - count}–14 of 14" in made.heading
+    for width in (36, 44):
+        made, _ = framed(with_flips(discount()), width, 18, *range(20))
+        assert made.heading.endswith("–14 of 14")
+    made, _ = framed(with_flips(lake()), 26, 10, 1, 2)
+    assert made.heading.endswith("flip 2 of 2")
+    assert " of " not in framed(with_flips(lake()), 56, 20)[0].heading.removeprefix("γ · Q* of")
+
+
+def test_keys_have_words_and_v_is_named_by_what_it_turns_to() -> None:
+    made, _ = framed(with_flips(lake()), 90, 20)
+    assert "v: worst to best" in made.footing
+    made.action_turn_layer()
+    made.picture(with_flips(lake()), 90, 20)
+    assert "v: Q*" in made.footing
+    for width in range(8, 90):
+        made, _ = framed(with_flips(lake()), width, 20)
+        assert all(": " in hint for hint in made.footing.split(" · ") if hint)
 
 
 # On the playground
