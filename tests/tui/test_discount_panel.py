@@ -242,8 +242,20 @@ def test_where_colours_do_not_tell_lines_apart_their_signs_do() -> None:
     signs = {line.sign for line in lines}
     usual = {*" ┤│·●.", *"0123456789"}
     assert all(cell in usual | signs or braille.BLANK < ord(cell) <= braille.BLANK + 255 for cell in drawn_in)
-    body = "".join(strip.text[:-3] for strip in strips[:-1])
-    assert any(sign in body for sign in signs)
+
+
+@pytest.mark.parametrize("width", [36, 56, 80])
+def test_without_colours_each_line_has_its_sign_along_it_also_where_others_cover_it(width: int) -> None:
+    answer, plain = known_of(discount()), look(depth="none")
+    assert answer.curves is not None
+    lines = action_lines(discount().world, answer.curves, 19, plain)
+    strips = draw_values(lines, answer.curves.gamma, (), 19, 0.9, None, plain, width, 10)
+    body = "".join(strip.text[4:-3] for strip in strips[:-1])
+    assert all(body.count(line.sign) >= 2 for line in lines)
+
+
+def test_names_of_actions_are_whole_in_a_terminal_of_eighty_columns() -> None:
+    assert any(row.endswith("check phone") for row in chart(student(), 0, 36, 13))
 
 
 # What there is room for
