@@ -124,11 +124,14 @@ class WorldView(PolicyPicture, can_focus=True):
         self._is_manual = is_manual
         self.redraw()
 
-    def show_mode(self, title: tuple[str, ...], prompt: tuple[str, ...]) -> None:
-        """Write on the border what mode is on and which keys it has; without a title none is."""
+    def show_mode(self, title: tuple[str, ...], prompt: tuple[str, ...], *, has_keys: bool) -> None:
+        """Write on the border what mode is on, and which keys it has; without a title none is.
+
+        A thick border says that it ``has_keys`` here and now.
+        """
+        self.set_class(has_keys, "-manual")
         if (title, prompt) != (self.title, self.prompt):
             self.title, self.prompt = title, prompt
-            self.set_class(bool(title), "-manual")
             self.redraw()
 
     def show(self, snapshot: Snapshot) -> None:
