@@ -151,8 +151,8 @@ class WorldView(PolicyPicture, can_focus=True):
         return self.cursor is not None
 
     def legend(self, snapshot: Snapshot) -> Legend:
-        """Return the signs of the world; none while keys or an equation need the border."""
-        is_taken = bool(self.title) or (self._has_equation and self.free_rows < 1)
+        """Return the signs of the world; none where there is only the border, and keys or an equation need it."""
+        is_taken = (bool(self.title) or self._has_equation) and self.free_rows < 1
         return () if is_taken else (*self.random_signs(), *self.signs())
 
     def signs(self) -> Legend:
