@@ -84,7 +84,7 @@ async def test_a_way_is_drawn_with_shift_and_arrows(
         else:
             assert found == expected_return
         arrows = picture(pilot)
-        assert (arrows.count("↓"), arrows.count("→"), arrows.count("?")) == (3, 3, 5 + len("?"))  # the legend
+        assert (arrows.count("↓"), arrows.count("→"), arrows.count("?")) == (3, 3, 7)  # the legend has two
 
 
 @pytest.mark.parametrize(
@@ -105,6 +105,38 @@ async def test_in_little_room_the_mode_its_figures_and_its_signs_are_told(
         assert str(world.border_title) == said
         assert str(world.border_subtitle).endswith("D: end")
         assert ("? random" in picture(pilot)) is (scenario != "bandit")
+
+
+async def test_where_the_policy_never_comes_nothing_need_be_drawn_and_that_is_seen(make_app: MakeApp) -> None:
+    async with make_app("frozenlake").run_test(size=(80, 24)) as pilot:
+        await draw_shortest(pilot)
+        world = view(pilot)
+
+        def bold_signs() -> int:
+            rows = [world.render_line(y) for y in range(world.size.height)]
+            signs = [each for row in rows for each in row if "?" in each.text]
+            return sum(each.style is not None and bool(each.style.bold) for each in signs)
+
+        assert (picture(pilot).count("?"), bold_signs()) == (5, 0)
+        assert str(world.border_title).endswith("its way is drawn")
+        world.put_cursor(4)
+        await press(pilot, "delete")
+        left = snapshot(pilot).answers.left_to_chance
+        assert left is not None
+        assert bold_signs() == left.sum() == 1
+        assert "1 at random" in str(world.border_title)
+
+
+async def test_a_name_that_fills_its_box_leaves_the_corners_whole(make_app: MakeApp) -> None:
+    async with make_app("student").run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        await press(pilot, "D")
+        rows = picture(pilot)
+        assert "│Phone?├" in rows
+        assert "│◉Class├" in rows
+        assert "│ 4.04 │" not in rows
+        assert "?" not in "".join(row for row in rows.splitlines() if "──╮" in row)
+        assert rows.count("?") == 2
 
 
 async def test_digits_draw_and_the_cursor_stays(make_app: MakeApp) -> None:

@@ -151,7 +151,7 @@ class WorldView(PolicyPicture, can_focus=True):
         return self.cursor is not None
 
     def legend(self, snapshot: Snapshot) -> Legend:
-        """Return the signs of the world; none where there is only the border, and keys or an equation need it."""
+        """Return the signs of the world; none where keys or an equation need the border they were on."""
         is_taken = (bool(self.title) or self._has_equation) and self.free_rows < 1
         return () if is_taken else (*self.random_signs(), *self.signs())
 
