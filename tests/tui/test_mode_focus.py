@@ -116,7 +116,7 @@ async def test_in_another_panel_keys_and_key_line_are_its_own(
         assert str(view(pilot).border_subtitle).endswith("D: end" if mode == "D" else "y: hand back")
         assert "↑" not in str(view(pilot).border_subtitle)
         if other == "alpha":
-            assert key_line(pilot).startswith("α step size   ← → move")
+            assert key_line(pilot).split()[:3] == ["α", "step", "size"]
             await press(pilot, "right")
             assert slider(pilot.app, "alpha").value > 0.1
             assert snapshot(pilot).counters.step == before
@@ -151,7 +151,7 @@ async def test_a_number_is_typed_on_a_slider_while_a_person_acts(make_app: MakeA
         await press(pilot, "y")
         slider(pilot.app, "alpha").focus()
         await press(pilot, "enter", "1")
-        assert key_line(pilot).startswith("enter set   esc drop")
+        assert key_line(pilot).split()[:4] == ["enter", "set", "esc", "drop"]
         assert snapshot(pilot).counters.step == 0
 
 

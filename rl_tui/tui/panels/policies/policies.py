@@ -33,7 +33,11 @@ _KEYS: Final = (
     "P: back",
 )
 
-_KEYS_ELSEWHERE: Final = "click or tab here to choose · P: close", "P: close"
+_KEYS_ELSEWHERE: Final = (
+    "click or tab here to choose · P: close",
+    "tab here to choose · P: close",
+    "P: close",
+)
 
 
 @dataclass

@@ -23,9 +23,10 @@ class Wanted:
     """What commands ask for, beside the newest snapshot, which reconciles them with what is in force.
 
     ``recipe`` is what a restart starts from: with every change made, be it in force already or not. ``speed``
-    is in steps a second, None for as fast as it goes. ``is_hidden`` says that the answer is. ``studied``
-    is the policy that is, None where none is. ``step`` is where the handle of the timeline was put, None once the run has come to it. ``sent`` counts the
-    commands, ``last_deed`` tells how many had been sent with the last one that does more than look.
+    is in steps a second, None for as fast as it goes. ``is_hidden`` says that the answer is. ``studied`` is
+    the policy that is, None where none is. ``step`` is where the handle of the timeline was put, None once
+    the run has come to it. ``sent`` counts the commands, ``last_deed`` tells how many had been sent with the
+    last one that does more than look.
     """
 
     def __init__(self, recipe: Recipe, speed: float | None) -> None:

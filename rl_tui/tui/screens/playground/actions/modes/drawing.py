@@ -33,7 +33,7 @@ _NONE: Final = ("delete", "backspace")
 class PolicyDrawing(KeyMode):
     """Drawing a policy under the cursor of the world, which has the focus; the run goes on as it does."""
 
-    way_back = "click or tab here to draw on · D: end", "D: end"
+    way_back = "click or tab here to draw on · D: end", "tab here to draw on · D: end", "D: end"
     _studied_before: PolicyKind | None = None
 
     def takes(self, key: str) -> bool:
@@ -245,4 +245,4 @@ def _first_words(world: World) -> str:
         how = "arrows move; digits draw, and a second click on an arm"
     else:
         how = "arrows move, digits draw"
-    return f"you draw a policy: {how}; elsewhere (?) it acts at random; D ends"
+    return f"you draw a policy: {how}; undrawn states (?) act at random; D ends"

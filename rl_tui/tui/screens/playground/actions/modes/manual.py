@@ -23,8 +23,8 @@ from rl_tui.tui.screens.playground.actions.modes.action_keys import (
     DIGITS,
     acting_keys,
     action_towards,
-    acts_in,
     actions_in_a_line,
+    acts_in,
     digit_keys,
     has_directions,
 )
@@ -39,7 +39,7 @@ _HAND_BACK: Final = " · y: hand back"
 class ManualControl(KeyMode):
     """Taking over, acting, and handing back; while it is on, a person is the agent."""
 
-    way_back = "click or tab here to act · y: hand back", "y: hand back"
+    way_back = "click or tab here to act · y: hand back", "tab here to act · y: hand back", "y: hand back"
     needs_focus = False
 
     def takes(self, key: str) -> bool:
