@@ -67,8 +67,8 @@ def test_the_bellman_equation_has_no_numbers() -> None:
 
 
 def test_the_history_of_a_cell_has_no_exact_value() -> None:
-    for snapshot, told in ((lake(), True), (SECRET, False)):
-        text = "".join(strip.text for strip in history_strips(snapshot, 0, look(), 60, 9))
+    for shown, told in ((lake(), True), (SECRET, False)):
+        text = "".join(strip.text for strip in history_strips(shown, 0, look(), 60, 9))
         assert ("h shows the exact" in text) is not told
         assert (", exact " in text) is told
 

@@ -117,10 +117,7 @@ def said(snapshot: Snapshot) -> list[str]:
     view = snapshot.answers.first_update
     if view is None:
         return ["It is being worked out."]
-    if view.has_moved:
-        lines = [_IS_OVER, ""]
-    else:
-        lines = [_so_far(snapshot.counters.episodes), ""]
+    lines = [_IS_OVER if view.has_moved else _so_far(snapshot.counters.episodes), ""]
     if view.answer is None:
         return [*lines, f"How long the wait is cannot be told: {view.refused}."]
     wait = wait_in_words(view.answer.wait)
