@@ -29,6 +29,7 @@ from rl_tui.tui.panels.policies.table import COLUMNS, amount
 from rl_tui.tui.panels.q_table.layers import Layer
 from rl_tui.tui.screens.number_here import number_here
 from rl_tui.tui.theme.glyphs import UNICODE
+from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
 KINDS = list(POLICY_NAMES)
 SIZES = ((60, 40), (46, 16), (36, 19), (27, 13), (27, 5), (27, 3), (16, 10), (8, 4), (3, 2), (1, 1))
@@ -301,3 +302,11 @@ async def test_a_dear_world_says_while_it_runs_what_to_do(make_app: MakeApp) -> 
         show(screen, replace(now, answers=AnswersView(studied=PolicyKind.GREEDY, policies=waits)))
         await pilot.pause()
         assert "pause: V of greedy now" in headings(pilot)[0]
+
+
+def test_of_arms_that_drift_the_figures_are_of_the_means_as_they_are_now() -> None:
+    shown = changed(studied(bandit(400)), is_hidden=False)
+    assert "as they are now" not in said(shown)
+    assert isinstance(shown.world.space, TabularMDP)
+    drifting = replace(shown, world=replace(shown.world, space=replace(shown.world.space, drift_std=0.01)))
+    assert "a pull: the reward it brings on average, of the means as they are now, exact" in said(drifting)

@@ -28,12 +28,18 @@ def notes(snapshot: Snapshot, look: Look) -> Iterator[Note]:
     yield from _gaps(snapshot, look)
     yield from _reasons(snapshot)
     if is_bandit:
-        yield "a pull: the reward it brings on average, exact", False
+        yield f"a pull: the reward it brings on average{_as_means_are(snapshot)}, exact", False
         return
     limit, gamma = snapshot.world.space.time_limit, snapshot.agent.hyperparameters.gamma
     within = f" within {limit:,} steps" if limit else ""
     yield f"return: expected, undiscounted,{within or ' without a limit'}", False
     yield f"at start: V there, γ {numbers.brief(gamma, look.glyphs)}, as if without a limit", False
+
+
+def _as_means_are(snapshot: Snapshot) -> str:
+    """Return which means of the arms the figures are of, where these drift; else nothing."""
+    mdp = snapshot.world.mdp
+    return ", of the means as they are now" if mdp is not None and mdp.drift_std else ""
 
 
 def return_of(snapshot: Snapshot, kind: PolicyKind) -> float | None:
