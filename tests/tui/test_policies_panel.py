@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from conftest import MakeApp
-from samples import bandit, lake, look, student
+from samples import bandit, lake, look, stepped_lake, student
 from seams import playground, press, screen_text, show, snapshot, train
 from snapshots import changed
 from textual.pilot import Pilot
@@ -20,6 +20,7 @@ from rl_tui.lab.answers.policy_kind import PolicyKind
 from rl_tui.lab.answers.policy_values import NO_CHANCES, PLANS, WHILE_RUNNING, PolicyAnswer, worth_of
 from rl_tui.lab.answers.view import AnswersView
 from rl_tui.lab.live.snapshot import Snapshot
+from rl_tui.lab.run.exact_answers import NO_TABLE
 from rl_tui.tui.app.screenshot import settle
 from rl_tui.tui.glossary.glossary import glossary, term_at
 from rl_tui.tui.panels.catalogue import CURVE, PANELS, POLICIES, TABLE, WORLD
@@ -310,3 +311,11 @@ def test_of_arms_that_drift_the_figures_are_of_the_means_as_they_are_now() -> No
     assert isinstance(shown.world.space, TabularMDP)
     drifting = replace(shown, world=replace(shown.world, space=replace(shown.world.space, drift_std=0.01)))
     assert "a pull: the reward it brings on average, of the means as they are now, exact" in said(drifting)
+
+
+def test_of_a_world_without_a_table_one_sentence_is_said() -> None:
+    shown = stepped_lake()
+    shown = replace(shown, answers=replace(shown.answers, studied=PolicyKind.GREEDY))
+    assert said(shown, 60) == NO_TABLE
+    for size in SIZES:
+        drawn(shown, *size)

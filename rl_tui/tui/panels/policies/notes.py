@@ -8,7 +8,6 @@ from rl_tui.agents.catalogue import POLICY_BY_ID
 from rl_tui.lab.answers.policy_kind import PolicyKind
 from rl_tui.lab.answers.policy_values import TOO_MANY, WHILE_RUNNING
 from rl_tui.lab.live.snapshot import Snapshot
-from rl_tui.lab.run.exact_answers import NO_TABLE
 from rl_tui.tui.draw import numbers
 from rl_tui.tui.panels.policies.names import POLICY_NAMES
 from rl_tui.tui.panels.policies.studied import is_kept_back
@@ -95,7 +94,7 @@ def _reasons(snapshot: Snapshot) -> Iterator[Note]:
                 yield "drawn: nothing yet, D draws", False
         elif (refused := answer_of(snapshot, kind).refused) and refused not in said:
             said.add(refused)
-            is_of_all = refused in (NO_TABLE, TOO_MANY, WHILE_RUNNING)
+            is_of_all = refused in (TOO_MANY, WHILE_RUNNING)
             yield refused if is_of_all else f"{name.line}: {refused}", False
         elif answer_of(snapshot, kind).is_known and answer_of(snapshot, kind).expected_return is None:
             ends = answer_of(snapshot, kind).ends

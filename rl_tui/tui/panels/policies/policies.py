@@ -13,6 +13,7 @@ from textual.strip import Strip
 
 from rl_tui.lab.answers.policy_kind import PolicyKind
 from rl_tui.lab.live.snapshot import Snapshot
+from rl_tui.lab.run.exact_answers import NO_TABLE
 from rl_tui.tui.draw.pieces import Line, Piece, strips_of, wrapped
 from rl_tui.tui.panels.bindings import binding
 from rl_tui.tui.panels.panel import Panel
@@ -66,6 +67,12 @@ class Policies(Panel, can_focus=True):
         self._places = ()
         if snapshot is None or snapshot.answers.studied is None:
             return strips_of([[Piece(f" {WAITING}", self.look.palette.dim)]], width, height, self.look)
+        if snapshot.world.mdp is None:
+            # rows and explanations of figures would be about nothing
+            self.footing = self.fitting(_KEYS[-1:], width)
+            lines = wrapped(NO_TABLE, width, self.look.palette.dim, self.look, " ", " ")
+            self.free_rows = height - len(lines)
+            return strips_of(lines, width, height, self.look)
         table = self._table(snapshot, width, height)
         lines = list(table)
         room = height - len(lines)
