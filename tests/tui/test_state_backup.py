@@ -113,7 +113,7 @@ def test_an_evaluation_is_the_mean_over_the_policy() -> None:
         "              →  1 + .99·0 = 1",
         "              ↓  0 + .99·.25 = .25",
         "              ←  0 + .99·.06 = .06",
-        "    V(14) ← .25·.06 + .25·1 + .25·.25 + .25·.06 = .34",
+        "    V(14) ← .25·(.06 + 1 + .25 + .06) = .34",
     ]
 
 
@@ -162,6 +162,21 @@ def test_below_the_picture_it_stands_in_the_longest_form_that_fits() -> None:
     seen = [below(shown, width) for width in range(10, 80)]
     assert set(seen) - {""} <= set(forms)
     assert [len(each) for each in seen] == sorted(len(each) for each in seen)
+
+
+def test_in_less_room_a_sum_is_told_without_its_middle_and_an_improvement_with_its_best_actions() -> None:
+    summed, improved = swept("cliff", "evaluation"), swept("frozenlake", *["evaluation"] * 2, "improvement")
+    assert below(snapshot_of(summed), 60) == "V(36) ← .25·(−2.31 − 100 − 1 − 1) = −26.08"
+    assert below(snapshot_of(summed), 40) == "V(36) ← .25·(−2.31 + … − 1) = −26.08"
+    assert below(snapshot_of(improved), 60) == "π(14) ← argmax{↑.06 →1 ↓.34 ←.06} = →"
+    assert below(snapshot_of(improved), 40) == "π(14) ← argmax{↑.06 →1 ↓.34 …} = →"
+    assert below(snapshot_of(improved), 28) == "π(14) ← argmax{→1 …} = →"
+
+
+@pytest.mark.parametrize("scenario", ["frozenlake", "cliff", "book"])
+def test_below_the_picture_and_in_the_last_step_it_has_one_form(scenario: str) -> None:
+    shown = snapshot_of(swept(scenario, "evaluation", steps=1))
+    assert last_step(shown, 60, 8)[-1].strip() == below(shown, 60)
 
 
 @pytest.mark.parametrize("scenario", ["frozenlake", "student"])
