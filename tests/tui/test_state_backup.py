@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import cache
+
 import pytest
 from samples import look
 from seams import sized
@@ -38,6 +40,12 @@ def swept(scenario: str, *phases: SweepPhase, steps: int = 0) -> Run:
         run.advance(episodes=1)
     run.advance(steps)
     return run
+
+
+@cache
+def on_the_lake() -> Snapshot:
+    """What a lake shows in the middle of an evaluation."""
+    return snapshot_of(swept("frozenlake-slippery", *["evaluation"] * 4, steps=9))
 
 
 def backup_in(shown: Snapshot) -> StateBackup | None:
@@ -142,7 +150,7 @@ def test_value_iteration_takes_the_best() -> None:
 @pytest.mark.parametrize("height", range(1, 10))
 @pytest.mark.parametrize("ascii", [False, True])
 def test_in_any_room_nothing_is_cut(width: int, height: int, ascii: bool) -> None:  # noqa: A002
-    shown = snapshot_of(swept("frozenlake-slippery", *["evaluation"] * 4, steps=9))
+    shown = on_the_lake()
     text = "\n".join(last_step(shown, width, height, ascii=ascii))
     assert not ascii or text.isascii()
     result = text_of(shown).result
@@ -156,7 +164,7 @@ def test_where_there_is_no_room_for_each_action_there_is_one_line_of_all() -> No
 
 
 def test_below_the_picture_it_stands_in_the_longest_form_that_fits() -> None:
-    shown = snapshot_of(swept("frozenlake-slippery", *["evaluation"] * 4, steps=9))
+    shown = on_the_lake()
     forms = text_of(shown).lines("←")
     assert [below(shown, width) for width in (80, 18)] == [forms[0], forms[-1]]
     seen = [below(shown, width) for width in range(10, 80)]
@@ -241,7 +249,7 @@ def test_rewards_that_drift_are_not_taken_apart() -> None:
 
 @pytest.mark.parametrize("width", [40, 60, 120])
 def test_the_microscope_tells_it_in_full(width: int) -> None:
-    shown = snapshot_of(swept("frozenlake-slippery", *["evaluation"] * 4, steps=9))
+    shown = on_the_lake()
     rows = sized(Microscope(look()), width, 40).picture(shown, width, 40)
     text = " ".join(" ".join(row.text for row in rows).split())
     told = text_of(shown).lines("←")[0]
