@@ -219,6 +219,10 @@ def test_each_sign_means_one_thing_in_chart_list_slider_and_legend(ascii: bool) 
 def test_a_world_without_other_flips_explains_none() -> None:
     shown = with_flips(student())
     assert UNICODE.side_flip not in {sign.sign for sign in panel(shown).legend(shown)}
+    without = with_flips(lake(slippery=False))
+    assert [sign.sign for sign in panel(without).legend(without)] == [UNICODE.thumb]
+    hidden = with_flips(student(), is_hidden=True)
+    assert panel(hidden).legend(hidden) == ()
 
 
 def test_from_worst_to_best_a_crossing_is_seen_where_values_are_close() -> None:

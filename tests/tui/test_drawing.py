@@ -127,6 +127,15 @@ async def test_where_the_policy_never_comes_nothing_need_be_drawn_and_that_is_se
         assert "1 at random" in str(world.border_title)
 
 
+async def test_a_diagonal_of_two_characters_is_no_tie(make_app: MakeApp) -> None:
+    async with make_app("windy-king", ascii=True).run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        await press(pilot, "D", "3", "right", "6")
+        assert "@v   v>  ?" in picture(pilot)
+        assert "*" not in picture(pilot)
+        assert str(view(pilot).border_subtitle) == "1^ 2> 3v 4< 5^> 6v> 7v< 8^< - D: end"
+
+
 async def test_a_name_that_fills_its_box_leaves_the_corners_whole(make_app: MakeApp) -> None:
     async with make_app("student").run_test(size=(80, 24)) as pilot:
         await settle(pilot)

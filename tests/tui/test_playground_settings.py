@@ -131,13 +131,14 @@ async def test_a_value_that_is_none_is_told_and_the_slider_stays(make_app: MakeA
         assert notes(app) == []
 
 
-async def test_while_a_person_acts_digits_act_unless_a_value_is_typed(make_app: MakeApp) -> None:
+async def test_while_a_person_acts_digits_act_but_on_a_slider_they_are_typed(make_app: MakeApp) -> None:
     app = make_app("student")
     async with app.run_test(size=(80, 24)) as pilot:
         await settle(pilot)
         slider(app, "epsilon").focus()
         await press(pilot, "y")
         assert (await press(pilot, "1")).counters.step == 1
+        slider(app, "epsilon").focus()
         typed = await press(pilot, "enter", "1", "enter")
         assert (typed.counters.step, typed.agent.hyperparameters.epsilon) == (1, 1.0)
         assert (await press(pilot, "1")).counters.step == 2

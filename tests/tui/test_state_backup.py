@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import cache
+
 import pytest
 from samples import look
 from seams import sized
@@ -38,6 +40,12 @@ def swept(scenario: str, *phases: SweepPhase, steps: int = 0) -> Run:
         run.advance(episodes=1)
     run.advance(steps)
     return run
+
+
+@cache
+def on_the_lake() -> Snapshot:
+    """What a lake shows in the middle of an evaluation."""
+    return snapshot_of(swept("frozenlake-slippery", *["evaluation"] * 4, steps=9))
 
 
 def backup_in(shown: Snapshot) -> StateBackup | None:
@@ -113,7 +121,7 @@ def test_an_evaluation_is_the_mean_over_the_policy() -> None:
         "              →  1 + .99·0 = 1",
         "              ↓  0 + .99·.25 = .25",
         "              ←  0 + .99·.06 = .06",
-        "    V(14) ← .25·.06 + .25·1 + .25·.25 + .25·.06 = .34",
+        "    V(14) ← .25·(.06 + 1 + .25 + .06) = .34",
     ]
 
 
@@ -142,7 +150,7 @@ def test_value_iteration_takes_the_best() -> None:
 @pytest.mark.parametrize("height", range(1, 10))
 @pytest.mark.parametrize("ascii", [False, True])
 def test_in_any_room_nothing_is_cut(width: int, height: int, ascii: bool) -> None:  # noqa: A002
-    shown = snapshot_of(swept("frozenlake-slippery", *["evaluation"] * 4, steps=9))
+    shown = on_the_lake()
     text = "\n".join(last_step(shown, width, height, ascii=ascii))
     assert not ascii or text.isascii()
     result = text_of(shown).result
@@ -156,12 +164,27 @@ def test_where_there_is_no_room_for_each_action_there_is_one_line_of_all() -> No
 
 
 def test_below_the_picture_it_stands_in_the_longest_form_that_fits() -> None:
-    shown = snapshot_of(swept("frozenlake-slippery", *["evaluation"] * 4, steps=9))
+    shown = on_the_lake()
     forms = text_of(shown).lines("←")
     assert [below(shown, width) for width in (80, 18)] == [forms[0], forms[-1]]
     seen = [below(shown, width) for width in range(10, 80)]
     assert set(seen) - {""} <= set(forms)
     assert [len(each) for each in seen] == sorted(len(each) for each in seen)
+
+
+def test_in_less_room_a_sum_is_told_without_its_middle_and_an_improvement_with_its_best_actions() -> None:
+    summed, improved = swept("cliff", "evaluation"), swept("frozenlake", *["evaluation"] * 2, "improvement")
+    assert below(snapshot_of(summed), 60) == "V(36) ← .25·(−2.31 − 100 − 1 − 1) = −26.08"
+    assert below(snapshot_of(summed), 40) == "V(36) ← .25·(−2.31 + … − 1) = −26.08"
+    assert below(snapshot_of(improved), 60) == "π(14) ← argmax{↑.06 →1 ↓.34 ←.06} = →"
+    assert below(snapshot_of(improved), 40) == "π(14) ← argmax{↑.06 →1 ↓.34 …} = →"
+    assert below(snapshot_of(improved), 28) == "π(14) ← argmax{→1 …} = →"
+
+
+@pytest.mark.parametrize("scenario", ["frozenlake", "cliff", "book"])
+def test_below_the_picture_and_in_the_last_step_it_has_one_form(scenario: str) -> None:
+    shown = snapshot_of(swept(scenario, "evaluation", steps=1))
+    assert last_step(shown, 60, 8)[-1].strip() == below(shown, 60)
 
 
 @pytest.mark.parametrize("scenario", ["frozenlake", "student"])
@@ -226,7 +249,7 @@ def test_rewards_that_drift_are_not_taken_apart() -> None:
 
 @pytest.mark.parametrize("width", [40, 60, 120])
 def test_the_microscope_tells_it_in_full(width: int) -> None:
-    shown = snapshot_of(swept("frozenlake-slippery", *["evaluation"] * 4, steps=9))
+    shown = on_the_lake()
     rows = sized(Microscope(look()), width, 40).picture(shown, width, 40)
     text = " ".join(" ".join(row.text for row in rows).split())
     told = text_of(shown).lines("←")[0]

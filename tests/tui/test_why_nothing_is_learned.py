@@ -15,10 +15,11 @@ from seams import choose, notes, playground, press, screen_text, snapshot
 from textual.widgets import OptionList
 
 from rl_tui.cli.main import program
-from rl_tui.lab.answers.first_update_words import chance_in_words, episodes_in_words
+from rl_tui.lab.answers.first_update_words import episodes_in_words
 from rl_tui.lab.answers.first_updates import FirstUpdateView
 from rl_tui.tui.app.screenshot import settle
-from rl_tui.tui.screens.dialogs.why import Why, remedies_of
+from rl_tui.tui.screens.dialogs.why import Why, remedies_of, said, written
+from rl_tui.tui.theme.glyphs import UNICODE
 
 EPISODES = ("e",) * 11
 
@@ -34,8 +35,23 @@ def unbroken(text: str) -> str:
 
 def figures(wait: dict[str, Any]) -> list[str]:
     """The figures of a wait as they are shown."""
-    shown = chance_in_words(wait["chance"]), episodes_in_words(wait["mean_episodes"])
+    shown = written(wait["chance"], UNICODE), episodes_in_words(wait["mean_episodes"])
     return [*shown, f"{wait['median_episodes']:,}"]
+
+
+@pytest.mark.parametrize(
+    ("number", "text"),
+    [
+        (1.0, "1"),
+        (0.99999, ">.999"),
+        (0.1, ".1"),
+        (0.0139398, ".0139"),
+        (5.41665e-6, "5.42e-6"),
+        (-2.0, "−2"),
+    ],
+)
+def test_numbers_are_written_as_elsewhere_on_screen(number: float, text: str) -> None:
+    assert written(number, UNICODE) == text
 
 
 async def test_the_curve_and_the_dialog_tell_it_and_a_remedy_is_applied(make_app: MakeApp) -> None:
@@ -99,7 +115,8 @@ async def test_an_optimistic_start_begins_again_and_then_it_is_over(make_app: Ma
 
 
 @pytest.mark.parametrize(
-    ("scenario", "reason"), [("discount", "plans with the model"), ("blackjack", "no transition table")]
+    ("scenario", "reason"),
+    [("discount", "plans with the model"), ("blackjack", "no transition table")],
 )
 async def test_what_cannot_be_told_is_said_with_the_reason(
     make_app: MakeApp, scenario: str, reason: str
@@ -151,3 +168,4 @@ def test_the_curve_tells_that_no_estimate_has_moved() -> None:
     assert "nothing learned in 1,234 episodes, Y tells why" in drawn(shown)[0]
     assert "in 1,234 episodes, Y tells why" in drawn(shown, NARROW)[0]
     assert remedies_of(shown) == ()
+    assert said(shown, UNICODE)[-1] == "How long the wait is cannot be told. No table."

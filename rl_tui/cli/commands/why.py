@@ -78,8 +78,8 @@ def _figures(wait: Wait) -> dict[str, float | int | None]:
 def _report(recipe: Recipe, answer: FirstUpdate, time_limit: int) -> str:
     from rl_tui.lab.answers.first_update_words import (
         cause_in_words,
-        chance_in_words,
         episodes_in_words,
+        number_in_words,
         setting_in_words,
         wait_in_words,
     )
@@ -92,7 +92,7 @@ def _report(recipe: Recipe, answer: FirstUpdate, time_limit: int) -> str:
         rows = [
             (
                 setting_in_words(remedy.setting, remedy.value),
-                chance_in_words(remedy.wait.chance),
+                number_in_words(remedy.wait.chance),
                 episodes_in_words(remedy.wait.mean_episodes or 0),
                 episodes_in_words(remedy.wait.median_episodes or 0),
             )

@@ -6,10 +6,7 @@ import threading
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, Final
 
-import numpy as np
-
 from rl_tui.common.kiosk import in_kiosk
-from rl_tui.common.words import counted
 from rl_tui.lab.answers.flip_answer import (
     NOT_ASKED,
     PENDING,
@@ -96,20 +93,12 @@ class FlipAnswers:
 
 def at_once(mdp: TabularMDP) -> FlipAnswer | None:
     """Return the answer where there is nothing to work out, else None."""
-    from rl_tui.agents.exact.flips.flips import MOST_STATES
+    from rl_tui.agents.exact.flips.flips import why_refused
 
-    live = int(np.count_nonzero(np.diff(mdp.first_pair)))
     if mdp.terminated.all():
         return FlipAnswer(FlipState.KNOWN)
-    if mdp.drift_std:
-        return refused("rewards drift here: the optimal actions are others after every step")
-    if live > MOST_STATES:
-        return refused(
-            f"flips are worked out for at most {counted(MOST_STATES, 'state')}; here {live:,} are live"
-        )
-    if in_kiosk():
-        return refused("flips are not worked out in a kiosk")
-    return None
+    reason = "flips are not worked out in a kiosk" if in_kiosk() else why_refused(mdp)
+    return refused(reason) if reason else None
 
 
 class _FlipProcess(AnsweringProcess):

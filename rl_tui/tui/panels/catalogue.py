@@ -290,10 +290,11 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         "Which actions are best depends on γ. G draws Q* of every action of one state, that of the cursor of "
         "world or table, else the agent's, from γ = 0 to 1; the highest line is the best action, and ◆ "
         "stands where another one becomes it. Upright lines are flip points: every γ at which the optimal "
-        "actions of some state change, worked out exactly. ▸ marks those that turn the way from the start; "
-        "they stand on the slider of γ too, all others with them while this panel is open. The list says "
-        "what the optimal policy earns just below and just above, undiscounted, and which states turn. The "
-        "arrows choose a flip, and enter sets γ beyond it; on the slider { and } do so. Flip points are "
+        "actions of some state change, worked out exactly. ┃ marks those that turn the way from the start; "
+        "they stand on the slider of γ too, and, while this panel is open, all others as │. Dots with ● "
+        "stand at the γ in force. The list says what the optimal policy earns just below and just above, "
+        "undiscounted, and which states turn. The arrows choose a flip, and enter sets γ beyond it; on the "
+        "slider { and } do so. Flip points are "
         "worked out for worlds of up to 100 states.",
         caption="where the best policy turns",
         terms=("gamma", "flip-point", "turns-the-way", "optimal-values-by-gamma", "earned-at-flip", "q-star"),

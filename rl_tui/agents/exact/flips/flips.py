@@ -63,12 +63,10 @@ def flips(mdp: TabularMDP) -> tuple[Flip, ...]:
     same, nothing flips. Raises NoExactAnswer where more than 100 states are live, or a number that is not 0
     is too small to be read.
     """
+    reason = why_refused(mdp)
+    if reason:
+        raise NoExactAnswer(reason)
     model = exact_model(mdp)
-    if len(model.live) > MOST_STATES:
-        raise NoExactAnswer(
-            f"flips are worked out for at most {counted(MOST_STATES, 'state')}; "
-            f"here {len(model.live):,} are live"
-        )
     if mdp.terminated.all():
         return ()
     intervals = optimal_intervals(rational_model(mdp), _guess(model))
@@ -78,6 +76,13 @@ def flips(mdp: TabularMDP) -> tuple[Flip, ...]:
         for place, interval in enumerate(intervals[1:])
         if interval.lower
     )
+
+
+def why_refused(mdp: TabularMDP) -> str:
+    """Return why the flips of ``mdp`` are not worked out, by its size; empty where they are."""
+    live = int(np.count_nonzero(np.diff(mdp.first_pair)))
+    most = counted(MOST_STATES, "state")
+    return f"flips are worked out for at most {most}; here {live:,} are live" if live > MOST_STATES else ""
 
 
 class _Side(NamedTuple):

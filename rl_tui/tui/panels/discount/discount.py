@@ -112,18 +112,21 @@ class DiscountPanel(Panel, can_focus=True):
 
     def legend(self, snapshot: Snapshot) -> Legend:
         """Return the signs of flips and lines."""
-        if not _shown_flips(snapshot):
+        if said_instead(snapshot):
             return ()
         glyphs, palette = self.look.glyphs, self.look.palette
         signs = {
             True: LegendSign(glyphs.flip, "turns the way", palette.greedy, "turns the way from the start"),
             False: LegendSign(glyphs.side_flip, "other", palette.dim, "other flip"),
         }
+        in_force = LegendSign(glyphs.thumb, "γ now", palette.accent, "γ in force")
         there = {flip.turns_the_way for flip in _shown_flips(snapshot)}
+        if not there:
+            return (in_force,)
         return (
             *(sign for turns_the_way, sign in signs.items() if turns_the_way in there),
             LegendSign(glyphs.change_mark, "this state", palette.strong, "this state turns"),
-            LegendSign(glyphs.thumb, "γ now", palette.accent, "γ in force"),
+            in_force,
         )
 
     def picture(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Final, NamedTuple
@@ -168,20 +168,34 @@ class _Writer:
         if len(counted) == 1:
             worked = self._worked_out(counted[0])
             return (worked,) if worked else ()
-        times = self._glyphs.times
         share = names.chance(float(self._backup.chance[counted[0]]), self._glyphs)
-        first, held = estimates[0], [self._held(q) for q in estimates]
-        products = " + ".join(f"{share}{times}{q}" for q in held)
-        ends = f"{first} + {self._glyphs.ellipsis} + {held[-1]}"
-        return products, f"{share}{times}({' + '.join((first, *held[1:]))})", f"{share}{times}({ends})"
+        first, *others = estimates
+        added, more = [self._added(q) for q in others], f" + {self._glyphs.ellipsis}"
+        sums = ("".join(added), *((more + added[-1],) if len(added) > 1 else ()), more)
+        return [f"{share}{self._glyphs.times}({first}{each})" for each in sums]
+
+    def _added(self, number: str) -> str:
+        """Return ``number`` as a sum goes on with it: `` + .06``, `` − 2``."""
+        minus = self._glyphs.minus
+        return f" {minus} {number.removeprefix(minus)}" if number.startswith(minus) else f" + {number}"
 
     def _best(self, of: str) -> Sequence[str]:
         gap, between = ("", " ") if self._are_directions else (" ", ", ")
         signed = [f"{self._sign(place)}{gap}{q}" for place, q in zip(self._places, self._q, strict=True)]
-        numbers = ", ".join(self._q)
-        best = next(each for each, counts in zip(signed, self._counts, strict=True) if counts)
-        ellipsis = self._glyphs.ellipsis
-        return f"{of}{{{between.join(signed)}}}", f"{of}{{{numbers}}}", f"{of}{{{best}{between}{ellipsis}}}"
+        numbers = [", ".join(self._q)] if of == "max" else []
+        forms = [between.join(signed), *numbers, *self._elided(signed, between)]
+        return [f"{of}{{{each}}}" for each in forms]
+
+    def _elided(self, signed: Sequence[str], between: str) -> Iterator[str]:
+        """Yield ``signed`` without the least of them, then without more, until one of the best is left."""
+        backup, places = self._backup, self._places
+        best_first = sorted(
+            range(len(places)),
+            key=lambda each: (not self._counts[each], -float(backup.q[places[each]])),
+        )
+        for count in range(len(signed) - 1, 0, -1):
+            kept = sorted(best_first[:count])
+            yield between.join((*(signed[each] for each in kept), self._glyphs.ellipsis))
 
     def _chosen(self) -> str:
         gap = "" if self._are_directions else " or "

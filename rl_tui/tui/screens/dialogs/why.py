@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from functools import partial
 from typing import ClassVar, Final
 
 from rich.cells import cell_len
@@ -16,17 +17,20 @@ from rl_tui.agents.hyperparameters import PARAMETERS
 from rl_tui.common.words import counted
 from rl_tui.lab.answers.first_update_words import (
     cause_in_words,
-    chance_in_words,
     episodes_in_words,
     setting_in_words,
     wait_in_words,
 )
 from rl_tui.lab.live.snapshot import Snapshot
+from rl_tui.tui.draw import numbers
+from rl_tui.tui.draw.precision import magnitude
 from rl_tui.tui.draw.to_ascii import to_ascii
 from rl_tui.tui.panels.snapshot_facts import hides_means
 from rl_tui.tui.screens.dialogs.dialog import Dialog
+from rl_tui.tui.theme.glyphs import Glyphs
 from rl_tui.tui.theme.look import Look
 
+_EXPONENT_BELOW: Final = 1e-3
 _COLUMNS: Final = (13, 11, 16, 9)  # what to change, chance, mean and median
 _SECRET: Final = "The wait would give away what the arms pay: h, which shows that, lets it be told."
 _IS_OVER: Final = "An estimate has moved already: the wait is over."
@@ -72,7 +76,8 @@ class Why(Dialog[Remedy]):
         if not self._is_composed:
             return
         is_hidden = hides_means(snapshot)
-        words = "\n".join(_said_in_secret(snapshot) if is_hidden else said(snapshot))
+        told = _said_in_secret(snapshot) if is_hidden else said(snapshot, self._look.glyphs)
+        words = "\n".join(told)
         self.query_one("#said", Static).update(to_ascii(words, self._look.glyphs))
         remedies = {} if is_hidden else {remedy.setting: remedy for remedy in remedies_of(snapshot)}
         for part in ("#head", "OptionList", "#about"):
@@ -82,7 +87,8 @@ class Why(Dialog[Remedy]):
             self._remedies = remedies
             choices = self.query_one(OptionList)
             choices.set_options(
-                Option(self._row(_cells(each)), id=setting) for setting, each in remedies.items()
+                Option(self._row(_cells(each, self._look.glyphs)), id=setting)
+                for setting, each in remedies.items()
             )
             choices.highlighted = 0 if remedies else None
             choices.focus()  # a list that is not shown has lost it
@@ -112,18 +118,20 @@ def remedies_of(snapshot: Snapshot) -> tuple[Remedy, ...]:
     return () if view is None or view.answer is None or view.has_moved else view.answer.remedies
 
 
-def said(snapshot: Snapshot) -> list[str]:
+def said(snapshot: Snapshot, glyphs: Glyphs) -> list[str]:
     """Return what is known of the first update of the run of ``snapshot``, a sentence or two a line."""
     view = snapshot.answers.first_update
     if view is None:
         return ["It is being worked out."]
     lines = [_IS_OVER if view.has_moved else _so_far(snapshot.counters.episodes), ""]
     if view.answer is None:
-        return [*lines, f"How long the wait is cannot be told: {view.refused}."]
-    wait = wait_in_words(view.answer.wait)
+        return [*lines, f"How long the wait is cannot be told. {_sentence(view.refused)}"]
+    in_words = partial(written, glyphs=glyphs)
+    wait = wait_in_words(view.answer.wait, in_words)
     if view.has_moved:
         return [*lines, f"From the start, with the settings in force now, {wait}."]
-    cause = cause_in_words(view.answer, snapshot.agent.hyperparameters, snapshot.world.space.time_limit)
+    settings, time_limit = snapshot.agent.hyperparameters, snapshot.world.space.time_limit
+    cause = cause_in_words(view.answer, settings, time_limit, in_words)
     lines.append(_sentence(wait))
     if cause:
         lines += ["", f"Why: {cause}."]
@@ -146,13 +154,25 @@ def _sentence(text: str) -> str:
     return f"{text[:1].upper()}{text[1:]}."
 
 
-def _cells(remedy: Remedy) -> tuple[str, str, str, str]:
+def written(number: float, glyphs: Glyphs) -> str:
+    """Return a setting or a chance with three digits, as panels write it: ``.1``, ``.0139``, ``5.42e-6``.
+
+    A chance that is not quite 1 is not passed off as that.
+    """
+    if 0.9995 <= number < 1.0:
+        return ">.999"
+    is_small = 0.0 < abs(number) < _EXPONENT_BELOW
+    decimals = numbers.DECIMALS if is_small else max(0, 2 - magnitude(number))
+    return numbers.brief(number, glyphs, decimals=decimals)
+
+
+def _cells(remedy: Remedy, glyphs: Glyphs) -> tuple[str, str, str, str]:
     wait = remedy.wait
     assert wait.mean_episodes is not None
     assert wait.median_episodes is not None
     return (
-        setting_in_words(remedy.setting, remedy.value),
-        chance_in_words(wait.chance),
+        setting_in_words(remedy.setting, remedy.value, partial(written, glyphs=glyphs)),
+        written(wait.chance, glyphs),
         episodes_in_words(wait.mean_episodes),
         episodes_in_words(wait.median_episodes),
     )

@@ -32,7 +32,7 @@ class Face(NamedTuple):
     """All that makes a cell look as it does; ``text`` is its value, None where nothing can be done.
 
     ``stops`` marks a breakpoint, ``cursor`` the cell the cursor stands on, ``differs`` greedy actions that
-    are others in the lane beside this one.
+    are others in the lane beside this one. ``is_tie`` tells several signs from one of two characters.
     """
 
     kind: CellKind
@@ -45,6 +45,7 @@ class Face(NamedTuple):
     cursor: bool = False
     differs: bool = False
     extra: CellExtra | None = None
+    is_tie: bool = False
 
 
 class CellArtist:
@@ -97,7 +98,8 @@ class CellArtist:
         style = palette.value(fraction(value, low, high)) if known else palette.unvisited
         is_dot = not known and value == 0.0 and not self._has_table
         text = self.look.glyphs.stay if is_dot else self._text(value, number_form)
-        return Face(kind, agent, text, self._signs(greedy), style, reward, stops, cursor, differs, extra)
+        signs, is_tie = self._signs(greedy), len(greedy) > 1
+        return Face(kind, agent, text, signs, style, reward, stops, cursor, differs, extra, is_tie)
 
 
 def _drawn(face: Face, form: CellForm, look: Look) -> Drawn:
@@ -147,7 +149,7 @@ def _filling(face: Face, look: Look) -> str:
 def _draw_large(canvas: Canvas, face: Face, form: CellForm, look: Look) -> None:
     """Draw arrows above the value, the mark beside the arrows, what the cell pays in the corner."""
     row = _value_row(form) - 1
-    signs = _fitting(face, most=form.most_signs)
+    signs = _fitting(face, form.most_signs, form.width - 2)
     start = (form.width - max(1, len(signs))) // 2
     after = start + max(1, len(signs))
     has_room = after < form.width - (face.stops and row == 0)
@@ -195,9 +197,10 @@ def _value_row(form: CellForm) -> int:
 
 def _draw_signs_alone(canvas: Canvas, face: Face, form: CellForm, look: Look) -> None:
     """Draw mark and arrow, before a name at the right or in place of it."""
-    middle = max(1, (form.width - 1) // 2)
-    after = middle + 1 if middle + 1 < form.width - len((face.extra or PLAIN).name) else None
-    _put_signs(canvas, middle, 0, _fitting(face, most=1), after, face, look)
+    middle, end = max(1, (form.width - 1) // 2), form.width - len((face.extra or PLAIN).name)
+    signs = _fitting(face, 1, end - middle)
+    after = middle + max(1, len(signs))
+    _put_signs(canvas, middle, 0, signs, after if after < end else None, face, look)
     _put_mark_or_reward(canvas, middle - 1, face, look)
 
 
@@ -206,8 +209,8 @@ def _draw_small(canvas: Canvas, face: Face, form: CellForm, look: Look) -> None:
     text = (face.text or "").rjust(form.digits)
     mark = 1 if _mark(face, look) or face.reward or face.stops else 0
     # a blank before it all, so that neighbours keep apart without colours too
-    signs = _fitting(face, most=max(1, form.most_signs - mark))
     end = form.width - form.digits
+    signs = _fitting(face, max(1, form.most_signs - mark), end - mark)
     canvas.put(end, 0, text, face.style)
     before = end - max(1, len(signs)) - 1
     beside = before if not mark else None if signs else end - 1
@@ -220,9 +223,12 @@ def value_text(x: float, number_form: NumberForm, look: Look) -> str:
     return number_form.text(x, look.glyphs)
 
 
-def _fitting(face: Face, most: int) -> str:
-    """Return the arrows of the greedy actions, or what stands in a cell where nothing can be done."""
-    return face.signs if len(face.signs) <= most else SEVERAL
+def _fitting(face: Face, most: int, room: int) -> str:
+    """Return the arrows of the greedy actions, or what stands in a cell where nothing can be done.
+
+    Of several actions there may be ``most`` characters, of one as many as ``room`` is there.
+    """
+    return face.signs if len(face.signs) <= (most if face.is_tie else max(1, room)) else SEVERAL
 
 
 def _sign_style(face: Face, look: Look) -> Style:

@@ -304,7 +304,7 @@ class GridView(WorldView):
             yield from reward_signs(rewards, texts, self.look)
         if actions is not None:
             yield from action_signs(actions, self.look)
-        elif form is not None and len(signs) > form.most_signs and has_arrows:
+        elif form and len(signs) > form.most_signs and has_arrows and not self.shows_drawing:
             yield tie_sign(self.look, is_kept=self.shows_kept_policy)
         if self._map.grid.wind:
             yield wind_sign(self._map.grid, self.look)

@@ -77,6 +77,8 @@ def actions_in_a_line(world: World, state: int, glyphs: Glyphs) -> tuple[str, ..
 def _close_together(names: Mapping[str, str], longest: int, glyphs: Glyphs) -> str:
     """Return ``1↓ 2↑ 3 pickup``, the names in ``longest`` cells."""
     return " ".join(
-        f"{key}{name}" if len(name) == 1 else f"{key} {shortened(name, longest, glyphs.ellipsis)}"
+        f"{key}{name}"
+        if len(name) == 1 or name in glyphs.diagonals
+        else f"{key} {shortened(name, longest, glyphs.ellipsis)}"
         for key, name in names.items()
     )
