@@ -260,6 +260,30 @@ async def test_the_arrows_of_a_map_are_the_likeliest_actions(make_app: MakeApp) 
         assert told.term == "policy-value"
 
 
+async def test_a_state_that_a_policy_may_never_leave_has_a_dash(make_app: MakeApp) -> None:
+    async with make_app("cliff").run_test(size=(120, 40)) as pilot:
+        await settle(pilot)
+        await train(pilot, 300)
+        shown = await press(pilot, "P", "down", "enter")
+        board, values = playground(pilot).board, shown.answers.policies[PolicyKind.GREEDY].v
+        assert values is not None
+        state = int(np.flatnonzero(np.isnan(values))[0])
+        await press(pilot, *["v"] * board.table.layer_choices.index(Layer.POLICY))
+        for panel in (board.world, board.table):
+            assert panel is not None
+            text = "\n".join(panel.render_line(y).text for y in range(panel.size.height))
+            assert " – " in text
+            assert "nan" not in text
+        world = board.world
+        assert world is not None
+        assert "none" in [sign.meaning for sign in world.legend(shown)]
+        assert "none" in [sign.meaning for sign in board.table.legend(shown)]
+        world.put_cursor(state)
+        told = number_here(world, look())
+        assert told is not None
+        assert told.name == f"Vπ({state}): none"
+
+
 async def test_a_click_chooses(make_app: MakeApp) -> None:
     async with make_app("student").run_test(size=(80, 24)) as pilot:
         await settle(pilot)

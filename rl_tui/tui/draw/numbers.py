@@ -36,6 +36,11 @@ def value(x: float, width: int, glyphs: Glyphs = UNICODE, decimals: int = DECIMA
     return _widest_that_fits(forms, width) or plain or "#" * width
 
 
+def missing(glyphs: Glyphs) -> str:
+    """Return what is written in place of a number where there is none."""
+    return "-" if glyphs.name == "ascii" else "–"
+
+
 def fixed(x: float, decimals: int, glyphs: Glyphs = UNICODE, leading_zero: bool = True) -> str:
     """Return ``x`` with so many decimals; without ``leading_zero`` fractions are ``.54``. Never ``−0``."""
     text = f"{x:.{decimals}f}"

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from typing import Final
 
+import numpy as np
 from rich.style import Style
 
 from rl_tui.lab.answers.policy_kind import PolicyKind
 from rl_tui.lab.live.snapshot import Snapshot
-from rl_tui.tui.panels.legend import GREEDY_IN_FULL, POLICY_IN_FULL, Legend, LegendSign
+from rl_tui.tui.panels.legend import GREEDY_IN_FULL, POLICY_IN_FULL, Legend, LegendSign, no_value_sign
 from rl_tui.tui.panels.panel import Panel
 from rl_tui.tui.panels.policies.studied import studied_kind, study_headings
 from rl_tui.tui.panels.snapshot_facts import is_new_run
@@ -45,6 +46,23 @@ class PolicyPicture(Panel):
     def random_signs(self) -> Legend:
         """Return the sign of states in which nothing was drawn; none where no drawing is shown."""
         return (random_sign(self.look),) if self.shows_drawing else ()
+
+    def valueless_signs(self) -> Legend:
+        """Return the sign of a state of no value; none where there is no such state."""
+        snapshot = self.snapshot
+        if snapshot is None or self.studied is None or not np.isnan(snapshot.agent.values).any():
+            return ()
+        return (no_value_sign(self.look),)
+
+    def study_signs(self, *, has_numbers: bool, has_actions: bool) -> Legend:
+        """Return the signs of values of the policy that is studied, for cells with their numbers or without.
+
+        Cells that have every action, in place of V, tell of tints themselves. None where none is studied.
+        """
+        if self.studied is None:
+            return ()
+        valueless = self.valueless_signs() if has_numbers or has_actions else ()
+        return valueless if has_actions else (*valueless, *self.value_signs())
 
     def value_signs(self) -> Legend:
         """Return the sign of V(s), which is a colour; none where there are no colours."""

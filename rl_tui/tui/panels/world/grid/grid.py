@@ -302,6 +302,7 @@ class GridView(WorldView):
             rewards = self._map.rewards
             texts = [self._artist_for(form).shown_reward(each) for each in rewards]
             yield from reward_signs(rewards, texts, self.look)
+        yield from self.study_signs(has_numbers=bool(form and form.has_values), has_actions=bool(actions))
         if actions is not None:
             yield from action_signs(actions, self.look)
         elif form is not None and len(signs) > form.most_signs and has_arrows:
@@ -314,7 +315,7 @@ class GridView(WorldView):
             yield LegendSign("#", "no room", palette.dim, f"no room for {STATE_NUMBERS}")
         elif self._longest_name:
             yield LegendSign(self._own_name, "state", palette.text, "number of a state")
-        if actions is None:
+        if actions is None and self.studied is None:
             yield from self.value_signs()
         yield self.agent_sign()
         if self.snapshot is not None and form is not None:
@@ -343,8 +344,7 @@ class GridView(WorldView):
         if self._is_whole:
             return
         self._following = False
-        self._top += rows
-        self._left += columns
+        self._top, self._left = self._top + rows, self._left + columns
 
     def follow(self) -> None:
         """Keep the agent in view again."""
