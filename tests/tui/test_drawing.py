@@ -65,7 +65,7 @@ async def draw_shortest(pilot: Pilot[UserError]) -> None:
 @pytest.mark.parametrize(
     ("scenario", "expected_return", "said"),
     [
-        ("frozenlake", 1.0, "You draw a policy · return 1 · nothing at random"),
+        ("frozenlake", 1.0, "You draw a policy · return 1.00 · nothing at random"),
         ("frozenlake-slippery", None, "5 states at random"),
     ],
 )
@@ -117,7 +117,7 @@ async def test_the_mode_is_seen_and_ends(make_app: MakeApp) -> None:
             await press(pilot, "D")
             assert world.has_class("-manual")
             assert world.has_focus
-            said = "return .01 · 10 states at random" if drawn(pilot) else "nothing drawn: all at random"
+            said = "return .010 · 10 states at random" if drawn(pilot) else "nothing drawn: all at random"
             assert str(world.border_title) == f"You draw a policy · {said}"
             assert str(world.border_subtitle) == "1 ↑  2 →  3 ↓  4 ← · del: none · C: clear · D: end"
             assert keys.render_line(0).text.startswith(" shift+arrow draw  digits draw  D end")

@@ -28,7 +28,6 @@ ROOM_FOR_NAMES: Final = 20
 NUMBER: Final = 6  # cells of the widest number beside a name
 _MOST_DECIMALS: Final = 5
 _LEAST_FIXED: Final = 2e-4  # extent of an axis whose numbers have no exponents
-_COMMA_FROM: Final = 5  # digits
 _TIES: Final = "greedy: ties"
 _HIDDEN_ARMS: Final = (
     "h adds the best arm and the greedy arm, exact",
@@ -69,10 +68,7 @@ def amount(x: float, decimals: int, glyphs: Glyphs) -> str:
         return numbers.scientific(x, 1, glyphs)
     text = numbers.fixed(x, decimals, glyphs, leading_zero=False)
     text = text if len(text) <= NUMBER else numbers.value(x, NUMBER, glyphs)
-    digits = text.removeprefix(glyphs.minus)
-    return (
-        text.replace(digits, f"{int(digits):,}") if len(digits) >= _COMMA_FROM and digits.isdigit() else text
-    )
+    return numbers.whole(x, glyphs) if text.removeprefix(glyphs.minus).isdigit() else text
 
 
 def no_end(ends: float, *, short: bool = False) -> str:
@@ -106,8 +102,11 @@ def labels(
             (f"{each.seeds} seeds{each.until if room >= ROOM_FOR_LONG else ''}", each.value, palette.dim)
             for each in data.seeds
         ]
+    most = label_columns(data, look, room, mean=mean) - 2
     found = [
-        LineLabel(to_ascii(_with_number(name, value, decimals, room, look.glyphs), look.glyphs), value, style)
+        LineLabel(
+            to_ascii(_with_number(name, value, decimals, room, most, look.glyphs), look.glyphs), value, style
+        )
         for name, value, style in lines
         if value is not None
     ]
@@ -157,9 +156,13 @@ def figure_names() -> tuple[str, ...]:
     return tuple(dict.fromkeys(name for form in forms for name in form))
 
 
-def _with_number(name: str, value: float, decimals: int, room: int, glyphs: Glyphs) -> str:
-    has_number = room >= ROOM_FOR_NUMBERS and name != _TIES
-    return f"{name} {amount(value, decimals, glyphs)}" if has_number else name
+def _with_number(name: str, value: float, decimals: int, room: int, most: int, glyphs: Glyphs) -> str:
+    """Return ``name`` with its number, which is written out where both take ``most`` columns at the most."""
+    if room < ROOM_FOR_NUMBERS or name == _TIES:
+        return name
+    text, long = amount(value, decimals, glyphs), numbers.whole(value, glyphs)
+    fits = not decimals and len(text) < len(long) <= most - len(name) - 1
+    return f"{name} {long if fits else text}"
 
 
 def titles(data: CurveData | None, glyphs: Glyphs, decimals: int, width: int) -> tuple[str, ...]:

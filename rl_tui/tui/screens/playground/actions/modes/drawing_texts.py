@@ -20,6 +20,7 @@ from rl_tui.worlds.drawing import Arms
 from rl_tui.worlds.world import World
 
 _END = "D: end"
+_FIGURE = 8  # cells of a return, as in the table of policies
 
 
 def title(snapshot: Snapshot, glyphs: Glyphs) -> tuple[str, ...]:
@@ -47,9 +48,9 @@ def _figures(snapshot: Snapshot, glyphs: Glyphs) -> Iterator[str]:
         return
     worth = answers.policies.get(PolicyKind.DRAWN)
     if is_kept_back(snapshot, PolicyKind.DRAWN):
-        yield "its return is secret"
+        yield "its return is hidden"
     elif worth is not None and worth.expected_return is not None:
-        yield f"return {numbers.brief(worth.expected_return, glyphs, decimals=3)}"
+        yield f"return {numbers.figure(worth.expected_return, _FIGURE, glyphs)}"
     elif worth is not None and (worth.is_known or worth.refused):
         yield f"no return: {worth.refused or 'it may never end'}"
     if isinstance(world.drawing, Arms):
