@@ -12,6 +12,7 @@ DECIMALS: Final = 3
 NEGLIGIBLE: Final = 1e-9  # exact answers are good to this, so differences below it say nothing
 ROOM_FOR_ZERO: Final = 5  # from this width on fractions are written 0.54, below it .54
 _COMMA_FROM: Final = 10_000
+_FIGURE_DECIMALS: Final = ((3, 1.0), (2, 100.0), (1, 1_000.0))  # those of figures below that
 _LEAST_FIGURE: Final = 6  # cells of an exact figure in short
 _THOUSANDS_TO: Final = 1e6  # above that exponents are read more easily
 _SCALES: Final = ((1.0, ""), (1e3, "k"), (1e6, "M"), (1e9, "G"), (1e12, "T"))
@@ -50,7 +51,7 @@ def figure(x: float, width: int, glyphs: Glyphs = UNICODE) -> str:
     Fractions have three decimals, what is larger has fewer. What does not fit is written ``−1.3e5``.
     """
     size = abs(x)
-    decimals = 3 if size < 1.0 else 2 if size < 100.0 else 1 if size < 1_000.0 else 0
+    decimals = next((each for each, end in _FIGURE_DECIMALS if round(size, each) < end), 0)
     text = fixed(x, decimals, glyphs, leading_zero=False) if decimals else whole(x, glyphs)
     if not has_digits(text):
         return "0" if size < NEGLIGIBLE else value(x, _LEAST_FIGURE, glyphs)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from typing import Final, NamedTuple
 
 from rich.cells import cell_len
@@ -61,21 +61,12 @@ def answer_of(snapshot: Snapshot, kind: PolicyKind) -> PolicyAnswer:
     return snapshot.answers.policies.get(kind, PENDING)
 
 
-def has_row(snapshot: Snapshot, kind: PolicyKind) -> bool:
-    """Return whether there is such a policy: one that was drawn is there once something was."""
-    return kind is not PolicyKind.DRAWN or bool(snapshot.answers.drawn.choices)
-
-
 def table_form(snapshot: Snapshot, width: int, look: Look) -> TableForm:
     """Return the form of the table in ``width`` cells."""
-    known = [
-        answer_of(snapshot, kind)
-        for kind in POLICY_NAMES
-        if has_row(snapshot, kind) and not is_kept_back(snapshot, kind)
-    ]
+    known = [answer_of(snapshot, kind) for kind in POLICY_NAMES if not is_kept_back(snapshot, kind)]
     columns = _columns(snapshot, known)
     longest, short = (max(_cells(name, look) for name in names) for names in _names())
-    found = [_figure(each, column) for each in known for column in columns if column is not ENDS]
+    found = [_figure(each, column) for each in known for column in columns if column.id != ENDS.id]
     needed = max((len(amount(each, look)) for each in found if each is not None), default=0)
     for name, is_short, number, left_out in _choices(longest, short, len(columns), needed):
         shown = [each for each in columns if each.rank < len(columns) - left_out]
@@ -126,8 +117,17 @@ def row_lines(snapshot: Snapshot, form: TableForm, look: Look) -> list[Line]:
 def _columns(snapshot: Snapshot, known: Sequence[PolicyAnswer]) -> list[Column]:
     if isinstance(snapshot.world.drawing, Arms):
         return [REWARD]
-    may_not_end = any(each.ends is not None and each.ends < _NO_ENDING for each in known)
-    return [RETURN, VALUE, STEPS, *([ENDS] if may_not_end else [])]
+    if may_not_end(known):
+        return [RETURN, VALUE, STEPS._replace(rank=ENDS.rank), ENDS._replace(rank=STEPS.rank)]
+    return [RETURN, VALUE, STEPS]
+
+
+def may_not_end(known: Iterable[PolicyAnswer]) -> bool:
+    """Return whether an episode of any of these policies may go on; then a column says how likely it ends.
+
+    That matters more than how long episodes are.
+    """
+    return any(each.ends is not None and each.ends < _NO_ENDING for each in known)
 
 
 def _figure(answer: PolicyAnswer, column: Column) -> float | None:
@@ -136,19 +136,16 @@ def _figure(answer: PolicyAnswer, column: Column) -> float | None:
 
 
 def _said(snapshot: Snapshot, kind: PolicyKind, column: Column, form: TableForm, look: Look) -> str:
-    """Return a figure; in its place a dot where there is none, … while it is worked out, ? where hidden."""
-    glyphs = look.glyphs
+    """Return a figure; in its place a dash where there is none, … while it is worked out, ? where hidden."""
     if is_kept_back(snapshot, kind):
         return "?"
-    if not has_row(snapshot, kind):
-        return glyphs.stay
     answer = answer_of(snapshot, kind)
-    if not answer.is_known:
-        return glyphs.stay if answer.refused else glyphs.ellipsis
+    if not answer.is_known and not answer.refused:
+        return look.glyphs.ellipsis
     figure = _figure(answer, column)
     if figure is None:
-        return "none"
-    if column is ENDS:
+        return numbers.missing(look.glyphs)
+    if column.id == ENDS.id:
         return numbers.percent(figure)
     return amount(figure, look, _width(form, column) - 1)
 
