@@ -28,8 +28,10 @@ from rl_tui.tui.panels.curve.text import all_words, label_columns
 from rl_tui.tui.panels.curve.text import amount as curve_amount
 from rl_tui.tui.panels.policies.names import POLICY_NAMES
 from rl_tui.tui.panels.policies.policies import Policies
+from rl_tui.tui.panels.policies.studied import as_studied
 from rl_tui.tui.panels.policies.table import COLUMNS, amount
 from rl_tui.tui.panels.q_table.layers import Layer
+from rl_tui.tui.panels.side_by_side import sides
 from rl_tui.tui.screens.number_here import number_here
 from rl_tui.tui.theme.glyphs import UNICODE
 
@@ -338,6 +340,10 @@ async def test_a_click_chooses(make_app: MakeApp) -> None:
         assert snapshot(pilot).answers.studied is PolicyKind.BEHAVIOUR
 
 
+def board_title(pilot: Pilot[UserError]) -> object:
+    return playground(pilot).board.panel(POLICIES).border_title
+
+
 async def test_two_lanes_show_the_same_policy_each_its_own(make_app: MakeApp) -> None:
     async with make_app("student").run_test(size=(120, 40)) as pilot:
         await settle(pilot)
@@ -356,7 +362,11 @@ async def test_two_lanes_show_the_same_policy_each_its_own(make_app: MakeApp) ->
         assert text.count("V of the agent as it acts") == 2
         world = screen.board.world
         assert world is not None
-        assert not world.differing  # its arrows are not the greedy ones
+        left, right = (as_studied(each).agent.policy > 0.0 for each in sides(both))
+        differs = {both.world.space.state_of(pair) for pair in np.flatnonzero(left != right).tolist()}
+        assert world.differing == differs
+        await press(pilot, "P")
+        assert str(board_title(pilot)).startswith("▸")
 
 
 async def test_a_dear_world_says_while_it_runs_what_to_do(make_app: MakeApp) -> None:

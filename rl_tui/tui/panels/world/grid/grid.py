@@ -297,7 +297,7 @@ class GridView(WorldView):
         name = "" if form is None else self._name_beside_arrows(form)
         has_arrows = form is not None and form.width - len(name) >= LEAST_ARROWS
         if form is not None and self.differing:
-            yield differing_sign(form.width, name, self.look)
+            yield differing_sign(form.width, name, self.policy_shown, self.look)
         if form is not None and self._map.rewards:  # what is hardest to guess stands first
             rewards = self._map.rewards
             texts = [self._artist_for(form).shown_reward(each) for each in rewards]
