@@ -24,6 +24,8 @@ class PolicyPicture(Panel):
 
     def __init__(self, look: Look, *, id: str | None = None, classes: str | None = None) -> None:  # noqa: A002
         super().__init__(look, id=id, classes=classes)
+        self.names_policies_key = True
+        """Whether its border names the key that opens the panel of policies: not while that is open."""
         self.differing: frozenset[int] = frozenset()
         """The states whose greedy actions are others in the lane beside; seen when it is drawn again."""
 
@@ -34,6 +36,11 @@ class PolicyPicture(Panel):
             return is_new_run(before, snapshot)
         return True
 
+    @staticmethod
+    def waits_for_study(snapshot: Snapshot) -> bool:
+        """Return whether values of a policy are to come in place of those that ``snapshot`` shows."""
+        return snapshot.answers.studied is not None and studied_kind(snapshot) is None
+
     @property
     def studied(self) -> PolicyKind | None:
         """The policy whose values and actions are drawn; None: they are what the agent has learned."""
@@ -41,7 +48,10 @@ class PolicyPicture(Panel):
 
     def study_headings(self, what: str) -> tuple[str, ...]:
         """Return headings that say of which policy ``what`` is, or how to see it; none for the agent's."""
-        return () if self.snapshot is None else study_headings(self.snapshot, self.studied, TITLE, what)
+        if self.snapshot is None:
+            return ()
+        key = self.names_policies_key
+        return study_headings(self.snapshot, self.studied, TITLE, what, names_key=key)
 
     def random_signs(self) -> Legend:
         """Return the sign of states in which nothing was drawn; none where no drawing is shown."""

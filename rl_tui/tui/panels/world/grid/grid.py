@@ -159,7 +159,7 @@ class GridView(WorldView):
     def show(self, snapshot: Snapshot) -> None:
         """Draw ``snapshot``. Its numbers only ever get wider, until another run starts."""
         if self.begins_anew(snapshot):
-            self._digits = self._action_digits = LEAST_DIGITS
+            self._digits = self._action_digits = LEAST_DIGITS + self.waits_for_study(snapshot)
             self._action_artist = None
             self._number_forms.clear()
         super().show(snapshot)
