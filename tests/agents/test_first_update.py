@@ -278,8 +278,11 @@ def test_a_step_size_that_moves_nothing() -> None:
 def test_a_step_size_that_has_fallen_to_0() -> None:
     params = Hyperparameters(alpha=0.5, step_size_schedule="linear", alpha_decay=0.1)
     mdp = shipped("cliff")
-    with pytest.raises(NoExactAnswer, match="α falls to 0"):
+    with pytest.raises(NoExactAnswer, match="α falls towards 0"):
         first_update(mdp, "q-learning", params)
+    falling = Hyperparameters(alpha=0.5, alpha_decay=0.05)
+    with pytest.raises(NoExactAnswer, match="α falls towards 0"):
+        first_update(mdp, "q-learning", falling)
     found = first_update(mdp, "q-learning", params, episode=5)
     assert (found.wait.chance, found.cause) == (0.0, Cause.ALPHA)
     assert [(remedy.setting, remedy.value) for remedy in found.remedies] == [

@@ -202,17 +202,58 @@ def test_numbers_are_read_as_the_fractions_they_are_meant_to_be() -> None:
     assert (flip.gamma, flip.turns[0].before, flip.turns[0].after) == (0.5, (0,), (1, 2, 3))
 
 
-def test_a_way_that_goes_round_until_a_slip_leads_out_does_not_turn() -> None:
-    def room(chance: float) -> TabularMDP:
+def test_a_way_that_goes_round_until_a_slip_leads_out_turns_only_at_the_start() -> None:
+    def room(chance: float, first: str) -> TabularMDP:
         return world(
-            ("start", "wait", [(1.0 - chance, "start", 1.0), (chance, "end", 1.0)]),
-            ("start", "leave", [(1.0, "hall", 0.0)]),
+            (first, "go", [(1.0, "a", 0.0)]),
+            ("a", "wait", [(1.0 - chance, "b", 1.0), (chance, "end", 1.0)]),
+            ("a", "leave", [(1.0, "hall", 0.0)]),
+            ("b", "back", [(1.0, "a", 1.0)]),
             ("hall", "out", [(1.0, "end", 8.0)]),
         )
 
-    (slip,) = flips(room(0.25))
-    assert not slip.turns_the_way
-    assert [flip.turns_the_way for flip in flips(room(0.0))] == [True, True]
+    slip = flips(room(0.25, "start"))
+    assert slip
+    assert not any(flip.turns_the_way for flip in slip)
+    assert all(flip.turns_the_way for flip in flips(room(0.0, "start")))
+
+
+def test_where_the_start_itself_turns_the_way_does() -> None:
+    mdp = world(
+        ("start", "search", [(0.9, "start", 1.0), (0.1, "end", 1.0)]),
+        ("start", "leave", [(1.0, "end", 4.0)]),
+    )
+    (flip,) = flips(mdp)
+    assert flip.gamma == pytest.approx(5 / 6)
+    assert flip.turns_the_way
+
+
+def test_outcomes_that_land_alike_are_as_likely_as_one() -> None:
+    def fork(*outcomes: tuple[float, str, float]) -> TabularMDP:
+        return world(
+            ("start", "go", list(outcomes)),
+            ("a", "near", [(1.0, "end", 1.0)]),
+            ("a", "far", [(1.0, "on", 0.0)]),
+            ("on", "far", [(1.0, "end", 2.0)]),
+            ("b", "out", [(1.0, "end", 0.0)]),
+        )
+
+    whole, parts = (
+        fork((0.6, "a", 0.0), (0.4, "b", 0.0)),
+        fork((0.3, "a", 0.0), (0.3, "a", 1.0), (0.4, "b", 0.0)),
+    )
+    for mdp in (whole, parts):
+        assert [flip.turns_the_way for flip in flips(mdp)] == [True]
+
+
+def test_what_is_too_small_to_be_read_is_refused() -> None:
+    mdp = world(
+        ("a", "now", [(1.0, "end", 1e-7)]),
+        ("a", "later", [(1.0, "b", 0.0)]),
+        ("b", "x", [(1.0, "end", 2e-7)]),
+    )
+    with pytest.raises(NoExactAnswer, match="1e-07 is too small"):
+        flips(mdp)
 
 
 def test_where_nothing_is_paid_or_every_action_ends_nothing_flips() -> None:

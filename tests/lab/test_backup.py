@@ -36,7 +36,7 @@ def sources(snapshot: Snapshot) -> dict[int, float]:
 def study(algorithm: str, *, fails: bool = False, epsilon: float = 0.2, **changes: Any) -> Snapshot:
     """A step of the student who studies: Q(Class, study) goes from 6.3 to 6.37, γ is .9."""
     started = recipe("student", algorithm=algorithm, epsilon=epsilon)
-    shown = SnapshotBuilder().before(started, begin(started).world, PlaybackView())
+    shown = SnapshotBuilder().before(started, begin(started).world, PlaybackView(), is_hidden=False)
     usual: dict[str, Any] = {
         "step": 1,
         "episode": 1,

@@ -15,7 +15,8 @@ from multiplexers import in_screen, in_tmux
 from pseudo_terminal import RL_TUI, PseudoTerminal
 
 PLAY: Final = (*RL_TUI, "play", "student")
-EXACT: Final = r"γ-best 7\.5|10┤"  # the optimum, which is known last: its name, or an axis that holds it
+EXACT: Final = r"γ-best 7\.5|10┤"  # the optimum: its name, or an axis that holds it
+FLIP: Final = r"γ +━+┃"  # its mark on the slider of γ: worked out beside, and known after the optimum
 SIZES: Final = ((80, 24), (100, 30), (120, 40), (200, 60))
 ODD_SIZES: Final = ((60, 18), (61, 19), (79, 23), (81, 25), (300, 80))
 STEPS: Final = 5
@@ -87,9 +88,11 @@ def fresh() -> dict[tuple[int, int], str]:
         with PseudoTerminal(PLAY, {"COLORTERM": "truecolor"}, size) as terminal:
             begin(terminal)
             terminal.wait_for(EXACT)
+            terminal.wait_for(FLIP)
             terminal.blank()  # of a screen that comes in several frames all has come then
             terminal.press(REDRAW)
             terminal.wait_for(EXACT)
+            terminal.wait_for(FLIP)
             wait_for_playground(terminal)
             screens[size] = terminal.screen
             assert colour_kinds(terminal.written) == {"truecolor"}

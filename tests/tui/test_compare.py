@@ -20,8 +20,8 @@ from rl_tui.lab.run.recipe import JournalEntry, SetParameter, SwitchAlgorithm
 from rl_tui.lab.timeline.branches import Branch, Timeline
 from rl_tui.tui.app.screenshot import settle
 from rl_tui.tui.screens.dialogs.choice import Choice
-from rl_tui.tui.screens.dialogs.compare import Compare
-from rl_tui.tui.screens.dialogs.lane_changes import lane_changes, what_may_differ
+from rl_tui.tui.screens.dialogs.lanes.changes import lane_changes, what_may_differ
+from rl_tui.tui.screens.dialogs.lanes.compare import Compare
 from rl_tui.tui.screens.dialogs.prompt import Prompt
 from rl_tui.worlds.files.catalogue import find
 

@@ -17,10 +17,14 @@ from rl_tui.lab.answers.flip_answer import FlipAnswer, FlipState, refused
 from rl_tui.lab.answers.flip_worker import worked_out
 from rl_tui.lab.answers.view import AnswersView
 from rl_tui.lab.live.snapshot import Snapshot
+from rl_tui.lab.run.library import recipe_named
+from rl_tui.lab.run.recipe import begin
 from rl_tui.tui.app.screenshot import settle
 from rl_tui.tui.draw import braille
 from rl_tui.tui.panels.discount.chart import action_lines, draw_values, ranked
 from rl_tui.tui.panels.discount.discount import HIDDEN, NO_FLIPS, PENDING, DiscountPanel
+from rl_tui.tui.panels.discount.flip_list import fitting_form
+from rl_tui.tui.panels.legend import legend_rows
 from rl_tui.tui.theme.glyphs import UNICODE
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
@@ -36,6 +40,12 @@ def with_flips(shown: Snapshot, answer: FlipAnswer | None = None, **answers: Any
     mdp = shown.world.mdp
     assert mdp is not None
     return changed(shown, answers=AnswersView(flips=answer or known(mdp), **answers))
+
+
+@cache
+def discount() -> Snapshot:
+    """A world of fourteen flips, one of which turns the way."""
+    return changed(student(), world=begin(recipe_named("discount")).world)
 
 
 def panel(shown: Snapshot | None, *, state: int | None = None, ascii: bool = False) -> DiscountPanel:  # noqa: A002
@@ -70,7 +80,7 @@ def test_it_is_drawn_at_any_size(size: tuple[int, int], ascii: bool) -> None:  #
 
 def test_of_the_student_it_tells_the_one_flip_and_what_it_earns() -> None:
     text = said(with_flips(student()), state=0)
-    assert f"{UNICODE.cursor}{UNICODE.change_mark}.25 earns 0 below, 7.5 above" in text
+    assert f"{UNICODE.flip}{UNICODE.change_mark}.25 earns 0 below, 7.5 above" in text
     assert "state Class: check phone to study" in text
 
 
@@ -79,7 +89,7 @@ def test_of_the_lake_it_tells_both_flips_to_twelve_digits_where_there_is_room() 
     assert ".808783309216  earns .446599 below, .729766 above" in text
     assert ".978316459143  earns .729766 below, .740165 above" in text
     narrow = said(with_flips(lake()), 36, state=0)
-    assert ".808783 earns .447, then .73" in narrow
+    assert ".808783 .447 below, .730 above" in narrow
 
 
 def test_what_turns_in_the_state_shown_is_told_first() -> None:
@@ -89,9 +99,35 @@ def test_what_turns_in_the_state_shown_is_told_first() -> None:
     assert of_2.index(second) < of_2.index(first)
     here = [line.split()[0] for line in of_2.splitlines() if "earns" in line]
     assert here == [
-        f"{UNICODE.cursor}{UNICODE.change_mark}.808783309216",
-        f"{UNICODE.cursor}{UNICODE.change_mark}.978316459143",
+        f"{UNICODE.flip}{UNICODE.change_mark}.808783309216",
+        f"{UNICODE.flip}{UNICODE.change_mark}.978316459143",
     ]
+
+
+@pytest.mark.parametrize("width", [118, 56, 36])
+def test_numbers_of_a_list_have_as_many_decimals_as_tell_them_apart(width: int) -> None:
+    flips = known_of(discount()).flips
+    form = fitting_form(flips, look(), width)
+    gammas = [form.gamma(flip, look()) for flip in flips]
+    assert len(set(gammas)) == len(flips)
+    assert {len(gamma) for gamma in gammas} == {1 + form.gamma_decimals}
+    assert form.gamma_decimals >= 4
+    for flip in flips:
+        below, above = (
+            form.returns(flip, look()).removeprefix("earns ").removesuffix(" above").split(" below, ")
+        )
+        assert (below != above) is (flip.expected_return[0] != flip.expected_return[1])
+        assert len(below.partition(".")[2]) == len(above.partition(".")[2])
+
+
+def test_close_gammas_and_returns_get_more_decimals_where_room_is_short() -> None:
+    flip = replace(known_of(student()).flips[0], gamma=0.12341, expected_return=(0.862952, 0.862955))
+    near = replace(flip, gamma=0.12344)
+    form = fitting_form((flip, near), look(), 30)
+    assert [form.gamma(each, look()) for each in (flip, near)] == [".12341", ".12344"]
+    assert form.returns(flip, look()) == ".86295 below, .86296 above"
+    same = replace(flip, expected_return=(0.5, 0.5))
+    assert form.returns(same, look()) == ".50 below, .50 above"
 
 
 def test_a_return_that_is_not_known_is_not_made_up() -> None:
@@ -153,12 +189,39 @@ def test_a_crossing_stands_on_the_line_of_its_flip_and_lines_have_their_names() 
         (y, row.index(UNICODE.change_mark)) for y, row in enumerate(rows) if UNICODE.change_mark in row
     )
     below = {row[mark[1]] for y, row in enumerate(rows[:-1]) if abs(y - mark[0]) > 2}
-    assert below == {UNICODE.axis_vertical}
+    assert below == {UNICODE.flip}
     zero = next(row for row in rows if row.strip().startswith("0┤"))
     assert UNICODE.change_mark in zero
     assert any("study" in row for row in rows)
     assert any("check phone" in row for row in rows)
     assert UNICODE.change_mark not in "".join(chart(student(), 1)), "nothing turns in Phone"
+
+
+@pytest.mark.parametrize("ascii", [False, True])
+def test_each_sign_means_one_thing_in_chart_list_slider_and_legend(ascii: bool) -> None:  # noqa: A002
+    shown = with_flips(discount())
+    made = panel(shown, state=19, ascii=ascii)
+    rows = [row.text for row in made.picture(shown, 56, 99)]
+    glyphs, flips = made.look.glyphs, known_of(discount()).flips
+    listed = [row[1] for row in rows if "earns" in row]
+    assert listed == [glyphs.flip if flip.turns_the_way else glyphs.side_flip for flip in flips]
+    meanings = {sign.sign: sign.meaning for sign in made.legend(shown)}
+    assert len(meanings) == 4
+    assert meanings[glyphs.flip] == "turns the way"
+    assert meanings[glyphs.side_flip] == "other"
+    assert meanings[glyphs.thumb] == "γ now"
+    plot = [row[4:] for row in rows[: next(y for y, row in enumerate(rows) if "earns" in row) - 1]]
+    assert sum(row.count(glyphs.thumb) for row in plot) == 1, "on the best value at the γ in force"
+    assert sum(glyphs.stay in row for row in plot) > len(plot) - 4
+
+
+def test_a_world_without_other_flips_explains_none() -> None:
+    shown = with_flips(student())
+    assert UNICODE.side_flip not in {sign.sign for sign in panel(shown).legend(shown)}
+    without = with_flips(lake(slippery=False))
+    assert [sign.sign for sign in panel(without).legend(without)] == [UNICODE.thumb]
+    hidden = with_flips(student(), is_hidden=True)
+    assert panel(hidden).legend(hidden) == ()
 
 
 def test_from_worst_to_best_a_crossing_is_seen_where_values_are_close() -> None:
@@ -181,10 +244,71 @@ def test_where_colours_do_not_tell_lines_apart_their_signs_do() -> None:
     strips = draw_values(lines, answer.curves.gamma, (), 0, 0.5, None, plain, 80, 20)
     drawn_in = {cell for strip in strips[:-1] for cell in strip.text}
     signs = {line.sign for line in lines}
-    usual = {*" ┤│┃.", *"0123456789"}
+    usual = {*" ┤│·●.", *"0123456789"}
     assert all(cell in usual | signs or braille.BLANK < ord(cell) <= braille.BLANK + 255 for cell in drawn_in)
-    body = "".join(strip.text[:-3] for strip in strips[:-1])
-    assert any(sign in body for sign in signs)
+
+
+@pytest.mark.parametrize("width", [36, 56, 80])
+def test_without_colours_each_line_has_its_sign_along_it_also_where_others_cover_it(width: int) -> None:
+    answer, plain = known_of(discount()), look(depth="none")
+    assert answer.curves is not None
+    lines = action_lines(discount().world, answer.curves, 19, plain)
+    strips = draw_values(lines, answer.curves.gamma, (), 19, 0.9, None, plain, width, 10)
+    body = "".join(strip.text[4:-3] for strip in strips[:-1])
+    assert all(body.count(line.sign) >= 2 for line in lines)
+
+
+def test_names_of_actions_are_whole_in_a_terminal_of_eighty_columns() -> None:
+    assert any(row.endswith("check phone") for row in chart(student(), 0, 36, 13))
+
+
+# What there is room for
+
+
+def framed(shown: Snapshot, width: int, height: int, *downs: int) -> tuple[DiscountPanel, list[str]]:
+    made = panel(shown, state=0)
+    made.is_explained = True
+    for _ in downs:
+        made.action_choose(1)
+    return made, [row.text.rstrip() for row in made.picture(shown, width, height)]
+
+
+@pytest.mark.parametrize("size", [(58, 18), (36, 18), (26, 11)])
+@pytest.mark.parametrize("presses", range(4))
+def test_the_flip_chosen_comes_before_the_legend_and_that_before_other_flips(
+    size: tuple[int, int], presses: int
+) -> None:
+    for shown in (with_flips(lake()), with_flips(discount()), with_flips(student())):
+        made, rows = framed(shown, *size, *range(presses))
+        signs = tuple(sign._replace(in_full="") for sign in made.legend(shown))
+        assert made.free_rows >= len(legend_rows(signs, size[0], len(signs), made.look))
+        flip = made.chosen or known_of(shown).flips[0]
+        if presses or len(known_of(shown).flips) == 1:
+            gamma = fitting_form(known_of(shown).flips, made.look, size[0]).gamma(flip, made.look)
+            assert any(gamma in row for row in rows)
+
+
+def test_a_list_that_is_cut_tells_which_flips_of_how_many() -> None:
+    made, rows = framed(with_flips(discount()), 56, 20, *range(20))
+    count = sum("earns" in row for row in rows)
+    assert f"flips {15 - count}–14 of 14" in made.heading
+    for width in (36, 44):
+        made, _ = framed(with_flips(discount()), width, 18, *range(20))
+        assert made.heading.endswith("–14 of 14")
+    made, _ = framed(with_flips(lake()), 26, 10, 1, 2)
+    assert made.heading.endswith("flip 2 of 2")
+    assert " of " not in framed(with_flips(lake()), 56, 20)[0].heading.removeprefix("γ · Q* of")
+
+
+def test_keys_have_words_and_v_is_named_by_what_it_turns_to() -> None:
+    made, _ = framed(with_flips(lake()), 90, 20)
+    assert "v: worst to best" in made.footing
+    made.action_turn_layer()
+    made.picture(with_flips(lake()), 90, 20)
+    assert "v: Q*" in made.footing
+    for width in range(8, 90):
+        made, _ = framed(with_flips(lake()), width, 20)
+        assert all(": " in hint for hint in made.footing.split(" · ") if hint)
 
 
 # On the playground

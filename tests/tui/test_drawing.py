@@ -65,8 +65,8 @@ async def draw_shortest(pilot: Pilot[UserError]) -> None:
 @pytest.mark.parametrize(
     ("scenario", "expected_return", "said"),
     [
-        ("frozenlake", 1.0, "You draw a policy · return 1.00 · nothing at random"),
-        ("frozenlake-slippery", None, "5 states at random"),
+        ("frozenlake", 1.0, "You draw a policy · return 1 · all on its way drawn"),
+        ("frozenlake-slippery", None, "5 states on its way at random (?)"),
     ],
 )
 async def test_a_way_is_drawn_with_shift_and_arrows(
@@ -84,7 +84,59 @@ async def test_a_way_is_drawn_with_shift_and_arrows(
         else:
             assert found == expected_return
         arrows = picture(pilot)
-        assert (arrows.count("↓"), arrows.count("→"), arrows.count("?")) == (3, 3, 5)
+        assert (arrows.count("↓"), arrows.count("→"), arrows.count("?")) == (3, 3, 7)  # the legend has two
+
+
+@pytest.mark.parametrize(
+    ("scenario", "keys", "said"),
+    [
+        ("taxi", ("3",), "Drawn · return −752.0 · 399 random"),
+        ("cliff", ("shift+up", "shift+right"), "Drawn · return −34,154 · 35 random"),
+        ("bandit", ("3",), "You draw · its return is hidden"),
+    ],
+)
+async def test_in_little_room_the_mode_its_figures_and_its_signs_are_told(
+    make_app: MakeApp, scenario: str, keys: tuple[str, ...], said: str
+) -> None:
+    async with make_app(scenario).run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        await press(pilot, "D", *keys)
+        world = view(pilot)
+        assert str(world.border_title) == said
+        assert str(world.border_subtitle).endswith("D: end")
+        assert ("? random" in picture(pilot)) is (scenario != "bandit")
+
+
+async def test_where_the_policy_never_comes_nothing_need_be_drawn_and_that_is_seen(make_app: MakeApp) -> None:
+    async with make_app("frozenlake").run_test(size=(80, 24)) as pilot:
+        await draw_shortest(pilot)
+        world = view(pilot)
+
+        def bold_signs() -> int:
+            rows = [world.render_line(y) for y in range(world.size.height)]
+            signs = [each for row in rows for each in row if "?" in each.text]
+            return sum(each.style is not None and bool(each.style.bold) for each in signs)
+
+        assert (picture(pilot).count("?"), bold_signs()) == (5, 0)
+        assert str(world.border_title).endswith("its way is drawn")
+        world.put_cursor(4)
+        await press(pilot, "delete")
+        left = snapshot(pilot).answers.left_to_chance
+        assert left is not None
+        assert bold_signs() == left.sum() == 1
+        assert "1 at random" in str(world.border_title)
+
+
+async def test_a_name_that_fills_its_box_leaves_the_corners_whole(make_app: MakeApp) -> None:
+    async with make_app("student").run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        await press(pilot, "D")
+        rows = picture(pilot)
+        assert "│Phone?├" in rows
+        assert "│◉Class├" in rows
+        assert "│ 4.04 │" not in rows
+        assert "?" not in "".join(row for row in rows.splitlines() if "──╮" in row)
+        assert rows.count("?") == 2
 
 
 async def test_digits_draw_and_the_cursor_stays(make_app: MakeApp) -> None:
@@ -117,8 +169,8 @@ async def test_the_mode_is_seen_and_ends(make_app: MakeApp) -> None:
             await press(pilot, "D")
             assert world.has_class("-manual")
             assert world.has_focus
-            said = "return .010 · 10 states at random" if drawn(pilot) else "nothing drawn: all at random"
-            assert str(world.border_title) == f"You draw a policy · {said}"
+            said = "return .01 · 10 states on its way at random (?)" if drawn(pilot) else "all at random (?)"
+            assert str(world.border_title).endswith(f" · {said}")
             assert str(world.border_subtitle) == "1 ↑  2 →  3 ↓  4 ← · del: none · C: clear · D: end"
             assert keys.render_line(0).text.startswith(" shift+arrow draw  digits draw  D end")
             await press(pilot, "shift+right", key)
@@ -212,7 +264,7 @@ async def test_a_node_of_a_graph_takes_its_own_actions(make_app: MakeApp) -> Non
         await press(pilot, "2")
         assert drawn(pilot) == ((0, 0), (1, 3))
         assert "?" not in picture(pilot)
-        assert "nothing at random" in str(view(pilot).border_title)
+        assert "all on its way drawn" in str(view(pilot).border_title)
         mdp = snapshot(pilot).world.mdp
         assert mdp is not None
         assert worth(pilot).expected_return == pytest.approx(7.5, abs=5.0)
@@ -244,7 +296,7 @@ async def test_a_large_map_says_at_least_what_is_open() -> None:
         await settle(pilot)
         await press(pilot, "D", "shift+right", "shift+down", "2")
         assert len(drawn(pilot)) == 3
-        assert str(view(pilot).border_title) == "You draw · 39,996 states at random"
+        assert str(view(pilot).border_title) == "You draw · 39,996 at random (?)"
 
 
 async def test_another_map_ends_the_drawing_but_not_the_mode(make_app: MakeApp) -> None:
@@ -259,7 +311,7 @@ async def test_another_map_ends_the_drawing_but_not_the_mode(make_app: MakeApp) 
         await settle(pilot)
         assert drawn(pilot) == ()
         assert playground(pilot).drawing.is_on
-        assert "nothing drawn" in str(view(pilot).border_title)
+        assert "all at random (?)" in str(view(pilot).border_title)
         await press(pilot, "1")
         assert len(drawn(pilot)) == 1
 

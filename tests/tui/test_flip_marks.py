@@ -68,6 +68,20 @@ def test_they_are_seen_on_both_parts_of_the_track_at_any_width() -> None:
     assert row(QUARTER, HALF, value=0.4).count(UNICODE.flip) == 2
 
 
+@pytest.mark.parametrize("ascii", [False, True])
+@pytest.mark.parametrize("depth", ["truecolor", "16", "none"])
+def test_at_the_ends_and_while_a_value_is_typed_or_refused_they_are_seen(ascii: bool, depth: str) -> None:  # noqa: A002
+    ends = SliderMark(1e-4, 0.0, 0.01), SliderMark(0.9999, 0.99, 0.99995, stands_out=False)
+    dressed = look(ascii, depth)
+    states = [SliderState(0.5, marks=ends), SliderState(0.5, typed="0.", marks=ends)]
+    for state in (*states, SliderState(0.5, refused=True, marks=ends)):
+        strip = slider_strip(GAMMA, scale_of(GAMMA), state, dressed, 60)
+        track = strip.text[strip.text.index(dressed.glyphs.flip) :]
+        assert strip.cell_length == 60
+        assert dressed.glyphs.side_flip in track
+        assert dressed.glyphs.thumb in track
+
+
 def test_flips_of_the_way_are_marked_others_on_request_and_none_while_the_answer_is_hidden() -> None:
     mdp = discount_mdp()
     shown = changed(student(), flips=worked_out(mdp))

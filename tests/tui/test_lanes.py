@@ -12,7 +12,7 @@ from textual.widgets import Input
 from rl_tui.common.errors import UserError
 from rl_tui.tui.app.screenshot import settle
 from rl_tui.tui.panels.controls.slider import Slider
-from rl_tui.tui.screens.dialogs.compare import Compare
+from rl_tui.tui.screens.dialogs.lanes.compare import Compare
 
 
 async def open_lane(pilot: Pilot[UserError], name: str, value: str) -> None:

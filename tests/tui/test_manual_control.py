@@ -11,8 +11,8 @@ from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.panels.last_step.last_step import last_step_lines
 from rl_tui.tui.panels.last_step.words import words_of
 from rl_tui.tui.screens.playground.actions.modes import action_keys
-from rl_tui.tui.screens.playground.actions.modes.action_keys import has_directions
-from rl_tui.tui.screens.playground.actions.modes.manual import acts_in, prompts, title
+from rl_tui.tui.screens.playground.actions.modes.action_keys import acts_in, has_directions
+from rl_tui.tui.screens.playground.actions.modes.manual import prompts, title
 
 GLYPHS = look().glyphs
 STUDY, PHONE, SCROLL, QUIT, SLEEP = range(5)

@@ -62,6 +62,18 @@ async def test_the_curve_and_the_dialog_tell_it_and_a_remedy_is_applied(make_app
         assert not isinstance(app.screen, Why)
 
 
+async def test_what_is_known_when_it_opens_is_said_though_nothing_comes_after(make_app: MakeApp) -> None:
+    app = make_app("frozenlake")
+    async with app.run_test(size=(80, 24), notifications=True) as pilot:
+        await settle(pilot)
+        await press(pilot, "t", "Y")
+        known = snapshot(pilot)
+        await press(pilot, "escape")
+        await app.push_screen(Why(playground(pilot).look, known))
+        await pilot.pause()
+        assert "184,616" in screen_text(app)
+
+
 async def test_an_optimistic_start_begins_again_and_then_it_is_over(make_app: MakeApp) -> None:
     app = make_app("frozenlake")
     async with app.run_test(size=(80, 24), notifications=True) as pilot:

@@ -91,12 +91,13 @@ def _check_known(mdp: TabularMDP, algorithm: str, hyperparameters: Hyperparamete
     if mdp.drift_std > 0.0:
         raise NoExactAnswer("the rewards of this world drift: no two episodes are alike")
     if hyperparameters.alpha_at(episode) and _falls_to_zero(hyperparameters):
-        raise NoExactAnswer("α falls to 0: episodes are not alike, and after some of them nothing moves")
+        raise NoExactAnswer("α falls towards 0: episodes are not alike, and after some of them nothing moves")
 
 
 def _falls_to_zero(hyperparameters: Hyperparameters) -> bool:
-    falls = hyperparameters.step_size_schedule == "linear" and hyperparameters.alpha_decay > 0.0
-    return falls and hyperparameters.alpha_min == 0.0
+    values = hyperparameters
+    is_scheduled = values.step_size_schedule != "constant" and not values.sample_average
+    return is_scheduled and values.alpha_decay > 0.0 and values.alpha_min == 0.0
 
 
 def _step_size(hyperparameters: Hyperparameters, episode: int) -> float:

@@ -18,7 +18,7 @@ class Solution:
 
     ``v`` is [S] (0 where a state owns no pair), ``q`` [P]. ``best`` [P] marks the pairs within 1e-9 of the
     best of their state, ``greedy`` [P] those of them that are shown as the optimal policy: all below γ = 1;
-    at γ = 1 those of :func:`~rl_tui.agents.exact.ending_ties.ending_ties`, since a choice among the best
+    at γ = 1 those of :func:`~rl_tui.agents.exact.solve.ending_ties`, since a choice among the best
     pairs may never end there, and earns what they promise only if it does. ``value_at_start`` averages v over
     the start distribution. ``expected_return`` is the undiscounted return of the greedy policy (uniform over
     its ties) within the time limit,

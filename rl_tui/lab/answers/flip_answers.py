@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from rl_tui.common.kiosk import in_kiosk
+from rl_tui.common.words import counted
 from rl_tui.lab.answers.flip_answer import (
     NOT_ASKED,
     PENDING,
@@ -103,9 +104,11 @@ def at_once(mdp: TabularMDP) -> FlipAnswer | None:
     if mdp.drift_std:
         return refused("rewards drift here: the optimal actions are others after every step")
     if live > MOST_STATES:
-        return refused(f"flip points are worked out for at most {MOST_STATES} states; here are {live:,}")
+        return refused(
+            f"flips are worked out for at most {counted(MOST_STATES, 'state')}; here {live:,} are live"
+        )
     if in_kiosk():
-        return refused("flip points are not worked out in a kiosk")
+        return refused("flips are not worked out in a kiosk")
     return None
 
 

@@ -6,11 +6,12 @@ import numpy as np
 
 from rl_tui.lab.answers.drawn_policy import DrawnPolicy
 from rl_tui.worlds.mdp.reachable import reachable
+from rl_tui.worlds.mdp.space import BoolArray
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
 
-def left_to_chance(mdp: TabularMDP, drawn: DrawnPolicy) -> int:
-    """Return in how many states nothing is drawn, though there is a choice and the policy may come there."""
+def left_to_chance(mdp: TabularMDP, drawn: DrawnPolicy) -> BoolArray:
+    """Return where nothing is drawn, though there is a choice and the policy may come there, [S]."""
     policy = drawn.chances(mdp)
     goes_on = (policy[mdp.outcome_pair] > 0.0) & (mdp.probability > 0.0) & ~mdp.terminated
     source = mdp.pair_state[mdp.outcome_pair[goes_on]]
@@ -18,17 +19,17 @@ def left_to_chance(mdp: TabularMDP, drawn: DrawnPolicy) -> int:
     reached = reachable(first_edge, mdp.next_state[goes_on], mdp.start_state)
     is_open = np.diff(mdp.first_pair) > 1
     is_open[[state for state, _ in drawn.choices]] = False
-    return int((reached & is_open).sum())
+    return np.asarray(reached & is_open)
 
 
 class LeftToChance:
     """The same, worked out again only where drawing or world are others."""
 
     def __init__(self) -> None:
-        self._known: tuple[TabularMDP, DrawnPolicy, int] | None = None
+        self._known: tuple[TabularMDP, DrawnPolicy, BoolArray] | None = None
 
-    def of(self, mdp: TabularMDP, drawn: DrawnPolicy) -> int:
-        """Return in how many states ``drawn`` may come to act at random for want of a choice."""
+    def of(self, mdp: TabularMDP, drawn: DrawnPolicy) -> BoolArray:
+        """Return the states in which ``drawn`` may come to act at random for want of a choice, [S]."""
         if self._known is None or self._known[0] is not mdp or self._known[1] is not drawn:
             self._known = mdp, drawn, left_to_chance(mdp, drawn)
         return self._known[2]

@@ -10,6 +10,7 @@ from rl_tui.lab.answers.first_updates import FirstUpdateView
 from rl_tui.lab.answers.flip_answer import NOT_ASKED, FlipAnswer
 from rl_tui.lab.answers.policy_kind import PolicyKind
 from rl_tui.lab.answers.policy_values import PolicyAnswer
+from rl_tui.worlds.mdp.space import BoolArray
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -22,8 +23,8 @@ class AnswersView:
     """The policy whose values are asked for; None: of none."""
     drawn: DrawnPolicy = field(default_factory=DrawnPolicy)
     """The policy that a person drew."""
-    left_to_chance: int | None = None
-    """In how many states it may come to act at random for want of a choice; None: it is not studied."""
+    left_to_chance: BoolArray | None = None
+    """The states in which it may come to act at random for want of a choice, [S]; None: it is not studied."""
     policies: Mapping[PolicyKind, PolicyAnswer] = field(default_factory=dict)
     """What each policy is worth, as far as it is known; none while nobody asks."""
     first_update: FirstUpdateView | None = None

@@ -10,10 +10,152 @@ from typing import Final
 
 from rl_tui.tui.actions.action import Action, Group, Place
 from rl_tui.tui.actions.playground_actions import PLAYGROUND_ACTIONS
-from rl_tui.tui.actions.program_actions import CATALOGUE_ACTIONS, PROGRAM_ACTIONS
 from rl_tui.tui.panels.catalogue import PANELS, PanelRow
 
-_ACTIONS: Final = (*CATALOGUE_ACTIONS, *PLAYGROUND_ACTIONS, *PROGRAM_ACTIONS)
+_CATALOGUE_ACTIONS: Final[tuple[Action, ...]] = (
+    Action(
+        "open",
+        "enter",
+        "open",
+        "Open the scenario, or go on with the session.",
+        Group.SCENARIO,
+        Place.CATALOGUE,
+        rank=0,
+    ),
+    Action(
+        "delete_session",
+        "delete",
+        "delete",
+        "Delete the session under the cursor, after asking; shift+tab goes to the sessions.",
+        Group.SESSION,
+        Place.CATALOGUE,
+        symbol="del",
+        for_the_owner=True,
+    ),
+)
+
+_PROGRAM_ACTIONS: Final[tuple[Action, ...]] = (
+    Action(
+        "session.save",
+        "w",
+        "save",
+        "Save the session under a name; it is kept by itself as well.",
+        Group.SESSION,
+        rank=19,
+        for_the_owner=True,
+    ),
+    Action(
+        "export.choose",
+        "x",
+        "export",
+        "Write the run as a command, a Python script, tables or a picture.",
+        Group.SESSION,
+        rank=10,
+        for_the_owner=True,
+        needs_world=True,
+    ),
+    Action(
+        "previous_scenario",
+        "left_square_bracket",
+        "previous scenario",
+        "Go to the previous scenario.",
+        Group.SCENARIO,
+        symbol="[",
+        rank=12,
+        hint=("[ ]", "scenario"),
+    ),
+    Action(
+        "next_scenario",
+        "right_square_bracket",
+        "next scenario",
+        "Go to the next scenario.",
+        Group.SCENARIO,
+        symbol="]",
+    ),
+    Action(
+        "back",
+        "escape",
+        "back",
+        "Leave the zoom or an opened panel, else go back to the catalogue: twice, once a step was taken.",
+        Group.SCENARIO,
+        symbol="esc",
+        rank=18,
+        aliases="menu list",
+    ),
+    Action(
+        "help",
+        "question_mark",
+        "help",
+        "Explain the word under the mouse or the panel in focus; else, and again, show this help.",
+        Group.PROGRAM,
+        Place.BOTH,
+        symbol="?",
+        rank=-1,
+    ),
+    Action(
+        "glossary",
+        "slash",
+        "glossary",
+        "Look a word up: each with its equation and where it stands in Sutton and Barto's book.",
+        Group.PROGRAM,
+        Place.BOTH,
+        symbol="/",
+    ),
+    Action(
+        "palette",
+        "ctrl+p",
+        "palette",
+        "Find every action by its name, and the colour themes.",
+        Group.PROGRAM,
+        Place.BOTH,
+        command="app.command_palette",
+        rank=23,
+    ),
+    Action(
+        "redraw",
+        "ctrl+l",
+        "draw again",
+        "Draw the whole screen again, where something else wrote over it.",
+        Group.PROGRAM,
+        Place.BOTH,
+        command="app.redraw",
+        everywhere=True,
+    ),
+    Action(
+        "suspend",
+        "ctrl+z",
+        "to the shell",
+        "Stop here and go to the shell; its command fg comes back.",
+        Group.PROGRAM,
+        Place.BOTH,
+        command="app.suspend_process",
+        for_the_owner=True,
+        everywhere=True,
+    ),
+    Action(
+        "quit",
+        "q",
+        "quit",
+        "Quit; in the help and in the model only close them.",
+        Group.PROGRAM,
+        Place.BOTH,
+        command="app.quit",
+        rank=24,
+        aliases="exit leave end bye",
+    ),
+    Action(
+        "ask_to_quit",
+        "ctrl+c",
+        "quit, asking",
+        "Ask whether to quit; enter or a second ctrl+c does.",
+        Group.PROGRAM,
+        Place.BOTH,
+        command="app.ask_to_quit",
+        everywhere=True,
+    ),
+)
+
+_ACTIONS: Final = (*_CATALOGUE_ACTIONS, *PLAYGROUND_ACTIONS, *_PROGRAM_ACTIONS)
 
 
 def all_actions(panels: Iterable[PanelRow] = PANELS) -> tuple[Action, ...]:

@@ -42,8 +42,9 @@ class Flip:
     """A γ at which the optimal actions change: ``gamma`` is the float nearest to it.
 
     ``turns`` are the states whose optimal actions are others on its two sides, in their order.
-    ``turns_the_way`` tells whether one of them stands on the way from the start below or above
-    (:func:`~rl_tui.agents.exact.flips.way.way_from_start`); false where there is no way on one of the sides.
+    ``turns_the_way`` tells whether one of them is a start, or stands on the way from it below or above
+    (:func:`~rl_tui.agents.exact.flips.way.way_from_start`). Where there is no way on one of the sides, only
+    the start itself counts.
     ``expected_return`` is that of the optimal policy below and above, uniform over its ties: undiscounted,
     within the time limit, None where it has none.
     """
@@ -59,7 +60,8 @@ def flips(mdp: TabularMDP) -> tuple[Flip, ...]:
 
     Probabilities and rewards are read as the nearest fractions with denominators up to 10⁶, and everything is
     decided in whole numbers. Where an action is as good at a single γ, and the sets on both sides are the
-    same, nothing flips. Raises NoExactAnswer where more than 100 states are live.
+    same, nothing flips. Raises NoExactAnswer where more than 100 states are live, or a number that is not 0
+    is too small to be read.
     """
     model = exact_model(mdp)
     if len(model.live) > MOST_STATES:
@@ -101,10 +103,13 @@ def _side(model: ExactModel, optimal: BoolArray) -> _Side:
 
 def _flip(model: ExactModel, root: RealRoot, below: _Side, above: _Side) -> Flip:
     turns = tuple(_turns(model, below.optimal, above.optimal))
-    ways = [side.way for side in (below, above) if side.way is not None]
+    on_the_way = np.zeros(model.end + 1, dtype=np.bool_)
+    on_the_way[model.mdp.start_state] = True
+    if below.way is not None and above.way is not None:
+        on_the_way |= below.way | above.way
     return Flip(
         gamma=root.nearest_float(),
-        turns_the_way=len(ways) == 2 and any(way[turn.state] for way in ways for turn in turns),
+        turns_the_way=any(on_the_way[turn.state] for turn in turns),
         expected_return=(below.expected_return, above.expected_return),
         turns=turns,
     )

@@ -1,4 +1,11 @@
-"""The values of a policy as functions of γ: polynomials over one denominator, with whole coefficients."""
+"""The values of a policy as functions of γ: polynomials over one denominator, with whole coefficients.
+
+In short: V = Σ γᵏ PᵏR, so each value is a power series in γ. Its coefficients obey a linear recurrence, as
+PᵏR does (theorem of Cayley and Hamilton), and a series of that kind is a quotient N(γ) / D(γ), with the
+recurrence for D. The recurrence is found modulo many primes, where numbers stay small, and put together to
+whole numbers. Last, (I − γP) N = D R is checked in whole numbers: a prime without luck costs another try,
+never a wrong answer.
+"""
 
 from __future__ import annotations
 

@@ -9,6 +9,7 @@ from typing import Final
 
 import numpy as np
 
+from rl_tui.agents.exact.solution import NoExactAnswer
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
 LARGEST_DENOMINATOR: Final = 10**6
@@ -47,7 +48,8 @@ def rational_model(mdp: TabularMDP) -> RationalModel:
     """Return ``mdp`` in whole numbers.
 
     Each probability and reward is read as the nearest fraction with a denominator of at most 10⁶; the
-    probabilities of a pair are then scaled to sum to exactly 1.
+    probabilities of a pair are then scaled to sum to exactly 1. Raises NoExactAnswer where one that is not 0
+    would be read as 0.
     """
     live = np.flatnonzero(np.diff(mdp.first_pair)).tolist()
     number = {state: place for place, state in enumerate(live)}
@@ -73,7 +75,13 @@ def rational_model(mdp: TabularMDP) -> RationalModel:
 
 
 def _read(value: float) -> Fraction:
-    return Fraction(value).limit_denominator(LARGEST_DENOMINATOR)
+    read = Fraction(value).limit_denominator(LARGEST_DENOMINATOR)
+    if value and not read:
+        raise NoExactAnswer(
+            f"flips read chances and rewards as fractions with denominators up to {LARGEST_DENOMINATOR:,}, "
+            f"and {value:g} is too small for that"
+        )
+    return read
 
 
 def _pair(state: int, outcomes: list[tuple[Fraction, int, int | None]]) -> RationalPair:

@@ -15,16 +15,25 @@ AS_LIKELY: Final = 1e-9
 
 
 def way_from_start(model: ExactModel, optimal: BoolArray) -> BoolArray | None:
-    """Return the states, [S+1], to which likeliest outcomes of ``optimal`` pairs, [P], lead from the start.
+    """Return the states, [S+1], to which ``optimal`` pairs, [P], most likely lead from the start.
 
-    Where several are likeliest, or optimal, or a start, all are followed. The way comes to the end, or it
-    goes round where no luck at all leads to the end. Where it goes round only until a slip leads out, it
-    does not tell what becomes of the episode: None.
+    From a state the way goes on to where its actions lead with the highest chance, all outcomes that land
+    there taken together; to stay is not to go on. Where several places are likeliest, or several actions
+    optimal, or the start is drawn, all are followed. The way comes to the end, or it goes round where no luck
+    at all leads to the end. Where it goes round only until a slip leads out, it does not tell what becomes of
+    the episode: None.
     """
-    highest = np.maximum.reduceat(model.probability, model.mdp.first_outcome[:-1])
-    followed = optimal[model.outcome_pair] & (model.probability >= highest[model.outcome_pair] - AS_LIKELY)
-    source = model.pair_state[model.outcome_pair][followed]
-    first_edge = np.searchsorted(source, np.arange(model.end + 2))
-    way = reachable(first_edge, model.landing[followed], model.mdp.start_state)
+    source = model.pair_state[model.outcome_pair]
+    moves = np.flatnonzero(optimal[model.outcome_pair] & (model.landing != source))
+    places, place_of = np.unique(
+        model.outcome_pair[moves] * (model.end + 1) + model.landing[moves], return_inverse=True
+    )
+    pair, landing = np.divmod(places, model.end + 1)
+    chance = np.bincount(place_of, weights=model.probability[moves].astype(np.float64))
+    highest = np.zeros(model.mdp.pairs)
+    np.maximum.at(highest, pair, chance)
+    followed = chance >= highest[pair] - AS_LIKELY
+    first_edge = np.searchsorted(model.pair_state[pair[followed]], np.arange(model.end + 2))
+    way = reachable(first_edge, landing[followed], model.mdp.start_state)
     may_end = model.steps_to([model.end], optimal) >= 0
     return way if way[model.end] or not (way & may_end).any() else None

@@ -117,8 +117,8 @@ class Slider(Draggable, can_focus=True):
         """Show ``marks``, rising, on the track; ``meaning`` is a sentence that says what they are."""
         if marks != self._marks:
             self._marks = marks
-            told = f"{self._help} {meaning} {{ and }} go beyond the next." if marks else self._help
-            self.tooltip = to_ascii(told, self.look.glyphs)
+            tip = f"{self._help} {meaning} {{ and }} go beyond the next." if marks else self._help
+            self.tooltip = to_ascii(tip, self.look.glyphs)
             self.refresh()
 
     @property

@@ -24,7 +24,7 @@ from rl_tui.tui.draw.numbers import NEGLIGIBLE
 from rl_tui.tui.draw.scale import round_scale
 from rl_tui.tui.draw.to_ascii import to_ascii
 from rl_tui.tui.theme.look import Look
-from rl_tui.worlds.mdp.space import FloatArray
+from rl_tui.worlds.mdp.space import BoolArray, FloatArray
 from rl_tui.worlds.world import World
 
 if TYPE_CHECKING:
@@ -35,6 +35,7 @@ LEAST_HEIGHT: Final = 4
 _ROOMY: Final = 36  # columns with labels a fifth apart; with fewer there are three
 _SIGNS_APART: Final = 12  # columns from one sign on a line to the next
 _SIGN_FREE: Final = 2  # columns at the end without one, which would read as part of the name beside it
+_NAMES_SHARE: Final = 0.4  # of the columns, what names have if that is enough for all of each
 _UNIT: Final = " γ"
 
 
@@ -104,17 +105,22 @@ def draw_values(
     scale = round_scale(*((float(finite.min()), float(finite.max())) if len(finite) else (0.0, 1.0)))
     left = value_axis_columns(scale, look)
     unit = to_ascii(_UNIT, look.glyphs)
-    names = min(max(cell_len(line.name) for line in lines), (width - left) // 3)
+    names = max(cell_len(line.name) for line in lines)
+    if names > round(_NAMES_SHARE * (width - left)):
+        names = (width - left) // 3
     names = max(names, cell_len(unit) - 1)
     plot = Plot(left, width - left - names - 1, height - 1, 1.0, scale)
     draw_value_axis(canvas, plot, look)
     step = 0.2 if plot.columns >= _ROOMY else 0.5
     draw_count_axis(canvas, plot, 1.0, 6, unit, look, step)
     _draw_marks(canvas, plot, flips, gamma, chosen, look)
-    best_now = int(np.nan_to_num(values[:, _nearest(gammas, gamma)]).argmax())
+    now = _nearest(gammas, gamma)
+    best_now = int(np.nan_to_num(values[:, now]).argmax())
     order = sorted(range(len(lines)), key=best_now.__eq__)  # what is best for the γ in force lies on top
     _draw_lines(canvas, plot, [lines[number] for number in order], gammas, look)
     best = np.nan_to_num(values.max(axis=0))
+    row = plot.row(float(best[now])) if gamma <= gammas[-1] else 0
+    canvas.put(plot.left + _column(plot, gamma), row, look.glyphs.thumb, look.palette.accent)
     for flip in flips:
         if any(turn.state == state for turn in flip.turns):
             row = plot.row(float(np.interp(flip.gamma, gammas, best)))
@@ -136,18 +142,23 @@ def _nearest(gammas: FloatArray, gamma: float) -> int:
 def _draw_marks(
     canvas: Canvas, plot: Plot, flips: Sequence[Flip], gamma: float, chosen: Flip | None, look: Look
 ) -> None:
-    """Draw an upright line at each flip, then at the γ in force; what matters more covers the rest."""
+    """Draw an upright line at each flip, then dots at the γ in force; what matters more covers the rest."""
     glyphs, palette = look.glyphs, look.palette
     marks = [
-        (flip.gamma, glyphs.axis_vertical if flip.turns_the_way else glyphs.zero_line, flip_style(flip, look))
+        (flip.gamma, flip_sign(flip, look), flip_style(flip, look))
         for flip in sorted(flips, key=lambda flip: flip.turns_the_way)
     ]
-    marks.append((gamma, glyphs.bold_vertical, palette.accent))
+    marks.append((gamma, glyphs.stay, palette.accent))
     if chosen is not None:
-        marks.append((chosen.gamma, glyphs.axis_vertical, palette.focus))
+        marks.append((chosen.gamma, flip_sign(chosen, look), palette.focus))
     for at, glyph, style in marks:
         for row in range(plot.rows):
             canvas.put(plot.left + _column(plot, at), row, glyph, style)
+
+
+def flip_sign(flip: Flip, look: Look) -> str:
+    """Return what stands for ``flip``, here and on the slider of γ."""
+    return look.glyphs.flip if flip.turns_the_way else look.glyphs.side_flip
 
 
 def flip_style(flip: Flip, look: Look) -> Style:
@@ -162,11 +173,13 @@ def _draw_lines(
     has_signs = not look.palette.tells_lanes_apart or len(lines) > len(look.palette.lanes)
     shown = np.zeros((plot.rows, plot.columns), dtype=np.int64)
     whose = np.full(shown.shape, -1)
+    passes = list[BoolArray]()
     for number, line in enumerate(lines):
         ends = line.values[:-1], line.values[1:]
         steps = Steps(gammas[:-1], gammas[1:], np.minimum(*ends), np.maximum(*ends))
         codes = plot.braille_line(steps)
         there = codes > braille.BLANK
+        passes.append(there)
         whose[there] = number
         if look.glyphs.braille:
             shown[there] |= codes[there]
@@ -176,7 +189,8 @@ def _draw_lines(
         for number, line in enumerate(lines):
             first = _SIGNS_APART * (number + 1) // (len(lines) + 1)
             for column in range(first, plot.columns - _SIGN_FREE, _SIGNS_APART):
-                shown[np.flatnonzero(whose[:, column] == number)[:1], column] = ord(line.sign)
+                at = np.flatnonzero(passes[number][:, column])[:1], column
+                shown[at], whose[at] = ord(line.sign), number
     for row, column in np.argwhere(whose >= 0).tolist():
         style = lines[whose[row, column]].style
         canvas.put(plot.left + column, row, chr(shown[row, column]), style)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar, Final
+from typing import TYPE_CHECKING, ClassVar, Final, NamedTuple
 
 from textual.binding import BindingType
 from textual.message import Message
@@ -16,8 +16,8 @@ from rl_tui.tui.draw.names import state_name
 from rl_tui.tui.draw.pieces import Line, strips_of, wrapped
 from rl_tui.tui.panels.bindings import binding
 from rl_tui.tui.panels.discount.chart import LEAST_HEIGHT, action_lines, draw_values, ranked
-from rl_tui.tui.panels.discount.flip_list import flip_lines
-from rl_tui.tui.panels.legend import Legend, LegendSign
+from rl_tui.tui.panels.discount.flip_list import fitting_form, flip_lines
+from rl_tui.tui.panels.legend import Legend, LegendSign, legend_rows
 from rl_tui.tui.panels.panel import Panel
 from rl_tui.tui.panels.pointing import NOWHERE
 from rl_tui.tui.panels.snapshot_facts import ANSWER_KEY, is_secret, passes_too_fast
@@ -32,19 +32,18 @@ PENDING: Final = "being worked out, beside all else"
 NO_FLIPS: Final = "the same actions are best at every γ between 0 and 1"
 _TITLE: Final = "γ"
 _CHART_SHARE: Final = 0.55  # of the rows, where the list has more than it has room for
-_CHART_ROWS: Final = 7
+_CHART_ROWS: Final = 6
 _LIST_ROWS: Final = 2  # what the list has at the least, where that leaves a chart
-_KEYS: Final = (
-    "↑ ↓: flip · enter: γ beyond it · v: worst to best · G: close",
-    "↑ ↓: flip · enter: γ beyond it · v: layer · G: close",
-    "↑ ↓: flip · enter: beyond · v: layer · G: close",
-    "↑ ↓ enter: beyond · v · G: close",
-    "↑ ↓ · enter: beyond · G: close",
-    "G: close",
-)
-_KEYS_WITHOUT_FLIPS: Final = ("v: worst to best · G: close", "v: layer · G: close", "G: close")
-_ROOMY_WIDTH: Final = 44
-_ROOMY_HEIGHT: Final = 18  # there the legend has rows of its own
+_RANKED: Final = "worst to best"
+_CLOSE: Final = "G: close"
+
+
+class _Drawn(NamedTuple):
+    """Chart and list, how many rows at the bottom are free, and which flips are listed, if not all."""
+
+    strips: list[Strip]
+    free_rows: int
+    listed: str
 
 
 class DiscountPanel(Panel, can_focus=True):
@@ -72,7 +71,7 @@ class DiscountPanel(Panel, can_focus=True):
         self._pointed = NOWHERE
         self._chosen: float | None = None  # the γ of a flip
         self._is_ranked = False
-        self._kept: tuple[object, list[Strip], int] | None = None
+        self._kept: tuple[object, _Drawn] | None = None
 
     def point_at(self, pairs: range) -> None:
         """Be about the state of ``pairs``; none: about that of the agent."""
@@ -113,18 +112,26 @@ class DiscountPanel(Panel, can_focus=True):
 
     def legend(self, snapshot: Snapshot) -> Legend:
         """Return the signs of flips and lines."""
-        if not _shown_flips(snapshot):
+        if said_instead(snapshot):
             return ()
         glyphs, palette = self.look.glyphs, self.look.palette
+        signs = {
+            True: LegendSign(glyphs.flip, "turns the way", palette.greedy, "turns the way from the start"),
+            False: LegendSign(glyphs.side_flip, "other", palette.dim, "other flip"),
+        }
+        in_force = LegendSign(glyphs.thumb, "γ now", palette.accent, "γ in force")
+        there = {flip.turns_the_way for flip in _shown_flips(snapshot)}
+        if not there:
+            return (in_force,)
         return (
-            LegendSign(glyphs.cursor, "turns the way", palette.greedy, "turns the way from the start"),
+            *(sign for turns_the_way, sign in signs.items() if turns_the_way in there),
             LegendSign(glyphs.change_mark, "this state", palette.strong, "this state turns"),
-            LegendSign(glyphs.bold_vertical, "γ in force", palette.accent),
+            in_force,
         )
 
     def picture(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
         """Return the chart above the list, or why there is none."""
-        self.heading, self.footing, self.free_rows = _TITLE, self.fitting(_KEYS[-1:], width), 0
+        self.heading, self.footing, self.free_rows = _TITLE, self.fitting((_CLOSE,), width), 0
         palette = self.look.palette
         text = "" if snapshot is None else said_instead(snapshot)
         if snapshot is None or text:
@@ -133,45 +140,67 @@ class DiscountPanel(Panel, can_focus=True):
             return strips_of(lines, width, height, self.look)
         state = self._state(snapshot)
         name = state_name(snapshot.world, state, self.look.glyphs)
-        layer = ", worst to best" if self._is_ranked else ""
-        about = f"{_TITLE} · Q* of state {name}{layer}"
-        captioned = self.captioned(about)
-        self.heading = self.fitting(
-            (*captioned, about, f"Q* of {name}{layer}", f"Q* of {name}", _TITLE), width
-        )
-        self.footing = self.fitting(_KEYS if snapshot.answers.flips.flips else _KEYS_WITHOUT_FLIPS, width)
+        self.footing = self.fitting(_keys(snapshot.answers.flips.flips, is_ranked=self._is_ranked), width)
         gamma, answer = snapshot.agent.hyperparameters.gamma, snapshot.answers.flips
         stance = self._chosen, self._is_ranked, self.is_explained
         what = answer, state, gamma, stance, self.look, width, height
         if self._kept is None or self._kept[0] != what:
-            strips = self._drawn(snapshot, state, width, height)
-            self._kept = what, strips, self.free_rows
-        self.free_rows = self._kept[2]
-        return list(self._kept[1])
+            self._kept = what, self._drawn(snapshot, state, width, height)
+        drawn = self._kept[1]
+        self.heading, self.free_rows = (
+            self.fitting(self._headings(name, drawn.listed), width),
+            drawn.free_rows,
+        )
+        return list(drawn.strips)
 
-    def _drawn(self, snapshot: Snapshot, state: int, width: int, height: int) -> list[Strip]:
-        """Return the chart above the list; it takes milliseconds, and depends on little of the snapshot."""
+    def _headings(self, name: str, listed: str) -> tuple[str, ...]:
+        """Return the ways to say what is drawn: of the state ``name``, and which flips, if not all."""
+        layer = f", {_RANKED}" if self._is_ranked else ""
+        noun = "flips" if "–" in listed else "flip"
+        count, short = (f" · {noun} {listed}", f" · {listed}") if listed else ("", "")
+        about = f"{_TITLE} · Q* of state {name}{layer}{count}"
+        shorter = f"Q* of {name}{layer}"
+        return (
+            *self.captioned(about),
+            about,
+            f"{shorter}{count}",
+            f"{shorter}{short}",
+            f"{name}{layer}{short}",
+            f"Q* of {name}{short}",
+            shorter,
+            f"Q* of {name}",
+            _TITLE,
+        )
+
+    def _drawn(self, snapshot: Snapshot, state: int, width: int, height: int) -> _Drawn:
+        """Return the chart above the list; it takes milliseconds, and depends on little of the snapshot.
+
+        The flip that is chosen comes before the legend, and that before other flips.
+        """
         answer, look, chosen = snapshot.answers.flips, self.look, self.chosen
         assert answer.curves is not None
         blocks = _blocks(snapshot, state, chosen, look, width)
-        needed = sum(map(len, blocks)) + self._legend_rows(width, height)
+        explained = self._legend_rows(snapshot, width)
+        needed = sum(map(len, blocks)) + explained
+        most = height - explained - max(map(len, blocks))
         least = min(_CHART_ROWS, max(LEAST_HEIGHT, height - _LIST_ROWS))
-        rows = min(height, max(least, height - needed, round(_CHART_SHARE * height)))
+        rows = min(height, max(least, height - needed, min(most, round(_CHART_SHARE * height))))
         gamma = snapshot.agent.hyperparameters.gamma
         lines = action_lines(snapshot.world, answer.curves, state, look)
         lines = ranked(lines) if self._is_ranked else lines
         chart = draw_values(lines, answer.curves.gamma, answer.flips, state, gamma, chosen, look, width, rows)
         if rows < LEAST_HEIGHT:
-            return chart
-        listed = _in_view(blocks, _focused(answer.flips, snapshot, chosen), height - rows)
-        self.free_rows = height - rows - len(listed)
-        return [*chart, *strips_of(listed, width, height - rows, look)]
+            return _Drawn(chart, 0, "")
+        focused, room = _focused(answer.flips, snapshot, chosen), height - rows
+        view = _in_view(blocks, focused, max(min(room, len(blocks[focused])), room - explained))
+        listed = [line for block in blocks[view.start : view.stop] for line in block][:room]
+        strips = [*chart, *strips_of(listed, width, room, look)]
+        return _Drawn(strips, room - len(listed), _range_in_words(view, len(blocks)))
 
-    def _legend_rows(self, width: int, height: int) -> int:
+    def _legend_rows(self, snapshot: Snapshot, width: int) -> int:
         """Return how many rows are kept free for the legend."""
-        if not self.is_explained or height < _ROOMY_HEIGHT:
-            return 0
-        return 1 if width >= _ROOMY_WIDTH else 2
+        signs = tuple(sign._replace(in_full="") for sign in self.legend(snapshot))
+        return len(legend_rows(signs, width, len(signs), self.look)) if self.is_explained else 0
 
     def _state(self, snapshot: Snapshot) -> int:
         """Return the state that is shown: one in which something is to be chosen."""
@@ -220,11 +249,14 @@ def _blocks(snapshot: Snapshot, state: int, chosen: Flip | None, look: Look, wid
     flips: Sequence[Flip] = snapshot.answers.flips.flips
     if not flips:
         return [[*wrapped(NO_FLIPS, width, look.palette.dim, look, " ", " ")]]
-    return [flip_lines(flip, state, snapshot.world, look, width, is_chosen=flip is chosen) for flip in flips]
+    form = fitting_form(flips, look, width)
+    return [
+        flip_lines(flip, state, snapshot.world, look, width, form, is_chosen=flip is chosen) for flip in flips
+    ]
 
 
-def _in_view(blocks: Sequence[Sequence[Line]], focused: int, rows: int) -> list[Line]:
-    """Return the lines of as many whole blocks as fit into ``rows`` around the one ``focused``."""
+def _in_view(blocks: Sequence[Sequence[Line]], focused: int, rows: int) -> range:
+    """Return which blocks, as many whole ones as fit into ``rows``, are around the one ``focused``."""
     first, behind = focused, focused + 1
     free = rows - len(blocks[focused])
     grows = True
@@ -235,4 +267,29 @@ def _in_view(blocks: Sequence[Sequence[Line]], focused: int, rows: int) -> list[
                 first, behind = min(first, place), max(behind, place + 1)
                 free -= len(blocks[place])
                 grows = True
-    return [line for block in blocks[first:behind] for line in block][:rows]
+    return range(first, behind)
+
+
+def _range_in_words(view: range, all_of_them: int) -> str:
+    """Return which flips are in view, and of how many; empty where that is all."""
+    if len(view) == all_of_them:
+        return ""
+    first = view.start + 1
+    return f"{first if first == view.stop else f'{first}–{view.stop}'} of {all_of_them}"
+
+
+def _keys(flips: Sequence[Flip], *, is_ranked: bool) -> tuple[str, ...]:
+    """Return the ways to say what the keys do, the longest first; v by what it turns to."""
+    in_full, short = ("v: Q*", "v: Q*") if is_ranked else (f"v: {_RANKED}", "v: ranks")
+    if not flips:
+        return f"{in_full} · {_CLOSE}", f"{short} · {_CLOSE}", _CLOSE
+    choose = "↑ ↓: flip"
+    return (
+        f"{choose} · enter: γ beyond it · {in_full} · {_CLOSE}",
+        f"{choose} · enter: γ beyond it · {short} · {_CLOSE}",
+        f"{choose} · enter: beyond · {short} · {_CLOSE}",
+        f"{choose} · enter: beyond · {_CLOSE}",
+        f"{choose} · enter: γ · {_CLOSE}",
+        f"{choose} · {_CLOSE}",
+        _CLOSE,
+    )

@@ -33,6 +33,12 @@ _KEYS: Final = (
     "P: back",
 )
 
+_KEYS_ELSEWHERE: Final = (
+    "click or tab here to choose · P: close",
+    "tab here to choose · P: close",
+    "P: close",
+)
+
 
 @dataclass
 class PolicyChosen(Message):
@@ -56,7 +62,7 @@ class Policies(Panel, can_focus=True):
     def picture(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
         """Return the table and the notes, of which the last ones are left out where there is no room."""
         self.heading = self.fitting(self._headings(snapshot), width)
-        self.footing = self.fitting(_KEYS, width)
+        self.footing = self.fitting(_KEYS if self.has_focus else _KEYS_ELSEWHERE, width)
         self._places = ()
         if snapshot is None or snapshot.answers.studied is None:
             return strips_of([[Piece(f" {WAITING}", self.look.palette.dim)]], width, height, self.look)
@@ -93,6 +99,11 @@ class Policies(Panel, can_focus=True):
 
     def _lane(self, snapshot: Snapshot) -> str:
         return f"{self.look.glyphs.cursor}{snapshot.run_group.shown + 1}"
+
+    def watch_has_focus(self, has_focus: bool) -> None:
+        """Tell the keys that choose only where they do."""
+        super().watch_has_focus(has_focus)
+        self.redraw()
 
     def _table(self, snapshot: Snapshot, width: int, height: int) -> list[Line]:
         """Return the rows that fit, those around the cursor first, below a heading if there is room."""

@@ -95,6 +95,21 @@ def other_lane(snapshot: Snapshot) -> LaneView | None:
     return other if other is not None and len(other.q) else None
 
 
+def layer_choices(snapshot: Snapshot | None) -> tuple[Layer, ...]:
+    """Return the layers there are: where the answer is hidden those that give nothing away.
+
+    The difference from another run is there while runs are side by side, and a policy's while it is studied.
+    """
+    missing: set[Layer] = set()
+    if snapshot is None or other_lane(snapshot) is None:
+        missing.add(Layer.LANES)
+    if snapshot is None or policy_q(snapshot) is None:
+        missing.add(Layer.POLICY)
+    if snapshot is not None and hides_exact(snapshot):
+        missing.update(EXACT_LAYERS)
+    return tuple(layer for layer in Layer if layer not in missing)
+
+
 def lit_pair(snapshot: Snapshot) -> int | None:
     """Return the pair that was just updated, None where steps pass too fast to follow."""
     last = None if passes_too_fast(snapshot) else snapshot.counters.last_step

@@ -30,9 +30,8 @@ from rl_tui.tui.panels.q_table.layers import (
     exact_q,
     hides_exact,
     lacks_values,
+    layer_choices,
     lit_pair,
-    other_lane,
-    policy_q,
 )
 from rl_tui.tui.panels.q_table.list import list_form
 from rl_tui.tui.panels.q_table.matrix import matrix_form
@@ -114,20 +113,8 @@ class QTable(Panel, can_focus=True):
 
     @property
     def layer_choices(self) -> tuple[Layer, ...]:
-        """The layers there are: where the answer is hidden those that give nothing away.
-
-        The difference from another run is there while runs are side by side, and a policy's while it is
-        studied.
-        """
-        snapshot = self.snapshot
-        missing: set[Layer] = set()
-        if snapshot is None or other_lane(snapshot) is None:
-            missing.add(Layer.LANES)
-        if snapshot is None or policy_q(snapshot) is None:
-            missing.add(Layer.POLICY)
-        if snapshot is not None and hides_exact(snapshot):
-            missing.update(EXACT_LAYERS)
-        return tuple(layer for layer in Layer if layer not in missing)
+        """The layers there are: see :func:`layer_choices`."""
+        return layer_choices(self.snapshot)
 
     def next_layer(self) -> None:
         """Go to the next layer, from the last to the first."""
@@ -383,8 +370,8 @@ class QTable(Panel, can_focus=True):
 
     def _footing(self, width: int, *, is_scrolled: bool) -> str:
         snapshot = self.snapshot
-        says = snapshot is not None and hides_exact(snapshot) and not self._world_of(snapshot).is_bandit
-        forms = footings(self.shown_layer, self.layer_choices, self.look.glyphs, hides_exact=says)
+        is_hidden = snapshot is not None and hides_exact(snapshot) and not self._world_of(snapshot).is_bandit
+        forms = footings(self.shown_layer, self.layer_choices, self.look.glyphs, hides_exact=is_hidden)
         if is_scrolled:
             forms = followed(forms, is_following=self._following)
         return self.fitting(forms, width)

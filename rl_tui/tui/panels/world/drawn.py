@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Final
 
+from rich.style import Style
+
 from rl_tui.lab.answers.policy_kind import PolicyKind
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.panels.legend import LegendSign
@@ -41,6 +43,20 @@ def drawn_pairs(space: FiniteSpace, snapshot: Snapshot) -> tuple[frozenset[int],
     return frozenset(pairs), frozenset(at_random)
 
 
-def random_sign(look: Look) -> LegendSign:
-    """Return how a state is marked in which nothing was drawn."""
-    return LegendSign(AT_RANDOM, "random", look.palette.strong, "nothing drawn: at random")
+def is_off_way(snapshot: Snapshot, state: int) -> bool:
+    """Return whether the drawn policy never comes to ``state``, in which nothing was drawn."""
+    left = snapshot.answers.left_to_chance
+    return left is not None and not left[state]
+
+
+def off_way_style(style: Style, look: Look) -> Style:
+    """Return ``style`` for what need not be drawn, since the policy never comes there."""
+    return style + look.palette.dim + Style(bold=False)
+
+
+def random_signs(look: Look) -> tuple[LegendSign, ...]:
+    """Return how states are marked in which nothing was drawn: those it may come to, and all others."""
+    return (
+        LegendSign(AT_RANDOM, "random", look.palette.strong, "nothing drawn: at random"),
+        LegendSign(AT_RANDOM, "off its way", look.palette.dim, "off its way"),
+    )

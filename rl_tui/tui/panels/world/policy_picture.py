@@ -13,7 +13,7 @@ from rl_tui.tui.panels.legend import GREEDY_IN_FULL, POLICY_IN_FULL, Legend, Leg
 from rl_tui.tui.panels.panel import Panel
 from rl_tui.tui.panels.policies.studied import studied_kind, study_headings
 from rl_tui.tui.panels.snapshot_facts import is_new_run
-from rl_tui.tui.panels.world.drawn import DRAWN_IN_FULL, random_sign
+from rl_tui.tui.panels.world.drawn import DRAWN_IN_FULL, random_signs
 from rl_tui.tui.theme.look import Look
 
 TITLE: Final = "World"
@@ -54,8 +54,8 @@ class PolicyPicture(Panel):
         return study_headings(self.snapshot, self.studied, TITLE, what, names_key=key)
 
     def random_signs(self) -> Legend:
-        """Return the sign of states in which nothing was drawn; none where no drawing is shown."""
-        return (random_sign(self.look),) if self.shows_drawing else ()
+        """Return the signs of states in which nothing was drawn; none where no drawing is shown."""
+        return random_signs(self.look) if self.shows_drawing else ()
 
     def valueless_signs(self) -> Legend:
         """Return the sign of a state of no value; none where there is no such state."""

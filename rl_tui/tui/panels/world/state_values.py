@@ -12,7 +12,7 @@ from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.draw import numbers
 from rl_tui.tui.draw.number_form import NumberForm, SteadyForms
 from rl_tui.tui.panels.numbers_in_common import all_v, ends
-from rl_tui.tui.panels.world.drawn import AT_RANDOM, drawn_pairs
+from rl_tui.tui.panels.world.drawn import AT_RANDOM, drawn_pairs, is_off_way, off_way_style
 from rl_tui.tui.theme.look import Look
 from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray
 
@@ -25,9 +25,9 @@ class StateValues:
 
     ``known`` holds the states about which something was learned: updated, or with estimates that differ;
     ``greedy`` the greedy pairs of those states, all ties. Where policy iteration keeps a policy, value and
-    pairs are those of that. Where a drawn one is studied, the pairs are those drawn, and ``at_random`` has
-    the states in which none was. ``numbers`` are all values that have one form and one scale of tints: of
-    two lanes side by side those of both.
+    pairs are those of that. Where a drawn one is studied, the pairs are those drawn, ``at_random`` has the
+    states in which none was, and ``off_way`` those of them to which it never comes. ``numbers`` are all
+    values that have one form and one scale of tints: of two lanes side by side those of both.
     """
 
     value: tuple[float | None, ...]
@@ -35,6 +35,7 @@ class StateValues:
     greedy: frozenset[int]
     numbers: FloatArray
     at_random: frozenset[int] = frozenset()
+    off_way: frozenset[int] = frozenset()
 
     def number_form(self, width: int, forms: SteadyForms) -> NumberForm:
         """Return the form of all values in ``width`` cells."""
@@ -52,6 +53,10 @@ class StateValues:
         if state in self.at_random:
             return AT_RANDOM
         return look.glyphs.differs if state in differing else ""
+
+    def flag_style(self, state: int, style: Style, look: Look) -> Style:
+        """Return the style of that sign, which stands on ``style``."""
+        return off_way_style(style, look) if state in self.off_way else style
 
     def style(self, state: int, look: Look) -> Style:
         """Return the background of a state, tinted from the least to the greatest value, 0 included."""
@@ -87,4 +92,5 @@ def state_values(space: FiniteSpace, snapshot: Snapshot) -> StateValues:
             known.add(state)
             greedy |= {pair for pair in pairs if (policy[pair] > 0.0 if policy else q[pair] == best)}
     shown = drawn_pairs(space, snapshot) or (frozenset(greedy), frozenset())
-    return StateValues(tuple(values), frozenset(known), shown[0], all_v(snapshot), shown[1])
+    off_way = frozenset(state for state in shown[1] if is_off_way(snapshot, state))
+    return StateValues(tuple(values), frozenset(known), shown[0], all_v(snapshot), shown[1], off_way)

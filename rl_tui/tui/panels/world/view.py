@@ -124,11 +124,14 @@ class WorldView(PolicyPicture, can_focus=True):
         self._is_manual = is_manual
         self.redraw()
 
-    def show_mode(self, title: tuple[str, ...], prompt: tuple[str, ...]) -> None:
-        """Write on the border what mode is on and which keys it has; without a title none is."""
+    def show_mode(self, title: tuple[str, ...], prompt: tuple[str, ...], *, has_keys: bool) -> None:
+        """Write on the border what mode is on, and which keys it has; without a title none is.
+
+        A thick border says that it ``has_keys`` here and now.
+        """
+        self.set_class(has_keys, "-manual")
         if (title, prompt) != (self.title, self.prompt):
             self.title, self.prompt = title, prompt
-            self.set_class(bool(title), "-manual")
             self.redraw()
 
     def show(self, snapshot: Snapshot) -> None:
@@ -148,8 +151,8 @@ class WorldView(PolicyPicture, can_focus=True):
         return self.cursor is not None
 
     def legend(self, snapshot: Snapshot) -> Legend:
-        """Return the signs of the world; none while keys or an equation need the border."""
-        is_taken = bool(self.title) or (self._has_equation and self.free_rows < 1)
+        """Return the signs of the world; none where keys or an equation need the border they were on."""
+        is_taken = (bool(self.title) or self._has_equation) and self.free_rows < 1
         return () if is_taken else (*self.random_signs(), *self.signs())
 
     def signs(self) -> Legend:
@@ -273,8 +276,8 @@ class WorldView(PolicyPicture, can_focus=True):
 
     def _equation(self, snapshot: Snapshot) -> Sequence[str]:
         """Return the Bellman equation of the state that a planner backed up last, the longest form first."""
-        is_told = self.studied is None and not passes_too_fast(snapshot)
-        story = story_of(snapshot) if is_told else None
+        is_followed = self.studied is None and not passes_too_fast(snapshot)
+        story = story_of(snapshot) if is_followed else None
         if story is None or story.state_backup is None:
             return ()
         glyphs = self.look.glyphs

@@ -34,7 +34,7 @@ from rl_tui.tui.draw.names import action_name
 from rl_tui.tui.draw.to_ascii import to_ascii
 from rl_tui.tui.panels.controls.settings import called
 from rl_tui.tui.screens.dialogs.dialog import Dialog
-from rl_tui.tui.screens.dialogs.lane_changes import branches_beside
+from rl_tui.tui.screens.dialogs.lanes.changes import branches_beside
 from rl_tui.tui.theme.glyphs import Glyphs
 from rl_tui.tui.theme.look import Look
 from rl_tui.worlds.drawing import Arms

@@ -50,6 +50,7 @@ class Why(Dialog[Remedy]):
         self._look = look
         self._snapshot = snapshot
         self._remedies: dict[str, Remedy] = {}
+        self._is_composed = False
 
     def compose(self) -> ComposeResult:
         """Yield what is said, the remedies, and the sentence about the one under the cursor."""
@@ -61,12 +62,13 @@ class Why(Dialog[Remedy]):
 
     def on_mount(self) -> None:
         """Show what is known already."""
+        self._is_composed = True
         self.show(self._snapshot)
 
     def show(self, snapshot: Snapshot) -> None:
         """Show what ``snapshot`` says; the cursor stays where the remedies do."""
         self._snapshot = snapshot
-        if not self.is_mounted:
+        if not self._is_composed:
             return
         is_hidden = hides_means(snapshot)
         words = _SECRET if is_hidden else "\n".join(said(snapshot))

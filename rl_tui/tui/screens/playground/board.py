@@ -58,6 +58,7 @@ class Board(Container):
 
     Where two lanes stand side by side, a row that is twofold has a second widget, for the lane at the right.
     The left one has the lower number, whichever is led: ``world`` and ``table`` are those of the lane led.
+    With ``keeps_focus`` a panel that is opened beside the world does not take the focus from that.
     """
 
     class Toggled(Message):
@@ -70,6 +71,7 @@ class Board(Container):
         self._panels = {row.id: row.make(look) for row in panels}
         self._pair = LanePair(self._panels, look)
         self._is_one_lane = self._is_explained = False
+        self.keeps_focus = False
         self.legends = LegendSwitch(None)
         self.curve = self._made(CURVE, ReturnCurve)
         self.timeline = self._made(TIMELINE, TimelineBar)
@@ -159,8 +161,8 @@ class Board(Container):
         self.set_class(self.is_paired, "-lanes")
         if world is not None and self.world is not None and world is not self.world:
             self.world.is_manual, world.is_manual = world.is_manual, False
-            self.world.show_mode(world.title, world.prompt)
-            world.show_mode((), ())
+            self.world.show_mode(world.title, world.prompt, has_keys=world.has_class("-manual"))
+            world.show_mode((), (), has_keys=False)
         zoomed = None if self.zoomed is None else self._pair.row_of(self.zoomed)
         if zoomed is not None:
             self.zoom(self._pair.led(zoomed))
@@ -330,7 +332,9 @@ class Board(Container):
             return
         self._focused_before = self.screen.focused
         self._open(panel)
-        self._panels[panel].focus()
+        is_seen = self.panel_of(self._focused_before) in self._arrangement.regions(self.size, None)
+        if not (self.keeps_focus and is_seen and isinstance(self._focused_before, WorldView | None)):
+            self._panels[panel].focus()
 
     def close(self) -> None:
         """Close the panel that is open; if it had the focus, that goes back to where it was."""

@@ -17,10 +17,13 @@ class PlayerLink:
         self.player = player
         self.wanted = wanted
         self.snapshot: Snapshot | None = None
+        self.sent = 0
+        """How many commands were sent, also such as were sent because of what was drawn."""
         self._on_sent = on_sent
 
     def send(self, command: Command) -> None:
         """Ask the player for something."""
+        self.sent += 1
         self.wanted.note(command)
         self._on_sent(command)
         self.player.send(command)

@@ -210,7 +210,9 @@ class Playground(ActionScreen):
     @on(DescendantFocus)
     @on(DescendantBlur)
     def show_key_hints(self) -> None:
-        """Show on the key line what keys do now, first those of the slider in focus."""
+        """Show on the key line what keys do now: those of a mode, else first those of the slider in focus."""
+        if self.snapshot is not None:
+            self.modes.show(self.snapshot)
         keys = self.query_one(KeyLine)
         keys.first = key_hints(self.focused)
         keys.is_running = self.run.is_under_way
@@ -320,7 +322,6 @@ class Playground(ActionScreen):
         with self.app.batch_update():
             self.session.show_name()
             self.status.show(snapshot)
-            self.modes.show(snapshot)
             self.show_key_hints()
             self.board.show(snapshot)
             self.view.show(snapshot)
@@ -388,6 +389,8 @@ class Playground(ActionScreen):
             self.board.zoom(None)
         elif self.board.opened is not None:
             self.board.close()
+        elif self.modes.current is not None:
+            self.modes.current.toggle()
         elif self.wanted.was_used(self.snapshot) and self._left_after != self.wanted.last_deed:
             self._left_after = self.wanted.last_deed
             kept = "run is then gone" if self.in_kiosk else "session is kept there"

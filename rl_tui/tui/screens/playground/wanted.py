@@ -4,7 +4,16 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from rl_tui.lab.live.commands import LOOKING, Apply, Command, HideAnswer, Restart, SetSpeed
+from rl_tui.lab.answers.policy_kind import PolicyKind
+from rl_tui.lab.live.commands import (
+    LOOKING,
+    Apply,
+    Command,
+    HideAnswer,
+    Restart,
+    SetSpeed,
+    StudyPolicy,
+)
 from rl_tui.lab.live.snapshot import Phase, Snapshot
 from rl_tui.lab.run.recipe import Recipe, Setting, changed_recipe
 from rl_tui.lab.timeline.lane_view import LaneView
@@ -14,15 +23,17 @@ class Wanted:
     """What commands ask for, beside the newest snapshot, which reconciles them with what is in force.
 
     ``recipe`` is what a restart starts from: with every change made, be it in force already or not. ``speed``
-    is in steps a second, None for as fast as it goes. ``is_hidden`` says that the answer is. ``step``
-    is where the handle of the timeline was put, None once the run has come to it. ``sent`` counts the
-    commands, ``last_deed`` tells how many had been sent with the last one that does more than look.
+    is in steps a second, None for as fast as it goes. ``is_hidden`` says that the answer is. ``studied`` is
+    the policy that is, None where none is. ``step`` is where the handle of the timeline was put, None once
+    the run has come to it. ``sent`` counts the commands, ``last_deed`` tells how many had been sent with the
+    last one that does more than look.
     """
 
     def __init__(self, recipe: Recipe, speed: float | None) -> None:
         self.recipe = recipe
         self.speed = speed
         self.is_hidden = recipe.scenario.hides_answer
+        self.studied: PolicyKind | None = None
         self.step: int | None = None
         self.sent = 0
         self.last_deed = 0
@@ -37,6 +48,8 @@ class Wanted:
                 self.speed = speed
             case HideAnswer(is_hidden):
                 self.is_hidden = is_hidden
+            case StudyPolicy(kind):
+                self.studied = kind
             case Restart(recipe):
                 self.recipe = recipe
             case Apply(change) if isinstance(change, Setting):
@@ -52,6 +65,7 @@ class Wanted:
             self.recipe = in_force(snapshot)
             self.speed = snapshot.playback.speed
             self.is_hidden = snapshot.answers.is_hidden
+            self.studied = snapshot.answers.studied
         is_there = snapshot.timeline.current.here == self.step
         if snapshot.playback.phase is not Phase.SEEKING and (is_there or self.is_taken_in(snapshot)):
             self.step = None

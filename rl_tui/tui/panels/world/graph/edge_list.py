@@ -45,7 +45,8 @@ def draw_edge_list(
                 style = look.palette.focus if state == signs.cursor else look.palette.text + Style(bold=True)
                 canvas.put(1, y, shape.nodes[state].name, style)
                 flag = values.flag(state, signs.differing, look)
-                canvas.put(1 + len(shape.nodes[state].name), y, flag, look.palette.accent)
+                style = values.flag_style(state, look.palette.accent, look)
+                canvas.put(1 + len(shape.nodes[state].name), y, flag, style)
             if with_values:
                 text = values.text(state, form, look)
                 canvas.put(2 + names, y, text.rjust(_VALUE_WIDTH), values.style(state, look))

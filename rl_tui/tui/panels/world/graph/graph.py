@@ -199,21 +199,26 @@ def _draw_box(
         canvas.put(box.x + box.width - 1, y, vertical, border)
     first = box.y + 1 + (box.height - 4) // 2
     name = shortened(node.name, inner - 1, glyphs.ellipsis)
-    start = max(1, (inner - len(name) + 1) // 2)
+    flag, is_full = values.flag(state, signs.differing, look), len(name) == inner - 1
+    # the blank before a name that fills the box is the agent's, or else the flag's
+    start = 0 if flag and is_full and not agent else max(1, (inner - len(name) + 1) // 2)
     canvas.put(box.x + 1 + start, first, name, background + Style(bold=True))
-    flag = values.flag(state, signs.differing, look)
-    after = box.x + 1 + start + len(name)
-    if after <= box.x + inner:
-        canvas.put(after, first, flag, background)
-    else:  # a name that fills the box keeps its last letter
-        canvas.put(box.x, box.y, flag, border)
     if agent:
         canvas.put(
             box.x + 1 + start - (2 if start > 1 else 1), first, glyphs.agent, background + palette.agent
         )
     text = values.text(state, form, look) or END
     style = palette.focus if state == signs.cursor else background
-    canvas.put(box.x + 1, first + 1, centred(text, inner), style)
+    flag_style = values.flag_style(state, background, look)
+    if not (flag and is_full and agent):
+        canvas.put(box.x + 1, first + 1, centred(text, inner), style)
+        canvas.put(box.x + 1 + start + len(name), first, flag, flag_style)
+    elif len(text) <= inner - 2:
+        canvas.put(box.x + 1, first + 1, centred(text, inner - 2) + "  ", style)
+        canvas.put(box.x + inner, first + 1, flag, flag_style)
+    else:
+        canvas.put(box.x + 1, first + 1, centred(text, inner), style)
+        canvas.put(box.x, box.y, flag, border)
 
 
 def _border_style(agent: bool, look: Look) -> Style:

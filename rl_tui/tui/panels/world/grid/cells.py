@@ -13,6 +13,7 @@ from rich.style import Style
 from rl_tui.tui.draw import numbers
 from rl_tui.tui.draw.canvas import Canvas
 from rl_tui.tui.draw.number_form import NumberForm
+from rl_tui.tui.panels.world.drawn import off_way_style
 from rl_tui.tui.panels.world.grid.form import LEAST_ARROWS, CellForm
 from rl_tui.tui.panels.world.grid.map import PLAIN, CellContent, CellExtra, Sign
 from rl_tui.tui.panels.world.grid.rewards import CellReward
@@ -230,7 +231,9 @@ def _fitting(face: Face, most: int) -> str:
     return face.signs if len(face.signs) <= most else SEVERAL
 
 
-def _sign_style(face: Face) -> Style:
+def _sign_style(face: Face, look: Look) -> Style:
+    if (face.extra or PLAIN).is_off_way:
+        return off_way_style(face.style, look)
     return face.style if face.text is None else face.style + Style(bold=True)
 
 
@@ -238,7 +241,7 @@ def _put_signs(
     canvas: Canvas, x: int, y: int, signs: str, beside: int | None, face: Face, look: Look
 ) -> None:
     """Put the arrows, and ``beside`` them whether they differ; where that is None they are reversed then."""
-    style = _sign_style(face)
+    style = _sign_style(face, look)
     if face.differs and beside is None:
         style = differing_style(style)
     elif face.differs and beside is not None:

@@ -11,7 +11,7 @@ import numpy as np
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.live.viewport import NO_STATE, first_state_of_cells, pairs_of_states
 from rl_tui.tui.draw.action_order import order_of
-from rl_tui.tui.panels.world.drawn import AT_RANDOM, drawn_actions
+from rl_tui.tui.panels.world.drawn import AT_RANDOM, drawn_actions, is_off_way
 from rl_tui.tui.panels.world.grid.action_form import ActionKinds, action_kinds
 from rl_tui.tui.panels.world.grid.reach import unreached_cells
 from rl_tui.tui.panels.world.grid.rewards import CellReward, cell_rewards
@@ -47,12 +47,14 @@ class CellExtra(NamedTuple):
     """What only some cells have: in one field of theirs, since every field costs time in every frame.
 
     ``trace`` is what the trail of the episode left. ``is_reached`` is False where no way leads to. ``name``
-    is that of the state where names were asked for: all are as long as the longest.
+    is that of the state where names were asked for: all are as long as the longest. ``is_off_way`` says that
+    the drawn policy acts at random there and never comes there.
     """
 
     trace: Trace | None = None
     is_reached: bool = True
     name: str = ""
+    is_off_way: bool = False
 
 
 PLAIN: Final = CellExtra()
@@ -192,6 +194,8 @@ class GridMap:
                     content = content._replace(actions=self._actions(*own, content.known))
                 if drawn is not None:
                     content = self._drawn(content, drawn.get(int(states[place])), signs[first:last])
+                    if content.greedy == (AT_RANDOM,) and is_off_way(snapshot, int(states[place])):
+                        content = with_extra(content, is_off_way=True)
                 reward = self._rewards.get(cell)
                 contents.append(content if reward is None else content._replace(reward=reward))
             first = last

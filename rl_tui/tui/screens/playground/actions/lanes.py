@@ -12,9 +12,9 @@ from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.timeline.lane_view import LaneView
 from rl_tui.tui.panels.snapshot_facts import current_study, hides_means
 from rl_tui.tui.screens.dialogs.choice import algorithm_choice, policy_choice
-from rl_tui.tui.screens.dialogs.compare import Answer, Compare
 from rl_tui.tui.screens.dialogs.dialog import Dialog
-from rl_tui.tui.screens.dialogs.lane_changes import ALGORITHM, branches_beside, lane_changes
+from rl_tui.tui.screens.dialogs.lanes.changes import ALGORITHM, branches_beside, lane_changes
+from rl_tui.tui.screens.dialogs.lanes.compare import Answer, Compare
 from rl_tui.tui.screens.dialogs.questions import ask_value
 from rl_tui.tui.screens.playground.actions.subject import Subject
 from rl_tui.tui.screens.playground.wanted import in_force

@@ -23,19 +23,24 @@ class PolicyActions(Subject):
         self._is_open = is_open
         if is_open:
             self._is_kept = False
-            self._study(self._chosen)
+            self._study(self._current)
         elif not self._is_kept:
             self.link.send(StudyPolicy(None))
 
     def choose(self, offset: int) -> None:
         """Study the policy so many rows further down, or the last one there is."""
         kinds = list(POLICY_NAMES)
-        self.study(kinds[max(0, min(kinds.index(self._chosen) + offset, len(kinds) - 1))])
+        self.study(kinds[max(0, min(kinds.index(self._current) + offset, len(kinds) - 1))])
 
     def study(self, kind: PolicyKind) -> None:
         """Study ``kind``."""
-        if kind is not self._chosen:
+        if kind is not self._current:
             self._study(kind)
+
+    @property
+    def _current(self) -> PolicyKind:
+        """The one that is studied, be it kept or drawn; else the one last chosen."""
+        return self.link.wanted.studied or self._chosen
 
     def _study(self, kind: PolicyKind) -> None:
         self._chosen = kind
@@ -45,5 +50,5 @@ class PolicyActions(Subject):
         """Close the panel, and go on to show the policy under its cursor."""
         self._is_kept = True
         self.board.close()
-        name = POLICY_NAMES[self._chosen].of
+        name = POLICY_NAMES[self._current].of
         self.screen.tell(f"kept: {name}; v: Qπ in the table; P and P again end it")

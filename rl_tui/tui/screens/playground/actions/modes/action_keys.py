@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Final
 
+from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.draw.action_order import shown_pairs
 from rl_tui.tui.draw.canvas import shortened
 from rl_tui.tui.draw.names import LONGEST_NAME, action_name
@@ -15,6 +16,11 @@ from rl_tui.worlds.world import World
 DIGITS: Final = "1234567890"
 _SHORTENED: Final = (LONGEST_NAME, 8, 5, 3)  # the cells that the name of an action gets
 _STRAIGHT: Final = ((-1, 0), (1, 0), (0, -1), (0, 1))
+
+
+def acts_in(snapshot: Snapshot) -> int:
+    """Return the state in which the next action is taken: after an episode where the next one starts."""
+    return snapshot.counters.state if snapshot.counters.step_from is None else snapshot.counters.step_from
 
 
 def legal_actions(world: World, state: int) -> tuple[int, ...]:

@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 
 from rl_tui.lab.answers.policy_kind import PolicyKind
-from rl_tui.lab.live.commands import ClearDrawing, DrawAction, StudyPolicy
+from rl_tui.lab.live.commands import ClearDrawing, Command, DrawAction, StudyPolicy
 from rl_tui.lab.live.snapshot import Phase, Snapshot
 from rl_tui.tui.panels.catalogue import POLICIES, WORLD
 from rl_tui.tui.panels.world.arms.arms import ArmsView
@@ -16,13 +16,14 @@ from rl_tui.tui.screens.dialogs.confirm import Confirm
 from rl_tui.tui.screens.playground.actions.modes.action_keys import (
     DIGITS,
     action_towards,
+    acts_in,
     digit_keys,
     digits_in_words,
     has_directions,
 )
 from rl_tui.tui.screens.playground.actions.modes.drawing_texts import hints, prompts, title
 from rl_tui.tui.screens.playground.actions.modes.mode import CLEAR, LEAVE, STEPS, WITH_SHIFT, KeyMode
-from rl_tui.worlds.drawing import Grid
+from rl_tui.worlds.drawing import Arms, Grid
 from rl_tui.worlds.world import World
 
 _DRAWS: Final = {f"{WITH_SHIFT}{key}": step for key, step in STEPS.items()}
@@ -32,10 +33,11 @@ _NONE: Final = ("delete", "backspace")
 class PolicyDrawing(KeyMode):
     """Drawing a policy under the cursor of the world, which has the focus; the run goes on as it does."""
 
+    way_back = "click or tab here to draw on · D: end", "tab here to draw on · D: end", "D: end"
     _studied_before: PolicyKind | None = None
 
     def takes(self, key: str) -> bool:
-        """Return whether ``key`` draws or leaves: it does where the cursor of a world is to be seen."""
+        """Return whether ``key`` draws or leaves."""
         view = self._view
         if view is None:
             return False
@@ -71,8 +73,7 @@ class PolicyDrawing(KeyMode):
         """Begin to draw, or end it."""
         snapshot = self.snapshot
         if self.is_on:
-            self.leave()
-            self.screen.tell("what you drew is kept; D goes on drawing")
+            self._end()
             return
         if snapshot is None or snapshot.playback.phase is Phase.PREPARING:
             return
@@ -80,15 +81,15 @@ class PolicyDrawing(KeyMode):
         if refused:
             self.screen.tell(refused)
             return
-        self._studied_before = None if self._has_panel else snapshot.answers.studied
+        self._studied_before = None if self._has_panel else self.link.wanted.studied
         self.board.bring_into_view(WORLD)
         self.enter()
         self.link.send(StudyPolicy(PolicyKind.DRAWN))
         view = self.board.world
         if view is not None:
-            view.focus()
-            if view.cursor_place is not None:
-                view.put_cursor(view.cursor_place)  # it stays there while the agent goes on
+            place = self._first_place(view, snapshot)
+            if place is not None:
+                view.put_cursor(place)  # it stays there while the agent goes on
         self.show(snapshot)
         self.screen.tell(_first_words(snapshot.world))
 
@@ -101,10 +102,18 @@ class PolicyDrawing(KeyMode):
             if self.board.world is not None:
                 self.board.world.action_follow()
 
+    def note(self, command: Command) -> None:
+        """End it where the world is to show another policy."""
+        if isinstance(command, StudyPolicy) and command.kind not in (None, PolicyKind.DRAWN):
+            self._end()
+
+    def _end(self) -> None:
+        self.leave()
+        self.screen.tell("what you drew is kept; D goes on drawing")
+
     def show(self, snapshot: Snapshot) -> None:
         """Show what is drawn, and what can be done under the cursor."""
-        is_drawn = snapshot.answers.studied is PolicyKind.DRAWN
-        if not (is_drawn or self._has_panel) and self.link.wanted.is_taken_in(snapshot):
+        if self.link.wanted.studied is None:
             self.link.send(StudyPolicy(PolicyKind.DRAWN))  # a panel that was closed ended it
         view, world, glyphs = self._view, snapshot.world, self.glyphs
         state = None if view is None else self._state_under(view)
@@ -120,6 +129,19 @@ class PolicyDrawing(KeyMode):
         """The world in focus."""
         focused = self.screen.focused
         return focused if isinstance(focused, WorldView) else None
+
+    def _first_place(self, view: WorldView, snapshot: Snapshot) -> int | None:
+        """Return where the cursor begins: where it was put, else with the agent.
+
+        Where the agent has nothing to choose, as at the end of an episode, that is where the next one starts,
+        else the first state with a choice.
+        """
+        if view.cursor is not None or self._state_under(view) is not None:
+            return view.cursor_place
+        space = snapshot.world.space
+        states = acts_in(snapshot), *np.flatnonzero(np.diff(space.first_pair) > 1)[:1]
+        chosen = next(int(each) for each in states if len(space.pairs_of(int(each))) > 1)
+        return view.place_of(space.pairs_of(chosen).start)
 
     def _state_under(self, view: WorldView) -> int | None:
         """Return the state under the cursor of ``view``, None where nothing can be chosen there."""
@@ -218,7 +240,9 @@ def _refused(world: World) -> str:
 
 def _first_words(world: World) -> str:
     if has_directions(world):
-        how = "shift and an arrow draw and move on, digits draw"
+        how = "shift and an arrow draw and move on; digits draw, and a second click at a side of the cell"
+    elif isinstance(world.drawing, Arms):
+        how = "arrows move; digits draw, and a second click on an arm"
     else:
         how = "arrows move, digits draw"
-    return f"you draw a policy: {how}; elsewhere (?) it acts at random; D ends"
+    return f"you draw a policy: {how}; undrawn states (?) act at random; D ends"

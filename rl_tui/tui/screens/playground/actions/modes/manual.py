@@ -18,13 +18,13 @@ from rl_tui.lab.live.commands import (
 from rl_tui.lab.live.snapshot import Phase, Snapshot
 from rl_tui.tui.draw.names import state_name
 from rl_tui.tui.panels.catalogue import WORLD
-from rl_tui.tui.panels.controls.slider import Slider
 from rl_tui.tui.panels.status_line import StatusLine
 from rl_tui.tui.screens.playground.actions.modes.action_keys import (
     DIGITS,
     acting_keys,
     action_towards,
     actions_in_a_line,
+    acts_in,
     digit_keys,
     has_directions,
 )
@@ -39,11 +39,12 @@ _HAND_BACK: Final = " · y: hand back"
 class ManualControl(KeyMode):
     """Taking over, acting, and handing back; while it is on, a person is the agent."""
 
+    way_back = "click or tab here to act · y: hand back", "tab here to act · y: hand back", "y: hand back"
+    needs_focus = False
+
     def takes(self, key: str) -> bool:
-        """Return whether ``key`` acts: else arrows and digits are left to the panels, or to what is typed."""
-        snapshot, focused = self.snapshot, self.screen.focused
-        if isinstance(focused, Slider) and focused.is_typing:
-            return False
+        """Return whether ``key`` acts or hands back."""
+        snapshot = self.snapshot
         if key in STEPS:
             return snapshot is not None and has_directions(snapshot.world)
         return key in DIGITS or key == LEAVE
@@ -141,11 +142,6 @@ def _refused(snapshot: Snapshot) -> str:
     if snapshot.playback.phase is Phase.SPENT:
         return "the budget is spent; r starts again"
     return "the run has stopped; r starts again" if snapshot.playback.phase is Phase.STOPPED else ""
-
-
-def acts_in(snapshot: Snapshot) -> int:
-    """Return the state in which the next action is taken: after an episode where the next one starts."""
-    return snapshot.counters.state if snapshot.counters.step_from is None else snapshot.counters.step_from
 
 
 def title(snapshot: Snapshot, glyphs: Glyphs) -> tuple[str, ...]:

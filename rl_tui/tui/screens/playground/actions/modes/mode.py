@@ -4,13 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Final
+from typing import ClassVar, Final
 
 from textual.binding import Binding, BindingType
+from textual.widget import Widget
 
 from rl_tui.lab.live.commands import Command
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.panels.pointing import PartPointed, Pointed
+from rl_tui.tui.panels.world.view import WorldView
 from rl_tui.tui.screens.key_line import Hints, KeyLine
 from rl_tui.tui.screens.playground.actions.modes.action_keys import DIGITS
 from rl_tui.tui.screens.playground.actions.subject import Subject
@@ -22,7 +24,7 @@ CLEAR: Final = "C"
 
 
 def _binding(key: str, tooltip: str) -> Binding:
-    # Before whatever is in focus: a slider or a table has uses of its own for these keys
+    # Before the world, which has uses of its own for these keys
     return Binding(
         key, f"mode_key('{key}')", key, show=False, priority=True, id=f"mode.{key}", tooltip=tooltip
     )
@@ -47,7 +49,7 @@ class Modes:
 
     def takes(self, key: str) -> bool:
         """Return whether ``key`` is for the mode; else it is left to the panels."""
-        return self.current is not None and self.current.takes(key)
+        return self.current is not None and self.current.has_keys and self.current.takes(key)
 
     def press(self, key: str) -> None:
         """Do what ``key`` means in the mode."""
@@ -74,21 +76,40 @@ class Modes:
 
 @dataclass(eq=False)
 class KeyMode(Subject):
-    """A subject that has keys of its own while it is on."""
+    """A subject that has keys of its own while it is on and a world has the focus.
+
+    Entering it gives the world the focus, leaving it gives that back; unless it ``needs_focus``, its keys
+    count where nothing has the focus as well. In any other panel the keys are those of that panel, and the
+    key line tells them; then ``way_back`` stands on the world's border, the longest form first.
+    """
 
     modes: Modes
+    _focused_before: Widget | None = None
+    way_back: ClassVar[tuple[str, ...]] = ()
+    needs_focus: ClassVar[bool] = True
 
     @property
     def is_on(self) -> bool:
-        """Whether its keys count."""
+        """Whether it was entered and not left."""
         return self.modes.current is self
 
+    @property
+    def has_keys(self) -> bool:
+        """Whether its keys count: it is on, and no other panel than a world has the focus."""
+        focused = self.screen.focused
+        is_free = focused is None and not self.needs_focus
+        return self.is_on and (is_free or isinstance(focused, WorldView))
+
     def takes(self, key: str) -> bool:
-        """Return whether ``key`` means something to it, while it is on."""
+        """Return whether ``key`` means something to it, while a world has the focus."""
         raise NotImplementedError
 
     def press(self, key: str) -> None:
         """Do what ``key`` means."""
+        raise NotImplementedError
+
+    def toggle(self) -> None:
+        """Enter it, or leave it and say so."""
         raise NotImplementedError
 
     def point(self, step: tuple[int, int] | None) -> None:
@@ -102,19 +123,32 @@ class KeyMode(Subject):
         raise NotImplementedError
 
     def enter(self) -> None:
-        """Let its keys count."""
+        """Let its keys count, and give the world the focus."""
         if self.modes.current is not None:
             self.modes.current.leave()
         self.modes.current = self
+        self.board.keeps_focus = True
+        self._focused_before = self.screen.focused
+        if self.needs_focus or self.screen.focused is not None:
+            self.screen.set_focus(self.board.world)
 
     def leave(self) -> None:
-        """Give the keys back."""
+        """Give the keys back, and the focus where it came from."""
         if self.is_on:
+            if self.has_keys:
+                before = self._focused_before
+                self.screen.set_focus(before if before in self.screen.focus_chain else None)
             self.modes.current = None
+            self.board.keeps_focus = False
             self._write((), (), ())
 
     def _write(self, title: Sequence[str], prompt: Sequence[str], hints: Hints) -> None:
-        """Write title and prompt, the longest forms first, on the world's border, and ``hints`` below all."""
+        """Write title and prompt, the longest forms first, on the world's border, and ``hints`` below all.
+
+        Where its keys do not count, they are not told.
+        """
+        has_keys = self.has_keys
         if self.board.world is not None:
-            self.board.world.show_mode(tuple(title), tuple(prompt))
-        self.screen.query_one(KeyLine).hints = hints
+            told = tuple(prompt) if has_keys or not self.is_on else self.way_back
+            self.board.world.show_mode(tuple(title), told, has_keys=has_keys)
+        self.screen.query_one(KeyLine).hints = hints if has_keys else ()

@@ -20,8 +20,8 @@ from rl_tui.lab.timeline.lane_view import LaneView
 from rl_tui.tui.draw.canvas import shortened
 from rl_tui.tui.draw.to_ascii import to_ascii
 from rl_tui.tui.screens.dialogs.dialog import Dialog
-from rl_tui.tui.screens.dialogs.lane_changes import ALGORITHM, what_may_differ
-from rl_tui.tui.screens.dialogs.lane_table import lane_rows, recent_of
+from rl_tui.tui.screens.dialogs.lanes.changes import ALGORITHM, what_may_differ
+from rl_tui.tui.screens.dialogs.lanes.table import lane_rows, recent_of
 from rl_tui.tui.screens.dialogs.options import in_force
 from rl_tui.tui.theme.glyphs import ASCII
 from rl_tui.tui.theme.look import Look

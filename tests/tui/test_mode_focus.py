@@ -1,0 +1,221 @@
+"""Where the keys of a mode count, with real keys: where a world has the focus, and the screen says so."""
+
+from __future__ import annotations
+
+import pytest
+from conftest import MakeApp
+from seams import notes, playground, press, screen_text, slider, snapshot
+from textual.pilot import Pilot
+
+from rl_tui.common.errors import UserError
+from rl_tui.lab.answers.policy_kind import PolicyKind
+from rl_tui.tui.app.screenshot import settle
+from rl_tui.tui.panels.catalogue import MICROSCOPE, POLICIES
+from rl_tui.tui.panels.world.view import WorldView
+from rl_tui.tui.screens.key_line import KeyLine
+from rl_tui.tui.screens.playground.playground import Playground
+
+SIZES = [(80, 24), (120, 40)]
+LEFT, DOWN, RIGHT, UP = range(4)
+
+
+def view(pilot: Pilot[UserError]) -> WorldView:
+    world = playground(pilot).board.world
+    assert world is not None
+    return world
+
+
+def map_text(pilot: Pilot[UserError]) -> str:
+    return "\n".join(view(pilot).render_line(y).text for y in range(view(pilot).size.height))
+
+
+def key_line(pilot: Pilot[UserError]) -> str:
+    return playground(pilot).query_one(KeyLine).render_line(0).text.strip()
+
+
+def drawn(pilot: Pilot[UserError]) -> tuple[tuple[int, int], ...]:
+    return snapshot(pilot).answers.drawn.choices
+
+
+@pytest.mark.parametrize("size", SIZES)
+async def test_the_list_of_policies_opens_beside_the_drawing(
+    make_app: MakeApp, size: tuple[int, int]
+) -> None:
+    async with make_app("frozenlake").run_test(size=size) as pilot:
+        await settle(pilot)
+        assert (await press(pilot, "D", "1", "P")).answers.studied is PolicyKind.DRAWN
+        board = playground(pilot).board
+        assert board.opened == POLICIES
+        assert board.shows(POLICIES)
+        assert view(pilot).has_focus
+        assert map_text(pilot).count("↑") == 1
+        assert "↑ ↓: which" not in screen_text(pilot.app)
+        await press(pilot, "2", "shift+down")
+        assert drawn(pilot) == ((0, DOWN),)
+        assert view(pilot).cursor == 4
+        assert map_text(pilot).count("↓") == 1
+        assert key_line(pilot).startswith("shift+arrow draw")
+        assert (await press(pilot, "P")).answers.studied is PolicyKind.DRAWN
+        assert view(pilot).has_focus
+        assert playground(pilot).drawing.is_on
+
+
+@pytest.mark.parametrize("size", SIZES)
+async def test_another_policy_of_the_list_ends_the_drawing(make_app: MakeApp, size: tuple[int, int]) -> None:
+    async with make_app("frozenlake").run_test(size=size, notifications=True) as pilot:
+        await settle(pilot)
+        await press(pilot, "D", "1", "P")
+        pilot.app.set_focus(playground(pilot).board.panel(POLICIES))
+        await settle(pilot)
+        assert playground(pilot).drawing.is_on
+        assert "enter: keep" in screen_text(pilot.app)
+        assert "draw" not in key_line(pilot)
+        assert (await press(pilot, "down", "up")).answers.studied is PolicyKind.OPTIMAL  # above the drawn one
+        assert not playground(pilot).drawing.is_on
+        assert notes(pilot.app)[-1] == "what you drew is kept; D goes on drawing"
+        assert "V of the optimal policy" in str(view(pilot).border_title)
+        assert not view(pilot).has_class("-manual")
+        assert (await press(pilot, "D")).answers.studied is PolicyKind.DRAWN
+        assert view(pilot).has_focus
+        assert drawn(pilot) == ((0, UP),)
+        assert view(pilot).has_class("-manual")
+
+
+async def test_the_list_goes_on_from_what_was_drawn_while_it_was_open(make_app: MakeApp) -> None:
+    async with make_app("frozenlake").run_test(size=(120, 40)) as pilot:
+        await settle(pilot)
+        assert (await press(pilot, "P", "D")).answers.studied is PolicyKind.DRAWN
+        await press(pilot, "D")
+        assert playground(pilot).board.panel(POLICIES).has_focus  # where it was
+        assert (await press(pilot, "up")).answers.studied is PolicyKind.OPTIMAL
+
+
+@pytest.mark.parametrize("size", SIZES)
+@pytest.mark.parametrize(("mode", "word"), [("D", "draw"), ("y", "act")])
+@pytest.mark.parametrize("other", ["alpha", "timeline", "table"])
+async def test_in_another_panel_keys_and_key_line_are_its_own(
+    make_app: MakeApp, size: tuple[int, int], mode: str, word: str, other: str
+) -> None:
+    async with make_app("frozenlake").run_test(size=size) as pilot:
+        await settle(pilot)
+        screen = playground(pilot)
+        await press(pilot, "s", "s", mode)
+        assert word in key_line(pilot)
+        told = str(view(pilot).border_subtitle)
+        before = snapshot(pilot).counters.step
+        widget = screen.query_one(f"#{other}")
+        presses = 0
+        while screen.focused is not widget:
+            await press(pilot, "tab")
+            presses += 1
+            assert presses < 20
+        assert screen.modes.current is not None
+        assert word not in key_line(pilot)
+        assert not view(pilot).has_class("-manual")
+        assert view(pilot).title  # what is drawn there, and who acts, holds on
+        assert str(view(pilot).border_subtitle).endswith("D: end" if mode == "D" else "y: hand back")
+        assert "↑" not in str(view(pilot).border_subtitle)
+        if other == "alpha":
+            assert key_line(pilot).split()[:3] == ["α", "step", "size"]
+            await press(pilot, "right")
+            assert slider(pilot.app, "alpha").value > 0.1
+            assert snapshot(pilot).counters.step == before
+            await press(pilot, "escape")  # leaves the slider
+        elif other == "table":
+            await press(pilot, "down", "2")
+            assert snapshot(pilot).counters.step == before
+            assert screen.board.table.cursor_pair is not None
+        assert drawn(pilot) == ()
+        view(pilot).focus()
+        await settle(pilot)
+        assert word in key_line(pilot)
+        assert view(pilot).has_class("-manual")
+        if other == "alpha":
+            assert str(view(pilot).border_subtitle) == told
+
+
+async def test_escape_elsewhere_ends_the_mode_before_it_leaves(make_app: MakeApp) -> None:
+    async with make_app("frozenlake").run_test(size=(80, 24), notifications=True) as pilot:
+        await settle(pilot)
+        await press(pilot, "D", "2")
+        pilot.app.set_focus(playground(pilot).board.curve)
+        await press(pilot, "escape")
+        assert not playground(pilot).drawing.is_on
+        assert isinstance(pilot.app.screen, Playground)
+        assert notes(pilot.app)[-1] == "what you drew is kept; D goes on drawing"
+
+
+async def test_a_number_is_typed_on_a_slider_while_a_person_acts(make_app: MakeApp) -> None:
+    async with make_app("frozenlake").run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        await press(pilot, "y")
+        slider(pilot.app, "alpha").focus()
+        await press(pilot, "enter", "1")
+        assert key_line(pilot).split()[:4] == ["enter", "set", "esc", "drop"]
+        assert snapshot(pilot).counters.step == 0
+
+
+async def test_a_panel_opened_while_a_person_acts_leaves_the_arrows_to_that(make_app: MakeApp) -> None:
+    async with make_app("frozenlake").run_test(size=(120, 40)) as pilot:
+        await settle(pilot)
+        pilot.app.set_focus(playground(pilot).board.table)
+        await press(pilot, "y", "d")
+        assert playground(pilot).board.opened == MICROSCOPE
+        assert (await press(pilot, "down")).counters.step == 1
+        await press(pilot, "d", "P")
+        assert playground(pilot).board.opened == POLICIES
+        seen = await press(pilot, "down")
+        assert (seen.counters.step, seen.answers.studied) == (2, PolicyKind.UNIFORM)
+
+
+@pytest.mark.parametrize("mode", ["D", "y"])
+async def test_a_mode_gives_the_focus_back(make_app: MakeApp, mode: str) -> None:
+    async with make_app("frozenlake").run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        table = playground(pilot).board.table
+        table.focus()
+        await press(pilot, mode)
+        assert view(pilot).has_focus
+        await press(pilot, "escape")
+        assert table.has_focus
+        assert playground(pilot).modes.current is None
+
+
+@pytest.mark.parametrize("scenario", ["frozenlake", "student"])
+async def test_after_an_episode_one_draws_where_the_next_one_starts(make_app: MakeApp, scenario: str) -> None:
+    async with make_app(scenario).run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        ended = await press(pilot, "e")
+        assert not len(ended.world.space.pairs_of(ended.counters.state))
+        await press(pilot, "D", "1")
+        assert [state for state, _ in drawn(pilot)] == [ended.counters.step_from]
+        assert "nothing to choose" not in str(view(pilot).border_subtitle)
+
+
+async def test_a_cursor_that_was_put_stays_where_it_is(make_app: MakeApp) -> None:
+    async with make_app("frozenlake").run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        await press(pilot, "e")
+        view(pilot).focus()
+        view(pilot).put_cursor(9)
+        await press(pilot, "D", "3")
+        assert drawn(pilot) == ((9, DOWN),)
+
+
+@pytest.mark.parametrize(
+    ("scenario", "told"),
+    [("frozenlake", "second click at a side of the cell"), ("bandit", "second click on an arm")],
+)
+async def test_the_first_words_tell_of_the_mouse(make_app: MakeApp, scenario: str, told: str) -> None:
+    async with make_app(scenario).run_test(size=(80, 24), notifications=True) as pilot:
+        await settle(pilot)
+        await press(pilot, "D")
+        assert told in notes(pilot.app)[-1]
+
+
+@pytest.mark.parametrize(("mode", "key"), [("D", "2"), ("y", "down")])
+async def test_a_mode_that_is_wanted_at_once_has_its_keys(make_app: MakeApp, mode: str, key: str) -> None:
+    async with make_app("frozenlake").run_test(size=(80, 24)) as pilot:
+        await pilot.press(mode, key)
+        await settle(pilot)
+        assert drawn(pilot) == ((0, RIGHT),) if mode == "D" else snapshot(pilot).counters.step == 1
