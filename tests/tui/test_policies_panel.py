@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from conftest import MakeApp
-from samples import bandit, lake, look, stepped_lake, student
+from samples import bandit, lake, look, student
 from seams import playground, press, screen_text, show, snapshot, train
 from snapshots import changed
 from textual.pilot import Pilot
@@ -20,7 +20,6 @@ from rl_tui.lab.answers.policy_kind import PolicyKind
 from rl_tui.lab.answers.policy_values import NO_CHANCES, PLANS, WHILE_RUNNING, PolicyAnswer, worth_of
 from rl_tui.lab.answers.view import AnswersView
 from rl_tui.lab.live.snapshot import Snapshot
-from rl_tui.lab.run.exact_answers import NO_TABLE
 from rl_tui.tui.app.screenshot import settle
 from rl_tui.tui.glossary.glossary import glossary, term_at
 from rl_tui.tui.panels.catalogue import CURVE, PANELS, POLICIES, TABLE, WORLD
@@ -35,7 +34,6 @@ from rl_tui.tui.panels.q_table.layers import Layer
 from rl_tui.tui.panels.side_by_side import sides
 from rl_tui.tui.screens.number_here import number_here
 from rl_tui.tui.theme.glyphs import UNICODE
-from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
 KINDS = list(POLICY_NAMES)
 SIZES = ((60, 40), (46, 16), (36, 19), (27, 13), (27, 5), (27, 3), (16, 10), (8, 4), (3, 2), (1, 1))
@@ -380,19 +378,3 @@ async def test_a_dear_world_says_while_it_runs_what_to_do(make_app: MakeApp) -> 
         show(screen, replace(now, answers=AnswersView(studied=PolicyKind.GREEDY, policies=waits)))
         await pilot.pause()
         assert "pause: V of greedy now" in headings(pilot)[0]
-
-
-def test_of_arms_that_drift_the_figures_are_of_the_means_as_they_are_now() -> None:
-    shown = changed(studied(bandit(400)), is_hidden=False)
-    assert "as they are now" not in said(shown)
-    assert isinstance(shown.world.space, TabularMDP)
-    drifting = replace(shown, world=replace(shown.world, space=replace(shown.world.space, drift_std=0.01)))
-    assert "a pull: the reward it brings on average, of the means as they are now, exact" in said(drifting)
-
-
-def test_of_a_world_without_a_table_one_sentence_is_said() -> None:
-    shown = stepped_lake()
-    shown = replace(shown, answers=replace(shown.answers, studied=PolicyKind.GREEDY))
-    assert said(shown, 60) == NO_TABLE
-    for size in SIZES:
-        drawn(shown, *size)

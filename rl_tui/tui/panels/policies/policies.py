@@ -20,6 +20,7 @@ from rl_tui.tui.panels.panel import Panel
 from rl_tui.tui.panels.policies.names import POLICY_NAMES
 from rl_tui.tui.panels.policies.notes import notes
 from rl_tui.tui.panels.policies.table import head_line, row_lines, table_form
+from rl_tui.worlds.drawing import Arms
 
 TITLE: Final = "Policies"
 WAITING: Final = "they are being worked out"
@@ -33,6 +34,9 @@ _KEYS: Final = (
     "enter: keep · P: back",
     "P: back",
 )
+
+# Arms show their bars all the time: there is no V to go back to
+_KEYS_OF_ARMS: Final = ("↑ ↓: which · enter: keep it in view · P: close", *_KEYS[1:])
 
 _KEYS_ELSEWHERE: Final = (
     "click or tab here to choose · P: close",
@@ -63,7 +67,9 @@ class Policies(Panel, can_focus=True):
     def picture(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
         """Return the table and the notes, of which the last ones are left out where there is no room."""
         self.heading = self.fitting(self._headings(snapshot), width)
-        self.footing = self.fitting(_KEYS if self.has_focus else _KEYS_ELSEWHERE, width)
+        is_bandit = snapshot is not None and isinstance(snapshot.world.drawing, Arms)
+        keys = _KEYS_OF_ARMS if is_bandit else _KEYS
+        self.footing = self.fitting(keys if self.has_focus else _KEYS_ELSEWHERE, width)
         self._places = ()
         if snapshot is None or snapshot.answers.studied is None:
             return strips_of([[Piece(f" {WAITING}", self.look.palette.dim)]], width, height, self.look)
