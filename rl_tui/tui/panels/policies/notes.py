@@ -14,6 +14,7 @@ from rl_tui.tui.panels.last_step.update_text import setting
 from rl_tui.tui.panels.policies.names import POLICY_NAMES
 from rl_tui.tui.panels.policies.studied import is_kept_back
 from rl_tui.tui.panels.policies.table import amount, answer_of, may_not_end
+from rl_tui.tui.theme.glyphs import Glyphs
 from rl_tui.tui.theme.look import Look
 from rl_tui.worlds.drawing import Arms
 
@@ -79,14 +80,23 @@ def exploring(cost: float, what: str, snapshot: Snapshot, look: Look) -> str:
 
     ``what`` it costs that is an episode or a pull.
     """
+    size = _amount(abs(cost), look)
+    said, _ = cost_of_exploring(cost, size or "nothing", snapshot, look.glyphs)
+    return f"{said} {what}" if size else said
+
+
+def cost_of_exploring(cost: float, size: str, snapshot: Snapshot, glyphs: Glyphs) -> tuple[str, str]:
+    """Return what exploring costs, or brings where greedy earns less: with the ε in force, and without it.
+
+    ``size`` is that of ``cost`` as it is written.
+    """
     values = snapshot.agent.hyperparameters
     rate = ""
     if POLICY_BY_ID[values.policy].explores_by_epsilon:
         epsilon = round(values.epsilon_at(snapshot.counters.episodes), 3)
-        rate = f" (ε {setting(epsilon, look.glyphs)})"
-    if not _amount(cost, look):
-        return f"exploring{rate} costs nothing"
-    return f"exploring{rate} {'costs' if cost > 0.0 else 'brings'} {_amount(abs(cost), look)} {what}"
+        rate = f" (ε {setting(epsilon, glyphs)})"
+    said = f"{'brings' if cost <= -numbers.NEGLIGIBLE else 'costs'} {size}"
+    return f"exploring{rate} {said}", f"exploring {said}"
 
 
 def _amount(x: float, look: Look) -> str:

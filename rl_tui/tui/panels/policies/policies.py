@@ -76,9 +76,9 @@ class Policies(Panel, can_focus=True):
         if snapshot.world.mdp is None:
             # rows and explanations of figures would be about nothing
             self.footing = self.fitting(_KEYS[-1:], width)
-            lines = wrapped(NO_TABLE, width, self.look.palette.dim, self.look, " ", " ")
-            self.free_rows = height - len(lines)
-            return strips_of(lines, width, height, self.look)
+            why = wrapped(NO_TABLE, width, self.look.palette.dim, self.look, " ", " ")
+            self.free_rows = height - len(why)
+            return strips_of(why, width, height, self.look)
         table = self._table(snapshot, width, height)
         lines = list(table)
         room = height - len(lines)
