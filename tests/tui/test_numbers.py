@@ -62,6 +62,37 @@ def test_the_minus_sign_is_the_one_of_the_glyphs() -> None:
     assert numbers.brief(-1e-7, ASCII) == "-1e-7"
 
 
+@pytest.mark.parametrize(
+    ("x", "width", "text"),
+    [
+        (-49_960, 4, "−50k"),
+        (-4_000, 4, "−4k"),
+        (-47_000, 4, "−47k"),
+        (1.2e6, 5, "1.2e6"),
+        (-131_546, 4, "−1e5"),
+    ],
+)
+def test_thousands_are_in_one_unit(x: float, width: int, text: str) -> None:
+    assert numbers.value(x, width) == text
+
+
+@pytest.mark.parametrize(
+    ("x", "width", "text"),
+    [
+        (0.119, 8, ".119"),
+        (13.0, 8, "13.00"),
+        (-6_146.4, 8, "−6146"),
+        (9_999.7, 8, "10,000"),
+        (-131_546.422, 8, "−131,546"),
+        (-131_546.422, 7, "−1.3e5"),
+        (0.0, 8, "0"),
+        (0.0004, 8, "4e-4"),
+    ],
+)
+def test_an_exact_figure_has_decimals_by_its_size(x: float, width: int, text: str) -> None:
+    assert numbers.figure(x, width) == text
+
+
 def test_a_number_that_rounds_to_zero_has_no_sign() -> None:
     assert numbers.fixed(-0.001, 2) == "0.00"
     assert numbers.fixed(-0.001, 2, leading_zero=False) == ".00"

@@ -23,10 +23,15 @@ from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.app.screenshot import settle
 from rl_tui.tui.glossary.glossary import glossary, term_at
 from rl_tui.tui.panels.catalogue import CURVE, PANELS, POLICIES, TABLE, WORLD
+from rl_tui.tui.panels.curve.data import curve_data
+from rl_tui.tui.panels.curve.text import all_words, label_columns
+from rl_tui.tui.panels.curve.text import amount as curve_amount
 from rl_tui.tui.panels.policies.names import POLICY_NAMES
 from rl_tui.tui.panels.policies.policies import Policies
+from rl_tui.tui.panels.policies.studied import as_studied
 from rl_tui.tui.panels.policies.table import COLUMNS, amount
 from rl_tui.tui.panels.q_table.layers import Layer
+from rl_tui.tui.panels.side_by_side import sides
 from rl_tui.tui.screens.number_here import number_here
 from rl_tui.tui.theme.glyphs import UNICODE
 
@@ -88,7 +93,8 @@ def test_each_policy_has_its_figures() -> None:
         answer = answers[kind]
         figures = (answer.expected_return, answer.value_at_start, answer.steps)
         assert rows[POLICY_NAMES[kind].row][:3] == [amount(x, look()) for x in figures if x is not None]
-    assert set(rows["drawn"]) == {"·"}
+    assert rows["drawn"] == rows["uniform random"]  # nothing was drawn
+    assert "nothing drawn: at random; D draws" in said(studied(lake()))
 
 
 def test_what_exploring_costs_is_the_difference() -> None:
@@ -98,18 +104,19 @@ def test_what_exploring_costs_is_the_difference() -> None:
     assert acts is not None
     assert acts > greedy  # this greedy policy goes round
     text = said(studied(lake()))
-    assert f"exploring (ε .1) brings {amount(acts - greedy, look())} an episode" in text
+    assert f"exploring (ε .10) brings {amount(acts - greedy, look())} an episode" in text
     assert "greedy earns as much as optimal" in text
     worse = replace(answers[PolicyKind.OPTIMAL], expected_return=greedy + 0.25)
     assert "greedy is .250 an episode short of optimal" in said(studied(lake(), optimal=worse))
     worst = replace(answers[PolicyKind.BEHAVIOUR], expected_return=greedy - 0.01)
-    assert "exploring (ε .1) costs .010" in said(studied(lake(), behaviour=worst))
+    assert "exploring (ε .10) costs .010" in said(studied(lake(), behaviour=worst))
 
 
 def test_the_limit_and_the_discount_are_told() -> None:
     text = said(studied(lake()), 60)
     assert "undiscounted, within 100 steps" in text
     assert "γ .99, as if without a limit" in text
+    assert "ending: the chance that an episode ends within 100 steps" in text
 
 
 def test_a_policy_that_never_ends_has_no_return_and_says_so() -> None:
@@ -117,7 +124,15 @@ def test_a_policy_that_never_ends_has_no_return_and_says_so() -> None:
     text = said(studied(student(), greedy=endless), 60)
     assert "greedy: never ends, so it has no return" in text
     assert "0 %" in text
+    assert "greedy now – −9.00 – 0 %" in text
     assert "exploring" not in text
+
+
+def test_how_likely_a_policy_ends_stands_where_that_is_not_certain_rather_than_its_length() -> None:
+    endless = PolicyAnswer(np.zeros(5), np.zeros(4), np.zeros(5), 0.0, 0.0, 100.0, 0.0)
+    text = drawn(studied(student(), greedy=endless), 36).splitlines()
+    assert text[0].split() == ["return", "at", "start", "ending"]
+    assert text[2].split()[-1] == "%"
 
 
 def test_why_there_is_none_is_said_once() -> None:
@@ -136,7 +151,7 @@ def test_what_a_bandits_policies_earn_is_secret_until_it_is_revealed() -> None:
     assert "?" in text
     known = said(changed(shown, is_hidden=False))
     assert "a pull" in known
-    assert "exploring (ε .1) costs" in known
+    assert "exploring (ε .10) costs" in known
 
 
 def test_a_hidden_optimum_is_not_told() -> None:
@@ -174,10 +189,36 @@ def test_its_figures_can_be_asked() -> None:
     for column in COLUMNS:
         ids = {term_at(column.head, place, UNICODE) for place in range(len(column.head))}
         assert any(glossary()[each].figure is not None for each in ids if each is not None), column.head
-    line = "exploring (ε .1) costs .146 an episode"
+    line = "exploring (ε .10) costs .146 an episode"
     assert term_at(line, 0, UNICODE) in ("explore", "exploring-cost")
     for kind in (PolicyKind.UNIFORM, PolicyKind.BEHAVIOUR):
         assert term_at(POLICY_NAMES[kind].row, 0, UNICODE) is not None
+
+
+# The curve beside it
+
+
+def test_a_level_that_decimals_do_not_show_is_not_passed_off_as_zero() -> None:
+    assert curve_amount(0.002, 2, UNICODE) == "<.01"
+    assert curve_amount(-0.002, 2, UNICODE) == ">−.01"
+    assert curve_amount(0.0, 2, UNICODE) == "0"
+
+
+def test_what_is_below_the_axis_is_explained_before_the_rest() -> None:
+    forms = all_words(("cost", "c"), ("below", "b"), ("gap",))
+    assert forms[0] == "cost · below · gap"
+    assert all("b" in form for form in forms)
+    assert forms.index("b · gap") < forms.index("cost · below") < forms.index("b")
+    assert all_words(("cost",), (), ("gap",)) == ("cost · gap", "cost", "gap")
+
+
+def test_the_curve_is_as_wide_whichever_policy_is_studied() -> None:
+    for room in (30, 60):
+        wide = {
+            label_columns(curve_data(studied(lake(), kind)), look(), room)
+            for kind in (*KINDS[:3], PolicyKind.DRAWN)
+        }
+        assert len(wide) == 1
 
 
 # With keys
@@ -201,6 +242,7 @@ async def test_p_opens_it_beside_the_world_and_its_cursor_says_what_that_shows(
         assert board.shows(WORLD)
         assert not board.shows(TABLE)
         assert "V of uniform random" in headings(pilot)[0]
+        assert "P: policies" not in headings(pilot)[0]  # there P goes back
         if size != (60, 18):  # there the graph is a list of its edges
             assert "4.04" in screen_text(pilot.app)
             assert "2.40" in screen_text(pilot.app)
@@ -260,6 +302,33 @@ async def test_the_arrows_of_a_map_are_the_likeliest_actions(make_app: MakeApp) 
         assert told.term == "policy-value"
 
 
+async def test_a_state_that_a_policy_may_never_leave_has_a_dash(make_app: MakeApp) -> None:
+    async with make_app("cliff").run_test(size=(120, 40)) as pilot:
+        await settle(pilot)
+        await train(pilot, 300)
+        await press(pilot, "P", "down")
+        assert "γ 1 " in screen_text(pilot.app)
+        assert "as if without" not in screen_text(pilot.app)  # there is no limit
+        shown = await press(pilot, "enter")
+        board, values = playground(pilot).board, shown.answers.policies[PolicyKind.GREEDY].v
+        assert values is not None
+        state = int(np.flatnonzero(np.isnan(values))[0])
+        await press(pilot, *["v"] * board.table.layer_choices.index(Layer.POLICY))
+        for panel in (board.world, board.table):
+            assert panel is not None
+            text = "\n".join(panel.render_line(y).text for y in range(panel.size.height))
+            assert " – " in text
+            assert "nan" not in text
+        world = board.world
+        assert world is not None
+        assert "none" in [sign.meaning for sign in world.legend(shown)]
+        assert "none" in [sign.meaning for sign in board.table.legend(shown)]
+        world.put_cursor(state)
+        told = number_here(world, look())
+        assert told is not None
+        assert told.name == f"Vπ({state}): none"
+
+
 async def test_a_click_chooses(make_app: MakeApp) -> None:
     async with make_app("student").run_test(size=(80, 24)) as pilot:
         await settle(pilot)
@@ -270,6 +339,10 @@ async def test_a_click_chooses(make_app: MakeApp) -> None:
         await pilot.click(panel, offset=(4, y + 1))
         await settle(pilot)
         assert snapshot(pilot).answers.studied is PolicyKind.BEHAVIOUR
+
+
+def board_title(pilot: Pilot[UserError]) -> object:
+    return playground(pilot).board.panel(POLICIES).border_title
 
 
 async def test_two_lanes_show_the_same_policy_each_its_own(make_app: MakeApp) -> None:
@@ -290,7 +363,11 @@ async def test_two_lanes_show_the_same_policy_each_its_own(make_app: MakeApp) ->
         assert text.count("V of the agent as it acts") == 2
         world = screen.board.world
         assert world is not None
-        assert not world.differing  # its arrows are not the greedy ones
+        left, right = (as_studied(each).agent.policy > 0.0 for each in sides(both))
+        differs = {both.world.space.state_of(pair) for pair in np.flatnonzero(left != right).tolist()}
+        assert world.differing == differs
+        await press(pilot, "P")
+        assert str(board_title(pilot)).startswith("▸")
 
 
 async def test_a_dear_world_says_while_it_runs_what_to_do(make_app: MakeApp) -> None:

@@ -11,6 +11,10 @@ from rl_tui.tui.theme.glyphs import UNICODE, Glyphs
 DECIMALS: Final = 3
 NEGLIGIBLE: Final = 1e-9  # exact answers are good to this, so differences below it say nothing
 ROOM_FOR_ZERO: Final = 5  # from this width on fractions are written 0.54, below it .54
+_COMMA_FROM: Final = 10_000
+_FIGURE_DECIMALS: Final = ((3, 1.0), (2, 100.0), (1, 1_000.0))  # those of figures below that
+_LEAST_FIGURE: Final = 6  # cells of an exact figure in short
+_THOUSANDS_TO: Final = 1e6  # above that exponents are read more easily
 _SCALES: Final = ((1.0, ""), (1e3, "k"), (1e6, "M"), (1e9, "G"), (1e12, "T"))
 
 
@@ -34,6 +38,30 @@ def value(x: float, width: int, glyphs: Glyphs = UNICODE, decimals: int = DECIMA
         return plain
     forms = _with_exponent(x, glyphs) if abs(x) < 1.0 else _in_short(x, glyphs)
     return _widest_that_fits(forms, width) or plain or "#" * width
+
+
+def missing(glyphs: Glyphs) -> str:
+    """Return what is written in place of a number where there is none."""
+    return "-" if glyphs.name == "ascii" else "–"
+
+
+def figure(x: float, width: int, glyphs: Glyphs = UNICODE) -> str:
+    """Return an exact figure in at most ``width`` cells (6 at least): ``.119``, ``13.00``, ``−65,375``.
+
+    Fractions have three decimals, what is larger has fewer. What does not fit is written ``−1.3e5``.
+    """
+    size = abs(x)
+    decimals = next((each for each, end in _FIGURE_DECIMALS if round(size, each) < end), 0)
+    text = fixed(x, decimals, glyphs, leading_zero=False) if decimals else whole(x, glyphs)
+    if not has_digits(text):
+        return "0" if size < NEGLIGIBLE else value(x, _LEAST_FIGURE, glyphs)
+    return text if len(text) <= width else value(x, _LEAST_FIGURE, glyphs)
+
+
+def whole(x: float, glyphs: Glyphs = UNICODE) -> str:
+    """Return ``x`` without decimals, from 10,000 on with commas: ``−6146``, ``−65,375``."""
+    text = fixed(x, 0, glyphs)
+    return f"{x:,.0f}".replace("-", glyphs.minus) if abs(float(f"{x:.0f}")) >= _COMMA_FROM else text
 
 
 def fixed(x: float, decimals: int, glyphs: Glyphs = UNICODE, leading_zero: bool = True) -> str:
@@ -106,8 +134,13 @@ def _scaled(x: float, decimals: int, gap: str) -> str:
 
 
 def _in_short(x: float, glyphs: Glyphs) -> list[str]:
-    """Return forms of a large ``x``, the longest first; those in units cover what exponents do not."""
-    *longer, shortest = _with_exponent(x, glyphs)
+    """Return forms of a large ``x``, the longest first; those in units cover what exponents do not.
+
+    A mantissa without a decimal says no more than thousands: ``−50k`` stands beside ``−47k``.
+    """
+    exponents = _with_exponent(x, glyphs)
+    longer = [form for form in exponents if "." in form or abs(x) >= _THOUSANDS_TO]
+    shortest = exponents[-1]
     units = [(x / scale, unit) for scale, unit in _SCALES[1:]]
     whole = [fixed(part, 0, glyphs) + unit for part, unit in units if 1.0 <= abs(part) < 999.5]
     tenths = [

@@ -11,6 +11,7 @@ from textual.strip import Strip
 
 from rl_tui.agents.catalogue import BY_ID
 from rl_tui.lab.live.snapshot import Snapshot
+from rl_tui.tui.draw import numbers
 from rl_tui.tui.draw.pieces import Piece, length, spelled, strips_of
 from rl_tui.tui.draw.to_ascii import separated, to_ascii
 from rl_tui.tui.theme.look import Look
@@ -43,6 +44,11 @@ Legend = tuple[LegendSign, ...]
 def agent_meaning(snapshot: Snapshot) -> str:
     """Return what the sign of the agent means; a planner is nowhere, but has backed up a state."""
     return "backed up" if BY_ID[snapshot.agent.algorithm].planner else AGENT
+
+
+def no_value_sign(look: Look) -> LegendSign:
+    """Return how a state or pair is marked that has no value, since its policy may never end from there."""
+    return LegendSign(numbers.missing(look.glyphs), "none", look.palette.text, "no value: may never end")
 
 
 @lru_cache(_MOST_KEPT)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 
@@ -14,7 +14,7 @@ from rl_tui.lab.live.viewport import pairs_of_states
 from rl_tui.lab.timeline.run_names import feature_text
 from rl_tui.tui.panels.controls.controls import in_force, sliders_of
 from rl_tui.tui.panels.panel import BoardPanel
-from rl_tui.tui.panels.policies.studied import studied_kind
+from rl_tui.tui.panels.policies.studied import as_studied, studied_kind
 from rl_tui.tui.panels.q_table.q_table import QTable
 from rl_tui.tui.panels.world.view import WorldView
 from rl_tui.tui.theme.look import Look
@@ -67,10 +67,25 @@ class GreedyDifferences:
         )
 
 
+class Differing(NamedTuple):
+    """States in which lanes differ: in ``greedy`` actions, and in those ``drawn``, a studied policy's."""
+
+    greedy: frozenset[int]
+    drawn: frozenset[int]
+
+
+def differing_states(left: Snapshot, right: Snapshot, differences: GreedyDifferences) -> Differing:
+    """Return where ``left`` and ``right``, whose greedy actions have ``differences``, differ."""
+    drawn = differences
+    if studied_kind(left) is not None and studied_kind(right) is not None:
+        drawn = greedy_differences(as_studied(left), as_studied(right))
+    return Differing(differences.states, drawn.states)
+
+
 def name_panels(
     panels: Iterable[BoardPanel],
     lane: Snapshot,
-    differences: GreedyDifferences,
+    differing: Differing,
     *,
     is_led: bool,
     look: Look,
@@ -84,10 +99,9 @@ def name_panels(
         panel.is_led = not is_led
         if isinstance(panel, WorldView):
             panel.lane = lane_titles(lane, number)
-            # what is marked are greedy actions, and other arrows are drawn while a policy is studied
-            panel.differing = differences.states if studied_kind(lane) is None else frozenset()
+            panel.differing = differing.drawn
         elif isinstance(panel, QTable):
-            panel.lane, panel.differing = number, differences.states
+            panel.lane, panel.differing = number, differing.greedy
 
 
 def stand_alone(panel: BoardPanel) -> None:

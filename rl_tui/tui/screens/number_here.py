@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Final, NamedTuple
 
 from textual.geometry import Offset
@@ -24,6 +25,8 @@ from rl_tui.tui.theme.look import Look
 from rl_tui.worlds.drawing import Arms
 
 _COLUMNS: Final = 9
+_OF_POLICY: Final = "policy-value"
+_NO_VALUE: Final = "may never end, and rewards go on without a discount: there is no value."
 
 
 class NumberHere(NamedTuple):
@@ -89,12 +92,16 @@ def number_of_policy(snapshot: Snapshot, state: int, kind: PolicyKind, look: Loo
     """Return V of ``state`` under the policy ``kind``, which ``snapshot`` shows in place of the agent's."""
     name = names.state_name(snapshot.world, state, look.glyphs)
     value = float(snapshot.agent.values[state])
+    if math.isnan(value):
+        return NumberHere(
+            f"Vπ({name}): none", f"From state {name} on {POLICY_NAMES[kind].of} {_NO_VALUE}", _OF_POLICY
+        )
     text = number_form([value], _COLUMNS).text(value, look.glyphs)
     return NumberHere(
         f"Vπ({name}) = {text}",
         f"The discounted return to be expected from state {name} on of {POLICY_NAMES[kind].of}. Exact: "
         f"worked out from the table of the world, not learned. P lists what policies are worth.",
-        "policy-value",
+        _OF_POLICY,
     )
 
 
@@ -129,6 +136,9 @@ class _Teller:
                 "q",
             )
         if layer is Layer.POLICY and (known := policy_q(self._snapshot)) is not None:
+            if math.isnan(known[0][pair]):
+                meaning = f"From {self._deed(pair)} on the policy that is studied {_NO_VALUE}"
+                return NumberHere(f"Qπ({name}): none", meaning, "q-pi")
             worth = self._written(float(known[0][pair]))[0]
             return NumberHere(
                 f"Qπ({name}) = {worth}",

@@ -18,7 +18,7 @@ from rl_tui.tui.panels.curve.chart_band import band_signs
 from rl_tui.tui.panels.curve.data import CurveData, curve_data
 from rl_tui.tui.panels.curve.lane_text import lane_remark, lane_titles, steps_note
 from rl_tui.tui.panels.curve.seed_band import seed_bands, seed_sign, with_room_for
-from rl_tui.tui.panels.curve.text import below_note, decimals_for, gap_note, remark, titles, together
+from rl_tui.tui.panels.curve.text import all_words, below_note, decimals_for, gap_note, remark, titles
 from rl_tui.tui.panels.legend import Legend, LegendSign, legend_text
 from rl_tui.tui.panels.panel import Panel
 from rl_tui.tui.panels.snapshot_facts import is_new_run, passes_too_fast
@@ -69,12 +69,12 @@ class ReturnCurve(Panel, can_focus=True):
         decimals = decimals_for(*scale.outer_labels)
         in_border = height < _ROOM_FOR_REMARK
         plot = plot_of(data, scale, self.look, width, height)
-        heads, words = self._words(snapshot, data, plot, width, in_border)
+        heads, words, below = self._words(snapshot, data, plot, width, in_border)
         if data.unit == "episode" and not data.lanes:
             heads = (*self.captioned(heads[0]), *heads)
         room = width - self._kept_for_legend(snapshot) if in_border else width
         gap = gap_note(data, plot)
-        said = self.fitting(words if in_border else together(words, gap), room)
+        said = self.fitting(all_words(words, below, () if in_border else gap), room)
         for note in (steps_note(data), gap if in_border else ()):
             # where they come and go, the rest stays as it is
             said = self.fitting([f"{said} · {each}" if said else each for each in note], room) or said
@@ -106,8 +106,8 @@ class ReturnCurve(Panel, can_focus=True):
 
     def _words(
         self, snapshot: Snapshot, data: CurveData, plot: Plot, width: int, in_border: bool
-    ) -> tuple[Words, Words]:
-        """Return the titles and the remarks, the longest form of each first."""
+    ) -> tuple[Words, Words, Words]:
+        """Return the titles, the remarks and what is below the axis, the longest form of each first."""
         look, decimals = self.look, decimals_for(*plot.scale.outer_labels)
         # Figures in the border would redraw the whole panel at every frame
         fast = passes_too_fast(snapshot)
@@ -118,4 +118,4 @@ class ReturnCurve(Panel, can_focus=True):
             words = lane_remark(data, look, plot_columns(plot.scale, look, width))
         below = below_note(data, plot, look.glyphs, decimals, with_figures=with_figures)
         heads = lane_titles(data, heads, look.glyphs) if data.lanes else heads
-        return heads, together(words, below)
+        return heads, words, below

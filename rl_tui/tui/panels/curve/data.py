@@ -67,7 +67,7 @@ class CurveData:
     unknown). ``greedy_ends`` is, where the greedy policy has no return, how likely an episode of it ends;
     else None.
     ``acting_now`` is the exact return of the agent as it acts now, None where it is not known, ``studied``
-    that of a policy that is studied and has no line already.
+    that of a policy that is studied and has no line already; ``is_studying`` tells that any is studied.
     ``unit`` is what the horizontal axis counts: pulls, a planner's sweeps, or episodes. The optimum is the
     undiscounted return of the policy that is best for the γ in force.
 
@@ -92,6 +92,7 @@ class CurveData:
     greedy_ends: float | None
     acting_now: float | None = None
     studied: StudiedLevel | None = None
+    is_studying: bool = False
     lanes: tuple[LaneLine, ...] = ()
     seeds: tuple[SeedBand, ...] = ()
 
@@ -185,6 +186,7 @@ def curve_data(snapshot: Snapshot) -> CurveData:
         greedy_ends=None if hidden else snapshot.results.greedy_ends,
         acting_now=_acting(snapshot),
         studied=_studied(snapshot),
+        is_studying=snapshot.answers.studied is not None and not hidden,
         lanes=tuple(
             _lane(number, lane, shown=number - 1 == snapshot.run_group.shown, hidden=hidden)
             for number, lane in enumerate(snapshot.run_group.lanes, 1)

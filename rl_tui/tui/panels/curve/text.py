@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from itertools import product
 from typing import Final
 
 import numpy as np
@@ -18,6 +19,7 @@ from rl_tui.tui.draw.chart_plot import Plot
 from rl_tui.tui.draw.to_ascii import to_ascii
 from rl_tui.tui.panels.curve.data import CurveData
 from rl_tui.tui.panels.last_step.update_text import setting
+from rl_tui.tui.panels.policies.names import POLICY_NAMES
 from rl_tui.tui.panels.snapshot_facts import recent_name
 from rl_tui.tui.theme.glyphs import Glyphs
 from rl_tui.tui.theme.look import Look
@@ -28,7 +30,7 @@ ROOM_FOR_NAMES: Final = 20
 NUMBER: Final = 6  # cells of the widest number beside a name
 _MOST_DECIMALS: Final = 5
 _LEAST_FIXED: Final = 2e-4  # extent of an axis whose numbers have no exponents
-_COMMA_FROM: Final = 5  # digits
+_STUDIED_NAMES: Final = [name.line for name in POLICY_NAMES.values()]
 _TIES: Final = "greedy: ties"
 _HIDDEN_ARMS: Final = (
     "h adds the best arm and the greedy arm, exact",
@@ -62,17 +64,17 @@ def decimals_for(low: float, high: float) -> int:
 
 
 def amount(x: float, decimals: int, glyphs: Glyphs) -> str:
-    """Return ``x`` beside a curve: ``.73``, ``7.5``, ``−12``."""
+    """Return ``x`` beside a curve: ``.73``, ``7.5``, ``−12``, ``<.01``."""
     if abs(x) < numbers.NEGLIGIBLE:
         return "0"
     if decimals > _MOST_DECIMALS:
         return numbers.scientific(x, 1, glyphs)
     text = numbers.fixed(x, decimals, glyphs, leading_zero=False)
+    if not numbers.has_digits(text):
+        least = numbers.fixed(10.0**-decimals, decimals, glyphs, leading_zero=False)
+        return f">{glyphs.minus}{least}" if x < 0.0 else f"<{least}"
     text = text if len(text) <= NUMBER else numbers.value(x, NUMBER, glyphs)
-    digits = text.removeprefix(glyphs.minus)
-    return (
-        text.replace(digits, f"{int(digits):,}") if len(digits) >= _COMMA_FROM and digits.isdigit() else text
-    )
+    return numbers.whole(x, glyphs) if text.removeprefix(glyphs.minus).isdigit() else text
 
 
 def no_end(ends: float, *, short: bool = False) -> str:
@@ -106,8 +108,11 @@ def labels(
             (f"{each.seeds} seeds{each.until if room >= ROOM_FOR_LONG else ''}", each.value, palette.dim)
             for each in data.seeds
         ]
+    most = label_columns(data, look, room, mean=mean) - 2
     found = [
-        LineLabel(to_ascii(_with_number(name, value, decimals, room, look.glyphs), look.glyphs), value, style)
+        LineLabel(
+            to_ascii(_with_number(name, value, decimals, room, most, look.glyphs), look.glyphs), value, style
+        )
         for name, value, style in lines
         if value is not None
     ]
@@ -127,7 +132,7 @@ def label_columns(data: CurveData, look: Look, room: int, *, mean: bool = True) 
         return 0
     number = 1 + NUMBER if room >= ROOM_FOR_NUMBERS else 0
     greedy, recent, best = _usual_names(data.is_bandit, room, f"{recent_name(RECENT)}:")
-    names = [greedy, *([recent] if mean else []), best, *([data.studied.name] if data.studied else [])]
+    names = [greedy, *([recent] if mean else []), best, *(_STUDIED_NAMES if data.is_studying else [])]
     return 2 + max(len(to_ascii(name, look.glyphs)) for name in names) + number
 
 
@@ -157,9 +162,13 @@ def figure_names() -> tuple[str, ...]:
     return tuple(dict.fromkeys(name for form in forms for name in form))
 
 
-def _with_number(name: str, value: float, decimals: int, room: int, glyphs: Glyphs) -> str:
-    has_number = room >= ROOM_FOR_NUMBERS and name != _TIES
-    return f"{name} {amount(value, decimals, glyphs)}" if has_number else name
+def _with_number(name: str, value: float, decimals: int, room: int, most: int, glyphs: Glyphs) -> str:
+    """Return ``name`` with its number, which is written out where both take ``most`` columns at the most."""
+    if room < ROOM_FOR_NUMBERS or name == _TIES:
+        return name
+    text, long = amount(value, decimals, glyphs), numbers.whole(value, glyphs)
+    fits = not decimals and len(text) < len(long) <= most - len(name) - 1
+    return f"{name} {long if fits else text}"
 
 
 def titles(data: CurveData | None, glyphs: Glyphs, decimals: int, width: int) -> tuple[str, ...]:
@@ -200,9 +209,9 @@ def remark(
     if data.acting_now is None:
         return _gap(data, what, glyphs, decimals) if with_figures else ()
     cost = data.greedy_now - data.acting_now
-    amount_said = amount(abs(cost), decimals, glyphs)
-    if not numbers.has_digits(amount_said):
+    if not _is_seen(cost, decimals):
         return ()
+    amount_said = amount(abs(cost), decimals, glyphs)
     if not with_figures:
         return "pause to see what exploring costs", "pause: what exploring costs"
     rate = "" if epsilon is None else f" (ε {setting(round(epsilon, 3), glyphs)})"
@@ -220,10 +229,17 @@ def _gap(data: CurveData, what: str, glyphs: Glyphs, decimals: int) -> tuple[str
     if data.greedy_now is None or data.mean_now is None or not _has_learned(data):
         return ()
     gap = data.greedy_now - data.mean_now
-    said = amount(gap, decimals, glyphs)
-    if not numbers.has_digits(said) or gap < 0.0:
+    if not _is_seen(gap, decimals) or gap < 0.0:
         return ()
+    said = amount(gap, decimals, glyphs)
     return f"gap {said} {what} · P: what exploring costs", f"gap {said} · P: exploring", f"gap {said}"
+
+
+def _is_seen(x: float, decimals: int) -> bool:
+    """Return whether so many decimals tell ``x`` from 0."""
+    return abs(x) >= numbers.NEGLIGIBLE and (
+        decimals > _MOST_DECIMALS or numbers.has_digits(f"{x:.{decimals}f}")
+    )
 
 
 def below_note(
@@ -262,9 +278,19 @@ def gap_note(data: CurveData, plot: Plot) -> tuple[str, ...]:
     )
 
 
-def together(first: tuple[str, ...], second: tuple[str, ...]) -> tuple[str, ...]:
-    """Return forms of both in one line, those of ``first`` kept longest, then of either alone."""
-    return (*(f"{one} · {other}" for one in first for other in second), *first, *second)
+def all_words(words: tuple[str, ...], below: tuple[str, ...], gap: tuple[str, ...]) -> tuple[str, ...]:
+    """Return forms of all three in one line, then of fewer: where the line is short ``below`` is kept.
+
+    It explains a sign of the picture.
+    """
+    if not below:
+        return (*_joined(words, gap), *words, *gap)
+    return (*_joined(words, below, gap), *_joined(below, gap), *_joined(words, below), *below)
+
+
+def _joined(*parts: tuple[str, ...]) -> tuple[str, ...]:
+    """Return a form of each of ``parts`` in one line, those of the first kept longest."""
+    return tuple(" · ".join(forms) for forms in product(*parts))
 
 
 def _has_learned(data: CurveData) -> bool:

@@ -140,7 +140,7 @@ def decimals_of(found: Sequence[Estimate]) -> int:
 def figure_text(x: float | None, decimals: int, glyphs: Glyphs) -> str:
     """Return ``x`` with so many decimals: ``−47.1``, ``.82``, ``1,213``; a dash for None."""
     if x is None or not math.isfinite(x):
-        return "-" if glyphs.name == "ascii" else "–"
+        return numbers.missing(glyphs)
     if abs(x) >= _LARGEST:
         return numbers.value(x, _SHORT, glyphs)
     text = f"{abs(x):,.{decimals}f}"

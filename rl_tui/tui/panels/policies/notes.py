@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import Final
 
 from rl_tui.agents.catalogue import POLICY_BY_ID
 from rl_tui.lab.answers.policy_kind import PolicyKind
@@ -10,12 +11,14 @@ from rl_tui.lab.answers.policy_values import TOO_MANY, WHILE_RUNNING
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.run.exact_answers import NO_TABLE
 from rl_tui.tui.draw import numbers
+from rl_tui.tui.panels.last_step.update_text import setting
 from rl_tui.tui.panels.policies.names import POLICY_NAMES
 from rl_tui.tui.panels.policies.studied import is_kept_back
-from rl_tui.tui.panels.policies.table import amount, answer_of, has_row
+from rl_tui.tui.panels.policies.table import amount, answer_of, may_not_end
 from rl_tui.tui.theme.look import Look
 from rl_tui.worlds.drawing import Arms
 
+_GAMMA_BEST: Final = "best for this γ (γ-best)"
 Note = tuple[str, bool]
 
 
@@ -29,18 +32,23 @@ def notes(snapshot: Snapshot, look: Look) -> Iterator[Note]:
     yield from _reasons(snapshot)
     if is_bandit:
         yield "a pull: the reward it brings on average, exact", False
+        yield "optimal: the best arm", False
         return
     limit, gamma = snapshot.world.space.time_limit, snapshot.agent.hyperparameters.gamma
     within = f" within {limit:,} steps" if limit else ""
+    known = [answer_of(snapshot, kind) for kind in POLICY_NAMES if not is_kept_back(snapshot, kind)]
+    if may_not_end(known):
+        yield f"ending: the chance that an episode ends{within}", False
     yield f"return: expected, undiscounted,{within or ' without a limit'}", False
-    yield f"at start: V there, γ {numbers.brief(gamma, look.glyphs)}, as if without a limit", False
+    as_if = ", as if without a limit" if limit else ""
+    yield f"at start: V there, γ {numbers.brief(gamma, look.glyphs)}{as_if}", False
+    if not is_kept_back(snapshot, PolicyKind.OPTIMAL):
+        yield f"optimal: {_GAMMA_BEST}", False
 
 
 def return_of(snapshot: Snapshot, kind: PolicyKind) -> float | None:
     """Return the exact return of a policy; None where it is not known or not to be seen."""
-    if is_kept_back(snapshot, kind) or not has_row(snapshot, kind):
-        return None
-    return answer_of(snapshot, kind).expected_return
+    return None if is_kept_back(snapshot, kind) else answer_of(snapshot, kind).expected_return
 
 
 def _gaps(snapshot: Snapshot, look: Look) -> Iterator[Note]:
@@ -50,7 +58,7 @@ def _gaps(snapshot: Snapshot, look: Look) -> Iterator[Note]:
     )
     what = "a pull" if isinstance(snapshot.world.drawing, Arms) else "an episode"
     if greedy is not None and acts is not None:
-        yield f"{exploring(greedy - acts, snapshot, look)} {what}", True
+        yield exploring(greedy - acts, what, snapshot, look), True
     if greedy is not None and best is not None:
         gap = best - greedy
         if not _amount(gap, look):
@@ -58,19 +66,22 @@ def _gaps(snapshot: Snapshot, look: Look) -> Iterator[Note]:
         elif gap > 0.0:
             yield f"greedy is {_amount(gap, look)} {what} short of optimal", True
         else:
-            yield f"greedy earns {_amount(-gap, look)} {what} more than optimal for this γ", True
+            yield f"greedy earns {_amount(-gap, look)} {what} more than optimal", True
 
 
-def exploring(cost: float, snapshot: Snapshot, look: Look) -> str:
-    """Return what exploring costs, or brings where greedy earns less, with the ε in force."""
+def exploring(cost: float, what: str, snapshot: Snapshot, look: Look) -> str:
+    """Return what exploring costs, with the ε in force, or brings where greedy earns less.
+
+    ``what`` it costs that is an episode or a pull.
+    """
     values = snapshot.agent.hyperparameters
     rate = ""
     if POLICY_BY_ID[values.policy].explores_by_epsilon:
         epsilon = round(values.epsilon_at(snapshot.counters.episodes), 3)
-        rate = f" (ε {numbers.brief(epsilon, look.glyphs)})"
+        rate = f" (ε {setting(epsilon, look.glyphs)})"
     if not _amount(cost, look):
         return f"exploring{rate} costs nothing"
-    return f"exploring{rate} {'costs' if cost > 0.0 else 'brings'} {_amount(abs(cost), look)}"
+    return f"exploring{rate} {'costs' if cost > 0.0 else 'brings'} {_amount(abs(cost), look)} {what}"
 
 
 def _amount(x: float, look: Look) -> str:
@@ -81,12 +92,12 @@ def _amount(x: float, look: Look) -> str:
 def _reasons(snapshot: Snapshot) -> Iterator[Note]:
     """Yield why figures are lacking, a reason once."""
     said = set[str]()
+    if not snapshot.answers.drawn.choices and answer_of(snapshot, PolicyKind.DRAWN).is_known:
+        yield "nothing drawn: at random; D draws", False
     for kind, name in POLICY_NAMES.items():
         if is_kept_back(snapshot, kind):
-            yield f"{name.line}: hidden, h shows it", False
-        elif not has_row(snapshot, kind):
-            if answer_of(snapshot, kind).is_known:
-                yield "drawn: nothing yet, D draws", False
+            which = f" {_GAMMA_BEST}," if kind is PolicyKind.OPTIMAL else ""
+            yield f"{name.line}:{which} hidden, h shows it", False
         elif (refused := answer_of(snapshot, kind).refused) and refused not in said:
             said.add(refused)
             is_of_all = refused in (NO_TABLE, TOO_MANY, WHILE_RUNNING)

@@ -61,7 +61,7 @@ class Policies(Panel, can_focus=True):
 
     def picture(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
         """Return the table and the notes, of which the last ones are left out where there is no room."""
-        self.heading = self.fitting((*self.captioned(TITLE), TITLE), width)
+        self.heading = self.fitting(self._headings(snapshot), width)
         self.footing = self.fitting(_KEYS if self.has_focus else _KEYS_ELSEWHERE, width)
         self._places = ()
         if snapshot is None or snapshot.answers.studied is None:
@@ -76,8 +76,29 @@ class Policies(Panel, can_focus=True):
             if gap + len(wrapped_note) <= room:
                 lines += [*([[]] if gap else []), *wrapped_note]
                 room -= gap + len(wrapped_note)
+        if height <= len(table):
+            self.heading = self.fitting(self._headings_with_cost(snapshot), width) or self.heading
         self.free_rows = room
         return strips_of(lines, width, height, self.look)
+
+    def _headings(self, snapshot: Snapshot | None) -> tuple[str, ...]:
+        """Return the headings, the longest first; of runs side by side they say whose policies these are."""
+        plain = (*self.captioned(TITLE), TITLE)
+        if snapshot is None or not snapshot.run_group.lanes:
+            return plain
+        lane = self._lane(snapshot)
+        named = f"{lane} {snapshot.run_group.lanes[snapshot.run_group.shown].name}"
+        return (*(f"{named} · {each}" for each in plain), f"{lane} · {TITLE}", lane)
+
+    def _headings_with_cost(self, snapshot: Snapshot) -> tuple[str, ...]:
+        """Return headings with what exploring costs, for a panel without a row for that; none if unknown."""
+        said = next((note for note, is_figure in notes(snapshot, self.look) if is_figure), "")
+        said = said.removesuffix(" an episode")
+        lane = f"{self._lane(snapshot)} · " if snapshot.run_group.lanes else ""
+        return (f"{lane}{TITLE} · {said}", f"{lane}{said}") if said else ()
+
+    def _lane(self, snapshot: Snapshot) -> str:
+        return f"{self.look.glyphs.cursor}{snapshot.run_group.shown + 1}"
 
     def watch_has_focus(self, has_focus: bool) -> None:
         """Tell the keys that choose only where they do."""

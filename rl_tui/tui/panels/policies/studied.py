@@ -39,14 +39,18 @@ def studied_kind(snapshot: Snapshot) -> PolicyKind | None:
     return snapshot.answers.studied
 
 
-def study_headings(snapshot: Snapshot, shown: PolicyKind | None, title: str, what: str) -> tuple[str, ...]:
+def study_headings(
+    snapshot: Snapshot, shown: PolicyKind | None, title: str, what: str, *, names_key: bool
+) -> tuple[str, ...]:
     """Return headings for ``what``, V or Q, of the policy ``shown``, the longest first.
 
-    Where one is to be shown that has to wait, they say so; none where there is nothing to say.
+    ``names_key`` lets them name the key that opens the panel of policies. Where one is to be shown that has
+    to wait, they say so; none where there is nothing to say.
     """
     if shown is not None:
         said = f"{what} of {POLICY_NAMES[shown].of}"
-        return f"{title} · {said} · P: policies", f"{title} · {said}", said
+        forms = (f"{title} · {said}", said)
+        return (f"{title} · {said} · P: policies", *forms) if names_key else forms
     answers = snapshot.answers
     if answers.studied is None:
         return ()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from typing import Final, NamedTuple
 
 from rich.cells import cell_len
@@ -19,7 +19,8 @@ from rl_tui.tui.panels.policies.studied import is_kept_back
 from rl_tui.tui.theme.look import Look
 from rl_tui.worlds.drawing import Arms
 
-_NUMBER: Final = 7  # cells of the widest number
+WIDEST: Final = 8  # cells of the widest number
+_NUMBERS: Final = (WIDEST + 1, WIDEST, WIDEST - 1)  # cells of a column, with the blank before its number
 _LEAST_NAME: Final = 7
 _NO_ENDING: Final = 0.9995  # from there on it is written as 100 %
 
@@ -30,11 +31,12 @@ class Column(NamedTuple):
     id: str
     head: str
     rank: int
+    has_sign: bool = False
 
 
-RETURN: Final = Column("expected_return", "return", 0)
-REWARD: Final = Column("expected_return", "a pull", 0)  # of a bandit
-VALUE: Final = Column("value_at_start", "at start", 1)
+RETURN: Final = Column("expected_return", "return", 0, has_sign=True)
+REWARD: Final = Column("expected_return", "a pull", 0, has_sign=True)  # of a bandit
+VALUE: Final = Column("value_at_start", "at start", 1, has_sign=True)
 STEPS: Final = Column("steps", "length", 2)
 ENDS: Final = Column("ends", "ending", 3)
 COLUMNS: Final = (RETURN, REWARD, VALUE, STEPS, ENDS)
@@ -49,14 +51,9 @@ class TableForm(NamedTuple):
     number: int
 
 
-def amount(x: float, look: Look) -> str:
-    """Return an exact figure: fractions with three decimals, what is larger with fewer."""
-    size = abs(x)
-    decimals = 3 if size < 1.0 else 2 if size < 100.0 else 1 if size < 1_000.0 else 0
-    text = numbers.fixed(x, decimals, look.glyphs, leading_zero=False)
-    if len(text) < _NUMBER and (numbers.has_digits(text) or size < numbers.NEGLIGIBLE):
-        return text if numbers.has_digits(text) else "0"
-    return numbers.value(x, _NUMBER - 1, look.glyphs)
+def amount(x: float, look: Look, width: int = WIDEST) -> str:
+    """Return an exact figure in ``width`` cells."""
+    return numbers.figure(x, width, look.glyphs)
 
 
 def answer_of(snapshot: Snapshot, kind: PolicyKind) -> PolicyAnswer:
@@ -64,28 +61,32 @@ def answer_of(snapshot: Snapshot, kind: PolicyKind) -> PolicyAnswer:
     return snapshot.answers.policies.get(kind, PENDING)
 
 
-def has_row(snapshot: Snapshot, kind: PolicyKind) -> bool:
-    """Return whether there is such a policy: one that was drawn is there once something was."""
-    return kind is not PolicyKind.DRAWN or bool(snapshot.answers.drawn.choices)
-
-
 def table_form(snapshot: Snapshot, width: int, look: Look) -> TableForm:
     """Return the form of the table in ``width`` cells."""
-    known = [
-        answer_of(snapshot, kind)
-        for kind in POLICY_NAMES
-        if has_row(snapshot, kind) and not is_kept_back(snapshot, kind)
-    ]
+    known = [answer_of(snapshot, kind) for kind in POLICY_NAMES if not is_kept_back(snapshot, kind)]
     columns = _columns(snapshot, known)
     longest, short = (max(_cells(name, look) for name in names) for names in _names())
-    for number in (_NUMBER + 2, _NUMBER):
-        for left_out in range(len(columns)):
-            shown = [each for each in columns if each.rank < len(columns) - left_out]
-            cells = [max(number, len(each.head) + 1) for each in shown]
-            for name, is_short in ((longest, False), (short, True)):
-                if 1 + name + sum(cells) <= width and (number > _NUMBER) <= (not left_out and not is_short):
-                    return TableForm(shown, name, is_short, number)
-    return TableForm(columns[:1], max(_LEAST_NAME, min(short, width - 1 - _NUMBER)), True, _NUMBER)
+    found = [_figure(each, column) for each in known for column in columns if column.id != ENDS.id]
+    needed = max((len(amount(each, look)) for each in found if each is not None), default=0)
+    for name, is_short, number, left_out in _choices(longest, short, len(columns), needed):
+        shown = [each for each in columns if each.rank < len(columns) - left_out]
+        form = TableForm(shown, name, is_short, number)
+        if 1 + name + sum(_width(form, each) for each in shown) < width:
+            return form
+    name = max(_LEAST_NAME, min(short, width - 1 - _NUMBERS[-1]))
+    return TableForm(columns[:1], name, True, _NUMBERS[-1])
+
+
+def _choices(longest: int, short: int, columns: int, needed: int) -> Iterator[tuple[int, bool, int, int]]:
+    """Yield cells of names, whether they are short, cells of numbers and columns left out, the best first.
+
+    Short names come before numbers in short, of which the widest has ``needed`` cells, and these before
+    columns that are left out.
+    """
+    names = ((longest, False), (short, True))
+    for out in range(columns):
+        for fits in (True, False):
+            yield from ((*name, each, out) for name in names for each in _NUMBERS if (needed < each) is fits)
 
 
 def head_line(form: TableForm, look: Look) -> Line:
@@ -116,8 +117,17 @@ def row_lines(snapshot: Snapshot, form: TableForm, look: Look) -> list[Line]:
 def _columns(snapshot: Snapshot, known: Sequence[PolicyAnswer]) -> list[Column]:
     if isinstance(snapshot.world.drawing, Arms):
         return [REWARD]
-    may_not_end = any(each.ends is not None and each.ends < _NO_ENDING for each in known)
-    return [RETURN, VALUE, STEPS, *([ENDS] if may_not_end else [])]
+    if may_not_end(known):
+        return [RETURN, VALUE, STEPS._replace(rank=ENDS.rank), ENDS._replace(rank=STEPS.rank)]
+    return [RETURN, VALUE, STEPS]
+
+
+def may_not_end(known: Iterable[PolicyAnswer]) -> bool:
+    """Return whether an episode of any of these policies may go on; then a column says how likely it ends.
+
+    That matters more than how long episodes are.
+    """
+    return any(each.ends is not None and each.ends < _NO_ENDING for each in known)
 
 
 def _figure(answer: PolicyAnswer, column: Column) -> float | None:
@@ -126,25 +136,22 @@ def _figure(answer: PolicyAnswer, column: Column) -> float | None:
 
 
 def _said(snapshot: Snapshot, kind: PolicyKind, column: Column, form: TableForm, look: Look) -> str:
-    """Return a figure; in its place a dot where there is none, … while it is worked out, ? where hidden."""
-    glyphs = look.glyphs
+    """Return a figure; in its place a dash where there is none, … while it is worked out, ? where hidden."""
     if is_kept_back(snapshot, kind):
         return "?"
-    if not has_row(snapshot, kind):
-        return glyphs.stay
     answer = answer_of(snapshot, kind)
-    if not answer.is_known:
-        return glyphs.stay if answer.refused else glyphs.ellipsis
+    if not answer.is_known and not answer.refused:
+        return look.glyphs.ellipsis
     figure = _figure(answer, column)
     if figure is None:
-        return "none"
-    if column is ENDS:
+        return numbers.missing(look.glyphs)
+    if column.id == ENDS.id:
         return numbers.percent(figure)
-    return amount(figure, look)
+    return amount(figure, look, _width(form, column) - 1)
 
 
 def _width(form: TableForm, column: Column) -> int:
-    return max(form.number, len(column.head) + 1)
+    return max(form.number - (not column.has_sign), len(column.head) + 1)
 
 
 def _names() -> tuple[list[str], list[str]]:

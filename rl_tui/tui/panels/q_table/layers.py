@@ -75,6 +75,12 @@ def policy_q(snapshot: Snapshot) -> Exact | None:
     return answer.q, shown_actions(snapshot, kind, answer.policy)
 
 
+def lacks_values(snapshot: Snapshot, layer: Layer) -> bool:
+    """Return whether pairs have no value in ``layer``, since a policy may never end from there."""
+    known = policy_q(snapshot) if layer is Layer.POLICY else None
+    return known is not None and bool(np.isnan(known[0]).any())
+
+
 def exact_of(snapshot: Snapshot, layer: Layer) -> Exact | None:
     """Return the exact numbers that ``layer`` needs, and the pairs it frames; None where there are none."""
     if layer is Layer.POLICY:
@@ -159,6 +165,8 @@ class Figures:
             return "." if glyphs.name == "ascii" else "·"
         if self.layer is Layer.VISITS:
             return numbers.count(int(x), width)
+        if self._is_none(x):
+            return numbers.missing(glyphs)
         return self._form(width).text(x, glyphs)
 
     def cells(self, width: int) -> int:
@@ -220,12 +228,16 @@ class Figures:
             return False
         return self.layer not in LEARNED_NOT and not self._visits[pair]
 
+    def _is_none(self, x: float) -> bool:
+        """Return whether ``x`` says that there is no value, which is not so of an estimate that ran away."""
+        return self.layer is Layer.POLICY and math.isnan(x)
+
     def _tint(self, x: float) -> Style:
         palette = self._look.palette
         if self.layer is Layer.VISITS:
             return palette.value(math.log1p(x) / math.log1p(self.high))
         if not math.isfinite(x):
-            return palette.bad
+            return palette.text if self._is_none(x) else palette.bad
         if self.layer in (Layer.ERROR, Layer.LANES):
             largest = max(abs(self.low), abs(self.high))
             return palette.signed_value(x / largest if largest > numbers.NEGLIGIBLE else 0.0)

@@ -17,7 +17,7 @@ from rl_tui.lab.run.large_worlds import is_large
 from rl_tui.tui.draw.number_form import SteadyForms
 from rl_tui.tui.draw.pieces import Piece, strips_of, wrapped
 from rl_tui.tui.panels.bindings import binding
-from rl_tui.tui.panels.legend import GREEDY_IN_FULL, Legend, LegendSign, agent_meaning
+from rl_tui.tui.panels.legend import GREEDY_IN_FULL, Legend, LegendSign, agent_meaning, no_value_sign
 from rl_tui.tui.panels.panel import BoardPanel, Panel
 from rl_tui.tui.panels.pointing import NOWHERE, Moved, Pointed
 from rl_tui.tui.panels.q_table.form import Scene
@@ -29,6 +29,7 @@ from rl_tui.tui.panels.q_table.layers import (
     exact_of,
     exact_q,
     hides_exact,
+    lacks_values,
     layer_choices,
     lit_pair,
 )
@@ -204,6 +205,7 @@ class QTable(Panel, can_focus=True):
         framed = "likeliest" if self.shown_layer is Layer.POLICY else "greedy"
         return (
             LegendSign(frame, framed, palette.greedy, greedy),
+            *([no_value_sign(self.look)] if lacks_values(snapshot, self.shown_layer) else []),
             *([LegendSign(" lit ", "just updated", palette.updated)] if is_learned and self.lights else []),
             LegendSign(glyphs.agent, agent_meaning(snapshot) if state else "last pull", palette.agent),
             *([LegendSign(glyphs.stay, "not tried", palette.unvisited)] if is_learned else []),

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from typing import Final
 
+import numpy as np
 from rich.style import Style
 
 from rl_tui.lab.answers.policy_kind import PolicyKind
 from rl_tui.lab.live.snapshot import Snapshot
-from rl_tui.tui.panels.legend import GREEDY_IN_FULL, POLICY_IN_FULL, Legend, LegendSign
+from rl_tui.tui.panels.legend import GREEDY_IN_FULL, POLICY_IN_FULL, Legend, LegendSign, no_value_sign
 from rl_tui.tui.panels.panel import Panel
 from rl_tui.tui.panels.policies.studied import studied_kind, study_headings
 from rl_tui.tui.panels.snapshot_facts import is_new_run
@@ -23,6 +24,8 @@ class PolicyPicture(Panel):
 
     def __init__(self, look: Look, *, id: str | None = None, classes: str | None = None) -> None:  # noqa: A002
         super().__init__(look, id=id, classes=classes)
+        self.names_policies_key = True
+        """Whether its border names the key that opens the panel of policies: not while that is open."""
         self.differing: frozenset[int] = frozenset()
         """The states whose greedy actions are others in the lane beside; seen when it is drawn again."""
 
@@ -33,6 +36,11 @@ class PolicyPicture(Panel):
             return is_new_run(before, snapshot)
         return True
 
+    @staticmethod
+    def waits_for_study(snapshot: Snapshot) -> bool:
+        """Return whether values of a policy are to come in place of those that ``snapshot`` shows."""
+        return snapshot.answers.studied is not None and studied_kind(snapshot) is None
+
     @property
     def studied(self) -> PolicyKind | None:
         """The policy whose values and actions are drawn; None: they are what the agent has learned."""
@@ -40,11 +48,31 @@ class PolicyPicture(Panel):
 
     def study_headings(self, what: str) -> tuple[str, ...]:
         """Return headings that say of which policy ``what`` is, or how to see it; none for the agent's."""
-        return () if self.snapshot is None else study_headings(self.snapshot, self.studied, TITLE, what)
+        if self.snapshot is None:
+            return ()
+        key = self.names_policies_key
+        return study_headings(self.snapshot, self.studied, TITLE, what, names_key=key)
 
     def random_signs(self) -> Legend:
         """Return the signs of states in which nothing was drawn; none where no drawing is shown."""
         return random_signs(self.look) if self.shows_drawing else ()
+
+    def valueless_signs(self) -> Legend:
+        """Return the sign of a state of no value; none where there is no such state."""
+        snapshot = self.snapshot
+        if snapshot is None or self.studied is None or not np.isnan(snapshot.agent.values).any():
+            return ()
+        return (no_value_sign(self.look),)
+
+    def study_signs(self, *, has_numbers: bool, has_actions: bool) -> Legend:
+        """Return the signs of values of the policy that is studied, for cells with their numbers or without.
+
+        Cells that have every action, in place of V, tell of tints themselves. None where none is studied.
+        """
+        if self.studied is None:
+            return ()
+        valueless = self.valueless_signs() if has_numbers or has_actions else ()
+        return valueless if has_actions else (*valueless, *self.value_signs())
 
     def value_signs(self) -> Legend:
         """Return the sign of V(s), which is a colour; none where there are no colours."""

@@ -9,6 +9,7 @@ from typing import Final
 from rich.style import Style
 
 from rl_tui.lab.live.snapshot import Snapshot
+from rl_tui.tui.draw import numbers
 from rl_tui.tui.draw.number_form import NumberForm, SteadyForms
 from rl_tui.tui.panels.numbers_in_common import all_v, ends
 from rl_tui.tui.panels.world.drawn import AT_RANDOM, drawn_pairs, is_off_way, off_way_style
@@ -40,6 +41,13 @@ class StateValues:
         """Return the form of all values in ``width`` cells."""
         return forms.form("values", self.numbers, width, _DECIMALS)
 
+    def text(self, state: int, form: NumberForm, look: Look) -> str:
+        """Return the value of a state in ``form``: a dash for NaN, nothing where nothing can be done."""
+        value = self.value[state]
+        if value is None:
+            return ""
+        return numbers.missing(look.glyphs) if math.isnan(value) else form.text(value, look.glyphs)
+
     def flag(self, state: int, differing: frozenset[int], look: Look) -> str:
         """Return the sign after the name of a state: that it acts at random, or is ``differing``; or none."""
         if state in self.at_random:
@@ -53,7 +61,7 @@ class StateValues:
     def style(self, state: int, look: Look) -> Style:
         """Return the background of a state, tinted from the least to the greatest value, 0 included."""
         value = self.value[state]
-        if value is None:
+        if value is None or math.isnan(value):
             return look.palette.text
         if state not in self.known:
             return look.palette.unvisited

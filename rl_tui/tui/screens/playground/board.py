@@ -22,6 +22,7 @@ from rl_tui.tui.panels.catalogue import (
     DISCOUNT,
     MICROSCOPE,
     PANELS,
+    POLICIES,
     TABLE,
     TIMELINE,
     WORLD,
@@ -131,6 +132,8 @@ class Board(Container):
         self.controls.marks_all_flips = self.opened == DISCOUNT
         self.timeline.sought = self._wanted.step
         for panel in self._shown():
+            if isinstance(panel, WorldView):
+                panel.names_policies_key = self.opened != POLICIES
             if not self._pair.has(panel):
                 panel.show(snapshot)
         if self._pair.is_shown:

@@ -7,7 +7,13 @@ from collections.abc import Iterable, Mapping
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.panels.catalogue import WORLD, PanelRow, beside
 from rl_tui.tui.panels.panel import BoardPanel
-from rl_tui.tui.panels.side_by_side import greedy_differences, name_panels, sides, stand_alone
+from rl_tui.tui.panels.side_by_side import (
+    differing_states,
+    greedy_differences,
+    name_panels,
+    sides,
+    stand_alone,
+)
 from rl_tui.tui.panels.world.make_view import make_world_view
 from rl_tui.tui.panels.world.view import WorldView
 from rl_tui.tui.theme.look import Look
@@ -69,8 +75,9 @@ class LanePair:
         left, right = sides(snapshot)
         differences = greedy_differences(left, right)
         at_left = [self._panels[row] for row in self.twins]
-        name_panels(at_left, left, differences, is_led=not self.leads_right, look=self._look)
-        name_panels(self.twins.values(), right, differences, is_led=self.leads_right, look=self._look)
+        differing = differing_states(left, right, differences)
+        name_panels(at_left, left, differing, is_led=not self.leads_right, look=self._look)
+        name_panels(self.twins.values(), right, differing, is_led=self.leads_right, look=self._look)
         self._note = differences.words(left)
         self._place_note()
         led, other = (right, left) if self.leads_right else (left, right)

@@ -48,7 +48,7 @@ def draw_edge_list(
                 style = values.flag_style(state, look.palette.accent, look)
                 canvas.put(1 + len(shape.nodes[state].name), y, flag, style)
             if with_values:
-                text = form.text(values.value[state] or 0.0, look.glyphs)
+                text = values.text(state, form, look)
                 canvas.put(2 + names, y, text.rjust(_VALUE_WIDTH), values.style(state, look))
         greedy = action.pair in values.greedy
         style = look.palette.greedy if greedy else look.palette.text

@@ -85,6 +85,7 @@ class GraphView(WorldView):
         """Return the signs of states and edges."""
         palette = self.look.palette
         return (
+            *self.valueless_signs(),
             self.policy_sign("bold", palette.greedy),
             *self.value_signs(),
             self.agent_sign(),
@@ -206,8 +207,7 @@ def _draw_box(
         canvas.put(
             box.x + 1 + start - (2 if start > 1 else 1), first, glyphs.agent, background + palette.agent
         )
-    value = values.value[state]
-    text = END if value is None else form.text(value, glyphs)
+    text = values.text(state, form, look) or END
     style = palette.focus if state == signs.cursor else background
     flag_style = values.flag_style(state, background, look)
     if not (flag and is_full and agent):

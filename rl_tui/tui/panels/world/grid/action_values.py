@@ -11,12 +11,19 @@ from rich.style import Style
 from rl_tui.tui.draw.canvas import Canvas
 from rl_tui.tui.draw.number_form import NumberForm
 from rl_tui.tui.panels.world.grid.action_form import FRAME, ActionForm, Places, side_of
-from rl_tui.tui.panels.world.grid.cells import CellArtist, Drawn, mark_of, put_reward, reward_text, value_text
+from rl_tui.tui.panels.world.grid.cells import (
+    CellArtist,
+    Drawn,
+    mark_of,
+    put_reward,
+    reward_text,
+    value_style,
+    value_text,
+)
 from rl_tui.tui.panels.world.grid.form import LEAST_DIGITS, CellForm
 from rl_tui.tui.panels.world.grid.map import PLAIN, ActionValue, CellContent, Sign
 from rl_tui.tui.panels.world.grid.rewards import CellReward
 from rl_tui.tui.panels.world.grid.trail import Trace, put_trace
-from rl_tui.tui.panels.world.state_values import fraction
 from rl_tui.tui.theme.look import Look
 from rl_tui.worlds.drawing import CellKind
 
@@ -86,7 +93,7 @@ class ActionArtist:
     def _entry(self, action: ActionValue, low: float, high: float, number_form: NumberForm) -> ActionEntry:
         palette = self.look.palette
         sign, q, is_new, is_greedy = action
-        style = palette.unvisited if is_new else palette.value(fraction(q, low, high))
+        style = palette.unvisited if is_new else value_style(q, low, high, self.look)
         if self.form.places is Places.TINTS:
             text = ""
         else:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from functools import lru_cache, partial
 from typing import Final, NamedTuple
@@ -95,7 +96,7 @@ class CellArtist:
             return Face(
                 kind, agent, None, self._idle_signs.get(kind, ""), style, None, stops, cursor, differs, extra
             )
-        style = palette.value(fraction(value, low, high)) if known else palette.unvisited
+        style = value_style(value, low, high, self.look) if known else palette.unvisited
         is_dot = not known and value == 0.0 and not self._has_table
         text = self.look.glyphs.stay if is_dot else self._text(value, number_form)
         signs, is_tie = self._signs(greedy), len(greedy) > 1
@@ -219,8 +220,13 @@ def _draw_small(canvas: Canvas, face: Face, form: CellForm, look: Look) -> None:
 
 
 def value_text(x: float, number_form: NumberForm, look: Look) -> str:
-    """Return a value in the form of all."""
-    return number_form.text(x, look.glyphs)
+    """Return a value in the form of all; a dash for NaN."""
+    return numbers.missing(look.glyphs) if math.isnan(x) else number_form.text(x, look.glyphs)
+
+
+def value_style(x: float, low: float, high: float, look: Look) -> Style:
+    """Return the tint of a value from ``low`` to ``high``; of NaN that of no value."""
+    return look.palette.text if math.isnan(x) else look.palette.value(fraction(x, low, high))
 
 
 def _fitting(face: Face, most: int, room: int) -> str:

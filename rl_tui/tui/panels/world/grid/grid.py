@@ -159,7 +159,7 @@ class GridView(WorldView):
     def show(self, snapshot: Snapshot) -> None:
         """Draw ``snapshot``. Its numbers only ever get wider, until another run starts."""
         if self.begins_anew(snapshot):
-            self._digits = self._action_digits = LEAST_DIGITS
+            self._digits = self._action_digits = LEAST_DIGITS + self.waits_for_study(snapshot)
             self._action_artist = None
             self._number_forms.clear()
         super().show(snapshot)
@@ -297,11 +297,12 @@ class GridView(WorldView):
         name = "" if form is None else self._name_beside_arrows(form)
         has_arrows = form is not None and form.width - len(name) >= LEAST_ARROWS
         if form is not None and self.differing:
-            yield differing_sign(form.width, name, self.look)
+            yield differing_sign(form.width, name, self.policy_shown, self.look)
         if form is not None and self._map.rewards:  # what is hardest to guess stands first
             rewards = self._map.rewards
             texts = [self._artist_for(form).shown_reward(each) for each in rewards]
             yield from reward_signs(rewards, texts, self.look)
+        yield from self.study_signs(has_numbers=bool(form and form.has_values), has_actions=bool(actions))
         if actions is not None:
             yield from action_signs(actions, self.look)
         elif form and len(signs) > form.most_signs and has_arrows and not self.shows_drawing:
@@ -314,7 +315,7 @@ class GridView(WorldView):
             yield LegendSign("#", "no room", palette.dim, f"no room for {STATE_NUMBERS}")
         elif self._longest_name:
             yield LegendSign(self._own_name, "state", palette.text, "number of a state")
-        if actions is None:
+        if actions is None and self.studied is None:
             yield from self.value_signs()
         yield self.agent_sign()
         if self.snapshot is not None and form is not None:
@@ -343,8 +344,7 @@ class GridView(WorldView):
         if self._is_whole:
             return
         self._following = False
-        self._top += rows
-        self._left += columns
+        self._top, self._left = self._top + rows, self._left + columns
 
     def follow(self) -> None:
         """Keep the agent in view again."""

@@ -14,8 +14,8 @@ from rl_tui.tui.theme.look import Look
 from rl_tui.worlds.drawing import CellKind
 
 
-def differing_sign(width: int, name: str, look: Look) -> LegendSign:
-    """Return how cells say that the lane beside this one has other greedy actions.
+def differing_sign(width: int, name: str, arrows: str, look: Look) -> LegendSign:
+    """Return how cells say that the lane beside this one has other ``arrows``, greedy ones or a policy's.
 
     They have room for ``width`` characters, of which ``name``, if any, takes that of the arrows.
     """
@@ -25,7 +25,7 @@ def differing_sign(width: int, name: str, look: Look) -> LegendSign:
     else:
         is_name = width - len(name) < LEAST_ARROWS
         sign, style = name if is_name else glyphs.up, differing_style(strong)
-    return LegendSign(sign, "differs", style, "greedy in the other lane differs")
+    return LegendSign(sign, "differs", style, f"{arrows} in the other lane differs")
 
 
 def tie_sign(look: Look, *, is_kept: bool) -> LegendSign:

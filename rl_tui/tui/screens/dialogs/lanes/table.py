@@ -157,4 +157,4 @@ def _columns(
 
 
 def _dash(look: Look) -> str:
-    return "-" if look.glyphs.name == "ascii" else "–"
+    return numbers.missing(look.glyphs)

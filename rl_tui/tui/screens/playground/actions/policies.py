@@ -51,4 +51,4 @@ class PolicyActions(Subject):
         self._is_kept = True
         self.board.close()
         name = POLICY_NAMES[self._current].of
-        self.screen.tell(f"kept: {name}, on world, table (v: Qπ) and curve; P, and P again, ends it")
+        self.screen.tell(f"kept: {name}; v: Qπ in the table; P and P again end it")

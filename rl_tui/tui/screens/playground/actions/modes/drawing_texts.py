@@ -8,7 +8,6 @@ from rl_tui.common.words import counted
 from rl_tui.lab.answers.policy_kind import PolicyKind
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.draw import numbers
-from rl_tui.tui.panels.curve.text import NUMBER, amount
 from rl_tui.tui.panels.policies.studied import is_kept_back
 from rl_tui.tui.panels.world.drawn import AT_RANDOM
 from rl_tui.tui.screens.key_line import Hints
@@ -22,6 +21,7 @@ from rl_tui.worlds.drawing import Arms
 from rl_tui.worlds.world import World
 
 _END = "D: end"
+_FIGURE = 8  # cells of a return, as in the table of policies
 
 
 def title(snapshot: Snapshot, glyphs: Glyphs) -> tuple[str, ...]:
@@ -63,9 +63,9 @@ def _figures(snapshot: Snapshot, glyphs: Glyphs) -> Iterator[tuple[str, ...]]:
 
 
 def _amount(x: float, glyphs: Glyphs) -> str:
-    """Return ``x`` as briefly as it is, in the cells that a number beside a curve has: ``1``, ``−34,154``."""
+    """Return ``x`` as briefly as it is, else as the table of policies writes it: ``1``, ``−131,546``."""
     exact = numbers.brief(x, glyphs, decimals=numbers.DECIMALS)
-    return exact if len(exact) <= NUMBER else amount(x, numbers.DECIMALS, glyphs)
+    return exact if len(exact) < _FIGURE - 1 and abs(x) < 1_000.0 else numbers.figure(x, _FIGURE, glyphs)
 
 
 def _left(count: int) -> tuple[str, ...]:
