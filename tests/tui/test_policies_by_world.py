@@ -27,7 +27,7 @@ def test_of_arms_that_drift_the_figures_are_of_the_means_as_they_are_now() -> No
 def test_of_a_world_without_a_table_one_sentence_is_said() -> None:
     shown = stepped_lake()
     shown = replace(shown, answers=replace(shown.answers, studied=PolicyKind.GREEDY))
-    assert said(shown, 60) == NO_TABLE
+    assert said(shown, 60) == f"what they are worth cannot be told: {NO_TABLE}"
     for size in SIZES:
         drawn(shown, *size)
 

@@ -24,6 +24,7 @@ from rl_tui.worlds.drawing import Arms
 
 TITLE: Final = "Policies"
 WAITING: Final = "they are being worked out"
+_NOT_KNOWN: Final = f"what they are worth cannot be told: {NO_TABLE}"
 _CHOOSE: Final = "screen.do('policies.choose({})')"
 
 
@@ -76,7 +77,7 @@ class Policies(Panel, can_focus=True):
         if snapshot.world.mdp is None:
             # rows and explanations of figures would be about nothing
             self.footing = self.fitting(_KEYS[-1:], width)
-            why = wrapped(NO_TABLE, width, self.look.palette.dim, self.look, " ", " ")
+            why = wrapped(_NOT_KNOWN, width, self.look.palette.dim, self.look, " ", " ")
             self.free_rows = height - len(why)
             return strips_of(why, width, height, self.look)
         table = self._table(snapshot, width, height)
