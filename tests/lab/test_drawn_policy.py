@@ -58,7 +58,6 @@ def test_a_choice_takes_the_place_of_the_one_before_and_can_be_taken_away() -> N
     drawn = DrawnPolicy().with_action(4, UP).with_action(0, DOWN).with_action(4, LEFT)
     assert drawn.choices == ((0, DOWN), (4, LEFT))
     assert drawn.with_action(0, None).with_action(7, None).choices == ((4, LEFT),)
-    assert (drawn.action_in(4), drawn.action_in(5)) == (LEFT, None)
 
 
 def test_the_shortest_way_reaches_the_goal_and_leaves_nothing_to_chance_but_on_slippery_ice() -> None:

@@ -10,6 +10,7 @@ import pytest
 from playing import busy
 from recipes import bandit, recipe
 
+from rl_tui.agents.exact.policy_figures import expected_return
 from rl_tui.agents.policies.chances import action_chances
 from rl_tui.lab.answers import policy_values
 from rl_tui.lab.answers.policy_kind import PolicyKind
@@ -32,8 +33,10 @@ from rl_tui.lab.live.commands import (
     Train,
 )
 from rl_tui.lab.live.playback import Playback
+from rl_tui.lab.run import evaluation
 from rl_tui.lab.run.recipe import Recipe, SetParameter
 from rl_tui.lab.run.run import Run
+from rl_tui.worlds.mdp.space import FloatArray
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
 UNIFORM, OPTIMAL, GREEDY, BEHAVIOUR, DRAWN = (
@@ -237,12 +240,16 @@ def dear(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.mark.usefixtures("dear")
-def test_what_is_dear_waits_for_a_pause(asked: list[float]) -> None:
+def test_what_is_dear_waits_for_a_pause(asked: list[float], monkeypatch: pytest.MonkeyPatch) -> None:
     playback = ready(recipe("student"), automatic=True)
     playback.handle(StudyPolicy(UNIFORM))
     playback.handle(Play())
     playback.work()
-    assert {each.refused for each in playback.snapshot().answers.policies.values()} == {WHILE_RUNNING}
+    with monkeypatch.context() as patched:
+        patched.delattr("rl_tui.lab.answers.drawn_policy.DrawnPolicy.chances")  # none is built to be refused
+        patched.delattr("rl_tui.agents.policies.chances.all_chances")
+        shown = playback.snapshot().answers.policies
+    assert {each.refused for each in shown.values()} == {WHILE_RUNNING}
     assert not asked
     playback.handle(Pause())
     assert not any(each.refused or each.is_known for each in playback.snapshot().answers.policies.values())
@@ -291,3 +298,28 @@ def test_what_exploring_earns_is_always_there_beside_greedy() -> None:
     )
     assert results(recipe("student", policy="softmax"), 100).behaviour_return is None
     assert results(recipe("student", algorithm="value-iteration"), 30).behaviour_return is None
+
+
+def test_where_a_second_evaluation_is_dear_it_waits_to_be_asked_for() -> None:
+    shown = results(recipe("taxi"), 100)
+    assert shown.greedy_return is not None
+    assert shown.behaviour_return is None
+
+
+def test_neither_is_evaluated_again_while_policy_and_epsilon_are_the_same(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    evaluated: list[object] = []
+
+    def counted(mdp: TabularMDP, policy: FloatArray) -> float | None:
+        evaluated.append(policy)
+        return expected_return(mdp, policy)
+
+    monkeypatch.setattr(evaluation, "expected_return", counted)
+    run = Run(recipe("student"), evaluate=False)
+    run.advance(steps=500)
+    assert run.results.behaviour_return != run.results.greedy_return
+    assert len(evaluated) == 2
+    run.apply(SetParameter("epsilon", 0.5))
+    assert run.results.behaviour_return == run.results.behaviour_return
+    assert len(evaluated) == 3

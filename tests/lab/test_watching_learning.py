@@ -10,7 +10,7 @@ import pytest
 from playing import busy
 from recipes import recipe, replay
 
-from rl_tui.lab.live.commands import GoTo, Pause, Play, Restart, SetSpeed, Train, WatchLearning
+from rl_tui.lab.live.commands import GoTo, HideAnswer, Pause, Play, Restart, SetSpeed, Train, WatchLearning
 from rl_tui.lab.live.playback import Playback
 from rl_tui.lab.live.snapshot import Phase, Snapshot
 from rl_tui.lab.live.speed.learning_pace import REST, SPEEDS, Stage
@@ -112,6 +112,19 @@ def test_every_kind_of_agent_comes_to_an_optimal_policy(algorithm: str) -> None:
         assert spent < 60.0
     else:
         pytest.fail("no policy was found")
+
+
+@pytest.mark.parametrize("hidden", [False, True])
+def test_that_an_optimal_policy_is_found_is_not_told_while_the_answer_is_hidden(hidden: bool) -> None:
+    watched = Watched(recipe("frozenlake", algorithm="dyna-q"))
+    watched.playback.handle(HideAnswer(is_hidden=hidden))
+    said = {
+        shown.playback.watching
+        for _, shown in watched.turns()
+        if shown.playback.speed in SPEEDS[Stage.OPTIMAL]
+    }
+    assert ("an optimal policy is found" in said, "nothing new" in said) == (not hidden, hidden)
+    assert not any("optimal" in each for each in said) or not hidden
 
 
 def test_where_nothing_can_be_chosen_values_are_seen_to_spread() -> None:

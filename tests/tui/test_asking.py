@@ -58,6 +58,21 @@ async def test_with_nothing_pointed_at_it_is_the_help(make_app: MakeApp) -> None
         assert isinstance(app.screen, HelpScreen)
 
 
+@pytest.mark.parametrize("ascii", [False, True])
+async def test_every_title_of_the_help_stands_apart_from_its_text(
+    ascii: bool,  # noqa: A002
+    make_app: MakeApp,
+) -> None:
+    app = make_app("student", ascii=ascii)
+    async with app.run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        await press(pilot, "question_mark")
+        pages = app.screen.query(Explained)
+        lines = [page.render_line(y).text for page in pages for y in range(page.size.height)]
+        assert {row.title for row in PANELS} <= {line[:14].strip() for line in lines}
+        assert [line for line in lines if line[:2] == "  " and line[13:14].strip()] == []
+
+
 @pytest.mark.parametrize("size", [(60, 18), (80, 24), (120, 40)])
 async def test_a_slider_in_focus_is_explained_first(size: tuple[int, int], make_app: MakeApp) -> None:
     app = make_app("student")

@@ -8,13 +8,14 @@ from colour_vision import contrast
 from drawn_curves import NO_MARKS, WIDE, drawn
 from lane_samples import side_by_side
 from rich.style import Style
-from samples import lake, look, student
+from samples import bandit, lake, look, student
 from snapshots import changed
 
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.run.results import Curve, Marks
 from rl_tui.tui.draw.scale import Scale
 from rl_tui.tui.panels.curve.curve import ReturnCurve
+from rl_tui.tui.theme.glyphs import UNICODE
 from rl_tui.tui.theme.look import Look
 from rl_tui.tui.theme.palette import Palette, palette_for
 
@@ -124,6 +125,14 @@ def test_a_line_below_the_axis_is_marked_where_it_leaves_it() -> None:
     assert not any(character == "↓" for row in rows[:-3] for character, _ in row)
     assert "↓ greedy, once −65,375" in drawn(snapshot)[0]
     assert "v greedy, once" in drawn(snapshot, ascii=True)[0]
+
+
+@pytest.mark.parametrize("height", range(1, 9))
+def test_far_below_is_told_at_any_height(height: int) -> None:
+    for snapshot in (far_below(), lake(), bandit()):
+        for size in ((40, height), (60, height), (12, height)):
+            drawn(snapshot, size)
+    assert UNICODE.down in drawn(far_below(), (60, height))[1].footing
 
 
 def test_a_first_episode_decides_on_the_axis_as_long_as_there_are_few() -> None:

@@ -29,6 +29,7 @@ from rl_tui.tui.theme.glyphs import UNICODE
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
 SIZES = ((118, 30), (58, 19), (56, 20), (36, 19), (36, 13), (26, 7), (16, 10), (5, 3), (1, 1))
+LOW = tuple((36, height) for height in range(1, 7))
 
 
 @cache
@@ -66,7 +67,7 @@ def said(shown: Snapshot | None, width: int = 56, **how: Any) -> str:
     return " ".join(drawn(shown, width, **how).split())
 
 
-@pytest.mark.parametrize("size", SIZES)
+@pytest.mark.parametrize("size", [*SIZES, *LOW])
 @pytest.mark.parametrize("ascii", [False, True])
 def test_it_is_drawn_at_any_size(size: tuple[int, int], ascii: bool) -> None:  # noqa: A002
     answers = [None, with_flips(lake(slippery=True)), with_flips(student()), with_flips(lake(slippery=False))]

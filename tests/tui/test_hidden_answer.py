@@ -7,9 +7,10 @@ from conftest import MakeApp
 from drawn_curves import drawn as drawn_curve
 from drawn_tables import Drawn
 from samples import lake, look, student
-from seams import notes, playground, press, screen_text, train
+from seams import notes, playground, press, screen_text, snapshot, train
 from snapshots import changed
 
+from rl_tui.lab.live.commands import HideAnswer
 from rl_tui.lab.live.snapshot import Phase
 from rl_tui.tui.app.screenshot import settle
 from rl_tui.tui.panels.curve.data import curve_data
@@ -20,6 +21,7 @@ from rl_tui.tui.panels.snapshot_facts import ANSWER_KEY, hides_means, is_secret
 from rl_tui.tui.screens.dialogs.until_options import until_options
 from rl_tui.tui.screens.number_here import number_of_pair, number_of_state
 from rl_tui.tui.theme.glyphs import UNICODE
+from rl_tui.worlds.files.catalogue import scenarios
 
 SECRET = changed(lake(), is_hidden=True)
 
@@ -65,8 +67,8 @@ def test_the_bellman_equation_has_no_numbers() -> None:
 
 
 def test_the_history_of_a_cell_has_no_exact_value() -> None:
-    for snapshot, told in ((lake(), True), (SECRET, False)):
-        text = "".join(strip.text for strip in history_strips(snapshot, 0, look(), 60, 9))
+    for shown, told in ((lake(), True), (SECRET, False)):
+        text = "".join(strip.text for strip in history_strips(shown, 0, look(), 60, 9))
         assert ("h shows the exact" in text) is not told
         assert (", exact " in text) is told
 
@@ -99,6 +101,34 @@ async def test_the_student_is_asked_before_he_is_told(make_app: MakeApp) -> None
         told = screen_text(pilot.app)
         assert "6.341" in told
         assert "h adds" not in told
+
+
+async def test_what_a_person_hides_stays_hidden_in_the_neighbouring_scenarios(make_app: MakeApp) -> None:
+    async with make_app("cliff").run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        assert is_secret(await press(pilot, "h"))
+        ids = [scenario.id for scenario in scenarios()]
+        there = ids[ids.index("cliff") + 2]
+        shown = await press(pilot, "right_square_bracket", "right_square_bracket")
+        assert (shown.recipe.scenario.id, is_secret(shown)) == (there, True)
+        shown = await press(pilot, "h", "left_square_bracket")
+        assert not is_secret(shown), "as the scenario says"
+
+
+async def test_what_a_person_has_seen_is_hidden_elsewhere(make_app: MakeApp) -> None:
+    async with make_app("student").run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        assert not is_secret(await press(pilot, "h"))
+        await press(pilot, "left_square_bracket")
+        assert is_secret(await press(pilot, "right_square_bracket"))
+
+
+async def test_nothing_is_hidden_where_there_is_no_exact_answer(make_app: MakeApp) -> None:
+    async with make_app("cartpole").run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        playground(pilot).send(HideAnswer(is_hidden=True))
+        await settle(pilot)
+        assert not is_secret(snapshot(pilot))
 
 
 async def test_h_hides_the_layer_that_is_shown_and_the_line_and_brings_both_back(make_app: MakeApp) -> None:

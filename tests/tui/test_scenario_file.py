@@ -20,6 +20,7 @@ from rl_tui.lab.sessions.session import read_session
 from rl_tui.tui.app.app import RlTuiApp
 from rl_tui.tui.app.display import Display
 from rl_tui.tui.app.screenshot import settle
+from rl_tui.tui.panels.snapshot_facts import is_secret
 from rl_tui.tui.screens.dialogs.choice import Choice
 from rl_tui.tui.screens.playground.playground import Playground
 
@@ -94,6 +95,20 @@ async def test_the_new_content_is_offered_and_taken(file: Path, app_of: MakeApp,
     (newer, older), _ = sessions_in(tmp_path / "sessions")
     assert newer.document.scenario.text == text("S....G", 0.5)
     assert (older.document.scenario.text, older.step) == (text(), 2)
+
+
+async def test_an_answer_that_a_person_hid_stays_hidden_in_the_new_content(
+    file: Path, app_of: MakeApp
+) -> None:
+    app = app_of(recipe_named(str(file)))
+    async with app.run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        await pilot.press("h", "s")
+        await settle(pilot)
+        file.write_text(text("S....G"), encoding="utf-8")
+        await pilot.press("r", "enter")
+        await settle(pilot)
+        assert (cells(pilot), is_secret(snapshot(pilot))) == (6, True)
 
 
 async def test_the_old_content_may_be_kept(file: Path, app_of: MakeApp) -> None:

@@ -139,6 +139,11 @@ async def test_a_bandit_keeps_its_secret_until_it_is_revealed(make_app: MakeApp)
         assert "chance" not in screen_text(app)
         await press(pilot, "Y", "h", "Y")
         assert "with chance" in screen_text(app)
+        await press(pilot, "Y", "h", *["s"] * 20, "Y")
+        text = screen_text(app)
+        assert "An estimate has moved already: the wait is over." in text
+        assert "give away" not in text
+        assert "chance" not in text
 
 
 async def test_the_mouse_closes_it_and_ascii_is_enough(make_app: MakeApp) -> None:

@@ -14,10 +14,6 @@ class DrawnPolicy:
 
     choices: tuple[tuple[int, int], ...] = ()
 
-    def action_in(self, state: int) -> int | None:
-        """Return the action chosen in ``state``, None where there is none."""
-        return dict(self.choices).get(state)
-
     def with_action(self, state: int, action: int | None) -> DrawnPolicy:
         """Return the policy with ``action`` in ``state``; None: with no choice there."""
         chosen = dict(self.choices)

@@ -10,7 +10,7 @@ from weakref import WeakKeyDictionary
 import numpy as np
 
 from rl_tui.lab.answers.policy_kind import PolicyKind
-from rl_tui.lab.run.exact_answers import AT_ONCE_STATES, LIVE_STATES, NO_TABLE
+from rl_tui.lab.run.exact_answers import LIVE_STATES, NO_TABLE, is_quick
 from rl_tui.worlds.mdp.space import FloatArray
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
@@ -18,9 +18,6 @@ if TYPE_CHECKING:
     from rl_tui.lab.answers.drawn_policy import DrawnPolicy
     from rl_tui.lab.run.exact_answers import Answer
     from rl_tui.lab.run.run import Run
-
-# Up to so many steps an episode of a small world is worked out in some milliseconds
-LONGEST_AT_ONCE: Final = 1_000
 
 TOO_MANY: Final = f"more than {LIVE_STATES:,} states: rl-tui evaluate works it out"
 WHILE_RUNNING: Final = "pause to see it"
@@ -111,8 +108,15 @@ class PolicyAnswers:
 
         A run that ``is_still`` takes no step before it is told otherwise.
         """
+        mdp = run.learner.mdp
+        waits = not is_still and mdp is not None and not is_quick(mdp)
+        known = self._known.get(run, {})
         answers = {}
         for kind in PolicyKind:
+            if waits and kind not in known:
+                # no policy is built only to be refused
+                answers[kind] = PolicyAnswer(refused=_refusal(kind, run, exact) or WHILE_RUNNING)
+                continue
             asked = _question(kind, run, exact, drawn)
             answers[kind] = (
                 asked if isinstance(asked, PolicyAnswer) else self._answer(run, kind, asked, is_still)
@@ -147,26 +151,33 @@ class PolicyAnswers:
         return answer
 
 
-def is_quick(mdp: TabularMDP) -> bool:
-    """Return whether a policy of ``mdp`` is evaluated quickly enough to be asked for in every frame."""
-    return mdp.states <= AT_ONCE_STATES and mdp.time_limit <= LONGEST_AT_ONCE
-
-
 def _question(kind: PolicyKind, run: Run, exact: Answer, drawn: DrawnPolicy) -> _Question | PolicyAnswer:
     """Return what to evaluate, or the answer where there is nothing to evaluate."""
-    mdp = run.learner.mdp
-    if mdp is None:
-        return PolicyAnswer(refused=NO_TABLE)
-    if mdp.states > LIVE_STATES:
-        return PolicyAnswer(refused=TOO_MANY)
+    mdp, refused = run.learner.mdp, _refusal(kind, run, exact)
+    if mdp is None or refused:
+        return PolicyAnswer(refused=refused)
     policy = _policy(kind, run, exact, drawn)
     if isinstance(policy, PolicyAnswer):
         return policy
     return _Question(mdp, policy, run.learner.hyperparameters.gamma)
 
 
+def _refusal(kind: PolicyKind, run: Run, exact: Answer) -> str:
+    """Return why there is no answer, as far as that is known without the policy; empty where it is not."""
+    learner = run.learner
+    if learner.mdp is None:
+        return NO_TABLE
+    if learner.mdp.states > LIVE_STATES:
+        return TOO_MANY
+    if kind is PolicyKind.OPTIMAL:
+        return exact.refused
+    if run.stop_reason and kind in (PolicyKind.GREEDY, PolicyKind.BEHAVIOUR):
+        return BROKE_DOWN
+    return PLANS if learner.plans and kind is PolicyKind.BEHAVIOUR else ""
+
+
 def _policy(kind: PolicyKind, run: Run, exact: Answer, drawn: DrawnPolicy) -> FloatArray | PolicyAnswer:
-    """Return π(a|s), [P], or why there is none."""
+    """Return π(a|s), [P], or the answer where there is none: it is worked out, or has no closed form."""
     from rl_tui.agents.exact.policies import greedy_policy, uniform_over, uniform_policy
 
     space, learner = run.world.space, run.learner
@@ -175,16 +186,12 @@ def _policy(kind: PolicyKind, run: Run, exact: Answer, drawn: DrawnPolicy) -> Fl
             return uniform_policy(space)
         case PolicyKind.OPTIMAL:
             if exact.solution is None:
-                return PolicyAnswer(refused=exact.refused)
+                return PENDING
             return uniform_over(space, exact.solution.greedy)
         case PolicyKind.DRAWN:
             return drawn.chances(space)
-    if run.stop_reason:
-        return PolicyAnswer(refused=BROKE_DOWN)
-    if kind is PolicyKind.GREEDY:
-        return greedy_policy(space, learner.q, learner.hyperparameters.ties)
-    if learner.plans:
-        return PolicyAnswer(refused=PLANS)
+        case PolicyKind.GREEDY:
+            return greedy_policy(space, learner.q, learner.hyperparameters.ties)
     return _behaviour(run)
 
 

@@ -18,7 +18,7 @@ class AnswersView:
     """The answers for one run at one step."""
 
     is_hidden: bool = False
-    """Whether whatever would give the answer away is to be hidden."""
+    """Whether whatever would give the answer away is to be hidden; False where there is no exact answer."""
     studied: PolicyKind | None = None
     """The policy whose values are asked for; None: of none."""
     drawn: DrawnPolicy = field(default_factory=DrawnPolicy)

@@ -15,9 +15,7 @@ from rl_tui.worlds.mdp.space import FiniteSpace
 
 def policy_text(space: FiniteSpace, drawn: DrawnPolicy) -> str:
     """Return ``drawn`` as the JSON that ``rl-tui evaluate`` reads."""
-    choices = {state: space.pair_of(state, action) for state, action in drawn.choices}
-    pairs = {state: pair for state, pair in choices.items() if pair is not None}
-    return json.dumps(policy_document(space, pairs), indent=1, ensure_ascii=False) + "\n"
+    return json.dumps(policy_document(space, drawn.pairs(space)), indent=1, ensure_ascii=False) + "\n"
 
 
 def evaluate_line(recipe: Recipe, file: str) -> str:

@@ -97,7 +97,7 @@ class Questions:
         if studied is not None:
             policies = self._policies.of(run, self.exact.of(run), self.drawn, is_still=is_still)
         return AnswersView(
-            is_hidden=self.hides_answer(run.recipe.scenario),
+            is_hidden=mdp is not None and self.hides_answer(run.recipe.scenario),
             studied=studied,
             drawn=self.drawn,
             left_to_chance=left,

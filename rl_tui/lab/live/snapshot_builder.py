@@ -44,7 +44,7 @@ class SnapshotBuilder:
     def before(self, recipe: Recipe, world: World, playback: PlaybackView, *, is_hidden: bool) -> Snapshot:
         """Return the snapshot of a run whose world is there and whose agent is not yet.
 
-        ``is_hidden`` says that the answer is.
+        ``is_hidden`` says that the answer is, if there is one.
         """
         hyperparameters, pairs = recipe.hyperparameters, world.space.pairs
         visits: IntArray = np.zeros(pairs, np.int64)
@@ -58,7 +58,7 @@ class SnapshotBuilder:
             results=RunResults(bandit=bandit_figures(world, visits, winnings=0.0)),
             exact_answer=Answer(None, NO_TABLE) if world.mdp is None else PENDING,
             playback=playback,
-            answers=AnswersView(is_hidden=is_hidden),
+            answers=AnswersView(is_hidden=is_hidden and world.mdp is not None),
         )
 
     def build(
@@ -149,7 +149,7 @@ def view_of(playback: Playback) -> PlaybackView:
         phase=playback.phase,
         message=transport.seek_message(waits=playback.waits) if seeks else run.message,
         speed=transport.speed,
-        watching=transport.watching,
+        watching=transport.watching(hides_answer=playback.questions.hides_answer(run.recipe.scenario)),
         steps_per_second=transport.meter.steps_per_second,
         interpreted=playback.compilation.interpreted,
         until="" if playback.condition is None else until_in_words(playback.condition.until, run.world),

@@ -14,6 +14,8 @@ if TYPE_CHECKING:
     from rl_tui.lab.run.run import Run
 
 AT_ONCE_STATES: Final = 200
+# Up to so many steps an episode of a small world is worked out in some milliseconds
+LONGEST_AT_ONCE: Final = 1_000
 LIVE_STATES: Final = 20_000
 KEPT: Final = 64
 # An evaluation within a time limit visits every outcome once for every step of it, some 10⁹ a second. One
@@ -26,6 +28,11 @@ UNLIMITED: Final = 100
 def visits_of(mdp: TabularMDP) -> int:
     """Return about how often an exact evaluation visits an outcome: what it costs."""
     return len(mdp.next_state) * (mdp.time_limit or UNLIMITED)
+
+
+def is_quick(mdp: TabularMDP) -> bool:
+    """Return whether a policy of ``mdp`` is evaluated quickly enough to be asked for in every frame."""
+    return mdp.states <= AT_ONCE_STATES and mdp.time_limit <= LONGEST_AT_ONCE
 
 
 class Answer(NamedTuple):

@@ -65,4 +65,7 @@ class RunResults:
     bandit: BanditFigures | None = None
     """How the pulls of a bandit were spent; None where the world is no bandit."""
     behaviour_return: float | None = None
-    """As ``greedy_return``, of the agent as it acts in this episode; None where it explores not by an ε."""
+    """As ``greedy_return``, of the agent as it acts in this episode; None where it explores not by an ε.
+
+    None also in worlds in which it is not worked out quickly.
+    """

@@ -13,7 +13,7 @@ from rl_tui.agents.learner_state import LearnerState
 from rl_tui.common.errors import UserError
 from rl_tui.lab.run.bandit import BanditFigures, bandit_figures
 from rl_tui.lab.run.evaluation import MOST_STATES, Evaluation, GreedyReturn, MarksState
-from rl_tui.lab.run.exact_answers import DEAREST_LIVE, visits_of
+from rl_tui.lab.run.exact_answers import DEAREST_LIVE, is_quick, visits_of
 from rl_tui.lab.run.history import History
 from rl_tui.lab.run.recipe import (
     UNLIMITED,
@@ -99,6 +99,7 @@ class Run:
         self._is_evaluated_live = (
             mdp is not None and mdp.states <= MOST_STATES and visits_of(mdp) <= DEAREST_LIVE
         )
+        self._is_quick = mdp is not None and is_quick(mdp)
         self._on_episodes = on_episodes
 
     @property
@@ -147,10 +148,13 @@ class Run:
         )
 
     def _behaviour_return(self) -> float | None:
-        """Return what the greedy policy last asked for earns with the ε of this episode, where it has one."""
+        """Return what the greedy policy last asked for earns with the ε of this episode, where it has one.
+
+        None too where a second evaluation a frame would take too long.
+        """
         learner = self.learner
         values = learner.hyperparameters
-        if learner.plans or not POLICY_BY_ID[values.policy].explores_by_epsilon:
+        if not self._is_quick or learner.plans or not POLICY_BY_ID[values.policy].explores_by_epsilon:
             return None
         return self._greedy_return.softened(values.epsilon_at(learner.episodes))
 

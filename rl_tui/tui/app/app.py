@@ -217,14 +217,14 @@ class RlTuiApp(LinkedApp[UserError]):
             self.notify(str(fault), severity="error", markup=False)
             return
         self._start = None
-        self.switch_screen(self._opener.playground(self.look, recipe))
+        self.switch_screen(self._opener.next_playground(self.look, recipe))
 
     def on_playground_reopened(self, event: Playground.Reopened) -> None:
         """Go to a new run; the one until now keeps its session."""
         from rl_tui.lab.live.commands import SetSpeed
 
         self._opener.close()
-        playground = self._opener.playground(self.look, event.recipe)
+        playground = self._opener.next_playground(self.look, event.recipe)
         playground.send(SetSpeed(event.speed))
         self.switch_screen(playground)
 

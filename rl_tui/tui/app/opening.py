@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from rl_tui.tui.screens.catalogue.catalogue import CatalogueScreen
     from rl_tui.tui.screens.legend_switch import LegendSwitch
     from rl_tui.tui.screens.playground.playground import Playground
+    from rl_tui.tui.screens.playground.wanted import Wanted
 
 
 class MakePlayer(Protocol):
@@ -60,6 +61,8 @@ class Opener:
     """Whether panels explain themselves, in all playgrounds alike."""
     autosave: Autosave | None = None
     """What keeps the newest playground's session, if anything does."""
+    _wanted: Wanted | None = None
+    """What is asked for in the newest playground."""
     _earlier: Autosave | None = None
     """What kept the last session before that, if there was any."""
 
@@ -80,13 +83,28 @@ class Opener:
         autosave = None if self.sessions is None else Autosave(untouched(recipe), self.sessions)
         return self._playground(look, recipe, autosave, None, START_SPEED, watches=watches)
 
+    def next_playground(self, look: Look, recipe: Recipe) -> Playground:
+        """Return the playground of a run that takes the place of the newest one.
+
+        An answer that a person has hidden there stays hidden.
+        """
+        from rl_tui.lab.live.commands import HideAnswer
+
+        stays_hidden = self._wanted is not None and self._wanted.was_hidden_by_person
+        playground = self.playground(look, recipe)
+        if stays_hidden:
+            playground.send(HideAnswer(is_hidden=True))
+        return playground
+
     def resumed(self, look: Look, session: StoredSession, record: Record) -> Playground:
         """Return the playground in which ``session``, which holds ``record``, goes on."""
         from rl_tui.lab.sessions.autosave import Autosave
 
         autosave = None if self.sessions is None else Autosave(record, self.sessions, session)
         recipe = record.lanes[record.shown].recipe
-        return self._playground(look, recipe, autosave, record, record.speed, session)
+        playground = self._playground(look, recipe, autosave, record, record.speed, session)
+        playground.wanted.was_hidden_by_person = record.answer_is_hidden is True
+        return playground
 
     @property
     def kept(self) -> KeptSession | None:
@@ -134,6 +152,7 @@ class Opener:
             self.legends,
             watches=watches,
         )
+        self._wanted = playground.wanted
         if self.kiosk:
             playground.place |= Place.KIOSK
         return playground

@@ -27,8 +27,9 @@ class Plot(NamedTuple):
         """The value of the uppermost dot.
 
         The highest label has the lowest dots of its row: a line somewhat below it then has a row of its own.
+        Where there is one row only, that holds the lowest value too.
         """
-        above = braille.DOTS_DOWN - 1
+        above = braille.DOTS_DOWN - 1 if self.rows > 1 else 0
         per_dot = (self.scale.high - self.scale.low) / (self.rows * braille.DOTS_DOWN - 1 - above)
         return self.scale.high + above * per_dot
 

@@ -286,7 +286,7 @@ PANELS: Final[tuple[PanelRow, ...]] = (
     PanelRow(
         DISCOUNT,
         "rl_tui.tui.panels.discount.discount:DiscountPanel",
-        "γ and flip points",
+        "Flip points",
         "Which actions are best depends on γ. G draws Q* of every action of one state, that of the cursor of "
         "world or table, else the agent's, from γ = 0 to 1; the highest line is the best action, and ◆ "
         "stands where another one becomes it. Upright lines are flip points: every γ at which the optimal "

@@ -130,15 +130,15 @@ class LearningPace:
         if now - self._since >= QUIET and self._rise < len(SPEEDS[self._stage]) - 1:
             self._rise, self._since = self._rise + 1, now
 
-    def in_words(self) -> str:
-        """Return what is waited for."""
+    def in_words(self, *, hides_answer: bool) -> str:
+        """Return what is waited for; while the answer is hidden nothing of it is told."""
         match self._stage:
             case Stage.FIRST_REWARD:
                 return "until the first reward"
             case Stage.SPREADING:
                 return f"values in {self._with_value:,} of {len(self._first_pairs):,} states"
             case Stage.OPTIMAL:
-                return "an optimal policy is found"
+                return "nothing new" if hides_answer else "an optimal policy is found"
         return "faster and faster"
 
     def _enter(self, stage: Stage, now: float) -> None:

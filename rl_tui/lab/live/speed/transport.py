@@ -65,15 +65,17 @@ class Transport:
         self.learning = LearningPace(answer)
         self.start(at_once=False)
 
-    @property
-    def watching(self) -> str:
-        """What the speed goes by, in words; empty where it is the wanted one."""
+    def watching(self, *, hides_answer: bool) -> str:
+        """Return what the speed goes by, in words; empty where it is the wanted one.
+
+        With ``hides_answer`` the words do not tell whether an optimal policy was found.
+        """
         learning, run = self.learning, self.group.current.run
         if learning is None or learning.is_over:
             return ""
         if not self._automatic:
             learning.look(run, self._clock())
-        return learning.in_words()
+        return learning.in_words(hides_answer=hides_answer)
 
     def start(self, *, at_once: bool) -> None:
         """Aim at the wanted speed from now on; ``at_once`` makes the first step due immediately."""

@@ -18,8 +18,8 @@ from rl_tui.tui.draw.braille import Steps
 from rl_tui.tui.draw.chart_plot import Plot
 from rl_tui.tui.draw.to_ascii import to_ascii
 from rl_tui.tui.panels.curve.data import CurveData
-from rl_tui.tui.panels.last_step.update_text import setting
 from rl_tui.tui.panels.policies.names import POLICY_NAMES
+from rl_tui.tui.panels.policies.notes import cost_of_exploring
 from rl_tui.tui.panels.snapshot_facts import recent_name
 from rl_tui.tui.theme.glyphs import Glyphs
 from rl_tui.tui.theme.look import Look
@@ -202,8 +202,7 @@ def remark(
         return ()
     values = snapshot.agent.hyperparameters
     by_epsilon = POLICY_BY_ID[values.policy].explores_by_epsilon
-    epsilon = values.epsilon_at(snapshot.counters.episodes) if by_epsilon else None
-    if epsilon == 0.0:
+    if by_epsilon and values.epsilon_at(snapshot.counters.episodes) == 0.0:
         return ()
     what = "a pull" if data.is_bandit else "an episode"
     if data.acting_now is None:
@@ -211,17 +210,10 @@ def remark(
     cost = data.greedy_now - data.acting_now
     if not _is_seen(cost, decimals):
         return ()
-    amount_said = amount(abs(cost), decimals, glyphs)
     if not with_figures:
         return "pause to see what exploring costs", "pause: what exploring costs"
-    rate = "" if epsilon is None else f" (ε {setting(round(epsilon, 3), glyphs)})"
-    said = f"{'costs' if cost > 0.0 else 'brings'} {amount_said}"
-    return (
-        f"exploring{rate} {said} {what}: greedy less as it acts",
-        f"exploring{rate} {said} {what}",
-        f"exploring{rate} {said}",
-        f"exploring {said}",
-    )
+    said, short = cost_of_exploring(cost, amount(abs(cost), decimals, glyphs), snapshot, glyphs)
+    return f"{said} {what}: greedy less as it acts", f"{said} {what}", said, short
 
 
 def _gap(data: CurveData, what: str, glyphs: Glyphs, decimals: int) -> tuple[str, ...]:

@@ -9,12 +9,12 @@ from rl_tui.agents.catalogue import POLICY_BY_ID
 from rl_tui.lab.answers.policy_kind import PolicyKind
 from rl_tui.lab.answers.policy_values import TOO_MANY, WHILE_RUNNING
 from rl_tui.lab.live.snapshot import Snapshot
-from rl_tui.lab.run.exact_answers import NO_TABLE
 from rl_tui.tui.draw import numbers
 from rl_tui.tui.panels.last_step.update_text import setting
 from rl_tui.tui.panels.policies.names import POLICY_NAMES
 from rl_tui.tui.panels.policies.studied import is_kept_back
 from rl_tui.tui.panels.policies.table import amount, answer_of, may_not_end
+from rl_tui.tui.theme.glyphs import Glyphs
 from rl_tui.tui.theme.look import Look
 from rl_tui.worlds.drawing import Arms
 
@@ -31,7 +31,7 @@ def notes(snapshot: Snapshot, look: Look) -> Iterator[Note]:
     yield from _gaps(snapshot, look)
     yield from _reasons(snapshot)
     if is_bandit:
-        yield "a pull: the reward it brings on average, exact", False
+        yield f"a pull: the reward it brings on average{_as_means_are(snapshot)}, exact", False
         yield "optimal: the best arm", False
         return
     limit, gamma = snapshot.world.space.time_limit, snapshot.agent.hyperparameters.gamma
@@ -44,6 +44,12 @@ def notes(snapshot: Snapshot, look: Look) -> Iterator[Note]:
     yield f"at start: V there, γ {numbers.brief(gamma, look.glyphs)}{as_if}", False
     if not is_kept_back(snapshot, PolicyKind.OPTIMAL):
         yield f"optimal: {_GAMMA_BEST}", False
+
+
+def _as_means_are(snapshot: Snapshot) -> str:
+    """Return which means of the arms the figures are of, where these drift; else nothing."""
+    mdp = snapshot.world.mdp
+    return ", of the means as they are now" if mdp is not None and mdp.drift_std else ""
 
 
 def return_of(snapshot: Snapshot, kind: PolicyKind) -> float | None:
@@ -74,14 +80,23 @@ def exploring(cost: float, what: str, snapshot: Snapshot, look: Look) -> str:
 
     ``what`` it costs that is an episode or a pull.
     """
+    size = _amount(abs(cost), look)
+    said, _ = cost_of_exploring(cost, size or "nothing", snapshot, look.glyphs)
+    return f"{said} {what}" if size else said
+
+
+def cost_of_exploring(cost: float, size: str, snapshot: Snapshot, glyphs: Glyphs) -> tuple[str, str]:
+    """Return what exploring costs, or brings where greedy earns less: with the ε in force, and without it.
+
+    ``size`` is that of ``cost`` as it is written.
+    """
     values = snapshot.agent.hyperparameters
     rate = ""
     if POLICY_BY_ID[values.policy].explores_by_epsilon:
         epsilon = round(values.epsilon_at(snapshot.counters.episodes), 3)
-        rate = f" (ε {setting(epsilon, look.glyphs)})"
-    if not _amount(cost, look):
-        return f"exploring{rate} costs nothing"
-    return f"exploring{rate} {'costs' if cost > 0.0 else 'brings'} {_amount(abs(cost), look)} {what}"
+        rate = f" (ε {setting(epsilon, glyphs)})"
+    said = f"{'brings' if cost <= -numbers.NEGLIGIBLE else 'costs'} {size}"
+    return f"exploring{rate} {said}", f"exploring {said}"
 
 
 def _amount(x: float, look: Look) -> str:
@@ -100,7 +115,7 @@ def _reasons(snapshot: Snapshot) -> Iterator[Note]:
             yield f"{name.line}:{which} hidden, h shows it", False
         elif (refused := answer_of(snapshot, kind).refused) and refused not in said:
             said.add(refused)
-            is_of_all = refused in (NO_TABLE, TOO_MANY, WHILE_RUNNING)
+            is_of_all = refused in (TOO_MANY, WHILE_RUNNING)
             yield refused if is_of_all else f"{name.line}: {refused}", False
         elif answer_of(snapshot, kind).is_known and answer_of(snapshot, kind).expected_return is None:
             ends = answer_of(snapshot, kind).ends

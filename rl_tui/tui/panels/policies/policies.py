@@ -13,12 +13,14 @@ from textual.strip import Strip
 
 from rl_tui.lab.answers.policy_kind import PolicyKind
 from rl_tui.lab.live.snapshot import Snapshot
+from rl_tui.lab.run.exact_answers import NO_TABLE
 from rl_tui.tui.draw.pieces import Line, Piece, strips_of, wrapped
 from rl_tui.tui.panels.bindings import binding
 from rl_tui.tui.panels.panel import Panel
 from rl_tui.tui.panels.policies.names import POLICY_NAMES
 from rl_tui.tui.panels.policies.notes import notes
 from rl_tui.tui.panels.policies.table import head_line, row_lines, table_form
+from rl_tui.worlds.drawing import Arms
 
 TITLE: Final = "Policies"
 WAITING: Final = "they are being worked out"
@@ -32,6 +34,9 @@ _KEYS: Final = (
     "enter: keep · P: back",
     "P: back",
 )
+
+# Arms show their bars all the time: there is no V to go back to
+_KEYS_OF_ARMS: Final = ("↑ ↓: which · enter: keep it in view · P: close", *_KEYS[1:])
 
 _KEYS_ELSEWHERE: Final = (
     "click or tab here to choose · P: close",
@@ -62,10 +67,18 @@ class Policies(Panel, can_focus=True):
     def picture(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
         """Return the table and the notes, of which the last ones are left out where there is no room."""
         self.heading = self.fitting(self._headings(snapshot), width)
-        self.footing = self.fitting(_KEYS if self.has_focus else _KEYS_ELSEWHERE, width)
+        is_bandit = snapshot is not None and isinstance(snapshot.world.drawing, Arms)
+        keys = _KEYS_OF_ARMS if is_bandit else _KEYS
+        self.footing = self.fitting(keys if self.has_focus else _KEYS_ELSEWHERE, width)
         self._places = ()
         if snapshot is None or snapshot.answers.studied is None:
             return strips_of([[Piece(f" {WAITING}", self.look.palette.dim)]], width, height, self.look)
+        if snapshot.world.mdp is None:
+            # rows and explanations of figures would be about nothing
+            self.footing = self.fitting(_KEYS[-1:], width)
+            why = wrapped(NO_TABLE, width, self.look.palette.dim, self.look, " ", " ")
+            self.free_rows = height - len(why)
+            return strips_of(why, width, height, self.look)
         table = self._table(snapshot, width, height)
         lines = list(table)
         room = height - len(lines)

@@ -33,6 +33,7 @@ from rl_tui.tui.theme.look import Look
 _EXPONENT_BELOW: Final = 1e-3
 _COLUMNS: Final = (13, 11, 16, 9)  # what to change, chance, mean and median
 _SECRET: Final = "The wait would give away what the arms pay: h, which shows that, lets it be told."
+_IS_OVER: Final = "An estimate has moved already: the wait is over."
 _STARTS_AGAIN: Final = "the run starts again with it"
 _CHANGES: Final = "enter: change   "
 _CLOSES: Final = "esc: close"
@@ -75,7 +76,8 @@ class Why(Dialog[Remedy]):
         if not self._is_composed:
             return
         is_hidden = hides_means(snapshot)
-        words = _SECRET if is_hidden else "\n".join(said(snapshot, self._look.glyphs))
+        told = _said_in_secret(snapshot) if is_hidden else said(snapshot, self._look.glyphs)
+        words = "\n".join(told)
         self.query_one("#said", Static).update(to_ascii(words, self._look.glyphs))
         remedies = {} if is_hidden else {remedy.setting: remedy for remedy in remedies_of(snapshot)}
         for part in ("#head", "OptionList", "#about"):
@@ -121,10 +123,7 @@ def said(snapshot: Snapshot, glyphs: Glyphs) -> list[str]:
     view = snapshot.answers.first_update
     if view is None:
         return ["It is being worked out."]
-    if view.has_moved:
-        lines = ["An estimate has moved already: the wait is over.", ""]
-    else:
-        lines = [_so_far(snapshot.counters.episodes), ""]
+    lines = [_IS_OVER if view.has_moved else _so_far(snapshot.counters.episodes), ""]
     if view.answer is None:
         return [*lines, f"How long the wait is cannot be told. {_sentence(view.refused)}"]
     in_words = partial(written, glyphs=glyphs)
@@ -137,6 +136,12 @@ def said(snapshot: Snapshot, glyphs: Glyphs) -> list[str]:
     if cause:
         lines += ["", f"Why: {cause}."]
     return [*lines, ""] if view.answer.remedies else lines
+
+
+def _said_in_secret(snapshot: Snapshot) -> list[str]:
+    """Return what may be known of a bandit whose means are hidden: the estimates, which are in the table."""
+    view = snapshot.answers.first_update
+    return [_IS_OVER] if view is not None and view.has_moved else [_SECRET]
 
 
 def _so_far(episodes: int) -> str:

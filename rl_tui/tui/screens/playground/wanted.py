@@ -23,16 +23,18 @@ class Wanted:
     """What commands ask for, beside the newest snapshot, which reconciles them with what is in force.
 
     ``recipe`` is what a restart starts from: with every change made, be it in force already or not. ``speed``
-    is in steps a second, None for as fast as it goes. ``is_hidden`` says that the answer is. ``studied`` is
-    the policy that is, None where none is. ``step`` is where the handle of the timeline was put, None once
-    the run has come to it. ``sent`` counts the commands, ``last_deed`` tells how many had been sent with the
-    last one that does more than look.
+    is in steps a second, None for as fast as it goes. ``is_hidden`` says that the answer is,
+    ``was_hidden_by_person`` that a person has hidden it. ``studied`` is the policy that is, None where none
+    is. ``step`` is where the handle of the timeline was put, None once the run has come to it. ``sent``
+    counts the commands, ``last_deed`` tells how many had been sent with the last one that does more than
+    look.
     """
 
     def __init__(self, recipe: Recipe, speed: float | None) -> None:
         self.recipe = recipe
         self.speed = speed
         self.is_hidden = recipe.scenario.hides_answer
+        self.was_hidden_by_person = False
         self.studied: PolicyKind | None = None
         self.step: int | None = None
         self.sent = 0
@@ -47,7 +49,7 @@ class Wanted:
             case SetSpeed(speed):
                 self.speed = speed
             case HideAnswer(is_hidden):
-                self.is_hidden = is_hidden
+                self.is_hidden = self.was_hidden_by_person = is_hidden
             case StudyPolicy(kind):
                 self.studied = kind
             case Restart(recipe):

@@ -1,0 +1,44 @@
+"""The panel of policies where a world is a bandit, or has no table."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from conftest import MakeApp
+from samples import bandit, stepped_lake
+from seams import press, screen_text
+from snapshots import changed
+from test_policies_panel import SIZES, drawn, said, studied
+
+from rl_tui.lab.answers.policy_kind import PolicyKind
+from rl_tui.lab.run.exact_answers import NO_TABLE
+from rl_tui.tui.app.screenshot import settle
+from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
+
+
+def test_of_arms_that_drift_the_figures_are_of_the_means_as_they_are_now() -> None:
+    shown = changed(studied(bandit(400)), is_hidden=False)
+    assert "as they are now" not in said(shown)
+    assert isinstance(shown.world.space, TabularMDP)
+    drifting = replace(shown, world=replace(shown.world, space=replace(shown.world.space, drift_std=0.01)))
+    assert "a pull: the reward it brings on average, of the means as they are now, exact" in said(drifting)
+
+
+def test_of_a_world_without_a_table_one_sentence_is_said() -> None:
+    shown = stepped_lake()
+    shown = replace(shown, answers=replace(shown.answers, studied=PolicyKind.GREEDY))
+    assert said(shown, 60) == NO_TABLE
+    for size in SIZES:
+        drawn(shown, *size)
+
+
+async def test_the_border_names_the_key_that_leads_back_to_v_where_there_is_v(make_app: MakeApp) -> None:
+    for scenario, leads_back in (("student", True), ("bandit", False)):
+        async with make_app(scenario).run_test(size=(120, 40)) as pilot:
+            await settle(pilot)
+            await press(pilot, "P")
+            text = screen_text(pilot.app)
+            assert ("P: back to V" in text, "keep it in view · P: close" in text) == (
+                leads_back,
+                not leads_back,
+            )
