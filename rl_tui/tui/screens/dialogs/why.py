@@ -76,8 +76,8 @@ class Why(Dialog[Remedy]):
         if not self._is_composed:
             return
         is_hidden = hides_means(snapshot)
-        told = _said_in_secret(snapshot) if is_hidden else said(snapshot, self._look.glyphs)
-        words = "\n".join(told)
+        sentences = _said_in_secret(snapshot) if is_hidden else said(snapshot, self._look.glyphs)
+        words = "\n".join(sentences)
         self.query_one("#said", Static).update(to_ascii(words, self._look.glyphs))
         remedies = {} if is_hidden else {remedy.setting: remedy for remedy in remedies_of(snapshot)}
         for part in ("#head", "OptionList", "#about"):

@@ -149,6 +149,6 @@ class KeyMode(Subject):
         """
         has_keys = self.has_keys
         if self.board.world is not None:
-            told = tuple(prompt) if has_keys or not self.is_on else self.way_back
-            self.board.world.show_mode(tuple(title), told, has_keys=has_keys)
+            prompts = tuple(prompt) if has_keys or not self.is_on else self.way_back
+            self.board.world.show_mode(tuple(title), prompts, has_keys=has_keys)
         self.screen.query_one(KeyLine).hints = hints if has_keys else ()
