@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from policy_worth import evaluate
 from test_every_algorithm import written
 
-from rl_tui.agents.exact.policy_evaluation import evaluate
 from rl_tui.agents.exact.solve import solve
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.agents.kernels.stop import Stop

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from exact_reference import lake, student, world
+from policy_worth import evaluate
 
 from rl_tui.agents.exact import policy_evaluation
 from rl_tui.agents.exact.policies import greedy_policy, uniform_over
-from rl_tui.agents.exact.policy_evaluation import evaluate
 from rl_tui.agents.exact.policy_figures import expected_return, figures
 from rl_tui.agents.exact.solve import best_expected_return, solve
 from rl_tui.worlds.mdp.tabular_mdp import Outcome, Transition, tabular_mdp

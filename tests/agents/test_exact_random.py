@@ -20,10 +20,10 @@ from exact_reference import (
 )
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from policy_worth import evaluate
 
 from rl_tui.agents.exact.backward_induction import best_values, policy_values
 from rl_tui.agents.exact.policies import uniform_over
-from rl_tui.agents.exact.policy_evaluation import evaluate
 from rl_tui.agents.exact.policy_figures import figures
 from rl_tui.agents.exact.solution import NoExactAnswer
 from rl_tui.agents.exact.solve import best_expected_return, solve

@@ -8,10 +8,10 @@ from typing import Any
 
 import numpy as np
 import pytest
+from policy_worth import evaluate
 from recipes import recipe
 
 from rl_tui.agents.exact.policies import greedy_policy, softened, uniform_over
-from rl_tui.agents.exact.policy_evaluation import evaluate
 from rl_tui.agents.exact.policy_figures import expected_return
 from rl_tui.agents.exact.solve import solve
 from rl_tui.lab.run.recipe import begin

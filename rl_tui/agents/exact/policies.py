@@ -34,9 +34,17 @@ def greedy_policy(space: FiniteSpace, q: FloatArray, ties: Ties) -> FloatArray:
     Ties are exact equality, as the agent itself compares: ``random`` picks among them uniformly, ``first``
     takes the first action.
     """
-    first, count = _live_states(space)
-    tied = q == np.repeat(np.maximum.reduceat(q, first), count)
+    tied = best_pairs(space, q)
     return uniform_over(space, tied) if ties == "random" else _first_of(space, tied)
+
+
+def best_pairs(space: FiniteSpace, of_pairs: FloatArray, slack: float = 0.0) -> BoolArray:
+    """Return which pairs, [P], have the greatest of the numbers ``of_pairs``, [P], of their state: all ties.
+
+    Those that have less by at most ``slack``, 0 or more, count as well.
+    """
+    first, count = _live_states(space)
+    return np.asarray(of_pairs >= np.repeat(np.maximum.reduceat(of_pairs, first), count) - slack)
 
 
 def softened(space: FiniteSpace, policy: FloatArray, epsilon: float) -> FloatArray:

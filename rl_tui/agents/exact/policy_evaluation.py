@@ -188,15 +188,6 @@ class PolicyChain:
         return self._solver
 
 
-def evaluate(mdp: TabularMDP, policy: FloatArray, gamma: float) -> PolicyValue:
-    """Return the exact value of ``policy``, [P] probabilities that sum to 1 in each state.
-
-    There is no time limit; ``gamma`` is in [0, 1]. At γ = 1 an endless part that pays nothing adds 0. Raises
-    NoExactAnswer where rounding would spoil the answer.
-    """
-    return PolicyChain(exact_model(mdp), policy).value(gamma)
-
-
 def always_ends(mdp: TabularMDP, policy: FloatArray) -> bool:
     """Return True if ``policy``, [P], ends every episode with probability 1, given time enough."""
     return PolicyChain(exact_model(mdp), policy).always_ends()

@@ -7,12 +7,13 @@ from typing import Any, Final
 
 import numpy as np
 
+from rl_tui.agents.exact.policies import best_pairs
 from rl_tui.cli.output import can_print, columns, number
 from rl_tui.cli.reports.policy_map import is_drawn, policy_map
 from rl_tui.common.words import counted
 from rl_tui.lab.run.figures import policy_names, table
 from rl_tui.tui.draw.action_order import shown_order
-from rl_tui.worlds.mdp.space import BoolArray, FiniteSpace, FloatArray
+from rl_tui.worlds.mdp.space import FloatArray
 from rl_tui.worlds.world import World
 
 MOST_ROWS: Final = 1_000
@@ -22,7 +23,7 @@ _EQUAL: Final = 1e-12
 def evaluation(title: str, world: World, policy: FloatArray, answer: Mapping[str, Any]) -> str:
     """Return what ``policy``, [P], is worth in ``world``: the ``answer`` of ``evaluate --json`` as text."""
     space = world.space
-    chosen = _likeliest(space, policy)
+    chosen = best_pairs(space, policy, _EQUAL)
     parts = [_head(title, answer), "", _values(world, policy, answer["V"]), ""]
     if is_drawn(world) and not chosen.all():
         mixed = bool((np.where(chosen, 0.0, policy) > 0.0).any())
@@ -64,12 +65,3 @@ def _summary(limit: int, answer: Mapping[str, Any]) -> list[tuple[str, str, str]
     if ends != number(1.0):
         rows.append(("chance to end", ends, within.removeprefix(", ")))
     return rows
-
-
-def _likeliest(space: FiniteSpace, policy: FloatArray) -> BoolArray:
-    """Return which pairs, [P], are as likely as the likeliest of their state."""
-    count = np.diff(space.first_pair)
-    live = count > 0
-    highest = np.maximum.reduceat(policy, space.first_pair[:-1][live])
-    likeliest: BoolArray = policy >= np.repeat(highest, count[live]) - _EQUAL
-    return likeliest

@@ -24,12 +24,8 @@ class DrawnPolicy:
 
     def fitting(self, space: FiniteSpace) -> DrawnPolicy:
         """Return the policy without what is no legal choice in ``space``."""
-        legal = (
-            (state, action)
-            for state, action in self.choices
-            if state < space.states and space.pair_of(state, action) is not None
-        )
-        return DrawnPolicy(tuple(legal))
+        legal = self.pairs(space)
+        return DrawnPolicy(tuple(choice for choice in self.choices if choice[0] in legal))
 
     def pairs(self, space: FiniteSpace) -> dict[int, int]:
         """Return the pair chosen in each state of ``space`` in which what was chosen is legal."""

@@ -42,7 +42,7 @@ class PartPointed(Message):
     step: tuple[int, int] | None
 
 
-class Places(Protocol):
+class PlacePicture(Protocol):
     """A picture of places."""
 
     @property
@@ -53,7 +53,7 @@ class Places(Protocol):
         """Return the place drawn at column ``x`` of row ``y``, None where there is none."""
 
 
-def part_pointed_at(places: Places, x: int, y: int) -> tuple[int, int] | None:
+def part_pointed_at(places: PlacePicture, x: int, y: int) -> tuple[int, int] | None:
     """Return towards which side of its place column ``x`` of row ``y`` is, None in the middle."""
     here = places.place_at(x, y)
     columns = [each for each in range(places.size.width) if places.place_at(each, y) == here]

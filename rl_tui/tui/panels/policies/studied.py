@@ -6,13 +6,14 @@ from dataclasses import replace
 
 import numpy as np
 
+from rl_tui.agents.exact.policies import best_pairs
 from rl_tui.lab.answers.policy_kind import PolicyKind
 from rl_tui.lab.answers.policy_values import WHILE_RUNNING, PolicyAnswer
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.panels.policies.names import POLICY_NAMES
 from rl_tui.tui.panels.snapshot_facts import hides_means, is_secret
 from rl_tui.worlds.drawing import Arms
-from rl_tui.worlds.mdp.space import BoolArray, FiniteSpace, FloatArray
+from rl_tui.worlds.mdp.space import BoolArray, FloatArray
 
 
 def is_kept_back(snapshot: Snapshot, kind: PolicyKind) -> bool:
@@ -64,19 +65,12 @@ def study_headings(
 def shown_actions(snapshot: Snapshot, kind: PolicyKind, policy: FloatArray) -> BoolArray:
     """Return the likeliest actions of ``policy`` in each state, [P]; of a drawn one those that were drawn."""
     space = snapshot.world.space
-    likeliest = policy == _greatest(space, policy)
+    likeliest = best_pairs(space, policy)
     if kind is PolicyKind.DRAWN:
         is_drawn = np.zeros(space.states, np.bool_)
         is_drawn[[state for state, _ in snapshot.answers.drawn.choices]] = True
         likeliest &= np.repeat(is_drawn, np.diff(space.first_pair))
-    return np.asarray(likeliest)
-
-
-def _greatest(space: FiniteSpace, of_pairs: FloatArray) -> FloatArray:
-    """Return for every pair the greatest of its state, [P]."""
-    count = np.diff(space.first_pair)
-    acts = count > 0
-    return np.asarray(np.repeat(np.maximum.reduceat(of_pairs, space.first_pair[:-1][acts]), count[acts]))
+    return likeliest
 
 
 def as_studied(snapshot: Snapshot) -> Snapshot:

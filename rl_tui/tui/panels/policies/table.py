@@ -25,7 +25,7 @@ _LEAST_NAME: Final = 7
 _NO_ENDING: Final = 0.9995  # from there on it is written as 100 %
 
 
-class Column(NamedTuple):
+class PolicyColumn(NamedTuple):
     """A figure of every policy; ``rank``: the columns of the greatest are left out first."""
 
     id: str
@@ -34,18 +34,18 @@ class Column(NamedTuple):
     has_sign: bool = False
 
 
-RETURN: Final = Column("expected_return", "return", 0, has_sign=True)
-REWARD: Final = Column("expected_return", "a pull", 0, has_sign=True)  # of a bandit
-VALUE: Final = Column("value_at_start", "at start", 1, has_sign=True)
-STEPS: Final = Column("steps", "length", 2)
-ENDS: Final = Column("ends", "ending", 3)
+RETURN: Final = PolicyColumn("expected_return", "return", 0, has_sign=True)
+REWARD: Final = PolicyColumn("expected_return", "a pull", 0, has_sign=True)  # of a bandit
+VALUE: Final = PolicyColumn("value_at_start", "at start", 1, has_sign=True)
+STEPS: Final = PolicyColumn("steps", "length", 2)
+ENDS: Final = PolicyColumn("ends", "ending", 3)
 COLUMNS: Final = (RETURN, REWARD, VALUE, STEPS, ENDS)
 
 
 class TableForm(NamedTuple):
     """The columns there is room for, and the cells of names and numbers."""
 
-    columns: Sequence[Column]
+    columns: Sequence[PolicyColumn]
     name: int
     is_short: bool
     number: int
@@ -114,7 +114,7 @@ def row_lines(snapshot: Snapshot, form: TableForm, look: Look) -> list[Line]:
     return lines
 
 
-def _columns(snapshot: Snapshot, known: Sequence[PolicyAnswer]) -> list[Column]:
+def _columns(snapshot: Snapshot, known: Sequence[PolicyAnswer]) -> list[PolicyColumn]:
     if isinstance(snapshot.world.drawing, Arms):
         return [REWARD]
     if may_not_end(known):
@@ -130,12 +130,12 @@ def may_not_end(known: Iterable[PolicyAnswer]) -> bool:
     return any(each.ends is not None and each.ends < _NO_ENDING for each in known)
 
 
-def _figure(answer: PolicyAnswer, column: Column) -> float | None:
+def _figure(answer: PolicyAnswer, column: PolicyColumn) -> float | None:
     figure: float | None = getattr(answer, column.id)
     return figure
 
 
-def _said(snapshot: Snapshot, kind: PolicyKind, column: Column, form: TableForm, look: Look) -> str:
+def _said(snapshot: Snapshot, kind: PolicyKind, column: PolicyColumn, form: TableForm, look: Look) -> str:
     """Return a figure; in its place a dash where there is none, … while it is worked out, ? where hidden."""
     if is_kept_back(snapshot, kind):
         return "?"
@@ -150,7 +150,7 @@ def _said(snapshot: Snapshot, kind: PolicyKind, column: Column, form: TableForm,
     return amount(figure, look, _width(form, column) - 1)
 
 
-def _width(form: TableForm, column: Column) -> int:
+def _width(form: TableForm, column: PolicyColumn) -> int:
     return max(form.number - (not column.has_sign), len(column.head) + 1)
 
 

@@ -6,6 +6,7 @@ from typing import Final
 
 import numpy as np
 
+from rl_tui.common.words import counted
 from rl_tui.lab.answers.policy_kind import PolicyKind
 from rl_tui.lab.live.commands import ClearDrawing, Command, DrawAction, StudyPolicy
 from rl_tui.lab.live.snapshot import Phase, Snapshot
@@ -203,8 +204,7 @@ class PolicyDrawing(KeyMode):
         if not count:
             self.screen.tell("nothing is drawn yet")
             return
-        states = f"{count:,} state{'s' if count > 1 else ''}"
-        question = f"You have drawn an action in {states}; this cannot be undone."
+        question = f"You have drawn an action in {counted(count, 'state')}; this cannot be undone."
         self.ask(Confirm("Draw afresh?", question, "clear all", self.glyphs), self._clear)
 
     def _clear(self, _: bool) -> None:
