@@ -189,6 +189,25 @@ _ALGORITHMS: Final[tuple[Algorithm, ...]] = (
 )
 
 BY_ID: Final = {algorithm.id: algorithm for algorithm in _ALGORITHMS}
+
+OWN_PROGRAM: Final = Algorithm(
+    id="own-program",
+    name="your program",
+    summary="what somebody's own program does, where its update is not known",
+    equation="",
+    source="",
+    module="",
+    parameters=(),
+    update=UpdateTerms(bootstrap="", waiting="the program changed nothing"),
+)
+"""What stands for the algorithm of a program of somebody else's; nobody can choose it."""
+
+
+def algorithm_row(algorithm: str) -> Algorithm:
+    """Return the row of the algorithm with this id, be it that of somebody's own program."""
+    return OWN_PROGRAM if algorithm == OWN_PROGRAM.id else BY_ID[algorithm]
+
+
 """The algorithms by their ids, in the order in which people see them."""
 
 

@@ -7,7 +7,6 @@ from typing import Final
 
 import numpy as np
 
-from rl_tui.agents.catalogue import BY_ID
 from rl_tui.agents.last_step import LastStep
 from rl_tui.agents.sweep_phases import SweepPhase
 from rl_tui.lab.live.snapshot import AgentView
@@ -41,7 +40,7 @@ class StateBackup:
 
 def state_backup_of(world: World, agent: AgentView, last: LastStep) -> StateBackup | None:
     """Return the backup that ``last`` was; None where it was none, or its numbers are not known any more."""
-    mdp, algorithm = world.mdp, BY_ID[agent.algorithm]
+    mdp, algorithm = world.mdp, agent.row
     pairs = world.space.pairs_of(last.state)
     if not last.planned or not last.learned or mdp is None or agent.learned_by[0] != algorithm.id:
         return None

@@ -9,7 +9,7 @@ from typing import Final
 
 import numpy as np
 
-from rl_tui.agents.catalogue import BY_ID, POLICY_BY_ID, Algorithm, Policy
+from rl_tui.agents.catalogue import POLICY_BY_ID, Algorithm, Policy, algorithm_row
 from rl_tui.agents.hyperparameters import SAMPLE_AVERAGE, Hyperparameters
 from rl_tui.agents.last_step import NOTHING, LastStep
 from rl_tui.agents.update_terms import UpdateTerms
@@ -167,7 +167,7 @@ def story_of(snapshot: Snapshot) -> StepStory | None:
     if last is None:
         return None
     taken_by, hyperparameters = agent.learned_by
-    algorithm = BY_ID[taken_by]
+    algorithm = algorithm_row(taken_by)
     before = EstimatesBefore(world, agent, last, algorithm.update)
     solution = snapshot.exact_answer.solution
     drifts = world.mdp is not None and world.mdp.drift_std and not last.planned

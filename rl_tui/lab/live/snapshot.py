@@ -8,11 +8,13 @@ from typing import Final
 
 import numpy as np
 
+from rl_tui.agents.catalogue import Algorithm, algorithm_row
 from rl_tui.agents.counters import Counters
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.agents.last_step import Author
 from rl_tui.agents.sweep_phases import SweepPhase
 from rl_tui.lab.answers.view import AnswersView
+from rl_tui.lab.live.program_view import ProgramView
 from rl_tui.lab.live.state import ENDED, State
 from rl_tui.lab.live.until import Breakpoints
 from rl_tui.lab.live.viewport import CopiedPart
@@ -74,6 +76,11 @@ class AgentView:
     """How a planner's sweep is getting on, in words; empty for an agent that learns."""
     author: Author | None = None
     """By what the last step was taken; None: by what is in force."""
+
+    @property
+    def row(self) -> Algorithm:
+        """The algorithm's row of the catalogue; a program whose update is not known has its own."""
+        return algorithm_row(self.algorithm)
 
     @property
     def learned_by(self) -> tuple[str, Hyperparameters]:
@@ -143,3 +150,5 @@ class Snapshot:
     """What many seeds say of these runs; None where nobody has asked."""
     trail: Trail = ()
     """The last steps of the episode up to the last one, oldest first; none where they are not known."""
+    program: ProgramView | None = None
+    """The program that takes the steps, where that is not rl-tui's own agent."""

@@ -9,7 +9,6 @@ from rich.cells import cell_len
 from rich.style import Style
 from textual.strip import Strip
 
-from rl_tui.agents.catalogue import BY_ID
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.draw import numbers
 from rl_tui.tui.draw.pieces import Piece, length, spelled, strips_of
@@ -43,7 +42,7 @@ Legend = tuple[LegendSign, ...]
 
 def agent_meaning(snapshot: Snapshot) -> str:
     """Return what the sign of the agent means; a planner is nowhere, but has backed up a state."""
-    return "backed up" if BY_ID[snapshot.agent.algorithm].planner else AGENT
+    return "backed up" if snapshot.agent.row.planner else AGENT
 
 
 def no_value_sign(look: Look) -> LegendSign:

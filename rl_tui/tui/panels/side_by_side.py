@@ -8,7 +8,6 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from rl_tui.agents.catalogue import BY_ID
 from rl_tui.lab.live.snapshot import AgentView, Snapshot
 from rl_tui.lab.live.viewport import pairs_of_states
 from rl_tui.lab.timeline.run_names import feature_text
@@ -116,7 +115,7 @@ def stand_alone(panel: BoardPanel) -> None:
 def lane_titles(lane: Snapshot, number: str) -> tuple[str, ...]:
     """Return what stands on the border of the world of ``lane``, the longest form first."""
     group, agent = lane.run_group, lane.agent
-    name, algorithm = group.lanes[group.shown].name, BY_ID[agent.algorithm].name
+    name, algorithm = group.lanes[group.shown].name, agent.row.name
     is_bandit = isinstance(lane.world.drawing, Arms)
     settings = []
     for parameter in sliders_of(agent.algorithm, agent.hyperparameters, is_bandit=is_bandit):

@@ -9,7 +9,6 @@ from rich.cells import cell_len, set_cell_size
 from rich.style import Style
 from textual.strip import Strip
 
-from rl_tui.agents.catalogue import BY_ID
 from rl_tui.lab.live.snapshot import Phase, Snapshot
 from rl_tui.tui.draw import numbers
 from rl_tui.tui.draw.canvas import shortened
@@ -160,7 +159,7 @@ def _title(snapshot: Snapshot, look: Look, width: int, session: str = "") -> str
     recipe, timeline = snapshot.recipe, snapshot.timeline
     title, seed = recipe.scenario.title, f"seed {recipe.seed}"
     branch = timeline.current.name if len(timeline.branches) > 1 else ""
-    algorithm = BY_ID[snapshot.agent.algorithm].name
+    algorithm = snapshot.agent.row.name
     if session:
         shorter = [(session, title, branch), *([(session, branch)] if branch else [])]
     else:
@@ -190,7 +189,7 @@ def _fields(snapshot: Snapshot, look: Look, width: int, *, is_manual: bool) -> l
     state = _state(snapshot, look, width - 1 - _GAP, is_manual=is_manual)
     speed = _speed(snapshot, look, wide=wide)
     stands_in_past = snapshot.timeline.in_past and snapshot.playback.phase is not Phase.RUNNING
-    plans = BY_ID[snapshot.agent.algorithm].planner
+    plans = snapshot.agent.row.planner
     if isinstance(snapshot.world.drawing, Arms) and snapshot.results.bandit is not None and not plans:
         pulls, budget = snapshot.results.bandit.pulls, f"{snapshot.results.bandit.budget:,}"
         text, style = f"pull {numbers.count(pulls)} of {budget}", look.palette.text

@@ -8,7 +8,6 @@ from typing import Final, NamedTuple
 from textual.geometry import Offset
 from textual.widget import Widget
 
-from rl_tui.agents.catalogue import BY_ID
 from rl_tui.common.words import counted
 from rl_tui.lab.answers.policy_kind import PolicyKind
 from rl_tui.lab.live.snapshot import Snapshot
@@ -217,7 +216,7 @@ class _Teller:
 
     @property
     def _plans(self) -> bool:
-        return BY_ID[self._snapshot.agent.algorithm].planner
+        return self._snapshot.agent.row.planner
 
     def _from_visits(self, *pairs: int) -> str:
         visits = sum(int(self._snapshot.agent.visits[pair]) for pair in pairs)

@@ -12,7 +12,7 @@ from textual import events
 from textual.strip import Strip
 from textual.widget import Widget
 
-from rl_tui.agents.catalogue import BY_ID, POLICY_BY_ID, parameters_of
+from rl_tui.agents.catalogue import POLICY_BY_ID, parameters_of
 from rl_tui.agents.hyperparameters import PARAMETERS, Hyperparameters, Parameter
 from rl_tui.agents.idle_parameters import why_idle
 from rl_tui.lab.live.snapshot import Phase, Snapshot
@@ -60,7 +60,7 @@ def _settings(snapshot: Snapshot) -> Iterator[Setting]:
         yield Setting(
             "l", "lane", "lane", f"{snapshot.run_group.shown + 1}/{len(lanes)}", "lanes.next_lane", 2
         )
-    yield Setting("a", "", "algorithm", BY_ID[snapshot.agent.algorithm].name, "agent.choose_algorithm", 0)
+    yield Setting("a", "", "algorithm", snapshot.agent.row.name, "agent.choose_algorithm", 0)
     if "policy" in parameters:
         yield Setting("p", "", "policy", POLICY_BY_ID[values.policy].name, "agent.choose_policy", 1)
     if "ties" in parameters:

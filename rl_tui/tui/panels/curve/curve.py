@@ -7,7 +7,6 @@ from typing import Final
 from rich.cells import cell_len
 from textual.strip import Strip
 
-from rl_tui.agents.catalogue import BY_ID
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.draw.chart_plot import Plot
 from rl_tui.tui.draw.pieces import Piece, strips_of
@@ -92,7 +91,7 @@ class ReturnCurve(Panel, can_focus=True):
         more = (seed_sign(seeds, self.look),) if seeds else ()
         if isinstance(snapshot.world.drawing, Arms):
             return more
-        plans = BY_ID[snapshot.agent.algorithm].planner
+        plans = snapshot.agent.row.planner
         sums = LegendSign("return", "= undiscounted sum", self.look.palette.text)
         band = () if plans else band_signs(self.look, lanes=bool(snapshot.run_group.lanes))
         return (*band, *more, sums) if snapshot.run_group.lanes else (*more, sums, *band)

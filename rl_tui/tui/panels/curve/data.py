@@ -165,7 +165,7 @@ def curve_data(snapshot: Snapshot) -> CurveData:
     """Return what there is to draw; what would give the answer away only where it is not hidden."""
     is_bandit = isinstance(snapshot.world.drawing, Arms)
     hidden = hides_means(snapshot)
-    plans, solution = BY_ID[snapshot.agent.algorithm].planner, snapshot.exact_answer.solution
+    plans, solution = snapshot.agent.row.planner, snapshot.exact_answer.solution
     hides_optimum = is_secret(snapshot) and not snapshot.exact_answer.refused
     episodes, curve = _episodes(snapshot.results), snapshot.results.curve
     return CurveData(

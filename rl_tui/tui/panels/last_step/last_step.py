@@ -6,7 +6,6 @@ from typing import Final
 
 from textual.strip import Strip
 
-from rl_tui.agents.catalogue import BY_ID
 from rl_tui.lab.last_step.story import story_of
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.draw.pieces import Line, Piece, strips_of
@@ -45,12 +44,12 @@ class LastStepPanel(Panel):
     def legend(self, snapshot: Snapshot) -> Legend:
         """Return the signs of an update and of what the environment did."""
         palette, is_bandit = self.look.palette, isinstance(snapshot.world.drawing, Arms)
-        delta, plans = to_ascii("δ", self.look.glyphs), BY_ID[snapshot.agent.algorithm].planner
+        delta, plans = to_ascii("δ", self.look.glyphs), snapshot.agent.row.planner
         tells_chances = snapshot.world.mdp is not None and not (is_bandit or plans)
         story = story_of(snapshot)
         if story is not None and story.state_backup is not None:
             chance = LegendSign("p", "probability", palette.strong)
-            keeps = BY_ID[snapshot.agent.algorithm].takes_orders
+            keeps = snapshot.agent.row.takes_orders
             policy = LegendSign(to_ascii("π", self.look.glyphs), "policy", palette.strong)
             return (policy, chance) if keeps else (chance,)
         # beside the numbers on the border it would come and go with their digits

@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 from typing import Final
 
-from rl_tui.agents.catalogue import BY_ID
 from rl_tui.lab.live.commands import GoTo
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.panels.snapshot_facts import episode_under_way
@@ -65,13 +64,13 @@ def _episode(number: int, snapshot: Snapshot) -> GoTo:
 
 def unit_of(snapshot: Snapshot) -> str:
     """Return what the steps of this run come in: episodes, or the sweeps of a planner."""
-    return "sweep" if BY_ID[snapshot.agent.algorithm].planner else "episode"
+    return "sweep" if snapshot.agent.row.planner else "episode"
 
 
 def _expected(snapshot: Snapshot) -> str:
     """Return what may be typed, naming the range."""
     end = snapshot.timeline.current.end
-    if BY_ID[snapshot.agent.algorithm].planner:
+    if snapshot.agent.row.planner:
         first = f"a step from 0 to {end:,}, sweep 12"
     elif isinstance(snapshot.world.drawing, Arms):
         first = f"a pull from 0 to {end:,}"

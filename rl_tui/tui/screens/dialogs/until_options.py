@@ -6,7 +6,6 @@ import math
 from dataclasses import dataclass
 from enum import Enum
 
-from rl_tui.agents.catalogue import BY_ID
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.live.until import Event, Until
 from rl_tui.tui.draw import numbers
@@ -62,7 +61,7 @@ class UntilOption:
 
 def kind_of(snapshot: Snapshot) -> Kind:
     """Return what is learning, or planning, in ``snapshot``."""
-    if BY_ID[snapshot.agent.algorithm].planner:
+    if snapshot.agent.row.planner:
         return Kind.PLANNER
     return Kind.BANDIT if isinstance(snapshot.world.drawing, Arms) else Kind.AGENT
 

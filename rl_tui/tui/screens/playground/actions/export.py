@@ -6,7 +6,6 @@ from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
 
-from rl_tui.agents.catalogue import BY_ID
 from rl_tui.common.errors import UserError
 from rl_tui.lab.experiments.training import OnProgress, no_progress
 from rl_tui.lab.export.files import free_name, write_text
@@ -216,5 +215,5 @@ def _without_returns(snapshot: Snapshot) -> str:
     """Return why there are no returns to write; empty if there are."""
     if len(snapshot.results.curve.episode):
         return ""
-    algorithm = BY_ID[snapshot.agent.algorithm]
+    algorithm = snapshot.agent.row
     return f"{algorithm.name} plays no episodes" if algorithm.planner else "no episode is finished yet"

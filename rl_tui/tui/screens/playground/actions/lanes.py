@@ -5,7 +5,6 @@ from __future__ import annotations
 from functools import partial
 from typing import Any
 
-from rl_tui.agents.catalogue import BY_ID
 from rl_tui.common.errors import UserError
 from rl_tui.lab.live.commands import AddBranch, AddLane, ChooseLane, DropLane, MarkLane
 from rl_tui.lab.live.snapshot import Snapshot
@@ -114,7 +113,7 @@ class LaneActions(Subject):
 def _only_lane(snapshot: Snapshot) -> LaneView:
     """Return a run that stands alone as the lane it would be."""
     return LaneView(
-        name=BY_ID[snapshot.agent.algorithm].name,
+        name=snapshot.agent.row.name,
         algorithm=snapshot.agent.algorithm,
         hyperparameters=snapshot.agent.hyperparameters,
         step=snapshot.counters.step,

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import Final
 
-from rl_tui.agents.catalogue import BY_ID
 from rl_tui.lab.live.commands import (
     Command,
     Pause,
@@ -136,8 +135,8 @@ _HINTS: Final = (
 
 def _refused(snapshot: Snapshot) -> str:
     """Return why a person cannot act in place of the agent, empty if that is possible."""
-    name = BY_ID[snapshot.agent.algorithm].name
-    if BY_ID[snapshot.agent.algorithm].planner:
+    name = snapshot.agent.row.name
+    if snapshot.agent.row.planner:
         return f"{name} takes no actions: it plans with the model; a chooses an agent"
     if snapshot.playback.phase is Phase.SPENT:
         return "the budget is spent; r starts again"

@@ -1,0 +1,19 @@
+"""What can be said of a program, from all that it has told so far."""
+
+from __future__ import annotations
+
+from rl_tui.lab.detective.evidence import Evidence
+from rl_tui.lab.detective.findings import findings_of
+from rl_tui.lab.detective.update_rule import update_of
+from rl_tui.lab.detective.verdict import Verdict
+from rl_tui.lab.programs.program_log import ProgramLog
+
+
+def verdict_of(log: ProgramLog) -> Verdict:
+    """Return the verdict on the program that told ``log``; it claims nothing that steps do not prove."""
+    if log.table is None or log.recording.initial is None:
+        return Verdict()
+    evidence = Evidence(log.recording)
+    update = update_of(evidence, log.numbers)
+    findings, notes = findings_of(evidence, update, log)
+    return Verdict(update, findings, notes)

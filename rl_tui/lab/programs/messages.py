@@ -1,0 +1,78 @@
+"""What goes through the pipes between a program that is watched and the one that watches it.
+
+The watched side writes frames: a letter, the length of what follows as eight bytes (little end first), and
+that. Steps and changes are numbers only, so that nothing that a program writes can do anything here.
+
+=====  ================================================================================================
+S      doubles: first ``n`` steps of ``STEP_WIDTH`` numbers, then changes of ``CHANGE_WIDTH`` numbers;
+       before them, as one double, ``n``
+T      doubles, [S·A]: the table as it was found, NaN where it has no such entry; follows its message
+J      a JSON object with a ``kind``: what is rare
+=====  ================================================================================================
+
+A step is (environment, state, action, reward, next state, flags, episode, step in its episode), a change
+(step, cell, before, after). Episodes count from 0 over all environments, steps of an episode from 0.
+States are numbers: of a tuple of observations its place in row-major order. A cell is state · A + action.
+``step`` counts from 0 over the whole program; a change belongs to the step before the next call of ``step``
+or ``reset``. ``before`` is NaN where the table had no such entry.
+
+The watching side writes lines of JSON: ``{"stop": …}`` says at what to stop, an empty object is a wake-up.
+How far the program may go stands in memory that both share: one int64, the number of steps.
+"""
+
+from __future__ import annotations
+
+import struct
+from enum import IntFlag
+from typing import Final
+
+STEP_WIDTH: Final = 8
+CHANGE_WIDTH: Final = 4
+HEADER: Final = struct.Struct("<cQ")
+STEPS: Final = b"S"
+TABLE: Final = b"T"
+MESSAGE: Final = b"J"
+NO_LIMIT: Final = 2**62
+"""How far a program may go that nobody holds up."""
+LARGEST_FRAME: Final = 64_000_000
+"""Bytes of one frame; a longer one comes from no watched side of ours."""
+
+
+class StepFlag(IntFlag):
+    """What else is told of a step."""
+
+    TERMINATED = 1
+    TRUNCATED = 2
+
+
+class Kind:
+    """The kinds of JSON messages, with what else they hold."""
+
+    ENVIRONMENT: Final = "environment"
+    """number, id, kwargs (null where they are no plain data), states (the sizes of the observation's parts),
+    first_state (what each part counts from), actions, first_action, time_limit, wrappers (class names)"""
+    TRANSITIONS: Final = "transitions"
+    """number, P: the table of an environment that only the program knows: [[[[p, s', r, ended], …] …] …]"""
+    TABLE: Final = "table"
+    """step, name, form, shape, dtype, others (names), shared (bool), file, line: where it was made, if known.
+    A frame with its content follows."""
+    REBOUND: Final = "rebound"
+    """step: another object is the table now; what differs in it comes as changes."""
+    SHARED: Final = "shared"
+    """step: rows of the table are one and the same object."""
+    NUMBERS: Final = "numbers"
+    """numbers: name → value, floats that the program's code holds."""
+    LINES: Final = "lines"
+    """lines: [[file, line, count], …], the lines that changed the table."""
+    OUTPUT: Final = "output"
+    """step, stream ("out" or "err"), text."""
+    NOTE: Final = "note"
+    """text: what had to be done otherwise for the program to run."""
+    WAITING: Final = "waiting"
+    """step, stopped (the name of what it met, or null): it goes no further until it may."""
+    REFUSED: Final = "refused"
+    """text: why it cannot be watched."""
+    ERROR: Final = "error"
+    """type, text, file, line, traceback (text)."""
+    END: Final = "end"
+    """step: the program is over."""
