@@ -18,6 +18,7 @@ from rl_tui.worlds.environments.text_picture import text_picture
 from rl_tui.worlds.environments.transition_rows import Entry, PairRow, rows_of, table_of
 from rl_tui.worlds.files.catalogue import find
 from rl_tui.worlds.files.scenario import Scenario
+from rl_tui.worlds.gym.advice import advice_kept
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 from rl_tui.worlds.world import World
 
@@ -60,7 +61,8 @@ class ScenarioEnv(gymnasium.Env[int, int]):  # type: ignore[misc]
         self._offset: npt.NDArray[np.float64] | None = None
         self._stepped: Environment | None = None
         if self._mdp is None and self.world.new_environment is not None:
-            self._stepped = self.world.new_environment()
+            with advice_kept():
+                self._stepped = self.world.new_environment()
 
     @property
     def P(self) -> dict[int, dict[int, list[Entry]]]:  # noqa: N802
@@ -157,10 +159,7 @@ def time_limit_of_scenario(scenario: str | Path | Scenario) -> int | None:
     return _found_and_built(scenario, 0)[1].space.time_limit or None
 
 
+@advice_kept()
 def _found_and_built(scenario: str | Path | Scenario, seed: int) -> tuple[Scenario, World]:
-    level = gymnasium.logger.min_level
-    try:
-        found = scenario if isinstance(scenario, Scenario) else find(str(scenario))
-        return found, found.build(streams(seed).world)
-    finally:
-        gymnasium.logger.min_level = level  # making an environment behind a world silences all advice
+    found = scenario if isinstance(scenario, Scenario) else find(str(scenario))
+    return found, found.build(streams(seed).world)
