@@ -31,7 +31,10 @@ def choices_in(space: FiniteSpace, policy: npt.ArrayLike) -> Mapping[int, Choice
     States in which nothing can be done do not count. Raises UserError where it has another shape, an action
     is not legal, or probabilities are below 0 or do not sum to 1 (±1e-9).
     """
-    array = np.asarray(policy)
+    try:
+        array = np.asarray(policy)
+    except ValueError as fault:  # rows of different lengths
+        raise UserError("the policy is no array: its rows are of different lengths") from fault
     states, actions = space.states, len(space.action_names)
     if array.shape == (states,) and array.dtype.kind in "iu":
         array = array[:, None] == np.arange(actions)[None, :]
