@@ -186,6 +186,25 @@ def test_an_action_that_is_not_legal_does_what_the_first_legal_one_does():
         environment.step(5)
 
 
+def test_the_table_is_made_once():
+    environment = ScenarioEnv("frozenlake")
+    assert environment.P is environment.P
+    environment.P[0][1][0] = (1.0, 15, 1.0, True)
+    environment.reset(seed=0)
+    assert environment.step(1)[:3] == (4, 0.0, False)
+
+
+@pytest.mark.parametrize("mode", ["sync", "async"])
+def test_several_at_once_step_side_by_side(mode):
+    environments = gymnasium.make_vec("rl_tui/student-v0", num_envs=2, vectorization_mode=mode)
+    states, info = environments.reset(seed=1)
+    assert states.tolist() == [0, 0]
+    assert info["action_mask"].shape == (2, 5)
+    states, rewards, *_ = environments.step(np.array([1, 1]))
+    assert rewards.shape == (2,)
+    environments.close()
+
+
 def test_after_the_end_nothing_happens():
     environment = ScenarioEnv("frozenlake")
     environment.reset(seed=0)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from bisect import bisect_right
+from functools import cached_property
 from pathlib import Path
 from typing import Any, ClassVar, Final
 
@@ -64,16 +65,16 @@ class ScenarioEnv(gymnasium.Env[int, int]):  # type: ignore[misc]
             with advice_kept():
                 self._stepped = self.world.new_environment()
 
-    @property
+    @cached_property
     def P(self) -> dict[int, dict[int, list[Entry]]]:  # noqa: N802
-        """State → action → [(probability, next state, reward, terminated), …], made anew when asked for.
+        """State → action → [(probability, next state, reward, terminated), …]: what steps are drawn from.
 
         Rewards are means: where they are noisy, what a step pays lies around them; where they drift, they are
-        those of the beginning. Raises AttributeError where there is no table.
+        those of the beginning. Writing to it changes no step. Raises AttributeError where there is no table.
         """
         return table_of(self._table("P"))
 
-    @property
+    @cached_property
     def initial_state_distrib(self) -> npt.NDArray[np.float64]:
         """The probability to start in each state, [S]. Raises AttributeError where it is not known."""
         mdp = self._table("initial_state_distrib")
