@@ -5,7 +5,7 @@ from __future__ import annotations
 from bisect import bisect_right
 from functools import cached_property
 from pathlib import Path
-from typing import Any, ClassVar, Final
+from typing import Any, ClassVar
 
 import gymnasium
 import numpy as np
@@ -22,8 +22,6 @@ from rl_tui.worlds.files.scenario import Scenario
 from rl_tui.worlds.gym.advice import advice_kept
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 from rl_tui.worlds.world import World
-
-_MOST_SEEDS: Final = 2**31
 
 
 class ScenarioEnv(gymnasium.Env[int, int]):  # type: ignore[misc]
