@@ -52,10 +52,11 @@ class LastStepPanel(Panel):
             keeps = snapshot.agent.row.takes_orders
             policy = LegendSign(to_ascii("π", self.look.glyphs), "policy", palette.strong)
             return (policy, chance) if keeps else (chance,)
+        has_delta = story is None or story.has_equation
         # beside the numbers on the border it would come and go with their digits
         has_room = self.free_rows > 0 or self.size.width >= _ROOM_ON_BORDER
         return (
-            LegendSign(delta, "TD error", palette.strong),
+            *([LegendSign(delta, "TD error", palette.strong)] if has_delta else []),
             *([LegendSign("p", "probability", palette.strong)] if tells_chances and has_room else []),
         )
 

@@ -30,6 +30,7 @@ from rl_tui.tui.panels.controls.slider import Slider, key_hints
 from rl_tui.tui.panels.discount.discount import DiscountPanel
 from rl_tui.tui.panels.pointing import PartPointed, Pointed
 from rl_tui.tui.panels.policies.policies import PolicyChosen
+from rl_tui.tui.panels.program.findings import FindingsPanel
 from rl_tui.tui.panels.q_table.q_table import QTable
 from rl_tui.tui.panels.status_line import StatusLine
 from rl_tui.tui.panels.timeline.timeline import TimelineBar
@@ -45,6 +46,7 @@ from rl_tui.tui.screens.playground.actions.modes.drawing import PolicyDrawing
 from rl_tui.tui.screens.playground.actions.modes.manual import ManualControl
 from rl_tui.tui.screens.playground.actions.modes.mode import MODE_BINDINGS, Modes
 from rl_tui.tui.screens.playground.actions.policies import PolicyActions
+from rl_tui.tui.screens.playground.actions.program import ProgramActions
 from rl_tui.tui.screens.playground.actions.run import RunActions
 from rl_tui.tui.screens.playground.actions.scenario_file import ScenarioFile
 from rl_tui.tui.screens.playground.actions.seeds import SeedActions
@@ -141,6 +143,7 @@ class Playground(ActionScreen):
         self.policies = PolicyActions(*of)
         self.session = SessionActions(*of, self.status, autosave, resumed)
         self.export = ExportActions(*of)
+        self.program = ProgramActions(*of, self.actions)
         self._left_after: int | None = None
         """The last deed when escape was pressed, None where it was not."""
         self._watches = watches
@@ -175,6 +178,11 @@ class Playground(ActionScreen):
         if action == "mode_key":
             return self.modes.takes(str(parameters[0]))
         return super().check_action(action, parameters)
+
+    def action_do(self, command: str) -> None:
+        """Do what ``command`` says, unless it cannot be done to a program that is watched."""
+        if not self.program.refuses(command):
+            super().action_do(command)
 
     def action_mode_key(self, key: str) -> None:
         """Do what ``key`` means in the mode that is on."""
@@ -216,7 +224,7 @@ class Playground(ActionScreen):
         keys = self.query_one(KeyLine)
         keys.first = key_hints(self.focused)
         keys.is_running = self.run.is_under_way
-        keys.idle = frozenset() if self.run.takes_orders else _SWEEP_KEYS
+        keys.idle = self.program.idle_keys | (frozenset() if self.run.takes_orders else _SWEEP_KEYS)
 
     @on(DescendantFocus)
     def ask_for_flips(self) -> None:
@@ -231,6 +239,11 @@ class Playground(ActionScreen):
     @on(TimelineBar.Sought)
     def seek(self, event: TimelineBar.Sought) -> None:
         """Go where the timeline was pointed at."""
+        self.time.seek(event.step)
+
+    @on(FindingsPanel.StepWanted)
+    def seek_finding(self, event: FindingsPanel.StepWanted) -> None:
+        """Go to the first step that shows a finding."""
         self.time.seek(event.step)
 
     @on(QTable.CursorMoved)
@@ -304,6 +317,7 @@ class Playground(ActionScreen):
             self.agent.set_what_waits()
         self.time.announce_fork(before, snapshot)
         self.time.announce_arrival(snapshot)
+        self.program.announce(before, snapshot)
         self.session.compare_with_saved(snapshot)
         self.redraw()
         if self._has_world:
@@ -377,11 +391,13 @@ class Playground(ActionScreen):
 
     def action_previous_scenario(self) -> None:
         """Go to the previous scenario of the catalogue."""
-        self.post_message(self.NeighbourWanted(self.recipe, -1))
+        if not self.program.refuses("previous_scenario"):
+            self.post_message(self.NeighbourWanted(self.recipe, -1))
 
     def action_next_scenario(self) -> None:
         """Go to the next scenario of the catalogue."""
-        self.post_message(self.NeighbourWanted(self.recipe, 1))
+        if not self.program.refuses("next_scenario"):
+            self.post_message(self.NeighbourWanted(self.recipe, 1))
 
     def action_back(self) -> None:
         """Leave the zoom or the panel that is open, or go back to the catalogue."""
