@@ -22,6 +22,11 @@ def change_lines(words: StepWords, look: Look, width: int) -> list[Line]:
         [Piece(" to ", palette.dim), Piece(update.after, palette.updated)],
         [Piece(" (", palette.dim), error_piece(words, look), Piece(")", palette.dim)],
     ]
+    if update.before == update.after:
+        moved = [
+            [Piece(" your program changed nothing:", palette.dim)],
+            [Piece(f" {words.estimate} stays ", palette.text), Piece(update.after, palette.updated)],
+        ]
     lines = flowed(moved, width, look)
     if words.why_no_equation:
         lines += wrapped(words.why_no_equation[0], width, palette.text, look, " ", " ")

@@ -46,26 +46,28 @@ class FindingsPanel(ScrolledPanel):
     def __init__(self, look: Look, *, id: str | None = None, classes: str | None = None) -> None:  # noqa: A002
         super().__init__(look, id=id, classes=classes)
         self._chosen = 0
-        self._heads: list[int] = []  # the row of each finding
+        self._has_moved = False  # then the finding under the cursor is brought into view
+
+    @property
+    def _findings(self) -> list[Finding]:
+        program = None if self.snapshot is None else self.snapshot.program
+        return [] if program is None else ranked(program.verdict.findings)
 
     @property
     def chosen(self) -> Finding | None:
         """The finding under the cursor, None where there is none."""
-        program = None if self.snapshot is None else self.snapshot.program
-        findings = [] if program is None else ranked(program.verdict.findings)
+        findings = self._findings
         return findings[min(self._chosen, len(findings) - 1)] if findings else None
 
     def action_choose(self, by: int) -> None:
         """Put the cursor on the next finding; where there is none, scroll by a row."""
-        self.redraw()
-        place = min(self._chosen, len(self._heads) - 1) + by
-        if not 0 <= place < len(self._heads):
+        count = len(self._findings)
+        place = min(self._chosen, count - 1) + by
+        if 0 <= place < count:
+            self._chosen, self._has_moved = place, True
+            self.redraw()
+        else:
             self._scroll(by)
-            return
-        self._chosen = place
-        self.redraw()
-        self._first = max(0, min(self._heads[place], self._rows_in_all - self.size.height))
-        self.redraw()
 
     def action_go_to_step(self) -> None:
         """Ask for the step that the finding under the cursor was first seen at, once it was taken."""
@@ -75,14 +77,14 @@ class FindingsPanel(ScrolledPanel):
     def rows(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
         """Return all rows of the page."""
         program = None if snapshot is None else snapshot.program
-        self._heads = []
         if snapshot is None or program is None:
             return []
         findings = ranked(program.verdict.findings)
         lines: list[Line] = [] if findings else _nothing_found(snapshot, program, self.look, width)
         chosen = self.chosen
         for finding in findings:
-            self._heads.append(len(lines))
+            if finding is chosen and self._has_moved:
+                self._first, self._has_moved = len(lines), False
             lines += finding_lines(finding, program, self.look, width, is_chosen=finding is chosen)
             if finding is chosen and finding is not findings[-1]:
                 lines.append([Piece("", self.look.palette.text)])
@@ -95,7 +97,7 @@ class FindingsPanel(ScrolledPanel):
 
     def keys(self, snapshot: Snapshot | None) -> Sequence[str]:
         """Return the keys of the panel."""
-        if not self._heads:
+        if not self._findings:
             return ("F: close",)
         return "enter: go to its step · F: close", "enter: its step · F: close", "F: close"
 

@@ -160,13 +160,7 @@ class _Writer:
     def _findings(self) -> list[Line]:
         program, findings = self._program, ranked(self._program.verdict.findings)
         if not findings:
-            known = self._steps and program.table is not None
-            if not known:
-                return []
-            found = f" nothing wrong found in {self._steps:,} steps"
-            is_open = program.verdict.update.rule is Rule.UNKNOWN
-            forms = (f"{found}, as far as can be told", found) if is_open else (found,)
-            return [self._fitting(forms, self._palette.dim)]
+            return self._nothing_wrong()
         worst = findings[0]
         place = place_text(worst.file, worst.line, program.path)
         said = IN_SHORT[worst.fault]
@@ -179,6 +173,15 @@ class _Writer:
             [Piece(text, style)] for text in (f"{count}{said}{at}", f"{count}{said}", count.rstrip(": "))
         ]
         return [first_that_fits(forms, self._width, self._look)]
+
+    def _nothing_wrong(self) -> list[Line]:
+        """Return over how many steps nothing wrong was found, where anything could be."""
+        if not self._steps or self._program.table is None:
+            return []
+        found = f" nothing wrong found in {self._steps:,} steps"
+        is_open = self._program.verdict.update.rule is Rule.UNKNOWN
+        forms = (f"{found}, as far as can be told", found) if is_open else (found,)
+        return [self._fitting(forms, self._palette.dim)]
 
     def _choices(self) -> list[Line]:
         """Return what else might be the table, and how to choose it."""
