@@ -66,6 +66,7 @@ _PROGRAM_ACTIONS: Final[tuple[Action, ...]] = (
         "Go to the previous scenario.",
         Group.SCENARIO,
         symbol="[",
+        command="scenario.previous",
         rank=12,
         hint=("[ ]", "scenario"),
         not_for_program=_STAYS,
@@ -77,6 +78,7 @@ _PROGRAM_ACTIONS: Final[tuple[Action, ...]] = (
         "Go to the next scenario.",
         Group.SCENARIO,
         symbol="]",
+        command="scenario.following",
         not_for_program=_STAYS,
     ),
     Action(

@@ -25,6 +25,7 @@ WIDE: Final = 100
 WAITING: Final = "the world is being built"
 BUDGET_SPENT: Final = "budget spent"
 PROGRAM_ENDED: Final = "your program has ended"
+_WORTH_SHOWING: Final = 3.0  # seconds without an answer
 _GAP: Final = 2
 _LEAST_END: Final = 4  # columns of ``100M``
 _LEAST_TITLE: Final = 12
@@ -57,10 +58,11 @@ class StatusLine(Panel):
     _session = ""
     _unanswered = 0
 
-    def show_unanswered(self, seconds: int) -> None:
-        """Say for how many seconds the environment has not answered; 0 where it does."""
-        if seconds != self._unanswered:
-            self._unanswered = seconds
+    def show_unanswered(self, seconds: float) -> None:
+        """Say for how many seconds the environment has not answered, if that is long."""
+        shown = int(seconds) if seconds >= _WORTH_SHOWING else 0
+        if shown != self._unanswered:
+            self._unanswered = shown
             self.redraw()
 
     def begin_with(self, title: str) -> None:

@@ -31,7 +31,6 @@ from rl_tui.tui.panels.program.words import (
 )
 from rl_tui.tui.theme.look import Look
 
-NOTHING_YET: Final = "your program is being started"
 NO_TABLE: Final = "no table found yet"
 UNKNOWN: Final = "update not known yet"
 _HINTS: Final = ("F: findings · O: output", "F O")

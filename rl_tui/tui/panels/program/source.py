@@ -27,11 +27,17 @@ def safe_line(text: str) -> str:
 
 
 def broken(text: str, room: int, most: int) -> Iterator[str]:
-    """Yield ``text`` in parts of at most ``room`` (at least 1) cells, at least one part, ``most`` at most."""
+    """Yield ``text`` in parts of at most ``room`` (at least 1) cells, at least one part, ``most`` at most.
+
+    A part ends behind a blank, where there is one in its second half.
+    """
     for _ in range(most):
         part = text
         while len(part) > 1 and cell_len(part) > room:
             part = part[: max(1, min(len(part) - 1, room))]
+        blank = part.rfind(" ") + 1
+        if len(part) < len(text) and blank > len(part) // 2:
+            part = part[:blank]
         yield part
         text = text[len(part) :]
         if not text:

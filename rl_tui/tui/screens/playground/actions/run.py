@@ -18,10 +18,11 @@ from rl_tui.lab.live.commands import (
     WatchLearning,
 )
 from rl_tui.lab.live.snapshot import Phase
-from rl_tui.tui.screens.playground.actions.scenario_file import ScenarioFile
+from rl_tui.tui.screens.playground.actions.scenario_file import ScenarioActions
 from rl_tui.tui.screens.playground.actions.subject import Subject
 
 _UNTIL_SEEN = 3600.0
+_SWEEP_KEYS: Final = frozenset({"run.evaluate"})
 _LADDER: Final[tuple[float | None, ...]] = (
     *(float(digit * 10**power) for power in range(5) for digit in (1, 3)),
     100_000.0,
@@ -34,7 +35,7 @@ _LADDER: Final[tuple[float | None, ...]] = (
 class RunActions(Subject):
     """The run goes on, stands still, or starts again."""
 
-    scenario_file: ScenarioFile
+    scenario: ScenarioActions
 
     def run_or_pause(self) -> None:
         """Run, or pause."""
@@ -94,6 +95,11 @@ class RunActions(Subject):
         self._run_sweep("improvement")
 
     @property
+    def idle_keys(self) -> frozenset[str]:
+        """The ids of the actions for sweeps, where there are none to order: the key line leaves them out."""
+        return frozenset() if self.takes_orders else _SWEEP_KEYS
+
+    @property
     def takes_orders(self) -> bool:
         """Whether which sweep is next can be ordered, once all that was sent is taken in."""
         return algorithm_row(self.link.wanted.recipe.algorithm).takes_orders
@@ -124,7 +130,7 @@ class RunActions(Subject):
             self.screen.tell("your program starts again, from its seed")
             self.link.send(Restart(self.link.wanted.recipe))
             return
-        self.scenario_file.begin_with_old_or_new(self._start_again)
+        self.scenario.begin_with_old_or_new(self._start_again)
 
     def _start_again(self) -> None:
         if self.snapshot is not None and self.snapshot.timeline.current.end:
