@@ -75,6 +75,16 @@ def test_an_update_that_is_not_known_says_why_and_nothing_else() -> None:
         assert claim not in text
 
 
+def test_an_update_of_which_the_numbers_fit_but_no_step_decides_the_rule() -> None:
+    reason = "No step yet tells Q-learning from SARSA: the next actions were greedy ones."
+    open_rule = UpdateFound(alpha=0.1, alpha_schedule="constant", gamma=0.99, reason=reason)
+    view = program(verdict=Verdict(update=open_rule, notes=(reason,)))
+    text = " ".join(drawn(ProgramPanel, watched(view), 110, 6).split())
+    assert "known in part, α .1, γ .99: no step yet tells Q-learning from SARSA: the next actions" in text
+    assert "max Q" not in text
+    assert "note" not in text
+
+
 def test_without_a_table_it_says_what_was_looked_for() -> None:
     view = program(table=None, verdict=Verdict(), looked_for=("an array of 16×4", "a dict"))
     text = " ".join(drawn(ProgramPanel, watched(view), 80, 4).split())

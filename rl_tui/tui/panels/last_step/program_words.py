@@ -7,17 +7,16 @@ from collections.abc import Sequence
 from typing import Final
 
 from rl_tui.agents.last_step import LastStep
-from rl_tui.common.findings import one_line
 from rl_tui.lab.detective.verdict import Rule
 from rl_tui.lab.last_step.story import StepStory
 from rl_tui.tui.draw.precision import agrees, figure, leading_zeros, parsed
 from rl_tui.tui.panels.last_step.update_text import UpdateText
+from rl_tui.tui.panels.program.words import clause
 from rl_tui.tui.theme.glyphs import Glyphs
 
 NOT_KNOWN_YET: Final = "the update is not known yet"
 _FEWEST: Final = 2  # decimals of an estimate
 _MORE: Final = 6  # decimals beyond those that show its first digit
-_LONGEST_REASON: Final = 200
 
 
 def choice_texts(pair: int, best: Sequence[int]) -> Sequence[str]:
@@ -65,7 +64,7 @@ def why_no_equation(story: StepStory) -> Sequence[str]:
         return ("no table was found, so no change is seen", "no table was found")
     update = None if program is None else program.verdict.update
     if update is None or update.rule is Rule.UNKNOWN:
-        reason = "" if update is None else one_line(update.reason, _LONGEST_REASON)
+        reason = "" if update is None else clause(update.reason)
         forms = (f"{NOT_KNOWN_YET}: {reason}", reason) if reason else ()
         return (*forms, NOT_KNOWN_YET, "not known yet")
     return "this step departs from the update that fits the others", "departs from its update", "departs"

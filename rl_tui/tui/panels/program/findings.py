@@ -18,7 +18,7 @@ from rl_tui.tui.draw.pieces import Line, Piece, first_that_fits, strips_of, wrap
 from rl_tui.tui.draw.to_ascii import separated
 from rl_tui.tui.panels.bindings import binding
 from rl_tui.tui.panels.program.source import source_lines
-from rl_tui.tui.panels.program.words import IN_SHORT, LONGEST_SENTENCE, place_text, ranked
+from rl_tui.tui.panels.program.words import IN_SHORT, LONGEST_SENTENCE, clause, notes_of, place_text, ranked
 from rl_tui.tui.panels.scrolled_panel import ScrolledPanel, scroll_bindings
 from rl_tui.tui.theme.look import Look
 
@@ -88,11 +88,11 @@ class FindingsPanel(ScrolledPanel):
             lines += finding_lines(finding, program, self.look, width, is_chosen=finding is chosen)
             if finding is chosen and finding is not findings[-1]:
                 lines.append([Piece("", self.look.palette.text)])
-        notes = [*program.verdict.notes, *program.notes]
+        notes = notes_of(program)
         if notes:
             lines += [[Piece("", self.look.palette.text)], [Piece(" Notes", self.look.palette.accent)]]
         for note in notes:
-            lines += _paragraph(one_line(note, LONGEST_SENTENCE), self.look, width, is_dim=True)
+            lines += _paragraph(note, self.look, width, is_dim=True)
         return strips_of(lines, width, len(lines), self.look)
 
     def keys(self, snapshot: Snapshot | None) -> Sequence[str]:
@@ -159,14 +159,12 @@ def _nothing_found(snapshot: Snapshot, program: ProgramView, look: Look, width: 
         text = "no table was found in your program, so nothing could be examined"
     else:
         seen = f"{counters.step:,} steps and {counters.episodes:,} ends of episodes were examined"
-        fits = f", {update.informative:,} of them informative" if update.fits is not None else ""
-        known = (
-            ""
-            if update.fits is not None or not update.reason
-            else f": {one_line(update.reason, LONGEST_SENTENCE)}"
-        )
-        unknown = "" if update.fits is not None else f"; its update is not known{known}"
-        text = f"{NOTHING}: {seen}{fits}{unknown}"
+        if update.fits is not None:
+            seen += f", {update.informative:,} of them informative"
+        else:
+            reason = f": {clause(update.reason)}" if update.reason else ""
+            seen += f"; its update is not known{reason}"
+        text = f"{NOTHING}: {seen}"
     return _paragraph(text, look, width)
 
 

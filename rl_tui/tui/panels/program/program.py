@@ -20,9 +20,12 @@ from rl_tui.tui.panels.program.words import (
     IN_SHORT,
     LONGEST_NAME,
     LONGEST_SENTENCE,
+    clause,
     counted,
     fit_texts,
+    fitting_numbers,
     name_of,
+    notes_of,
     open_text,
     place_text,
     ranked,
@@ -147,8 +150,10 @@ class _Writer:
             return [self._fitting([f" {each}" for each in texts], self._palette.strong)]
         if self._program.table is None:
             return []
-        reason = f": {one_line(update.reason, LONGEST_SENTENCE)}" if update.reason else ""
-        return self._wrapped(f" {UNKNOWN}{reason}", self._palette.text)[:2]
+        reason = f": {clause(update.reason)}" if update.reason else ""
+        numbers = fitting_numbers(update, self._look.glyphs)
+        known = f"update known in part, {numbers}" if numbers else UNKNOWN
+        return self._wrapped(f" {known}{reason}", self._palette.text)[:2]
 
     def _fit(self) -> list[Line]:
         update = self._program.verdict.update
@@ -193,11 +198,11 @@ class _Writer:
 
     def _notes(self) -> list[Line]:
         """Return what cannot be told and what had to be done otherwise: the first, and how many there are."""
-        notes = [*self._program.verdict.notes, *self._program.notes]
+        notes = notes_of(self._program)
         if not notes:
             return []
         count = f" note 1 of {len(notes):,}: " if len(notes) > 1 else " note: "
-        return self._wrapped(f"{count}{one_line(notes[0], LONGEST_SENTENCE)}", self._palette.dim)
+        return self._wrapped(f"{count}{notes[0]}", self._palette.dim)
 
     def _wrapped(self, text: str, style: Style) -> list[Line]:
         start = text[: len(text) - len(text.lstrip(" "))]

@@ -91,9 +91,29 @@ def update_texts(update: UpdateFound, glyphs: Glyphs) -> tuple[str, ...]:
     return f"{rule}:  {equation}", equation, rule
 
 
+def clause(sentence: str) -> str:
+    """Return ``sentence`` as it stands within another one: without its full stop, and begun in small."""
+    text = one_line(sentence, LONGEST_SENTENCE).removesuffix(".")
+    is_word = text[:1].isupper() and (text[1:2].islower() or text[1:2] == " ")
+    return text[:1].lower() + text[1:] if is_word else text
+
+
+def notes_of(program: ProgramView) -> list[str]:
+    """Return what cannot be told, and what had to be done otherwise, a sentence each; each is said once."""
+    update = program.verdict.update
+    notes = [*program.verdict.notes, *program.notes]
+    return [one_line(note, LONGEST_SENTENCE) for note in dict.fromkeys(notes) if note != update.reason]
+
+
 def step_size_letter(update: UpdateFound) -> str:
     """Return how a step size is written that is no one number: α, or 1/N."""
     return "1/N" if update.alpha_schedule == "1/N" else "α"
+
+
+def fitting_numbers(update: UpdateFound, glyphs: Glyphs) -> str:
+    """Return the α and the γ that fit though the rule is open: ``α .1, γ .99``; empty where none do."""
+    known = (("α", update.alpha), ("γ", update.gamma))
+    return ", ".join(f"{sign} {number_text(x, glyphs)}" for sign, x in known if x is not None)
 
 
 def open_text(update: UpdateFound, glyphs: Glyphs) -> str:
