@@ -78,17 +78,19 @@ def update_texts(update: UpdateFound, glyphs: Glyphs) -> tuple[str, ...]:
     """
     if update.rule is Rule.UNKNOWN:
         return ()
-    alpha = number_text(update.alpha, glyphs) if update.alpha is not None else step_size_letter(update)
+    alpha = step_size_letter(update) if update.alpha is None else number_text(update.alpha, glyphs)
+    alpha = f"({alpha})" if alpha.startswith(glyphs.minus) else alpha
     cell, rule = _CELLS[update.place], _RULES[update.rule]
     if update.rule is Rule.MONTE_CARLO:
-        equation = f"{cell} ← {cell} + {alpha}·(G − {cell})"
+        gain = "G"
     else:
         reward = "r before" if update.uses_reward_before else "own r" if update.reward == "own" else "r"
         bootstrap = _BOOTSTRAPS[update.target]
         gamma = "γ" if update.gamma is None else number_text(update.gamma, glyphs)
         gain = f"{reward} + {gamma}·{bootstrap}" if bootstrap else reward
-        equation = f"{cell} ← {cell} + {alpha}·({gain} − {cell})"
-    return f"{rule}:  {equation}", equation, rule
+    step = f"{alpha}·({gain} − {cell})"
+    equation = f"{cell} ← {cell} + {step}"
+    return f"{rule}:  {equation}", equation, f"{cell} += {step}", rule
 
 
 def clause(sentence: str) -> str:
@@ -101,8 +103,12 @@ def clause(sentence: str) -> str:
 def notes_of(program: ProgramView) -> list[str]:
     """Return what cannot be told, and what had to be done otherwise, a sentence each; each is said once."""
     update = program.verdict.update
-    notes = [*program.verdict.notes, *program.notes]
-    return [one_line(note, LONGEST_SENTENCE) for note in dict.fromkeys(notes) if note != update.reason]
+    notes, known = [*program.verdict.notes, *program.notes], update.reason.removesuffix(".")
+    return [
+        one_line(note, LONGEST_SENTENCE)
+        for note in dict.fromkeys(notes)
+        if not known or not note.startswith(known)
+    ]
 
 
 def step_size_letter(update: UpdateFound) -> str:
