@@ -103,12 +103,13 @@ class _Writer:
         yield _Part(0, self._end())
         if program.refused:
             return
-        yield _Part(4, self._table())
+        yield _Part(4, self._news())
+        yield _Part(5, self._table())
         yield _Part(2, self._update())
-        yield _Part(5, self._fit())
+        yield _Part(6, self._fit())
         yield _Part(1 if program.verdict.findings else 3, self._findings())
-        yield _Part(6, self._choices())
-        yield _Part(7, self._notes())
+        yield _Part(7, self._choices())
+        yield _Part(8, self._notes())
 
     def _end(self) -> list[Line]:
         """Return why the program goes no further, if it does not for a reason that is to be seen at once."""
@@ -126,6 +127,11 @@ class _Writer:
         return [
             self._fitting(forms, self._palette.bad) if len(forms[0]) <= self._width else self._cut(forms[0])
         ]
+
+    def _news(self) -> list[Line]:
+        """Return what the file that was saved last has changed."""
+        news = one_line(self._program.reloaded, LONGEST_SENTENCE)
+        return self._wrapped(f" {news}", self._palette.accent) if news else []
 
     def _table(self) -> list[Line]:
         program = self._program
