@@ -197,7 +197,7 @@ def _blackjack(scenario: Scenario, world: World, environment: ProgramEnvironment
         total, showing, kind = name.split(", ")
         made = (int(total), int(showing), int(kind != "no"))
         observation = int(np.ravel_multi_index(made, environment.parts))
-        observation_of[state] = first_state_of[observation] = state
+        observation_of[state], first_state_of[observation] = observation, state
         if kind != "natural":
             state_of[observation] = state
     cell_of_pair: IntArray = observation_of[space.pair_state] * environment.actions + space.pair_action
