@@ -119,7 +119,7 @@ def _of_ours(environment: ProgramEnvironment) -> ProgramWorld | None:
     if not (environment.id.startswith(OUR_IDS) and environment.id.endswith(_VERSION)):
         return None
     scenario = find(environment.id.removeprefix(OUR_IDS).removesuffix(_VERSION))
-    seed = (environment.kwargs or {}).get("world_seed", 0)
+    seed = (environment.kwargs or {}).get("scenario_seed", 0)
     return _fitting(scenario, scenario.build(streams(int(seed)).world), environment)
 
 

@@ -213,7 +213,7 @@ def main(said: dict[str, Any]) -> None:
         env = make(*a, **k)
         if dims(env.observation_space):
             env = Watch(env, count[0])
-            env.reset(seed=said["seed"])
+            env.env.reset(seed=said["seed"])
             R.message(
                 Kind.ENVIRONMENT,
                 number=count[0],
