@@ -160,14 +160,14 @@ def test_it_holds_at_a_step_and_goes_on(tmp_path: Path) -> None:
     assert process.closed
 
 
-def test_output_between_two_steps_is_put_behind_the_first_of_them(tmp_path: Path) -> None:
+def test_output_stands_behind_the_step_before_it(tmp_path: Path) -> None:
     text = """\
     import gymnasium as gym
     env = gym.make("CliffWalking-v1")
     env.reset()
     for number in range(100):
-        print("before", number)
         env.step(0)
+        print("after", number + 1)
     """
     process, log = ProgramProcess(ProgramRequest(script_in(tmp_path, text)), allowed=0), ProgramLog()
 
@@ -182,7 +182,7 @@ def test_output_between_two_steps_is_put_behind_the_first_of_them(tmp_path: Path
             wait_until(lambda allowed=allowed: has_come(allowed))  # type: ignore[misc]
     finally:
         process.end()
-    assert [(line.step, line.text) for line in log.output] == [(n, f"before {n}") for n in range(5)]
+    assert [(line.step, line.text) for line in log.output] == [(n, f"after {n}") for n in range(1, 5)]
 
 
 def descriptors() -> list[str]:
