@@ -11,7 +11,7 @@ from types import CodeType
 from typing import Final, NamedTuple
 
 from rl_tui.common.errors import UserError
-from rl_tui.common.findings import one_line, shown
+from rl_tui.common.findings import one_line, printable, shown
 from rl_tui.common.limits import LARGEST_FILE
 
 _LONGEST_REASON: Final = 120
@@ -53,7 +53,7 @@ def check_script(path: Path) -> None:
 
 
 def _text(path: Path) -> str:
-    name = shown(str(path))
+    name = printable(str(path))
     try:
         if path.is_dir():
             raise UserError(f"{name}: is a folder; expected a Python file")
@@ -113,7 +113,7 @@ def _leave_out(lines: list[str], place: int) -> int:
 
 
 def _fault(path: Path, error: Exception) -> str:
-    name = shown(str(path))
+    name = printable(str(path))
     if isinstance(error, SyntaxError) and error.lineno:
         what = one_line(error.msg or "invalid syntax", _LONGEST_REASON)
         line = f": {shown(error.text.strip())}" if error.text else ""
