@@ -66,8 +66,7 @@ def _text(path: Path) -> str:
         reason = getattr(error, "strerror", None) or str(error)
         raise UserError(f"{name}: cannot be read ({one_line(reason, _LONGEST_REASON)})") from error
     try:
-        encoding, _ = tokenize.detect_encoding(io.BytesIO(content).readline)
-        return io.IncrementalNewlineDecoder(None, translate=True).decode(content.decode(encoding))
+        return io.IncrementalNewlineDecoder(None, translate=True).decode(_decoded(content))
     except UnicodeDecodeError as error:
         line = content.count(b"\n", 0, error.start) + 1
         raise UserError(
@@ -76,6 +75,16 @@ def _text(path: Path) -> str:
         ) from error
     except (SyntaxError, LookupError) as error:
         raise UserError(f"{name}: {one_line(str(error), _LONGEST_REASON)}") from error
+
+
+def _decoded(content: bytes) -> str:
+    """Return ``content`` in the encoding that its first lines name, UTF-8 without (PEP 263)."""
+    try:
+        encoding, _ = tokenize.detect_encoding(io.BytesIO(content).readline)
+    except SyntaxError:
+        content.decode("utf-8-sig")  # which says where it is none, if that is what is wrong
+        raise
+    return content.decode(encoding)
 
 
 def _parsed(text: str, file: str) -> tuple[ast.Module, str, int]:
