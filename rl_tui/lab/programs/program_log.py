@@ -23,7 +23,8 @@ class ProgramEnvironment:
 
     ``parts`` are the sizes of the parts of an observation, one for a plain number, ``first_state`` what each
     counts from. ``kwargs`` is None where it was made with something that is no plain data. ``transitions`` is
-    its table, ``[s][a]`` a list of (probability, next state, reward, ended), where only the program has it.
+    its table, ``[s][a]`` a list of (probability, next state, reward, ended), where only the program has it;
+    ``start`` are then the probabilities to begin in each state, None where it does not tell them.
     """
 
     number: int
@@ -36,6 +37,7 @@ class ProgramEnvironment:
     first_state: tuple[int, ...] = ()
     wrappers: tuple[str, ...] = ()
     transitions: Any = None
+    start: Any = None
 
     @property
     def states(self) -> int:
