@@ -60,9 +60,11 @@ class MethodsPlayer:
         self._episode = 0
 
     def begin(self, state: int, mask: Mask) -> Any:
+        """Return the first action."""
         return self._choose({"env": self._env, "state": state, "episode": self._episode})
 
     def after(self, step: Happened) -> Any:
+        """Let it learn, and return the next action."""
         over = step.terminated or step.truncated
         told = step._asdict() | {"env": self._env, "done": over if self._either else step.terminated}
         if self._looks_ahead:
@@ -73,6 +75,7 @@ class MethodsPlayer:
         return None if over else self.begin(step.next_state, step.mask)
 
     def end(self, episode: int) -> None:
+        """Let ε decay."""
         if self._decay is not None:
             self._decay({"episode": episode})
         self._episode = episode + 1
@@ -107,17 +110,19 @@ class BerkeleyPlayer:
         self._update = bind(agent.update, "update", shape.roles["update"])
 
     def begin(self, state: int, mask: Mask) -> Any:
+        """Return the first action."""
         self._legal.enter(state, mask)
         return self._choose({"state": state})
 
     def after(self, step: Happened) -> Any:
+        """Let it learn, and return the next action."""
         self._legal.enter(step.next_state, step.mask, terminated=step.terminated)
         self._update(step._asdict())
         over = step.terminated or step.truncated
         return None if over else self._choose({"state": step.next_state})
 
     def end(self, episode: int) -> None:
-        pass
+        """Do nothing: this shape hears nothing of it."""
 
 
 class GluePlayer:
@@ -131,16 +136,18 @@ class GluePlayer:
         )
 
     def begin(self, state: int, mask: Mask) -> Any:
+        """Return the first action."""
         return self._start({"state": state})
 
     def after(self, step: Happened) -> Any:
+        """Let it learn, and return the next action."""
         if step.terminated:
             return self._end({"reward": step.reward})
         # At a truncation too, for the last step to be learned from; the action it returns is never taken
         return self._step({"reward": step.reward, "state": step.next_state})
 
     def end(self, episode: int) -> None:
-        pass
+        """Do nothing: this shape hears nothing of it."""
 
 
 class FunctionPlayer:
@@ -167,6 +174,7 @@ class FunctionPlayer:
         self._epsilon = numbers["epsilon"]
 
     def begin(self, state: int, mask: Mask) -> int:
+        """Return an action, ε-greedy."""
         legal = np.arange(self._shape[1]) if mask is None or not mask.any() else np.flatnonzero(mask)
         if self._random.random() < self._epsilon:
             return int(self._random.choice(legal))
@@ -174,6 +182,7 @@ class FunctionPlayer:
         return int(self._random.choice(legal[row == row.max()]))
 
     def after(self, step: Happened) -> Any:
+        """Let it learn, and return the next action."""
         ahead = self.begin(step.next_state, step.mask) if self._looks_ahead else None
         told = {"q": self.q, "done": step.terminated, "next_action": ahead}
         values = {**step._asdict(), **self._numbers, **told}
@@ -183,6 +192,7 @@ class FunctionPlayer:
         return self.begin(step.next_state, step.mask) if ahead is None else ahead
 
     def end(self, episode: int) -> None:
+        """Let ε decay."""
         least, decay = self._numbers.get("epsilon_min", 0.0), self._numbers.get("epsilon_decay", 0.0)
         if decay > 0.0:
             start = self._numbers["epsilon"]

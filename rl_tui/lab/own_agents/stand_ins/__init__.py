@@ -27,14 +27,17 @@ class _StandIn(MetaPathFinder, Loader):
     def find_spec(
         self, fullname: str, path: Sequence[str] | None, target: ModuleType | None = None
     ) -> ModuleSpec | None:
+        """Return how the module of that name is made, None where it is none of ours."""
         if fullname not in self._modules:
             return None
         return ModuleSpec(fullname, self, is_package=any(f"{fullname}." in each for each in self._modules))
 
     def create_module(self, spec: ModuleSpec) -> ModuleType | None:
+        """Let Python make the module."""
         return None
 
     def exec_module(self, module: ModuleType) -> None:
+        """Fill ``module`` with what stands in for it."""
         source = import_module(f"{__name__}.{self._modules[module.__name__]}")
         public = {name: value for name, value in vars(source).items() if not name.startswith("_")}
         module.__dict__.update(public)
