@@ -41,9 +41,9 @@ class ProgramRequest:
     """What to run: a script, or an agent without a loop.
 
     ``agent`` is the class or function in ``path`` that is an agent (empty: the only one), None where ``path``
-    is a script with a loop of its own. An agent learns in ``scenario`` for ``episodes``. ``hyperparameters``
-    are given to its constructor by name. ``steps`` ends the program after so many, ``memory`` is how many
-    bytes it may ask the system for.
+    is a script with a loop of its own. An agent learns in ``scenario``, an id or a path, for ``episodes``.
+    ``hyperparameters`` are given to its constructor by name, ``defaults`` where it has no default itself.
+    ``steps`` ends the program after so many, ``memory`` is how many bytes it may ask the system for.
     """
 
     path: Path
@@ -55,6 +55,7 @@ class ProgramRequest:
     scenario: str = ""
     episodes: int | None = None
     hyperparameters: Mapping[str, float] | None = None
+    defaults: Mapping[str, float] | None = None
     memory: int | None = None
 
 
@@ -234,6 +235,7 @@ def _script(request: ProgramRequest, descriptors: Mapping[str, int]) -> str:
         "scenario": request.scenario,
         "episodes": request.episodes,
         "hyperparameters": dict(request.hyperparameters or {}),
+        "defaults": dict(request.defaults or {}),
         "memory": request.memory,
         **descriptors,
     }
