@@ -158,7 +158,11 @@ class AgentRuns:
     def head(self, verdict: Verdict | None) -> dict[str, Any]:
         """Return who learned, as JSON; of the hyper-parameters what ``verdict`` proves, the others are null."""
         of_recipe, update = head(self.recipe), (verdict or Verdict()).update
-        proven: dict[str, float | str | None] = {"alpha": update.alpha, "gamma": update.gamma, "epsilon": update.epsilon}
+        proven: dict[str, float | str | None] = {
+            "alpha": update.alpha,
+            "gamma": update.gamma,
+            "epsilon": update.epsilon,
+        }
         if update.alpha_schedule == "1/N":
             proven["alpha"] = "sample-average"
         return {

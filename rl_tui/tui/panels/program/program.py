@@ -26,6 +26,7 @@ from rl_tui.tui.panels.program.words import (
     fitting_numbers,
     name_of,
     notes_of,
+    number_text,
     open_text,
     place_text,
     ranked,
@@ -36,6 +37,7 @@ from rl_tui.tui.theme.look import Look
 
 NO_TABLE: Final = "no table found yet"
 UNKNOWN: Final = "update not known yet"
+_GAMMA_FROM: Final = {"declared": "read from your code", "usual": "the usual one, yours is open"}
 _HINTS: Final = ("F: findings · O: output", "F O")
 
 
@@ -108,6 +110,7 @@ class _Writer:
         yield _Part(2, self._update())
         yield _Part(6, self._fit())
         yield _Part(1 if program.verdict.findings else 3, self._findings())
+        yield _Part(7, self._gamma())
         yield _Part(7, self._choices())
         yield _Part(8, self._notes())
 
@@ -166,6 +169,16 @@ class _Writer:
         is_open, texts = open_text(update, self._look.glyphs), fit_texts(update)
         forms = [" · ".join(filter(None, (each, is_open))) for each in texts] + list(texts)
         return [self._fitting([f" {each}" for each in forms], self._palette.dim)] if forms else []
+
+    def _gamma(self) -> list[Line]:
+        """Return which γ the exact answers are for, where it is not the one that the steps have told."""
+        program = self._program
+        if program.gamma is None or program.gamma_source not in _GAMMA_FROM:
+            return []
+        source = _GAMMA_FROM[program.gamma_source]
+        gamma = number_text(program.gamma, self._look.glyphs)
+        forms = (f" exact answers are for γ {gamma}: {source}", f" exact for γ {gamma}: {source}")
+        return [self._fitting(forms, self._palette.dim)]
 
     def _findings(self) -> list[Line]:
         program, findings = self._program, ranked(self._program.verdict.findings)
