@@ -20,7 +20,7 @@ from rl_tui.lab.live.until import Breakpoints
 from rl_tui.lab.run.recipe import JournalEntry, SetParameter, SwitchAlgorithm, TakeAction
 from rl_tui.lab.sessions.session import encoded
 from rl_tui.lab.timeline.branches import Branch
-from rl_tui.worlds.files.catalogue import shipped_folder
+from rl_tui.worlds.files.shipped import shipped_folder
 
 BINS = """
 title = "bins"

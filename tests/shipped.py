@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Final
 
-from rl_tui.worlds.files.catalogue import shipped_folder
 from rl_tui.worlds.files.scenario import Scenario, read_scenario
+from rl_tui.worlds.files.shipped import shipped_folder
 
 SCENARIOS: Final[list[Scenario]] = sorted(
     (read_scenario(path, ask_environment=False) for path in shipped_folder().glob("*.toml")),

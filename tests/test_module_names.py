@@ -18,7 +18,7 @@ import rl_tui
 from rl_tui.agents.catalogue import BY_ID, POLICY_BY_ID
 from rl_tui.cli.main import RlTui
 from rl_tui.cli.serving.site import PAGE
-from rl_tui.worlds.files.catalogue import shipped_folder
+from rl_tui.worlds.files.shipped import shipped_folder
 
 pytestmark = pytest.mark.unit
 

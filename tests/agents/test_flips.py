@@ -20,7 +20,7 @@ from rl_tui.agents.exact.solution import NoExactAnswer
 from rl_tui.agents.exact.solve import solve
 from rl_tui.lab.run.library import recipe_named
 from rl_tui.lab.run.recipe import begin
-from rl_tui.worlds.files.catalogue import shipped_folder
+from rl_tui.worlds.files.shipped import shipped_folder
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
 pytestmark = pytest.mark.unit

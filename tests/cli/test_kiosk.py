@@ -16,7 +16,8 @@ from rl_tui.cli.main import RlTui, program
 from rl_tui.common.errors import UserError
 from rl_tui.common.kiosk import VARIABLE, in_kiosk
 from rl_tui.lab.sessions.session import SessionError, read_session
-from rl_tui.worlds.files.catalogue import find, read_catalogue, shipped_folder
+from rl_tui.worlds.files.catalogue import find, read_catalogue
+from rl_tui.worlds.files.shipped import shipped_folder
 
 
 @pytest.fixture

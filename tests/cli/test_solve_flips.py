@@ -10,7 +10,7 @@ import pytest
 from click.testing import CliRunner
 
 from rl_tui.cli.main import program
-from rl_tui.worlds.files.catalogue import shipped_folder
+from rl_tui.worlds.files.shipped import shipped_folder
 
 pytestmark = pytest.mark.unit
 

@@ -28,9 +28,10 @@ from rl_tui.tui.screens.catalogue.facts import defaults, lesson_of, sizes
 from rl_tui.tui.screens.explained import Explained
 from rl_tui.tui.screens.help import HelpScreen
 from rl_tui.tui.screens.playground.playground import Playground
-from rl_tui.worlds.files.catalogue import YOURS, find, shipped_folder
+from rl_tui.worlds.files.catalogue import YOURS, find
 from rl_tui.worlds.files.catalogue import scenarios as shipped
 from rl_tui.worlds.files.scenario import Scenario
+from rl_tui.worlds.files.shipped import shipped_folder
 from rl_tui.worlds.world import World
 
 FAULTY = """

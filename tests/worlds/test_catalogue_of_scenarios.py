@@ -10,6 +10,7 @@ from shipped import SHIPPED
 
 from rl_tui.common.errors import ScenarioError, UserError
 from rl_tui.worlds.files import catalogue
+from rl_tui.worlds.files.shipped import shipped_folder
 
 # In which order lessons build on one another
 LESSONS = [
@@ -94,7 +95,7 @@ def test_a_shipped_name_cannot_be_taken(own_folder):
     made = catalogue.read_catalogue()
     assert [scenario.id for scenario in made.scenarios] == SHIPPED
     assert made.broken[0].faults[0].expected == "another file name"
-    assert catalogue.find("bandit").source.parent == catalogue.shipped_folder()
+    assert catalogue.find("bandit").source.parent == shipped_folder()
 
 
 def test_no_folder_of_the_users_own_is_needed(own_folder):

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from rl_tui.common.errors import ScenarioError
-from rl_tui.worlds.files.catalogue import shipped_folder
 from rl_tui.worlds.files.scenario import read_scenario
+from rl_tui.worlds.files.shipped import shipped_folder
 
 STUDENT = (shipped_folder() / "student.toml").read_text(encoding="utf-8")
 BANDIT = "[bandit]\narms = 3\n"

@@ -10,8 +10,9 @@ from rl_tui.agents.exact.solution import Solution
 from rl_tui.agents.exact.solve import solve
 from rl_tui.lab.run.library import recipe_for
 from rl_tui.lab.run.run import Run
-from rl_tui.worlds.files.catalogue import find, shipped_folder
+from rl_tui.worlds.files.catalogue import find
 from rl_tui.worlds.files.scenario import read_scenario
+from rl_tui.worlds.files.shipped import shipped_folder
 from rl_tui.worlds.world import World
 
 

@@ -133,7 +133,7 @@ def _check_start(scenario: str | None, display: dict[str, Any], *, kiosk: bool) 
 
 def _check_shipped(scenario: str) -> None:
     from rl_tui.common.findings import shown
-    from rl_tui.worlds.files.catalogue import shipped_folder
+    from rl_tui.worlds.files.shipped import shipped_folder
 
     shipped = [path.stem for path in shipped_folder().glob("*.toml")]
     if scenario not in shipped:

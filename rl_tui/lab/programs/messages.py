@@ -65,7 +65,8 @@ class Kind:
     LINES: Final = "lines"
     """lines: [[file, line, count], …], the lines that changed the table."""
     OUTPUT: Final = "output"
-    """step, stream ("out" or "err"), text."""
+    """stream ("out" or "err"), text, replaces (the line before it on that stream); step, if it is known.
+    It comes from the watching side, which reads both streams: also those of C code and of child processes."""
     NOTE: Final = "note"
     """text: what had to be done otherwise for the program to run."""
     WAITING: Final = "waiting"
@@ -76,3 +77,6 @@ class Kind:
     """type, text, file, line, traceback (text)."""
     END: Final = "end"
     """step: the program is over."""
+    GONE: Final = "gone"
+    """status (as subprocess counts it; null where the process was ended), text (why it was ended).
+    It comes from the watching side, and is the last message."""

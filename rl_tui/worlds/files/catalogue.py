@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator
 from difflib import get_close_matches
-from importlib.resources import files
 from pathlib import Path
 from typing import Final, NamedTuple
 
@@ -16,8 +15,8 @@ from rl_tui.common.findings import shown
 from rl_tui.common.kiosk import in_kiosk
 from rl_tui.worlds.files.gymnasium_ids import LAST, PREFIX, environment_scenario
 from rl_tui.worlds.files.scenario import Scenario, read_scenario
+from rl_tui.worlds.files.shipped import SUFFIX, shipped_folder
 
-_SUFFIX: Final = ".toml"
 YOURS: Final = "Yours"
 """The group of the user's own scenarios, whatever their ``order``."""
 GROUPS: Final = (
@@ -35,13 +34,6 @@ class Catalogue(NamedTuple):
 
     scenarios: list[Scenario]
     broken: list[ScenarioError]
-
-
-def shipped_folder() -> Path:
-    """Return the folder of the shipped scenarios: inside the installed package, or beside it in a clone."""
-    package = Path(str(files("rl_tui")))
-    inside = package / "scenarios"
-    return inside if inside.is_dir() else package.parent / "scenarios"
 
 
 def user_folder() -> Path:
@@ -98,7 +90,7 @@ def find(name_or_path: str) -> Scenario:
     ScenarioError where the file has faults, UserError with near names where there is no such scenario, and in
     a kiosk for all but the shipped ones.
     """
-    is_path = name_or_path.endswith(_SUFFIX) or "/" in name_or_path or "\\" in name_or_path
+    is_path = name_or_path.endswith(SUFFIX) or "/" in name_or_path or "\\" in name_or_path
     if in_kiosk() and (is_path or name_or_path.startswith(PREFIX)):
         raise UserError(
             f"kiosk mode does not open {shown(name_or_path)}: only the shipped scenarios, as rl-tui list "
@@ -124,6 +116,6 @@ def _folders() -> tuple[Path, ...]:
 
 def _files(folder: Path) -> Iterator[Path]:
     try:
-        yield from sorted(folder.glob(f"*{_SUFFIX}"))
+        yield from sorted(folder.glob(f"*{SUFFIX}"))
     except OSError:  # a folder that may not be read offers nothing
         return

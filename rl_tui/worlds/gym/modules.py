@@ -9,6 +9,7 @@ from rl_tui.common.errors import UserError
 from rl_tui.common.findings import Finding, one_line, shown
 from rl_tui.common.interrupts import is_interrupt
 from rl_tui.common.kiosk import in_kiosk
+from rl_tui.worlds.environment import OWN_IDS
 from rl_tui.worlds.gym.env_call import ENVIRONMENT_CALL
 from rl_tui.worlds.sections.world_section import WorldRefusedError
 
@@ -37,7 +38,9 @@ def module_of(id_: str) -> str:
 
 
 def refusal_of(id_: str) -> Finding | None:
-    """Return why the id may not be used: it needs a module that was not allowed."""
+    """Return why the id may not be used: it is a scenario of ours, or needs a module that was not allowed."""
+    if id_.rpartition(":")[2].startswith(OWN_IDS):
+        return Finding(("id",), shown(id_), "an environment from elsewhere: this is a scenario of rl-tui's")
     if ":" not in id_ or (module_of(id_) in ALLOWED and not in_kiosk()):
         return None
     expected = "the id of a registered environment, without a module to import"

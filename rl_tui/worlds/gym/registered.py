@@ -13,6 +13,7 @@ import numpy as np
 from rl_tui.common.findings import near, one_line, shown
 from rl_tui.common.interrupts import is_interrupt
 from rl_tui.common.limits import LARGEST_ARGUMENTS, LONGEST_TIME_LIMIT
+from rl_tui.worlds.environment import OWN_IDS
 from rl_tui.worlds.gym.env_call import ENVIRONMENT_CALL
 from rl_tui.worlds.gym.modules import registered_id
 from rl_tui.worlds.sections.world_section import WorldRefusedError
@@ -40,7 +41,7 @@ def made(name: str, kwargs: Mapping[str, Any]) -> Env[Any, Any]:
     gymnasium.logger.min_level = gymnasium.logger.ERROR + 1
     name = registered_id(name)
     if name not in gymnasium.registry:
-        known = (id_ for id_, spec in gymnasium.registry.items() if _may_serve(spec.entry_point))
+        known = (id_ for id_, spec in gymnasium.registry.items() if _may_serve(id_, spec.entry_point))
         expected = f"the id of a registered environment{near(name, known)}"
         raise WorldRefusedError(("id",), shown(name), expected)
     if size_of(kwargs) > LARGEST_ARGUMENTS:
@@ -109,12 +110,14 @@ def size_of(arguments: Mapping[str, Any]) -> int:
     return size
 
 
-def _may_serve(entry_point: object) -> bool:
+def _may_serve(id_: str, entry_point: object) -> bool:
     """Return, by where an environment comes from and without making it, whether it is worth suggesting.
 
     Of Gymnasium's own, few have states and actions that are discrete or few real numbers.
     """
     entry = str(entry_point)
+    if id_.startswith(OWN_IDS):
+        return False
     return entry.startswith(SMALL) or not entry.startswith(("gymnasium.", "<"))
 
 

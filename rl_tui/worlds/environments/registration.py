@@ -1,0 +1,63 @@
+"""The ids by which Gymnasium makes our scenarios: ``rl_tui/NAME-v0``.
+
+Gymnasium has had no plugins since its version 1.0: environments are registered when a module is imported,
+here this one. Only names of files are looked at. What is in a file is read when its environment is made.
+"""
+
+from __future__ import annotations
+
+import re
+from typing import Final
+
+from gymnasium.envs.registration import EnvSpec, registry
+
+from rl_tui.worlds.environment import OWN_IDS
+from rl_tui.worlds.files.shipped import SUFFIX, shipped_folder
+
+_ENTRY_POINT: Final = "rl_tui.worlds.environments.scenario_env:ScenarioEnv"
+_NAME: Final = re.compile(r"[\w-]+")
+_OF_A_FILE: Final = "scenario"
+
+
+class ScenarioSpec(EnvSpec):  # type: ignore[misc]
+    """How Gymnasium makes a scenario: its id or the path of its file is ``kwargs["scenario"]``.
+
+    ``max_episode_steps`` is the scenario's time limit, read from it when it is first asked for.
+    """
+
+    _limit: int | None = None
+    _limit_is_known = False
+
+    @property
+    def max_episode_steps(self) -> int | None:
+        """The number of steps after which an episode is truncated, None for never."""
+        if not self._limit_is_known:
+            from rl_tui.worlds.environments.scenario_env import time_limit_of_scenario
+
+            self._limit = time_limit_of_scenario(self.kwargs["scenario"])
+            self._limit_is_known = True
+        return self._limit
+
+    @max_episode_steps.setter
+    def max_episode_steps(self, limit: int | None) -> None:
+        self._limit, self._limit_is_known = limit, limit is not None
+
+
+def spec_of(scenario: str) -> ScenarioSpec:
+    """Return what ``gymnasium.make`` takes for the scenario of this id, or of the file at this path."""
+    name = scenario if _NAME.fullmatch(scenario) else _OF_A_FILE
+    return ScenarioSpec(id=f"{OWN_IDS}{name}-v0", entry_point=_ENTRY_POINT, kwargs={"scenario": scenario})
+
+
+def _register_scenarios() -> None:
+    try:
+        names = sorted(path.stem for path in shipped_folder().glob(f"*{SUFFIX}"))
+    except OSError:  # a folder that cannot be read offers nothing
+        return
+    for name in names:
+        spec = spec_of(name)
+        # gymnasium.register would compare each id with all others, and make a plain EnvSpec
+        registry[spec.id] = spec
+
+
+_register_scenarios()

@@ -1,0 +1,166 @@
+"""A scenario as an environment of Gymnasium, made by ``gymnasium.make("rl_tui/NAME-v0")``."""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from pathlib import Path
+from typing import Any, ClassVar, Final
+
+import gymnasium
+import numpy as np
+import numpy.typing as npt
+from gymnasium.error import InvalidAction
+from gymnasium.spaces import Discrete
+
+from rl_tui.common.streams import streams
+from rl_tui.worlds.environment import Environment
+from rl_tui.worlds.environments.text_picture import text_picture
+from rl_tui.worlds.environments.transition_rows import Entry, PairRow, rows_of, table_of
+from rl_tui.worlds.files.catalogue import find
+from rl_tui.worlds.files.scenario import Scenario
+from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
+from rl_tui.worlds.world import World
+
+_MOST_SEEDS: Final = 2**31
+
+
+class ScenarioEnv(gymnasium.Env[int, int]):  # type: ignore[misc]
+    """The world of a scenario, state numbers, probabilities and all. It has no time limit of its own.
+
+    ``scenario`` is an id, the path of a file, or a :class:`Scenario`. ``scenario_seed``, an integer of 0 or
+    more, draws what is random about the world itself (the arms of a bandit, a random map), as the seed of
+    ``rl-tui play`` does; the seed of ``reset`` draws what happens in it, and takes drifting arms back to
+    where they began.
+
+    ``info["prob"]`` is the probability of what happened. Where a world has states in which not all actions
+    are legal, ``info["action_mask"]``, int8 [A], is 1 for those that are in the state just entered. An action
+    that is not legal does what the first legal one does. A world without a table, which is stepped for real
+    (cart pole with bins), has neither of them, nor ``P``; its own time limit then counts as well.
+
+    Raises UserError where there is no such scenario, or its world cannot be made.
+    """
+
+    metadata: ClassVar[dict[str, Any]] = {"render_modes": ["ansi"], "render_fps": 4}
+
+    def __init__(
+        self, scenario: str | Path | Scenario, scenario_seed: int = 0, render_mode: str | None = None
+    ) -> None:
+        self.scenario, self.world = _found_and_built(scenario, scenario_seed)
+        self.render_mode = render_mode
+        space = self.world.space
+        self.observation_space = Discrete(space.states)
+        self.action_space = Discrete(len(space.action_names))
+        self.s = 0
+        self.lastaction: int | None = None
+        self._actions = len(space.action_names)
+        legal = np.diff(space.first_pair)
+        self._is_masked = bool(((legal > 0) & (legal < self._actions)).any())
+        self._mdp = self.world.mdp
+        self._rows: dict[int, list[PairRow]] = {}
+        self._offset: npt.NDArray[np.float64] | None = None
+        self._stepped: Environment | None = None
+        if self._mdp is None and self.world.new_environment is not None:
+            self._stepped = self.world.new_environment()
+
+    @property
+    def P(self) -> dict[int, dict[int, list[Entry]]]:  # noqa: N802
+        """State → action → [(probability, next state, reward, terminated), …], made anew when asked for.
+
+        Rewards are means: where they are noisy, what a step pays lies around them; where they drift, they are
+        those of the beginning. Raises AttributeError where there is no table.
+        """
+        return table_of(self._table("P"))
+
+    @property
+    def initial_state_distrib(self) -> npt.NDArray[np.float64]:
+        """The probability to start in each state, [S]. Raises AttributeError where it is not known."""
+        mdp = self._table("initial_state_distrib")
+        start = np.zeros(mdp.states)
+        np.add.at(start, mdp.start_state, mdp.start_probability)
+        return start
+
+    def _table(self, wanted: str) -> TabularMDP:
+        if self._mdp is None:
+            raise AttributeError(f"{wanted}: {self.scenario.id} has no transition table")
+        return self._mdp
+
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[int, dict[str, Any]]:
+        """Begin an episode; see :meth:`gymnasium.Env.reset`. There are no ``options``."""
+        super().reset(seed=seed)
+        self.lastaction = None
+        if self._mdp is None:
+            assert self._stepped is not None
+            self.s = self._stepped.reset(seed)
+            return self.s, {}
+        if self._mdp.drift_std > 0.0 and (seed is not None or self._offset is None):
+            self._offset = np.zeros(self._mdp.pairs)
+        place = 0
+        if len(self._mdp.start_state) > 1:
+            draw = self.np_random.random()
+            place = int(np.searchsorted(self._mdp.start_cumulative, draw, side="right"))
+        self.s = int(self._mdp.start_state[place])
+        return self.s, self._info(1.0)
+
+    def step(self, action: int) -> tuple[int, float, bool, bool, dict[str, Any]]:
+        """Take ``action``; see :meth:`gymnasium.Env.step`. Raises InvalidAction where there is no such."""
+        if not 0 <= action < self._actions:
+            raise InvalidAction(
+                f"found action {action!r}; expected a whole number from 0 to {self._actions - 1}"
+            )
+        self.lastaction = int(action)
+        if self._stepped is not None:
+            result = self._stepped.step(self.lastaction)
+            self.s = result.next_state
+            return (*result, {})
+        rows = self._rows.get(self.s)
+        if rows is None:
+            rows = self._rows[self.s] = rows_of(self._table("step"), self.s)
+        entries, cumulative, reward_std, pair = rows[action]
+        outcome = bisect_right(cumulative, self.np_random.random()) if len(entries) > 1 else 0
+        probability, self.s, reward, terminated = entries[outcome]
+        if self._offset is not None and pair is not None:
+            reward += self._drift(self._offset, pair)
+        if reward_std[outcome] > 0.0:
+            reward += reward_std[outcome] * self.np_random.standard_normal()
+        return self.s, reward, terminated, False, self._info(probability)
+
+    def _drift(self, offset: npt.NDArray[np.float64], pair: int) -> float:
+        """Return by how far the reward of ``pair`` has moved; then every arm takes a step of its walk."""
+        moved = float(offset[pair])
+        offset += self._table("drift").drift_std * self.np_random.standard_normal(len(offset))
+        return moved
+
+    def _info(self, probability: float) -> dict[str, Any]:
+        if not self._is_masked:
+            return {"prob": probability}
+        space = self.world.space
+        mask = np.zeros(self._actions, dtype=np.int8)
+        mask[space.pair_action[space.first_pair[self.s] : space.first_pair[self.s + 1]]] = 1
+        return {"prob": probability, "action_mask": mask}
+
+    def render(self) -> str | None:
+        """Return the world as text in the mode ``ansi``, else None."""
+        return text_picture(self.world, self.s, self.lastaction) if self.render_mode == "ansi" else None
+
+    def close(self) -> None:
+        """Let an environment behind this one give back what it holds."""
+        self._stepped = None
+
+
+def time_limit_of_scenario(scenario: str | Path | Scenario) -> int | None:
+    """Return after how many steps an episode of ``scenario`` is truncated, None for never.
+
+    Raises UserError as :class:`ScenarioEnv` does.
+    """
+    return _found_and_built(scenario, 0)[1].space.time_limit or None
+
+
+def _found_and_built(scenario: str | Path | Scenario, seed: int) -> tuple[Scenario, World]:
+    level = gymnasium.logger.min_level
+    try:
+        found = scenario if isinstance(scenario, Scenario) else find(str(scenario))
+        return found, found.build(streams(seed).world)
+    finally:
+        gymnasium.logger.min_level = level  # making an environment behind a world silences all advice
