@@ -5,22 +5,25 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Final
 
-from rl_tui.lab.detective.axes import proof_of_axis
-from rl_tui.lab.detective.cells import proof_of_cell, proof_of_sharing
-from rl_tui.lab.detective.choices import risk_of_choices
-from rl_tui.lab.detective.code_names import CodeNames, names_of
-from rl_tui.lab.detective.code_places import ProgramCode
-from rl_tui.lab.detective.ends import proofs_at_ends
+from rl_tui.common.findings import one_line
 from rl_tui.lab.detective.evidence import Evidence
-from rl_tui.lab.detective.lost_updates import proof_of_no_update, proof_of_rounding
+from rl_tui.lab.detective.faults.axes import proof_of_axis
+from rl_tui.lab.detective.faults.cells import proof_of_cell, proof_of_sharing
+from rl_tui.lab.detective.faults.choices import risk_of_choices
+from rl_tui.lab.detective.faults.constants import proof_of_gamma_twice, proof_of_step_size
+from rl_tui.lab.detective.faults.ends import proofs_at_ends
+from rl_tui.lab.detective.faults.lost_updates import proof_of_no_update, proof_of_rounding
+from rl_tui.lab.detective.faults.predictions import Predictions
+from rl_tui.lab.detective.faults.proof import CodePlace, Proof
+from rl_tui.lab.detective.faults.rewards import reward_used
 from rl_tui.lab.detective.notes import notes_on
-from rl_tui.lab.detective.numbers import proof_of_gamma_twice, proof_of_step_size
-from rl_tui.lab.detective.predictions import Predictions
-from rl_tui.lab.detective.proof import CodePlace, Proof
-from rl_tui.lab.detective.rewards import reward_used
+from rl_tui.lab.detective.source.code_names import CodeNames, names_of
+from rl_tui.lab.detective.source.code_places import ProgramCode
 from rl_tui.lab.detective.verdict import Fault, Finding, UpdateFound
 from rl_tui.lab.programs.program_log import ProgramLog
 
+_LONGEST: Final = 600
+"""Characters of a sentence; names of the program stand in it."""
 _HIDDEN_BY: Final = {
     Fault.ROUNDING_TABLE: frozenset({Fault.LOSES_UPDATE, Fault.FIRST_OF_TIES, Fault.NEVER_EXPLORES}),
     Fault.SHARED_TABLE: frozenset({Fault.WRONG_CELL, Fault.UPDATES_AFTER_MOVING}),
@@ -93,8 +96,8 @@ def _finding(proof: Proof, code: ProgramCode) -> Finding:
         int(proof.steps[0]),
         len(proof.steps),
         proof.against,
-        proof.text,
-        proof.correction,
+        one_line(proof.text, _LONGEST),
+        one_line(proof.correction, _LONGEST),
         "" if line is None else line.file,
         None if line is None else line.line,
     )

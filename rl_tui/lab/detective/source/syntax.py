@@ -74,6 +74,7 @@ def assigned(node: ast.AST) -> tuple[ast.expr | None, ast.expr | None]:
 
 
 def targets_of(node: ast.stmt) -> Sequence[str]:
+    """Return the plain names that an assignment gives values to."""
     target, _ = assigned(node)
     elements = target.elts if isinstance(target, ast.Tuple) else [target]
     return [each.id for each in elements if isinstance(each, ast.Name)]
@@ -92,6 +93,7 @@ def is_part_of(value: ast.expr, names: set[str]) -> bool:
 
 
 def is_write(node: ast.stmt, names: frozenset[str]) -> bool:
+    """Whether a statement puts something into the table that goes by ``names``, or was meant to."""
     if isinstance(node, ast.AugAssign):
         return name_of(base_of(node.target)) in names
     if isinstance(node, ast.Expr) and isinstance(node.value, ast.Compare):  # == in place of =
@@ -109,6 +111,7 @@ def is_write(node: ast.stmt, names: frozenset[str]) -> bool:
 
 
 def calls_of_step(node: ast.stmt) -> Iterator[ast.Call]:
+    """Yield the calls of a method ``step`` in a statement that holds no others."""
     if not is_simple(node):
         return
     for call in of_type(node, ast.Call):
@@ -122,8 +125,10 @@ def is_simple(node: ast.stmt) -> bool:
 
 
 def chooses(node: ast.AST) -> bool:
+    """Whether something is asked for its largest value in ``node``."""
     return any(name_of(call.func) in _CHOOSING for call in of_type(node, ast.Call))
 
 
 def first_name(node: ast.expr) -> str:
+    """Return the first name in an expression; empty if there is none."""
     return next((each.id for each in of_type(node, ast.Name) if each.id != "int"), "")

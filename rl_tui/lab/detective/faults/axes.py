@@ -6,9 +6,9 @@ from typing import Final
 
 import numpy as np
 
-from rl_tui.lab.detective.code_names import CodeNames
-from rl_tui.lab.detective.predictions import Predictions
-from rl_tui.lab.detective.proof import Proof, some_of, written
+from rl_tui.lab.detective.faults.predictions import Predictions
+from rl_tui.lab.detective.faults.proof import Proof, some_of, written
+from rl_tui.lab.detective.source.code_names import CodeNames
 from rl_tui.lab.detective.verdict import Fault, Place, Target
 from rl_tui.worlds.mdp.space import FloatArray
 
@@ -34,9 +34,9 @@ def proof_of_axis(predictions: Predictions, reward: FloatArray, names: CodeNames
     if len(speaking):
         first = int(np.argmax(told.one))
         text = (
-            f"at step {evidence.number[speaking[0]]:,} the target held {written(column[first, 0])}, the largest "
-            f"value of any state for action {evidence.action[speaking[0]]}; the largest of the next state is "
-            f"{written(best[first, 0])}; so at all {len(speaking):,} steps that tell the two apart"
+            f"at step {evidence.number[speaking[0]]:,} the target held {written(column[first, 0])}, the "
+            f"largest value of any state for action {evidence.action[speaking[0]]}; the largest of the next "
+            f"state is {written(best[first, 0])}; so at all {len(speaking):,} steps that tell the two apart"
         )
     return Proof(
         Fault.WRONG_AXIS,

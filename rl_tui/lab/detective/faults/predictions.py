@@ -29,7 +29,7 @@ class Readings(NamedTuple):
 
 
 class Told(NamedTuple):
-    """Of n steps that tell two hypotheses apart: which speak for the one, and which for the other; [n] each."""
+    """Of n steps that tell two hypotheses apart: which speak for the one, which for the other; [n] each."""
 
     one: BoolArray
     other: BoolArray
@@ -114,16 +114,18 @@ class Predictions:
         if target is Target.NEXT_ACTION:
             return _of_next_action(rows, evidence.next_action[at])
         if target is Target.SAME_ACTION:
-            return np.take_along_axis(rows, evidence.action[at][:, None], 1)
+            same: FloatArray = np.take_along_axis(rows, evidence.action[at][:, None], 1)
+            return same
+        best: FloatArray = rows.max(1)
         if target is Target.INDEX:
-            return rows.argmax(1).astype(np.float64)[:, None]
-        best = rows.max(1)
+            best = rows.argmax(1).astype(np.float64)
         if target is Target.EXPECTED and update.epsilon is not None:
             best = (1.0 - update.epsilon) * best + update.epsilon * rows.mean(1)
-        return best[:, None]
+        column: FloatArray = best[:, None]
+        return column
 
     def after(self, readings: Readings, reward: FloatArray, values: FloatArray) -> FloatArray:
-        """Return what would stand in the cells, [n, K], with ``reward`` [n] and ``values`` [n, K] not yet discounted."""
+        """Return what would stand in the cells, [n, K], with ``reward`` [n] and next values [n, K]."""
         before, alpha = readings.before[:, None], self.alpha[readings.at][:, None]
         discounted = np.where(values == 0.0, 0.0, self.gamma * values)  # 0 whatever γ is
         predicted: FloatArray = before + alpha * (reward[:, None] + discounted - before)
@@ -147,7 +149,7 @@ class Predictions:
         return Told(clear & fits_one, clear & fits_other, clear & moved & ~fits_one & ~fits_other)
 
     def _column_values(self, at: IntArray) -> FloatArray:
-        """Return the largest value of any state for the action taken, [n, 1]; NaN where that would be too much work."""
+        """Return the largest value of any state for the action taken, [n, 1]; NaN where it costs too much."""
         evidence = self.evidence
         initial = evidence.recording.initial
         states = 0 if initial is None else len(initial) // evidence.actions
@@ -176,8 +178,7 @@ class Predictions:
         names, first, count = np.unique(episode[order], return_index=True, return_counts=True)
         middle = solved[order][first + (count - 1) // 2]
         place = np.minimum(np.searchsorted(names, evidence.episode), len(names) - 1)
-        alpha = np.where(names[place] == evidence.episode, middle[place], np.nan)
-        return alpha
+        return np.where(names[place] == evidence.episode, middle[place], np.nan)
 
 
 def some_inner(at: IntArray) -> IntArray:

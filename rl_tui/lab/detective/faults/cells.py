@@ -6,9 +6,9 @@ from typing import Final
 
 import numpy as np
 
-from rl_tui.lab.detective.code_names import CodeNames
 from rl_tui.lab.detective.evidence import NO_ACTION, Evidence
-from rl_tui.lab.detective.proof import CodePlace, Proof, some_of
+from rl_tui.lab.detective.faults.proof import CodePlace, Proof, some_of
+from rl_tui.lab.detective.source.code_names import CodeNames
 from rl_tui.lab.detective.verdict import Fault
 from rl_tui.worlds.mdp.space import IntArray
 
@@ -65,8 +65,8 @@ def _proof(evidence: Evidence, at: IntArray, wrong: IntArray, place: str, names:
         other = divmod(int(evidence.only_change[0][first]), evidence.actions)
         text = (
             f"at step {evidence.number[first]:,} action {action} was taken in state {state}, and "
-            f"Q({other[0]}, {other[1]}) moved, that is {place}; so at all {len(speaking):,} steps where it is not "
-            f"Q(s, a)"
+            f"Q({other[0]}, {other[1]}) moved, that is {place}; so at all {len(speaking):,} steps where it "
+            f"is not Q(s, a)"
         )
     is_next = place == "(s′, a)"
     cell = f"{names.table}[{names.state}, {names.action}]"
@@ -101,8 +101,8 @@ def proof_of_sharing(evidence: Evidence, shared_at: int | None, names: CodeNames
         Fault.SHARED_TABLE,
         steps,
         0,
-        f"rows of the table are one and the same: at step {step[first]:,} the rows of state {one} and state {other} "
-        f"moved alike; so at {len(steps):,} steps",
-        f"make a row for each state: {names.table} = [[0.0] * {actions} for state in range(number of states)]",
+        f"rows of the table are one and the same: at step {step[first]:,} the rows of states {one} "
+        f"and {other} moved alike; so at {len(steps):,} steps",
+        f"make a row for each state: {names.table} = [[0.0] * {actions} for state in range(states)]",
         CodePlace.TABLE,
     )

@@ -6,9 +6,10 @@ import ast
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import Final
 
-from rl_tui.lab.detective.code_places import CodeLine, ProgramCode
+from rl_tui.common.findings import one_line
+from rl_tui.lab.detective.source.code_places import CodeLine, ProgramCode
 from rl_tui.lab.detective.verdict import Target, UpdateFound
 from rl_tui.lab.programs.program_log import FoundTable
 
@@ -33,6 +34,8 @@ _USUAL: Final = {
 }
 """The names that people give to them in an update, the commonest first."""
 _RETURNED: Final = ("next_state", "reward", "terminated")
+_LONGEST: Final = 40
+"""Characters of a name."""
 _NEAR: Final = 1e-9
 
 
@@ -90,7 +93,7 @@ def names_of(
 ) -> CodeNames:
     """Return the names used where the table is updated; the book's for those that are not known."""
     value = update.target if update.target in (Target.NEXT_ACTION, Target.EXPECTED) else Target.BEST
-    found: dict[str, Any] = {}
+    found: dict[str, str] = {}
     line = code.update_line()
     used = _used_at(code, line)
     for role, usual in _USUAL.items():
@@ -100,7 +103,8 @@ def names_of(
         held = _held(numbers, number)
         if held is not None:
             found[role] = held
-    return CodeNames(table.name, form=table.form, value=value, **found)
+    short = {role: one_line(name, _LONGEST) for role, name in found.items()}
+    return CodeNames(one_line(table.name, _LONGEST), form=table.form, value=value, **short)
 
 
 def _used_at(code: ProgramCode, line: CodeLine | None) -> frozenset[str]:

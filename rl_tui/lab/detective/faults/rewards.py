@@ -2,26 +2,29 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Final, NamedTuple
 
 import numpy as np
 
-from rl_tui.lab.detective.code_names import CodeNames
-from rl_tui.lab.detective.predictions import Predictions
-from rl_tui.lab.detective.proof import Proof, some_of, written
+from rl_tui.lab.detective.faults.predictions import Predictions
+from rl_tui.lab.detective.faults.proof import Proof, some_of, written
+from rl_tui.lab.detective.source.code_names import CodeNames
 from rl_tui.lab.detective.verdict import Fault, Place
 from rl_tui.worlds.mdp.space import FloatArray
 
+_MOST: Final = 20_000
+"""Steps that are looked at."""
+
 
 class RewardUsed(NamedTuple):
-    """The reward that the program puts into its target at each step, [N], with the proof if that is not the step's."""
+    """The reward in the target of each step, [N], with the proof if that is not the step's own."""
 
     reward: FloatArray
     proof: Proof | None
 
 
 def reward_used(predictions: Predictions, names: CodeNames) -> RewardUsed:
-    """Return which reward is used, looking only at steps on which the one before would move the cell otherwise."""
+    """Return which reward is used, by the steps on which the one before would move the cell otherwise."""
     evidence = predictions.evidence
     if not predictions.is_known or predictions.update.reward == "own":
         return RewardUsed(evidence.reward, None)
@@ -38,7 +41,7 @@ def reward_used(predictions: Predictions, names: CodeNames) -> RewardUsed:
 def _proof(predictions: Predictions, before: FloatArray, names: CodeNames) -> Proof:
     evidence = predictions.evidence
     differs = (evidence.reward != before) & predictions.is_learning & predictions.is_plain
-    readings = predictions.readings(some_of(np.flatnonzero(differs)))
+    readings = predictions.readings(some_of(np.flatnonzero(differs), _MOST))
     at = readings.at
     values = predictions.values(at)
     ended = evidence.terminated[at] | evidence.truncated[at]
@@ -52,9 +55,9 @@ def _proof(predictions: Predictions, before: FloatArray, names: CodeNames) -> Pr
     if len(speaking):
         first = speaking[0]
         text = (
-            f"at step {evidence.number[first]:,} the reward was {written(evidence.reward[first])}, and the update "
-            f"took {written(before[first])}, that of the step before; so at all {len(speaking):,} steps where "
-            f"the two tell apart"
+            f"at step {evidence.number[first]:,} the reward was {written(evidence.reward[first])}, and the "
+            f"update took {written(before[first])}, that of the step before; so at all {len(speaking):,} "
+            f"steps that tell the two apart"
         )
     return Proof(
         Fault.SHIFTED_REWARD,

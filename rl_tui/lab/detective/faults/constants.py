@@ -9,9 +9,9 @@ from typing import Final
 
 import numpy as np
 
-from rl_tui.lab.detective.code_names import CodeNames
-from rl_tui.lab.detective.predictions import Predictions
-from rl_tui.lab.detective.proof import Proof, some_of, written
+from rl_tui.lab.detective.faults.predictions import Predictions
+from rl_tui.lab.detective.faults.proof import Proof, some_of, written
+from rl_tui.lab.detective.source.code_names import CodeNames
 from rl_tui.lab.detective.verdict import Fault, Place
 from rl_tui.worlds.mdp.space import FloatArray
 

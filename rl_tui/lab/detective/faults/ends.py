@@ -6,9 +6,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rl_tui.lab.detective.code_names import CodeNames
-from rl_tui.lab.detective.predictions import Predictions, Readings
-from rl_tui.lab.detective.proof import CodePlace, Proof, some_of, written
+from rl_tui.lab.detective.faults.predictions import Predictions, Readings
+from rl_tui.lab.detective.faults.proof import CodePlace, Proof, some_of, written
+from rl_tui.lab.detective.source.code_names import CodeNames
 from rl_tui.lab.detective.verdict import Fault, Place, Target
 from rl_tui.worlds.mdp.space import BoolArray, FloatArray
 
@@ -99,7 +99,7 @@ def _lost_at_end(predictions: Predictions, ended: BoolArray, reward: FloatArray,
     if len(steps):
         first = int(np.argmax(told.one))
         text = (
-            f"{len(steps):,} last steps of episodes left the table as it was, and no last step changed it; at step "
+            f"{len(steps):,} last steps of episodes left the table as it was, and none changed it; at step "
             f"{steps[0]:,} the reward {written(reward[readings.at[first]])} should have moved "
             f"{written(readings.before[first])} to {written(ends.without[first, 0])}"
         )
@@ -133,11 +133,12 @@ def _seen(predictions: Predictions, ends: _Ends, which: BoolArray, what: str) ->
     at = readings.at[first]
     state, action = divmod(int(predictions.moved_cell[at]), evidence.actions)
     value = _value_taken(ends, first)
+    bootstrapped = _nearest(ends.with_next[first], readings.after[first])
     return (
         f"at step {evidence.number[at]:,} {what} Q({state}, {action}) went from "
         f"{written(readings.before[first])} to {written(readings.after[first])}, with γ · "
-        f"{written(value)} it would be {written(_nearest(ends.with_next[first], readings.after[first]))}, without "
-        f"{written(ends.without[first, 0])}; so at all {int(which.sum()):,} such steps that tell the two apart"
+        f"{written(value)} it would be {written(bootstrapped)}, without it "
+        f"{written(ends.without[first, 0])}; so at all {int(which.sum()):,} such steps that tell it"
     )
 
 

@@ -35,7 +35,8 @@ class CodePlace(Enum):
 class Proof:
     """``steps`` are the numbers of the steps that speak for ``fault``, oldest first.
 
-    ``against`` counts those that speak against it, 0 for a fault, ``neither`` those on which something else happened.
+    ``against`` counts those that speak against it, 0 for a fault, and ``neither`` those on which
+    something else happened.
     """
 
     fault: Fault

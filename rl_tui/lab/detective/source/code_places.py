@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Final
 
-from rl_tui.lab.detective.syntax import (
+from rl_tui.lab.detective.source.syntax import (
     assigned,
     calls_of_step,
     chooses,
@@ -95,7 +95,7 @@ class ProgramCode:
 
     @cached_property
     def _aliases(self) -> frozenset[str]:
-        """Names under which the table goes: its own, parameters that are given it, copies, rows and cells of it."""
+        """Names of the table: its own, those of parameters that are given it, of copies, rows and cells."""
         names = {self._name} - {""}
         for _ in range(3):  # as deep as tables are handed down
             names |= set(self._further_names(names))
@@ -217,7 +217,7 @@ class ProgramCode:
         return candidates[0].line if candidates else call.line
 
     def _chosen_in(self, function_name: str) -> CodeLine | None:
-        """Return the line of a function that chooses an action: the one with a maximum, else its first return."""
+        """Return the line of a function that chooses: the one with a maximum, else its first return."""
         if function_name not in self._functions:
             return None
         file, function = self._functions[function_name]

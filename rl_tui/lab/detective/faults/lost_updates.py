@@ -7,11 +7,11 @@ from typing import Final
 
 import numpy as np
 
-from rl_tui.lab.detective.code_names import CodeNames
 from rl_tui.lab.detective.evidence import Evidence
-from rl_tui.lab.detective.proof import FEWEST_STEPS, CodePlace, Proof, some_of, written
+from rl_tui.lab.detective.faults.proof import FEWEST_STEPS, CodePlace, Proof, some_of, written
+from rl_tui.lab.detective.source.code_names import CodeNames
 from rl_tui.lab.detective.verdict import Fault
-from rl_tui.worlds.mdp.space import BoolArray, FloatArray, IntArray
+from rl_tui.worlds.mdp.space import BoolArray, IntArray
 
 _MOST: Final = 2_000
 """Steps of which is asked whether a step size and a discount explain what was cut off."""
@@ -48,7 +48,7 @@ def proof_of_rounding(
 
 
 def _cut_off(evidence: Evidence, numbers: Mapping[str, float]) -> tuple[IntArray, str] | None:
-    """Return the steps whose update was cut off, if a step size and a discount of the code explain all of them."""
+    """Return the steps whose update was cut off, if numbers of the code explain all of them."""
     plain = (evidence.changes_of == 0) | (evidence.only_change[0] == evidence.cell)
     at = some_of(np.flatnonzero(plain & ((evidence.changes_of == 1) | (evidence.reward != 0.0))), _MOST)
     before = evidence.history.before(evidence.cell[at], evidence.number[at])
@@ -111,7 +111,9 @@ def proof_of_no_update(evidence: Evidence, names: CodeNames, *, writes: bool, is
 
 def _tells(evidence: Evidence, initial: float) -> BoolArray:
     """Return which steps move an estimate of ``initial``, whatever the discount."""
-    reward: FloatArray = evidence.reward
+    reward = evidence.reward
     if initial == 0.0:
-        return reward != 0.0
-    return evidence.terminated & (reward != initial)
+        tells: BoolArray = reward != 0.0
+    else:
+        tells = evidence.terminated & (reward != initial)
+    return tells

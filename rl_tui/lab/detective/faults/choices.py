@@ -11,9 +11,9 @@ from rl_tui.agents.exact.first_update import first_wait
 from rl_tui.agents.exact.solution import NoExactAnswer
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.common.errors import UserError
-from rl_tui.lab.detective.code_names import CodeNames
 from rl_tui.lab.detective.evidence import Evidence
-from rl_tui.lab.detective.proof import CodePlace, Proof, written
+from rl_tui.lab.detective.faults.proof import CodePlace, Proof
+from rl_tui.lab.detective.source.code_names import CodeNames
 from rl_tui.lab.detective.verdict import Fault
 from rl_tui.lab.programs.program_log import ProgramLog
 from rl_tui.lab.programs.program_world import world_of_program
@@ -45,7 +45,7 @@ def risk_of_choices(evidence: Evidence, log: ProgramLog, names: CodeNames) -> Pr
     chance = _chance_at_random(log, episodes)
     if chance is None or chance <= _SURE:
         return None
-    return _risk(evidence, favourite, episodes, chance, names)
+    return _risk(evidence, favourite, episodes, names)
 
 
 def _chance_at_random(log: ProgramLog, episodes: int) -> float | None:
@@ -62,12 +62,12 @@ def _chance_at_random(log: ProgramLog, episodes: int) -> float | None:
     return 1.0 if chance >= 1.0 else -math.expm1(episodes * math.log1p(-chance))
 
 
-def _risk(evidence: Evidence, favourite: int, episodes: int, chance: float, names: CodeNames) -> Proof:
+def _risk(evidence: Evidence, favourite: int, episodes: int, names: CodeNames) -> Proof:
     chosen = np.flatnonzero(evidence.action == favourite)
     others = len(evidence) - len(chosen)
     without = (
         f"no reward was seen in {episodes:,} episodes, and nothing learned; by random actions one would have "
-        f"been seen with a chance of {written(chance)}"
+        f"been seen with a chance above {_SURE}"
     )
     if not others:
         return Proof(
@@ -75,14 +75,16 @@ def _risk(evidence: Evidence, favourite: int, episodes: int, chance: float, name
             evidence.number[chosen],
             0,
             f"all {len(chosen):,} actions were action {favourite}: {without}",
-            f"with probability ε take a random action, else one of the best: {names.action} = random.randrange({evidence.actions})",
+            f"with probability ε take a random action, else one of the best: "
+            f"{names.action} = random.randrange({evidence.actions})",
             CodePlace.CHOICE,
         )
     return Proof(
         Fault.FIRST_OF_TIES,
         evidence.number[chosen],
         0,
-        f"{len(chosen):,} of {len(evidence):,} choices between equal values were action {favourite}: {without}",
+        f"{len(chosen):,} of {len(evidence):,} choices between equal values were action "
+        f"{favourite}: {without}",
         f"choose at random among the actions of the largest value: {names.random_tie()}",
         CodePlace.CHOICE,
     )
