@@ -46,10 +46,10 @@ class Predictions:
 
     @property
     def is_known(self) -> bool:
-        """Whether the update says what a step does, but for its reward."""
+        """Whether the update says what a step does, at least where the next state is worth 0."""
         update = self.update
         has_step_size = update.alpha is not None or update.alpha_schedule is not None
-        return has_step_size and update.fits is not None and update.rule is not Rule.MONTE_CARLO
+        return has_step_size and update.rule is not Rule.MONTE_CARLO
 
     @cached_property
     def moved_cell(self) -> IntArray:

@@ -3,12 +3,12 @@
 import gymnasium as gym
 import numpy as np
 
-env = gym.make("CliffWalking-v1", max_episode_steps=200)
+env = gym.make("FrozenLake-v1", is_slippery=False)
 n_states, n_actions = env.observation_space.n, env.action_space.n
 Q = np.zeros((n_states, n_actions))
-alpha, gamma, epsilon = 0.1, 0.9, 0.1
+alpha, gamma, epsilon = 0.1, 0.9, 0.3
 
-for episode in range(60):
+for episode in range(900):
     state, _ = env.reset()
     terminated = truncated = False
     while not (terminated or truncated):

@@ -6,7 +6,7 @@ import gymnasium as gym
 import numpy as np
 
 parser = argparse.ArgumentParser()
-parser.add_argument("--episodes", type=int, default=120)
+parser.add_argument("--episodes", type=int, default=1500)
 args = parser.parse_args()
 
 LEARNING_RATE = 0.25
@@ -27,5 +27,5 @@ def learn(env, values, episodes):
     return values
 
 
-world = gym.make("Taxi-v3", max_episode_steps=100)
-table = learn(world, np.zeros((500, 6)), args.episodes)
+world = gym.make("FrozenLake-v1", is_slippery=True)
+table = learn(world, np.zeros((16, 4)), args.episodes)
