@@ -38,8 +38,8 @@ class NoTerminalError(click.ClickException):
     exit_code = USAGE
 
 
-def require_terminal() -> None:
-    """Raise NoTerminalError, in one sentence, where nothing can be drawn."""
+def require_terminal(instead: str = "rl-tui train and rl-tui screenshot do without") -> None:
+    """Raise NoTerminalError, in one sentence that ends with ``instead``, where nothing can be drawn."""
     if os.environ.get("TEXTUAL_DRIVER") == IN_BROWSER:
         return
     streams = {"stdin": sys.stdin, "stdout": sys.stdout}
@@ -53,7 +53,7 @@ def require_terminal() -> None:
         problem = "the playground cannot draw on a terminal of no known type (TERM is not set)"
     else:
         return
-    raise NoTerminalError(f"{problem}; rl-tui train and rl-tui screenshot do without")
+    raise NoTerminalError(f"{problem}; {instead}")
 
 
 def run_app(display: Display, start: Recipe | StoredSession | None = None) -> None:

@@ -12,7 +12,16 @@ from typing import Any, Final
 import numpy as np
 import numpy.typing as npt
 
-from rl_tui.lab.programs.messages import CHANGE_WIDTH, MESSAGE, NO_LIMIT, STEP_WIDTH, STEPS, TABLE, Kind
+from rl_tui.lab.programs.messages import (
+    CHANGE_WIDTH,
+    MESSAGE,
+    NO_LIMIT,
+    OWN_MESSAGE,
+    STEP_WIDTH,
+    STEPS,
+    TABLE,
+    Kind,
+)
 from rl_tui.lab.programs.recording import Recording
 
 MOST_OUTPUT: Final = 2_000
@@ -113,15 +122,17 @@ class ProgramLog:
     stopped_by: str | None = None
     """What it met there, None where it may simply go no further."""
     ended: bool = False
+    is_garbled: bool = False
+    """Whether something came that is none of ours."""
 
     def take(self, letter: bytes, payload: bytes) -> None:
-        """Take in one frame. One that is none of ours ends the program for us; none that follows counts."""
-        if self._is_garbled:
+        """Take in one frame. One that is none of ours is an end: no more counts of what the program says."""
+        if self.is_garbled and letter != OWN_MESSAGE:
             return
         try:
             self._take(letter, payload)
         except _NONE_OF_OURS:
-            self._is_garbled = self.ended = True
+            self.is_garbled = self.ended = True
             self.error = self.error or ProgramError("Garbled", GARBLED)
 
     def _take(self, letter: bytes, payload: bytes) -> None:
@@ -132,13 +143,12 @@ class ProgramLog:
             self.recording.find_table(
                 self._found_at, shape.actions, np.frombuffer(payload, np.float64).copy()
             )
-        elif letter == MESSAGE:
+        elif letter in (MESSAGE, OWN_MESSAGE):
             self._take_message(json.loads(payload))
         else:
             raise ValueError(f"no frame of ours: {letter!r}")
 
     _found_at: int = 0
-    _is_garbled: bool = False
     _unfinished: dict[str, OutputLine] = field(default_factory=dict)
     """The last line of each stream, as long as it may be replaced."""
 

@@ -22,7 +22,7 @@ _ESCAPES: Final = re.compile(r"\x1b(?:\[[0-?]*[ -/]*[@-~]|\][^\x07\x1b]*(?:\x07|
 
 
 class WrittenLine(NamedTuple):
-    """One line; where it ``replaces`` the one before it, that was its beginning, or an earlier state of it."""
+    """One line; one that it ``replaces`` was its beginning, or an earlier state of it."""
 
     text: str
     replaces: bool
@@ -31,8 +31,8 @@ class WrittenLine(NamedTuple):
 class WrittenLines:
     """The lines of one stream, put together from pieces of any size, in bounded memory.
 
-    A carriage return begins its line anew, as progress bars do it. A line without an end is told as it is, and
-    again as it goes on.
+    A carriage return begins its line anew, as progress bars do it. A line without an end is told as it
+    is, and again as it goes on.
     """
 
     def __init__(self) -> None:

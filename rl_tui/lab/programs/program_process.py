@@ -18,7 +18,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
 
-from rl_tui.lab.programs.messages import HEADER, LARGEST_FRAME, MESSAGE, NO_LIMIT, Kind
+from rl_tui.lab.programs.messages import HEADER, LARGEST_FRAME, NO_LIMIT, OWN_MESSAGE, Kind
 from rl_tui.lab.programs.program_log import GARBLED
 from rl_tui.lab.programs.program_output import WrittenLine, WrittenLines
 
@@ -256,7 +256,7 @@ def _memory_file(closing: ExitStack) -> int:
         descriptor = os.memfd_create("rl-tui")
         closing.callback(os.close, descriptor)
     else:
-        descriptor = closing.enter_context(tempfile.TemporaryFile()).fileno()
+        descriptor = closing.enter_context(tempfile.TemporaryFile()).fileno()  # noqa: SIM115
     os.ftruncate(descriptor, mmap.PAGESIZE)
     return descriptor
 
@@ -269,4 +269,4 @@ def _messages(stream: str, lines: Iterable[WrittenLine]) -> list[tuple[bytes, by
 
 
 def _message(kind: str, **more: Any) -> tuple[bytes, bytes]:
-    return MESSAGE, json.dumps({"kind": kind, **more}).encode()
+    return OWN_MESSAGE, json.dumps({"kind": kind, **more}).encode()

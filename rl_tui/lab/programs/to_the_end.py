@@ -11,7 +11,7 @@ from rl_tui.lab.programs.program_log import ProgramError, ProgramLog
 from rl_tui.lab.programs.program_process import ProgramProcess, ProgramRequest
 
 _LOOK: Final = 0.1  # seconds
-_AFTER_THE_END: Final = 5.0
+_AFTER_THE_END: Final = 3.0
 """Seconds that a program may go on once its steps are taken, or it has said that it is over."""
 
 
@@ -29,7 +29,7 @@ def watched_to_the_end(
     limit = math.inf if seconds is None else time.monotonic() + seconds
     farewell = math.inf
     try:
-        while not process.closed and time.monotonic() < min(limit, farewell):
+        while not (process.closed or log.is_garbled) and time.monotonic() < min(limit, farewell):
             for letter, payload in process.frames(_LOOK):
                 log.take(letter, payload)
             on_progress(log)

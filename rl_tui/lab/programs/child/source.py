@@ -11,7 +11,7 @@ from types import CodeType
 from typing import Final, NamedTuple
 
 from rl_tui.common.errors import UserError
-from rl_tui.common.findings import one_line, shown
+from rl_tui.common.findings import one_line, printable, shown
 from rl_tui.common.limits import LARGEST_FILE
 
 _LONGEST_REASON: Final = 120
@@ -53,7 +53,7 @@ def check_script(path: Path) -> None:
 
 
 def _text(path: Path) -> str:
-    name = shown(str(path))
+    name = printable(str(path))
     try:
         if path.is_dir():
             raise UserError(f"{name}: is a folder; expected a Python file")
@@ -66,16 +66,25 @@ def _text(path: Path) -> str:
         reason = getattr(error, "strerror", None) or str(error)
         raise UserError(f"{name}: cannot be read ({one_line(reason, _LONGEST_REASON)})") from error
     try:
-        encoding, _ = tokenize.detect_encoding(io.BytesIO(content).readline)
-        return io.IncrementalNewlineDecoder(None, translate=True).decode(content.decode(encoding))
+        return io.IncrementalNewlineDecoder(None, translate=True).decode(_decoded(content))
     except UnicodeDecodeError as error:
         line = content.count(b"\n", 0, error.start) + 1
         raise UserError(
-            f"{name}, line {line}: byte {content[error.start]:#04x} is no {error.encoding}; a first line such "
-            "as # -*- coding: latin-1 -*- says how a file is written"
+            f"{name}, line {line}: byte {content[error.start]:#04x} is no {error.encoding}; a first line "
+            "such as # -*- coding: latin-1 -*- says how a file is written"
         ) from error
     except (SyntaxError, LookupError) as error:
         raise UserError(f"{name}: {one_line(str(error), _LONGEST_REASON)}") from error
+
+
+def _decoded(content: bytes) -> str:
+    """Return ``content`` in the encoding that its first lines name, UTF-8 without (PEP 263)."""
+    try:
+        encoding, _ = tokenize.detect_encoding(io.BytesIO(content).readline)
+    except SyntaxError:
+        content.decode("utf-8-sig")  # which says where it is none, if that is what is wrong
+        raise
+    return content.decode(encoding)
 
 
 def _parsed(text: str, file: str) -> tuple[ast.Module, str, int]:
@@ -113,7 +122,7 @@ def _leave_out(lines: list[str], place: int) -> int:
 
 
 def _fault(path: Path, error: Exception) -> str:
-    name = shown(str(path))
+    name = printable(str(path))
     if isinstance(error, SyntaxError) and error.lineno:
         what = one_line(error.msg or "invalid syntax", _LONGEST_REASON)
         line = f": {shown(error.text.strip())}" if error.text else ""

@@ -18,7 +18,10 @@ from types import ModuleType
 from typing import Any, Final, NoReturn
 
 _NO_WINDOW: Final = ".*is non-interactive, and thus cannot be shown"
-_INPUT: Final = "input() cannot be answered while rl-tui watches: write the value into the script, or pass it behind its name"
+_INPUT: Final = (
+    "input() cannot be answered while rl-tui watches: write the value into the script, or pass it after the "
+    "script's name"
+)
 _OLD_GYM: Final = (
     "the script imports gym, of which rl-tui sees nothing: it watches environments of its successor; "
     "write `import gymnasium as gym`"
